@@ -7,7 +7,9 @@ pub mod bake;
 pub mod grid;
 mod implicit;
 pub mod mesh;
+mod union;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};
 pub use grid::BrickGrid;
 pub use mesh::Mesh;
+pub use union::LatticeError;
