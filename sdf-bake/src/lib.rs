@@ -4,6 +4,7 @@
 //! This crate shows no progress and never prints.
 
 pub mod bake;
+mod bounds;
 pub mod grid;
 mod implicit;
 pub mod mesh;
