@@ -9,6 +9,7 @@ pub mod grid;
 mod implicit;
 pub mod mesh;
 mod union;
+pub mod nvdb;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};
 pub use grid::BrickGrid;
