@@ -6,6 +6,7 @@
 pub mod grid;
 mod implicit;
 pub mod mesh;
+pub mod query;
 
 pub use grid::BrickGrid;
 pub use mesh::Mesh;
