@@ -10,6 +10,7 @@ mod implicit;
 pub mod mesh;
 mod union;
 pub mod nvdb;
+pub mod query;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};
 pub use grid::BrickGrid;

@@ -1,1 +1,5 @@
-//! placeholder
+//! Weld curves.
+
+pub mod curvature;
+pub mod topology;
+pub mod trace;
