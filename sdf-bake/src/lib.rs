@@ -4,8 +4,12 @@
 //! This crate shows no progress and never prints.
 
 pub mod grid;
+mod grow;
+pub mod halo;
 mod implicit;
 pub mod mesh;
+pub mod redistance;
+mod volume;
 
 pub use grid::BrickGrid;
 pub use mesh::Mesh;
