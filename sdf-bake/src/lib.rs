@@ -6,11 +6,15 @@
 pub mod bake;
 mod bounds;
 pub mod grid;
+mod grow;
+pub mod halo;
 mod implicit;
 pub mod mesh;
 mod union;
 pub mod nvdb;
 pub mod query;
+pub mod redistance;
+mod volume;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};
 pub use grid::BrickGrid;
