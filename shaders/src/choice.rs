@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::adapters::{AdapterKind, Adapters};
+use crate::adapters::{AdapterKind, AdapterReport, Adapters};
 
 /// What to install where a driver is missing.
 pub const DRIVER_PACKAGE: &str = "mesa-vulkan-drivers";
@@ -78,8 +78,12 @@ pub struct Decision {
 }
 
 impl Decision {
-    fn cpu(reason: String) -> Self {
-        Self { backend: Backend::Cpu, adapter: None, reason }
+    pub(crate) fn cpu(why: &str) -> Self {
+        Self { backend: Backend::Cpu, adapter: None, reason: format!("CPU: {why}") }
+    }
+
+    fn gpu(best: &AdapterReport) -> Self {
+        Self { backend: Backend::Gpu, adapter: Some(0), reason: format!("GPU: {best}") }
     }
 }
 
@@ -90,22 +94,27 @@ pub struct NoAdapter(pub String);
 
 /// Decides where the work runs.
 ///
-/// `auto` takes the CPU where the only adapters are software drivers: those run on the same processor.
-///
 /// # Errors
 /// [`NoAdapter`] for `gpu` without an adapter.
 pub fn decide(choice: BackendChoice, adapters: &Adapters) -> Result<Decision, NoAdapter> {
-    let best = adapters.found.first();
-    match (choice, best) {
-        (BackendChoice::Cpu, _) => Ok(Decision::cpu("CPU: asked for".into())),
-        (BackendChoice::Gpu, None) => Err(NoAdapter(why_none(adapters))),
-        (BackendChoice::Auto, None) => Ok(Decision::cpu(format!("CPU: {}", why_none(adapters)))),
-        (BackendChoice::Auto, Some(best)) if best.kind == AdapterKind::Cpu => Ok(Decision::cpu(format!(
-            "CPU: the only adapter, {}, is a software driver, which runs on this same processor; a real GPU needs \
-             its driver (AMD, Intel: apt-get install {DRIVER_PACKAGE}; NVIDIA: its own); --backend gpu uses this one",
+    match choice {
+        BackendChoice::Auto => Ok(auto(adapters)),
+        BackendChoice::Cpu => Ok(Decision::cpu("asked for")),
+        BackendChoice::Gpu => adapters.found.first().map(Decision::gpu).ok_or_else(|| NoAdapter(why_none(adapters))),
+    }
+}
+
+/// What `auto` takes: the best adapter, but the CPU where that is a software driver, which runs on the same
+/// processor.
+pub fn auto(adapters: &Adapters) -> Decision {
+    match adapters.found.first() {
+        None => Decision::cpu(&why_none(adapters)),
+        Some(best) if best.kind == AdapterKind::Cpu => Decision::cpu(&format!(
+            "the only adapter, {}, is a software driver and runs on this same processor; a real GPU needs its own \
+             (AMD, Intel: apt-get install {DRIVER_PACKAGE}; NVIDIA: NVIDIA's); --backend gpu takes this one",
             best.name
-        ))),
-        (_, Some(best)) => Ok(Decision { backend: Backend::Gpu, adapter: Some(0), reason: format!("GPU: {best}") }),
+        )),
+        Some(best) => Decision::gpu(best),
     }
 }
 
@@ -129,7 +138,7 @@ fn why_none(adapters: &Adapters) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::adapters::{AdapterLimits, AdapterReport, Filter};
+    use crate::adapters::{AdapterLimits, Filter};
 
     fn adapters(kinds: &[AdapterKind]) -> Adapters {
         let limits = AdapterLimits {

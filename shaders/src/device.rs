@@ -18,13 +18,7 @@ pub struct Survey {
 /// Looks at the adapters of this machine, under `WGPU_BACKEND` and `WGPU_ADAPTER_NAME`. Opens none.
 pub fn survey() -> Survey {
     let adapters = adapters::list(&Filter::from_env());
-    let gpu = choice::decide(BackendChoice::Gpu, &adapters);
-    let auto = choice::decide(BackendChoice::Auto, &adapters).unwrap_or_else(|NoAdapter(reason)| Decision {
-        backend: Backend::Cpu,
-        adapter: None,
-        reason,
-    });
-    Survey { adapters, auto, gpu }
+    Survey { auto: choice::auto(&adapters), gpu: choice::decide(BackendChoice::Gpu, &adapters), adapters }
 }
 
 /// An open device and its queue.
@@ -139,5 +133,24 @@ impl Device {
     /// A fault of this device.
     pub(crate) fn fault(&self, during: &str, error: &dyn std::error::Error) -> DeviceFault {
         DeviceFault { adapter: self.adapter.to_string(), during: during.into(), message: error.to_string() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+
+    #[test]
+    fn a_fault_that_wgpu_would_panic_on_is_an_error_that_names_the_adapter() {
+        let Some(device) = crate::testing::device("the guard around device work") else { return };
+        let too_large = wgpu::BufferDescriptor {
+            label: None,
+            size: device.device.limits().max_buffer_size + 4,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        };
+        let fault = device.guarded("making a buffer", |device| device.device.create_buffer(&too_large)).unwrap_err();
+        assert!(fault.to_string().contains(&device.adapter().name), "{fault}");
+        assert!(fault.to_string().contains("making a buffer"), "{fault}");
+        assert_eq!(device.guarded("nothing", |_| 7), Ok(7));
     }
 }

@@ -20,7 +20,8 @@
 //! In the order data meets them: [`constants`] and [`layout`] cross the border into WGSL, [`wgsl`] puts the
 //! sources together, [`adapters`] says what the machine has, [`choice`] picks, [`device`] opens, [`sample`] runs.
 //!
-//! This crate never opens a file, prints nothing, and knows no other room of the house: grids arrive as slices.
+//! This crate never opens a file, prints nothing outside [`testing`], and knows no other room of the house:
+//! grids arrive as slices.
 
 pub mod adapters;
 pub mod brick_grid;
@@ -30,6 +31,7 @@ pub mod device;
 pub mod layout;
 pub mod sample;
 mod self_check;
+pub mod testing;
 pub mod wgsl;
 
 pub use brick_grid::{GridBuffers, GridError};

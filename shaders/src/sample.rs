@@ -89,18 +89,10 @@ impl<'a> Sampler<'a> {
     fn sample_chunk(&self, points: &[[f32; 4]], phi: &mut Vec<f32>) -> Result<(), DeviceFault> {
         let device = self.device;
         let read_back = device.guarded("sampling", |_| self.dispatch(points))?;
-        let mapped = device.guarded("waiting for the samples", |device| {
-            let (sender, receiver) = std::sync::mpsc::channel();
-            read_back.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
-            let waited = device.device.poll(wgpu::PollType::wait_indefinitely());
-            waited.map(|_| receiver.recv())
-        })?;
         let during = "reading the samples back";
-        let answered = mapped.map_err(|error| device.fault(during, &error))?;
-        let outcome = answered.map_err(|error| device.fault(during, &error))?;
-        outcome.map_err(|error| device.fault(during, &error))?;
-        let bytes = read_back.get_mapped_range(..).map_err(|error| device.fault(during, &error))?;
-        phi.extend(bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned::<f32>));
+        let mapped = device.guarded(during, |device| map(device, &read_back))?;
+        let bytes = mapped.map_err(|error| device.fault(during, error.as_ref()))?;
+        phi.extend(bytes.chunks_exact(size_of::<f32>()).map(bytemuck::pod_read_unaligned::<f32>));
         Ok(())
     }
 
@@ -166,6 +158,16 @@ fn pipeline(device: &Device) -> wgpu::ComputePipeline {
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     })
+}
+
+/// Waits for the device and maps a buffer.
+fn map(device: &Device, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, Box<dyn std::error::Error>> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    // The receiver outlives the wait below, so sending cannot fail.
+    buffer.map_async(wgpu::MapMode::Read, .., move |outcome| drop(sender.send(outcome)));
+    device.device.poll(wgpu::PollType::wait_indefinitely())?;
+    receiver.recv()??;
+    Ok(buffer.get_mapped_range(..)?)
 }
 
 /// A buffer that holds `bytes`. No bytes give four, since an empty buffer cannot be bound.

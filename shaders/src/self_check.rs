@@ -35,8 +35,12 @@ pub fn self_check(device: &Device) -> Result<f32, SampleError> {
         let expected = grid.sample_phi([x, y, z]);
         if expected.is_nan() && phi.is_nan() { 0.0 } else { (phi - expected).abs() / VOXEL }
     });
-    // `f32::max` would drop a NaN.
-    Ok(differences.fold(0.0, |worst, next| if next <= worst { worst } else { next }))
+    Ok(worst(differences))
+}
+
+/// The largest number, or NaN where there is one, which `f32::max` would drop.
+fn worst(differences: impl Iterator<Item = f32>) -> f32 {
+    differences.fold(0.0, |worst, next| if worst.is_nan() || next <= worst { worst } else { next })
 }
 
 /// A ball around the origin: slots, both codes, and bricks on either side of zero.
@@ -79,6 +83,12 @@ fn points() -> Vec<[f32; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_nan_is_the_worst_difference() {
+        assert_eq!(worst([0.1, 0.3, 0.2].into_iter()), 0.3);
+        assert!(worst([0.1, f32::NAN, 0.2].into_iter()).is_nan());
+    }
 
     #[test]
     fn the_twin_reads_the_ball_to_second_order() {

@@ -1,9 +1,7 @@
 //! Parity of the kernel `sample` with its Rust twin, and both against closed forms.
 
-mod common;
-
-use common::device;
 use shaders::constants::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE};
+use shaders::testing::device;
 use shaders::{GridBuffers, GridError, GridHeader, SELF_CHECK_LIMIT, SampleError, Sampler, self_check};
 
 const VOXEL: f32 = 0.0005;
