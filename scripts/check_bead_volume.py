@@ -34,8 +34,9 @@ def main(paths):
 def load(paths):
     if len(paths) == 1:
         parts = {part.name: part.merged() for part in glb.read(paths[0])}
-        base = parts.pop("base")
-        return solid("base", *base), [solid(name, *mesh) for name, mesh in parts.items()]
+        if "base" not in parts or len(parts) < 2:
+            raise Unusable(f"empty: {paths[0]} has no mesh \"base\" with a bead beside it")
+        return solid("base", *parts.pop("base")), [solid(name, *mesh) for name, mesh in parts.items()]
     part, *beads = [solid(path, *read_obj(path)) for path in paths]
     return part, beads
 

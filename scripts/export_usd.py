@@ -27,8 +27,9 @@ def export(folder, generator):
         parts = glb.read(os.path.join(folder, "welded.glb"))
         with open(os.path.join(folder, "welds.json"), encoding="utf-8") as file:
             welds = json.load(file)["welds"]
-        build(parts, welds, generator).GetRootLayer().Export(unfinished)
-    except (OSError, ValueError, KeyError, Tf.ErrorException) as error:
+        stage = build(parts, welds, generator)
+        stage.GetRootLayer().Export(unfinished)
+    except Exception as error:  # whatever is wrong with one asset, the others are still written
         return check_usd.report(path, errors=[f"{type(error).__name__}: {error}"])
     os.replace(unfinished, path)
     return check_usd.check(path)

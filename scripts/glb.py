@@ -28,8 +28,7 @@ class Part:
 def read(path):
     """The parts of a file, in its order."""
     data = open(path, "rb").read()
-    magic, version, length = struct.unpack_from("<4sII", data)
-    if magic != b"glTF" or version != 2 or length != len(data):
+    if len(data) < 20 or struct.unpack_from("<4sII", data) != (b"glTF", 2, len(data)):
         raise ValueError(f"{path}: not a complete binary glTF 2 file")
     header_length = struct.unpack_from("<I", data, 12)[0]
     header = json.loads(data[20 : 20 + header_length])

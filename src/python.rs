@@ -238,7 +238,11 @@ impl Python {
         command.arg("-B").arg(folder.path().join(name)).args(arguments);
         let done = process::run(command, name, SCRIPT_LIMIT)?;
         if !done.status.success() {
-            return Err(PythonError::Script { script: name, status: done.status.to_string(), stderr: done.last_lines(5) });
+            return Err(PythonError::Script {
+                script: name,
+                status: done.status.to_string(),
+                stderr: done.last_lines(5),
+            });
         }
         let answer = done.stdout.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default();
         serde_json::from_str(answer).map_err(|error| PythonError::Answer {
@@ -253,7 +257,8 @@ impl Python {
         let mut python = Python { executable: executable.to_owned(), versions: String::new() };
         let mut command = python.command();
         command.args(["-c", PROBE]);
-        let done = process::run(command, "the check of the Python environment", PROBE_LIMIT).map_err(|e| e.to_string())?;
+        let done =
+            process::run(command, "the check of the Python environment", PROBE_LIMIT).map_err(|e| e.to_string())?;
         if !done.status.success() {
             return Err(done.last_lines(1));
         }

@@ -3,11 +3,10 @@
 //! Checked: the container and its JSON, the attributes we promise, finite positions within the stated bounds, unit
 //! normals, indices in range, one weld id per part, the turn from z-up to y-up.
 
-use gltf::accessor::{DataType, Dimensions, Iter};
-use gltf::{Gltf, Primitive, Semantic};
-use sdf_bake::Mesh;
-
 use glam::{DVec3, Vec3};
+use gltf::accessor::{DataType, Dimensions, Iter};
+use gltf::{Document, Glb, Primitive, Semantic};
+use sdf_bake::Mesh;
 
 /// A part as it stands in the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,8 +55,9 @@ pub enum GlbReadError {
 
 /// Reads and checks the parts of a file, in its order.
 pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
-    let file = Gltf::from_slice(bytes)?;
-    let binary = file.blob.as_deref().ok_or(GlbReadError::NoGeometry)?;
+    let container = Glb::from_slice(bytes)?;
+    let binary = container.bin.as_deref().ok_or(GlbReadError::NoGeometry)?;
+    let file = document(&container.json)?;
     let turned = |node: gltf::Node<'_>| {
         let (_, [x, y, z, w], _) = node.transform().decomposed();
         glam::Quat::from_xyzw(x, y, z, w).mul_vec3(Vec3::Z).abs_diff_eq(Vec3::Y, 1e-6)
@@ -67,6 +67,21 @@ pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
     }
     let parts: Vec<ReadPart> = file.meshes().map(|mesh| read_part(&mesh, binary)).collect::<Result<_, _>>()?;
     if parts.is_empty() { Err(GlbReadError::NoGeometry) } else { Ok(parts) }
+}
+
+/// Parses and validates the JSON part.
+///
+/// The validation in gltf-json 1.4 looks accessors up before it checks their numbers, and panics; so we check first.
+fn document(header: &[u8]) -> Result<Document, GlbReadError> {
+    let root: gltf_json::Root = gltf_json::deserialize::from_slice(header).map_err(gltf::Error::Deserialize)?;
+    for mesh in &root.meshes {
+        let mut arrays = mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values());
+        if arrays.any(|array| array.value() >= root.accessors.len()) {
+            let mesh = mesh.name.clone().unwrap_or_default();
+            return Err(GlbReadError::Attribute { mesh, attribute: "an accessor" });
+        }
+    }
+    Ok(Document::from_json(root)?)
 }
 
 fn read_part(mesh: &gltf::Mesh<'_>, binary: &[u8]) -> Result<ReadPart, GlbReadError> {
@@ -116,7 +131,8 @@ fn fault_in_bounds(primitive: &Primitive<'_>, positions: &[Vec3]) -> Option<&'st
     let stated = primitive.bounding_box();
     let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
-    (stated.min != low.to_array() || stated.max != high.to_array()).then_some("the stated bounds are not the positions'")
+    (stated.min != low.to_array() || stated.max != high.to_array())
+        .then_some("the stated bounds are not the positions'")
 }
 
 fn vectors(primitive: &Primitive<'_>, semantic: &Semantic, binary: &[u8]) -> Option<Vec<Vec3>> {
@@ -143,7 +159,8 @@ fn triangles(primitive: &Primitive<'_>, binary: &[u8]) -> Option<Vec<[u32; 3]>> 
 fn array<T: gltf::accessor::Item>(typed: bool, accessor: gltf::Accessor<'_>, binary: &[u8]) -> Option<Vec<T>> {
     let view = accessor.view().filter(|_| typed && accessor.count() > 0 && accessor.sparse().is_none())?;
     let stride = view.stride().unwrap_or(accessor.size());
-    let needed = accessor.offset().checked_add(stride.checked_mul(accessor.count() - 1)?)?.checked_add(accessor.size())?;
+    let needed =
+        accessor.offset().checked_add(stride.checked_mul(accessor.count() - 1)?)?.checked_add(accessor.size())?;
     let end = view.offset().checked_add(view.length())?;
     let whole = needed <= view.length() && end <= binary.len() && stride >= accessor.size();
     let values = Iter::new(accessor, |_| whole.then_some(binary))?;
