@@ -10,10 +10,11 @@ mod grow;
 pub mod halo;
 mod implicit;
 pub mod mesh;
-mod union;
 pub mod nvdb;
 pub mod query;
 pub mod redistance;
+mod share;
+mod union;
 mod volume;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};

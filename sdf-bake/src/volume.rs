@@ -28,7 +28,7 @@ impl BrickGrid {
             INSIDE => (0..BRICK_VOXELS).filter(|&offset| counts(offset)).count() as f64,
             _ => {
                 let nodes = self.unbiased_nodes(brick);
-                sum_cells(counts, |cell| inside_fraction(&corners(&nodes, cell)))
+                sum_cells(counts, |cell| inside_fraction(&nodes.corners(cell)))
             }
         })
     }
@@ -45,7 +45,7 @@ impl BrickGrid {
                 (INSIDE, OUTSIDE) => BRICK_VOXELS as f64,
                 _ => {
                     let (kept, cut) = (self.unbiased_nodes(brick), minus.unbiased_nodes(brick));
-                    sum_cells(counts, |cell| difference_fraction(&corners(&kept, cell), &corners(&cut, cell)))
+                    sum_cells(counts, |cell| difference_fraction(&kept.corners(cell), &cut.corners(cell)))
                 }
             }
         })
@@ -68,15 +68,39 @@ impl BrickGrid {
     }
 
     /// The 9³ nodes of a brick's cells, less the mean chord error of the cells around them.
-    fn unbiased_nodes(&self, brick: IVec3) -> Vec<f32> {
-        let halo = self.halo(brick, 2);
-        let side = BRICK_SIDE as i32 + 1;
-        (0..side * side * side)
-            .map(|i| {
-                let at = halo.at(IVec3::new(i / (side * side), i / side % side, i % side));
-                halo.phi[at] - laplacian(&halo, at, self.band) / 12.0
-            })
-            .collect()
+    fn unbiased_nodes(&self, brick: IVec3) -> Nodes {
+        Nodes::of(self, brick, 0)
+    }
+}
+
+/// Nodes of the cells around a brick, in one cube.
+pub(crate) struct Nodes {
+    /// Nodes along the side of the cube.
+    side: i32,
+    /// Nodes before the brick's first voxel.
+    margin: i32,
+    phi: Vec<f32>,
+}
+
+impl Nodes {
+    /// φ [m] at the nodes from `margin` (0 or 1) before the brick to one past it, less the mean chord error of
+    /// the cells around them.
+    pub(crate) fn of(grid: &BrickGrid, brick: IVec3, margin: i32) -> Self {
+        let halo = grid.halo(brick, 2);
+        let side = BRICK_SIDE as i32 + 1 + margin;
+        let node = |i: i32| {
+            let at = halo.at(IVec3::new(i / (side * side), i / side % side, i % side) - margin);
+            halo.phi[at] - laplacian(&halo, at, grid.band) / 12.0
+        };
+        Self { side, margin, phi: (0..side * side * side).map(node).collect() }
+    }
+
+    /// Values at the corners of the cell at `cell` [voxels from the brick's first voxel].
+    pub(crate) fn corners(&self, cell: IVec3) -> [f32; 8] {
+        std::array::from_fn(|i| {
+            let node = cell + self.margin + cell_corner(i);
+            self.phi[((node.x * self.side + node.y) * self.side + node.z) as usize]
+        })
     }
 }
 
@@ -92,13 +116,6 @@ fn laplacian(halo: &Halo, at: usize, band: f32) -> f32 {
         }
     }
     sum
-}
-
-fn corners(nodes: &[f32], cell: IVec3) -> [f32; 8] {
-    std::array::from_fn(|i| {
-        let node = cell + cell_corner(i);
-        nodes[((node.x * 9 + node.y) * 9 + node.z) as usize]
-    })
 }
 
 fn sum_cells(counts: &dyn Fn(usize) -> bool, fraction: impl Fn(IVec3) -> f64) -> f64 {
@@ -122,7 +139,7 @@ fn inside_fraction(values: &[f32; 8]) -> f64 {
 }
 
 /// Share of a cell in which `kept` is negative and `cut` is not.
-fn difference_fraction(kept: &[f32; 8], cut: &[f32; 8]) -> f64 {
+pub(crate) fn difference_fraction(kept: &[f32; 8], cut: &[f32; 8]) -> f64 {
     if kept.iter().all(|&v| v >= 0.0) || cut.iter().all(|&v| v < 0.0) {
         return 0.0;
     }
