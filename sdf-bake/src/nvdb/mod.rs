@@ -9,16 +9,23 @@
 //! [`write`] makes version 32.4 of the format, which every reader we know of accepts; [`read`] takes 32.x from any
 //! writer, Float and Int32, uncompressed or zip. `docs/nanovdb.md` says which programs were tried.
 
+mod bricks;
+mod bytes;
 mod checksum;
 mod encode;
 mod error;
 mod field;
 mod layout;
+mod nodes;
+mod read;
 mod summary;
 mod topology;
+mod tree;
 mod write;
 
-pub use error::WriteError;
+pub use error::{BricksError, NvdbError, WriteError};
+pub use read::read;
+pub use tree::{Checksum, GridClass, NvdbFile, NvdbGrid, Tile, Tree, Values};
 pub use write::write;
 
 use crate::grid::BrickGrid;

@@ -6,7 +6,7 @@ use bytemuck::{Zeroable, bytes_of};
 use flate2::{Compression, write::ZlibEncoder};
 
 use super::encode::{Plan, Written};
-use super::field::{Density, Field, Labels, LevelSet};
+use super::field::{Density, Labels, LevelSet};
 use super::layout::{FileHeader, FileMeta, MAGIC, NAME_BYTES, Version};
 use super::{Codec, GridRef, WriteError};
 use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE};
