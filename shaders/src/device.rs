@@ -138,7 +138,6 @@ impl Device {
 
 #[cfg(test)]
 mod tests {
-
     #[test]
     fn a_fault_that_wgpu_would_panic_on_is_an_error_that_names_the_adapter() {
         let Some(device) = crate::testing::device("the guard around device work") else { return };

@@ -34,7 +34,7 @@ macro_rules! shared_struct {
     ($(#[doc = $about:literal])+ $name:ident { $($(#[doc = $doc:literal])+ $field:ident: $type:ty,)+ }) => {
         $(#[doc = $about])+
         #[repr(C)]
-        #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+        #[derive(Clone, Copy, Debug, Pod, Zeroable)]
         pub struct $name { $($(#[doc = $doc])+ pub $field: $type,)+ }
 
         const _: () = {
