@@ -8,6 +8,7 @@ not manifold input, a boolean that contradicts itself) every number is null.
 """
 
 import json
+import pathlib
 import sys
 
 import manifold3d
@@ -37,7 +38,7 @@ def load(paths):
         if "base" not in parts or len(parts) < 2:
             raise Unusable(f"empty: {paths[0]} has no mesh \"base\" with a bead beside it")
         return solid("base", *parts.pop("base")), [solid(name, *mesh) for name, mesh in parts.items()]
-    part, *beads = [solid(path, *read_obj(path)) for path in paths]
+    part, *beads = [solid(pathlib.Path(path).stem, *read_obj(path)) for path in paths]
     return part, beads
 
 
@@ -46,7 +47,7 @@ def added_volume(part, beads):
     bead = manifold3d.Manifold.batch_boolean(beads, manifold3d.OpType.Add)
     added = (part + bead).volume() - part.volume()
     outside = (bead - part).volume()
-    if not abs(added - outside) <= 1e-6 * part.volume() + 1e-3 * bead.volume():
+    if not abs(added - outside) <= 1e-9 * part.volume() + 1e-3 * bead.volume():
         raise Unusable(f"ambiguous: the union adds {added:.6g} mm3 but {outside:.6g} mm3 of bead lie outside the "
                        "part; a mesh overlaps itself")
     return {"added_mm3": outside, "part_mm3": part.volume(), "beads_mm3": bead.volume()}

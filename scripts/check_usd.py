@@ -19,11 +19,16 @@ def report(path, prims=0, bbox=None, errors=()):
 
 
 def check(path):
-    """The report on one file."""
+    """The report on one file, whatever it holds."""
     try:
-        stage = Usd.Stage.Open(path)
+        return inspect(path, Usd.Stage.Open(path))
     except Tf.ErrorException as error:
         return report(path, errors=[f"cannot be opened: {str(error).strip().splitlines()[-1]}"])
+    except Exception as error:  # an oddity of one file must not hide the reports on the others
+        return report(path, errors=[f"cannot be checked: {type(error).__name__}: {error}"])
+
+
+def inspect(path, stage):
     prims = list(stage.Traverse())
     errors = metadata_errors(stage) + validator_errors(stage)
     for prim in prims:
@@ -88,12 +93,13 @@ def primvar_errors(prim):
     if not prim.IsA(UsdGeom.Mesh) and not prim.IsA(UsdGeom.BasisCurves):
         return []
     sizes = mesh_sizes(UsdGeom.Mesh(prim)) if prim.IsA(UsdGeom.Mesh) else curve_sizes(UsdGeom.BasisCurves(prim))
-    values = [(p.GetPrimvarName(), p.GetInterpolation(), p.ComputeFlattened())
+    values = [(p.GetPrimvarName(), p.GetInterpolation(), p.GetElementSize(), p.ComputeFlattened())
               for p in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithValues() if p.GetTypeName().isArray]
     shape = UsdGeom.PointBased(prim)
-    values.append(("normals", shape.GetNormalsInterpolation(), shape.GetNormalsAttr().Get()))
-    return [f"{name} has {len(value)} values, {interpolation} needs {sizes[interpolation]}"
-            for name, interpolation, value in values if value is not None and len(value) != sizes[interpolation]]
+    values.append(("normals", shape.GetNormalsInterpolation(), 1, shape.GetNormalsAttr().Get()))
+    return [f"{name} has {len(value)} values, {interpolation} needs {size * sizes[interpolation]}"
+            for name, interpolation, size, value in values
+            if value is not None and len(value) != size * sizes[interpolation]]
 
 
 def mesh_sizes(mesh):
@@ -112,7 +118,8 @@ def bounding_box(stage):
     boxes = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
     box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
     scale = UsdGeom.GetStageMetersPerUnit(stage)
-    return None if box.IsEmpty() else [[scale * x for x in corner] for corner in (box.GetMin(), box.GetMax())]
+    corners = [[scale * x for x in corner] for corner in (box.GetMin(), box.GetMax())]
+    return None if box.IsEmpty() or not numpy.isfinite(corners).all() else corners
 
 
 if __name__ == "__main__":

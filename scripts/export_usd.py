@@ -103,6 +103,8 @@ def define_part(stage, part, material):
 def define_centreline(stage, weld):
     """The weld's centreline as a guide: shown on request, never rendered, outside the default bounding box."""
     positions = numpy.asarray(weld["curve"]["position"], dtype=numpy.float32).reshape(-1, 3)
+    if len(positions) < 2:
+        raise ValueError(f"weld {weld['id']} has a curve of {len(positions)} points, at least 2 are needed")
     curves = UsdGeom.BasisCurves.Define(stage, f"/workpiece/weld_{int(weld['id'])}_centreline")
     curves.CreateTypeAttr(UsdGeom.Tokens.linear)
     curves.CreatePurposeAttr(UsdGeom.Tokens.guide)

@@ -5,7 +5,7 @@
 //! 1. `ROBOFIN_PYTHON`: exactly this interpreter, or an error.
 //! 2. `VIRTUAL_ENV`, if it has the libraries.
 //! 3. `<project>/.venv`, where the project is the nearest folder above the current one, else above the program, that
-//!    holds `scripts/requirements.txt`; without a project, a per-user cache folder.
+//!    holds our `scripts/requirements.txt`; without a project, a per-user cache folder.
 //! 4. Otherwise that last place is filled (bootstrapped) from the pinned requirements, unless that is forbidden.
 //!
 //! The scripts are part of the program; they get file names as arguments and answer with one line of JSON.
@@ -58,7 +58,7 @@ impl Script {
     }
 }
 
-/// Every Python file of `scripts/` by name: the programs above and the module they share.
+/// The programs above and the modules they import, by file name.
 const FILES: [(&str, &str); 4] = [
     ("glb.py", include_str!("../scripts/glb.py")),
     ("export_usd.py", include_str!("../scripts/export_usd.py")),
@@ -139,7 +139,7 @@ pub enum PythonError {
     TimedOut {
         /// What was running.
         what: String,
-        /// The limit [s].
+        /// The limit, in seconds.
         seconds: u64,
     },
     /// A script ended well but its last line is not the JSON expected.
@@ -288,6 +288,35 @@ fn interpreter_in(venv: &Path) -> PathBuf {
     if cfg!(windows) { venv.join("Scripts").join("python.exe") } else { venv.join("bin").join("python") }
 }
 
+/// The nearest folder with our requirements; a file of that name in someone else's project does not count.
 fn project_above(start: &Path) -> Option<PathBuf> {
-    start.ancestors().find(|folder| folder.join("scripts").join("requirements.txt").is_file()).map(Path::to_owned)
+    let ours = |folder: &&Path| {
+        let text = std::fs::read_to_string(folder.join("scripts").join("requirements.txt"));
+        text.is_ok_and(|text| text.lines().eq(REQUIREMENTS.lines()))
+    };
+    start.ancestors().find(ours).map(Path::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_project_is_known_by_our_requirements_and_not_by_the_file_name() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let inner = folder.path().join("theirs").join("scripts");
+        std::fs::create_dir_all(&inner).expect("folders can be made");
+        std::fs::write(inner.join("requirements.txt"), "flask\n").expect("it can be written");
+        assert_eq!(project_above(&inner), None);
+        let outer = folder.path().join("scripts");
+        std::fs::create_dir_all(&outer).expect("folders can be made");
+        std::fs::write(outer.join("requirements.txt"), REQUIREMENTS).expect("it can be written");
+        assert_eq!(project_above(&inner), Some(folder.path().to_owned()));
+    }
+
+    #[test]
+    fn in_the_source_tree_the_environment_is_the_projects_own() {
+        let own = Places::from_environment().own;
+        assert_eq!(own, Some(Path::new(env!("CARGO_MANIFEST_DIR")).join(".venv")));
+    }
 }

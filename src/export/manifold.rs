@@ -14,11 +14,11 @@ const CUBIC_METRES_PER_MM3: f64 = 1e-9;
 /// Volumes of a boolean union.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AddedVolume {
-    /// Volume of the beads outside the part [m³].
+    /// Volume of the beads outside the part, in m³.
     pub added: f64,
-    /// Volume of the part [m³].
+    /// Volume of the part, in m³.
     pub part: f64,
-    /// Volume of the union of the beads [m³].
+    /// Volume of the union of the beads, in m³.
     pub beads: f64,
 }
 

@@ -10,13 +10,13 @@ use std::collections::HashMap;
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-/// Edges sharper than this [rad] are drawn as creases: 30 degrees.
+/// Edges sharper than this, in radians, are drawn as creases: 30 degrees.
 pub const CREASE_ANGLE: f64 = std::f64::consts::FRAC_PI_6;
 
 /// A mesh in single precision with one unit normal per vertex; vertices are split along creases.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShadedMesh {
-    /// Vertex positions [m], shape `[n, 3]`.
+    /// Vertex positions in metres, shape `[n, 3]`.
     pub positions: Vec<[f32; 3]>,
     /// Unit normals, shape `[n, 3]`.
     pub normals: Vec<[f32; 3]>,
@@ -24,7 +24,7 @@ pub struct ShadedMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Casts a mesh to single precision and splits it along edges sharper than `crease_angle` [rad].
+/// Casts a mesh to single precision and splits it along edges sharper than `crease_angle` radians.
 ///
 /// Triangles with two corners in the same place after the cast are left out, which keeps a closed surface closed
 /// once equal positions are merged. Positions are expected to be finite in `f32` and indices in range.

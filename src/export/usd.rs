@@ -18,7 +18,7 @@ pub struct UsdReport {
     pub path: PathBuf,
     /// Number of prims.
     pub prims: usize,
-    /// Lowest and highest corner [m], z up, of what is drawn by default; `None` if nothing is.
+    /// Lowest and highest corner in metres, z up, of what is drawn by default; `None` if nothing is.
     pub bbox: Option<[[f64; 3]; 2]>,
     /// What is wrong with the file, or why it could not be written; empty when it is clean.
     pub errors: Vec<String>,

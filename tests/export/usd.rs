@@ -1,5 +1,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use robofin::export::usd;
 
@@ -7,6 +8,55 @@ use crate::outside::python;
 use crate::solids::{asset, bead, plate};
 
 const WHAT: &str = "USD files under usd-core";
+
+/// Prints what a simulator reads from a stage, one JSON value a line.
+const READER: &str = r#"
+import json, sys
+from pxr import Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade
+stage = Usd.Stage.Open(sys.argv[1])
+root = stage.GetDefaultPrim()
+show = lambda *values: print(json.dumps(values))
+show(str(root.GetPath()), UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage))
+show(root.HasAPI(UsdPhysics.RigidBodyAPI), UsdPhysics.MassAPI(root).GetDensityAttr().Get())
+for name in ["base", "weld_1"]:
+    prim = root.GetChild(name)
+    mesh, weld_id = UsdGeom.Mesh(prim), UsdGeom.PrimvarsAPI(prim).GetPrimvar("weldId")
+    show(len(mesh.GetPointsAttr().Get()), len(mesh.GetFaceVertexCountsAttr().Get()), mesh.GetSubdivisionSchemeAttr().Get())
+    show(weld_id.GetInterpolation(), weld_id.GetTypeName().cppTypeName, len(weld_id.Get()), sorted(set(weld_id.Get())))
+    show(str(UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].GetPath()))
+    show(prim.HasAPI(UsdPhysics.CollisionAPI), UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get())
+    show(list(UsdSemantics.LabelsAPI(prim, "class").GetLabelsAttr().Get()), prim.GetAttribute("semantic:Semantics:params:semanticData").Get())
+curve = UsdGeom.BasisCurves(root.GetChild("weld_1_centreline"))
+show(curve.GetTypeAttr().Get(), list(curve.GetCurveVertexCountsAttr().Get()), [round(w, 6) for w in curve.GetWidthsAttr().Get()])
+show([round(s, 6) for s in UsdGeom.PrimvarsAPI(curve).GetPrimvar("arcLength").Get()][-1], curve.GetPurposeAttr().Get())
+"#;
+
+const EXPECTED: &str = r#"["/workpiece", "Z", 1.0]
+[true, 7850.0]
+[8, 12, "none"]
+["uniform", "VtArray<int>", 12, [0]]
+["/workpiece/materials/base"]
+[true, "convexDecomposition"]
+[["base"], "base"]
+[1106, 2208, "none"]
+["uniform", "VtArray<int>", 2208, [1]]
+["/workpiece/materials/weld"]
+[true, "convexDecomposition"]
+[["weld"], "weld"]
+["linear", [21], [0.006]]
+[0.04, "guide"]
+"#;
+
+#[test]
+fn a_stage_carries_what_simulators_read() {
+    let Some(python) = python(WHAT) else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let asset = asset(folder.path(), "bracket");
+    usd::export(std::slice::from_ref(&asset), &python).expect("the export runs");
+    let mut command = Command::new(python.executable());
+    let done = command.args(["-c", READER]).arg(asset.join("welded.usdc")).output().expect("Python runs");
+    assert_eq!(String::from_utf8_lossy(&done.stdout), EXPECTED, "{}", String::from_utf8_lossy(&done.stderr));
+}
 
 fn write_text_stage(folder: &Path, name: &str, faces: &str, weld_ids: &str) -> PathBuf {
     let path = folder.join(name);
@@ -93,8 +143,13 @@ fn faults_that_the_validators_overlook_are_found() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path();
     fs::write(path.join("cut.usdc"), b"PXR-USDC").expect("it can be written");
+    let sound = write_text_stage(path, "sound.usda", "[0, 1, 2, 2, 1, 3]", "[0, 0]");
+    let unreal = path.join("unreal.usda");
+    let text = fs::read_to_string(&sound).expect("it was written");
+    fs::write(&unreal, text.replace("(1, 1, 0)]", "(1, nan, 0)]")).expect("it can be written");
     let files = [
-        write_text_stage(path, "sound.usda", "[0, 1, 2, 2, 1, 3]", "[0, 0]"),
+        sound,
+        unreal,
         write_text_stage(path, "index.usda", "[0, 1, 2, 2, 1, 9]", "[0, 0]"),
         write_text_stage(path, "length.usda", "[0, 1, 2, 2, 1, 3]", "[0, 0, 0]"),
         path.join("cut.usdc"),
@@ -103,8 +158,9 @@ fn faults_that_the_validators_overlook_are_found() {
     let reports = usd::check(&files, &python).expect("the check runs");
     let first = |i: usize| reports[i].errors.first().map(String::as_str).unwrap_or_default();
     assert_eq!(reports[0].errors, Vec::<String>::new());
-    assert!(first(1).contains("topology"), "{:?}", reports[1]);
-    assert!(first(2).contains("weldId has 3 values, uniform needs 2"), "{:?}", reports[2]);
-    assert!(first(3).contains("cannot be opened"), "{:?}", reports[3]);
+    assert!(first(1).contains("not finite"), "{:?}", reports[1]);
+    assert!(first(2).contains("topology"), "{:?}", reports[2]);
+    assert!(first(3).contains("weldId has 3 values, uniform needs 2"), "{:?}", reports[3]);
     assert!(first(4).contains("cannot be opened"), "{:?}", reports[4]);
+    assert!(first(5).contains("cannot be opened"), "{:?}", reports[5]);
 }
