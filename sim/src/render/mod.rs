@@ -11,6 +11,7 @@
 //! Every sample is a pure function of grid, camera and view, so a picture is the same for any number of threads.
 
 mod camera;
+mod clear_view;
 mod colour;
 mod colour_map;
 mod cubic;
@@ -28,6 +29,7 @@ mod view;
 mod walk;
 
 pub use camera::{Camera, Projection, Ray, outward};
+pub use clear_view::clearest_direction;
 pub use colour::{from_srgb8, to_srgb8};
 pub use colour_map::colour_map;
 pub use frame::{Frame, Picture};

@@ -20,11 +20,11 @@ pub struct Finish {
 }
 
 /// Steel of the part.
-pub const BASE_STEEL: Finish = Finish { diffuse: Vec3::new(0.30, 0.33, 0.36), mirror: Vec3::new(0.22, 0.23, 0.24) };
+pub const BASE_STEEL: Finish = Finish { diffuse: Vec3::new(0.185, 0.21, 0.24), mirror: Vec3::new(0.115, 0.125, 0.135) };
 /// Weld metal, in a warm tint that no steel has.
-pub const WELD_METAL: Finish = Finish { diffuse: Vec3::new(0.72, 0.25, 0.045), mirror: Vec3::new(0.22, 0.15, 0.09) };
+pub const WELD_METAL: Finish = Finish { diffuse: Vec3::new(0.64, 0.20, 0.028), mirror: Vec3::new(0.13, 0.085, 0.05) };
 /// Paper-like grey below a colour map, which must not compete with it.
-pub const UNTOUCHED: Finish = Finish { diffuse: Vec3::splat(0.46), mirror: Vec3::splat(0.08) };
+pub const UNTOUCHED: Finish = Finish { diffuse: Vec3::splat(0.36), mirror: Vec3::splat(0.05) };
 
 /// The lights of a view, from the surface to the light, in the part's frame.
 pub(crate) struct Studio {
@@ -41,6 +41,7 @@ const FLOOR: f32 = 0.26;
 const KEY_SPREAD: f32 = 0.16;
 /// Blinn-Phong exponent (Blinn 1977) of the key light's highlight: brushed, not polished.
 const HIGHLIGHT: f32 = 38.0;
+const HIGHLIGHT_STRENGTH: f32 = 1.4;
 /// Start of a shadow ray above the surface [voxels].
 const SHADOW_START: f64 = 0.6;
 
@@ -64,7 +65,7 @@ impl Studio {
         let diffuse = (KEY * lit * n.dot(self.key).max(0.0) + FILL * n.dot(self.fill).max(0.0) * open + sky) * 0.62;
         let reflected = reflect(surface.view, n);
         let half = (self.key - surface.view).normalize_or(n);
-        let highlight = lit * n.dot(half).max(0.0).powf(HIGHLIGHT) * 2.2;
+        let highlight = lit * n.dot(half).max(0.0).powf(HIGHLIGHT) * open * HIGHLIGHT_STRENGTH;
         let fresnel = schlick(finish.mirror, -n.dot(surface.view));
         finish.diffuse * diffuse + fresnel * (self.softbox(reflected) * open + highlight)
     }
