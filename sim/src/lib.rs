@@ -41,3 +41,6 @@ pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use record::{LogRow, PassRecord};
 pub use settings::{GrindError, GrindSettings};
 pub use tool::{Pose, Wheel};
+//! placeholder
+
+pub mod render;
