@@ -31,6 +31,7 @@ pub mod path;
 mod ramp;
 pub mod record;
 pub mod removal;
+pub mod render;
 pub mod settings;
 pub mod surface;
 pub mod tool;
@@ -41,6 +42,3 @@ pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use record::{LogRow, PassRecord};
 pub use settings::{GrindError, GrindSettings};
 pub use tool::{Pose, Wheel};
-//! placeholder
-
-pub mod render;
