@@ -34,6 +34,13 @@ pub(super) fn drop_duplicates(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
+/// Number of faces whose reverse is there too, counted once for each pair; the mesh has no duplicates.
+pub(super) fn coincident_pairs(mesh: &Mesh) -> usize {
+    let faces: HashSet<_> = mesh.triangles.iter().map(|&corners| smallest_first(corners)).collect();
+    let is_pair = |&&[a, b, c]: &&[u32; 3]| b < c && faces.contains(&[a, c, b]);
+    faces.iter().filter(is_pair).count()
+}
+
 fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]

@@ -1,9 +1,9 @@
 //! Cleaning a triangle mesh, with a report: nothing is repaired in silence.
 //!
 //! Real CAD exports repeat vertices and faces, are open, turn some triangles the wrong way, and let solids touch. The
-//! steps, in order: finite coordinates → weld → degenerate faces → duplicate faces → unused vertices → edges → one
-//! orientation for each patch → outward normals for each outermost body → report. All run in O(n log n), apart from
-//! the test which body lies in which.
+//! steps, in order: finite coordinates → weld equal positions → degenerate and duplicate faces → close cracks → unused
+//! vertices → edges → one orientation for each patch → outward normals for each outermost shell → report. All run in
+//! O(n log n), apart from the test which shell lies in which.
 //!
 //! Holes are not filled and solids that touch are not separated; the report's counts say where they are.
 
@@ -75,9 +75,9 @@ pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
         ..CleanReport::default()
     };
     report.merged_equal = weld::merge_equal(&mut mesh);
+    drop_faces(&mut mesh, &mut report);
     (report.merged_near, report.weld_tolerance) = weld::close_cracks(&mut mesh);
-    report.degenerate_faces = faces::drop_degenerate(&mut mesh);
-    report.duplicate_faces = faces::drop_duplicates(&mut mesh);
+    drop_faces(&mut mesh, &mut report);
     // Vertices that welding replaced are counted there.
     report.unused_vertices += faces::drop_unused_vertices(&mut mesh) - report.merged_near;
     if mesh.triangles.len() < TETRAHEDRON {
@@ -85,9 +85,15 @@ pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
     }
     let edges = EdgeMap::new(&mesh);
     let turned = orient::orient(&mut mesh, &edges);
-    (report.flipped_triangles, report.flipped_bodies) = (turned.triangles, turned.bodies);
+    (report.flipped_triangles, report.flipped_shells) = (turned.triangles, turned.shells);
     measure(&mesh, &mut report);
     Ok((mesh, report))
+}
+
+/// Once before cracks are closed, since a duplicate hides a boundary edge, and once after.
+fn drop_faces(mesh: &mut Mesh, report: &mut CleanReport) {
+    report.degenerate_faces += faces::drop_degenerate(mesh);
+    report.duplicate_faces += faces::drop_duplicates(mesh);
 }
 
 fn check(mesh: &Mesh) -> Result<(), CleanError> {
@@ -112,7 +118,34 @@ fn measure(mesh: &Mesh, report: &mut CleanReport) {
     report.non_manifold_edges = edges.non_manifold_count();
     let shared = edges.indices().filter(|&edge| edges.uses(edge).len() > 1);
     report.inconsistent_edges = shared.filter(|&edge| !edges.is_balanced(edge)).count();
-    (_, report.bodies) = edges.components(|_| true);
+    (_, report.shells) = edges.components(|_| true);
+    report.bodies = connected_vertices(mesh);
+    report.coincident_pairs = faces::coincident_pairs(mesh);
     report.closed = edges.indices().all(|edge| edges.uses(edge).len() % 2 == 0);
     report.consistently_oriented = report.inconsistent_edges == 0;
+}
+
+/// Number of parts that hang together through vertices, in a mesh without unused ones.
+fn connected_vertices(mesh: &Mesh) -> usize {
+    let mut parent: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let mut parts = parent.len();
+    for &[a, b, c] in &mesh.triangles {
+        for (from, to) in [(a, b), (a, c)] {
+            let (from, to) = (root(&mut parent, from), root(&mut parent, to));
+            if from != to {
+                parent[from.max(to) as usize] = from.min(to);
+                parts -= 1;
+            }
+        }
+    }
+    parts
+}
+
+fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
+    while parent[vertex as usize] != vertex {
+        let above = parent[parent[vertex as usize] as usize];
+        parent[vertex as usize] = above;
+        vertex = above;
+    }
+    vertex
 }

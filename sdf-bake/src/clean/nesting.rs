@@ -1,26 +1,26 @@
-//! Which closed body lies within which, by counting crossings of a vertical ray.
+//! Which closed shell lies within which, by counting crossings of a vertical ray.
 
 use glam::{DVec2, DVec3};
 
 use crate::Mesh;
 
-/// For each body the outermost closed body that it lies in, if any.
+/// For each shell the outermost closed shell that it lies in, if any.
 ///
-/// - `bodies`: triangle indices of each body, none empty
-/// - `closed`: whether a body encloses a volume; open ones contain nothing and lie in nothing
-pub(super) fn outermost_containers(mesh: &Mesh, bodies: &[Vec<usize>], closed: &[bool]) -> Vec<Option<usize>> {
-    let boxes: Vec<_> = bodies.iter().map(|triangles| bounds(mesh, triangles)).collect();
-    let containers: Vec<Vec<usize>> = (0..bodies.len())
-        .map(|body| {
-            if !closed[body] {
+/// - `shells`: triangle indices of each shell, none empty
+/// - `closed`: whether a shell encloses a volume; open ones contain nothing and lie in nothing
+pub(super) fn outermost_containers(mesh: &Mesh, shells: &[Vec<usize>], closed: &[bool]) -> Vec<Option<usize>> {
+    let boxes: Vec<_> = shells.iter().map(|triangles| bounds(mesh, triangles)).collect();
+    let containers: Vec<Vec<usize>> = (0..shells.len())
+        .map(|shell| {
+            if !closed[shell] {
                 return Vec::new();
             }
-            let p = sample_point(mesh, &bodies[body]);
+            let p = sample_point(mesh, &shells[shell]);
             let around = |&other: &usize| {
                 let (low, high) = boxes[other];
-                other != body && closed[other] && low.cmplt(p).all() && high.cmpgt(p).all()
+                other != shell && closed[other] && low.cmplt(p).all() && high.cmpgt(p).all()
             };
-            (0..bodies.len()).filter(around).filter(|&other| contains(mesh, &bodies[other], p)).collect()
+            (0..shells.len()).filter(around).filter(|&other| contains(mesh, &shells[other], p)).collect()
         })
         .collect();
     containers.iter().map(|list| list.iter().copied().find(|&c| containers[c].is_empty())).collect()
@@ -32,7 +32,7 @@ fn bounds(mesh: &Mesh, triangles: &[usize]) -> (DVec3, DVec3) {
     corners.fold(infinite, |(low, high), p| (low.min(p), high.max(p)))
 }
 
-/// A point of the largest triangle, at uneven weights so that it is not over another body's corner or edge.
+/// A point of the largest triangle, at uneven weights so that it is not over another shell's corner or edge.
 fn sample_point(mesh: &Mesh, triangles: &[usize]) -> DVec3 {
     let area = |&t: &usize| mesh.doubled_area_normal(t).length_squared();
     let largest = triangles.iter().copied().max_by(|a, b| area(a).total_cmp(&area(b)).then(b.cmp(a)));

@@ -1,6 +1,6 @@
 //! One orientation for each patch of surface, and outward normals for each solid.
 //!
-//! Within a patch (triangles joined across edges of exactly two triangles) the smaller part by area is turned. A closed body is
+//! Within a patch (triangles joined across edges of exactly two triangles) the smaller part by area is turned. A closed shell is
 //! then turned as a whole if it is outermost and its volume negative, and what is nested in it turns with it: a
 //! cavity stays a cavity.
 
@@ -12,11 +12,11 @@ use crate::Mesh;
 pub(super) struct Turned {
     /// Triangles turned to agree with their patch.
     pub(super) triangles: usize,
-    /// Bodies turned inside out.
-    pub(super) bodies: usize,
+    /// Shells turned inside out.
+    pub(super) shells: usize,
 }
 
-/// Makes patches consistent and outermost bodies positive.
+/// Makes patches consistent and outermost shells positive.
 ///
 /// `edges` must be the mesh's; after the call its directions no longer hold if anything was turned.
 pub(super) fn orient(mesh: &mut Mesh, edges: &EdgeMap) -> Turned {
@@ -31,9 +31,9 @@ pub(super) fn orient(mesh: &mut Mesh, edges: &EdgeMap) -> Turned {
         edges
     };
     let (labels, count) = edges.components(|_| true);
-    let inside_out = inside_out_bodies(mesh, edges, &labels, count);
+    let inside_out = inside_out_shells(mesh, edges, &labels, count);
     turn(mesh, |t| inside_out[labels[t] as usize]);
-    Turned { triangles, bodies: inside_out.iter().filter(|&&f| f).count() }
+    Turned { triangles, shells: inside_out.iter().filter(|&&f| f).count() }
 }
 
 fn turn(mesh: &mut Mesh, flip: impl Fn(usize) -> bool) {
@@ -83,16 +83,16 @@ fn flood(edges: &EdgeMap, seed: usize, state: &mut [Option<bool>]) -> Vec<usize>
     patch
 }
 
-fn inside_out_bodies(mesh: &Mesh, edges: &EdgeMap, labels: &[u32], count: usize) -> Vec<bool> {
-    let mut bodies = vec![Vec::new(); count];
-    labels.iter().enumerate().for_each(|(t, &label)| bodies[label as usize].push(t));
+fn inside_out_shells(mesh: &Mesh, edges: &EdgeMap, labels: &[u32], count: usize) -> Vec<bool> {
+    let mut shells = vec![Vec::new(); count];
+    labels.iter().enumerate().for_each(|(t, &label)| shells[label as usize].push(t));
     let mut closed = vec![true; count];
     for edge in edges.indices().filter(|&edge| !edges.is_balanced(edge)) {
         closed[labels[edges.uses(edge)[0].triangle as usize] as usize] = false;
     }
-    let containers = outermost_containers(mesh, &bodies, &closed);
-    let negative = |body: usize| closed[body] && volume(mesh, &bodies[body]) < 0.0;
-    (0..count).map(|body| closed[body] && negative(containers[body].unwrap_or(body))).collect()
+    let containers = outermost_containers(mesh, &shells, &closed);
+    let negative = |shell: usize| closed[shell] && volume(mesh, &shells[shell]) < 0.0;
+    (0..count).map(|shell| closed[shell] && negative(containers[shell].unwrap_or(shell))).collect()
 }
 
 /// Volume [m³] within some triangles, about a point of their own against cancellation.

@@ -31,12 +31,16 @@ pub struct CleanReport {
     pub non_manifold_edges: usize,
     /// Edges that are not passed equally often in both directions, boundary edges left out.
     pub inconsistent_edges: usize,
-    /// Parts joined across edges; solids that touch along an edge are one body.
+    /// Parts that share no vertex; solids that touch at one are one body.
     pub bodies: usize,
+    /// Parts that share no edge.
+    pub shells: usize,
+    /// Pairs of triangles with the same corners and opposite orientation: solids touch there.
+    pub coincident_pairs: usize,
     /// Triangles turned to agree with their neighbours.
     pub flipped_triangles: usize,
-    /// Bodies turned inside out.
-    pub flipped_bodies: usize,
+    /// Closed shells turned as a whole, because they or the shell around them enclosed a negative volume.
+    pub flipped_shells: usize,
     /// No edge has an odd number of triangles: the surface ends nowhere.
     pub closed: bool,
     /// Every edge of two or more triangles is passed equally often in both directions.
@@ -56,7 +60,7 @@ impl CleanReport {
             + self.duplicate_faces
             + self.unused_vertices
             + self.flipped_triangles
-            + self.flipped_bodies
+            + self.flipped_shells
     }
 
     /// A sentence for each thing that was changed or is left wrong; empty for a perfect mesh.
@@ -69,9 +73,10 @@ impl CleanReport {
             ("dropped", self.duplicate_faces, "duplicate faces"),
             ("dropped", self.unused_vertices, "unused vertices"),
             ("turned", self.flipped_triangles, "triangles to agree with their neighbours"),
-            ("turned", self.flipped_bodies, "inside-out bodies"),
+            ("turned", self.flipped_shells, "inside-out shells"),
             ("left", self.boundary_edges, "boundary edges: the surface is open there"),
             ("left", self.non_manifold_edges, "edges of more than two triangles"),
+            ("left", self.coincident_pairs, "pairs of coincident faces where solids touch"),
             ("left", self.inconsistent_edges, "edges where orientations disagree"),
         ];
         lines
