@@ -109,11 +109,11 @@ impl Light<'_> {
 
     fn surface(&self, surface: &Surface) -> Vec3 {
         match self.full_scale {
-            Some(_) if !(surface.removed > 0.0) => self.studio.shade(self.grid, surface, &UNTOUCHED),
-            Some(full) => {
+            Some(full) if surface.removed > 0.0 => {
                 let colour = colour_map((f64::from(surface.removed) / full) as f32);
                 self.studio.shade_mapped(self.grid, surface, colour)
             }
+            Some(_) => self.studio.shade(self.grid, surface, &UNTOUCHED),
             None => {
                 let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, surface.weld_share);
                 let finish = Finish {
