@@ -13,8 +13,8 @@ pub fn from_srgb8(code: [u8; 3]) -> Vec3 {
 }
 
 fn encode(linear: f32) -> f32 {
-    // NaN ends as black.
-    let c = linear.max(0.0).min(1.0);
+    // The larger of zero and NaN is zero: NaN ends as black.
+    let c = linear.max(0.0).clamp(0.0, 1.0);
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 

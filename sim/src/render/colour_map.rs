@@ -18,8 +18,8 @@ const PATH: [Vec3; 6] = [
 
 /// Linear RGB for a value; values outside 0 to 1 take the end's colour.
 pub fn colour_map(value: f32) -> Vec3 {
-    // NaN takes the lowest colour.
-    let at = value.max(0.0).min(1.0) * (PATH.len() - 1) as f32;
+    // The larger of zero and NaN is zero: NaN takes the first colour.
+    let at = value.max(0.0).clamp(0.0, 1.0) * (PATH.len() - 1) as f32;
     let from = (at as usize).min(PATH.len() - 2);
     oklab_to_linear(smooth_path(from, at - from as f32)).clamp(Vec3::ZERO, Vec3::ONE)
 }

@@ -10,6 +10,9 @@
 //!
 //! Every sample is a pure function of grid, camera and view, so a picture is the same for any number of threads.
 
+// Units stand in brackets: `[m]` is no link.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 mod camera;
 mod clear_view;
 mod colour;

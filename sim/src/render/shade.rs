@@ -20,9 +20,9 @@ pub struct Finish {
 }
 
 /// Steel of the part.
-pub const BASE_STEEL: Finish = Finish { diffuse: Vec3::new(0.185, 0.21, 0.24), mirror: Vec3::new(0.115, 0.125, 0.135) };
+pub const BASE_STEEL: Finish = Finish { diffuse: Vec3::new(0.19, 0.213, 0.24), mirror: Vec3::new(0.15, 0.16, 0.17) };
 /// Weld metal, in a warm tint that no steel has.
-pub const WELD_METAL: Finish = Finish { diffuse: Vec3::new(0.64, 0.20, 0.028), mirror: Vec3::new(0.13, 0.085, 0.05) };
+pub const WELD_METAL: Finish = Finish { diffuse: Vec3::new(0.55, 0.165, 0.022), mirror: Vec3::new(0.15, 0.095, 0.05) };
 /// Paper-like grey below a colour map, which must not compete with it.
 pub const UNTOUCHED: Finish = Finish { diffuse: Vec3::splat(0.36), mirror: Vec3::splat(0.05) };
 

@@ -83,7 +83,7 @@ fn weld_at(grid: &BrickGrid, point: glam::DVec3) -> (u16, f32) {
     let weights: [f32; 8] = std::array::from_fn(weight);
     let of = |wanted: &dyn Fn(u16) -> bool| -> f32 { (0..8).filter(|&i| wanted(labels[i])).map(|i| weights[i]).sum() };
     let (all, welds) = (of(&|_| true), of(&|label| label != 0));
-    if !(all > 0.0) {
+    if all <= 0.0 {
         let nearest = grid.label(point);
         return (nearest, if nearest == 0 { 0.0 } else { 1.0 });
     }

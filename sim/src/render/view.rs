@@ -109,11 +109,11 @@ impl Light<'_> {
 
     fn surface(&self, surface: &Surface) -> Vec3 {
         match self.full_scale {
-            Some(_) if !(surface.removed > 0.0) => self.studio.shade(self.grid, surface, &UNTOUCHED),
-            Some(full) => {
+            Some(full) if surface.removed > 0.0 => {
                 let colour = colour_map((f64::from(surface.removed) / full) as f32);
                 self.studio.shade_mapped(self.grid, surface, colour)
             }
+            Some(_) => self.studio.shade(self.grid, surface, &UNTOUCHED),
             None => {
                 let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, surface.weld_share);
                 let finish = Finish {
@@ -174,7 +174,7 @@ mod tests {
                 let (u, v) = (u / 240.0 * 0.085f64.tan(), v / 240.0 * 0.085f64.tan());
                 let square = 1.0 + u * u + v * v;
                 let root = distance * distance - square * (distance * distance - RADIUS * RADIUS);
-                // Within 1 % of the outline's own depth the surface is too steep for depth to mean much.
+                // Towards the outline depth along a ray grows without bound against distance from the surface.
                 if root > 0.1 * RADIUS * RADIUS {
                     let exact = (distance - root.sqrt()) / square;
                     let depth = f64::from(frame.depth[(y * 640 + x) as usize]);

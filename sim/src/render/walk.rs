@@ -9,12 +9,15 @@
 //! Lengths here are in voxels, from the lowest voxel of the index, in f32: the ray starts where it enters the indexed
 //! box, which keeps f32 to about 10⁻³ voxel in a grid of 10⁴ voxels.
 
-use glam::{IVec3, Vec3};
+use glam::{BVec3, IVec3, Vec3};
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_SIDE, INSIDE, OUTSIDE, trilinear};
 
 use super::camera::Ray;
 use super::cubic::first_root;
+
+/// Cells to bricks by shifting.
+const BRICK_SHIFT: i32 = BRICK_SIDE.trailing_zeros() as i32;
 
 /// Nudge across a border [voxels], and what rounding adds for each voxel of the grid's extent.
 const NUDGE: f32 = 1e-4;
@@ -58,6 +61,8 @@ pub(crate) struct Walk<'a> {
     origin: Vec3,
     direction: Vec3,
     inverse: Vec3,
+    /// Axes along which the ray runs towards lower coordinates.
+    backward: BVec3,
     nudge: f32,
     /// Distance of `origin` from the ray's own start [m].
     entry: f64,
@@ -108,6 +113,7 @@ impl<'a> Walk<'a> {
             origin: (start + ray.direction * enter).as_vec3(),
             direction,
             inverse: direction.recip(),
+            backward: direction.cmplt(Vec3::ZERO),
             nudge: NUDGE + NUDGE_PER_VOXEL * size.max_element() as f32,
             entry: enter * grid.voxel,
             t: 0.0,
@@ -127,22 +133,30 @@ impl<'a> Walk<'a> {
 
     /// The next cell that is not in an empty brick; the walk stands at its entry.
     pub(crate) fn next_cell(&mut self) -> Option<Cell> {
-        let side = BRICK_SIDE as f32;
         while self.t < self.end {
             let at = self.origin + self.direction * self.t;
-            let brick = (at / side).floor();
-            if self.grid.slot(brick.as_ivec3() + self.grid.origin) == self.sense.clear() {
-                self.t += self.length_in(at, brick * side, side) + self.nudge;
+            let corner = self.corner(at);
+            let brick = corner >> BRICK_SHIFT;
+            if self.grid.slot(brick + self.grid.origin) == self.sense.clear() {
+                self.t += self.length_in(at, (brick << BRICK_SHIFT).as_vec3(), BRICK_SIDE as f32) + self.nudge;
                 continue;
             }
-            let corner = at.floor();
-            let mut values = self.grid.cell_phi(corner.as_ivec3() + self.low);
+            let low = corner.as_vec3();
+            let mut values = self.grid.cell_phi(corner + self.low);
             let sign = self.sense.sign();
             values.iter_mut().for_each(|phi| *phi *= sign);
-            let length = self.length_in(at, corner, 1.0);
-            return Some(Cell { values, from: at - corner, direction: self.direction, length });
+            let length = self.length_in(at, low, 1.0);
+            return Some(Cell { values, from: at - low, direction: self.direction, length });
         }
         None
+    }
+
+    /// Lowest corner of the cell that the ray is in or, on a border, enters next. Without the second half a ray
+    /// almost parallel to a border would creep along it by nudges.
+    fn corner(&self, at: Vec3) -> IVec3 {
+        let whole = at.as_ivec3();
+        let on_border = self.backward & whole.as_vec3().cmpeq(at);
+        whole - IVec3::select(on_border, IVec3::ONE, IVec3::ZERO)
     }
 
     /// Goes on past a cell without a crossing by the cell's length or by its φ, whichever is longer.
@@ -184,5 +198,35 @@ impl Cell {
         }
         let phi = |s: f32| trilinear(&self.values, self.from + self.direction * (s * self.length));
         first_root([phi(0.0), phi(1.0 / 3.0), phi(2.0 / 3.0), phi(1.0)]).map(|s| s * self.length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn a_ray_along_a_border_does_not_creep() {
+        let half = DVec3::splat(0.5);
+        let grid = BrickGrid::from_distance(-half, half, 0.0625, 3.0, |p| p.z.abs() + 0.05);
+        for axis in 0..3 {
+            for sideways in [-1e-3, -1e-6, -1e-12, -1e-17, -1e-30, 0.0, 1e-30, 1e-17, 1e-6] {
+                for sign in [-1.0, 1.0] {
+                    let mut direction = DVec3::splat(sideways);
+                    direction[axis] = sign;
+                    let direction = direction.normalize();
+                    let ray = Ray { origin: direction * -8.0, direction };
+                    let mut walk = Walk::new(&grid, &ray, Sense::Entering).unwrap();
+                    let mut cells = 0;
+                    while let Some(cell) = walk.next_cell() {
+                        walk.pass(&cell);
+                        cells += 1;
+                        assert!(cells < 100, "more than 100 cells in 32 along {direction}");
+                    }
+                }
+            }
+        }
     }
 }
