@@ -17,7 +17,8 @@ pub struct LatticeError {
 }
 
 impl BrickGrid {
-    /// The union of this field and `added`, `min(φ, φ_added)`, labelled `id` where `added` is the nearer body.
+    /// The union of this field and `added`, `min(φ, φ_added)`, labelled `id` where `added` is the nearer body, and
+    /// in every voxel whose cell holds some of what `added` brings.
     ///
     /// Labels of this grid stay elsewhere. Bricks deep inside `added` are kept, because their label says what
     /// an opened surface would show.
@@ -37,6 +38,11 @@ impl BrickGrid {
                 (OUTSIDE, OUTSIDE) => {}
                 (INSIDE, _) => union.index[entry] = INSIDE,
                 _ => union.push_united(entry, brick, self, added, id),
+            }
+        }
+        for (label, share) in union.label.iter_mut().zip(union.difference_share(self)) {
+            if share > 0.0 {
+                *label = id;
             }
         }
         Ok(union)
