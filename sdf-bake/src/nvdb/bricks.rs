@@ -107,7 +107,8 @@ impl NvdbGrid {
         let band = tree.background;
         let mut inside = Vec::new();
         for tile in &tree.tiles {
-            if tile.active || !(tile.value.abs() >= band * BEYOND) {
+            let beyond = tile.value.abs() >= band * BEYOND;
+            if tile.active || !beyond {
                 return Err(self.bad_value(tile.voxel, format!("a tile of {}; the band is {band}", tile.value)));
             }
             if tile.value < 0.0 {
