@@ -163,11 +163,11 @@ impl<F: Field> Plan<F> {
         let background = self.field.background();
         let inside = self.field.inside().unwrap_or(background);
         out[level.table_at()..].chunks_exact_mut(8).for_each(|c| c[..4].copy_from_slice(bytes_of(&background.bits())));
-        for cell in plan.cells.within(at, level.log2) {
+        for (cell, kind) in plan.cells.rows_within(at, level.log2).flat_map(|row| plan.cells.row(row)) {
             let local = cell - (at << level.log2);
             let offset = ((local.x << (2 * level.log2)) | (local.y << level.log2) | local.z) as usize;
             let place = level.table_at() + 8 * offset;
-            match plan.cells.get(cell) {
+            match kind {
                 Cell::Outside => {}
                 Cell::Inside => put(out, place, &inside.bits()),
                 Cell::Node(child) => {
