@@ -14,7 +14,7 @@ const ENTRIES_AT_LEAST: u128 = 1 << 22;
 const BEYOND: f32 = 1.0 - 1e-6;
 
 impl NvdbGrid {
-    /// The bricks of a level set. What [`super::write`] wrote comes back bit for bit: voxel, band, every φ, and
+    /// The bricks of a level set. What [`super::write()`] wrote comes back bit for bit: voxel, band, every φ, and
     /// inside or outside where no brick is. Bricks are in index order; the index spans the bricks and the inside.
     ///
     /// # Errors
