@@ -48,7 +48,7 @@ use crate::grid::BrickGrid;
 pub enum Codec {
     /// As they lie in memory: fast, and read by every program.
     None,
-    /// One zlib stream each: about a third of the size for a level set, and slow to write.
+    /// One zlib stream each: about a third of the size for a level set, and several times slower to write.
     Zip,
 }
 
