@@ -241,6 +241,10 @@ fn what_cannot_be_written_is_refused_by_name() {
     broken.index[3] = 1_000_000;
     let error = write(&[GridRef::LevelSet { name: "phi", grid: &broken }], Codec::None).unwrap_err();
     assert!(error.to_string().contains("slot 1000000"), "{error}");
+    broken.dims = IVec3::splat(i32::MAX / 16);
+    broken.origin = IVec3::ZERO;
+    let error = write(&[GridRef::LevelSet { name: "phi", grid: &broken }], Codec::None).unwrap_err();
+    assert!(error.to_string().contains("entries for"), "{error}");
 }
 
 #[test]
