@@ -65,7 +65,8 @@ fn a_file_cut_anywhere_is_an_error() {
 #[test]
 fn what_is_not_understood_is_refused_by_name() {
     let says = |at, value: &[u8], text: &str| {
-        let error = patched(at, value).err().expect(text).to_string();
+        let Err(error) = patched(at, value) else { panic!("no complaint of {text}") };
+        let error = error.to_string();
         assert!(error.contains(text), "{error}");
     };
     says(0, b"NanoVDBX", "NanoVDBX");
@@ -83,7 +84,8 @@ fn what_is_not_understood_is_refused_by_name() {
 #[test]
 fn offsets_and_counts_out_of_range_are_named() {
     let says = |at, value: &[u8], text: &str| {
-        let error = patched(at, value).err().expect(text).to_string();
+        let Err(error) = patched(at, value) else { panic!("no complaint of {text}") };
+        let error = error.to_string();
         assert!(error.contains(text), "{error}");
     };
     says(16, &u64::MAX.to_le_bytes(), "inside a grid");

@@ -14,7 +14,7 @@ const ENTRIES_AT_LEAST: u128 = 1 << 22;
 const BEYOND: f32 = 1.0 - 1e-6;
 
 impl NvdbGrid {
-    /// The bricks of a level set. What [`super::write`] wrote comes back bit for bit: voxel, band, every φ, and
+    /// The bricks of a level set. What [`super::write()`] wrote comes back bit for bit: voxel, band, every φ, and
     /// inside or outside where no brick is. Bricks are in index order; the index spans the bricks and the inside.
     ///
     /// # Errors
@@ -107,7 +107,8 @@ impl NvdbGrid {
         let band = tree.background;
         let mut inside = Vec::new();
         for tile in &tree.tiles {
-            if tile.active || !(tile.value.abs() >= band * BEYOND) {
+            let beyond = tile.value.abs() >= band * BEYOND;
+            if tile.active || !beyond {
                 return Err(self.bad_value(tile.voxel, format!("a tile of {}; the band is {band}", tile.value)));
             }
             if tile.value < 0.0 {

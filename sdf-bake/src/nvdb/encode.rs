@@ -69,34 +69,11 @@ impl<F: Field> Plan<F> {
         let (head_bytes, rest) = out.split_at_mut(self.places.uppers);
         let (upper_bytes, rest) = rest.split_at_mut(self.places.lowers - self.places.uppers);
         let (lower_bytes, leaf_bytes) = rest.split_at_mut(self.places.leaves - self.places.lowers);
-        let tree = &self.tree;
 
-        let leaves: Vec<Done<F::Value>> =
-            leaf_bytes.par_chunks_exact_mut(LEAF_BYTES).zip(&tree.leaves.at).map(|(b, at)| self.leaf(*at, b)).collect();
-        let lowers = self.nodes(
-            lower_bytes,
-            &tree.lowers.at,
-            &LevelPlan {
-                level: LOWER,
-                cells: &tree.brick_cells,
-                children: &tree.leaves,
-                child_bytes: LEAF_BYTES,
-                gap: self.places.leaves - self.places.lowers,
-            },
-            &leaves,
-        );
-        let uppers = self.nodes(
-            upper_bytes,
-            &tree.uppers,
-            &LevelPlan {
-                level: UPPER,
-                cells: &tree.lower_cells,
-                children: &tree.lowers,
-                child_bytes: LOWER.bytes(),
-                gap: self.places.lowers - self.places.uppers,
-            },
-            &lowers,
-        );
+        let leaf_rooms = leaf_bytes.par_chunks_exact_mut(LEAF_BYTES).zip(&self.tree.leaves.at);
+        let leaves: Vec<Done<F::Value>> = leaf_rooms.map(|(room, at)| self.leaf(*at, room)).collect();
+        let lowers = self.nodes(lower_bytes, &self.lower_plan(), &leaves);
+        let uppers = self.nodes(upper_bytes, &self.upper_plan(), &lowers);
 
         let summary = merged(&uppers);
         let mut written = self.head(name, grids_left, &summary);
@@ -105,6 +82,28 @@ impl<F: Field> Plan<F> {
         written.head.checksum = checksum::join(checksum::head(head_bytes), checksum::tail(crcs));
         put(head_bytes, 0, &written.head);
         written
+    }
+
+    fn lower_plan(&self) -> LevelPlan<'_> {
+        LevelPlan {
+            level: LOWER,
+            at: &self.tree.lowers.at,
+            cells: &self.tree.brick_cells,
+            children: &self.tree.leaves,
+            child_bytes: LEAF_BYTES,
+            gap: self.places.leaves - self.places.lowers,
+        }
+    }
+
+    fn upper_plan(&self) -> LevelPlan<'_> {
+        LevelPlan {
+            level: UPPER,
+            at: &self.tree.uppers,
+            cells: &self.tree.lower_cells,
+            children: &self.tree.lowers,
+            child_bytes: LOWER.bytes(),
+            gap: self.places.lowers - self.places.uppers,
+        }
     }
 
     fn leaf(&self, brick: IVec3, out: &mut [u8]) -> Done<F::Value> {
@@ -140,34 +139,27 @@ impl<F: Field> Plan<F> {
     }
 
     /// Writes all nodes of an inner level.
-    fn nodes(
-        &self,
-        out: &mut [u8],
-        at: &[IVec3],
-        plan: &LevelPlan,
-        children: &[Done<F::Value>],
-    ) -> Vec<Done<F::Value>> {
+    fn nodes(&self, out: &mut [u8], plan: &LevelPlan, children: &[Done<F::Value>]) -> Vec<Done<F::Value>> {
         out.par_chunks_exact_mut(plan.level.bytes())
-            .zip(at)
             .enumerate()
-            .map(|(i, (bytes, at))| {
-                let summary = merged(&children[plan.children.of_parent(i)]);
-                self.node(i, *at, plan, &summary, bytes);
-                (summary, crc32fast::hash(bytes))
+            .map(|(number, room)| {
+                let summary = merged(&children[plan.children.of_parent(number)]);
+                self.node(number, plan, &summary, room);
+                (summary, crc32fast::hash(room))
             })
             .collect()
     }
 
-    fn node(&self, number: usize, at: IVec3, plan: &LevelPlan, summary: &Summary<F::Value>, out: &mut [u8]) {
-        let level = plan.level;
+    fn node(&self, number: usize, plan: &LevelPlan, summary: &Summary<F::Value>, out: &mut [u8]) {
+        let (level, at) = (plan.level, plan.at[number]);
         let background = self.field.background();
         let inside = self.field.inside().unwrap_or(background);
         out[level.table_at()..].chunks_exact_mut(8).for_each(|c| c[..4].copy_from_slice(bytes_of(&background.bits())));
-        for cell in plan.cells.within(at, level.log2) {
+        for (cell, kind) in plan.cells.rows_within(at, level.log2).flat_map(|row| plan.cells.row(row)) {
             let local = cell - (at << level.log2);
             let offset = ((local.x << (2 * level.log2)) | (local.y << level.log2) | local.z) as usize;
             let place = level.table_at() + 8 * offset;
-            match plan.cells.get(cell) {
+            match kind {
                 Cell::Outside => {}
                 Cell::Inside => put(out, place, &inside.bits()),
                 Cell::Node(child) => {
@@ -256,6 +248,8 @@ impl<F: Field> Plan<F> {
 /// How an inner level refers to the level below.
 struct LevelPlan<'a> {
     level: Level,
+    /// This level's nodes, in units of their size.
+    at: &'a [IVec3],
     cells: &'a Cells,
     children: &'a Nodes,
     child_bytes: usize,

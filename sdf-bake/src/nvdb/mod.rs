@@ -6,8 +6,21 @@
 //! Where no brick is, a node holds one *tile* value for a whole cell: −band inside, +band outside, and
 //! any sampler knows inside from outside everywhere.
 //!
-//! [`write`] makes version 32.4 of the format, which every reader we know of accepts; [`read`] takes 32.x from any
-//! writer, Float and Int32, uncompressed or zip. `docs/nanovdb.md` says which programs were tried.
+//! [`write()`] makes version 32.4 of the format; [`read()`] takes 32.x from any writer, Float and Int32, uncompressed or
+//! zip. `docs/nanovdb.md` says which programs were tried.
+//!
+//! ```
+//! use glam::DVec3;
+//! use sdf_bake::BrickGrid;
+//! use sdf_bake::nvdb::{Codec, GridRef, read, write};
+//!
+//! let low = DVec3::splat(-0.01);
+//! let ball = BrickGrid::from_distance(low, -low, 0.001, 3.0, |p| p.length() - 0.01);
+//! let bytes = write(&[GridRef::LevelSet { name: "phi", grid: &ball }], Codec::None)?;
+//! let back = read(&bytes)?.grid("phi").unwrap().to_bricks()?;
+//! assert_eq!(back.phi, ball.phi);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bricks;
 mod bytes;
@@ -35,7 +48,7 @@ use crate::grid::BrickGrid;
 pub enum Codec {
     /// As they lie in memory: fast, and read by every program.
     None,
-    /// One zlib stream each: about a third of the size for a level set, and slow to write.
+    /// One zlib stream each: about a third of the size for a level set, and several times slower to write.
     Zip,
 }
 

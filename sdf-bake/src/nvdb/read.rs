@@ -11,8 +11,8 @@ use super::checksum;
 use super::error::NvdbError;
 use super::field::{CLASS_FOG, CLASS_LEVEL_SET, CLASS_UNKNOWN, Value};
 use super::layout::{
-    FileHeader, FileMeta, GridData, LEAF_BYTES, LOWER, MAGIC, MAGIC_NEWER_FILE, MAGIC_NEWER_GRID, Map, RootData, UPPER,
-    Version, flags,
+    FileHeader, FileMeta, GridData, LEAF_BYTES, LOWER, MAGIC, MAGIC_NEWER_FILE, MAGIC_NEWER_GRID, Map, UPPER, Version,
+    flags,
 };
 use super::nodes::{Found, Nodes, collect, walk};
 use super::tree::{Checksum, GridClass, NvdbFile, NvdbGrid, Tree, Values};
@@ -116,38 +116,30 @@ fn grid(name: String, bytes: &[u8]) -> Result<NvdbGrid, NvdbError> {
         return Err(NvdbError::Structure { grid: name, what });
     }
     let (voxel, translation) = placement(&name, &head.map)?;
-    let (values, active_voxels, checksum, index_box) = match head.grid_type {
+    let (values, facts) = match head.grid_type {
         f32::GRID_TYPE => {
-            let (tree, checksum, index_box) = tree::<f32>(&name, &head, bytes)?;
-            let active = tree.active_voxels();
-            (Values::Float(tree), active, checksum, index_box)
+            let (tree, facts) = tree(&name, &head, bytes)?;
+            (Values::Float(tree), facts)
         }
         i32::GRID_TYPE => {
-            let (tree, checksum, index_box) = tree::<i32>(&name, &head, bytes)?;
-            let active = tree.active_voxels();
-            (Values::Int32(tree), active, checksum, index_box)
+            let (tree, facts) = tree(&name, &head, bytes)?;
+            (Values::Int32(tree), facts)
         }
         other => {
             let found = TYPE_NAMES.get(other as usize).copied().unwrap_or("unknown");
             return Err(NvdbError::ValueType { grid: name, found });
         }
     };
-    let class = match head.grid_class {
-        CLASS_UNKNOWN => GridClass::Unknown,
-        CLASS_LEVEL_SET => GridClass::LevelSet,
-        CLASS_FOG => GridClass::FogVolume,
-        other => GridClass::Other(other),
-    };
     let corners = |b: [f64; 6]| (DVec3::from_slice(&b), DVec3::from_slice(&b[3..]));
     Ok(NvdbGrid {
         name,
-        class,
+        class: class(head.grid_class),
         voxel,
         translation,
-        index_bbox: index_box,
-        world_bbox: index_box.map(|_| corners(head.world_bbox)),
-        active_voxels,
-        checksum,
+        index_bbox: facts.index_bbox,
+        world_bbox: facts.index_bbox.map(|_| corners(head.world_bbox)),
+        active_voxels: facts.active_voxels,
+        checksum: facts.checksum,
         values,
     })
 }
@@ -164,16 +156,30 @@ fn placement(name: &str, map: &Map) -> Result<(f64, DVec3), NvdbError> {
     Err(NvdbError::Map { grid: name.to_owned() })
 }
 
-/// Lowest and highest active voxel.
-type VoxelBox = Option<(IVec3, IVec3)>;
+fn class(number: u32) -> GridClass {
+    match number {
+        CLASS_UNKNOWN => GridClass::Unknown,
+        CLASS_LEVEL_SET => GridClass::LevelSet,
+        CLASS_FOG => GridClass::FogVolume,
+        other => GridClass::Other(other),
+    }
+}
 
-fn tree<V: Value>(name: &str, head: &GridData, bytes: Bytes) -> Result<(Tree<V>, Checksum, VoxelBox), NvdbError> {
+/// What is known of a tree besides its values.
+struct Facts {
+    checksum: Checksum,
+    index_bbox: Option<(IVec3, IVec3)>,
+    active_voxels: u64,
+}
+
+fn tree<V: Value>(name: &str, head: &GridData, bytes: Bytes) -> Result<(Tree<V>, Facts), NvdbError> {
     let nodes = walk::<V>(name, bytes)?;
     let checksum = verify(head, &nodes, bytes)?;
-    let root: RootData = bytes.get("the root", nodes.root_at)?;
-    let (low, high) = (IVec3::from_slice(&root.bbox), IVec3::from_slice(&root.bbox[3..]));
-    let index_box = low.cmple(high).all().then_some((low, high));
-    Ok((collect(nodes, bytes)?, checksum, index_box))
+    let (low, high) = (IVec3::from_slice(&nodes.root.bbox), IVec3::from_slice(&nodes.root.bbox[3..]));
+    let index_bbox = low.cmple(high).all().then_some((low, high));
+    let tree = collect(nodes, bytes)?;
+    let active_voxels = tree.active_voxels();
+    Ok((tree, Facts { checksum, index_bbox, active_voxels }))
 }
 
 /// Compares the checksum with the bytes.

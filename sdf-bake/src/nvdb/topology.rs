@@ -3,10 +3,14 @@
 //! Bricks are the leaves. 16³ of them make a lower node, 32³ of those an upper node. A cell that is wholly
 //! inside or wholly outside needs no node: it is one tile value in its parent.
 
+use std::ops::Range;
+
 use glam::IVec3;
+use rayon::prelude::*;
 
 use super::layout::{LOWER, UPPER};
 use crate::grid::{BrickGrid, INSIDE, OUTSIDE};
+use crate::implicit::entry_brick;
 
 /// What a cell of the tree is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,59 +32,69 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    fn entry(&self, at: IVec3) -> Option<usize> {
-        let at = at - self.origin;
-        let within = at.cmpge(IVec3::ZERO).all() && at.cmplt(self.dims).all();
-        within.then(|| ((at.x * self.dims.y + at.y) as usize) * self.dims.z as usize + at.z as usize)
+    /// The rows along z of the whole box: first cell and entries of each, x slowest.
+    fn rows(&self) -> impl Iterator<Item = Row> + use<> {
+        self.rows_between(self.origin, self.origin + self.dims)
     }
 
-    pub(super) fn get(&self, at: IVec3) -> Cell {
-        self.entry(at).map_or(Cell::Outside, |entry| self.cells[entry])
+    /// The rows along z within the node `parent` of 2^`log2` cells along an axis.
+    pub(super) fn rows_within(&self, parent: IVec3, log2: u32) -> impl Iterator<Item = Row> + use<> {
+        self.rows_between((parent << log2).max(self.origin), ((parent + 1) << log2).min(self.origin + self.dims))
     }
 
-    /// All cells of the box, x slowest.
-    fn all(&self) -> impl Iterator<Item = IVec3> + use<> {
-        cells_between(self.origin, self.origin + self.dims)
+    /// `low` to below `high`, which lie within the box.
+    fn rows_between(&self, low: IVec3, high: IVec3) -> impl Iterator<Item = Row> + use<> {
+        let (origin, dims) = (self.origin, self.dims);
+        let length = (high.z - low.z).max(0) as usize;
+        (low.x..high.x).flat_map(move |x| {
+            (low.y..high.y).map(move |y| {
+                let at = IVec3::new(x, y, low.z) - origin;
+                let first = (at.x as usize * dims.y as usize + at.y as usize) * dims.z as usize + at.z as usize;
+                Row { first: at + origin, entries: first..first + length }
+            })
+        })
     }
 
-    /// The part of the box within the node `parent` of 2^`log2` cells along an axis, x slowest.
-    pub(super) fn within(&self, parent: IVec3, log2: u32) -> impl Iterator<Item = IVec3> + use<> {
-        cells_between((parent << log2).max(self.origin), ((parent + 1) << log2).min(self.origin + self.dims))
+    /// What the cells of a row are, each with its coordinates.
+    pub(super) fn row(&self, row: Row) -> impl Iterator<Item = (IVec3, Cell)> {
+        self.cells[row.entries].iter().enumerate().map(move |(z, cell)| (row.first + IVec3::new(0, 0, z as i32), *cell))
     }
 
     /// The next level up, each of its cells 2^`log2` of these along an axis.
     fn coarsen(&self, log2: u32) -> Self {
         let origin = self.origin >> log2;
-        let dims =
-            if self.cells.is_empty() { IVec3::ZERO } else { ((self.origin + self.dims - 1) >> log2) - origin + 1 };
-        let mut coarse = Self { origin, dims, cells: Vec::new() };
-        let whole = 1usize << (3 * log2);
-        for parent in coarse.all() {
-            let (mut nodes, mut inside) = (0, 0);
-            for cell in self.within(parent, log2) {
-                match self.get(cell) {
-                    Cell::Outside => {}
-                    Cell::Inside => inside += 1,
-                    Cell::Node(_) => nodes += 1,
-                }
-            }
-            coarse.cells.push(match (nodes, inside) {
-                (0, 0) => Cell::Outside,
-                (0, inside) if inside == whole => Cell::Inside,
-                _ => Cell::Node(0),
-            });
-        }
-        coarse
+        let end = (self.origin + self.dims + ((1 << log2) - 1)) >> log2;
+        let dims = if self.cells.is_empty() { IVec3::ZERO } else { end - origin };
+        let count = dims.as_i64vec3().element_product() as usize;
+        let cells =
+            (0..count).into_par_iter().map(|entry| self.summed_up(origin + entry_brick(entry, dims), log2)).collect();
+        Self { origin, dims, cells }
     }
 
-    /// Numbers those of the given cells that are nodes, on from the nodes already listed.
-    fn number(&mut self, cells: impl Iterator<Item = IVec3>, nodes: &mut Vec<IVec3>) {
-        for cell in cells {
-            if let Some(entry) = self.entry(cell)
-                && let Cell::Node(number) = &mut self.cells[entry]
-            {
-                *number = nodes.len() as u32;
-                nodes.push(cell);
+    /// What a cell of the next level up is.
+    fn summed_up(&self, parent: IVec3, log2: u32) -> Cell {
+        let (mut nodes, mut inside) = (0usize, 0usize);
+        for row in self.rows_within(parent, log2) {
+            for cell in &self.cells[row.entries] {
+                nodes += usize::from(matches!(cell, Cell::Node(_)));
+                inside += usize::from(*cell == Cell::Inside);
+            }
+        }
+        match (nodes, inside) {
+            (0, 0) => Cell::Outside,
+            (0, inside) if inside == 1 << (3 * log2) => Cell::Inside,
+            _ => Cell::Node(0),
+        }
+    }
+
+    /// Numbers the nodes among the given rows, on from the nodes already listed.
+    fn number(&mut self, rows: impl Iterator<Item = Row>, nodes: &mut Vec<IVec3>) {
+        for row in rows {
+            for (z, cell) in self.cells[row.entries].iter_mut().enumerate() {
+                if let Cell::Node(number) = cell {
+                    *number = nodes.len() as u32;
+                    nodes.push(row.first + IVec3::new(0, 0, z as i32));
+                }
             }
         }
     }
@@ -89,16 +103,18 @@ impl Cells {
     fn number_below(&mut self, parents: &[IVec3], log2: u32) -> Nodes {
         let mut nodes = Nodes { at: Vec::new(), first: vec![0] };
         for &parent in parents {
-            self.number(self.within(parent, log2), &mut nodes.at);
+            self.number(self.rows_within(parent, log2), &mut nodes.at);
             nodes.first.push(nodes.at.len());
         }
         nodes
     }
 }
 
-fn cells_between(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> + use<> {
-    (low.x..high.x)
-        .flat_map(move |x| (low.y..high.y).flat_map(move |y| (low.z..high.z).map(move |z| IVec3::new(x, y, z))))
+/// Cells that follow each other along z.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    first: IVec3,
+    entries: Range<usize>,
 }
 
 /// The nodes of a level in file order.
@@ -112,7 +128,7 @@ pub(super) struct Nodes {
 
 impl Nodes {
     /// The places of a parent's nodes.
-    pub(super) fn of_parent(&self, parent: usize) -> std::ops::Range<usize> {
+    pub(super) fn of_parent(&self, parent: usize) -> Range<usize> {
         self.first[parent]..self.first[parent + 1]
     }
 }
@@ -132,7 +148,7 @@ pub(super) struct Topology {
 
 impl Topology {
     /// The tree of the bricks whose slot is `kept`, with inside tiles if the field has an `inside`.
-    pub(super) fn new(grid: &BrickGrid, kept: impl Fn(usize) -> bool, inside: bool) -> Self {
+    pub(super) fn new(grid: &BrickGrid, kept: impl Fn(usize) -> bool + Sync, inside: bool) -> Self {
         let cell = |&slot: &u32| match slot {
             OUTSIDE => Cell::Outside,
             INSIDE if inside => Cell::Inside,
@@ -140,7 +156,7 @@ impl Topology {
             slot if kept(slot as usize) => Cell::Node(0),
             _ => Cell::Outside,
         };
-        let cells = grid.index.iter().map(cell).collect();
+        let cells = grid.index.par_iter().map(cell).collect();
         let brick_cells = Cells { origin: grid.origin, dims: grid.dims, cells };
         let lower_cells = brick_cells.coarsen(LOWER.log2);
         Self::over(brick_cells, lower_cells)
@@ -149,8 +165,9 @@ impl Topology {
     fn over(mut brick_cells: Cells, mut lower_cells: Cells) -> Self {
         let mut upper_cells = lower_cells.coarsen(UPPER.log2);
         let mut uppers = Vec::new();
-        upper_cells.number(upper_cells.all(), &mut uppers);
-        let root = upper_cells.all().map(|at| (at, upper_cells.get(at))).filter(|(_, c)| *c != Cell::Outside).collect();
+        upper_cells.number(upper_cells.rows(), &mut uppers);
+        let all = upper_cells.rows().flat_map(|row| upper_cells.row(row));
+        let root = all.filter(|(_, cell)| *cell != Cell::Outside).collect();
         let lowers = lower_cells.number_below(&uppers, UPPER.log2);
         let leaves = brick_cells.number_below(&lowers.at, LOWER.log2);
         Self { brick_cells, lower_cells, root, uppers, lowers, leaves }
@@ -161,14 +178,18 @@ impl Topology {
 mod tests {
     use super::*;
 
+    fn at(cells: &Cells, wanted: IVec3) -> Option<Cell> {
+        cells.rows().flat_map(|row| cells.row(row)).find(|(at, _)| *at == wanted).map(|(_, cell)| cell)
+    }
+
     #[test]
     fn a_node_that_is_inside_throughout_becomes_a_tile() {
         let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::splat(-17), IVec3::splat(34));
         grid.index.fill(INSIDE);
         let tree = Topology::new(&grid, |_| true, true);
-        assert_eq!(tree.lower_cells.get(IVec3::splat(-1)), Cell::Inside);
-        assert_eq!(tree.lower_cells.get(IVec3::ZERO), Cell::Inside);
-        assert!(matches!(tree.lower_cells.get(IVec3::splat(-2)), Cell::Node(_)));
+        assert_eq!(at(&tree.lower_cells, IVec3::splat(-1)), Some(Cell::Inside));
+        assert_eq!(at(&tree.lower_cells, IVec3::ZERO), Some(Cell::Inside));
+        assert!(matches!(at(&tree.lower_cells, IVec3::splat(-2)), Some(Cell::Node(_))));
         assert_eq!(tree.lowers.at.len(), 4 * 4 * 4 - 2 * 2 * 2);
         assert_eq!(tree.leaves.at.len(), 0);
     }
@@ -192,7 +213,7 @@ mod tests {
         for lower in 0..4 {
             for leaf in tree.leaves.of_parent(lower) {
                 assert_eq!(tree.leaves.at[leaf] >> 4, tree.lowers.at[lower]);
-                assert_eq!(tree.brick_cells.get(tree.leaves.at[leaf]), Cell::Node(leaf as u32));
+                assert_eq!(at(&tree.brick_cells, tree.leaves.at[leaf]), Some(Cell::Node(leaf as u32)));
             }
         }
     }
