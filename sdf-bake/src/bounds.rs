@@ -18,6 +18,19 @@ impl BrickGrid {
         (0..self.bricks.len()).into_par_iter().map(|slot| self.brick_crossings(slot)).reduce(|| None, join)
     }
 
+    /// Smallest and largest voxel [m] among those closer to the surface than half a voxel's diagonal; `None` without
+    /// any. Within that half diagonal it is the box of the whole surface, tips and fins thinner than a voxel included.
+    pub fn near_surface_bounds(&self) -> Option<(DVec3, DVec3)> {
+        let reach = (0.5 * 3f64.sqrt() * self.voxel) as f32;
+        let near = self.phi.iter().enumerate().filter(|(_, phi)| phi.abs() <= reach);
+        let voxels = near.map(|(at, _)| voxel_at(self.bricks[at / BRICK_VOXELS], at % BRICK_VOXELS));
+        let (low, high) = voxels.fold(None, |bounds: Option<(IVec3, IVec3)>, v| {
+            let (low, high) = bounds.unwrap_or((v, v));
+            Some((low.min(v), high.max(v)))
+        })?;
+        Some((self.position(low), self.position(high)))
+    }
+
     fn brick_crossings(&self, slot: usize) -> Option<(DVec3, DVec3)> {
         let mut bounds: Option<(DVec3, DVec3)> = None;
         for offset in 0..BRICK_VOXELS {
@@ -52,6 +65,18 @@ mod tests {
         let (found_low, found_high) = grid.surface_bounds().unwrap();
         assert!((found_low - low).abs().max_element() < 0.03 * grid.voxel, "{found_low} against {low}");
         assert!((found_high - high).abs().max_element() < 0.03 * grid.voxel, "{found_high} against {high}");
+    }
+
+    #[test]
+    fn a_fin_thinner_than_a_voxel_is_near_the_surface_though_not_crossed_by_the_lattice() {
+        let (low, high) = (DVec3::new(-0.01, -0.01, 0.00011), DVec3::new(0.01, 0.01, 0.00019));
+        let grid = BrickGrid::from_distance(low, high, 0.0004, 3.0, |p| {
+            let q = (p - 0.5 * (low + high)).abs() - 0.5 * (high - low);
+            q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+        });
+        assert_eq!(grid.surface_bounds(), None);
+        let (found_low, found_high) = grid.near_surface_bounds().unwrap();
+        assert!((found_low - low).abs().max((found_high - high).abs()).max_element() < 0.87 * grid.voxel);
     }
 
     #[test]

@@ -40,7 +40,8 @@ impl BrickGrid {
                 _ => union.push_united(entry, brick, self, added, id),
             }
         }
-        for (label, share) in union.label.iter_mut().zip(union.difference_share(self)) {
+        let shares = union.difference_share(self);
+        for (label, share) in union.label.iter_mut().zip(shares) {
             if share > 0.0 {
                 *label = id;
             }
