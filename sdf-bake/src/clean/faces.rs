@@ -7,8 +7,15 @@ use crate::Mesh;
 /// A triangle lower than this, relative to its longest side, has no usable normal in double precision.
 const FLAT: f64 = 1e-12;
 
-/// Drops triangles with a repeated corner or without height; returns how many.
-pub(super) fn drop_degenerate(mesh: &mut Mesh) -> usize {
+/// Drops triangles with a repeated corner; returns how many.
+pub(super) fn drop_collapsed(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+    before - mesh.triangles.len()
+}
+
+/// Drops triangles without height; returns how many.
+pub(super) fn drop_flat(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     let keep: Vec<bool> = (0..before).map(|t| !is_degenerate(mesh, t)).collect();
     let mut keep = keep.into_iter();
@@ -16,7 +23,8 @@ pub(super) fn drop_degenerate(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-fn is_degenerate(mesh: &Mesh, triangle: usize) -> bool {
+/// Whether a triangle has no usable normal.
+pub(super) fn is_degenerate(mesh: &Mesh, triangle: usize) -> bool {
     let [a, b, c] = mesh.corners(triangle);
     let longest_squared = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
     // Doubled area is height times longest side; NaN counts as degenerate.

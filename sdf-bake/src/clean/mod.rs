@@ -9,6 +9,7 @@
 
 use crate::Mesh;
 
+mod caps;
 mod edges;
 mod faces;
 mod nesting;
@@ -92,7 +93,10 @@ pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
 
 /// Once before cracks are closed, since a duplicate hides a boundary edge, and once after.
 fn drop_faces(mesh: &mut Mesh, report: &mut CleanReport) {
-    report.degenerate_faces += faces::drop_degenerate(mesh);
+    report.degenerate_faces += faces::drop_collapsed(mesh);
+    report.duplicate_faces += faces::drop_duplicates(mesh);
+    report.swapped_edges += caps::swap_long_edges(mesh);
+    report.degenerate_faces += faces::drop_flat(mesh);
     report.duplicate_faces += faces::drop_duplicates(mesh);
 }
 
