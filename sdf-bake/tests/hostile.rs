@@ -79,7 +79,7 @@ fn read_and_clean(bytes: &[u8], format: Format) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(ProptestConfig::with_cases(5000))]
 
     #[test]
     fn no_change_of_a_valid_file_makes_a_panic(which in 0usize..8, edits in edits()) {

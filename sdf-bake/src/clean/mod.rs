@@ -125,7 +125,7 @@ fn measure(mesh: &Mesh, report: &mut CleanReport) {
     (_, report.shells) = edges.components(|_| true);
     report.bodies = connected_vertices(mesh);
     report.coincident_pairs = faces::coincident_pairs(mesh);
-    report.closed = edges.indices().all(|edge| edges.uses(edge).len() % 2 == 0);
+    report.closed = edges.indices().all(|edge| edges.uses(edge).len().is_multiple_of(2));
     report.consistently_oriented = report.inconsistent_edges == 0;
 }
 
