@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::EdgeMap;
 use crate::Mesh;
 
 /// A triangle lower than this, relative to its longest side, has no usable normal in double precision.
@@ -42,11 +43,14 @@ pub(super) fn drop_duplicates(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Number of faces whose reverse is there too, counted once for each pair; the mesh has no duplicates.
-pub(super) fn coincident_pairs(mesh: &Mesh) -> usize {
-    let faces: HashSet<_> = mesh.triangles.iter().map(|&corners| smallest_first(corners)).collect();
-    let is_pair = |&&[a, b, c]: &&[u32; 3]| b < c && faces.contains(&[a, c, b]);
-    faces.iter().filter(is_pair).count()
+/// Number of pairs of faces that are each other's reverse; the mesh has no duplicates.
+pub(super) fn coincident_pairs(mesh: &Mesh, edges: &EdgeMap) -> usize {
+    let reverses = |t: usize| {
+        let [a, b, c] = smallest_first(mesh.triangles[t]);
+        let others = edges.uses(edges.of_triangle(t)[0] as usize).iter().map(|u| u.triangle as usize);
+        others.filter(|&other| other > t && smallest_first(mesh.triangles[other]) == [a, c, b]).count()
+    };
+    (0..mesh.triangles.len()).map(reverses).sum()
 }
 
 fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {

@@ -87,7 +87,8 @@ pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
     let edges = EdgeMap::new(&mesh);
     let turned = orient::orient(&mut mesh, &edges);
     (report.flipped_triangles, report.flipped_shells) = (turned.triangles, turned.shells);
-    measure(&mesh, &mut report);
+    let edges = if turned.triangles + turned.shells > 0 { EdgeMap::new(&mesh) } else { edges };
+    measure(&mesh, &edges, &mut report);
     Ok((mesh, report))
 }
 
@@ -114,8 +115,7 @@ fn check(mesh: &Mesh) -> Result<(), CleanError> {
 }
 
 /// Fills in the counts of the mesh as it is now.
-fn measure(mesh: &Mesh, report: &mut CleanReport) {
-    let edges = EdgeMap::new(mesh);
+fn measure(mesh: &Mesh, edges: &EdgeMap, report: &mut CleanReport) {
     report.vertices = mesh.positions.len();
     report.triangles = mesh.triangles.len();
     report.boundary_edges = edges.boundary_count();
@@ -124,7 +124,7 @@ fn measure(mesh: &Mesh, report: &mut CleanReport) {
     report.inconsistent_edges = shared.filter(|&edge| !edges.is_balanced(edge)).count();
     (_, report.shells) = edges.components(|_| true);
     report.bodies = connected_vertices(mesh);
-    report.coincident_pairs = faces::coincident_pairs(mesh);
+    report.coincident_pairs = faces::coincident_pairs(mesh, edges);
     report.closed = edges.indices().all(|edge| edges.uses(edge).len().is_multiple_of(2));
     report.consistently_oriented = report.inconsistent_edges == 0;
 }
