@@ -68,7 +68,7 @@ impl Mesh {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A box [m] with outward triangles, for closed-form checks.
@@ -82,6 +82,35 @@ mod tests {
             positions: (0..8).map(corner).collect(),
             triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
         }
+    }
+
+    /// A closed sphere [m] around the origin: `around` meridians, `bands` rows from pole to pole.
+    pub(crate) fn uv_sphere(radius: f64, around: u32, bands: u32) -> Mesh {
+        use std::f64::consts::{PI, TAU};
+        let mut mesh = Mesh { positions: vec![DVec3::NEG_Z * radius, DVec3::Z * radius], triangles: Vec::new() };
+        for row in 1..bands {
+            let (sine, cosine) = (PI * f64::from(row) / f64::from(bands)).sin_cos();
+            mesh.positions.extend((0..around).map(|i| {
+                let (y, x) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
+                radius * DVec3::new(sine * x, sine * y, -cosine)
+            }));
+        }
+        let at = |row: u32, i: u32| 2 + (row - 1) * around + i % around;
+        for i in 0..around {
+            mesh.triangles.push([0, at(1, i + 1), at(1, i)]);
+            mesh.triangles.push([1, at(bands - 1, i), at(bands - 1, i + 1)]);
+            for row in 1..bands - 1 {
+                mesh.triangles.push([at(row, i), at(row, i + 1), at(row + 1, i + 1)]);
+                mesh.triangles.push([at(row, i), at(row + 1, i + 1), at(row + 1, i)]);
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn a_fine_sphere_is_closed_and_outward() {
+        let ball = uv_sphere(2.0, 200, 100);
+        assert!((ball.volume() / (32.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 1e-3);
     }
 
     #[test]

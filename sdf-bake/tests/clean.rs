@@ -244,5 +244,5 @@ fn the_bundled_bracket_needs_no_repair() {
     assert!(report.notes().is_empty(), "{:?}", report.notes());
     assert_eq!((report.bodies, report.shells), (1, 1));
     let (low, high) = mesh.bounds().expect("vertices");
-    assert!((high - low - DVec3::new(0.160, 0.110, 0.070)).abs().max_element() < 1e-9, "{low} to {high}");
+    assert!((high - low - DVec3::new(0.160, 0.090, 0.060)).abs().max_element() < 1e-9, "{low} to {high}");
 }

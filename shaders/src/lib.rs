@@ -1,1 +1,44 @@
-//! placeholder
+//! What runs on a graphics processor: WGSL sources, the structs they share with the program, and the device.
+//!
+//! A kernel is one WGSL file and one Rust file of the same stem ([`sample`]); the functions it calls are WGSL
+//! files without bindings, each with a Rust twin of the same names and the same order of operations
+//! ([`brick_grid`]). The twin is the reference: a kernel is right when it agrees with it.
+//!
+//! Inside is negative, as everywhere; lengths are metres, coordinates in the grid are voxels.
+//!
+//! ```
+//! use shaders::device::{self, BackendChoice};
+//!
+//! let opened = device::open(BackendChoice::Auto)?;
+//! println!("{}", opened.decision.reason);
+//! if let Some(device) = &opened.device {
+//!     assert!(shaders::self_check(device).unwrap() < shaders::SELF_CHECK_LIMIT);
+//! }
+//! # Ok::<(), device::OpenError>(())
+//! ```
+//!
+//! In the order data meets them: [`constants`] and [`layout`] cross the border into WGSL, [`wgsl`] puts the
+//! sources together, [`adapters`] says what the machine has, [`choice`] picks, [`device`] opens, [`sample`] runs.
+//!
+//! This crate never opens a file, prints nothing outside [`testing`], and knows no other room of the house:
+//! grids arrive as slices.
+
+// Units stand in brackets: `[m]` is no link.
+#![allow(rustdoc::broken_intra_doc_links)]
+
+pub mod adapters;
+pub mod brick_grid;
+pub mod choice;
+pub mod constants;
+pub mod device;
+pub mod layout;
+pub mod sample;
+mod self_check;
+pub mod testing;
+pub mod wgsl;
+
+pub use brick_grid::{GridBuffers, GridError};
+pub use device::Device;
+pub use layout::GridHeader;
+pub use sample::{SampleError, Sampler};
+pub use self_check::{SELF_CHECK_LIMIT, self_check};

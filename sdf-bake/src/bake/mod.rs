@@ -1,0 +1,231 @@
+//! Baking: triangles to an exact narrow band with inside and outside known everywhere.
+//!
+//! The road: each triangle is scattered to the bricks within one band of it ([`scatter`]); each brick takes
+//! the exact distance to its own triangles ([`distance`]); voxels that no surface can separate share one
+//! sign, judged by the generalised winding number ([`sign`], [`winding`]); what has no brick is flooded.
+
+mod distance;
+mod scatter;
+mod sign;
+mod winding;
+
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
+use crate::implicit::entry_brick;
+use crate::mesh::Mesh;
+use distance::Facet;
+use scatter::BrickTriangles;
+
+pub use winding::WindingTree;
+
+/// How inside and outside are told apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SignChoice {
+    /// Winding number; refuses an open surface whose inside is unclear.
+    #[default]
+    Auto,
+    /// Winding number, also where an open surface leaves the inside to a guess.
+    Winding,
+}
+
+/// What to bake.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeOptions {
+    /// Distance between voxels [m].
+    pub voxel: f64,
+    /// Half width of the band [voxels].
+    pub band_voxels: f64,
+    /// Sign rule.
+    pub sign: SignChoice,
+}
+
+impl BakeOptions {
+    /// A band of ±3 voxels with the automatic sign.
+    pub fn with_voxel(voxel: f64) -> Self {
+        Self { voxel, band_voxels: 3.0, sign: SignChoice::Auto }
+    }
+}
+
+/// What baking did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct BakeReport {
+    /// Distance between voxels [m].
+    pub voxel_m: f64,
+    /// Half width of the band [voxels].
+    pub band_voxels: f64,
+    /// Bricks in the pool.
+    pub bricks: usize,
+    /// Voxels with |φ| < band.
+    pub active_voxels: usize,
+    /// Edges with one triangle only.
+    pub boundary_edges: usize,
+    /// Share of the judged voxels whose winding number is farther than 0.25 from a whole number.
+    pub ambiguous_share: f64,
+}
+
+/// Why a mesh cannot be baked.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum BakeError {
+    /// The mesh has no triangles.
+    #[error("the mesh has no triangles: nothing to bake")]
+    Empty,
+    /// The voxel size or band is not usable.
+    #[error(
+        "a voxel of {voxel} m with a band of {band_voxels} voxels cannot be baked: both must be positive, the band at least 2"
+    )]
+    Options {
+        /// Asked voxel [m].
+        voxel: f64,
+        /// Asked band [voxels].
+        band_voxels: f64,
+    },
+    /// The grid would not fit.
+    #[error(
+        "{cells:.2e} index bricks are too many (limit {limit:.0e}): a voxel of at least {least_voxel:.3e} m would fit"
+    )]
+    TooFine {
+        /// Index entries needed.
+        cells: f64,
+        /// Index entries allowed.
+        limit: f64,
+        /// Smallest voxel that fits [m].
+        least_voxel: f64,
+    },
+    /// Open surface whose inside is a guess.
+    #[error(
+        "open surface: {boundary_edges} boundary edges leave {:.1} % of the band without a clear inside; \
+         use --sign winding to accept the guess, or close the mesh", 100.0 * share
+    )]
+    Open {
+        /// Edges with one triangle only.
+        boundary_edges: usize,
+        /// Ambiguous share of the band, 0 to 1.
+        share: f64,
+    },
+    /// No voxel is inside.
+    #[error(
+        "the surface encloses nothing at a voxel of {voxel} m: it is a sheet, or thinner than a voxel ({boundary_edges} boundary edges)"
+    )]
+    NoInside {
+        /// Voxel [m].
+        voxel: f64,
+        /// Edges with one triangle only.
+        boundary_edges: usize,
+    },
+}
+
+/// Largest top-level index [bricks]: 512 MiB of entries.
+const MAX_INDEX: f64 = 1.28e8;
+
+/// Largest ambiguous share of the band that the automatic sign accepts.
+const AMBIGUOUS_LIMIT: f64 = 0.005;
+
+/// Bakes a mesh into a brick grid.
+///
+/// Distances within the band are exact (f64, rounded once to f32). Overlapping and nested bodies are united:
+/// a point is inside where the winding number (Jacobson et al. 2013) exceeds one half.
+///
+/// # Errors
+/// [`BakeError`] for an empty mesh, unusable options, a grid that cannot fit, or a surface without a clear inside.
+pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport), BakeError> {
+    let mut grid = frame(mesh, options)?;
+    let facets: Vec<Facet> = (0..mesh.triangles.len()).map(|t| Facet::new(mesh.corners(t))).collect();
+    let near = scatter::scatter(&facets, &grid);
+    let tree = WindingTree::new(mesh);
+
+    let judged: Vec<JudgedBrick> =
+        (0..near.brick_count()).into_par_iter().map(|b| fill(b, &near, &facets, &tree, &grid)).collect();
+    let (mut ambiguous, mut inside) = (0usize, 0usize);
+    for (b, brick) in judged.iter().enumerate() {
+        ambiguous += brick.ambiguous;
+        inside += brick.inside;
+        if brick.in_band {
+            grid.index[near.entry(b)] = grid.bricks.len() as u32;
+            grid.bricks.push(grid.origin + entry_brick(near.entry(b), grid.dims));
+            grid.phi.extend_from_slice(brick.phi.as_slice());
+        }
+    }
+    sign::flood_empty(&mut grid);
+
+    let boundary_edges = boundary_edges(mesh);
+    let share = ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64;
+    if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
+        return Err(BakeError::Open { boundary_edges, share });
+    }
+    if inside == 0 {
+        return Err(BakeError::NoInside { voxel: options.voxel, boundary_edges });
+    }
+    let report = BakeReport {
+        voxel_m: options.voxel,
+        band_voxels: options.band_voxels,
+        bricks: grid.brick_count(),
+        active_voxels: grid.phi.iter().filter(|phi| phi.abs() < grid.band).count(),
+        boundary_edges,
+        ambiguous_share: share,
+    };
+    Ok((grid, report))
+}
+
+/// An empty grid whose index reaches one brick beyond the band on every side.
+fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
+    let BakeOptions { voxel, band_voxels, .. } = *options;
+    if !(voxel > 0.0 && voxel.is_finite() && band_voxels >= 2.0 && band_voxels.is_finite()) {
+        return Err(BakeError::Options { voxel, band_voxels });
+    }
+    let (low, high) = mesh.bounds().filter(|_| !mesh.triangles.is_empty()).ok_or(BakeError::Empty)?;
+    let band = band_voxels * voxel;
+    let brick = BRICK_SIDE as f64 * voxel;
+    let first = ((low - band) / brick).floor() - 1.0;
+    let dims = ((high + band) / brick).floor() + 1.0 - first + 1.0;
+    let cells = dims.element_product();
+    if cells > MAX_INDEX || first.abs().max_element().max((first + dims).abs().max_element()) > 1e8 {
+        let least_voxel = voxel * (cells / MAX_INDEX).cbrt().max(1.0);
+        return Err(BakeError::TooFine { cells, limit: MAX_INDEX, least_voxel });
+    }
+    Ok(BrickGrid::empty(voxel, band as f32, first.as_ivec3(), dims.as_ivec3()))
+}
+
+struct JudgedBrick {
+    phi: Box<[f32; BRICK_VOXELS]>,
+    in_band: bool,
+    ambiguous: usize,
+    inside: usize,
+}
+
+fn fill(b: usize, near: &BrickTriangles, facets: &[Facet], tree: &WindingTree, grid: &BrickGrid) -> JudgedBrick {
+    let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
+    let squared = distance::squared_distances(brick, near.triangles(b), facets, grid);
+    let mut phi = Box::new([0f32; BRICK_VOXELS]);
+    let band = f64::from(grid.band);
+    for (value, &squared) in phi.iter_mut().zip(squared.iter()) {
+        *value = squared.sqrt().min(band) as f32;
+    }
+    let in_band = phi.iter().any(|&phi| phi < grid.band);
+    let (ambiguous, inside) = sign::judge(brick, &mut phi, tree, grid);
+    JudgedBrick { phi, in_band, ambiguous, inside }
+}
+
+/// Number of edges that belong to exactly one triangle.
+fn boundary_edges(mesh: &Mesh) -> usize {
+    let mut edges: Vec<[u32; 2]> = mesh
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    edges.par_sort_unstable();
+    edges.chunk_by(|a, b| a == b).filter(|run| run.len() == 1).count()
+}
+
+/// Centre of a brick's voxels [m].
+fn brick_centre(brick: IVec3, voxel: f64) -> DVec3 {
+    (brick.as_dvec3() * BRICK_SIDE as f64 + 3.5) * voxel
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! Inside and outside, judged sparingly.
+//!
+//! Two neighbouring voxels whose distances add up to more than the step between them lie on the same side: the
+//! balls around them, free of surface, cover the step. Such voxels form components, and one winding number
+//! per component gives the sign of all of them.
+
+use std::collections::VecDeque;
+
+use glam::IVec3;
+
+use super::winding::WindingTree;
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at, voxel_offset};
+use crate::implicit::entry_brick;
+
+/// Winding numbers farther than this from a whole number count as ambiguous.
+const AMBIGUOUS: f64 = 0.25;
+
+/// Voxels closer to the surface than this [voxels] lie on it: there the winding number jumps and says nothing.
+const ON_SURFACE: f32 = 1e-4;
+
+/// Turns a brick's distances into signed ones; returns its ambiguous and its inside voxels.
+pub(super) fn judge(
+    brick: IVec3,
+    phi: &mut [f32; BRICK_VOXELS],
+    tree: &WindingTree,
+    grid: &BrickGrid,
+) -> (usize, usize) {
+    let component = components(phi, grid.voxel as f32);
+    let mut farthest: Vec<Option<usize>> = vec![None; BRICK_VOXELS];
+    let mut size = [0usize; BRICK_VOXELS];
+    for (offset, &root) in component.iter().enumerate() {
+        size[root] += 1;
+        if farthest[root].is_none_or(|best| phi[offset] > phi[best]) {
+            farthest[root] = Some(offset);
+        }
+    }
+    let (mut ambiguous, mut inside) = (0, 0);
+    let mut is_inside = [false; BRICK_VOXELS];
+    for (root, farthest) in farthest.iter().enumerate() {
+        let Some(offset) = *farthest else { continue };
+        let winding = tree.winding_number(grid.position(voxel_at(brick, offset)));
+        is_inside[root] = winding > 0.5;
+        let clear_of_surface = phi[offset] > ON_SURFACE * grid.voxel as f32;
+        if clear_of_surface && (winding - winding.round()).abs() > AMBIGUOUS {
+            ambiguous += size[root];
+        }
+        if is_inside[root] {
+            inside += size[root];
+        }
+    }
+    for (value, &root) in phi.iter_mut().zip(&component) {
+        if is_inside[root] {
+            *value = -*value;
+        }
+    }
+    (ambiguous, inside)
+}
+
+/// Component of each voxel, named by one of its voxels.
+fn components(phi: &[f32; BRICK_VOXELS], step: f32) -> [usize; BRICK_VOXELS] {
+    let mut parent: [usize; BRICK_VOXELS] = std::array::from_fn(|i| i);
+    fn root(parent: &mut [usize; BRICK_VOXELS], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    // The margin keeps rounding to f32 from joining two sides.
+    let free = step * (1.0 + 1e-5);
+    for offset in 0..BRICK_VOXELS {
+        for (stride, local) in [(64, offset >> 6), (8, offset >> 3 & 7), (1, offset & 7)] {
+            if local < BRICK_SIDE - 1 && phi[offset] + phi[offset + stride] > free {
+                let (a, b) = (root(&mut parent, offset), root(&mut parent, offset + stride));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+    }
+    std::array::from_fn(|i| root(&mut parent, i))
+}
+
+const FACES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
+
+/// Marks the entries without a brick: each connected region takes the side that most of the bordering voxels
+/// have; a region that reaches the edge of the index is outside.
+pub(super) fn flood_empty(grid: &mut BrickGrid) {
+    let mut seen = vec![false; grid.index.len()];
+    for start in 0..grid.index.len() {
+        if grid.index[start] != OUTSIDE || seen[start] {
+            continue;
+        }
+        let region = region(start, grid, &mut seen);
+        if region.votes < 0 && !region.at_edge {
+            for entry in region.entries {
+                grid.index[entry] = INSIDE;
+            }
+        }
+    }
+}
+
+struct Region {
+    entries: Vec<usize>,
+    /// Outside minus inside voxels on the bordering brick faces.
+    votes: i64,
+    at_edge: bool,
+}
+
+fn region(start: usize, grid: &BrickGrid, seen: &mut [bool]) -> Region {
+    let mut region = Region { entries: Vec::new(), votes: 0, at_edge: false };
+    let mut queue = VecDeque::from([start]);
+    seen[start] = true;
+    while let Some(entry) = queue.pop_front() {
+        region.entries.push(entry);
+        let brick = grid.origin + entry_brick(entry, grid.dims);
+        for face in FACES {
+            match grid.entry(brick + face) {
+                None => region.at_edge = true,
+                Some(next) if grid.index[next] == OUTSIDE => {
+                    if !seen[next] {
+                        seen[next] = true;
+                        queue.push_back(next);
+                    }
+                }
+                Some(next) => region.votes += face_votes(grid, grid.index[next], face),
+            }
+        }
+    }
+    region
+}
+
+/// Outside minus inside voxels on the side of a brick that looks back along `face`.
+fn face_votes(grid: &BrickGrid, slot: u32, face: IVec3) -> i64 {
+    let base = slot as usize * BRICK_VOXELS;
+    let axis = (0..3).find(|&a| face[a] != 0).unwrap_or(0);
+    let mut local = IVec3::ZERO;
+    local[axis] = if face[axis] > 0 { 0 } else { BRICK_SIDE as i32 - 1 };
+    let mut votes = 0;
+    for u in 0..BRICK_SIDE as i32 {
+        for v in 0..BRICK_SIDE as i32 {
+            local[(axis + 1) % 3] = u;
+            local[(axis + 2) % 3] = v;
+            votes += if grid.phi[base + voxel_offset(local)] > 0.0 { 1 } else { -1 };
+        }
+    }
+    votes
+}

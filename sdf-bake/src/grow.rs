@@ -1,0 +1,128 @@
+//! Bricks added ahead of a surface that moves into the part, and freed behind it.
+
+use glam::IVec3;
+
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
+
+impl BrickGrid {
+    /// Gives pool bricks to all wholly inside neighbours that the band of one of `slots` reaches.
+    ///
+    /// New bricks hold -band everywhere: [`BrickGrid::redistance`] fills them. Returns their slots.
+    pub fn grow_inwards(&mut self, slots: &[u32]) -> Vec<u32> {
+        let mut added = Vec::new();
+        for &slot in slots {
+            let brick = self.bricks[slot as usize];
+            for i in (0..27).filter(|&i| i != 13) {
+                let step = IVec3::new(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
+                if self.slot(brick + step) == INSIDE && self.band_reaches(slot, step) {
+                    added.push(self.add_inside_brick(brick + step));
+                }
+            }
+        }
+        added
+    }
+
+    /// Returns bricks that are wholly beyond the band to the index. Slots change; the order of bricks stays.
+    pub fn release_uniform_bricks(&mut self) -> usize {
+        let before = self.brick_count();
+        let mut kept = 0;
+        for slot in 0..before {
+            let values = slot * BRICK_VOXELS..(slot + 1) * BRICK_VOXELS;
+            let entry = self.entry(self.bricks[slot]);
+            let beyond = |sign: f32| self.phi[values.clone()].iter().all(|&phi| phi * sign >= self.band);
+            let state = if beyond(1.0) {
+                OUTSIDE
+            } else if beyond(-1.0) {
+                INSIDE
+            } else {
+                self.phi.copy_within(values.clone(), kept * BRICK_VOXELS);
+                if !self.label.is_empty() {
+                    self.label.copy_within(values, kept * BRICK_VOXELS);
+                }
+                self.bricks[kept] = self.bricks[slot];
+                kept += 1;
+                kept as u32 - 1
+            };
+            if let Some(entry) = entry {
+                self.index[entry] = state;
+            }
+        }
+        self.bricks.truncate(kept);
+        self.phi.truncate(kept * BRICK_VOXELS);
+        self.label.truncate(kept * BRICK_VOXELS);
+        before - kept
+    }
+
+    fn add_inside_brick(&mut self, brick: IVec3) -> u32 {
+        let slot = self.bricks.len() as u32;
+        if let Some(entry) = self.entry(brick) {
+            self.index[entry] = slot;
+        }
+        self.bricks.push(brick);
+        self.phi.resize(self.phi.len() + BRICK_VOXELS, -self.band);
+        if !self.label.is_empty() {
+            self.label.resize(self.phi.len(), 0);
+        }
+        slot
+    }
+
+    /// Whether a voxel on the side of `slot` that faces `step` is nearer to the surface than the band
+    /// less the way to the neighbour's first voxel.
+    fn band_reaches(&self, slot: u32, step: IVec3) -> bool {
+        let reach = -self.band + (step.as_vec3().length() * self.voxel as f32).min(self.band);
+        let range = |s: i32| match s {
+            -1 => 0..1,
+            0 => 0..BRICK_SIDE,
+            _ => BRICK_SIDE - 1..BRICK_SIDE,
+        };
+        let values = &self.phi[slot as usize * BRICK_VOXELS..(slot as usize + 1) * BRICK_VOXELS];
+        range(step.x).any(|x| range(step.y).any(|y| range(step.z).any(|z| values[x << 6 | y << 3 | z] > reach)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn slab(height: f64) -> BrickGrid {
+        let half = DVec3::new(0.01, 0.01, 0.02);
+        BrickGrid::from_distance(-half, half, 0.0005, 3.0, move |p| p.z - height)
+    }
+
+    fn all_slots(grid: &BrickGrid) -> Vec<u32> {
+        (0..grid.brick_count() as u32).collect()
+    }
+
+    #[test]
+    fn a_surface_that_sank_gets_bricks_below_it_filled_with_distances() {
+        let mut grid = slab(0.001);
+        let before = grid.brick_count();
+        let sunk = 0.0006;
+        for phi in &mut grid.phi {
+            *phi = if phi.abs() < grid.band { (*phi + sunk as f32).min(grid.band) } else { *phi };
+        }
+        let added = grid.grow_inwards(&all_slots(&grid));
+        assert_eq!(added.len(), (grid.dims.x * grid.dims.y) as usize, "one layer below z = 0");
+        assert_eq!(grid.brick_count(), before + added.len());
+        grid.redistance(&all_slots(&grid));
+        assert_eq!(grid.sanity_check(), Ok(()));
+        let expected = slab(0.001 - sunk);
+        for z in -8..10 {
+            let (found, exact) = (grid.phi_at(IVec3::new(1, 1, z)), expected.phi_at(IVec3::new(1, 1, z)));
+            assert!((found - exact).abs() < 1e-7, "voxel {z}: {found}, not {exact}");
+        }
+    }
+
+    #[test]
+    fn bricks_beyond_the_band_are_freed_and_their_side_is_remembered() {
+        let mut grid = slab(0.001);
+        let original = grid.clone();
+        for brick in original.bricks.iter().filter(|b| b.z == 0) {
+            grid.add_inside_brick(*brick - IVec3::Z);
+        }
+        let added = grid.brick_count() - original.brick_count();
+        assert_eq!(grid.release_uniform_bricks(), added);
+        assert_eq!(grid, original, "what was added empty is taken back");
+    }
+}

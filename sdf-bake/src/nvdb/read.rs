@@ -1,0 +1,210 @@
+//! The bytes of a file into grids.
+
+use std::io::Read as _;
+
+use flate2::read::ZlibDecoder;
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+
+use super::bytes::Bytes;
+use super::checksum;
+use super::error::NvdbError;
+use super::field::{CLASS_FOG, CLASS_LEVEL_SET, CLASS_UNKNOWN, Value};
+use super::layout::{
+    FileHeader, FileMeta, GridData, LEAF_BYTES, LOWER, MAGIC, MAGIC_NEWER_FILE, MAGIC_NEWER_GRID, Map, RootData, UPPER,
+    Version, flags,
+};
+use super::nodes::{Found, Nodes, collect, walk};
+use super::tree::{Checksum, GridClass, NvdbFile, NvdbGrid, Tree, Values};
+
+/// zlib cannot shrink anything further (RFC 1951: 258 bytes for two bits); more is a lie about the size.
+const ZLIB_LIMIT: u64 = 1032;
+
+/// NanoVDB's names of value types, by number.
+const TYPE_NAMES: [&str; 20] = [
+    "untyped", "Float", "Double", "Int16", "Int32", "Int64", "Vec3f", "Vec3d", "Mask", "Half", "UInt32", "Boolean",
+    "RGBA8", "Fp4", "Fp8", "Fp16", "FpN", "Vec4f", "Vec4d", "Index",
+];
+
+/// Reads all grids of a `.nvdb` file of version 32.x, codec none or zip, value types Float and Int32.
+///
+/// The bytes may come from anywhere: whatever they are, the result is grids or a named error, in memory of
+/// the order of the file's own (unpacked) size. A checksum that differs is reported, not an error.
+///
+/// # Errors
+/// What was found and what would be accepted.
+pub fn read(bytes: &[u8]) -> Result<NvdbFile, NvdbError> {
+    let bytes = Bytes(bytes);
+    let mut grids = Vec::new();
+    let mut at = 0;
+    while at == 0 || at < bytes.len() {
+        at = segment(bytes, at, &mut grids)?;
+    }
+    Ok(NvdbFile { grids })
+}
+
+/// Reads one segment, and says where it ends.
+fn segment(bytes: Bytes, start: u64, grids: &mut Vec<NvdbGrid>) -> Result<u64, NvdbError> {
+    let magic: u64 = bytes.get("the file header", start)?;
+    check_magic("the file", magic, MAGIC_NEWER_FILE)?;
+    let header: FileHeader = bytes.get("the file header", start)?;
+    check_version(header.version)?;
+    let mut at = start + size_of::<FileHeader>() as u64;
+    let mut entries = Vec::new();
+    for _ in 0..header.grid_count {
+        let meta: FileMeta = bytes.get("the table of grids", at)?;
+        at += size_of::<FileMeta>() as u64;
+        let name = bytes.slice("a grid's name", at, u64::from(meta.name_size))?;
+        at += u64::from(meta.name_size);
+        entries.push((meta, until_zero(name)));
+    }
+    for (meta, name) in entries {
+        let payload = bytes.slice("a grid", at, meta.file_size)?;
+        at += meta.file_size;
+        grids.push(match header.codec {
+            0 => grid(name, Bytes(payload).slice("a grid", 0, meta.grid_size)?)?,
+            1 => grid(name.clone(), &unzip(&name, &meta, payload)?)?,
+            2 => return Err(NvdbError::Codec("blosc")),
+            _ => return Err(NvdbError::Codec("unknown")),
+        });
+    }
+    Ok(at)
+}
+
+fn check_magic(what: &'static str, found: u64, newer: u64) -> Result<(), NvdbError> {
+    if found == MAGIC || found == newer {
+        return Ok(());
+    }
+    let found = found.to_le_bytes().escape_ascii().to_string();
+    Err(NvdbError::Magic { what, found })
+}
+
+fn check_version(version: Version) -> Result<(), NvdbError> {
+    if version.major() == Version::WRITTEN.major() {
+        return Ok(());
+    }
+    Err(NvdbError::Version { major: version.major(), minor: version.minor() })
+}
+
+fn until_zero(name: &[u8]) -> String {
+    let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+    String::from_utf8_lossy(&name[..end]).into_owned()
+}
+
+fn unzip(name: &str, meta: &FileMeta, payload: &[u8]) -> Result<Vec<u8>, NvdbError> {
+    let bad = |reason: String| NvdbError::Unzip { grid: name.to_owned(), reason };
+    let length: u64 = Bytes(payload).get("a zipped grid", 0)?;
+    let packed = Bytes(payload).slice("a zipped grid", size_of::<u64>() as u64, length)?;
+    if meta.grid_size > ZLIB_LIMIT.saturating_mul(length) {
+        return Err(bad(format!("{length} bytes cannot hold {}", meta.grid_size)));
+    }
+    let mut raw = Vec::new();
+    ZlibDecoder::new(packed).take(meta.grid_size + 1).read_to_end(&mut raw).map_err(|error| bad(error.to_string()))?;
+    if raw.len() as u64 != meta.grid_size {
+        return Err(bad(format!("{} bytes or more, where the table says {}", raw.len(), meta.grid_size)));
+    }
+    Ok(raw)
+}
+
+fn grid(name: String, bytes: &[u8]) -> Result<NvdbGrid, NvdbError> {
+    let bytes = Bytes(bytes);
+    check_magic("a grid", bytes.get("a grid's head", 0)?, MAGIC_NEWER_GRID)?;
+    let head: GridData = bytes.get("a grid's head", 0)?;
+    check_version(head.version)?;
+    if head.grid_size != bytes.len() {
+        let what = format!("its head says {} bytes, the file has {}", head.grid_size, bytes.len());
+        return Err(NvdbError::Structure { grid: name, what });
+    }
+    let (voxel, translation) = placement(&name, &head.map)?;
+    let (values, active_voxels, checksum, index_box) = match head.grid_type {
+        f32::GRID_TYPE => {
+            let (tree, checksum, index_box) = tree::<f32>(&name, &head, bytes)?;
+            let active = tree.active_voxels();
+            (Values::Float(tree), active, checksum, index_box)
+        }
+        i32::GRID_TYPE => {
+            let (tree, checksum, index_box) = tree::<i32>(&name, &head, bytes)?;
+            let active = tree.active_voxels();
+            (Values::Int32(tree), active, checksum, index_box)
+        }
+        other => {
+            let found = TYPE_NAMES.get(other as usize).copied().unwrap_or("unknown");
+            return Err(NvdbError::ValueType { grid: name, found });
+        }
+    };
+    let class = match head.grid_class {
+        CLASS_UNKNOWN => GridClass::Unknown,
+        CLASS_LEVEL_SET => GridClass::LevelSet,
+        CLASS_FOG => GridClass::FogVolume,
+        other => GridClass::Other(other),
+    };
+    let corners = |b: [f64; 6]| (DVec3::from_slice(&b), DVec3::from_slice(&b[3..]));
+    Ok(NvdbGrid {
+        name,
+        class,
+        voxel,
+        translation,
+        index_bbox: index_box,
+        world_bbox: index_box.map(|_| corners(head.world_bbox)),
+        active_voxels,
+        checksum,
+        values,
+    })
+}
+
+/// Voxel size and position of voxel (0, 0, 0).
+fn placement(name: &str, map: &Map) -> Result<(f64, DVec3), NvdbError> {
+    let voxel = map.matrix[0];
+    let uniform = [voxel, 0.0, 0.0, 0.0, voxel, 0.0, 0.0, 0.0, voxel];
+    let close = map.matrix.iter().zip(uniform).all(|(a, b)| (a - b).abs() <= 1e-12 * voxel);
+    let translation = DVec3::from_array(map.translation);
+    if close && voxel.is_finite() && voxel > 0.0 && translation.is_finite() {
+        return Ok((voxel, translation));
+    }
+    Err(NvdbError::Map { grid: name.to_owned() })
+}
+
+/// Lowest and highest active voxel.
+type VoxelBox = Option<(IVec3, IVec3)>;
+
+fn tree<V: Value>(name: &str, head: &GridData, bytes: Bytes) -> Result<(Tree<V>, Checksum, VoxelBox), NvdbError> {
+    let nodes = walk::<V>(name, bytes)?;
+    let checksum = verify(head, &nodes, bytes)?;
+    let root: RootData = bytes.get("the root", nodes.root_at)?;
+    let (low, high) = (IVec3::from_slice(&root.bbox), IVec3::from_slice(&root.bbox[3..]));
+    let index_box = low.cmple(high).all().then_some((low, high));
+    Ok((collect(nodes, bytes)?, checksum, index_box))
+}
+
+/// Compares the checksum with the bytes.
+fn verify<V: Value>(head: &GridData, nodes: &Nodes<V>, bytes: Bytes) -> Result<Checksum, NvdbError> {
+    let (stated_head, stated_tail) = (head.checksum as u32, (head.checksum >> 32) as u32);
+    if head.checksum == u64::MAX {
+        return Ok(Checksum::Absent);
+    }
+    if head.version > Version::LAST_NODE_CHECKSUM {
+        return Ok(Checksum::Unknown);
+    }
+    if checksum::head(bytes.slice("the root's table", 0, nodes.root_end)?) != stated_head {
+        return Ok(Checksum::Differs);
+    }
+    if stated_tail == checksum::NONE {
+        return Ok(Checksum::Matches);
+    }
+    let in_order = head.flags & flags::BREADTH_FIRST != 0;
+    let mut crcs = Vec::new();
+    for (list, size) in [(&nodes.uppers, UPPER.bytes()), (&nodes.lowers, LOWER.bytes()), (&nodes.leaves, LEAF_BYTES)] {
+        crcs.extend(node_crcs(list, size, in_order, bytes)?);
+    }
+    let tails = [checksum::tail(crcs.iter().copied()), checksum::narrow_tail(crcs.iter().copied())];
+    Ok(if tails.contains(&stated_tail) { Checksum::Matches } else { Checksum::Differs })
+}
+
+/// CRC of each node: as they lie in the file if the grid says they lie in order, else as the tree visits them.
+fn node_crcs(list: &[Found], size: usize, in_order: bool, bytes: Bytes) -> Result<Vec<u32>, NvdbError> {
+    let mut places: Vec<u64> = list.iter().map(|node| node.at).collect();
+    if in_order {
+        places.sort_unstable();
+    }
+    places.par_iter().map(|&at| Ok(crc32fast::hash(bytes.slice("a node", at, size as u64)?))).collect()
+}

@@ -1,0 +1,118 @@
+//! Structs that lie in buffers: declared once in Rust with their units, and written out as WGSL from there.
+//!
+//! A field is an `f32`, a `u32` or a vector of four; three-vectors have an alignment that Rust does not share.
+//! The build stops when a field would lie elsewhere in WGSL or the size is not a multiple of 16 bytes.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A field type both sides lay out alike.
+pub trait SharedType {
+    /// Its name in WGSL.
+    const WGSL: &'static str;
+    /// Its alignment in WGSL [bytes].
+    const ALIGN: usize;
+}
+
+macro_rules! shared_types {
+    ($($rust:ty = $wgsl:literal, $align:literal;)+) => {
+        $(impl SharedType for $rust {
+            const WGSL: &'static str = $wgsl;
+            const ALIGN: usize = $align;
+        })+
+    };
+}
+
+shared_types! {
+    f32 = "f32", 4;
+    u32 = "u32", 4;
+    [f32; 4] = "vec4<f32>", 16;
+    [i32; 4] = "vec4<i32>", 16;
+    [u32; 4] = "vec4<u32>", 16;
+}
+
+macro_rules! shared_struct {
+    ($(#[doc = $about:literal])+ $name:ident { $($(#[doc = $doc:literal])+ $field:ident: $type:ty,)+ }) => {
+        $(#[doc = $about])+
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Pod, Zeroable)]
+        pub struct $name { $($(#[doc = $doc])+ pub $field: $type,)+ }
+
+        const _: () = {
+            assert!(size_of::<$name>() % 16 == 0, "the size is not a multiple of 16 bytes");
+            $(assert!(
+                std::mem::offset_of!($name, $field) % <$type as SharedType>::ALIGN == 0,
+                "a field is not where WGSL would put it"
+            );)+
+        };
+
+        impl $name {
+            /// The WGSL text that declares this struct.
+            pub fn wgsl() -> String {
+                let mut text = String::new();
+                $(text.push_str(&format!("//{}\n", $about));)+
+                text.push_str(&format!("struct {} {{\n", stringify!($name)));
+                $(
+                    $(text.push_str(&format!("    //{}\n", $doc));)+
+                    text.push_str(&format!("    {}: {},\n", stringify!($field), <$type as SharedType>::WGSL));
+                )+
+                text + "}\n"
+            }
+        }
+    };
+}
+
+shared_struct! {
+    /// What a kernel must know of a brick grid besides its two arrays.
+    GridHeader {
+        /// Brick coordinates of the first index entry [bricks]; the fourth is 0.
+        origin: [i32; 4],
+        /// Index entries per axis [bricks], x slowest; the fourth is 0.
+        dims: [u32; 4],
+        /// Distance between voxels [m].
+        voxel: f32,
+        /// Distance at which φ is truncated [m].
+        band: f32,
+        /// Bricks in the pool; a smaller index entry is a slot, any other a code.
+        bricks: u32,
+        /// What a sample at a point that is not finite reads: NaN, which WGSL cannot write down.
+        invalid: f32,
+    }
+}
+
+impl GridHeader {
+    /// The header of a grid.
+    ///
+    /// - `origin`: brick coordinates of the first index entry [bricks]
+    /// - `dims`: index entries per axis [bricks]
+    /// - `voxel`, `band`: voxel distance and truncation distance [m]
+    /// - `bricks`: bricks in the pool
+    pub fn new(origin: [i32; 3], dims: [u32; 3], voxel: f32, band: f32, bricks: u32) -> Self {
+        let [x, y, z] = origin;
+        let [nx, ny, nz] = dims;
+        Self { origin: [x, y, z, 0], dims: [nx, ny, nz, 0], voxel, band, bricks, invalid: f32::NAN }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shader_text_carries_every_field_with_its_unit() {
+        let text = GridHeader::wgsl();
+        assert!(text.contains("struct GridHeader {"), "{text}");
+        assert!(text.contains("    // Distance between voxels [m].\n    voxel: f32,"), "{text}");
+        assert!(text.contains("origin: vec4<i32>,"), "{text}");
+    }
+
+    #[test]
+    fn naga_puts_each_field_where_rust_does() {
+        let module = naga::front::wgsl::parse_str(&GridHeader::wgsl()).expect("the struct parses");
+        let (_, declared) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some("GridHeader")).unwrap();
+        let naga::TypeInner::Struct { members, span } = &declared.inner else { panic!("not a struct") };
+        assert_eq!(*span as usize, size_of::<GridHeader>());
+        let offsets: Vec<u32> = members.iter().map(|member| member.offset).collect();
+        assert_eq!(offsets, [0, 16, 32, 36, 40, 44]);
+        assert_eq!(std::mem::offset_of!(GridHeader, invalid), 44);
+    }
+}

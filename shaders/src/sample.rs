@@ -1,0 +1,183 @@
+//! φ at a list of points on the device; host file of `sample.wgsl`.
+
+use crate::brick_grid::{GridBuffers, GridError};
+use crate::constants::WORKGROUP_SIZE;
+use crate::device::{Device, DeviceFault};
+use crate::wgsl::SAMPLE;
+
+/// Bytes of a point in its buffer.
+const POINT_BYTES: u64 = size_of::<[f32; 4]>() as u64;
+/// Bytes of a φ in its buffer.
+const PHI_BYTES: u64 = size_of::<f32>() as u64;
+
+/// Why points were not sampled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SampleError {
+    /// Header and arrays are not one grid.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// An array is larger than the adapter can bind.
+    #[error(
+        "the {array} of this grid takes {bytes} bytes and {adapter} binds at most {limit}: use a larger voxel or --backend cpu"
+    )]
+    TooLarge {
+        /// `pool` or `index`.
+        array: &'static str,
+        /// Its size [bytes].
+        bytes: u64,
+        /// The largest binding [bytes].
+        limit: u64,
+        /// The adapter.
+        adapter: String,
+    },
+    /// The device failed.
+    #[error(transparent)]
+    Device(#[from] DeviceFault),
+}
+
+/// A grid on the device, ready to be sampled.
+#[derive(Debug)]
+pub struct Sampler<'a> {
+    device: &'a Device,
+    pipeline: wgpu::ComputePipeline,
+    header: wgpu::Buffer,
+    index: wgpu::Buffer,
+    phi: wgpu::Buffer,
+}
+
+impl<'a> Sampler<'a> {
+    /// Uploads a grid and compiles the kernel.
+    ///
+    /// # Errors
+    /// [`SampleError::Grid`] where header and arrays disagree, [`SampleError::TooLarge`] where an array is
+    /// larger than the adapter's limit, [`SampleError::Device`] where the device fails.
+    pub fn new(device: &'a Device, grid: &GridBuffers<'_>) -> Result<Self, SampleError> {
+        grid.validate()?;
+        check_size(device, "pool", grid.phi.len())?;
+        check_size(device, "index", grid.index.len())?;
+        let pipeline = device.guarded("compiling the kernel `sample`", pipeline)?;
+        let sampler = device.guarded("uploading the grid", |_| Self {
+            device,
+            pipeline,
+            header: upload(device, "grid header", bytemuck::bytes_of(&grid.header), wgpu::BufferUsages::UNIFORM),
+            index: upload(device, "grid index", bytemuck::cast_slice(grid.index), wgpu::BufferUsages::STORAGE),
+            phi: upload(device, "grid phi", bytemuck::cast_slice(grid.phi), wgpu::BufferUsages::STORAGE),
+        });
+        Ok(sampler?)
+    }
+
+    /// φ [m] at points [m]: ±band beyond the band, NaN where a point is not finite. The fourth component of a
+    /// point is not read. Agrees with [`GridBuffers::sample_phi`] within rounding.
+    ///
+    /// # Errors
+    /// [`SampleError::Device`] where the device fails.
+    pub fn sample(&self, points: &[[f32; 4]]) -> Result<Vec<f32>, SampleError> {
+        let mut phi = Vec::with_capacity(points.len());
+        for chunk in points.chunks(self.points_per_dispatch()) {
+            self.sample_chunk(chunk, &mut phi)?;
+        }
+        Ok(phi)
+    }
+
+    /// Most points that one dispatch and one binding take.
+    fn points_per_dispatch(&self) -> usize {
+        let limits = self.device.device.limits();
+        let by_groups = u64::from(limits.max_compute_workgroups_per_dimension) * u64::from(WORKGROUP_SIZE);
+        by_groups.min(binding_limit(self.device) / POINT_BYTES) as usize
+    }
+
+    fn sample_chunk(&self, points: &[[f32; 4]], phi: &mut Vec<f32>) -> Result<(), DeviceFault> {
+        let device = self.device;
+        let read_back = device.guarded("sampling", |_| self.dispatch(points))?;
+        let during = "reading the samples back";
+        let mapped = device.guarded(during, |device| map(device, &read_back))?;
+        let bytes = mapped.map_err(|error| device.fault(during, error.as_ref()))?;
+        phi.extend(bytes.chunks_exact(size_of::<f32>()).map(bytemuck::pod_read_unaligned::<f32>));
+        Ok(())
+    }
+
+    /// Submits one dispatch; gives the buffer that will hold φ.
+    fn dispatch(&self, points: &[[f32; 4]]) -> wgpu::Buffer {
+        let Device { device, queue, .. } = self.device;
+        let size = points.len() as u64 * PHI_BYTES;
+        let buffer = |label, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        };
+        let point_list = upload(self.device, "points", bytemuck::cast_slice(points), wgpu::BufferUsages::STORAGE);
+        let phi = buffer("sampled phi", wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let read_back = buffer("sampled phi, read back", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        let bound = [&self.header, &self.index, &self.phi, &point_list, &phi];
+        let entries: Vec<_> = (0..).zip(bound).map(|(binding, buffer)| binding_entry(binding, buffer)).collect();
+        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("sample bindings"),
+            layout: &self.pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("sample") });
+        {
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sample"), timestamp_writes: None });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &bindings, &[]);
+            pass.dispatch_workgroups((points.len() as u32).div_ceil(WORKGROUP_SIZE), 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&phi, 0, &read_back, 0, size);
+        queue.submit([encoder.finish()]);
+        read_back
+    }
+}
+
+fn binding_entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+}
+
+/// The largest storage buffer a kernel can bind [bytes].
+fn binding_limit(device: &Device) -> u64 {
+    let limits = device.device.limits();
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+}
+
+/// Refuses an array of 4-byte values that the device cannot bind.
+fn check_size(device: &Device, array: &'static str, values: usize) -> Result<(), SampleError> {
+    let bytes = values as u64 * 4;
+    let limit = binding_limit(device);
+    if bytes <= limit {
+        return Ok(());
+    }
+    Err(SampleError::TooLarge { array, bytes, limit, adapter: device.adapter().to_string() })
+}
+
+fn pipeline(device: &Device) -> wgpu::ComputePipeline {
+    let source = wgpu::ShaderSource::Wgsl(SAMPLE.text().into());
+    let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(SAMPLE.entry), source });
+    device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(SAMPLE.entry),
+        layout: None,
+        module: &module,
+        entry_point: Some(SAMPLE.entry),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
+/// Waits for the device and maps a buffer.
+fn map(device: &Device, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, Box<dyn std::error::Error>> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    // The receiver outlives the wait below, so sending cannot fail.
+    buffer.map_async(wgpu::MapMode::Read, .., move |outcome| drop(sender.send(outcome)));
+    device.device.poll(wgpu::PollType::wait_indefinitely())?;
+    receiver.recv()??;
+    Ok(buffer.get_mapped_range(..)?)
+}
+
+/// A buffer that holds `bytes`. No bytes give four, since an empty buffer cannot be bound.
+fn upload(device: &Device, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes.len().max(4) as u64,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    device.queue.write_buffer(&buffer, 0, bytes);
+    buffer
+}

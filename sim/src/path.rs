@@ -1,0 +1,173 @@
+//! The planned path of a pass: where the wheel's lowest point should be, and when.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::tool::{Pose, Wheel};
+
+/// One point of a curve on the workpiece.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurvePoint {
+    /// Position on the surface [m].
+    pub position: DVec3,
+    /// Outward unit normal: the wheel approaches against it.
+    pub normal: DVec3,
+}
+
+/// One sample of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PathSample {
+    /// Since the start of the pass [s].
+    pub time: f64,
+    /// Nominal contact point [m]; force control moves the wheel along `approach` from there.
+    pub position: DVec3,
+    /// Approach axis, unit, out of the part.
+    pub approach: DVec3,
+    /// The wheel's axis, unit.
+    pub axis: DVec3,
+}
+
+impl PathSample {
+    /// Pose of a wheel whose lowest point is the nominal contact point.
+    pub fn pose(&self, wheel: &Wheel) -> Pose {
+        let pose = Pose { centre: self.position, approach: self.approach, axis: self.axis };
+        Pose { centre: 2.0 * self.position - wheel.lowest(&pose), ..pose }
+    }
+}
+
+/// Why a curve cannot be followed.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum PathError {
+    /// Too short.
+    #[error("the path has {found} distinct points, at least 2 are needed")]
+    TooFewPoints {
+        /// Points with a length between them.
+        found: usize,
+    },
+    /// Not a speed.
+    #[error("the feed is {found} m/s, it must be positive and finite")]
+    BadFeed {
+        /// Feed given [m/s].
+        found: f64,
+    },
+    /// The wheel's axis is undefined.
+    #[error("at point {point} the normal is along the curve or not finite: give normals across the curve")]
+    NormalAlongCurve {
+        /// Index of the point.
+        point: usize,
+    },
+    /// Samples of a log out of order.
+    #[error("sample {sample} is not later than the one before it")]
+    TimeNotIncreasing {
+        /// Index of the sample.
+        sample: usize,
+    },
+}
+
+/// Samples in order of time, starting at 0; between them the path is straight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    samples: Vec<PathSample>,
+}
+
+impl Path {
+    /// A path from samples, for instance of a log.
+    ///
+    /// # Errors
+    /// Fewer than two samples, or times that do not increase.
+    pub fn from_samples(samples: Vec<PathSample>) -> Result<Self, PathError> {
+        if samples.len() < 2 {
+            return Err(PathError::TooFewPoints { found: samples.len() });
+        }
+        match samples.windows(2).position(|pair| !(pair[1].time > pair[0].time)) {
+            Some(before) => Err(PathError::TimeNotIncreasing { sample: before + 1 }),
+            None => Ok(Self { samples }),
+        }
+    }
+
+    /// Follows a curve at constant `feed` [m/s] with the wheel's axis across the curve and its normal.
+    ///
+    /// # Errors
+    /// A feed that is not a speed, fewer than two distinct points, or a normal along the curve.
+    pub fn along(curve: &[CurvePoint], feed: f64) -> Result<Self, PathError> {
+        if !(feed > 0.0 && feed.is_finite()) {
+            return Err(PathError::BadFeed { found: feed });
+        }
+        let mut time = 0.0;
+        let mut samples = Vec::with_capacity(curve.len());
+        for (i, point) in curve.iter().enumerate() {
+            let (before, after) = (curve[i.saturating_sub(1)].position, curve[(i + 1).min(curve.len() - 1)].position);
+            let axis = point.normal.cross(after - before).normalize_or_zero();
+            let approach = (after - before).cross(axis).normalize_or_zero();
+            if !(axis.is_normalized() && approach.is_normalized()) {
+                return Err(PathError::NormalAlongCurve { point: i });
+            }
+            time += (point.position - before).length() / feed;
+            samples.push(PathSample { time, position: point.position, approach, axis });
+        }
+        samples.dedup_by(|later, earlier| later.time <= earlier.time);
+        Self::from_samples(samples)
+    }
+
+    /// The same way in the other direction, at the same speeds.
+    pub fn reversed(&self) -> Self {
+        let end = self.duration();
+        let turn = |sample: &PathSample| PathSample { time: end - sample.time, axis: -sample.axis, ..*sample };
+        Self { samples: self.samples.iter().rev().map(turn).collect() }
+    }
+
+    /// Time of the last sample [s].
+    pub fn duration(&self) -> f64 {
+        self.samples.last().map_or(0.0, |sample| sample.time)
+    }
+
+    /// Length of the way [m].
+    pub fn length(&self) -> f64 {
+        self.samples.windows(2).map(|pair| (pair[1].position - pair[0].position).length()).sum()
+    }
+
+    /// The path at a time [s], held at its ends.
+    pub fn at(&self, time: f64) -> PathSample {
+        let after = self.samples.partition_point(|sample| sample.time < time).clamp(1, self.samples.len() - 1);
+        let (a, b) = (&self.samples[after - 1], &self.samples[after]);
+        let t = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
+        let approach = a.approach.lerp(b.approach, t).normalize();
+        let axis = a.axis.lerp(b.axis, t).normalize();
+        PathSample { time, position: a.position.lerp(b.position, t), approach, axis }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn straight() -> Vec<CurvePoint> {
+        (0..5).map(|i| CurvePoint { position: DVec3::X * 0.01 * f64::from(i), normal: DVec3::Z }).collect()
+    }
+
+    #[test]
+    fn a_straight_curve_is_followed_at_the_feed_with_the_axis_across() {
+        let path = Path::along(&straight(), 0.005).unwrap();
+        assert!((path.duration() - 8.0).abs() < 1e-12);
+        let sample = path.at(3.0);
+        assert!((sample.position - DVec3::X * 0.015).length() < 1e-12);
+        assert_eq!((sample.approach, sample.axis), (DVec3::Z, DVec3::Y));
+        let wheel = Wheel { radius: 0.05, width: 0.02 };
+        assert!((wheel.lowest(&sample.pose(&wheel)) - sample.position).length() < 1e-15);
+        let back = path.reversed();
+        assert!((back.at(3.0).position - DVec3::X * 0.025).length() < 1e-12);
+        assert_eq!(back.at(3.0).pose(&wheel).feed(), -DVec3::X);
+    }
+
+    #[test]
+    fn curves_that_cannot_be_followed_are_refused_with_the_reason() {
+        assert_eq!(Path::along(&straight()[..1], 0.005), Err(PathError::NormalAlongCurve { point: 0 }));
+        assert_eq!(Path::along(&[], 0.005), Err(PathError::TooFewPoints { found: 0 }));
+        assert!(matches!(Path::along(&straight(), f64::NAN), Err(PathError::BadFeed { .. })));
+        let mut bad = straight();
+        bad[2].normal = DVec3::X;
+        assert_eq!(Path::along(&bad, 0.005), Err(PathError::NormalAlongCurve { point: 2 }));
+        bad[2].normal = DVec3::NAN;
+        assert_eq!(Path::along(&bad, 0.005), Err(PathError::NormalAlongCurve { point: 2 }));
+    }
+}

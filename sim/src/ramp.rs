@@ -1,0 +1,84 @@
+//! Means of `max(d, 0)` for a depth d that is linear over a rectangle: how a patch's rim is resolved.
+
+/// Spans below this share of the depth scale would divide by almost zero.
+const FLAT: f64 = 1e-14;
+
+/// Mean of `max(depth + x + y, 0)` over |x| ≤ spans.0, |y| ≤ spans.1, all in metres.
+pub(crate) fn ramp_mean(depth: f64, spans: (f64, f64)) -> f64 {
+    over_rectangle(depth, spans, ramp, ramp_integral)
+}
+
+/// Share of the same rectangle in which `depth + x + y` is positive.
+pub(crate) fn wet_share(depth: f64, spans: (f64, f64)) -> f64 {
+    over_rectangle(depth, spans, step, ramp)
+}
+
+/// Mean over the narrow span of `along(z, wide)`, whose antiderivative in z is `integral(z, wide)`.
+fn over_rectangle(
+    depth: f64,
+    (a, b): (f64, f64),
+    along: impl Fn(f64, f64) -> f64,
+    integral: impl Fn(f64, f64) -> f64,
+) -> f64 {
+    let (wide, narrow) = (a.max(b), a.min(b));
+    if narrow <= FLAT + 1e-6 * wide {
+        return along(depth, wide);
+    }
+    (integral(depth + narrow, wide) - integral(depth - narrow, wide)) / (2.0 * narrow)
+}
+
+/// Share of |x| ≤ span in which z + x > 0.
+fn step(z: f64, span: f64) -> f64 {
+    if z <= -span {
+        0.0
+    } else if z >= span {
+        1.0
+    } else {
+        (z + span) / (2.0 * span)
+    }
+}
+
+/// Mean of max(z + x, 0) over |x| ≤ span.
+fn ramp(z: f64, span: f64) -> f64 {
+    if z >= span {
+        z
+    } else if z <= -span {
+        0.0
+    } else {
+        (z + span).powi(2) / (4.0 * span)
+    }
+}
+
+/// ∫ ramp dz from below.
+fn ramp_integral(z: f64, span: f64) -> f64 {
+    if z >= span {
+        0.5 * z * z + span * span / 6.0
+    } else if z <= -span {
+        0.0
+    } else {
+        (z + span).powi(3) / (12.0 * span)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_agree_with_a_sum_over_many_points() {
+        for depth in [-1.3, -0.7, -0.1, 0.0, 0.4, 0.9, 1.6] {
+            for spans in [(1.0, 0.5), (0.3, 0.9), (0.0, 0.8), (0.6, 0.6), (0.0, 0.0)] {
+                let (mut mean, mut wet) = (0.0, 0.0);
+                let n = 400;
+                for i in 0..n * n {
+                    let at = |j: usize, span: f64| ((j as f64 + 0.5) / n as f64 * 2.0 - 1.0) * span;
+                    let value: f64 = depth + at(i / n, spans.0) + at(i % n, spans.1);
+                    mean += value.max(0.0) / (n * n) as f64;
+                    wet += if value > 0.0 { 1.0 / (n * n) as f64 } else { 0.0 };
+                }
+                assert!((ramp_mean(depth, spans) - mean).abs() < 1e-5, "{depth} {spans:?}");
+                assert!((wet_share(depth, spans) - wet).abs() < 6e-3, "{depth} {spans:?}");
+            }
+        }
+    }
+}

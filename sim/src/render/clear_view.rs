@@ -1,0 +1,85 @@
+//! From where a weld is seen best: on an arbitrary part it may lie in a pocket or under a rib.
+
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+
+use super::camera::{Ray, outward};
+use super::trace::trace;
+
+/// Elevations that are tried [rad], the most natural first: it wins a tie.
+const ELEVATIONS: [f64; 6] = [0.65, 0.95, 0.35, 1.35, -0.5, -1.2];
+/// Azimuths that are tried.
+const AZIMUTHS: usize = 24;
+/// Points that are looked at; more change the answer little.
+const MOST_POINTS: usize = 48;
+/// Cosine of the angle between surface and view at which a point counts fully.
+const ENOUGH_FACING: f64 = 0.5;
+/// What a view along a straight weld is worth against one across it.
+const END_ON: f64 = 0.25;
+
+/// Direction from `points` [m] towards a camera that sees most of them, unobstructed, facing it and across.
+///
+/// `reach`: how far from its point the visible surface may be [m], for example a bead's width for points on the seam
+/// below it. Upward views win ties. Meant for [`Camera::close_up`](super::Camera::close_up).
+pub fn clearest_direction(grid: &BrickGrid, points: &[DVec3], reach: f64) -> DVec3 {
+    let size = (grid.dims * sdf_bake::grid::BRICK_SIDE as i32).as_dvec3() * grid.voxel;
+    let stride = points.len().div_ceil(MOST_POINTS).max(1);
+    let seen = |direction: DVec3| -> f64 {
+        let from_there = |point: &DVec3| {
+            let ray = Ray { origin: *point + direction * size.length(), direction: -direction };
+            let facing = |normal: glam::Vec3| (normal.as_dvec3().dot(direction) / ENOUGH_FACING).clamp(0.0, 1.0);
+            trace(grid, &ray).filter(|hit| hit.point.distance(*point) <= reach).map_or(0.0, |hit| facing(hit.normal))
+        };
+        points.iter().step_by(stride).map(from_there).sum::<f64>()
+            * (END_ON + (1.0 - END_ON) * breadth(points, direction))
+    };
+    let mut best = (outward(0.0, ELEVATIONS[0]), -1.0);
+    for elevation in ELEVATIONS {
+        for step in 0..AZIMUTHS {
+            let direction = outward(step as f64 / AZIMUTHS as f64 * std::f64::consts::TAU, elevation);
+            let score = seen(direction);
+            // A hair more is no reason to leave a natural view.
+            if score > best.1 * 1.02 + 1e-9 {
+                best = (direction, score);
+            }
+        }
+    }
+    best.0
+}
+
+/// Root mean square spread of points as seen along a unit direction, by their spread in space: 0 to 1, 1 for one point.
+fn breadth(points: &[DVec3], direction: DVec3) -> f64 {
+    let centre = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+    let (all, along) = points
+        .iter()
+        .map(|p| *p - centre)
+        .fold((0.0, 0.0), |(all, along), away| (all + away.length_squared(), along + away.dot(direction).powi(2)));
+    if all > 0.0 { (1.0 - along / all).max(0.0).sqrt() } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_weld_behind_a_wall_is_seen_from_its_own_side() {
+        let cuboid = |p: DVec3, centre: DVec3, half: DVec3| {
+            let q = (p - centre).abs() - half;
+            q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+        };
+        let part = |p: DVec3| {
+            let floor = cuboid(p, DVec3::ZERO, DVec3::new(0.02, 0.02, 0.001));
+            floor.min(cuboid(p, DVec3::new(0.0, 0.0, 0.01), DVec3::new(0.001, 0.02, 0.01)))
+        };
+        let bounds = DVec3::new(0.021, 0.021, 0.021);
+        let grid = BrickGrid::from_distance(-bounds, bounds, 0.0005, 3.0, part);
+        for side in [-1.0, 1.0] {
+            let seam: Vec<DVec3> = (-5..=5).map(|i| DVec3::new(0.0013 * side, 0.003 * f64::from(i), 0.0012)).collect();
+            let direction = clearest_direction(&grid, &seam, 0.002);
+            assert!(direction.x * side > 0.3 && direction.z > 0.0, "{direction} for side {side}");
+        }
+        let below = clearest_direction(&grid, &[DVec3::new(0.005, 0.0, -0.001)], 0.001);
+        assert!(below.z < 0.0, "{below}");
+        assert!(clearest_direction(&grid, &[], 0.001).is_finite());
+    }
+}

@@ -1,0 +1,88 @@
+//! φ along a ray within one cell is a cubic polynomial (Parker et al. 1998), so the surface is met at its first root.
+
+/// Halvings of the bracket: 3 cells' thirds / 2¹⁸ is below the resolution of f32 in a large grid.
+const HALVINGS: usize = 18;
+
+/// First place (0 to 1) at which a cubic is zero or below, or `None` if it stays above.
+///
+/// `values`: the cubic at 0, 1/3, 2/3 and 1. The interval is split at the extrema, between which the cubic is
+/// monotone and bisection cannot miss (Marmitt et al. 2004).
+pub(crate) fn first_root(values: [f32; 4]) -> Option<f32> {
+    if values[0] <= 0.0 {
+        return Some(0.0);
+    }
+    let cubic = coefficients(values);
+    let mut low = 0.0;
+    for high in extrema(cubic).into_iter().flatten().chain([3.0]) {
+        if at(cubic, high) <= 0.0 {
+            return Some(bisect(cubic, low, high) / 3.0);
+        }
+        low = high;
+    }
+    // Rounding may lift the polynomial off its own last value.
+    (values[3] <= 0.0).then_some(1.0)
+}
+
+/// Power coefficients in u = 3 s, lowest first, from forward differences.
+fn coefficients([f0, f1, f2, f3]: [f32; 4]) -> [f32; 4] {
+    let (first, second, third) = (f1 - f0, f2 - 2.0 * f1 + f0, f3 - 3.0 * (f2 - f1) - f0);
+    [f0, first - second / 2.0 + third / 3.0, (second - third) / 2.0, third / 6.0]
+}
+
+fn at([a, b, c, d]: [f32; 4], u: f32) -> f32 {
+    a + u * (b + u * (c + u * d))
+}
+
+/// Places of the extrema within (0, 3), in order.
+fn extrema([_, b, c, d]: [f32; 4]) -> [Option<f32>; 2] {
+    // Roots of 3 d u² + 2 c u + b in the form that neither divides by a small d nor cancels.
+    let root = (c * c - 3.0 * d * b).max(0.0).sqrt();
+    let q = -(c + root.copysign(c));
+    let (u, v) = (q / (3.0 * d), b / q);
+    let within = |u: f32| (u > 0.0 && u < 3.0).then_some(u);
+    if u < v { [within(u), within(v)] } else { [within(v), within(u)] }
+}
+
+/// Root between a place above zero and one at or below it; the lower side, where the cubic is still above.
+fn bisect(cubic: [f32; 4], mut above: f32, mut below: f32) -> f32 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (above + below);
+        if at(cubic, middle) > 0.0 {
+            above = middle;
+        } else {
+            below = middle;
+        }
+    }
+    0.5 * (above + below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sampled(f: impl Fn(f32) -> f32) -> [f32; 4] {
+        [f(0.0), f(1.0 / 3.0), f(2.0 / 3.0), f(1.0)]
+    }
+
+    #[test]
+    fn the_first_of_three_roots_is_found() {
+        let root = first_root(sampled(|s| (0.2 - s) * (s - 0.5) * (s - 0.9))).unwrap();
+        assert!((root - 0.2).abs() < 1e-5, "{root}");
+    }
+
+    #[test]
+    fn a_dip_between_positive_ends_is_found() {
+        let root = first_root(sampled(|s| (s - 0.4) * (s - 0.45))).unwrap();
+        assert!((root - 0.4).abs() < 1e-4, "{root}");
+        assert_eq!(first_root(sampled(|s| (s - 0.4) * (s - 0.4) + 0.001)), None);
+    }
+
+    #[test]
+    fn lines_and_constants_are_cubics_too() {
+        let root = first_root(sampled(|s| 0.3 - s)).unwrap();
+        assert!((root - 0.3).abs() < 1e-5, "{root}");
+        assert_eq!(first_root([1.0; 4]), None);
+        assert_eq!(first_root([-1.0; 4]), Some(0.0));
+        assert_eq!(first_root([f32::NAN; 4]), None);
+    }
+}

@@ -1,0 +1,77 @@
+//! What a rendering gives: float buffers, and the eight-bit picture made from them.
+
+use glam::Vec3;
+
+use super::colour::to_srgb8;
+
+/// Float buffers of one view, row by row from the top left, shape `[height, width]` each.
+///
+/// Colour is the mean over a pixel; the others belong to the ray through the pixel's centre.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Pixels along a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear RGB, background included.
+    pub colour: Vec<Vec3>,
+    /// Distance along the camera's axis [m]; infinite for background.
+    pub depth: Vec<f32>,
+    /// Outward unit normal in the part's frame; zero for background.
+    pub normal: Vec<Vec3>,
+    /// Point on the surface in the part's frame [m]; zero for background.
+    pub position: Vec<Vec3>,
+    /// Weld id; 0 for base metal and background.
+    pub weld: Vec<u16>,
+    /// Removed depth [m]; 0 where nothing was removed and for background.
+    pub removed: Vec<f32>,
+    /// Removed depth that has the colour map's last colour [m], if removed depth was drawn.
+    pub removed_full_scale: Option<f64>,
+}
+
+impl Frame {
+    /// The colour as an eight-bit sRGB picture.
+    pub fn to_srgb8(&self) -> Picture {
+        let rgb = self.colour.iter().flat_map(|&colour| to_srgb8(colour)).collect();
+        Picture { width: self.width, height: self.height, rgb }
+    }
+}
+
+/// An eight-bit sRGB picture, row by row from the top left.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Pixels along a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green and blue of each pixel, shape `[height, width, 3]`.
+    pub rgb: Vec<u8>,
+}
+
+impl Picture {
+    /// A picture of one colour.
+    pub fn filled(width: usize, height: usize, colour: [u8; 3]) -> Self {
+        Self { width, height, rgb: colour.repeat(width * height) }
+    }
+
+    /// Fills the part of a rectangle that lies within the picture.
+    pub fn fill(&mut self, (x, y): (usize, usize), (width, height): (usize, usize), colour: [u8; 3]) {
+        let right = (x + width).min(self.width);
+        for row in y..(y + height).min(self.height) {
+            for column in x..right {
+                let at = 3 * (row * self.width + column);
+                self.rgb[at..at + 3].copy_from_slice(&colour);
+            }
+        }
+    }
+
+    /// Copies another picture with its top left corner at `(x, y)`; what does not fit is left out.
+    pub fn paste(&mut self, (x, y): (usize, usize), other: &Picture) {
+        let columns = other.width.min(self.width.saturating_sub(x));
+        for row in 0..other.height.min(self.height.saturating_sub(y)) {
+            let to = 3 * ((y + row) * self.width + x);
+            let from = 3 * row * other.width;
+            self.rgb[to..to + 3 * columns].copy_from_slice(&other.rgb[from..from + 3 * columns]);
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! From surface to light: a key and a fill light, a studio's sky as reflected by brushed metal, shadow and occlusion.
+//!
+//! The lights stand relative to the camera, so that every view of a part is lit the same way. Pure functions of their
+//! arguments.
+
+use glam::Vec3;
+use sdf_bake::BrickGrid;
+
+use super::camera::{Camera, Ray};
+use super::surface::Surface;
+use super::trace::light_share;
+
+/// Albedo and reflectance at normal incidence, linear RGB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finish {
+    /// Diffusely scattered share of the light.
+    pub diffuse: Vec3,
+    /// Mirrored share of light that falls on straight (Schlick 1994, F₀).
+    pub mirror: Vec3,
+}
+
+/// Steel of the part.
+pub const BASE_STEEL: Finish = Finish { diffuse: Vec3::new(0.19, 0.213, 0.24), mirror: Vec3::new(0.15, 0.16, 0.17) };
+/// Weld metal, in a warm tint that no steel has.
+pub const WELD_METAL: Finish = Finish { diffuse: Vec3::new(0.55, 0.165, 0.022), mirror: Vec3::new(0.15, 0.095, 0.05) };
+/// Paper-like grey below a colour map, which must not compete with it.
+pub const UNTOUCHED: Finish = Finish { diffuse: Vec3::splat(0.36), mirror: Vec3::splat(0.05) };
+
+/// The lights of a view, from the surface to the light, in the part's frame.
+pub(crate) struct Studio {
+    key: Vec3,
+    fill: Vec3,
+    up: Vec3,
+}
+
+const KEY: f32 = 1.75;
+const FILL: f32 = 0.38;
+const SKY: f32 = 0.62;
+const FLOOR: f32 = 0.26;
+/// Tangent of the key light's half angle: a large soft box.
+const KEY_SPREAD: f32 = 0.16;
+/// Blinn-Phong exponent (Blinn 1977) of the key light's highlight: brushed, not polished.
+const HIGHLIGHT: f32 = 38.0;
+const HIGHLIGHT_STRENGTH: f32 = 1.4;
+/// Start of a shadow ray above the surface [voxels].
+const SHADOW_START: f64 = 0.6;
+
+impl Studio {
+    /// Key light over the camera's left shoulder, fill light from the right.
+    pub(crate) fn new(camera: &Camera) -> Self {
+        let toward = |right: f64, up: f64| {
+            (camera.right * right + camera.up * up - camera.forward).normalize_or(-camera.forward).as_vec3()
+        };
+        // Half the part's vertical, half the image's: a view from below still has a sky.
+        let up = (glam::DVec3::Z + 0.5 * camera.up).normalize_or(camera.up).as_vec3();
+        Self { key: toward(-0.75, 1.0), fill: toward(1.3, 0.15), up }
+    }
+
+    /// Light that a finish sends to the camera, linear RGB.
+    pub(crate) fn shade(&self, grid: &BrickGrid, surface: &Surface, finish: &Finish) -> Vec3 {
+        let n = facing(surface.normal, surface.view);
+        let open = ambient_occlusion(grid, surface);
+        let lit = self.key_share(grid, surface);
+        let sky = self.sky(n) * open;
+        let diffuse = (KEY * lit * n.dot(self.key).max(0.0) + FILL * n.dot(self.fill).max(0.0) * open + sky) * 0.62;
+        let reflected = reflect(surface.view, n);
+        let half = (self.key - surface.view).normalize_or(n);
+        let highlight = lit * n.dot(half).max(0.0).powf(HIGHLIGHT) * open * HIGHLIGHT_STRENGTH;
+        let fresnel = schlick(finish.mirror, -n.dot(surface.view));
+        finish.diffuse * diffuse + fresnel * (self.softbox(reflected) * open + highlight)
+    }
+
+    /// Mild shading for a colour that carries a number: form shows, the number stays readable.
+    pub(crate) fn shade_mapped(&self, grid: &BrickGrid, surface: &Surface, colour: Vec3) -> Vec3 {
+        let n = facing(surface.normal, surface.view);
+        let light = 0.5 + 0.5 * n.dot(self.key).max(0.0);
+        colour * light.mul_add(0.35, 0.68) * (0.75 + 0.25 * ambient_occlusion(grid, surface))
+    }
+
+    fn key_share(&self, grid: &BrickGrid, surface: &Surface) -> f32 {
+        if surface.normal.dot(self.key) <= 0.0 {
+            return 0.0;
+        }
+        let lift = surface.normal.as_dvec3() * (SHADOW_START * grid.voxel);
+        let ray =
+            Ray { origin: surface.position.as_dvec3() + lift, direction: self.key.as_dvec3().normalize_or_zero() };
+        light_share(grid, &ray, KEY_SPREAD)
+    }
+
+    /// Diffuse light from above and from the floor.
+    fn sky(&self, n: Vec3) -> f32 {
+        let above = 0.5 + 0.5 * n.dot(self.up);
+        FLOOR + (SKY - FLOOR) * above
+    }
+
+    /// What brushed metal mirrors: a floor, a bright horizon and a ceiling with a soft edge.
+    fn softbox(&self, direction: Vec3) -> f32 {
+        let height = direction.dot(self.up);
+        let ceiling = smooth_step(-0.15, 0.75, height);
+        0.35 + 0.85 * ceiling + 0.25 * (1.0 - height.abs()).powi(3)
+    }
+}
+
+/// Share of open space just above a point, 0 to 1: φ along the normal against the distance gone (Evans 2006), within
+/// the band, beyond which φ is truncated.
+fn ambient_occlusion(grid: &BrickGrid, surface: &Surface) -> f32 {
+    const STEPS: [f32; 3] = [0.3, 0.6, 0.95];
+    let point = surface.position.as_dvec3();
+    let normal = surface.normal.as_dvec3();
+    let missing = |&part: &f32| {
+        let reach = part * grid.band;
+        1.0 - (grid.sample(point + normal * f64::from(reach)) / reach).clamp(0.0, 1.0)
+    };
+    let mean = STEPS.iter().map(missing).sum::<f32>() / STEPS.len() as f32;
+    (1.0 - 1.5 * mean).max(0.15)
+}
+
+/// The normal, turned just enough to face the camera: blended normals tip over at silhouettes.
+fn facing(normal: Vec3, view: Vec3) -> Vec3 {
+    let away = normal.dot(view);
+    if away > 0.0 { (normal - view * away).normalize_or(-view) } else { normal }
+}
+
+fn reflect(view: Vec3, normal: Vec3) -> Vec3 {
+    view - normal * (2.0 * view.dot(normal))
+}
+
+/// Schlick 1994, reflectance at an angle whose cosine is given.
+fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
+    let grazing = (1.0 - cosine.clamp(0.0, 1.0)).powi(5);
+    // Brushed metal is too rough to become a mirror at grazing angles.
+    straight + (Vec3::splat(0.55) - straight).max(Vec3::ZERO) * grazing
+}
+
+/// Cubic step from 0 at `low` to 1 at `high`.
+pub(crate) fn smooth_step(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

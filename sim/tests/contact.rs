@@ -1,0 +1,181 @@
+//! Contact force against the closed forms (convention T: depth is the wheel's signed distance at the
+//! workpiece's surface).
+
+mod common;
+
+use std::f64::consts::PI;
+
+use common::{WHEEL, ball, bar, odd_turn, plate, pressed};
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use sim::contact::{Patch, PatchExtent};
+use sim::{Contact, Pose, Wheel};
+
+const K: f64 = 1e10;
+
+fn contact(grid: &BrickGrid, wheel: &Wheel, pose: &Pose) -> Contact {
+    let patch = Patch::find(grid, wheel, pose, PatchExtent { half_length: 0.012, sink: grid.voxel });
+    assert!(patch.is_whole(0.0));
+    patch.contact(0.0, K)
+}
+
+/// K b [a R - c² asinh(a/c)], in terms that do not cancel.
+fn wheel_on_flat(wheel: &Wheel, depth: f64) -> f64 {
+    let n = 200_000;
+    let a = (2.0 * wheel.radius * depth - depth * depth).sqrt();
+    let c = wheel.radius - depth;
+    let at = |i: usize| wheel.radius - c.hypot(a * (2.0 * (i as f64 + 0.5) / n as f64 - 1.0));
+    K * wheel.width * 2.0 * a * (0..n).map(at).sum::<f64>() / n as f64
+}
+
+/// Force of a wheel across a bar of circular section, by a fine sum over the bar's surface.
+fn wheel_across_bar(wheel: &Wheel, radius: f64, depth: f64) -> f64 {
+    let n = 3000;
+    let (a, b) = (1.1 * (2.0 * wheel.radius * depth).sqrt(), 1.1 * (2.0 * radius * depth).sqrt());
+    let at = |i: usize, half: f64| half * (2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
+    let mut sum = 0.0;
+    for j in 0..n {
+        let height = (radius * radius - at(j, b).powi(2)).sqrt() - radius;
+        sum += (0..n).map(|i| (wheel.radius - at(i, a).hypot(wheel.radius - depth - height)).max(0.0)).sum::<f64>();
+    }
+    K * sum * 4.0 * a * b / (n * n) as f64
+}
+
+fn report(case: &str, voxel: f64, found: f64, exact: f64) -> f64 {
+    let error = (found / exact - 1.0).abs();
+    println!("{case}, {} mm voxels: {found:.4} N, exact {exact:.4} N, error {:.4} %", voxel * 1e3, error * 100.0);
+    error
+}
+
+#[test]
+fn a_wheel_on_a_flat_plate_meets_the_closed_form_and_converges() {
+    for depth in [32e-6, 100e-6, 200e-6] {
+        let exact = wheel_on_flat(&WHEEL, depth);
+        let error = |voxel: f64| {
+            let grid = plate(voxel, 0.0);
+            report(
+                &format!("flat, {:.0} µm", depth * 1e6),
+                voxel,
+                contact(&grid, &WHEEL, &pressed(&WHEEL, 1.3e-3, 0.4e-3, depth)).force,
+                exact,
+            )
+        };
+        assert!(error(0.5e-3) < 5e-3);
+        assert!(error(0.25e-3) < 1e-3);
+    }
+}
+
+#[test]
+fn a_plate_that_lies_askew_to_the_lattice_gives_the_same_force() {
+    let turn = odd_turn();
+    let half = DVec3::splat(0.022);
+    let depth = 100e-6;
+    for (voxel, limit) in [(0.5e-3, 5e-3), (0.25e-3, 1e-3)] {
+        let grid = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| (turn.transpose() * p).z);
+        let pose = pressed(&WHEEL, 0.0, 0.0, depth);
+        let pose = Pose { centre: turn * pose.centre, approach: turn * DVec3::Z, axis: turn * DVec3::Y };
+        let found = contact(&grid, &WHEEL, &pose);
+        assert!(report("askew flat", voxel, found.force, wheel_on_flat(&WHEEL, depth)) < limit);
+    }
+}
+
+#[test]
+fn a_wheel_across_a_bar_meets_the_closed_form_and_converges_at_second_order() {
+    let (radius, depth) = (0.02, 150e-6);
+    let exact = wheel_across_bar(&WHEEL, radius, depth);
+    let parabolic = PI * K * depth * depth * (WHEEL.radius * radius).sqrt();
+    assert!((exact / parabolic - 1.0).abs() < 0.01, "{exact}, {parabolic}");
+    let errors = [1e-3, 0.5e-3, 0.25e-3].map(|voxel| {
+        let grid = bar(voxel, radius, 0.03);
+        // The mean over places within a voxel: single places may be right by chance.
+        let places = 5;
+        let error = |i: usize| {
+            let shift = voxel * (i as f64 + 0.5) / places as f64;
+            let found = contact(&grid, &WHEEL, &pressed(&WHEEL, shift, 0.37 * shift, depth)).force;
+            (found / wheel_across_bar_shifted(exact, 0.37 * shift, radius, depth) - 1.0).powi(2)
+        };
+        let rms = ((0..places).map(error).sum::<f64>() / places as f64).sqrt();
+        println!("across a bar of 20 mm, {} mm voxels: error {:.4} %", voxel * 1e3, rms * 100.0);
+        rms
+    });
+    assert!(errors[1] < 5e-3 && errors[2] < 1e-3, "{errors:?}");
+    assert!(errors[0] / errors[2] > 12.0, "two halvings at second order give 16: {errors:?}");
+}
+
+/// A wheel shifted along its own axis stays wide enough to cover the patch, so its force is unchanged.
+fn wheel_across_bar_shifted(exact: f64, shift: f64, radius: f64, depth: f64) -> f64 {
+    assert!(shift.abs() + (2.0 * radius * depth).sqrt() < 0.5 * WHEEL.width);
+    exact
+}
+
+#[test]
+fn a_narrow_bead_crown_is_within_a_percent_at_half_a_millimetre() {
+    let (radius, depth) = (4.17e-3, 180e-6);
+    let exact = wheel_across_bar(&WHEEL, radius, depth);
+    for (voxel, limit) in [(0.5e-3, 1e-2), (0.25e-3, 3e-3)] {
+        let found = contact(&bar(voxel, radius, 0.02), &WHEEL, &pressed(&WHEEL, 0.11e-3, 0.07e-3, depth));
+        assert!(report("bead crown of 4.17 mm", voxel, found.force, exact) < limit);
+    }
+}
+
+#[test]
+fn a_wheel_on_a_ball_meets_the_parabolic_form() {
+    let (radius, depth) = (0.03, 100e-6);
+    // For parabolic gaps: curvatures 1/R + 1/r along the feed, 1/r across.
+    let along = 1.0 / (1.0 / WHEEL.radius + 1.0 / radius);
+    let exact = PI * K * depth * depth * (along * radius).sqrt();
+    for (voxel, limit) in [(0.5e-3, 6e-3), (0.25e-3, 4e-3)] {
+        let grid = ball(voxel, radius, DVec3::Z * -radius);
+        let found = contact(&grid, &WHEEL, &pressed(&WHEEL, 0.0, 0.0, depth));
+        assert!(report("ball of 30 mm", voxel, found.force, exact) < limit);
+    }
+}
+
+#[test]
+fn a_tilted_wheel_meets_the_closed_form_for_force_and_has_a_moment() {
+    let (tilt, depth) = (2.5e-3f64, 60e-6);
+    let (high, low) = (depth + 0.01 * tilt.tan(), (depth - 0.01 * tilt.tan()).max(0.0));
+    let exact = 8.0 / 15.0 * K * (2.0 * WHEEL.radius).sqrt() / tilt.tan() * (high.powf(2.5) - low.powf(2.5));
+    for (voxel, limit) in [(0.5e-3, 5e-3), (0.25e-3, 2e-3)] {
+        let axis = DVec3::new(0.0, tilt.cos(), -tilt.sin());
+        let up = DVec3::new(0.0, tilt.sin(), tilt.cos());
+        let centre = up * WHEEL.radius - DVec3::Z * depth;
+        let pose = Pose { centre, approach: DVec3::Z, axis };
+        let found = contact(&plate(voxel, 0.0), &WHEEL, &pose);
+        assert!(report("tilted 2.5 mrad", voxel, found.force, exact) < limit);
+        assert!(found.moment.x.abs() > 1e-3 * found.force, "{}", found.moment);
+    }
+}
+
+#[test]
+fn patch_area_and_pressures_meet_the_closed_form() {
+    let depth = 100e-6;
+    let a = (2.0 * WHEEL.radius * depth - depth * depth).sqrt();
+    let found = contact(&plate(0.5e-3, 0.0), &WHEEL, &pressed(&WHEEL, 0.0, 0.0, depth));
+    assert!((found.area / (2.0 * a * WHEEL.width) - 1.0).abs() < 5e-3, "{}", found.area);
+    assert!((found.pressure_max / (K * depth) - 1.0).abs() < 2e-3, "{}", found.pressure_max);
+    let mean = wheel_on_flat(&WHEEL, depth) / (2.0 * a * WHEEL.width);
+    assert!((found.pressure_mean() / mean - 1.0).abs() < 5e-3, "{}", found.pressure_mean());
+    assert!(found.moment.length() < 2e-3 * found.force * WHEEL.width, "a level wheel has no moment: {}", found.moment);
+}
+
+#[test]
+fn the_force_does_not_ripple_while_the_wheel_slides_over_voxels() {
+    let voxel = 0.5e-3;
+    for (name, grid, depth) in [("flat", plate(voxel, 0.1e-3), 32e-6), ("bar", bar(voxel, 0.02, 0.03), 150e-6)] {
+        let top = if name == "flat" { 0.1e-3 } else { 0.0 };
+        let forces: Vec<f64> = (0..50)
+            .map(|i| contact(&grid, &WHEEL, &pressed(&WHEEL, 0.043e-3 * f64::from(i), 0.0, depth - top)).force)
+            .collect();
+        let mean = forces.iter().sum::<f64>() / forces.len() as f64;
+        let ripple = forces.iter().map(|f| (f / mean - 1.0).abs()).fold(0.0, f64::max);
+        println!("ripple while sliding, {name}: {:.4} %", ripple * 100.0);
+        assert!(ripple < 5e-3);
+    }
+}
+
+#[test]
+fn a_wheel_in_the_air_meets_nothing() {
+    let found = contact(&plate(0.5e-3, 0.0), &WHEEL, &pressed(&WHEEL, 0.0, 0.0, -1e-6));
+    assert_eq!(found, Contact::default());
+}

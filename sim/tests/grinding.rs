@@ -1,0 +1,177 @@
+//! Force control and removal along a path, against closed forms and identities.
+
+mod common;
+
+use common::{WHEEL, ball, line, odd_turn, plate, settings, welded_plate};
+use glam::DVec3;
+use rayon::ThreadPoolBuilder;
+use sdf_bake::BrickGrid;
+use sim::{GrindError, GrindSettings, PassRecord, Path, Wheel, grind};
+
+fn pass(grid: &mut BrickGrid, path: &Path, settings: &GrindSettings) -> PassRecord {
+    let record = grind(grid, path, &WHEEL, settings, &mut |_| {}).expect("a pass");
+    assert_eq!(grid.sanity_check(), Ok(()));
+    record
+}
+
+/// Prints and returns how far the removed volume is from `k ∫ F dt` and from the law on the true surface.
+fn volume_errors(name: &str, record: &PassRecord, settings: &GrindSettings) -> (f64, f64) {
+    let by_force = record.removed_volume / (settings.grind_rate * record.impulse) - 1.0;
+    let by_law = record.removed_volume / record.removed_volume_by_law - 1.0;
+    println!(
+        "{name}: {:.3} mm³ in {} steps; against k∫F dt {:+.3} %, against ∫∫ r dA dt {:+.3} %",
+        record.removed_volume * 1e9,
+        record.steps,
+        by_force * 100.0,
+        by_law * 100.0
+    );
+    (by_force.abs(), by_law.abs())
+}
+
+#[test]
+fn a_flat_plate_loses_k_times_impulse_and_keeps_a_groove_of_the_closed_form() {
+    let settings = settings();
+    let mut grid = plate(0.5e-3, 0.1e-3);
+    let record = pass(&mut grid, &Path::along(&line(-0.02, 0.02, 0.1e-3), settings.feed).unwrap(), &settings);
+    let (by_force, by_law) = volume_errors("flat, 0.5 mm voxels", &record, &settings);
+    assert!(by_force < 3e-3 && by_law < 3e-3);
+    assert!(record.force_rms_error < 1e-4 * settings.force_setpoint, "{}", record.force_rms_error);
+    let depth = settings.grind_rate * settings.force_setpoint / (WHEEL.width * settings.feed);
+    for x in [-0.01, 0.0, 0.01] {
+        let below = DVec3::new(x, 0.0, 0.1e-3 - depth);
+        let error = f64::from(grid.sample(below)) / depth;
+        println!("groove of {:.1} µm at x = {x}: error {:.3} %", depth * 1e6, error * 100.0);
+        assert!(error.abs() < 5e-3);
+    }
+}
+
+#[test]
+fn a_threshold_lowers_the_removed_volume_as_the_law_says() {
+    let settings = GrindSettings { threshold_pressure: 1e5, ..settings() };
+    let mut grid = plate(0.5e-3, 0.0);
+    let record = pass(&mut grid, &Path::along(&line(-0.02, 0.02, 0.0), settings.feed).unwrap(), &settings);
+    let (_, by_law) = volume_errors("flat, threshold 0.1 MPa", &record, &settings);
+    assert!(by_law < 3e-3);
+    assert!(record.removed_volume < 0.9 * settings.grind_rate * record.impulse);
+}
+
+#[test]
+fn nothing_is_removed_below_the_threshold_or_away_from_the_wheel() {
+    let never = GrindSettings { threshold_pressure: 1e9, ..settings() };
+    let mut grid = plate(0.5e-3, 0.0);
+    let original = grid.clone();
+    let path = Path::along(&line(-0.005, 0.005, 0.0), never.feed).unwrap();
+    let record = pass(&mut grid, &path, &never);
+    assert_eq!((record.removed_volume, record.removed_volume_by_law), (0.0, 0.0));
+    assert!(grid == original, "the field is unchanged");
+
+    pass(&mut grid, &path, &settings());
+    for x in [-0.025, 0.0, 0.025] {
+        let beside = DVec3::new(x, 0.0105 + 1e-3, 0.0);
+        assert_eq!(grid.sample(beside), original.sample(beside), "beside the wheel at {beside}");
+    }
+    assert!(grid.phi_at(DVec3::ZERO.as_ivec3()) > 0.0);
+}
+
+#[test]
+fn a_bead_loses_what_the_law_says_in_each_of_two_passes() {
+    let settings = settings();
+    let mut grid = welded_plate(0.4e-3, 0.5);
+    let path = Path::along(&line(-0.012, 0.012, 0.0), settings.feed).unwrap();
+    for (name, path) in [("bead, pass 1", path.clone()), ("bead, pass 2", path.reversed())] {
+        let before = grid.clone();
+        let record = pass(&mut grid, &path, &settings);
+        let (by_force, by_law) = volume_errors(name, &record, &settings);
+        assert!(by_law < 3e-3);
+        assert!(by_force < 3e-2, "sloping flanks lose more than their projection");
+        assert_eq!(grid.difference_volume(&before), 0.0, "nothing grows");
+    }
+    assert_distances(&grid);
+}
+
+#[test]
+fn a_part_that_lies_askew_to_the_lattice_loses_the_same() {
+    let turn = odd_turn();
+    let half = DVec3::splat(0.022);
+    let mut grid = BrickGrid::from_distance(-half, half, 0.4e-3, 3.0, |p| (turn.transpose() * p).length() - 0.022);
+    let settings = settings();
+    let arc: Vec<sim::CurvePoint> = (-20..=20)
+        .map(|i| {
+            let (sin, cos) = (0.02 * f64::from(i)).sin_cos();
+            let normal = turn * DVec3::new(sin, 0.0, cos);
+            sim::CurvePoint { position: normal * 0.022, normal }
+        })
+        .collect();
+    let record = pass(&mut grid, &Path::along(&arc, settings.feed).unwrap(), &settings);
+    let (_, by_law) = volume_errors("great circle on a ball, askew", &record, &settings);
+    assert!(by_law < 3e-3);
+}
+
+/// φ is still a distance near the surface, away from edges.
+fn assert_distances(grid: &BrickGrid) {
+    let mut errors: Vec<f64> = Vec::new();
+    for &brick in &grid.bricks {
+        for offset in 0..512 {
+            let at = sdf_bake::grid::voxel_at(brick, offset);
+            if grid.phi_at(at).abs() < 1.2 * grid.voxel as f32 {
+                let along = |axis: glam::IVec3| f64::from(grid.phi_at(at + axis) - grid.phi_at(at - axis));
+                let gradient = DVec3::new(along(glam::IVec3::X), along(glam::IVec3::Y), along(glam::IVec3::Z));
+                errors.push((gradient.length() / (2.0 * grid.voxel) - 1.0).abs());
+            }
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    let median = errors[errors.len() / 2];
+    let most = errors[errors.len() * 95 / 100];
+    println!("| |∇φ| - 1 |: median {median:.1e}, 95 % below {most:.1e}");
+    assert!(median < 0.01);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let settings = settings();
+    let run = |threads: usize| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            let mut grid = welded_plate(0.5e-3, 0.3);
+            let path = Path::along(&line(-0.003, 0.003, 0.0), settings.feed).unwrap();
+            let record = pass(&mut grid, &path, &settings);
+            (grid, record)
+        })
+    };
+    let one = run(1);
+    for threads in [2, 4] {
+        let more = run(threads);
+        assert!(more.0 == one.0, "fields differ with {threads} threads");
+        assert_eq!(more.1, one.1);
+    }
+}
+
+#[test]
+fn a_path_beside_the_part_is_in_the_air_and_says_so() {
+    let settings = settings();
+    let mut grid = ball(0.5e-3, 0.01, DVec3::ZERO);
+    let record = pass(&mut grid, &Path::along(&line(0.2, 0.21, 0.0), settings.feed).unwrap(), &settings);
+    assert_eq!(record.steps_in_air, record.steps);
+    assert_eq!((record.impulse, record.removed_volume, record.force_rms_error), (0.0, 0.0, 0.0));
+    assert!(record.log.iter().all(|row| row.force == 0.0));
+}
+
+#[test]
+fn settings_out_of_range_are_refused_by_name() {
+    let path = Path::along(&line(0.0, 0.01, 0.0), 0.005).unwrap();
+    let mut grid = plate(0.5e-3, 0.0);
+    for (settings, wheel, name) in [
+        (GrindSettings { stiffness: f64::NAN, ..settings() }, WHEEL, "stiffness [Pa/m]"),
+        (GrindSettings { grind_rate: -1.0, ..settings() }, WHEEL, "grind_rate [m/(Pa s)]"),
+        (settings(), Wheel { radius: 0.0, ..WHEEL }, "wheel radius [m]"),
+    ] {
+        match grind(&mut grid, &path, &wheel, &settings, &mut |_| {}) {
+            Err(GrindError::BadSetting { name: found, .. }) => assert_eq!(found, name),
+            other => panic!("{other:?}"),
+        }
+    }
+    let mut thin = BrickGrid::from_distance(DVec3::splat(-0.01), DVec3::splat(0.01), 1e-3, 2.0, |p| p.z);
+    let found = grind(&mut thin, &path, &WHEEL, &settings(), &mut |_| {});
+    assert!(matches!(found, Err(GrindError::ThinBand { .. })), "{found:?}");
+}

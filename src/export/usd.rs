@@ -1,0 +1,61 @@
+//! OpenUSD export and checks, by the scripts that use usd-core.
+//!
+//! One Python process serves a whole batch: starting it costs more than writing a stage. Layout of a stage: `docs/usd.md`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use super::glb::GENERATOR;
+use crate::python::{Python, PythonError, Script};
+
+/// What usd-core says about one file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct UsdReport {
+    /// The `.usdc` file.
+    pub path: PathBuf,
+    /// Number of prims.
+    pub prims: usize,
+    /// Lowest and highest corner in metres, z up, of what is drawn by default; `None` if nothing is.
+    pub bbox: Option<[[f64; 3]; 2]>,
+    /// What is wrong with the file, or why it could not be written; empty when it is clean.
+    pub errors: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Reports {
+    files: Vec<UsdReport>,
+}
+
+/// Writes `welded.usdc` into each asset folder from its `welded.glb` and `welds.json`, and checks it.
+///
+/// The reports come in the order of `assets`; a folder that fails says so in its report and does not stop the others.
+pub fn export(assets: &[PathBuf], python: &Python) -> Result<Vec<UsdReport>, PythonError> {
+    let io = |source| PythonError::Io { what: "writing the job for the USD export".to_owned(), source };
+    let mut job = tempfile::Builder::new().prefix("robofin-usd-").suffix(".json").tempfile().map_err(io)?;
+    let text = json!({ "generator": GENERATOR, "assets": assets.iter().map(|p| absolute(p)).collect::<Vec<_>>() });
+    job.write_all(text.to_string().as_bytes()).map_err(io)?;
+    reports(Script::ExportUsd, python.run_script(Script::ExportUsd, [job.path()])?)
+}
+
+/// Checks USD files: all of usd-core's validators, and what they leave out.
+pub fn check(files: &[PathBuf], python: &Python) -> Result<Vec<UsdReport>, PythonError> {
+    reports(Script::CheckUsd, python.run_script(Script::CheckUsd, files)?)
+}
+
+/// Messages then name a folder that can be found from anywhere.
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+fn reports(script: Script, answer: Value) -> Result<Vec<UsdReport>, PythonError> {
+    let text: String = answer.to_string().chars().take(200).collect();
+    let reports: Reports = serde_json::from_value(answer).map_err(|error| PythonError::Answer {
+        script: script.file_name(),
+        answer: text,
+        cause: error.to_string(),
+    })?;
+    Ok(reports.files)
+}

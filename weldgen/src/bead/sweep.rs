@@ -1,0 +1,190 @@
+//! From a curve and a section to a closed mesh.
+
+use sdf_bake::Mesh;
+use thiserror::Error;
+
+use super::BeadProfile;
+use crate::curve::{CurvePoint, WeldCurve};
+
+/// Segments of the outline from toe to toe; even, so that one vertex is the crown.
+const OUTLINE_SEGMENTS: usize = 32;
+/// Segments of the outline between a toe and the root.
+const ROOT_SEGMENTS: usize = 2;
+/// Steps of half a turn around each end.
+const CAP_STEPS: usize = 24;
+/// Largest curvature times half the width of the bead's base.
+const TIGHTEST_TURN: f64 = 0.9;
+
+/// Why no bead can be swept.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum BeadError {
+    /// A dimension is not a positive number.
+    #[error("width {width} m, height {height} m and root depth {root_depth} m must all be positive and finite")]
+    Dimension {
+        /// Width given [m].
+        width: f64,
+        /// Height given [m].
+        height: f64,
+        /// Root depth given [m].
+        root_depth: f64,
+    },
+    /// The curve has no length.
+    #[error("the curve has {0} points; at least 2 are needed")]
+    TooShort(usize),
+    /// The curve turns too tightly in the surface for this width.
+    #[error(
+        "at arc length {arc_length} m the curvature {curvature} 1/m times half the bead's base is {product:.3}; it \
+         must stay below 0.9: use a narrower bead or a straighter curve"
+    )]
+    TooTight {
+        /// Where [m].
+        arc_length: f64,
+        /// κ_g there [1/m].
+        curvature: f64,
+        /// The product found.
+        product: f64,
+    },
+    /// Neighbouring sections cross: the surface bends or twists too tightly for this bead.
+    #[error("at arc length {0} m neighbouring sections cross: the surface bends too tightly here for this bead")]
+    Folded(f64),
+}
+
+/// Sweeps a bead along a curve: a closed mesh, every edge shared by exactly two triangles, normals outwards.
+///
+/// - `root_depth`: how far the bead's flat bottom lies below the tangent plane [m]; choose it so that the toes are
+///   under the surface everywhere
+///
+/// Both ends are half of the section's solid of revolution about the normal. Sections are as dense as the curve's
+/// points and chords cut the outline, so the volume is short of the closed form by about 0.1 %.
+pub fn sweep(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<Mesh, BeadError> {
+    check(curve, profile, root_depth)?;
+    let outline = outline(profile, root_depth);
+    let mut builder = Builder { outline, root_depth, mesh: Mesh::default() };
+    for point in &curve.points {
+        builder.section(point);
+    }
+    let last = curve.points.len() - 1;
+    for section in 0..last {
+        builder.join(section);
+    }
+    builder.cap(&curve.points[last], last, 1.0);
+    builder.cap(&curve.points[0], 0, -1.0);
+    builder.fits(curve)?;
+    Ok(builder.mesh)
+}
+
+fn check(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<(), BeadError> {
+    let (width, height) = (profile.width, profile.height);
+    if ![width, height, root_depth].iter().all(|x| x.is_finite() && *x > 0.0) {
+        return Err(BeadError::Dimension { width, height, root_depth });
+    }
+    if curve.points.len() < 2 {
+        return Err(BeadError::TooShort(curve.points.len()));
+    }
+    let base = profile.half_width_at(root_depth);
+    for point in &curve.points {
+        let product = point.geodesic_curvature.abs() * base;
+        let opens = product < TIGHTEST_TURN;
+        if !opens {
+            let (arc_length, curvature) = (point.arc_length, point.geodesic_curvature);
+            return Err(BeadError::TooTight { arc_length, curvature, product });
+        }
+    }
+    Ok(())
+}
+
+/// (y, z) [m] of the outline from the right end of the root over the crown to the left end; symmetric.
+fn outline(profile: &BeadProfile, root_depth: f64) -> Vec<(f64, f64)> {
+    let (toe, base) = (0.5 * profile.width, profile.half_width_at(root_depth));
+    let half = OUTLINE_SEGMENTS / 2;
+    let above = (0..=half).map(|i| toe * i as f64 / half as f64);
+    let below = (1..=ROOT_SEGMENTS).map(|i| toe + (base - toe) * i as f64 / ROOT_SEGMENTS as f64);
+    let left: Vec<(f64, f64)> = above.chain(below).map(|y| (y, profile.height_at(y))).collect();
+    let right = left.iter().skip(1).rev().map(|&(y, z)| (-y, z));
+    right.chain(left.iter().copied()).collect()
+}
+
+/// Vertices are laid out by section: the outline from right to left, then the middle of the root.
+struct Builder {
+    outline: Vec<(f64, f64)>,
+    root_depth: f64,
+    mesh: Mesh,
+}
+
+impl Builder {
+    fn stride(&self) -> u32 {
+        self.outline.len() as u32 + 1
+    }
+
+    fn section(&mut self, point: &CurvePoint) {
+        let place = |&(y, z): &(f64, f64)| point.position + y * point.side + z * point.normal;
+        self.mesh.positions.extend(self.outline.iter().map(place));
+        self.mesh.positions.push(point.position - self.root_depth * point.normal);
+    }
+
+    /// Quads between a section and the next, around the whole outline and back along the root.
+    fn join(&mut self, section: usize) {
+        let (near, far) = (section as u32 * self.stride(), (section as u32 + 1) * self.stride());
+        let count = self.stride();
+        for j in 0..count {
+            let next = (j + 1) % count;
+            self.mesh.triangles.push([near + j, far + next, near + next]);
+            self.mesh.triangles.push([near + j, far + j, far + next]);
+        }
+    }
+
+    /// Half a turn of the outline's half about the normal, from one side of a section to the other.
+    ///
+    /// `ahead` is 1 at the last section, where the cap goes on along the tangent, and -1 at the first.
+    fn cap(&mut self, point: &CurvePoint, section: usize, ahead: f64) {
+        let crown = self.outline.len() / 2;
+        let first = section as u32 * self.stride();
+        let (crown_vertex, root_vertex) = (first + crown as u32, first + self.stride() - 1);
+        // Meridians run from next to the crown down to the end of the root.
+        let edge = |side: f64| -> Vec<u32> {
+            let at = |i: u32| if side > 0.0 { crown_vertex + i } else { crown_vertex - i };
+            (1..=crown as u32).map(at).collect()
+        };
+        let mut last = edge(-ahead);
+        for step in 1..=CAP_STEPS {
+            let next = if step == CAP_STEPS { edge(ahead) } else { self.meridian(point, crown, ahead, step) };
+            self.mesh.triangles.push([crown_vertex, last[0], next[0]]);
+            for i in 0..crown - 1 {
+                self.mesh.triangles.push([last[i], last[i + 1], next[i]]);
+                self.mesh.triangles.push([next[i], last[i + 1], next[i + 1]]);
+            }
+            self.mesh.triangles.push([last[crown - 1], root_vertex, next[crown - 1]]);
+            last = next;
+        }
+    }
+
+    /// New vertices along the outline's left half, turned by `step` out of [`CAP_STEPS`].
+    ///
+    /// The turn goes counter-clockwise seen from above: from the right over the front at the last section, from the
+    /// left over the back at the first.
+    fn meridian(&mut self, point: &CurvePoint, crown: usize, ahead: f64, step: usize) -> Vec<u32> {
+        let (sin, cos) = (std::f64::consts::PI * step as f64 / CAP_STEPS as f64).sin_cos();
+        let out = ahead * (sin * point.tangent - cos * point.side);
+        let first = self.mesh.positions.len() as u32;
+        let place = |&(y, z): &(f64, f64)| point.position + y * out + z * point.normal;
+        self.mesh.positions.extend(self.outline[crown + 1..].iter().map(place));
+        (first..self.mesh.positions.len() as u32).collect()
+    }
+
+    /// Each section must lie wholly ahead of the one before and behind the one after, so that none cross.
+    fn fits(&self, curve: &WeldCurve) -> Result<(), BeadError> {
+        let count = self.outline.len();
+        for (i, pair) in curve.points.windows(2).enumerate() {
+            let section = |i: usize| &self.mesh.positions[i * (count + 1)..i * (count + 1) + count];
+            let least = 0.02 * (pair[1].arc_length - pair[0].arc_length);
+            for (near, far) in section(i).iter().zip(section(i + 1)) {
+                let step = *far - *near;
+                let ahead = step.dot(pair[0].tangent) > least && step.dot(pair[1].tangent) > least;
+                if !ahead {
+                    return Err(BeadError::Folded(pair[0].arc_length));
+                }
+            }
+        }
+        Ok(())
+    }
+}

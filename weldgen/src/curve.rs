@@ -1,0 +1,192 @@
+//! The weld curve: evenly spaced points of the surface with frames.
+
+use glam::DVec3;
+use sdf_bake::Mesh;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::curvature::CurvatureProfile;
+use crate::trace::TracePoint;
+
+/// A point of a weld's centreline.
+///
+/// `(tangent, side, normal)` is a right-handed orthonormal frame: `side = normal × tangent` points to the left of
+/// travel, and a positive geodesic curvature turns the tangent towards it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// Position [m], on the surface: the weighted corners of `face`.
+    pub position: DVec3,
+    /// Unit direction of travel, smoothed along the arc.
+    pub tangent: DVec3,
+    /// Unit normal out of the part, smoothed along the arc.
+    pub normal: DVec3,
+    /// Unit vector to the left: `normal × tangent`.
+    pub side: DVec3,
+    /// Arc length from the start of the weld [m].
+    pub arc_length: f64,
+    /// κ_g [1/m].
+    pub geodesic_curvature: f64,
+    /// Index of the triangle that holds the point.
+    pub face: u32,
+    /// Weights of that triangle's corners.
+    pub barycentric: [f64; 3],
+    /// Cosine-weighted share of free sky, in [0, 1] (see [`crate::exposure`]).
+    pub exposure: f64,
+    /// Width of the bead here [m].
+    pub width: f64,
+    /// Height of the bead here [m].
+    pub height: f64,
+}
+
+/// A weld's centreline on the part.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct WeldCurve {
+    /// Points in order of travel, evenly spaced in arc length.
+    pub points: Vec<CurvePoint>,
+}
+
+/// What [`WeldCurve::validate`] found.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum CurveError {
+    /// Fewer than two points.
+    #[error("the curve has {0} points; at least 2 are needed")]
+    TooShort(usize),
+    /// A point is not where its triangle and weights say.
+    #[error("point {index} is {off:e} m off triangle {face}; {allowed:e} m is allowed")]
+    OffSurface {
+        /// Index of the point.
+        index: usize,
+        /// Distance found [m].
+        off: f64,
+        /// The triangle it names.
+        face: u32,
+        /// Distance allowed [m].
+        allowed: f64,
+    },
+    /// A frame is not orthonormal and right-handed.
+    #[error("the frame of point {0} is not orthonormal and right-handed to 1e-9")]
+    Frame(usize),
+    /// Arc lengths are not evenly increasing, or the chord is longer than the arc.
+    #[error(
+        "arc length {found} m at point {index} does not follow from {previous} m by an even step that the chord fits"
+    )]
+    ArcLength {
+        /// Index of the point.
+        index: usize,
+        /// Arc length of the point [m].
+        found: f64,
+        /// Arc length of the point before [m].
+        previous: f64,
+    },
+}
+
+impl WeldCurve {
+    /// Arc length [m] from the first point to the last.
+    pub fn length(&self) -> f64 {
+        match (self.points.first(), self.points.last()) {
+            (Some(first), Some(last)) => last.arc_length - first.arc_length,
+            _ => 0.0,
+        }
+    }
+
+    /// Smallest exposure along the curve; 1 without points.
+    pub fn min_exposure(&self) -> f64 {
+        self.points.iter().fold(1.0, |min, point| point.exposure.min(min))
+    }
+
+    /// Root mean square of κ_g [1/m] over the points.
+    pub fn curvature_rms(&self) -> f64 {
+        let sum: f64 = self.points.iter().map(|point| point.geodesic_curvature.powi(2)).sum();
+        (sum / self.points.len().max(1) as f64).sqrt()
+    }
+
+    /// Checks that every point lies on the surface to 1e-6 of the part's diagonal, that frames are orthonormal and
+    /// right-handed and that arc lengths are even and agree with the positions.
+    pub fn validate(&self, mesh: &Mesh) -> Result<(), CurveError> {
+        if self.points.len() < 2 {
+            return Err(CurveError::TooShort(self.points.len()));
+        }
+        let allowed = 1e-6 * mesh.diagonal();
+        let step = self.length() / (self.points.len() - 1) as f64;
+        for (index, point) in self.points.iter().enumerate() {
+            let off = off_surface(mesh, point);
+            let on = off <= allowed;
+            if !on {
+                return Err(CurveError::OffSurface { index, off, face: point.face, allowed });
+            }
+            let right_handed = (point.normal.cross(point.tangent) - point.side).length();
+            let unit = (point.normal.length() - 1.0).abs() + (point.tangent.length() - 1.0).abs();
+            let orthonormal = right_handed + unit + point.normal.dot(point.tangent).abs() < 1e-9;
+            if !orthonormal {
+                return Err(CurveError::Frame(index));
+            }
+            let Some(before) = index.checked_sub(1).map(|i| self.points[i]) else { continue };
+            let even = (point.arc_length - before.arc_length - step).abs() <= 1e-9 * self.length();
+            let fits = point.position.distance(before.position) <= step * (1.0 + 1e-6) + allowed;
+            if !(even && fits) {
+                let (found, previous) = (point.arc_length, before.arc_length);
+                return Err(CurveError::ArcLength { index, found, previous });
+            }
+        }
+        Ok(())
+    }
+
+    /// Frames a stretch of a traced curve: points `first..=last`, evenly `spacing` [m] apart.
+    ///
+    /// Normals and tangents are averaged over `half_window` points to both sides (weights falling linearly to 0), so
+    /// that the facets of a tessellated surface do not kink what is swept along the curve. The window is cut to what
+    /// the trace has on both sides, which keeps it centred.
+    pub(crate) fn frame(points: &[TracePoint], stretch: Stretch, curvature: &CurvatureProfile) -> Self {
+        let Stretch { first, last, spacing, half_window, start } = stretch;
+        let framed = |index: usize| {
+            let reach = half_window.min(index).min(points.len() - 1 - index);
+            let mean = |of: fn(&TracePoint) -> DVec3| {
+                let weigh = |i: usize| (reach + 1 - i.abs_diff(index)) as f64 * of(&points[i]);
+                (index - reach..=index + reach).map(weigh).sum::<DVec3>()
+            };
+            let here = &points[index];
+            let normal = mean(|p| p.normal).try_normalize().unwrap_or(here.normal);
+            let tangent = mean(|p| p.tangent).reject_from_normalized(normal);
+            let tangent = tangent.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+            CurvePoint {
+                position: here.position,
+                tangent,
+                normal,
+                side: normal.cross(tangent),
+                arc_length: (index - first) as f64 * spacing,
+                geodesic_curvature: curvature.at(start + (index - first) as f64 * spacing),
+                face: here.face,
+                barycentric: here.barycentric,
+                exposure: 1.0,
+                width: 0.0,
+                height: 0.0,
+            }
+        };
+        Self { points: (first..=last).map(framed).collect() }
+    }
+}
+
+/// Which part of a trace becomes a curve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    pub(crate) first: usize,
+    pub(crate) last: usize,
+    /// Arc length between points [m].
+    pub(crate) spacing: f64,
+    pub(crate) half_window: usize,
+    /// Arc length of the first point in the curvature profile [m].
+    pub(crate) start: f64,
+}
+
+fn off_surface(mesh: &Mesh, point: &CurvePoint) -> f64 {
+    let Some(corners) = mesh.triangles.get(point.face as usize) else {
+        return f64::INFINITY;
+    };
+    let inside = point.barycentric.iter().all(|w| *w >= -1e-9);
+    let whole = (point.barycentric.iter().sum::<f64>() - 1.0).abs() < 1e-9;
+    if !(inside && whole) {
+        return f64::INFINITY;
+    }
+    let weighted = corners.iter().zip(point.barycentric).map(|(v, w)| w * mesh.positions[*v as usize]);
+    weighted.sum::<DVec3>().distance(point.position)
+}

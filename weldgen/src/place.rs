@@ -1,0 +1,227 @@
+//! Placing a weld: proposals in stages, until one fits.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use sdf_bake::Mesh;
+use sdf_bake::query::MeshQuery;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::bead::BeadProfile;
+use crate::curve::WeldCurve;
+use crate::exposure::exposures;
+use crate::propose::{Candidate, Proposals};
+use crate::rejection::Tally;
+use crate::request::{WIDTHS_PER_LENGTH, WeldRequest};
+use crate::topology::Topology;
+
+/// What is tried in turn when nothing fits: factors of the length and of the bead's width and height.
+///
+/// The length never falls below three widths. Without leave to shrink, only the first stage is tried.
+pub const STAGES: [[f64; 2]; 8] =
+    [[1.0, 1.0], [0.7, 1.0], [0.5, 1.0], [0.35, 1.0], [0.5, 0.7], [0.35, 0.7], [0.35, 0.5], [0.2, 0.35]];
+
+/// Proposals judged side by side; the first that fits wins, so the number of threads changes nothing.
+const BATCH: usize = 32;
+/// Rays per point of a placed weld.
+const MEASURING_RAYS: u32 = 256;
+
+/// A weld on a part, and how it came about.
+#[derive(Clone, Debug, Serialize)]
+pub struct Weld {
+    /// The centreline.
+    pub curve: WeldCurve,
+    /// The bead: closed, normals outwards [m].
+    #[serde(skip)]
+    pub bead: Mesh,
+    /// The bead's cross-section.
+    pub profile: BeadProfile,
+    /// Depth of the bead's flat bottom below the tangent plane [m].
+    pub root_depth: f64,
+    /// Length of the centreline [m].
+    pub length: f64,
+    /// Volume of the bead's mesh [m³], most of it above the surface.
+    pub bead_volume: f64,
+    /// Root mean square of the geodesic curvature [1/m].
+    pub curvature_rms: f64,
+    /// Smallest exposure along the curve, in [0, 1].
+    pub min_exposure: f64,
+    /// The seed it was placed with.
+    pub seed: u64,
+    /// What was asked.
+    pub request: WeldRequest,
+    /// Proposals dropped before this one.
+    pub dropped: Tally,
+    /// What was chosen and why, in sentences.
+    pub reasons: Vec<String>,
+}
+
+/// Why no weld was placed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlaceError {
+    /// A dial is out of range.
+    #[error("{0}")]
+    Request(String),
+    /// The part has no face with an area.
+    #[error("the part has no surface to weld on: {0} triangles without area")]
+    NoSurface(usize),
+    /// Nothing fits.
+    #[error(
+        "no place for the weld in {} proposals (length {:.2} mm, width {:.3} mm at last; longest clear run {:.2} mm): \
+         {tally}",
+        tally.total(), 1e3 * length, 1e3 * width, 1e3 * longest_run
+    )]
+    Nowhere {
+        /// Length of the last stage [m].
+        length: f64,
+        /// Width of the last stage [m].
+        width: f64,
+        /// Longest run met without an edge in the way [m].
+        longest_run: f64,
+        /// How many proposals failed for which reason.
+        tally: Tally,
+    },
+}
+
+/// Chooses a weld curve on a part and sweeps a bead along it.
+///
+/// - `query`: the same mesh, prepared
+/// - `seed`: another seed gives another weld; the same one gives the same weld for any number of threads
+pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
+    if let Some(fault) = request.fault() {
+        return Err(PlaceError::Request(fault));
+    }
+    let areas = running_areas(part);
+    if !areas.last().is_some_and(|total| *total > 0.0) {
+        return Err(PlaceError::NoSurface(part.triangles.len()));
+    }
+    let topology = Topology::new(part);
+    let wanted = wanted_length(request, seed);
+    let mut tally = Tally::default();
+    let mut longest_run = 0f64;
+    let mut last = (0.0, 0.0);
+    for (stage, (length, profile)) in stages(request, wanted).into_iter().enumerate() {
+        let proposals = Proposals {
+            part,
+            query,
+            topology: &topology,
+            areas: &areas,
+            length,
+            profile,
+            curvature_rms: request.curvature_rms,
+            curvature_max: request.curvature_max,
+            sharp_angle: request.sharp_angle,
+            min_exposure: request.min_exposure,
+            exposure_reach: request.exposure_reach,
+        };
+        if let Some(candidate) = first_fit(&proposals, request.attempts, mix(seed, stage), &mut tally, &mut longest_run)
+        {
+            return Ok(finish(&proposals, candidate, request, (wanted, seed), tally));
+        }
+        last = (length, profile.width);
+    }
+    Err(PlaceError::Nowhere { length: last.0, width: last.1, longest_run, tally })
+}
+
+/// The first proposal in order that fits; the dropped ones before it are counted.
+fn first_fit(
+    proposals: &Proposals,
+    attempts: usize,
+    seed: u64,
+    tally: &mut Tally,
+    longest_run: &mut f64,
+) -> Option<Candidate> {
+    for batch in (0..attempts).step_by(BATCH) {
+        let ids = batch..(batch + BATCH).min(attempts);
+        let judged: Vec<_> = ids.into_par_iter().map(|i| proposals.propose(mix(seed, i))).collect();
+        for outcome in judged {
+            match outcome {
+                Ok(candidate) => return Some(candidate),
+                Err(refused) => {
+                    tally.count(refused.why);
+                    *longest_run = longest_run.max(refused.run);
+                }
+            }
+        }
+    }
+    None
+}
+
+fn finish(
+    proposals: &Proposals,
+    candidate: Candidate,
+    request: &WeldRequest,
+    (wanted, seed): (f64, u64),
+    dropped: Tally,
+) -> Weld {
+    let Candidate { mut curve, bead, root_depth } = candidate;
+    let places: Vec<_> = curve.points.iter().map(|point| (point.position, point.normal)).collect();
+    let measured = exposures(proposals.query, &places, proposals.rays(MEASURING_RAYS));
+    for (point, exposure) in curve.points.iter_mut().zip(measured) {
+        point.exposure = exposure;
+        point.width = proposals.profile.width;
+        point.height = proposals.profile.height;
+    }
+    let mut reasons = request.reasons.clone();
+    let (length, width) = (curve.length(), proposals.profile.width);
+    if length < wanted * (1.0 - 1e-9) {
+        reasons.push(format!("length {:.2} mm instead of {:.2} mm: nothing longer fitted", 1e3 * length, 1e3 * wanted));
+    }
+    if width < request.width {
+        let (now, asked) = (1e3 * width, 1e3 * request.width);
+        reasons.push(format!("bead width {now:.3} mm instead of {asked:.3} mm: nothing wider fitted"));
+    }
+    reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
+    Weld {
+        length,
+        bead_volume: bead.volume(),
+        curvature_rms: curve.curvature_rms(),
+        min_exposure: curve.min_exposure(),
+        curve,
+        bead,
+        profile: proposals.profile,
+        root_depth,
+        seed,
+        request: request.clone(),
+        dropped,
+        reasons,
+    }
+}
+
+/// Lengths and sections to try in turn, without repeats.
+fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
+    let count = if request.may_shrink { STAGES.len() } else { 1 };
+    let mut stages: Vec<(f64, BeadProfile)> = Vec::new();
+    for [length, bead] in &STAGES[..count] {
+        let profile = BeadProfile::parabolic(bead * request.width, bead * request.height);
+        let stage = ((length * wanted).max(wanted.min(WIDTHS_PER_LENGTH * profile.width)), profile);
+        if !stages.contains(&stage) {
+            stages.push(stage);
+        }
+    }
+    stages
+}
+
+fn wanted_length(request: &WeldRequest, seed: u64) -> f64 {
+    let [low, high] = request.length_range;
+    let share: f64 = Pcg64Mcg::seed_from_u64(seed).random();
+    request.length.unwrap_or(low + share * (high - low))
+}
+
+fn running_areas(part: &Mesh) -> Vec<f64> {
+    let area = |t: usize| Some(0.5 * part.doubled_area_normal(t).length()).filter(|a| a.is_finite()).unwrap_or(0.0);
+    let add = |sum: &mut f64, t: usize| {
+        *sum += area(t);
+        Some(*sum)
+    };
+    (0..part.triangles.len()).scan(0.0, add).collect()
+}
+
+/// A seed from a seed and a number (splitmix64's finaliser).
+fn mix(seed: u64, number: usize) -> u64 {
+    let z = seed.wrapping_add((number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}

@@ -1,0 +1,103 @@
+//! Why a proposed weld does not fit, and how often.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::trace::TraceEnd;
+
+/// Why one proposal was dropped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rejection {
+    /// A sharp edge on both sides leaves too short a run.
+    SharpEdge,
+    /// The surface ends on both sides of too short a run.
+    Boundary,
+    /// Edges with more than two faces, or faces turned the wrong way, leave too short a run.
+    NonManifold,
+    /// Faces without area, or too many faces in the way.
+    BadFaces,
+    /// The surface bends too tightly along the curve.
+    Bend,
+    /// The curve comes back to itself.
+    OwnPass,
+    /// A hole or a cliff under the bead.
+    Hole,
+    /// A wall or a rise of the surface under or beside the bead.
+    Wall,
+    /// The surface beside the curve tilts too much.
+    Tilt,
+    /// The surface curves away so much that the root would be too deep.
+    DeepRoot,
+    /// The part is too thin here for the root.
+    Thin,
+    /// Too little free sky.
+    Exposure,
+    /// Neighbouring sections of the bead would cross.
+    Fold,
+}
+
+impl Rejection {
+    /// The rejection of a run that was cut short by `end`.
+    pub(crate) fn cut_short(end: TraceEnd) -> Self {
+        match end {
+            TraceEnd::Sharp => Self::SharpEdge,
+            TraceEnd::Boundary => Self::Boundary,
+            TraceEnd::NonManifold => Self::NonManifold,
+            TraceEnd::Length | TraceEnd::Degenerate | TraceEnd::Steps => Self::BadFaces,
+        }
+    }
+
+    /// What happened, and the dial that changes it.
+    fn explain(self) -> &'static str {
+        match self {
+            Self::SharpEdge => "met a sharp edge before the length was reached (shorter length, larger sharp angle)",
+            Self::Boundary => "met the end of the surface before the length was reached (shorter length, closed part)",
+            Self::NonManifold => "met a non-manifold edge before the length was reached (shorter length, cleaner mesh)",
+            Self::BadFaces => "met faces without area (cleaner mesh)",
+            Self::Bend => "ran over a surface that bends too tightly for the bead (narrower bead)",
+            Self::OwnPass => "came back to itself closer than the bead (lower curvature, shorter length)",
+            Self::Hole => "had a hole or cliff under the bead (narrower bead)",
+            Self::Wall => "had a wall beside the bead (narrower bead)",
+            Self::Tilt => "had a surface that tilts away under the bead (narrower bead)",
+            Self::DeepRoot => "needed a root deeper than the bead is high (narrower bead)",
+            Self::Thin => "were on a sheet thinner than the root (narrower bead)",
+            Self::Exposure => "saw too little of the sky (lower minimum exposure)",
+            Self::Fold => "turned too tightly for the bead (lower curvature, narrower bead)",
+        }
+    }
+}
+
+/// How many proposals failed for which reason.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tally(BTreeMap<Rejection, usize>);
+
+impl Tally {
+    pub(crate) fn count(&mut self, rejection: Rejection) {
+        *self.0.entry(rejection).or_default() += 1;
+    }
+
+    /// Number of proposals dropped.
+    pub fn total(&self) -> usize {
+        self.0.values().sum()
+    }
+
+    /// Number of proposals dropped for one reason.
+    pub fn of(&self, rejection: Rejection) -> usize {
+        self.0.get(&rejection).copied().unwrap_or(0)
+    }
+}
+
+impl fmt::Display for Tally {
+    /// The reasons, commonest first.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut rows: Vec<(Rejection, usize)> = self.0.iter().map(|(reason, count)| (*reason, *count)).collect();
+        rows.sort_by_key(|&(reason, count)| (std::cmp::Reverse(count), reason));
+        for (i, (reason, count)) in rows.iter().enumerate() {
+            write!(f, "{}{count} {}", if i == 0 { "" } else { "; " }, reason.explain())?;
+        }
+        Ok(())
+    }
+}

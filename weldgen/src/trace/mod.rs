@@ -1,0 +1,193 @@
+//! Tracing curves of prescribed geodesic curvature over a polyhedral surface.
+//!
+//! Within a triangle the curve is planar and its heading turns by κ_g per arc length. At an edge the next triangle is
+//! unfolded into the plane of the last one, so with κ_g = 0 the curve is the straightest geodesic of Polthier &
+//! Schmies (1998) away from vertices. Everything happens in flat coordinates: the result is exact to rounding on the
+//! polyhedron, however long and thin its triangles are.
+//!
+//! A curve that meets a vertex to within rounding passes it on the side that rounding chose.
+
+mod arc;
+mod face;
+
+use glam::{DVec2, DVec3};
+use sdf_bake::Mesh;
+
+use crate::curvature::CurvatureProfile;
+use crate::topology::{Across, Topology};
+use arc::{Arc, LARGEST_TURN};
+use face::FlatFace;
+
+/// Where a trace starts.
+#[derive(Clone, Copy, Debug)]
+pub struct TraceStart {
+    /// Index of the triangle.
+    pub face: u32,
+    /// Weights of its corners; none negative, summing to 1.
+    pub barycentric: [f64; 3],
+    /// Direction of any length, projected to the triangle's plane.
+    pub heading: DVec3,
+}
+
+/// When a trace stops, and where it leaves points.
+#[derive(Clone, Copy, Debug)]
+pub struct TraceLimits {
+    /// Arc length to trace [m].
+    pub length: f64,
+    /// Arc length between recorded points [m].
+    pub spacing: f64,
+    /// Edges whose normals differ by more than this [rad] are not crossed.
+    pub sharp_angle: f64,
+    /// Arcs walked and edges crossed at most: a bound on the time, whatever the mesh.
+    pub max_steps: usize,
+}
+
+/// A point of a traced curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracePoint {
+    /// Index of the triangle.
+    pub face: u32,
+    /// Weights of its corners; none negative, summing to 1.
+    pub barycentric: [f64; 3],
+    /// Position [m]: the weighted corners.
+    pub position: DVec3,
+    /// Unit direction of travel, in the triangle's plane.
+    pub tangent: DVec3,
+    /// Unit normal of the triangle.
+    pub normal: DVec3,
+}
+
+/// Why a trace stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum TraceEnd {
+    /// The whole length was traced.
+    Length,
+    /// The surface ends.
+    Boundary,
+    /// An edge with more than two triangles, or with one turned the other way.
+    NonManifold,
+    /// An edge sharper than allowed.
+    Sharp,
+    /// A triangle without area, or a start that is none.
+    Degenerate,
+    /// The step limit was reached.
+    Steps,
+}
+
+/// A traced curve.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Points at arc lengths 0, spacing, 2·spacing, ... [m] as far as the trace got.
+    pub points: Vec<TracePoint>,
+    /// Arc length traced [m]; up to one spacing beyond the last point.
+    pub length: f64,
+    /// Number of edges crossed.
+    pub crossings: usize,
+    /// Why it stopped.
+    pub end: TraceEnd,
+}
+
+/// Traces a curve of geodesic curvature `curvature.at(s)`, from `s = 0`.
+pub fn trace(
+    mesh: &Mesh,
+    topology: &Topology,
+    start: TraceStart,
+    curvature: &CurvatureProfile,
+    limits: TraceLimits,
+) -> Trace {
+    let mut trace = Trace { points: Vec::new(), length: 0.0, crossings: 0, end: TraceEnd::Degenerate };
+    let face = ((start.face as usize) < mesh.triangles.len()).then(|| FlatFace::new(mesh, start.face)).flatten();
+    let Some((face, heading)) = face.and_then(|face| Some((face, face.flatten(start.heading)?))) else {
+        return trace;
+    };
+    let proper = limits.length.is_finite() && limits.spacing > 0.0 && start.barycentric.iter().all(|w| w.is_finite());
+    if !proper {
+        return trace;
+    }
+    let mut walker = Walker { mesh, topology, limits, face, point: face.lay(start.barycentric), heading };
+    trace.points.push(walker.record());
+    let mut steps = 0;
+    trace.end = loop {
+        if trace.length >= limits.length {
+            break TraceEnd::Length;
+        }
+        if steps == limits.max_steps {
+            break TraceEnd::Steps;
+        }
+        steps += 1;
+        if let Err(end) = walker.step(curvature, &mut trace) {
+            break end;
+        }
+    };
+    trace
+}
+
+struct Walker<'a> {
+    mesh: &'a Mesh,
+    topology: &'a Topology,
+    limits: TraceLimits,
+    face: FlatFace,
+    point: DVec2,
+    heading: DVec2,
+}
+
+impl Walker<'_> {
+    /// Walks one arc within the triangle, or up to its edge and over it.
+    fn step(&mut self, curvature: &CurvatureProfile, trace: &mut Trace) -> Result<(), TraceEnd> {
+        let stretch = curvature.stretch(trace.length);
+        let mark = trace.points.len() as f64 * self.limits.spacing;
+        let to_target = mark.min(self.limits.length) - trace.length;
+        let step = to_target.min(stretch.left).min(one_way(stretch.value, stretch.slope));
+        let arc = Arc { start: self.point, heading: self.heading, curvature: stretch.value, slope: stretch.slope };
+        if let Some((length, edge)) = self.exit(&arc, step) {
+            trace.length += length;
+            (self.point, self.heading) = (arc.point(length), arc.heading_at(length));
+            trace.crossings += 1;
+            return self.cross(edge);
+        }
+        (self.point, self.heading) = (arc.point(step), arc.heading_at(step));
+        trace.length = if step == to_target { mark.min(self.limits.length) } else { trace.length + step };
+        if trace.length >= mark {
+            trace.points.push(self.record());
+        }
+        Ok(())
+    }
+
+    fn exit(&self, arc: &Arc, step: f64) -> Option<(f64, usize)> {
+        let leaves = |edge: usize| arc.leaves(self.face.start(edge), self.face.along[edge], step, self.face.slack);
+        (0..3).filter_map(|edge| Some((leaves(edge)?, edge))).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    fn cross(&mut self, edge: usize) -> Result<(), TraceEnd> {
+        let (next, next_edge) = match self.topology.across[self.face.face as usize][edge] {
+            Across::Boundary => return Err(TraceEnd::Boundary),
+            Across::NonManifold => return Err(TraceEnd::NonManifold),
+            Across::Face { turn, .. } if turn.abs() > self.limits.sharp_angle => return Err(TraceEnd::Sharp),
+            Across::Face { face, edge, .. } => (face, usize::from(edge)),
+        };
+        let next = FlatFace::new(self.mesh, next).ok_or(TraceEnd::Degenerate)?;
+        (self.point, self.heading) = self.face.unfold(edge, self.point, self.heading, &next, next_edge);
+        self.face = next;
+        Ok(())
+    }
+
+    fn record(&self) -> TracePoint {
+        let barycentric = self.face.barycentric(self.point);
+        TracePoint {
+            face: self.face.face,
+            barycentric,
+            position: self.face.position(barycentric),
+            tangent: self.face.raise(self.heading),
+            normal: self.face.normal(),
+        }
+    }
+}
+
+/// Arc length [m] over which the curvature keeps its sign and the heading turns by less than [`LARGEST_TURN`].
+fn one_way(curvature: f64, slope: f64) -> f64 {
+    // The turn |κ|σ + |κ'|σ²/2 stays below the limit when each part stays below half of it.
+    let turn = (0.5 * LARGEST_TURN / curvature.abs()).min((LARGEST_TURN / slope.abs()).sqrt());
+    let to_zero = -curvature / slope;
+    // A zero within rounding of here has just been reached.
+    if to_zero > 1e-9 * turn { turn.min(to_zero) } else { turn }
+}
