@@ -156,3 +156,14 @@ fn the_same_part_in_metres_and_in_millimetres_comes_out_at_one_size() {
     assert!((obj - stl).abs().max_element() < 1e-7, "{obj} against {stl}");
     assert!((obj - DVec3::new(4.763e-3, 5.499e-3, 1.587e-3)).abs().max_element() < 1e-6, "{obj}");
 }
+
+#[test]
+fn the_same_file_gives_the_same_mesh_every_time() {
+    let Some(folder) = shared_meshes("repeatability of cleaning") else { return };
+    for name in ["other_cmu_WP_outerface.STL", "other_trimesh_featuretype.STL"] {
+        // Every call hashes with keys of its own.
+        let run = || clean(read(&folder.join(name)).mesh).expect("it can be cleaned");
+        let first = run();
+        (0..3).for_each(|_| assert_eq!(run(), first, "{name}"));
+    }
+}

@@ -2,13 +2,21 @@
 
 use std::collections::HashSet;
 
+use super::EdgeMap;
 use crate::Mesh;
 
 /// A triangle lower than this, relative to its longest side, has no usable normal in double precision.
 const FLAT: f64 = 1e-12;
 
-/// Drops triangles with a repeated corner or without height; returns how many.
-pub(super) fn drop_degenerate(mesh: &mut Mesh) -> usize {
+/// Drops triangles with a repeated corner; returns how many.
+pub(super) fn drop_collapsed(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+    before - mesh.triangles.len()
+}
+
+/// Drops triangles without height; returns how many.
+pub(super) fn drop_flat(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     let keep: Vec<bool> = (0..before).map(|t| !is_degenerate(mesh, t)).collect();
     let mut keep = keep.into_iter();
@@ -16,7 +24,8 @@ pub(super) fn drop_degenerate(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-fn is_degenerate(mesh: &Mesh, triangle: usize) -> bool {
+/// Whether a triangle has no usable normal.
+pub(super) fn is_degenerate(mesh: &Mesh, triangle: usize) -> bool {
     let [a, b, c] = mesh.corners(triangle);
     let longest_squared = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
     // Doubled area is height times longest side; NaN counts as degenerate.
@@ -34,11 +43,14 @@ pub(super) fn drop_duplicates(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Number of faces whose reverse is there too, counted once for each pair; the mesh has no duplicates.
-pub(super) fn coincident_pairs(mesh: &Mesh) -> usize {
-    let faces: HashSet<_> = mesh.triangles.iter().map(|&corners| smallest_first(corners)).collect();
-    let is_pair = |&&[a, b, c]: &&[u32; 3]| b < c && faces.contains(&[a, c, b]);
-    faces.iter().filter(is_pair).count()
+/// Number of pairs of faces that are each other's reverse; the mesh has no duplicates.
+pub(super) fn coincident_pairs(mesh: &Mesh, edges: &EdgeMap) -> usize {
+    let reverses = |t: usize| {
+        let [a, b, c] = smallest_first(mesh.triangles[t]);
+        let others = edges.uses(edges.of_triangle(t)[0] as usize).iter().map(|u| u.triangle as usize);
+        others.filter(|&other| other > t && smallest_first(mesh.triangles[other]) == [a, c, b]).count()
+    };
+    (0..mesh.triangles.len()).map(reverses).sum()
 }
 
 fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {

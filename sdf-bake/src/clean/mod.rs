@@ -9,6 +9,7 @@
 
 use crate::Mesh;
 
+mod caps;
 mod edges;
 mod faces;
 mod nesting;
@@ -86,13 +87,17 @@ pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
     let edges = EdgeMap::new(&mesh);
     let turned = orient::orient(&mut mesh, &edges);
     (report.flipped_triangles, report.flipped_shells) = (turned.triangles, turned.shells);
-    measure(&mesh, &mut report);
+    let edges = if turned.triangles + turned.shells > 0 { EdgeMap::new(&mesh) } else { edges };
+    measure(&mesh, &edges, &mut report);
     Ok((mesh, report))
 }
 
 /// Once before cracks are closed, since a duplicate hides a boundary edge, and once after.
 fn drop_faces(mesh: &mut Mesh, report: &mut CleanReport) {
-    report.degenerate_faces += faces::drop_degenerate(mesh);
+    report.degenerate_faces += faces::drop_collapsed(mesh);
+    report.duplicate_faces += faces::drop_duplicates(mesh);
+    report.swapped_edges += caps::swap_long_edges(mesh);
+    report.degenerate_faces += faces::drop_flat(mesh);
     report.duplicate_faces += faces::drop_duplicates(mesh);
 }
 
@@ -110,8 +115,7 @@ fn check(mesh: &Mesh) -> Result<(), CleanError> {
 }
 
 /// Fills in the counts of the mesh as it is now.
-fn measure(mesh: &Mesh, report: &mut CleanReport) {
-    let edges = EdgeMap::new(mesh);
+fn measure(mesh: &Mesh, edges: &EdgeMap, report: &mut CleanReport) {
     report.vertices = mesh.positions.len();
     report.triangles = mesh.triangles.len();
     report.boundary_edges = edges.boundary_count();
@@ -120,8 +124,8 @@ fn measure(mesh: &Mesh, report: &mut CleanReport) {
     report.inconsistent_edges = shared.filter(|&edge| !edges.is_balanced(edge)).count();
     (_, report.shells) = edges.components(|_| true);
     report.bodies = connected_vertices(mesh);
-    report.coincident_pairs = faces::coincident_pairs(mesh);
-    report.closed = edges.indices().all(|edge| edges.uses(edge).len() % 2 == 0);
+    report.coincident_pairs = faces::coincident_pairs(mesh, edges);
+    report.closed = edges.indices().all(|edge| edges.uses(edge).len().is_multiple_of(2));
     report.consistently_oriented = report.inconsistent_edges == 0;
 }
 

@@ -90,9 +90,12 @@ fn inside_out_shells(mesh: &Mesh, edges: &EdgeMap, labels: &[u32], count: usize)
     for edge in edges.indices().filter(|&edge| !edges.is_balanced(edge)) {
         closed[labels[edges.uses(edge)[0].triangle as usize] as usize] = false;
     }
+    let negative: Vec<bool> = (0..count).map(|shell| closed[shell] && volume(mesh, &shells[shell]) < 0.0).collect();
+    if !negative.contains(&true) {
+        return negative;
+    }
     let containers = outermost_containers(mesh, &shells, &closed);
-    let negative = |shell: usize| closed[shell] && volume(mesh, &shells[shell]) < 0.0;
-    (0..count).map(|shell| closed[shell] && negative(containers[shell].unwrap_or(shell))).collect()
+    (0..count).map(|shell| negative[containers[shell].unwrap_or(shell)]).collect()
 }
 
 /// Volume [m³] within some triangles, about a point of their own against cancellation.

@@ -17,6 +17,8 @@ pub struct CleanReport {
     pub weld_tolerance: f64,
     /// Dropped triangles: a corner twice, or no height in double precision.
     pub degenerate_faces: usize,
+    /// Edges swapped so that a triangle without height could go without leaving a gap.
+    pub swapped_edges: usize,
     /// Dropped triangles: corners and orientation of another one.
     pub duplicate_faces: usize,
     /// Dropped vertices that no triangle used.
@@ -57,6 +59,7 @@ impl CleanReport {
     pub fn repairs(&self) -> usize {
         self.merged_near
             + self.degenerate_faces
+            + self.swapped_edges
             + self.duplicate_faces
             + self.unused_vertices
             + self.flipped_triangles
@@ -70,6 +73,7 @@ impl CleanReport {
             ("merged", self.merged_equal, "vertices at equal positions"),
             ("merged", self.merged_near, tolerance.as_str()),
             ("dropped", self.degenerate_faces, "degenerate faces"),
+            ("swapped", self.swapped_edges, "edges beside triangles without height"),
             ("dropped", self.duplicate_faces, "duplicate faces"),
             ("dropped", self.unused_vertices, "unused vertices"),
             ("turned", self.flipped_triangles, "triangles to agree with their neighbours"),

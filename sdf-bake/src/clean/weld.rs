@@ -14,6 +14,11 @@ use crate::Mesh;
 /// Largest gap that is closed, relative to the bounding box's diagonal.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
+/// More groups in a cube, or vertices in a group, than cracks make: there the tolerance is too coarse for the part,
+/// and what comes on top stays unmerged.
+const MAX_GROUPS: usize = 8;
+const MAX_MEMBERS: usize = 16;
+
 /// Merges vertices at equal positions; returns how many went.
 pub(super) fn merge_equal(mesh: &mut Mesh) -> usize {
     let mut first_at = HashMap::with_capacity(mesh.positions.len());
@@ -89,14 +94,18 @@ impl Clusters<'_> {
         match nearest {
             Some((_, representative)) => self.members.entry(representative).or_default().push(vertex),
             None => {
-                self.cells.entry(cell).or_default().push(vertex);
-                self.members.insert(vertex, vec![vertex]);
+                let groups = self.cells.entry(cell).or_default();
+                if groups.len() < MAX_GROUPS {
+                    groups.push(vertex);
+                    self.members.insert(vertex, vec![vertex]);
+                }
             }
         }
         nearest.map(|(_, representative)| representative)
     }
 
     fn may_join(&self, vertex: u32, representative: u32) -> bool {
-        self.members[&representative].iter().all(|&member| self.edges.find(vertex, member).is_none())
+        let members = &self.members[&representative];
+        members.len() < MAX_MEMBERS && members.iter().all(|&member| self.edges.find(vertex, member).is_none())
     }
 }

@@ -21,8 +21,11 @@ const MAX_TRIANGLES: usize = 50_000_000;
 
 pub(super) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Surface, ReadError> {
     check_glb_length(bytes)?;
-    let Gltf { document, blob } =
-        Gltf::from_slice(bytes).map_err(|error| malformed(format!("not valid glTF 2.0: {}", describe(&error))))?;
+    let invalid = |error| malformed(format!("not valid glTF 2.0: {}", describe(&error)));
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
+    let root = document.into_json();
+    check_position_accessors(&root)?;
+    let document = Document::from_json(root).map_err(invalid)?;
     let buffers = buffers::load(&document, blob, folder)?;
     let mut scene = SceneReader { buffers, surface: Surface::default(), seen: vec![false; document.nodes().len()] };
     for node in roots(&document) {
@@ -51,6 +54,16 @@ fn check_glb_length(bytes: &[u8]) -> Result<(), ReadError> {
             announced: other.map_or("a header of 12 bytes".into(), |length| format!("{length} bytes")),
             found: format!("the file has {}", bytes.len()),
         }),
+    }
+}
+
+/// The crate's validation looks at POSITION's bounds before it checks that the accessor is there.
+fn check_position_accessors(root: &gltf_crate::json::Root) -> Result<(), ReadError> {
+    let accessors = root.accessors.len();
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    match primitives.flat_map(|p| p.attributes.values()).find(|index| index.value() >= accessors) {
+        Some(index) => Err(malformed(format!("a primitive names accessor {index}, and there are {accessors}"))),
+        None => Ok(()),
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! OBJ, STL (ASCII and binary), PLY (ASCII and binary) and glTF (`.glb`, `.gltf`) are read. The format is found from the content
 //! first and from the extension second. Polygons become triangles without overlap, also when they are concave.
-//! No bytes make a reader panic, or allocate more than a small multiple of the file's size.
+//! Only glTF fixes which way is up; the other formats are taken to be z up. No bytes make a reader panic, or allocate more than a small multiple of the file's size.
 //!
 //! Reading repairs nothing: what comes out goes to [`crate::clean`], which reports each change.
 
@@ -10,6 +10,7 @@ use std::fmt;
 use std::path::Path;
 
 use glam::DVec3;
+use serde::Serialize;
 
 use crate::Mesh;
 
@@ -25,7 +26,8 @@ pub use error::ReadError;
 pub use unit::{Unit, UnitChoice};
 
 /// A mesh file format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Format {
     /// Wavefront OBJ.
     Obj,

@@ -6,6 +6,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::Serialize;
+
 use super::Format;
 
 /// Below this longest side [file units] an OBJ is taken to be in metres.
@@ -42,7 +44,8 @@ impl FromStr for UnitChoice {
 }
 
 /// The length of one file unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Unit {
     /// 1 m.
     Metre,
