@@ -69,6 +69,18 @@ impl CurvatureProfile {
         Self { first: -last, spacing: self.spacing, knots: self.knots.iter().rev().map(|knot| -knot).collect() }
     }
 
+    /// The profile times a factor, so that its root mean square over `[from, to]` is `rms` [1/m].
+    ///
+    /// Where the largest magnitude over the interval would pass `max` [1/m], the factor stops there.
+    pub(crate) fn scaled_to(&self, rms: f64, max: f64, [from, to]: [f64; 2]) -> Self {
+        let count = 256;
+        let sample = |i: u32| self.at(from + (to - from) * f64::from(i) / f64::from(count)).abs();
+        let peak = (0..=count).map(sample).fold(0.0, f64::max);
+        let factor = (rms / self.rms(from, to)).min(max / peak);
+        let factor = if factor.is_finite() { factor } else { 1.0 };
+        Self { knots: self.knots.iter().map(|knot| knot * factor).collect(), first: self.first, spacing: self.spacing }
+    }
+
     /// Largest magnitude [1/m].
     pub fn max_abs(&self) -> f64 {
         self.knots.iter().fold(0.0, |max, knot| knot.abs().max(max))

@@ -14,7 +14,7 @@ use crate::exposure::exposures;
 use crate::propose::{Candidate, Proposals};
 use crate::rejection::Tally;
 use crate::request::{WIDTHS_PER_LENGTH, WeldRequest};
-use crate::topology::Topology;
+use crate::surface::Surface;
 
 /// What is tried in turn when nothing fits: factors of the length and of the bead's width and height.
 ///
@@ -88,25 +88,25 @@ pub enum PlaceError {
 ///
 /// - `query`: the same mesh, prepared
 /// - `seed`: another seed gives another weld; the same one gives the same weld for any number of threads
+///
+/// For several welds on one part, prepare a [`Surface`] once and call [`place_weld_on`].
 pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
+    place_weld_on(&Surface::new(part, query), request, seed)
+}
+
+/// As [`place_weld`], on a prepared part.
+pub fn place_weld_on(surface: &Surface, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
     if let Some(fault) = request.fault() {
         return Err(PlaceError::Request(fault));
     }
-    let areas = running_areas(part);
-    if !areas.last().is_some_and(|total| *total > 0.0) {
-        return Err(PlaceError::NoSurface(part.triangles.len()));
+    if surface.area() == 0.0 {
+        return Err(PlaceError::NoSurface(surface.part.triangles.len()));
     }
-    let topology = Topology::new(part);
     let wanted = wanted_length(request, seed);
-    let mut tally = Tally::default();
-    let mut longest_run = 0f64;
-    let mut last = (0.0, 0.0);
+    let (mut tally, mut longest_run, mut last) = (Tally::default(), 0f64, (0.0, 0.0));
     for (stage, (length, profile)) in stages(request, wanted).into_iter().enumerate() {
         let proposals = Proposals {
-            part,
-            query,
-            topology: &topology,
-            areas: &areas,
+            surface,
             length,
             profile,
             curvature_rms: request.curvature_rms,
@@ -115,8 +115,8 @@ pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u
             min_exposure: request.min_exposure,
             exposure_reach: request.exposure_reach,
         };
-        if let Some(candidate) = first_fit(&proposals, request.attempts, mix(seed, stage), &mut tally, &mut longest_run)
-        {
+        let seed_here = mix(seed, stage);
+        if let Some(candidate) = first_fit(&proposals, request.attempts, seed_here, &mut tally, &mut longest_run) {
             return Ok(finish(&proposals, candidate, request, (wanted, seed), tally));
         }
         last = (length, profile.width);
@@ -157,7 +157,7 @@ fn finish(
 ) -> Weld {
     let Candidate { mut curve, bead, root_depth } = candidate;
     let places: Vec<_> = curve.points.iter().map(|point| (point.position, point.normal)).collect();
-    let measured = exposures(proposals.query, &places, proposals.rays(MEASURING_RAYS));
+    let measured = exposures(proposals.surface.query, &places, proposals.rays(MEASURING_RAYS));
     for (point, exposure) in curve.points.iter_mut().zip(measured) {
         point.exposure = exposure;
         point.width = proposals.profile.width;
@@ -207,15 +207,6 @@ fn wanted_length(request: &WeldRequest, seed: u64) -> f64 {
     let [low, high] = request.length_range;
     let share: f64 = Pcg64Mcg::seed_from_u64(seed).random();
     request.length.unwrap_or(low + share * (high - low))
-}
-
-fn running_areas(part: &Mesh) -> Vec<f64> {
-    let area = |t: usize| Some(0.5 * part.doubled_area_normal(t).length()).filter(|a| a.is_finite()).unwrap_or(0.0);
-    let add = |sum: &mut f64, t: usize| {
-        *sum += area(t);
-        Some(*sum)
-    };
-    (0..part.triangles.len()).scan(0.0, add).collect()
 }
 
 /// A seed from a seed and a number (splitmix64's finaliser).
