@@ -5,6 +5,7 @@
 
 pub mod bake;
 mod bounds;
+pub mod clean;
 pub mod grid;
 mod grow;
 pub mod halo;
@@ -16,6 +17,7 @@ pub mod redistance;
 mod share;
 mod union;
 mod volume;
+pub mod read;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};
 pub use grid::BrickGrid;

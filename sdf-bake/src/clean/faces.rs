@@ -1,0 +1,69 @@
+//! Faces and vertices that carry no surface: degenerate and duplicate faces, unused vertices.
+
+use std::collections::HashSet;
+
+use crate::Mesh;
+
+/// A triangle lower than this, relative to its longest side, has no usable normal in double precision.
+const FLAT: f64 = 1e-12;
+
+/// Drops triangles with a repeated corner or without height; returns how many.
+pub(super) fn drop_degenerate(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    let keep: Vec<bool> = (0..before).map(|t| !is_degenerate(mesh, t)).collect();
+    let mut keep = keep.into_iter();
+    mesh.triangles.retain(|_| keep.next() == Some(true));
+    before - mesh.triangles.len()
+}
+
+fn is_degenerate(mesh: &Mesh, triangle: usize) -> bool {
+    let [a, b, c] = mesh.corners(triangle);
+    let longest_squared = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    // Doubled area is height times longest side; NaN counts as degenerate.
+    let has_height = mesh.doubled_area_normal(triangle).length() > FLAT * longest_squared;
+    !has_height
+}
+
+/// Drops faces with the corners and the orientation of an earlier one; returns how many.
+///
+/// A face and its reverse both stay: that is where two solids touch.
+pub(super) fn drop_duplicates(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    let mut seen = HashSet::with_capacity(before);
+    mesh.triangles.retain(|&corners| seen.insert(smallest_first(corners)));
+    before - mesh.triangles.len()
+}
+
+/// Number of faces whose reverse is there too, counted once for each pair; the mesh has no duplicates.
+pub(super) fn coincident_pairs(mesh: &Mesh) -> usize {
+    let faces: HashSet<_> = mesh.triangles.iter().map(|&corners| smallest_first(corners)).collect();
+    let is_pair = |&&[a, b, c]: &&[u32; 3]| b < c && faces.contains(&[a, c, b]);
+    faces.iter().filter(is_pair).count()
+}
+
+fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a <= b && a <= c {
+        [a, b, c]
+    } else if b <= c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Drops vertices of no face, keeping the others' order; returns how many.
+pub(super) fn drop_unused_vertices(mesh: &mut Mesh) -> usize {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);
+    let mut target = vec![0; used.len()];
+    let mut kept = 0;
+    for (vertex, _) in used.iter().enumerate().filter(|(_, used)| **used) {
+        target[vertex] = kept;
+        mesh.positions[kept as usize] = mesh.positions[vertex];
+        kept += 1;
+    }
+    let dropped = mesh.positions.len() - kept as usize;
+    mesh.positions.truncate(kept as usize);
+    mesh.triangles.iter_mut().for_each(|corners| *corners = corners.map(|vertex| target[vertex as usize]));
+    dropped
+}

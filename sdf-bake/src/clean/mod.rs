@@ -1,0 +1,151 @@
+//! Cleaning a triangle mesh, with a report: nothing is repaired in silence.
+//!
+//! Real CAD exports repeat vertices and faces, are open, turn some triangles the wrong way, and let solids touch. The
+//! steps, in order: finite coordinates → weld equal positions → degenerate and duplicate faces → close cracks → unused
+//! vertices → edges → one orientation for each patch → outward normals for each outermost shell → report. All run in
+//! O(n log n), apart from the test which shell lies in which.
+//!
+//! Holes are not filled and solids that touch are not separated; the report's counts say where they are.
+
+use crate::Mesh;
+
+mod edges;
+mod faces;
+mod nesting;
+mod orient;
+mod report;
+mod weld;
+
+pub use edges::{EdgeMap, EdgeUse};
+pub use report::CleanReport;
+
+/// Fewest triangles of a closed surface.
+const TETRAHEDRON: usize = 4;
+
+/// Why a mesh cannot be used at all.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CleanError {
+    /// A coordinate is infinite or not a number.
+    #[error("vertex {vertex} is ({x}, {y}, {z}): coordinates must be finite numbers")]
+    NonFinite {
+        /// Vertex index.
+        vertex: usize,
+        /// x [m].
+        x: f64,
+        /// y [m].
+        y: f64,
+        /// z [m].
+        z: f64,
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex}, and there are {vertices}")]
+    NoSuchVertex {
+        /// Triangle index.
+        triangle: usize,
+        /// The index found.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// Fewer triangles than a tetrahedron has.
+    #[error("{} cannot enclose a volume; at least 4 are needed{}", count(*left), dropped(*before, *left))]
+    TooFewTriangles {
+        /// Triangles as given.
+        before: usize,
+        /// Triangles that are not degenerate or duplicate.
+        left: usize,
+    },
+}
+
+fn count(triangles: usize) -> String {
+    if triangles == 1 { "1 triangle".into() } else { format!("{triangles} triangles") }
+}
+
+fn dropped(before: usize, left: usize) -> String {
+    if before == left { String::new() } else { format!(" ({} of {before} are degenerate or duplicate)", before - left) }
+}
+
+/// Cleans a mesh and says what was done.
+pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
+    check(&mesh)?;
+    let mut report = CleanReport {
+        vertices_before: mesh.positions.len(),
+        triangles_before: mesh.triangles.len(),
+        unused_vertices: faces::drop_unused_vertices(&mut mesh),
+        ..CleanReport::default()
+    };
+    report.merged_equal = weld::merge_equal(&mut mesh);
+    drop_faces(&mut mesh, &mut report);
+    (report.merged_near, report.weld_tolerance) = weld::close_cracks(&mut mesh);
+    drop_faces(&mut mesh, &mut report);
+    // Vertices that welding replaced are counted there.
+    report.unused_vertices += faces::drop_unused_vertices(&mut mesh) - report.merged_near;
+    if mesh.triangles.len() < TETRAHEDRON {
+        return Err(CleanError::TooFewTriangles { before: report.triangles_before, left: mesh.triangles.len() });
+    }
+    let edges = EdgeMap::new(&mesh);
+    let turned = orient::orient(&mut mesh, &edges);
+    (report.flipped_triangles, report.flipped_shells) = (turned.triangles, turned.shells);
+    measure(&mesh, &mut report);
+    Ok((mesh, report))
+}
+
+/// Once before cracks are closed, since a duplicate hides a boundary edge, and once after.
+fn drop_faces(mesh: &mut Mesh, report: &mut CleanReport) {
+    report.degenerate_faces += faces::drop_degenerate(mesh);
+    report.duplicate_faces += faces::drop_duplicates(mesh);
+}
+
+fn check(mesh: &Mesh) -> Result<(), CleanError> {
+    let vertices = mesh.positions.len();
+    if let Some((vertex, p)) = mesh.positions.iter().enumerate().find(|(_, p)| !p.length_squared().is_finite()) {
+        return Err(CleanError::NonFinite { vertex, x: p.x, y: p.y, z: p.z });
+    }
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= vertices) {
+            return Err(CleanError::NoSuchVertex { triangle, vertex, vertices });
+        }
+    }
+    Ok(())
+}
+
+/// Fills in the counts of the mesh as it is now.
+fn measure(mesh: &Mesh, report: &mut CleanReport) {
+    let edges = EdgeMap::new(mesh);
+    report.vertices = mesh.positions.len();
+    report.triangles = mesh.triangles.len();
+    report.boundary_edges = edges.boundary_count();
+    report.non_manifold_edges = edges.non_manifold_count();
+    let shared = edges.indices().filter(|&edge| edges.uses(edge).len() > 1);
+    report.inconsistent_edges = shared.filter(|&edge| !edges.is_balanced(edge)).count();
+    (_, report.shells) = edges.components(|_| true);
+    report.bodies = connected_vertices(mesh);
+    report.coincident_pairs = faces::coincident_pairs(mesh);
+    report.closed = edges.indices().all(|edge| edges.uses(edge).len() % 2 == 0);
+    report.consistently_oriented = report.inconsistent_edges == 0;
+}
+
+/// Number of parts that hang together through vertices, in a mesh without unused ones.
+fn connected_vertices(mesh: &Mesh) -> usize {
+    let mut parent: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let mut parts = parent.len();
+    for &[a, b, c] in &mesh.triangles {
+        for (from, to) in [(a, b), (a, c)] {
+            let (from, to) = (root(&mut parent, from), root(&mut parent, to));
+            if from != to {
+                parent[from.max(to) as usize] = from.min(to);
+                parts -= 1;
+            }
+        }
+    }
+    parts
+}
+
+fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
+    while parent[vertex as usize] != vertex {
+        let above = parent[parent[vertex as usize] as usize];
+        parent[vertex as usize] = above;
+        vertex = above;
+    }
+    vertex
+}

@@ -1,0 +1,73 @@
+//! Which closed shell lies within which, by counting crossings of a vertical ray.
+
+use glam::{DVec2, DVec3};
+
+use crate::Mesh;
+
+/// For each shell the outermost closed shell that it lies in, if any.
+///
+/// - `shells`: triangle indices of each shell, none empty
+/// - `closed`: whether a shell encloses a volume; open ones contain nothing and lie in nothing
+pub(super) fn outermost_containers(mesh: &Mesh, shells: &[Vec<usize>], closed: &[bool]) -> Vec<Option<usize>> {
+    let boxes: Vec<_> = shells.iter().map(|triangles| bounds(mesh, triangles)).collect();
+    let containers: Vec<Vec<usize>> = (0..shells.len())
+        .map(|shell| {
+            if !closed[shell] {
+                return Vec::new();
+            }
+            let p = sample_point(mesh, &shells[shell]);
+            let around = |&other: &usize| {
+                let (low, high) = boxes[other];
+                other != shell && closed[other] && low.cmplt(p).all() && high.cmpgt(p).all()
+            };
+            (0..shells.len()).filter(around).filter(|&other| contains(mesh, &shells[other], p)).collect()
+        })
+        .collect();
+    containers.iter().map(|list| list.iter().copied().find(|&c| containers[c].is_empty())).collect()
+}
+
+fn bounds(mesh: &Mesh, triangles: &[usize]) -> (DVec3, DVec3) {
+    let infinite = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let corners = triangles.iter().flat_map(|&t| mesh.corners(t));
+    corners.fold(infinite, |(low, high), p| (low.min(p), high.max(p)))
+}
+
+/// A point of the largest triangle, at uneven weights so that it is not over another shell's corner or edge.
+fn sample_point(mesh: &Mesh, triangles: &[usize]) -> DVec3 {
+    let area = |&t: &usize| mesh.doubled_area_normal(t).length_squared();
+    let largest = triangles.iter().copied().max_by(|a, b| area(a).total_cmp(&area(b)).then(b.cmp(a)));
+    let [a, b, c] = mesh.corners(largest.unwrap_or(triangles[0]));
+    a + (b - a) * 0.287_654_321 + (c - a) * 0.412_345_678
+}
+
+fn contains(mesh: &Mesh, triangles: &[usize], p: DVec3) -> bool {
+    triangles.iter().filter(|&&t| is_above(mesh, t, p)).count() % 2 == 1
+}
+
+/// Whether the upward ray from `p` crosses a triangle.
+fn is_above(mesh: &Mesh, triangle: usize, p: DVec3) -> bool {
+    let corners = mesh.triangles[triangle];
+    let [a, b, c] = mesh.corners(triangle);
+    if p.z > a.z.max(b.z).max(c.z) || p.x > a.x.max(b.x).max(c.x) || p.x < a.x.min(b.x).min(c.x) {
+        return false;
+    }
+    let side = |i: usize| is_left(mesh, corners[i], corners[(i + 1) % 3], p);
+    let (first, second, third) = (side(0), side(1), side(2));
+    if first != second || second != third {
+        return false;
+    }
+    let normal = (b - a).cross(c - a);
+    // Height of the plane over p times normal.z.
+    let height = normal.dot(a - p);
+    if normal.z >= 0.0 { height > 0.0 } else { height < 0.0 }
+}
+
+/// The side of an edge that `p` is on, seen from above.
+///
+/// Both triangles at an edge evaluate the same numbers in the same order, so that no ray slips between them.
+fn is_left(mesh: &Mesh, from: u32, to: u32, p: DVec3) -> bool {
+    let [low, high] = [from.min(to), from.max(to)].map(|vertex| mesh.positions[vertex as usize].truncate());
+    let towards: DVec2 = high - low;
+    let left = towards.perp_dot(p.truncate() - low) > 0.0;
+    left == (from < to)
+}

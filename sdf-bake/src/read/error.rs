@@ -1,0 +1,74 @@
+//! What can be wrong with a mesh file.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+use super::Format;
+
+/// Why a mesh file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file could not be opened or read.
+    #[error("cannot read {path}: {source}")]
+    Io {
+        /// The file that was asked for.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// Nothing in the file.
+    #[error("{name} is empty; an OBJ, STL, PLY, GLB or glTF mesh is accepted")]
+    Empty {
+        /// File name.
+        name: String,
+    },
+    /// Neither content nor extension tells the format.
+    #[error(
+        "{name} is not recognised: its content is no OBJ, STL, PLY, GLB or glTF, and its extension is none of theirs"
+    )]
+    UnknownFormat {
+        /// File name.
+        name: String,
+    },
+    /// The file breaks its format's rules.
+    #[error("{format} file: {reason}")]
+    Malformed {
+        /// Format the file was read as.
+        format: Format,
+        /// What was found and what would be accepted.
+        reason: String,
+    },
+    /// The file ends before what it announces.
+    #[error("{format} file is cut off: it announces {announced}, {found}")]
+    Truncated {
+        /// Format the file was read as.
+        format: Format,
+        /// What the file says it holds.
+        announced: String,
+        /// What it really holds.
+        found: String,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("{place} is ({}, {}, {}): coordinates must be finite numbers", position.x, position.y, position.z)]
+    NonFinite {
+        /// The vertex, counted from 0, or the line, counted from 1.
+        place: String,
+        /// The position as read.
+        position: DVec3,
+    },
+    /// Points, lines or nothing, but no surface.
+    #[error("{format} file has {vertices} vertices and no faces: a surface of triangles or polygons is needed")]
+    NoFaces {
+        /// Format the file was read as.
+        format: Format,
+        /// Number of vertices found.
+        vertices: usize,
+    },
+}
+
+impl ReadError {
+    pub(super) fn malformed(format: Format, reason: impl Into<String>) -> Self {
+        Self::Malformed { format, reason: reason.into() }
+    }
+}

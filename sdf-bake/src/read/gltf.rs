@@ -1,0 +1,144 @@
+//! glTF 2.0, parsed by the `gltf` crate, with reads of our own that stay inside the buffers.
+//!
+//! All triangle primitives of the default scene are put together under their nodes' transforms.
+
+use std::path::Path;
+
+use ::gltf as gltf_crate;
+use glam::{DMat4, DVec3, Vec4};
+use gltf_crate::mesh::Mode;
+use gltf_crate::{Document, Gltf, Node, Semantic};
+
+use super::{Format, ReadError, Surface};
+
+mod accessor;
+mod buffers;
+
+/// Deeper scenes than this are taken for a loop.
+const MAX_DEPTH: usize = 256;
+/// Instances can multiply a small file; no part needs more triangles than this.
+const MAX_TRIANGLES: usize = 50_000_000;
+
+pub(super) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Surface, ReadError> {
+    check_glb_length(bytes)?;
+    let Gltf { document, blob } =
+        Gltf::from_slice(bytes).map_err(|error| malformed(format!("not valid glTF 2.0: {}", describe(&error))))?;
+    let buffers = buffers::load(&document, blob, folder)?;
+    let mut scene = SceneReader { buffers, surface: Surface::default(), seen: vec![false; document.nodes().len()] };
+    for node in roots(&document) {
+        scene.visit(&node, DMat4::IDENTITY, 0)?;
+    }
+    Ok(scene.surface)
+}
+
+pub(super) fn malformed(reason: impl Into<String>) -> ReadError {
+    ReadError::malformed(Format::Gltf, reason)
+}
+
+/// The header of a `.glb` must fit the file, else the `gltf` crate subtracts below zero.
+fn check_glb_length(bytes: &[u8]) -> Result<(), ReadError> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok(());
+    }
+    let header = bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+    match header {
+        Some(length) if length <= bytes.len() && length >= 20 => Ok(()),
+        Some(length) if length < 20 => {
+            Err(malformed(format!("the header says {length} bytes; at least 20 are needed")))
+        }
+        other => Err(ReadError::Truncated {
+            format: Format::Gltf,
+            announced: other.map_or("a header of 12 bytes".into(), |length| format!("{length} bytes")),
+            found: format!("the file has {}", bytes.len()),
+        }),
+    }
+}
+
+fn describe(error: &gltf_crate::Error) -> String {
+    match error {
+        gltf_crate::Error::Validation(list) => {
+            list.first().map_or("invalid".into(), |(path, error)| format!("{path}: {error}"))
+        }
+        other => other.to_string(),
+    }
+}
+
+fn roots(document: &Document) -> Vec<Node<'_>> {
+    match document.default_scene().or_else(|| document.scenes().next()) {
+        Some(scene) => scene.nodes().collect(),
+        None => {
+            let mut is_child = vec![false; document.nodes().len()];
+            document.nodes().flat_map(|node| node.children()).for_each(|child| is_child[child.index()] = true);
+            document.nodes().filter(|node| !is_child[node.index()]).collect()
+        }
+    }
+}
+
+struct SceneReader {
+    buffers: Vec<Vec<u8>>,
+    surface: Surface,
+    seen: Vec<bool>,
+}
+
+impl SceneReader {
+    fn visit(&mut self, node: &Node, parent: DMat4, depth: usize) -> Result<(), ReadError> {
+        if std::mem::replace(&mut self.seen[node.index()], true) || depth > MAX_DEPTH {
+            return Err(malformed(format!("node {} has two parents, or nodes are nested too deeply", node.index())));
+        }
+        let columns = node.transform().matrix().map(|column| Vec4::from_array(column).as_dvec4());
+        let local = DMat4::from_cols(columns[0], columns[1], columns[2], columns[3]);
+        let world = parent * local;
+        if let Some(mesh) = node.mesh() {
+            for primitive in mesh.primitives() {
+                self.add_primitive(&primitive, world)?;
+            }
+        }
+        node.children().try_for_each(|child| self.visit(&child, world, depth + 1))
+    }
+
+    fn add_primitive(&mut self, primitive: &gltf_crate::Primitive, world: DMat4) -> Result<(), ReadError> {
+        let mode = primitive.mode();
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.surface.notes.push(format!("left out a primitive of mode {mode:?}"));
+            return Ok(());
+        }
+        let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| malformed("a primitive has no POSITION"))?;
+        let positions = accessor::positions(&accessor, &self.buffers)?;
+        let corners = match primitive.indices() {
+            Some(accessor) => accessor::indices(&accessor, &self.buffers)?,
+            None => (0..positions.len() as u32).collect(),
+        };
+        if let Some(bad) = corners.iter().find(|&&corner| corner as usize >= positions.len()) {
+            return Err(malformed(format!("an index names vertex {bad}, and the primitive has {}", positions.len())));
+        }
+        self.append(&positions, &assemble(mode, &corners), world)
+    }
+
+    fn append(&mut self, positions: &[DVec3], triangles: &[[u32; 3]], world: DMat4) -> Result<(), ReadError> {
+        let mesh = &mut self.surface.mesh;
+        let total = mesh.triangles.len() + triangles.len();
+        if total > MAX_TRIANGLES || mesh.positions.len() + positions.len() > 3 * MAX_TRIANGLES {
+            return Err(malformed(format!("the scene has more than {MAX_TRIANGLES} triangles")));
+        }
+        let offset = mesh.positions.len() as u32;
+        mesh.positions.extend(positions.iter().map(|&p| world.transform_point3(p)));
+        let mirrored = world.determinant() < 0.0;
+        mesh.triangles.extend(triangles.iter().map(|&[a, b, c]| {
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            corners.map(|corner| corner + offset)
+        }));
+        Ok(())
+    }
+}
+
+/// Triangles of a list, strip or fan, all with the orientation of the first.
+fn assemble(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let turned = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+            corners.windows(3).enumerate().map(turned).collect()
+        }
+        Mode::TriangleFan => corners.windows(2).skip(1).map(|w| [corners[0], w[0], w[1]]).collect(),
+        _ => corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+    }
+}

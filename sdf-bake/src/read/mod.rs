@@ -1,0 +1,169 @@
+//! From the bytes of a mesh file to a [`Mesh`] in metres, z up.
+//!
+//! OBJ, STL (ASCII and binary), PLY (ASCII and binary) and glTF (`.glb`, `.gltf`) are read. The format is found from the content
+//! first and from the extension second. Polygons become triangles without overlap, also when they are concave.
+//! No bytes make a reader panic, or allocate more than a small multiple of the file's size.
+//!
+//! Reading repairs nothing: what comes out goes to [`crate::clean`], which reports each change.
+
+use std::fmt;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::Mesh;
+
+mod error;
+mod gltf;
+mod obj;
+mod ply;
+mod polygon;
+mod stl;
+mod unit;
+
+pub use error::ReadError;
+pub use unit::{Unit, UnitChoice};
+
+/// A mesh file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// Stereolithography, ASCII or binary.
+    Stl,
+    /// Polygon file format, ASCII or binary.
+    Ply,
+    /// glTF 2.0, `.glb` or `.gltf`.
+    Gltf,
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Obj => "OBJ",
+            Self::Stl => "STL",
+            Self::Ply => "PLY",
+            Self::Gltf => "glTF",
+        })
+    }
+}
+
+/// A mesh as read, with what was assumed on the way.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    /// The surface in metres, z up; vertices and faces as the file has them.
+    pub mesh: Mesh,
+    /// Format the bytes were read as.
+    pub format: Format,
+    /// Length of one file unit.
+    pub unit: Unit,
+    /// A sentence: which unit, why, and how to override it.
+    pub unit_reason: String,
+    /// Whether the unit is a guess from the size.
+    pub unit_assumed: bool,
+    /// Sentences on what was left out or read leniently.
+    pub notes: Vec<String>,
+}
+
+/// A file's surface in its own units and axes.
+#[derive(Default)]
+struct Surface {
+    mesh: Mesh,
+    /// Header or comments, where a unit may be named.
+    header: String,
+    notes: Vec<String>,
+}
+
+/// Reads a mesh file; buffers of a `.gltf` are looked for beside it.
+pub fn read_mesh(path: &Path, unit: UnitChoice) -> Result<MeshFile, ReadError> {
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
+    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let format = detect_format(&bytes, &name)?;
+    parse(&bytes, format, unit, &Place { name: &name, folder: path.parent() })
+}
+
+/// Reads a mesh from memory.
+///
+/// `name` is the file name: it may name the unit. External buffers of a `.gltf` are refused.
+pub fn parse_mesh(bytes: &[u8], format: Format, unit: UnitChoice, name: &str) -> Result<MeshFile, ReadError> {
+    parse(bytes, format, unit, &Place { name, folder: None })
+}
+
+struct Place<'a> {
+    name: &'a str,
+    folder: Option<&'a Path>,
+}
+
+fn parse(bytes: &[u8], format: Format, choice: UnitChoice, place: &Place) -> Result<MeshFile, ReadError> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(ReadError::Empty { name: place.name.into() });
+    }
+    let Surface { mut mesh, header, notes } = match format {
+        Format::Obj => obj::read(bytes)?,
+        Format::Stl => stl::read(bytes)?,
+        Format::Ply => ply::read(bytes)?,
+        Format::Gltf => gltf::read(bytes, place.folder)?,
+    };
+    check_finite(&mesh)?;
+    if mesh.triangles.is_empty() {
+        return Err(ReadError::NoFaces { format, vertices: mesh.positions.len() });
+    }
+    let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
+    let decision = unit::decide(choice, &unit::Evidence { format, name: place.name, header: &header, longest });
+    let scale = decision.unit.metres();
+    for (vertex, position) in mesh.positions.iter_mut().enumerate() {
+        let axes = if format == Format::Gltf { y_up_to_z_up(*position) } else { *position };
+        *position = axes * scale;
+        check_position(vertex, *position)?;
+    }
+    Ok(MeshFile {
+        mesh,
+        format,
+        unit: decision.unit,
+        unit_reason: decision.reason,
+        unit_assumed: decision.assumed,
+        notes,
+    })
+}
+
+/// glTF's y is up and its z points at the viewer; ours is z up.
+fn y_up_to_z_up(p: DVec3) -> DVec3 {
+    DVec3::new(p.x, -p.z, p.y)
+}
+
+fn check_finite(mesh: &Mesh) -> Result<(), ReadError> {
+    mesh.positions.iter().enumerate().try_for_each(|(vertex, &position)| check_position(vertex, position))
+}
+
+/// Squares of coordinates must be finite too, or lengths are not.
+fn check_position(vertex: usize, position: DVec3) -> Result<(), ReadError> {
+    if position.length_squared().is_finite() {
+        return Ok(());
+    }
+    Err(ReadError::NonFinite { place: format!("vertex {vertex}"), position })
+}
+
+/// Finds the format: by content where that is certain, otherwise by extension.
+fn detect_format(bytes: &[u8], name: &str) -> Result<Format, ReadError> {
+    let text = bytes.trim_ascii_start();
+    if text.is_empty() {
+        return Err(ReadError::Empty { name: name.into() });
+    }
+    let by_content = [
+        (Format::Gltf, text.starts_with(b"glTF") || text.starts_with(b"{")),
+        (Format::Ply, bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r")),
+        (Format::Stl, stl::is_binary_of_exact_length(bytes) || stl::looks_ascii(bytes)),
+        (Format::Obj, obj::looks_like(bytes)),
+    ];
+    if let Some(&(format, _)) = by_content.iter().find(|(_, certain)| *certain) {
+        return Ok(format);
+    }
+    let extension = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("obj") => Ok(Format::Obj),
+        Some("stl") => Ok(Format::Stl),
+        Some("ply") => Ok(Format::Ply),
+        Some("glb" | "gltf") => Ok(Format::Gltf),
+        _ => Err(ReadError::UnknownFormat { name: name.into() }),
+    }
+}
