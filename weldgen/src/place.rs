@@ -11,8 +11,8 @@ use thiserror::Error;
 use crate::bead::BeadProfile;
 use crate::curve::WeldCurve;
 use crate::exposure::exposures;
-use crate::propose::{Candidate, Proposals};
-use crate::rejection::Tally;
+use crate::propose::{Candidate, Proposals, Refused};
+use crate::rejection::{Rejection, Tally};
 use crate::request::{WIDTHS_PER_LENGTH, WeldRequest};
 use crate::surface::Surface;
 
@@ -22,10 +22,12 @@ use crate::surface::Surface;
 pub const STAGES: [[f64; 2]; 8] =
     [[1.0, 1.0], [0.7, 1.0], [0.5, 1.0], [0.35, 1.0], [0.5, 0.7], [0.35, 0.7], [0.35, 0.5], [0.2, 0.35]];
 
-/// Proposals judged side by side; the first that fits wins, so the number of threads changes nothing.
-const BATCH: usize = 32;
+/// Proposals judged side by side at most; the first that fits wins, so the number of threads changes nothing.
+const LARGEST_BATCH: usize = 32;
 /// Rays per point of a placed weld.
 const MEASURING_RAYS: u32 = 256;
+/// Exposure asked beyond the minimum, so that a finer measurement does not fall below it.
+const EXPOSURE_MARGIN: f64 = 0.01;
 
 /// A weld on a part, and how it came about.
 #[derive(Clone, Debug, Serialize)]
@@ -96,11 +98,11 @@ pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u
 
 /// As [`place_weld`], on a prepared part.
 pub fn place_weld_on(surface: &Surface, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
-    if let Some(fault) = request.fault() {
-        return Err(PlaceError::Request(fault));
-    }
     if surface.area() == 0.0 {
         return Err(PlaceError::NoSurface(surface.part.triangles.len()));
+    }
+    if let Some(fault) = request.fault() {
+        return Err(PlaceError::Request(fault));
     }
     let wanted = wanted_length(request, seed);
     let (mut tally, mut longest_run, mut last) = (Tally::default(), 0f64, (0.0, 0.0));
@@ -125,6 +127,8 @@ pub fn place_weld_on(surface: &Surface, request: &WeldRequest, seed: u64) -> Res
 }
 
 /// The first proposal in order that fits; the dropped ones before it are counted.
+///
+/// Batches start small and double: on most parts one of the first few fits.
 fn first_fit(
     proposals: &Proposals,
     attempts: usize,
@@ -132,11 +136,13 @@ fn first_fit(
     tally: &mut Tally,
     longest_run: &mut f64,
 ) -> Option<Candidate> {
-    for batch in (0..attempts).step_by(BATCH) {
-        let ids = batch..(batch + BATCH).min(attempts);
+    let (mut next, mut batch) = (0, 4);
+    while next < attempts {
+        let ids = next..(next + batch).min(attempts);
+        (next, batch) = (ids.end, (2 * batch).min(LARGEST_BATCH));
         let judged: Vec<_> = ids.into_par_iter().map(|i| proposals.propose(mix(seed, i))).collect();
         for outcome in judged {
-            match outcome {
+            match outcome.and_then(|candidate| measure(proposals, candidate)) {
                 Ok(candidate) => return Some(candidate),
                 Err(refused) => {
                     tally.count(refused.why);
@@ -148,21 +154,28 @@ fn first_fit(
     None
 }
 
-fn finish(
-    proposals: &Proposals,
-    candidate: Candidate,
-    request: &WeldRequest,
-    (wanted, seed): (f64, u64),
-    dropped: Tally,
-) -> Weld {
-    let Candidate { mut curve, bead, root_depth } = candidate;
-    let places: Vec<_> = curve.points.iter().map(|point| (point.position, point.normal)).collect();
+/// Measures what the curve's points record; the exposure is now known well enough to hold it against the minimum.
+fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, Refused> {
+    let places: Vec<_> = candidate.curve.points.iter().map(|point| (point.position, point.normal)).collect();
     let measured = exposures(proposals.surface.query, &places, proposals.rays(MEASURING_RAYS));
-    for (point, exposure) in curve.points.iter_mut().zip(measured) {
+    for (point, exposure) in candidate.curve.points.iter_mut().zip(measured) {
         point.exposure = exposure;
         point.width = proposals.profile.width;
         point.height = proposals.profile.height;
     }
+    match candidate.curve.min_exposure() >= (proposals.min_exposure + EXPOSURE_MARGIN).min(1.0) {
+        true => Ok(candidate),
+        false => Err(Refused { why: Rejection::Exposure, run: proposals.length }),
+    }
+}
+
+fn finish(
+    proposals: &Proposals,
+    Candidate { curve, bead, root_depth }: Candidate,
+    request: &WeldRequest,
+    (wanted, seed): (f64, u64),
+    dropped: Tally,
+) -> Weld {
     let mut reasons = request.reasons.clone();
     let (length, width) = (curve.length(), proposals.profile.width);
     if length < wanted * (1.0 - 1e-9) {

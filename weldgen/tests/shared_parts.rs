@@ -8,6 +8,7 @@ use sdf_bake::bake::WindingTree;
 use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;
 use sdf_bake::read::{UnitChoice, read_mesh};
+use weldgen::exposure::{ExposureRays, exposure};
 use weldgen::{Surface, Weld, WeldRequest, place_weld_on};
 
 /// The meshes of the shared folder, sorted; says aloud when there is none.
@@ -51,7 +52,10 @@ fn check(weld: &Weld, part: &Mesh, query: &MeshQuery, winding: Option<&WindingTr
     // The section's centroid lies near the surface, so bends of the surface change the volume little.
     let ratio = weld.bead.volume() / weld.profile.swept_volume(weld.length, weld.root_depth);
     assert!((ratio - 1.0).abs() < 0.08, "the bead's volume is {ratio} of the flat one's");
-    assert!(weld.min_exposure >= weld.request.min_exposure - 0.05, "exposure {}", weld.min_exposure);
+    let fine = ExposureRays { reach: weld.request.exposure_reach, lift: 0.05 * weld.profile.height, rays: 16 * 256 };
+    let least = weld.curve.points.iter().min_by(|a, b| a.exposure.total_cmp(&b.exposure)).unwrap();
+    let exposure = exposure(query, least.position, least.normal, fine);
+    assert!(exposure >= weld.request.min_exposure, "exposure {exposure} by 16 times the rays");
     let base = weld.profile.half_width_at(weld.root_depth);
     for point in &weld.curve.points {
         let toes = [-base, base].map(|side| point.position + side * point.side - weld.root_depth * point.normal);
