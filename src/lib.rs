@@ -1,3 +1,36 @@
-//! placeholder
+//! RoboFin: welded workpieces, signed distance fields, grinding and sanding in simulation.
+//!
+//! The road of the data, and the module or crate for each step:
+//!
+//! 1. [`part`] reads and cleans a mesh ([`sdf_bake::read`], [`sdf_bake::clean`]).
+//! 2. [`workpiece`] places a weld on it ([`weldgen`]) and bakes part and bead ([`sdf_bake::bake`]).
+//! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD.
+//! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
+//! 5. [`validate`] opens what was written and holds it against itself.
+//!
+//! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
+
+pub mod asset;
+pub mod commands;
+pub mod console;
 pub mod export;
+pub mod finishing;
+pub mod folder;
+pub mod part;
+pub mod picture;
 pub mod python;
+pub mod report;
+pub mod validate;
+pub mod workpiece;
+
+use thiserror::Error;
+
+/// The program was called wrongly: exit code 2, where failed work is exit code 1.
+#[derive(Debug, Error)]
+#[error("{0}")]
+pub struct WrongUse(String);
+
+/// An error that ends the program with exit code 2.
+pub fn wrong_use(message: String) -> anyhow::Error {
+    WrongUse(message).into()
+}

@@ -13,11 +13,11 @@ mod implicit;
 pub mod mesh;
 pub mod nvdb;
 pub mod query;
+pub mod read;
 pub mod redistance;
 mod share;
 mod union;
 mod volume;
-pub mod read;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};
 pub use grid::BrickGrid;

@@ -1,9 +1,10 @@
 //! The tool: a grinding wheel whose cylindrical face works, and where it stands.
 
 use glam::DVec3;
+use serde::Serialize;
 
 /// A rigid cylinder that turns about its axis. Its side faces do not work.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wheel {
     /// R [m].
     pub radius: f64,

@@ -12,12 +12,12 @@ mod sweep;
 
 use std::f64::consts::PI;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use sweep::{BeadError, sweep};
 
 /// The outline of a bead's cross-section above the surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BeadShape {
     /// `z = H (1 − (2y/w)²)`, the usual model of a bead on plate.

@@ -1,0 +1,94 @@
+//! `asset.json`: what an asset was made from, with what parameters, and the hash of every file.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::part::{Source, sha256};
+
+/// Name of the manifest in an asset folder.
+pub const MANIFEST_FILE: &str = "asset.json";
+/// Value of the `format` key.
+pub const ASSET_FORMAT: &str = "robofin-asset/1";
+
+/// The manifest of an asset. It holds no date, machine or folder: the same input gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// [`ASSET_FORMAT`].
+    pub format: String,
+    /// Version of the program.
+    pub version: String,
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// The file the part came from.
+    pub source: Source,
+    /// All options of the run.
+    pub options: Value,
+    /// What cleaning found and changed.
+    pub cleaning: Value,
+    /// Voxel size, bricks, sign.
+    pub baking: Value,
+    /// Why the weld is as it is, one sentence each.
+    pub choices: Vec<String>,
+    /// Figures checked when the asset was made.
+    pub checks: BTreeMap<String, f64>,
+    /// Files of the folder by name, without this one.
+    pub files: BTreeMap<String, FileRecord>,
+}
+
+/// Identity of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileRecord {
+    /// SHA-256 of the content.
+    pub sha256: String,
+    /// Size [bytes].
+    pub bytes: u64,
+}
+
+impl FileRecord {
+    /// Hashes a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn of(path: &Path) -> Result<Self> {
+        let content = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        Ok(Self { sha256: sha256(&content), bytes: content.len() as u64 })
+    }
+}
+
+/// Records of all files in a folder, by name.
+///
+/// # Errors
+/// When the folder or a file cannot be read.
+pub fn record_files(folder: &Path) -> Result<BTreeMap<String, FileRecord>> {
+    let mut files = BTreeMap::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("{}: cannot be read", folder.display()))? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        files.insert(name, FileRecord::of(&entry.path())?);
+    }
+    Ok(files)
+}
+
+impl Manifest {
+    /// Reads the manifest of an asset folder.
+    ///
+    /// # Errors
+    /// When the folder is no asset, or of another format.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(MANIFEST_FILE);
+        let text = fs::read_to_string(&path).with_context(|| {
+            format!("{}: cannot be read; an asset folder made by `robofin weld` is expected", path.display())
+        })?;
+        let manifest: Self = serde_json::from_str(&text)
+            .with_context(|| format!("{}: not a manifest of format {ASSET_FORMAT}", path.display()))?;
+        if manifest.format != ASSET_FORMAT {
+            bail!("{}: format is {:?}, {ASSET_FORMAT:?} is expected", path.display(), manifest.format);
+        }
+        Ok(manifest)
+    }
+}

@@ -1,0 +1,114 @@
+//! The asset folder: everything that is known of a welded workpiece, in formats that others read.
+//!
+//! `workpiece.glb`, `welded.glb`, `welded.usdc`, `phi.nvdb` (fields of the welded and of the bare part),
+//! `weld.nvdb` (weld id and weld share of each voxel), `welds.json`, `preview.png`, `asset.json`.
+
+mod manifest;
+mod truth;
+mod usd;
+mod volumes;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde::Serialize;
+
+use crate::console::Console;
+use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
+use crate::folder::StagedFolder;
+use crate::picture::{overview, to_png, weld_outward};
+use crate::workpiece::{FIRST_WELD, WeldingOptions, Workpiece};
+
+pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
+pub use truth::{CurveTruth, WELDS_FORMAT, WeldTruth, Welds};
+pub use usd::UsdMode;
+pub use volumes::{AssetFields, PHI_FILE, WELD_FILE};
+
+/// Name of the truth file.
+pub const WELDS_FILE: &str = "welds.json";
+/// Name of the bare part's mesh file.
+pub const WORKPIECE_FILE: &str = "workpiece.glb";
+/// Name of the welded mesh file.
+pub const WELDED_FILE: &str = "welded.glb";
+/// Name of the USD file.
+pub const USD_FILE: &str = "welded.usdc";
+/// Name of the picture.
+pub const PREVIEW_FILE: &str = "preview.png";
+/// Width and height of the picture [pixels].
+const PREVIEW_SIZE: (usize, usize) = (800, 600);
+
+/// Where and how to write an asset.
+pub struct AssetTarget<'a> {
+    /// Folder that will hold the asset.
+    pub folder: &'a Path,
+    /// Replace an asset that is there.
+    pub force: bool,
+    /// Whether the USD file is wanted.
+    pub usd: UsdMode,
+}
+
+/// Writes a welded workpiece as an asset folder, complete or not at all.
+///
+/// # Errors
+/// When a file cannot be written, or USD is required and cannot be had.
+pub fn write(
+    workpiece: &Workpiece,
+    options: &WeldingOptions,
+    target: &AssetTarget,
+    console: &Console,
+) -> Result<PathBuf> {
+    let folder = StagedFolder::new(target.folder, MANIFEST_FILE, target.force)?;
+    write_meshes(workpiece, folder.path())?;
+    let truth = Welds::of(FIRST_WELD, &workpiece.weld, workpiece.weld_volume);
+    write_json(&folder.path().join(WELDS_FILE), &truth)?;
+    volumes::write(workpiece, folder.path())?;
+    let preview = overview(&workpiece.welded, weld_outward(&truth.welds[0]), PREVIEW_SIZE)?;
+    fs::write(folder.path().join(PREVIEW_FILE), to_png(&preview)?)?;
+    usd::write(folder.path(), target.usd, console)?;
+    let manifest = manifest_of(workpiece, options, folder.path())?;
+    write_json(&folder.path().join(MANIFEST_FILE), &manifest)?;
+    let place = folder.commit()?;
+    console.step("asset", format!("{} files in {}", manifest.files.len() + 1, target.folder.display()));
+    Ok(place)
+}
+
+fn write_meshes(workpiece: &Workpiece, folder: &Path) -> Result<()> {
+    let base = GlbPart { name: "base", mesh: &workpiece.part.mesh, weld_id: 0, material: GlbMaterial::Base };
+    let name = format!("weld-{FIRST_WELD}");
+    let weld = GlbPart { name: &name, mesh: &workpiece.weld.bead, weld_id: FIRST_WELD, material: GlbMaterial::Weld };
+    fs::write(folder.join(WORKPIECE_FILE), write_glb(&[base], serde_json::Map::new())?)?;
+    fs::write(folder.join(WELDED_FILE), write_glb(&[base, weld], serde_json::Map::new())?)?;
+    Ok(())
+}
+
+fn manifest_of(workpiece: &Workpiece, options: &WeldingOptions, folder: &Path) -> Result<Manifest> {
+    let checks = BTreeMap::from([
+        ("weld_volume_mm3".to_owned(), workpiece.weld_volume * 1e9),
+        ("weld_length_mm".to_owned(), workpiece.weld.curve.length() * 1e3),
+        ("ambiguous_share".to_owned(), workpiece.baking.ambiguous_share),
+    ]);
+    Ok(Manifest {
+        format: ASSET_FORMAT.to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        seed: options.seed,
+        source: workpiece.part.source.clone(),
+        options: serde_json::to_value(options)?,
+        cleaning: serde_json::to_value(&workpiece.part.cleaning)?,
+        baking: serde_json::to_value(&workpiece.baking)?,
+        choices: workpiece.weld.reasons.clone(),
+        checks,
+        files: record_files(folder)?,
+    })
+}
+
+/// Writes a value as indented JSON.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    let mut text = serde_json::to_string_pretty(value)?;
+    text.push('\n');
+    fs::write(path, text).with_context(|| format!("{}: cannot write this file", path.display()))
+}

@@ -1,0 +1,142 @@
+//! `welds.json`: the ground truth of every weld of an asset.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use weldgen::bead::BeadShape;
+use weldgen::{Weld, WeldCurve};
+
+use super::WELDS_FILE;
+
+/// Value of the `format` key.
+pub const WELDS_FORMAT: &str = "robofin-welds/1";
+
+/// All welds of an asset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Welds {
+    /// [`WELDS_FORMAT`].
+    pub format: String,
+    /// The frame and the unit of all vectors.
+    pub frame: String,
+    /// The welds, in order of their id.
+    pub welds: Vec<WeldTruth>,
+}
+
+/// One weld: its size, its volume and its centreline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WeldTruth {
+    /// Weld id in labels and vertex attributes; 0 is base metal.
+    pub id: u16,
+    /// Cross-section of the bead.
+    pub profile: BeadShape,
+    /// Width between the toes on flat ground [mm].
+    pub width_mm: f64,
+    /// Height of the crown above the surface [mm].
+    pub height_mm: f64,
+    /// How far the bead mesh reaches below the surface [mm].
+    pub root_depth_mm: f64,
+    /// Arc length of the centreline [mm].
+    pub length_mm: f64,
+    /// Volume that the bead adds to the part [mm³].
+    pub volume_mm3: f64,
+    /// Root mean square of the geodesic curvature [1/m].
+    pub geodesic_curvature_rms_per_m: f64,
+    /// Largest magnitude of the geodesic curvature [1/m].
+    pub geodesic_curvature_max_per_m: f64,
+    /// Mean exposure along the centreline, 0 to 1.
+    pub exposure_mean: f64,
+    /// Least exposure along the centreline, 0 to 1.
+    pub exposure_min: f64,
+    /// Centreline and frames.
+    pub curve: CurveTruth,
+}
+
+/// The centreline, one entry per point; vectors in the part's frame [m].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CurveTruth {
+    /// Points on the part's surface [m].
+    pub position: Vec<DVec3>,
+    /// Unit tangents.
+    pub tangent: Vec<DVec3>,
+    /// Unit normals of the surface, smoothed over half a width.
+    pub normal: Vec<DVec3>,
+    /// Unit side vectors, normal × tangent.
+    pub side: Vec<DVec3>,
+    /// Arc length from the start [m].
+    pub arc_length: Vec<f64>,
+    /// Geodesic curvature [1/m].
+    pub geodesic_curvature: Vec<f64>,
+    /// Cosine-weighted share of the hemisphere that is free, 0 to 1.
+    pub exposure: Vec<f64>,
+}
+
+impl Welds {
+    /// Reads the truth of an asset folder.
+    ///
+    /// # Errors
+    /// When the file is missing, damaged or of another format.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(WELDS_FILE);
+        let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let welds: Self = serde_json::from_str(&text)
+            .with_context(|| format!("{}: not a truth file of format {WELDS_FORMAT}", path.display()))?;
+        ensure!(
+            welds.format == WELDS_FORMAT,
+            "{}: format is {:?}, {WELDS_FORMAT:?} is expected",
+            path.display(),
+            welds.format
+        );
+        Ok(welds)
+    }
+
+    /// The truth of one weld.
+    pub fn of(id: u16, weld: &Weld, volume: f64) -> Self {
+        Self {
+            format: WELDS_FORMAT.to_owned(),
+            frame: "part frame, right-handed, z up; vectors and arc length in metres".to_owned(),
+            welds: vec![WeldTruth::of(id, weld, volume)],
+        }
+    }
+}
+
+impl WeldTruth {
+    fn of(id: u16, weld: &Weld, volume: f64) -> Self {
+        let points = &weld.curve.points;
+        let count = points.len().max(1) as f64;
+        let curvature = || points.iter().map(|p| p.geodesic_curvature);
+        let exposure = || points.iter().map(|p| p.exposure);
+        Self {
+            id,
+            profile: weld.profile.shape,
+            width_mm: weld.profile.width * 1e3,
+            height_mm: weld.profile.height * 1e3,
+            root_depth_mm: weld.root_depth * 1e3,
+            length_mm: weld.curve.length() * 1e3,
+            volume_mm3: volume * 1e9,
+            geodesic_curvature_rms_per_m: (curvature().map(|k| k * k).sum::<f64>() / count).sqrt(),
+            geodesic_curvature_max_per_m: curvature().map(f64::abs).fold(0.0, f64::max),
+            exposure_mean: exposure().sum::<f64>() / count,
+            exposure_min: exposure().fold(1.0, f64::min),
+            curve: CurveTruth::of(&weld.curve),
+        }
+    }
+}
+
+impl CurveTruth {
+    fn of(curve: &WeldCurve) -> Self {
+        let mut truth = Self::default();
+        for point in &curve.points {
+            truth.position.push(point.position);
+            truth.tangent.push(point.tangent);
+            truth.normal.push(point.normal);
+            truth.side.push(point.side);
+            truth.arc_length.push(point.arc_length);
+            truth.geodesic_curvature.push(point.geodesic_curvature);
+            truth.exposure.push(point.exposure);
+        }
+        truth
+    }
+}

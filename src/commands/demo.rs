@@ -1,0 +1,100 @@
+//! `robofin demo`: the whole road on the bundled part.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Result;
+use clap::Args;
+use serde::Serialize;
+use sim::GrindSettings;
+use sim::Wheel;
+
+use crate::asset::{self, AssetTarget, UsdMode, write_json};
+use crate::console::Console;
+use crate::finishing::{self, GrindSummary, grind_asset};
+use crate::folder::StagedFolder;
+use crate::part::Part;
+use crate::report::demo_page;
+use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
+
+/// Name of the figures file in a demo folder.
+const DEMO_FILE: &str = "demo.json";
+/// Name of the page in a demo folder.
+const PAGE_FILE: &str = "index.html";
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  robofin demo --out out/demo")]
+pub(super) struct DemoArgs {
+    /// Folder to make [default: the first free of out/demo, out/demo-2, ...].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace what is there.
+    #[arg(long)]
+    force: bool,
+    /// Seed of every random choice.
+    #[arg(long, default_value_t = 7)]
+    seed: u64,
+    /// USD file: auto makes it if Python can be had, require fails without it, off leaves it out.
+    #[arg(long, value_enum, default_value_t)]
+    usd: UsdMode,
+}
+
+/// `demo.json`, and the answer of `demo --json`.
+#[derive(Serialize)]
+struct DemoAnswer<'a> {
+    out: &'a Path,
+    page: PathBuf,
+    seconds: f64,
+    real_time_factor: f64,
+    grind: GrindSummary,
+}
+
+pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
+    let started = Instant::now();
+    let out = args.out.clone().unwrap_or_else(first_free);
+    let folder = StagedFolder::new(&out, DEMO_FILE, args.force)?;
+
+    let part = Part::bundled()?;
+    part.describe(console);
+    let options = demo_options(args.seed);
+    let workpiece = weld_part(part, &options, console)?;
+    let asset = folder.path().join("asset");
+    asset::write(&workpiece, &options, &AssetTarget { folder: &asset, force: false, usd: args.usd }, console)?;
+
+    let wheel = Wheel { radius: 0.05, width: 0.02 };
+    let ground = grind_asset(&asset, wheel, GrindSettings::default(), console)?;
+    let (_, pictures) = finishing::write(&ground, &folder.path().join("grind"), false, console)?;
+    console.step("weld", finishing::describe_rest(&ground));
+
+    let page = demo_page(&workpiece, &ground, &pictures, &asset)?;
+    fs::write(folder.path().join(PAGE_FILE), page)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let answer = DemoAnswer {
+        out: &out,
+        page: out.join(PAGE_FILE),
+        seconds,
+        real_time_factor: ground.real_time_factor(),
+        grind: ground.summary(),
+    };
+    write_json(&folder.path().join(DEMO_FILE), &answer)?;
+    folder.commit()?;
+    console.step("done", format!("in {seconds:.1} s; open {}", out.join(PAGE_FILE).display()));
+    console.answer(&answer)
+}
+
+/// A bead of ordinary size on the base plate, at a voxel that resolves it.
+fn demo_options(seed: u64) -> WeldingOptions {
+    WeldingOptions {
+        seed,
+        fineness: Fineness::Voxel(0.4e-3),
+        band_voxels: crate::workpiece::DEFAULT_BAND,
+        sign: sdf_bake::SignChoice::Auto,
+        wishes: WeldWishes { length: Some(0.07), width: Some(0.01), height: Some(0.003), ..WeldWishes::default() },
+    }
+}
+
+fn first_free() -> PathBuf {
+    let names = std::iter::once("out/demo".to_owned()).chain((2..).map(|i| format!("out/demo-{i}")));
+    names.map(PathBuf::from).find(|path| !path.exists()).unwrap_or_else(|| PathBuf::from("out/demo"))
+}

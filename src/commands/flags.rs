@@ -1,0 +1,127 @@
+//! Flags that several verbs share.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use sdf_bake::SignChoice;
+use sdf_bake::read::UnitChoice;
+
+use crate::workpiece::Fineness;
+use crate::wrong_use;
+
+/// Default number of voxels along the longest side.
+const DEFAULT_RESOLUTION: u32 = 256;
+
+/// Unit of a mesh file.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum UnitFlag {
+    /// Taken from the format and the size; what was assumed is said.
+    #[default]
+    Auto,
+    /// Metres.
+    M,
+    /// Millimetres.
+    Mm,
+    /// Inches.
+    Inch,
+}
+
+impl From<UnitFlag> for UnitChoice {
+    fn from(flag: UnitFlag) -> Self {
+        match flag {
+            UnitFlag::Auto => Self::Auto,
+            UnitFlag::M => Self::Metre,
+            UnitFlag::Mm => Self::Millimetre,
+            UnitFlag::Inch => Self::Inch,
+        }
+    }
+}
+
+/// How inside and outside are told apart.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum SignFlag {
+    /// Winding number; refuses an open surface whose inside is unclear.
+    #[default]
+    Auto,
+    /// Winding number, also where an open surface leaves the inside to a guess.
+    Winding,
+}
+
+impl From<SignFlag> for SignChoice {
+    fn from(flag: SignFlag) -> Self {
+        match flag {
+            SignFlag::Auto => Self::Auto,
+            SignFlag::Winding => Self::Winding,
+        }
+    }
+}
+
+/// Reading and baking a mesh.
+#[derive(Clone, Debug, Args)]
+pub(super) struct MeshFlags {
+    /// Unit of the file's coordinates.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) unit: UnitFlag,
+    /// Distance between voxels [mm].
+    #[arg(long, value_name = "MM", conflicts_with = "resolution")]
+    pub(super) voxel_mm: Option<f64>,
+    /// Voxels along the longest side [default: 256].
+    #[arg(long, value_name = "N")]
+    pub(super) resolution: Option<u32>,
+    /// Half width of the band [voxels].
+    #[arg(long, value_name = "VOXELS", default_value_t = 3.0)]
+    pub(super) band: f64,
+    /// How inside and outside are told apart.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) sign: SignFlag,
+}
+
+impl MeshFlags {
+    /// The voxel size asked for.
+    pub(super) fn fineness(&self) -> Result<Fineness> {
+        if let Some(mm) = self.voxel_mm {
+            return Ok(Fineness::Voxel(positive("--voxel-mm", mm)? * 1e-3));
+        }
+        let across = self.resolution.unwrap_or(DEFAULT_RESOLUTION);
+        if !(8..=4096).contains(&across) {
+            return Err(wrong_use(format!(
+                "--resolution {across}: 8 to 4096 voxels along the longest side are accepted"
+            )));
+        }
+        Ok(Fineness::Resolution(across))
+    }
+
+    /// The band asked for [voxels].
+    pub(super) fn band_voxels(&self) -> Result<f64> {
+        if !(2.0..=64.0).contains(&self.band) {
+            return Err(wrong_use(format!("--band {}: 2 to 64 voxels are accepted", self.band)));
+        }
+        Ok(self.band)
+    }
+}
+
+/// Where results go.
+#[derive(Clone, Debug, Args)]
+pub(super) struct OutFlags {
+    /// Folder or file to make.
+    #[arg(long, value_name = "PATH")]
+    pub(super) out: PathBuf,
+    /// Replace what is there.
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+/// Checks that a flag's number is finite and above zero.
+pub(super) fn positive(flag: &str, value: f64) -> Result<f64> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(wrong_use(format!("{flag} {value}: a number above zero is expected")))
+    }
+}
+
+/// As [`positive`], for a flag in millimetres; the result is in metres.
+pub(super) fn optional_mm(flag: &str, value: Option<f64>) -> Result<Option<f64>> {
+    value.map(|mm| Ok(positive(flag, mm)? * 1e-3)).transpose()
+}

@@ -1,0 +1,81 @@
+//! The command line: one verb, one file. Work lives in the libraries; a verb parses, calls and reports.
+
+mod backends;
+mod bake;
+mod demo;
+mod flags;
+mod render;
+mod simulate;
+mod validate;
+mod weld;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+use crate::WrongUse;
+use crate::console::Console;
+
+/// Make welded workpieces, bake them into signed distance fields, grind them in simulation.
+#[derive(Debug, Parser)]
+#[command(name = "robofin", version, max_term_width = 110)]
+struct Cli {
+    /// Print the result as one JSON object on standard output; text for people goes to standard error anyway.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Worker threads; the results do not depend on it [default: all cores].
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<usize>,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// The whole road on the bundled part: weld, bake, grind, draw, report.
+    Demo(demo::DemoArgs),
+    /// Weld a part: place a curve, sweep a bead, bake, write an asset folder.
+    Weld(weld::WeldArgs),
+    /// Bake a mesh into a NanoVDB signed distance field.
+    Bake(bake::BakeArgs),
+    /// Grind the weld of an asset.
+    Simulate(simulate::SimulateArgs),
+    /// Draw an asset or a field from its distance field.
+    Render(render::RenderArgs),
+    /// Open every file of an asset and hold it against the others.
+    Validate(validate::ValidateArgs),
+    /// List the devices that can compute, and check them against the CPU.
+    Backends(backends::BackendsArgs),
+}
+
+/// Parses the command line and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let console = Console::new(cli.json);
+    match start(cli, &console) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(if error.is::<WrongUse>() { 2 } else { 1 })
+        }
+    }
+}
+
+fn start(cli: Cli, console: &Console) -> Result<()> {
+    if let Some(threads) = cli.threads {
+        if threads == 0 {
+            return Err(crate::wrong_use("--threads 0: at least one thread is needed".to_owned()));
+        }
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    }
+    match cli.verb {
+        Verb::Demo(args) => demo::run(&args, console),
+        Verb::Weld(args) => weld::run(&args, console),
+        Verb::Bake(args) => bake::run(&args, console),
+        Verb::Simulate(args) => simulate::run(&args, console),
+        Verb::Render(args) => render::run(&args, console),
+        Verb::Validate(args) => validate::run(&args, console),
+        Verb::Backends(args) => backends::run(&args, console),
+    }
+}

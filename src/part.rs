@@ -1,0 +1,128 @@
+//! A part as it comes from a CAD file: read, measured, cleaned, with a record of where it came from.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use sdf_bake::Mesh;
+use sdf_bake::clean::{CleanReport, clean};
+use sdf_bake::read::{Format, MeshFile, UnitChoice, parse_mesh, read_mesh};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::console::Console;
+use crate::wrong_use;
+
+/// Name under which the bundled part appears.
+pub const BUNDLED_NAME: &str = "bracket.obj";
+
+/// The bundled part: a bracket of plates, tube and flange, made by `data/make_bracket.py`.
+const BUNDLED: &[u8] = include_bytes!("../data/bracket.obj");
+
+/// Where a part came from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// File name without its folder.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// Size of the file [bytes].
+    pub bytes: u64,
+    /// Unit of the file's coordinates.
+    pub unit: String,
+    /// Why this unit.
+    pub unit_reason: String,
+}
+
+/// A cleaned mesh and its history.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Origin of the mesh.
+    pub source: Source,
+    /// The cleaned mesh [m], z up.
+    pub mesh: Mesh,
+    /// What reading noticed.
+    pub notes: Vec<String>,
+    /// What cleaning did.
+    pub cleaning: CleanReport,
+}
+
+impl Part {
+    /// Reads and cleans a mesh file.
+    ///
+    /// # Errors
+    /// A missing or unreadable file, a damaged mesh; the message names the file and the repair.
+    pub fn load(path: &Path, unit: UnitChoice) -> Result<Self> {
+        if !path.exists() {
+            return Err(wrong_use(format!("{}: no such file", path.display())));
+        }
+        let context = || path.display().to_string();
+        let bytes = std::fs::read(path).with_context(context)?;
+        let file = read_mesh(path, unit).with_context(context)?;
+        let name = path.file_name().map_or_else(context, |name| name.to_string_lossy().into_owned());
+        Self::from_file(file, &name, &bytes).with_context(context)
+    }
+
+    /// The part that comes with the program.
+    ///
+    /// # Errors
+    /// Never for the part as shipped.
+    pub fn bundled() -> Result<Self> {
+        let file = parse_mesh(BUNDLED, Format::Obj, UnitChoice::Millimetre, BUNDLED_NAME)?;
+        Self::from_file(file, BUNDLED_NAME, BUNDLED)
+    }
+
+    fn from_file(file: MeshFile, name: &str, bytes: &[u8]) -> Result<Self> {
+        let (mesh, cleaning) = clean(file.mesh)?;
+        let source = Source {
+            file: name.to_owned(),
+            sha256: sha256(bytes),
+            bytes: bytes.len() as u64,
+            unit: file.unit.to_string(),
+            unit_reason: file.unit_reason,
+        };
+        Ok(Self { source, mesh, notes: file.notes, cleaning })
+    }
+
+    /// Extent of the bounding box [m].
+    pub fn extent(&self) -> glam::DVec3 {
+        self.mesh.bounds().map_or(glam::DVec3::ZERO, |(low, high)| high - low)
+    }
+
+    /// Tells people what was read, assumed and repaired.
+    pub fn describe(&self, console: &Console) {
+        console.step("part", self.summary());
+        for note in &self.notes {
+            console.step("note", note);
+        }
+        console.step("clean", self.cleaning_summary());
+    }
+
+    /// What cleaning changed, in one paragraph.
+    pub fn cleaning_summary(&self) -> String {
+        let notes = self.cleaning.notes();
+        if notes.is_empty() { "nothing to repair".to_owned() } else { notes.join("\n") }
+    }
+
+    /// One line for people: size, triangles, closedness, unit.
+    pub fn summary(&self) -> String {
+        let mm = self.extent() * 1e3;
+        let closed = match self.cleaning.boundary_edges {
+            0 => "closed".to_owned(),
+            open => format!("open ({open} boundary edges)"),
+        };
+        format!(
+            "{}: {} triangles, {closed}, {:.1} x {:.1} x {:.1} mm\nunit: {}",
+            self.source.file,
+            self.mesh.triangles.len(),
+            mm.x,
+            mm.y,
+            mm.z,
+            self.source.unit_reason
+        )
+    }
+}
+
+/// SHA-256 as lower-case hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,144 @@
+//! Pages for people: one HTML file with everything in it.
+
+mod chart;
+mod page;
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use crate::asset::{FileRecord, MANIFEST_FILE, WeldTruth, record_files};
+use crate::finishing::Ground;
+use crate::picture::{GrindPictures, VIEW_SIZE, overview, to_png, weld_outward};
+use crate::workpiece::Workpiece;
+
+pub use chart::{Chart, Series};
+pub use page::Page;
+
+/// The summary of the demo: workpiece, grinding, figures, files.
+///
+/// # Errors
+/// When a picture or a file of the asset cannot be read.
+pub fn demo_page(workpiece: &Workpiece, ground: &Ground, pictures: &GrindPictures, asset: &Path) -> Result<String> {
+    let removed: f64 = ground.passes.iter().map(|pass| pass.removed_volume * 1e9).sum();
+    let lead = format!(
+        "A weld of {:.0} mm was laid on {}, and {} passes of a wheel at {:.0} N took {removed:.1} mm³ off it.",
+        ground.weld.length_mm,
+        ground.source.file,
+        ground.passes.len(),
+        ground.settings.force_setpoint
+    );
+    let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead);
+    let welded = overview(&workpiece.welded, weld_outward(&ground.weld), VIEW_SIZE)?;
+    page.picture(
+        &to_png(&welded)?,
+        "The welded workpiece, drawn from its signed distance field; weld metal is tinted.",
+    );
+    page.picture(&to_png(&pictures.sheet)?, "The weld before and after grinding, and the depth that was removed.");
+
+    page.section("Grinding");
+    page.table(
+        &[
+            "pass",
+            "removed [mm³]",
+            "Eq. (1) over the contact [mm³]",
+            "force error [N rms]",
+            "peak pressure [MPa]",
+            "time [s]",
+            "steps",
+        ],
+        &pass_rows(ground),
+    );
+    page.drawing(&force_chart(ground), "Normal force along each pass.");
+    page.facts(&process_facts(ground));
+
+    page.section("Weld");
+    page.facts(&weld_facts(&ground.weld));
+    for choice in &workpiece.weld.reasons {
+        page.paragraph(choice);
+    }
+
+    page.section("Part and field");
+    page.facts(&part_facts(workpiece));
+
+    page.section("Files of the asset");
+    let mut files: Vec<_> = record_files(asset)?.into_iter().collect();
+    files.sort_by_key(|(name, _)| name.clone());
+    page.table(&["file", "bytes", "SHA-256"], &files.iter().map(file_row).collect::<Vec<_>>());
+    page.paragraph(&format!(
+        "RoboFin {}; the manifest {MANIFEST_FILE} holds every parameter. `robofin validate` checks the folder.",
+        env!("CARGO_PKG_VERSION")
+    ));
+    Ok(page.finish())
+}
+
+fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
+    let row = |(i, pass): (usize, &sim::PassRecord)| {
+        vec![
+            format!("{}", i + 1),
+            format!("{:.3}", pass.removed_volume * 1e9),
+            format!("{:.3}", pass.removed_volume_by_law * 1e9),
+            format!("{:.2e}", pass.force_rms_error),
+            format!("{:.2}", pass.pressure_max * 1e-6),
+            format!("{:.1}", pass.duration),
+            format!("{}", pass.steps),
+        ]
+    };
+    ground.passes.iter().enumerate().map(row).collect()
+}
+
+fn force_chart(ground: &Ground) -> String {
+    let line = |(i, pass): (usize, &sim::PassRecord)| Series {
+        name: format!("pass {}", i + 1),
+        points: pass.log.iter().map(|row| (row.time, row.force)).collect(),
+    };
+    let series: Vec<Series> = ground.passes.iter().enumerate().map(line).collect();
+    Chart { x_label: "time in the pass [s]", y_label: "normal force [N]", series: &series }.to_svg()
+}
+
+fn process_facts(ground: &Ground) -> Vec<(&'static str, String)> {
+    let (wheel, settings) = (&ground.wheel, &ground.settings);
+    vec![
+        ("wheel", format!("radius {:.0} mm, width {:.0} mm", wheel.radius * 1e3, wheel.width * 1e3)),
+        ("contact stiffness K", format!("{:.2e} Pa/m", settings.stiffness)),
+        ("grinding coefficient k", format!("{:.2e} m/(Pa s)", settings.grind_rate)),
+        ("threshold pressure p_c", format!("{:.3} MPa", settings.threshold_pressure * 1e-6)),
+        ("force setpoint, feed", format!("{:.1} N, {:.1} mm/s", settings.force_setpoint, settings.feed * 1e3)),
+        (
+            "weld metal left above the part",
+            format!("{:.2} of {:.2} mm³", ground.weld_left * 1e9, ground.weld.volume_mm3),
+        ),
+        ("base metal ground away", format!("{:.3} mm³", ground.base_removed * 1e9)),
+        ("speed", format!("{:.0} times real time", ground.real_time_factor())),
+    ]
+}
+
+fn weld_facts(weld: &WeldTruth) -> Vec<(&'static str, String)> {
+    vec![
+        ("length, width, height", format!("{:.2} x {:.2} x {:.2} mm", weld.length_mm, weld.width_mm, weld.height_mm)),
+        ("volume added to the part", format!("{:.2} mm³", weld.volume_mm3)),
+        (
+            "geodesic curvature",
+            format!(
+                "{:.2} 1/m rms, {:.2} 1/m at most",
+                weld.geodesic_curvature_rms_per_m, weld.geodesic_curvature_max_per_m
+            ),
+        ),
+        ("exposure", format!("{:.3} mean, {:.3} at least", weld.exposure_mean, weld.exposure_min)),
+    ]
+}
+
+fn part_facts(workpiece: &Workpiece) -> Vec<(&'static str, String)> {
+    let (part, baking) = (&workpiece.part, &workpiece.baking);
+    vec![
+        ("part", part.summary()),
+        ("cleaning", part.cleaning_summary()),
+        ("voxel, band", format!("{:.4} mm, {} voxels", baking.voxel_m * 1e3, baking.band_voxels)),
+        ("bricks, active voxels", format!("{}, {}", baking.bricks, baking.active_voxels)),
+        ("SHA-256 of the source", part.source.sha256.clone()),
+    ]
+}
+
+fn file_row((name, record): &(String, FileRecord)) -> Vec<String> {
+    vec![name.clone(), record.bytes.to_string(), record.sha256[..16].to_owned() + "…"]
+}

@@ -1,0 +1,54 @@
+//! The NanoVDB files: sane values, boxes that agree with the meshes, labels that cover the weld metal.
+
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+
+use super::Check;
+use super::meshes::Meshes;
+use crate::asset::{AssetFields, PHI_FILE, WELD_FILE};
+
+/// Boxes of mesh and field may differ by this [voxels]: corners thinner than a voxel are not in the field.
+const BOX_TOLERANCE: f64 = 1.0;
+
+pub(super) fn check(fields: &AssetFields, meshes: &Meshes) -> Vec<Check> {
+    let mut checks = Vec::new();
+    for (name, grid) in [("phi", &fields.welded), ("target", &fields.target)] {
+        let sane = grid.sanity_check();
+        let found = sane.clone().err().unwrap_or_else(|| format!("{} bricks", grid.brick_count()));
+        checks.push(Check::new(PHI_FILE, format!("{name} is finite and within its band"), sane.is_ok(), found));
+    }
+    checks.push(compare_boxes("target and workpiece.glb have one box", &fields.target, meshes.part.mesh.bounds()));
+    checks.push(compare_boxes("phi and welded.glb have one box", &fields.welded, meshes.welded_bounds()));
+    checks.push(check_union(fields));
+    checks.push(check_labels(fields));
+    checks
+}
+
+fn compare_boxes(rule: &str, grid: &BrickGrid, mesh: Option<(DVec3, DVec3)>) -> Check {
+    let (Some(field), Some(mesh)) = (grid.surface_bounds(), mesh) else {
+        return Check::new(PHI_FILE, rule, false, "one of them has no surface");
+    };
+    let apart = (field.0 - mesh.0).abs().max((field.1 - mesh.1).abs()).max_element() / grid.voxel;
+    Check::new(PHI_FILE, rule, apart <= BOX_TOLERANCE, format!("at most {apart:.3} voxels apart"))
+}
+
+/// Welding only adds: nowhere is the welded field above the bare part's.
+fn check_union(fields: &AssetFields) -> Check {
+    let above = |(slot, &brick): (usize, &glam::IVec3)| {
+        let first = slot * sdf_bake::grid::BRICK_VOXELS;
+        let voxel = |offset| sdf_bake::grid::voxel_at(brick, offset);
+        (0..sdf_bake::grid::BRICK_VOXELS)
+            .filter(|&offset| fields.welded.phi[first + offset] > fields.target.phi_at(voxel(offset)))
+            .count()
+    };
+    let above: usize = fields.welded.bricks.iter().enumerate().map(above).sum();
+    Check::new(PHI_FILE, "phi is nowhere above target", above == 0, format!("{above} voxels above"))
+}
+
+/// Every voxel that holds weld metal carries a weld id.
+fn check_labels(fields: &AssetFields) -> Check {
+    let bare = fields.share.iter().zip(&fields.welded.label).filter(|&(&share, &id)| share > 0.0 && id == 0).count();
+    let range = fields.share.iter().all(|share| (0.0..=1.0).contains(share));
+    let found = format!("{bare} voxels with weld metal and no id");
+    Check::new(WELD_FILE, "voxels with weld metal carry an id, shares are 0 to 1", bare == 0 && range, found)
+}

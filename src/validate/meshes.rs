@@ -1,0 +1,97 @@
+//! The two glTF files: the bare part, and the part with its beads.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use glam::DVec3;
+use sdf_bake::Mesh;
+
+use super::Check;
+use crate::asset::{WELDED_FILE, WORKPIECE_FILE};
+use crate::export::glb_read::{ReadPart, read_glb};
+
+/// What the glTF files hold.
+pub(super) struct Meshes {
+    /// The bare part.
+    pub(super) part: ReadPart,
+    /// The welded workpiece: the part, then one bead for each weld.
+    pub(super) welded: Vec<ReadPart>,
+}
+
+impl Meshes {
+    pub(super) fn open(folder: &Path) -> Result<Self> {
+        let read = |name: &str| -> Result<Vec<ReadPart>> {
+            let bytes = fs::read(folder.join(name)).with_context(|| name.to_owned())?;
+            read_glb(&bytes).with_context(|| name.to_owned())
+        };
+        let part = read(WORKPIECE_FILE)?.into_iter().next().context("workpiece.glb holds no mesh")?;
+        let welded = read(WELDED_FILE)?;
+        ensure!(
+            welded.len() >= 2,
+            "welded.glb holds {} meshes; the part and at least one bead are expected",
+            welded.len()
+        );
+        Ok(Self { part, welded })
+    }
+
+    /// Box around all meshes of the welded workpiece [m].
+    pub(super) fn welded_bounds(&self) -> Option<(DVec3, DVec3)> {
+        let boxes = self.welded.iter().filter_map(|part| part.mesh.bounds());
+        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// The beads with their weld ids.
+    pub(super) fn beads(&self) -> impl Iterator<Item = &ReadPart> {
+        self.welded.iter().filter(|part| part.weld_id != 0)
+    }
+}
+
+pub(super) fn check(meshes: &Meshes) -> Vec<Check> {
+    let mut checks = Vec::new();
+    for (file, part) in
+        std::iter::once((WORKPIECE_FILE, &meshes.part)).chain(meshes.welded.iter().map(|part| (WELDED_FILE, part)))
+    {
+        checks.push(check_numbers(file, part));
+    }
+    let same = meshes.welded.first().is_some_and(|base| base.weld_id == 0 && base.mesh == meshes.part.mesh);
+    let found = if same { "identical" } else { "different" };
+    checks.push(Check::new(WELDED_FILE, "its base is the part of workpiece.glb", same, found));
+    for bead in meshes.beads() {
+        let open = open_edges(&bead.mesh);
+        checks.push(Check::new(
+            WELDED_FILE,
+            format!("{} is closed", bead.name),
+            open == 0,
+            format!("{open} open edges"),
+        ));
+    }
+    checks
+}
+
+fn check_numbers(file: &str, part: &ReadPart) -> Check {
+    let finite = part.mesh.positions.iter().all(|p| p.is_finite());
+    let unit = part.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3);
+    let found = format!("{} vertices, {} triangles", part.mesh.positions.len(), part.mesh.triangles.len());
+    Check::new(file, format!("{} has finite positions and unit normals", part.name), finite && unit, found)
+}
+
+/// Edges that do not belong to exactly two triangles, once vertices at the same place are one again.
+fn open_edges(mesh: &Mesh) -> usize {
+    let mut places: Vec<([u64; 3], usize)> =
+        mesh.positions.iter().enumerate().map(|(i, p)| (p.to_array().map(|x| (x + 0.0).to_bits()), i)).collect();
+    places.sort_unstable();
+    let mut first = vec![0; mesh.positions.len()];
+    for run in places.chunk_by(|a, b| a.0 == b.0) {
+        run.iter().for_each(|&(_, i)| first[i] = run[0].1);
+    }
+    let mut edges: Vec<[usize; 2]> = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| first[v as usize]))
+        .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    edges.sort_unstable();
+    edges.chunk_by(|a, b| a == b).filter(|run| run.len() != 2).count()
+}

@@ -1,0 +1,71 @@
+//! Opens every file of an asset and holds it against the others.
+
+mod fields;
+mod files;
+mod meshes;
+mod usd;
+mod welds;
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde::Serialize;
+
+use crate::asset::{AssetFields, Manifest, UsdMode, WELDS_FILE, Welds};
+
+/// One thing that was checked.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// File or files that were opened.
+    pub file: String,
+    /// What must hold.
+    pub rule: String,
+    /// Whether it holds.
+    pub passed: bool,
+    /// What was found.
+    pub found: String,
+}
+
+impl Check {
+    fn new(file: &str, rule: impl Into<String>, passed: bool, found: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), rule: rule.into(), passed, found: found.into() }
+    }
+}
+
+/// Checks an asset folder: hashes, then everything that the files say of each other.
+///
+/// A file that cannot be opened is a failed check, not an error, so that one run names all that is wrong.
+///
+/// # Errors
+/// When the folder has no readable manifest.
+pub fn validate(folder: &Path, usd: UsdMode) -> Result<Vec<Check>> {
+    let manifest = Manifest::read(folder)?;
+    let mut checks = files::check(folder, &manifest);
+    let meshes = opened(meshes::Meshes::open(folder), "workpiece.glb, welded.glb", &mut checks);
+    let fields = opened(AssetFields::open(folder), "phi.nvdb, weld.nvdb", &mut checks);
+    let truth = opened(Welds::read(folder), WELDS_FILE, &mut checks);
+    if let Some(meshes) = &meshes {
+        checks.extend(meshes::check(meshes));
+    }
+    if let (Some(fields), Some(meshes)) = (&fields, &meshes) {
+        checks.extend(fields::check(fields, meshes));
+    }
+    if let (Some(truth), Some(meshes), Some(fields)) = (&truth, &meshes, &fields) {
+        checks.extend(welds::check(truth, meshes, fields));
+    }
+    checks.extend(usd::check(folder, &manifest, meshes.as_ref(), usd)?);
+    Ok(checks)
+}
+
+fn opened<T>(result: Result<T>, file: &str, checks: &mut Vec<Check>) -> Option<T> {
+    match result {
+        Ok(value) => {
+            checks.push(Check::new(file, "can be opened", true, "opened"));
+            Some(value)
+        }
+        Err(error) => {
+            checks.push(Check::new(file, "can be opened", false, format!("{error:#}")));
+            None
+        }
+    }
+}

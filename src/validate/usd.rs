@@ -1,0 +1,50 @@
+//! The USD file, opened by usd-core.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::Check;
+use super::meshes::Meshes;
+use crate::asset::{Manifest, USD_FILE, UsdMode};
+use crate::export::usd::{self, UsdReport};
+use crate::python;
+
+/// Boxes of the glTF and the USD file hold the same single-precision numbers.
+const BOX_TOLERANCE: f64 = 1e-6;
+
+pub(super) fn check(folder: &Path, manifest: &Manifest, meshes: Option<&Meshes>, mode: UsdMode) -> Result<Vec<Check>> {
+    let listed = manifest.files.contains_key(USD_FILE);
+    if mode == UsdMode::Off || (!listed && mode == UsdMode::Auto) {
+        return Ok(Vec::new());
+    }
+    if !listed {
+        return Ok(vec![Check::new(USD_FILE, "is part of the asset", false, "the asset was made without USD")]);
+    }
+    let python = match python::find(None) {
+        Ok(python) => python,
+        Err(error) if mode == UsdMode::Require => return Err(error.into()),
+        Err(error) => {
+            let found = format!("not opened, only its hash was checked: {error}");
+            return Ok(vec![Check::new(USD_FILE, "can be opened (needs Python)", true, found)]);
+        }
+    };
+    let reports = usd::check(&[folder.join(USD_FILE)], &python)?;
+    Ok(reports.iter().flat_map(|report| check_report(report, meshes)).collect())
+}
+
+fn check_report(report: &UsdReport, meshes: Option<&Meshes>) -> Vec<Check> {
+    let found = match report.errors.is_empty() {
+        true => format!("{} prims", report.prims),
+        false => report.errors.join("; "),
+    };
+    let mut checks =
+        vec![Check::new(USD_FILE, "is clean under usd-core's validators", report.errors.is_empty(), found)];
+    if let (Some([low, high]), Some(bounds)) = (report.bbox, meshes.and_then(Meshes::welded_bounds)) {
+        let apart = (bounds.0 - glam::DVec3::from(low)).abs().max((bounds.1 - glam::DVec3::from(high)).abs());
+        let relative = apart.max_element() / (bounds.1 - bounds.0).length();
+        let found = format!("{relative:.1e} of the diagonal apart");
+        checks.push(Check::new(USD_FILE, "has the box of welded.glb", relative <= BOX_TOLERANCE, found));
+    }
+    checks
+}

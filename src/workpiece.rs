@@ -1,0 +1,158 @@
+//! From a part to a welded workpiece: a weld is placed, swept and united with the part in the field.
+
+use anyhow::{Result, bail};
+use sdf_bake::query::MeshQuery;
+use sdf_bake::{BakeOptions, BakeReport, BrickGrid, SignChoice, bake};
+use serde::Serialize;
+use weldgen::{Weld, WeldRequest, place_weld};
+
+use crate::console::Console;
+use crate::part::Part;
+
+/// Weld id of the one weld that is placed.
+pub const FIRST_WELD: u16 = 1;
+
+/// Half width of the band, unless asked otherwise [voxels].
+pub const DEFAULT_BAND: f64 = 3.0;
+
+/// How fine to bake.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fineness {
+    /// Voxels along the part's longest side.
+    Resolution(u32),
+    /// Distance between voxels [m].
+    Voxel(f64),
+}
+
+/// What to make of a part.
+#[derive(Clone, Debug, Serialize)]
+pub struct WeldingOptions {
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// Voxel size.
+    pub fineness: Fineness,
+    /// Half width of the band [voxels].
+    pub band_voxels: f64,
+    /// Sign rule.
+    pub sign: SignChoice,
+    /// Changes to the weld that would be chosen for the part.
+    pub wishes: WeldWishes,
+}
+
+/// What the user fixes of the weld; the rest is chosen for the part.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct WeldWishes {
+    /// Length of the centreline [m].
+    pub length: Option<f64>,
+    /// Width of the bead [m].
+    pub width: Option<f64>,
+    /// Height of the bead [m].
+    pub height: Option<f64>,
+    /// Root mean square of the geodesic curvature [1/m].
+    pub curvature: Option<f64>,
+    /// Least exposure along the weld, 0 to 1.
+    pub exposure: Option<f64>,
+}
+
+/// A part with its weld, as meshes and as fields.
+pub struct Workpiece {
+    /// The part before welding.
+    pub part: Part,
+    /// The weld: curve, frames, bead mesh.
+    pub weld: Weld,
+    /// Field of the part alone: the target of finishing.
+    pub target: BrickGrid,
+    /// Field of part and weld, with weld labels.
+    pub welded: BrickGrid,
+    /// Volume that the weld adds to the part [m³], measured in the field.
+    pub weld_volume: f64,
+    /// How the part was baked.
+    pub baking: BakeReport,
+}
+
+impl Fineness {
+    /// Distance between voxels [m] on a part.
+    pub fn voxel(self, part: &Part) -> f64 {
+        match self {
+            Self::Resolution(across) => part.extent().max_element() / f64::from(across),
+            Self::Voxel(voxel) => voxel,
+        }
+    }
+}
+
+/// Welds a part: bake the part, place a weld, sweep its bead, bake the bead, unite.
+///
+/// # Errors
+/// When the part has no clear inside, or no weld fits it; the message says what would.
+pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Result<Workpiece> {
+    let baking =
+        BakeOptions { voxel: options.fineness.voxel(&part), band_voxels: options.band_voxels, sign: options.sign };
+    let (target, report) = bake(&part.mesh, &baking)?;
+    console.step("bake", describe_baking(&report, &target));
+
+    let query = MeshQuery::new(&part.mesh);
+    let request = options.wishes.applied_to(WeldRequest::for_part(&part.mesh, baking.voxel));
+    let weld = place_weld(&part.mesh, &query, &request, options.seed)?;
+    console.step("weld", describe_weld(&weld));
+
+    let (bead, _) = bake(&weld.bead, &baking)?;
+    let welded = target.united_with(&bead, FIRST_WELD)?;
+    let weld_volume = welded.difference_volume(&target);
+    if !(weld_volume > 0.0) {
+        bail!("the bead adds nothing to the part at a voxel of {:.4} mm", baking.voxel * 1e3);
+    }
+    console.step("unite", format!("the bead adds {:.2} mm³", weld_volume * 1e9));
+    Ok(Workpiece { part, weld, target, welded, weld_volume, baking: report })
+}
+
+impl WeldWishes {
+    /// The request for a part with what the user fixed; fixed sizes are never shrunk.
+    fn applied_to(&self, chosen: WeldRequest) -> WeldRequest {
+        let width = self.width.unwrap_or(chosen.width);
+        let fixed = self.length.is_some() || self.width.is_some() || self.height.is_some();
+        WeldRequest {
+            length: self.length,
+            width,
+            height: self.height.unwrap_or(chosen.height * width / chosen.width),
+            curvature_rms: self.curvature.unwrap_or(chosen.curvature_rms),
+            curvature_max: self.curvature.map_or(chosen.curvature_max, |rms| 3.0 * rms),
+            min_exposure: self.exposure.unwrap_or(chosen.min_exposure),
+            may_shrink: !fixed,
+            reasons: if fixed { Vec::new() } else { chosen.reasons },
+            ..chosen
+        }
+    }
+}
+
+fn describe_weld(weld: &Weld) -> String {
+    let curve = &weld.curve;
+    format!(
+        "{:.2} mm long, {:.2} mm wide, {:.2} mm high, curvature {:.2} 1/m rms, exposure {:.2} at least\n{}",
+        curve.length() * 1e3,
+        weld.profile.width * 1e3,
+        weld.profile.height * 1e3,
+        weld.curvature_rms,
+        weld.min_exposure,
+        weld.reasons.join("\n")
+    )
+}
+
+/// How a part was baked, for people.
+pub fn describe_baking(report: &BakeReport, grid: &BrickGrid) -> String {
+    let mut line = format!(
+        "voxel {:.4} mm, {} bricks, {} active voxels, {:.1} MB; sign by winding number",
+        report.voxel_m * 1e3,
+        report.bricks,
+        report.active_voxels,
+        grid.bytes() as f64 / 1e6
+    );
+    if report.boundary_edges > 0 {
+        line += &format!(
+            "\nopen surface: {} boundary edges, {:.2} % of the band without a clear inside",
+            report.boundary_edges,
+            100.0 * report.ambiguous_share
+        );
+    }
+    line
+}
