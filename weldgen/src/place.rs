@@ -163,7 +163,9 @@ fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate,
         point.width = proposals.profile.width;
         point.height = proposals.profile.height;
     }
-    match candidate.curve.min_exposure() >= (proposals.min_exposure + EXPOSURE_MARGIN).min(1.0) {
+    let least = proposals.min_exposure;
+    let asked = if least > 0.0 { (least + EXPOSURE_MARGIN).min(1.0) } else { 0.0 };
+    match candidate.curve.min_exposure() >= asked {
         true => Ok(candidate),
         false => Err(Refused { why: Rejection::Exposure, run: proposals.length }),
     }

@@ -23,7 +23,7 @@ const MAX_BEND: f64 = 0.6;
 /// Rays per point while proposals are judged; placed welds are measured with more.
 const JUDGING_RAYS: u32 = 64;
 /// Steps of one trace at most.
-const MAX_STEPS: usize = 200_000;
+const MAX_STEPS: usize = 20_000;
 
 /// Everything that the proposals of one stage share.
 pub(crate) struct Proposals<'a> {

@@ -68,7 +68,7 @@ pub enum TraceEnd {
     NonManifold,
     /// An edge sharper than allowed.
     Sharp,
-    /// A triangle without area, or a start that is none.
+    /// A triangle without area; or the start, a limit or the curvature is not a proper number.
     Degenerate,
     /// The step limit was reached.
     Steps,
@@ -100,8 +100,8 @@ pub fn trace(
     let Some((face, heading)) = face.and_then(|face| Some((face, face.flatten(start.heading)?))) else {
         return trace;
     };
-    let proper = limits.length.is_finite() && limits.spacing > 0.0 && start.barycentric.iter().all(|w| w.is_finite());
-    if !proper {
+    let finite = limits.length.is_finite() && start.barycentric.iter().all(|w| w.is_finite()) && curvature.is_finite();
+    if !(finite && limits.spacing > 0.0) {
         return trace;
     }
     let mut walker = Walker { mesh, topology, limits, face, point: face.lay(start.barycentric), heading };
