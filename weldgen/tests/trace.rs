@@ -183,6 +183,20 @@ fn through_vertices_and_along_edges_a_straight_line_stays_straight() {
 }
 
 #[test]
+fn a_circle_that_starts_along_an_edge_leaves_it_at_once_and_closes() {
+    let mesh = sheet(16, 16, false, |u, v| DVec3::new(u, v, 0.0));
+    for (heading, curvature) in [(DVec3::X, 8.0), (DVec3::X, -8.0), (DVec3::Y, 8.0), (DVec3::Y, -8.0)] {
+        let at = DVec3::new(0.5, 0.5, 0.0) + 0.03 * heading;
+        let traced = run(&mesh, at, heading, &CurvatureProfile::constant(curvature), limits(TAU / 8.0));
+        let centre = at + DVec3::Z.cross(heading) / curvature;
+        for point in &traced.points {
+            assert!((point.position.distance(centre) - 0.125).abs() < 1e-12, "{} is off the circle", point.position);
+        }
+        assert!(traced.points[50].position.distance(at) < 1e-12);
+    }
+}
+
+#[test]
 fn random_traces_on_a_closed_part_never_stall_and_can_be_walked_back() {
     let mesh = icosphere(1.0, 2);
     let topology = Topology::new(&mesh);

@@ -136,7 +136,10 @@ impl Walker<'_> {
     fn step(&mut self, curvature: &CurvatureProfile, trace: &mut Trace) -> Result<(), TraceEnd> {
         let stretch = curvature.stretch(trace.length);
         let mark = trace.points.len() as f64 * self.limits.spacing;
-        let to_target = mark.min(self.limits.length) - trace.length;
+        // A last mark that rounding put beyond the end is still a mark.
+        let is_mark = mark <= self.limits.length + 1e-9 * self.limits.spacing;
+        let target = mark.min(self.limits.length);
+        let to_target = target - trace.length;
         let step = to_target.min(stretch.left).min(one_way(stretch.value, stretch.slope));
         let arc = Arc { start: self.point, heading: self.heading, curvature: stretch.value, slope: stretch.slope };
         if let Some((length, edge)) = self.exit(&arc, step) {
@@ -146,8 +149,8 @@ impl Walker<'_> {
             return self.cross(edge);
         }
         (self.point, self.heading) = (arc.point(step), arc.heading_at(step));
-        trace.length = if step == to_target { mark.min(self.limits.length) } else { trace.length + step };
-        if trace.length >= mark {
+        trace.length = if step == to_target { target } else { (trace.length + step).min(target) };
+        if trace.length == target && is_mark {
             trace.points.push(self.record());
         }
         Ok(())
