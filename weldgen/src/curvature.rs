@@ -30,10 +30,12 @@ impl CurvatureProfile {
         Self { first: 0.0, spacing: 1.0, knots: vec![curvature] }
     }
 
-    /// Curvatures [1/m] at arc lengths `first + i·spacing` [m]; `spacing` is positive and `knots` is not empty.
-    pub fn linear(first: f64, spacing: f64, knots: Vec<f64>) -> Self {
-        assert!(spacing > 0.0 && !knots.is_empty(), "a profile needs knots and a positive spacing");
-        Self { first, spacing, knots }
+    /// Curvatures [1/m] at arc lengths `first + i·spacing` [m].
+    ///
+    /// `None` unless all numbers are finite, the spacing is positive and there is a knot.
+    pub fn linear(first: f64, spacing: f64, knots: Vec<f64>) -> Option<Self> {
+        let proper = first.is_finite() && spacing.is_finite() && spacing > 0.0 && !knots.is_empty();
+        (proper && knots.iter().all(|knot| knot.is_finite())).then_some(Self { first, spacing, knots })
     }
 
     /// A smooth random profile over `[-reach, reach]` whose root mean square is `rms` [1/m], capped at `max` [1/m].
@@ -67,6 +69,23 @@ impl CurvatureProfile {
     pub fn reversed(&self) -> Self {
         let last = self.first + self.spacing * (self.knots.len() - 1) as f64;
         Self { first: -last, spacing: self.spacing, knots: self.knots.iter().rev().map(|knot| -knot).collect() }
+    }
+
+    /// The profile times a factor, so that its root mean square over `[from, to]` is `rms` [1/m].
+    ///
+    /// Where the largest magnitude over the interval would pass `max` [1/m], the factor stops there.
+    pub(crate) fn scaled_to(&self, rms: f64, max: f64, [from, to]: [f64; 2]) -> Self {
+        let count = 256;
+        let sample = |i: u32| self.at(from + (to - from) * f64::from(i) / f64::from(count)).abs();
+        let peak = (0..=count).map(sample).fold(0.0, f64::max);
+        let factor = (rms / self.rms(from, to)).min(max / peak);
+        let factor = if factor.is_finite() { factor } else { 1.0 };
+        Self { knots: self.knots.iter().map(|knot| knot * factor).collect(), first: self.first, spacing: self.spacing }
+    }
+
+    /// Whether every curvature is a number.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.knots.iter().all(|knot| knot.is_finite())
     }
 
     /// Largest magnitude [1/m].

@@ -94,10 +94,13 @@ impl WeldCurve {
         self.points.iter().fold(1.0, |min, point| point.exposure.min(min))
     }
 
-    /// Root mean square of κ_g [1/m] over the points.
+    /// Root mean square of κ_g [1/m] over the arc length (trapezoidal rule).
     pub fn curvature_rms(&self) -> f64 {
-        let sum: f64 = self.points.iter().map(|point| point.geodesic_curvature.powi(2)).sum();
-        (sum / self.points.len().max(1) as f64).sqrt()
+        let squares = self.points.windows(2).map(|pair| {
+            let [a, b] = [0, 1].map(|i| pair[i].geodesic_curvature);
+            0.5 * (a * a + b * b)
+        });
+        (squares.sum::<f64>() / self.points.len().saturating_sub(1).max(1) as f64).sqrt()
     }
 
     /// Checks that every point lies on the surface to 1e-6 of the part's diagonal, that frames are orthonormal and

@@ -24,7 +24,8 @@
 //! ```
 //!
 //! In the order data meets them: [`topology`] (neighbours), [`curvature`] (the steering), [`trace`] (the curve),
-//! [`exposure`] (free sky), [`request`] (the dials), [`place`] (proposals until one fits), [`curve`] (points with
+//! [`exposure`] (free sky), [`request`] (the dials),
+//! [`surface`] (a part made ready), [`place`] (proposals until one fits), [`curve`] (points with
 //! frames), [`bead`] (sections and the swept mesh).
 //!
 //! Lengths are in metres, angles in radians, curvatures in 1/m. Vertices of the part must be shared between triangles
@@ -40,10 +41,12 @@ pub mod place;
 mod propose;
 pub mod rejection;
 pub mod request;
+pub mod surface;
 pub mod topology;
 pub mod trace;
 
 pub use bead::{BeadProfile, sweep};
 pub use curve::{CurvePoint, WeldCurve};
-pub use place::{PlaceError, Weld, place_weld};
+pub use place::{PlaceError, Weld, place_weld, place_weld_on};
 pub use request::WeldRequest;
+pub use surface::Surface;

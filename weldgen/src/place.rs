@@ -11,10 +11,10 @@ use thiserror::Error;
 use crate::bead::BeadProfile;
 use crate::curve::WeldCurve;
 use crate::exposure::exposures;
-use crate::propose::{Candidate, Proposals};
-use crate::rejection::Tally;
+use crate::propose::{Candidate, Proposals, Refused};
+use crate::rejection::{Rejection, Tally};
 use crate::request::{WIDTHS_PER_LENGTH, WeldRequest};
-use crate::topology::Topology;
+use crate::surface::Surface;
 
 /// What is tried in turn when nothing fits: factors of the length and of the bead's width and height.
 ///
@@ -22,10 +22,12 @@ use crate::topology::Topology;
 pub const STAGES: [[f64; 2]; 8] =
     [[1.0, 1.0], [0.7, 1.0], [0.5, 1.0], [0.35, 1.0], [0.5, 0.7], [0.35, 0.7], [0.35, 0.5], [0.2, 0.35]];
 
-/// Proposals judged side by side; the first that fits wins, so the number of threads changes nothing.
-const BATCH: usize = 32;
+/// Proposals judged side by side at most; the first that fits wins, so the number of threads changes nothing.
+const LARGEST_BATCH: usize = 32;
 /// Rays per point of a placed weld.
 const MEASURING_RAYS: u32 = 256;
+/// Exposure asked beyond the minimum, so that a finer measurement does not fall below it.
+const EXPOSURE_MARGIN: f64 = 0.01;
 
 /// A weld on a part, and how it came about.
 #[derive(Clone, Debug, Serialize)]
@@ -88,25 +90,25 @@ pub enum PlaceError {
 ///
 /// - `query`: the same mesh, prepared
 /// - `seed`: another seed gives another weld; the same one gives the same weld for any number of threads
+///
+/// For several welds on one part, prepare a [`Surface`] once and call [`place_weld_on`].
 pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
+    place_weld_on(&Surface::new(part, query), request, seed)
+}
+
+/// As [`place_weld`], on a prepared part.
+pub fn place_weld_on(surface: &Surface, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
+    if surface.area() == 0.0 {
+        return Err(PlaceError::NoSurface(surface.part.triangles.len()));
+    }
     if let Some(fault) = request.fault() {
         return Err(PlaceError::Request(fault));
     }
-    let areas = running_areas(part);
-    if !areas.last().is_some_and(|total| *total > 0.0) {
-        return Err(PlaceError::NoSurface(part.triangles.len()));
-    }
-    let topology = Topology::new(part);
     let wanted = wanted_length(request, seed);
-    let mut tally = Tally::default();
-    let mut longest_run = 0f64;
-    let mut last = (0.0, 0.0);
+    let (mut tally, mut longest_run, mut last) = (Tally::default(), 0f64, (0.0, 0.0));
     for (stage, (length, profile)) in stages(request, wanted).into_iter().enumerate() {
         let proposals = Proposals {
-            part,
-            query,
-            topology: &topology,
-            areas: &areas,
+            surface,
             length,
             profile,
             curvature_rms: request.curvature_rms,
@@ -115,8 +117,8 @@ pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u
             min_exposure: request.min_exposure,
             exposure_reach: request.exposure_reach,
         };
-        if let Some(candidate) = first_fit(&proposals, request.attempts, mix(seed, stage), &mut tally, &mut longest_run)
-        {
+        let seed_here = mix(seed, stage);
+        if let Some(candidate) = first_fit(&proposals, request.attempts, seed_here, &mut tally, &mut longest_run) {
             return Ok(finish(&proposals, candidate, request, (wanted, seed), tally));
         }
         last = (length, profile.width);
@@ -125,6 +127,8 @@ pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u
 }
 
 /// The first proposal in order that fits; the dropped ones before it are counted.
+///
+/// Batches start small and double: on most parts one of the first few fits.
 fn first_fit(
     proposals: &Proposals,
     attempts: usize,
@@ -132,11 +136,13 @@ fn first_fit(
     tally: &mut Tally,
     longest_run: &mut f64,
 ) -> Option<Candidate> {
-    for batch in (0..attempts).step_by(BATCH) {
-        let ids = batch..(batch + BATCH).min(attempts);
+    let (mut next, mut batch) = (0, 4);
+    while next < attempts {
+        let ids = next..(next + batch).min(attempts);
+        (next, batch) = (ids.end, (2 * batch).min(LARGEST_BATCH));
         let judged: Vec<_> = ids.into_par_iter().map(|i| proposals.propose(mix(seed, i))).collect();
         for outcome in judged {
-            match outcome {
+            match outcome.and_then(|candidate| measure(proposals, candidate)) {
                 Ok(candidate) => return Some(candidate),
                 Err(refused) => {
                     tally.count(refused.why);
@@ -148,21 +154,30 @@ fn first_fit(
     None
 }
 
-fn finish(
-    proposals: &Proposals,
-    candidate: Candidate,
-    request: &WeldRequest,
-    (wanted, seed): (f64, u64),
-    dropped: Tally,
-) -> Weld {
-    let Candidate { mut curve, bead, root_depth } = candidate;
-    let places: Vec<_> = curve.points.iter().map(|point| (point.position, point.normal)).collect();
-    let measured = exposures(proposals.query, &places, proposals.rays(MEASURING_RAYS));
-    for (point, exposure) in curve.points.iter_mut().zip(measured) {
+/// Measures what the curve's points record; the exposure is now known well enough to hold it against the minimum.
+fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, Refused> {
+    let places: Vec<_> = candidate.curve.points.iter().map(|point| (point.position, point.normal)).collect();
+    let measured = exposures(proposals.surface.query, &places, proposals.rays(MEASURING_RAYS));
+    for (point, exposure) in candidate.curve.points.iter_mut().zip(measured) {
         point.exposure = exposure;
         point.width = proposals.profile.width;
         point.height = proposals.profile.height;
     }
+    let least = proposals.min_exposure;
+    let asked = if least > 0.0 { (least + EXPOSURE_MARGIN).min(1.0) } else { 0.0 };
+    match candidate.curve.min_exposure() >= asked {
+        true => Ok(candidate),
+        false => Err(Refused { why: Rejection::Exposure, run: proposals.length }),
+    }
+}
+
+fn finish(
+    proposals: &Proposals,
+    Candidate { curve, bead, root_depth }: Candidate,
+    request: &WeldRequest,
+    (wanted, seed): (f64, u64),
+    dropped: Tally,
+) -> Weld {
     let mut reasons = request.reasons.clone();
     let (length, width) = (curve.length(), proposals.profile.width);
     if length < wanted * (1.0 - 1e-9) {
@@ -207,15 +222,6 @@ fn wanted_length(request: &WeldRequest, seed: u64) -> f64 {
     let [low, high] = request.length_range;
     let share: f64 = Pcg64Mcg::seed_from_u64(seed).random();
     request.length.unwrap_or(low + share * (high - low))
-}
-
-fn running_areas(part: &Mesh) -> Vec<f64> {
-    let area = |t: usize| Some(0.5 * part.doubled_area_normal(t).length()).filter(|a| a.is_finite()).unwrap_or(0.0);
-    let add = |sum: &mut f64, t: usize| {
-        *sum += area(t);
-        Some(*sum)
-    };
-    (0..part.triangles.len()).scan(0.0, add).collect()
 }
 
 /// A seed from a seed and a number (splitmix64's finaliser).

@@ -4,15 +4,14 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use sdf_bake::Mesh;
-use sdf_bake::query::MeshQuery;
 
 use crate::bead::{BeadProfile, sweep};
 use crate::curvature::CurvatureProfile;
-use crate::curve::{Stretch, WeldCurve};
+use crate::curve::{CurvePoint, Stretch, WeldCurve};
 use crate::exposure::{ExposureRays, exposure};
 use crate::footprint::Footprint;
 use crate::rejection::Rejection;
-use crate::topology::Topology;
+use crate::surface::Surface;
 use crate::trace::{TraceEnd, TraceLimits, TracePoint, TraceStart, trace};
 
 /// Points of the curve per bead width.
@@ -24,15 +23,11 @@ const MAX_BEND: f64 = 0.6;
 /// Rays per point while proposals are judged; placed welds are measured with more.
 const JUDGING_RAYS: u32 = 64;
 /// Steps of one trace at most.
-const MAX_STEPS: usize = 200_000;
+const MAX_STEPS: usize = 20_000;
 
-/// Everything that proposals on one part share.
+/// Everything that the proposals of one stage share.
 pub(crate) struct Proposals<'a> {
-    pub(crate) part: &'a Mesh,
-    pub(crate) query: &'a MeshQuery,
-    pub(crate) topology: &'a Topology,
-    /// Running sum of the triangles' areas [m²].
-    pub(crate) areas: &'a [f64],
+    pub(crate) surface: &'a Surface<'a>,
     pub(crate) length: f64,
     pub(crate) profile: BeadProfile,
     pub(crate) curvature_rms: f64,
@@ -65,8 +60,9 @@ impl Proposals<'_> {
         let refuse = |why| Refused { why, run: self.length };
         self.bends_gently(&curve).map_err(refuse)?;
         self.keeps_apart(&curve).map_err(refuse)?;
-        let footprint = Footprint { mesh: self.part, query: self.query, profile: self.profile };
+        let footprint = Footprint { mesh: self.surface.part, query: self.surface.query, profile: self.profile };
         let root_depth = footprint.root_depth(&curve).map_err(refuse)?;
+        self.lies_outside(&curve).map_err(refuse)?;
         self.sees_the_sky(&curve).map_err(refuse)?;
         let bead = sweep(&curve, &self.profile, root_depth).map_err(|_| refuse(Rejection::Fold))?;
         Ok(Candidate { curve, bead, root_depth })
@@ -74,47 +70,68 @@ impl Proposals<'_> {
 
     /// A point evenly distributed over the surface, and a direction evenly distributed over its tangents.
     fn start(&self, rng: &mut Pcg64Mcg) -> TraceStart {
-        let total = self.areas.last().copied().unwrap_or(0.0);
-        let target = total * rng.random::<f64>();
-        let face = self.areas.partition_point(|sum| *sum <= target).min(self.areas.len() - 1);
+        let target = self.surface.area() * rng.random::<f64>();
+        let face = self.surface.areas.partition_point(|sum| *sum <= target).min(self.surface.areas.len() - 1);
         // The square root makes the density even (Osada et al. 2002).
         let (root, share) = (rng.random::<f64>().sqrt(), rng.random::<f64>());
-        let [a, b, _] = self.part.corners(face);
+        let [a, b, _] = self.surface.part.corners(face);
         let along = (b - a).normalize_or_zero();
         let turn = std::f64::consts::TAU * rng.random::<f64>();
-        let heading = along * turn.cos() + self.part.normal(face).cross(along) * turn.sin();
+        let heading = along * turn.cos() + self.surface.part.normal(face).cross(along) * turn.sin();
         let barycentric = [1.0 - root, root * (1.0 - share), root * share];
         TraceStart { face: face as u32, barycentric, heading }
     }
 
-    /// Traces both ways from the start and cuts the wanted length out of the middle.
-    ///
-    /// Where one side is cut short, the other is traced further to make up for it.
+    /// Traces both ways from the start until the wanted length and clear ends are there.
     fn run(&self, start: TraceStart, rng: &mut Pcg64Mcg) -> Result<WeldCurve, Refused> {
         let steps = (self.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
         let spacing = self.length / steps as f64;
         let clear = (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize;
-        let whole = steps + 2 * clear;
-        let reach = whole as f64 * spacing;
-        let curvature = CurvatureProfile::smooth(reach, 0.5 * self.length, self.curvature_rms, self.curvature_max, rng);
-        let (mut back, mut back_end) = self.walk(start, false, &curvature, (whole / 2, spacing));
-        let missing = whole - (back.len() - 1).min(whole);
-        let (ahead, ahead_end) = self.walk(start, true, &curvature, (missing, spacing));
-        if back.len() + ahead.len() < whole + 2 && back_end == TraceEnd::Length {
-            (back, back_end) = self.walk(start, false, &curvature, (whole + 1 - ahead.len(), spacing));
-        }
-        let origin = back.len() - 1;
+        let reach = (steps + 2 * clear) as f64 * spacing;
+        let shape = CurvatureProfile::smooth(reach, 0.5 * self.length, self.curvature_rms, self.curvature_max, rng);
+        let refuse = |(end, points): (TraceEnd, usize)| Refused {
+            why: Rejection::cut_short(end),
+            run: points.saturating_sub(2 * clear) as f64 * spacing,
+        };
+        let behind = self.room_behind(start, &shape, (steps + 2 * clear, spacing)).map_err(refuse)?;
+        // Only now is it known which stretch of the profile the weld gets, and what its root mean square is.
+        let first = (clear as f64 - behind as f64) * spacing;
+        let curvature = shape.scaled_to(self.curvature_rms, self.curvature_max, [first, first + self.length]);
+        let (back, back_end) = self.walk(start, false, &curvature, (behind, spacing));
+        let (ahead, ahead_end) = self.walk(start, true, &curvature, (steps + 2 * clear - behind, spacing));
+        let end = if back_end == TraceEnd::Length { ahead_end } else { back_end };
         let points: Vec<TracePoint> = back.into_iter().rev().chain(ahead.into_iter().skip(1)).collect();
-        if points.len() <= whole {
-            let end = if ahead_end == TraceEnd::Length { back_end } else { ahead_end };
-            let run = points.len().saturating_sub(2 * clear) as f64 * spacing;
-            return Err(Refused { why: Rejection::cut_short(end), run });
+        if points.len() <= steps + 2 * clear {
+            return Err(refuse((end, points.len())));
         }
         // Normals and tangents are smoothed over half a width in all.
         let half_window = (0.25 * self.profile.width / spacing).round() as usize;
-        let start = (clear as f64 - origin as f64) * spacing;
-        let stretch = Stretch { first: clear, last: clear + steps, spacing, half_window, start };
+        let stretch = Stretch { first: clear, last: clear + steps, spacing, half_window, start: first };
         Ok(WeldCurve::frame(&points, stretch, &curvature))
+    }
+
+    /// How many of `steps` points to lay behind the start: half, or more where the way ahead is cut short.
+    fn room_behind(
+        &self,
+        start: TraceStart,
+        curvature: &CurvatureProfile,
+        (steps, spacing): (usize, f64),
+    ) -> Result<usize, (TraceEnd, usize)> {
+        let (back, back_end) = self.walk(start, false, curvature, (steps / 2, spacing));
+        let behind = back.len().saturating_sub(1);
+        let (ahead, ahead_end) = self.walk(start, true, curvature, (steps - behind, spacing));
+        let missing = steps - behind - ahead.len().saturating_sub(1);
+        if missing == 0 {
+            return Ok(behind);
+        }
+        if back_end != TraceEnd::Length {
+            return Err((ahead_end, back.len() + ahead.len()));
+        }
+        let (back, back_end) = self.walk(start, false, curvature, (behind + missing, spacing));
+        match back.len() > behind + missing {
+            true => Ok(behind + missing),
+            false => Err((back_end, back.len() + ahead.len())),
+        }
     }
 
     fn walk(
@@ -127,11 +144,11 @@ impl Proposals<'_> {
         let length = steps as f64 * spacing;
         let limits = TraceLimits { length, spacing, sharp_angle: self.sharp_angle, max_steps: MAX_STEPS };
         if ahead {
-            let traced = trace(self.part, self.topology, start, curvature, limits);
+            let traced = trace(self.surface.part, &self.surface.topology, start, curvature, limits);
             return (traced.points, traced.end);
         }
         let backwards = TraceStart { heading: -start.heading, ..start };
-        let mut traced = trace(self.part, self.topology, backwards, &curvature.reversed(), limits);
+        let mut traced = trace(self.surface.part, &self.surface.topology, backwards, &curvature.reversed(), limits);
         for point in &mut traced.points {
             point.tangent = -point.tangent;
         }
@@ -140,7 +157,7 @@ impl Proposals<'_> {
 
     fn bends_gently(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let half_width = (0.5 * POINTS_PER_WIDTH) as usize;
-        let gentle = |ends: &[crate::curve::CurvePoint]| {
+        let gentle = |ends: &[CurvePoint]| {
             ends.first().zip(ends.last()).is_some_and(|(a, b)| a.normal.dot(b.normal) > MAX_BEND.cos())
         };
         let bent = curve.points.windows(half_width + 1).any(|window| !gentle(window));
@@ -156,11 +173,24 @@ impl Proposals<'_> {
         if meets { Err(Rejection::OwnPass) } else { Ok(()) }
     }
 
+    /// The winding number just above the curve must be that of open space.
+    ///
+    /// It is 1 on a face inside another body and -1 on a body turned inside out; above an open sheet it comes down to
+    /// -1/2.
+    fn lies_outside(&self, curve: &WeldCurve) -> Result<(), Rejection> {
+        let outside = |point: &CurvePoint| {
+            let above = point.position + 0.05 * self.profile.height * point.normal;
+            (-0.75..0.5).contains(&self.surface.winding.winding_number(above))
+        };
+        let stride = (POINTS_PER_WIDTH / 2.0) as usize;
+        if curve.points.iter().step_by(stride).all(outside) { Ok(()) } else { Err(Rejection::Inside) }
+    }
+
     fn sees_the_sky(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let settings = self.rays(JUDGING_RAYS);
         let stride = (POINTS_PER_WIDTH / 2.0) as usize;
-        let free = |point: &crate::curve::CurvePoint| {
-            exposure(self.query, point.position, point.normal, settings) >= self.min_exposure
+        let free = |point: &CurvePoint| {
+            exposure(self.surface.query, point.position, point.normal, settings) >= self.min_exposure
         };
         if curve.points.iter().step_by(stride).all(free) { Ok(()) } else { Err(Rejection::Exposure) }
     }

@@ -33,6 +33,8 @@ pub enum Rejection {
     DeepRoot,
     /// The part is too thin here for the root.
     Thin,
+    /// On a face that is hidden inside the part or turned inwards.
+    Inside,
     /// Too little free sky.
     Exposure,
     /// Neighbouring sections of the bead would cross.
@@ -64,6 +66,7 @@ impl Rejection {
             Self::Tilt => "had a surface that tilts away under the bead (narrower bead)",
             Self::DeepRoot => "needed a root deeper than the bead is high (narrower bead)",
             Self::Thin => "were on a sheet thinner than the root (narrower bead)",
+            Self::Inside => "lay on faces inside the part or turned inwards (cleaner mesh)",
             Self::Exposure => "saw too little of the sky (lower minimum exposure)",
             Self::Fold => "turned too tightly for the bead (lower curvature, narrower bead)",
         }

@@ -80,7 +80,7 @@ fn turn(mesh: &Mesh, here: Side, there: Side) -> f64 {
 }
 
 /// Start and end [m] of an edge of a triangle.
-pub(crate) fn edge_ends(mesh: &Mesh, face: u32, edge: u8) -> [DVec3; 2] {
+fn edge_ends(mesh: &Mesh, face: u32, edge: u8) -> [DVec3; 2] {
     let corners = mesh.corners(face as usize);
     [corners[usize::from(edge)], corners[(usize::from(edge) + 1) % 3]]
 }

@@ -55,7 +55,7 @@ fn on_a_plane_a_clothoid_is_the_fresnel_curve() {
     let mesh = plane(1.0, 37, 41);
     let length = 0.5;
     // κ runs from -8 through 0 to +12 per metre.
-    let profile = CurvatureProfile::linear(0.0, length, vec![-8.0, 12.0]);
+    let profile = CurvatureProfile::linear(0.0, length, vec![-8.0, 12.0]).unwrap();
     let start = DVec3::new(-0.3, -0.2, 0.0);
     let traced = run(&mesh, start, DVec3::new(1.0, 1.0, 0.0), &profile, limits(length));
     let (expected, angle) = clothoid(start.truncate(), PI / 4.0, [-8.0, 12.0], length);
@@ -65,8 +65,8 @@ fn on_a_plane_a_clothoid_is_the_fresnel_curve() {
 }
 
 #[test]
-fn slivers_a_million_times_longer_than_wide_change_nothing() {
-    // Strips of width 1e-6 along the diagonal, crossed by a circle.
+fn slivers_700_000_times_longer_than_wide_change_nothing() {
+    // Strips 1.4e-6 wide and 1 long, each cut along its diagonal, crossed by a circle.
     let strip =
         |u: f64, v: f64| DVec3::new(0.7 * u + v * 2e-4, 0.7 * u - v * 2e-4, 0.0) + DVec3::new(-0.35, -0.35, 0.0);
     let mesh = sheet(1, 200, false, strip);
@@ -85,7 +85,7 @@ fn on_a_tube_the_curve_unrolls_to_the_planar_one() {
     let (radius, sides) = (0.1, 24u32);
     let mesh = tube(radius, 1.0, sides, 7);
     let chord = 2.0 * radius * (PI / f64::from(sides)).sin();
-    let profile = CurvatureProfile::linear(0.0, 0.6, vec![3.0, -3.0]);
+    let profile = CurvatureProfile::linear(0.0, 0.6, vec![3.0, -3.0]).unwrap();
     let mid = radius * (TAU / 48.0).cos() * DVec3::new((TAU / 48.0).cos(), (TAU / 48.0).sin(), 0.0) + DVec3::Z * 0.3;
     let around = DVec3::new(-(TAU / 48.0).sin(), (TAU / 48.0).cos(), 0.0);
     let traced = run(&mesh, mid, around + DVec3::Z * 0.5, &profile, limits(0.6));
@@ -183,6 +183,20 @@ fn through_vertices_and_along_edges_a_straight_line_stays_straight() {
 }
 
 #[test]
+fn a_circle_that_starts_along_an_edge_leaves_it_at_once_and_closes() {
+    let mesh = sheet(16, 16, false, |u, v| DVec3::new(u, v, 0.0));
+    for (heading, curvature) in [(DVec3::X, 8.0), (DVec3::X, -8.0), (DVec3::Y, 8.0), (DVec3::Y, -8.0)] {
+        let at = DVec3::new(0.5, 0.5, 0.0) + 0.03 * heading;
+        let traced = run(&mesh, at, heading, &CurvatureProfile::constant(curvature), limits(TAU / 8.0));
+        let centre = at + DVec3::Z.cross(heading) / curvature;
+        for point in &traced.points {
+            assert!((point.position.distance(centre) - 0.125).abs() < 1e-12, "{} is off the circle", point.position);
+        }
+        assert!(traced.points[50].position.distance(at) < 1e-12);
+    }
+}
+
+#[test]
 fn random_traces_on_a_closed_part_never_stall_and_can_be_walked_back() {
     let mesh = icosphere(1.0, 2);
     let topology = Topology::new(&mesh);
@@ -196,14 +210,15 @@ fn random_traces_on_a_closed_part_never_stall_and_can_be_walked_back() {
             barycentric: weights.map(|w| w / sum),
             heading,
         };
-        let profile = CurvatureProfile::linear(0.0, 0.5, (0..5).map(|_| 6.0 * numbers.next() - 3.0).collect());
+        let profile = CurvatureProfile::linear(0.0, 0.5, (0..5).map(|_| 6.0 * numbers.next() - 3.0).collect()).unwrap();
         let there = trace(&mesh, &topology, start, &profile, limits(1.0));
         assert_eq!(there.end, TraceEnd::Length);
         let last = there.points[50];
         let turn_round = TraceStart { face: last.face, barycentric: last.barycentric, heading: -last.tangent };
         // Back along the same curve: κ(1 - s), left and right exchanged.
         let knots = (0..=1000).map(|i| -profile.at(1.0 - f64::from(i) / 1000.0)).collect();
-        let back = trace(&mesh, &topology, turn_round, &CurvatureProfile::linear(0.0, 0.001, knots), limits(1.0));
+        let back =
+            trace(&mesh, &topology, turn_round, &CurvatureProfile::linear(0.0, 0.001, knots).unwrap(), limits(1.0));
         let gap = back.points[50].position.distance(there.points[0].position);
         assert!(gap < 1e-9, "the way back misses the start by {gap}");
     }
@@ -233,6 +248,10 @@ fn a_trace_says_why_it_stopped() {
     assert_eq!(run(&flat, DVec3::ZERO, DVec3::X, &straight, few).end, TraceEnd::Steps);
     assert_eq!(run(&flat, DVec3::ZERO, DVec3::Z, &straight, limits(0.4)).end, TraceEnd::Degenerate);
     assert_eq!(run(&flat, DVec3::ZERO, DVec3::NAN, &straight, limits(0.4)).end, TraceEnd::Degenerate);
+    let nonsense = CurvatureProfile::constant(f64::NAN);
+    assert_eq!(run(&flat, DVec3::ZERO, DVec3::X, &nonsense, limits(0.4)).end, TraceEnd::Degenerate);
+    assert_eq!(CurvatureProfile::linear(0.0, 0.0, vec![1.0]), None);
+    assert_eq!(CurvatureProfile::linear(0.0, 1.0, vec![]), None);
 }
 
 #[test]

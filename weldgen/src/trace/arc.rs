@@ -26,12 +26,16 @@ const GAUSS: [(f64, f64); 5] = [
 
 impl Arc {
     pub(super) fn point(&self, length: f64) -> DVec2 {
-        if self.curvature == 0.0 && self.slope == 0.0 {
+        if self.is_straight() {
             return self.start + length * self.heading;
         }
         let half = 0.5 * length;
         let sum: DVec2 = GAUSS.iter().map(|(node, weight)| *weight * self.heading_at(half * (node + 1.0))).sum();
         self.start + half * sum
+    }
+
+    fn is_straight(&self) -> bool {
+        self.curvature == 0.0 && self.slope == 0.0
     }
 
     pub(super) fn heading_at(&self, length: f64) -> DVec2 {
@@ -51,10 +55,18 @@ impl Arc {
     ///   ----o'---------'x----   the line
     /// ```
     pub(super) fn leaves(&self, on: DVec2, along: DVec2, length: f64, slack: f64) -> Option<f64> {
+        if self.is_straight() {
+            let (height, rise) = (along.perp_dot(self.start - on), along.perp_dot(self.heading));
+            return (rise < 0.0 && height + rise * length < -slack).then(|| (-height / rise).max(0.0));
+        }
         let height = |s: f64| along.perp_dot(self.point(s) - on);
         let rise = |s: f64| along.perp_dot(self.heading_at(s));
         let (first, last) = (rise(0.0), rise(length));
-        let extremum = if first * last < 0.0 { root(rise, |_| f64::NAN, 0.0, length) } else { length };
+        let extremum = match first {
+            _ if first * last < 0.0 => root(rise, |_| f64::NAN, 0.0, length),
+            0.0 => 0.0,
+            _ => length,
+        };
         for (from, to, falls) in [(0.0, extremum, first < 0.0), (extremum, length, last < 0.0)] {
             if falls && height(to) < -slack {
                 return Some(if height(from) <= 0.0 { from } else { root(height, rise, from, to) });
@@ -66,8 +78,11 @@ impl Arc {
 
 /// The zero of a function that changes sign once between `low` and `high`: Newton's method kept inside the bracket.
 fn root(value: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let sign_low = value(low).signum();
-    let mut x = 0.5 * (low + high);
+    let (at_low, at_high) = (value(low), value(high));
+    let sign_low = at_low.signum();
+    // The chord's zero is already close, as the arcs turn little.
+    let chord = low + (high - low) * at_low / (at_low - at_high);
+    let mut x = if chord > low && chord < high { chord } else { 0.5 * (low + high) };
     for _ in 0..80 {
         let y = value(x);
         if y == 0.0 {

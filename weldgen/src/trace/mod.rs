@@ -68,7 +68,7 @@ pub enum TraceEnd {
     NonManifold,
     /// An edge sharper than allowed.
     Sharp,
-    /// A triangle without area, or a start that is none.
+    /// A triangle without area; or the start, a limit or the curvature is not a proper number.
     Degenerate,
     /// The step limit was reached.
     Steps,
@@ -100,8 +100,8 @@ pub fn trace(
     let Some((face, heading)) = face.and_then(|face| Some((face, face.flatten(start.heading)?))) else {
         return trace;
     };
-    let proper = limits.length.is_finite() && limits.spacing > 0.0 && start.barycentric.iter().all(|w| w.is_finite());
-    if !proper {
+    let finite = limits.length.is_finite() && start.barycentric.iter().all(|w| w.is_finite()) && curvature.is_finite();
+    if !(finite && limits.spacing > 0.0) {
         return trace;
     }
     let mut walker = Walker { mesh, topology, limits, face, point: face.lay(start.barycentric), heading };
@@ -136,7 +136,10 @@ impl Walker<'_> {
     fn step(&mut self, curvature: &CurvatureProfile, trace: &mut Trace) -> Result<(), TraceEnd> {
         let stretch = curvature.stretch(trace.length);
         let mark = trace.points.len() as f64 * self.limits.spacing;
-        let to_target = mark.min(self.limits.length) - trace.length;
+        // A last mark that rounding put beyond the end is still a mark.
+        let is_mark = mark <= self.limits.length + 1e-9 * self.limits.spacing;
+        let target = mark.min(self.limits.length);
+        let to_target = target - trace.length;
         let step = to_target.min(stretch.left).min(one_way(stretch.value, stretch.slope));
         let arc = Arc { start: self.point, heading: self.heading, curvature: stretch.value, slope: stretch.slope };
         if let Some((length, edge)) = self.exit(&arc, step) {
@@ -146,8 +149,8 @@ impl Walker<'_> {
             return self.cross(edge);
         }
         (self.point, self.heading) = (arc.point(step), arc.heading_at(step));
-        trace.length = if step == to_target { mark.min(self.limits.length) } else { trace.length + step };
-        if trace.length >= mark {
+        trace.length = if step == to_target { target } else { (trace.length + step).min(target) };
+        if trace.length == target && is_mark {
             trace.points.push(self.record());
         }
         Ok(())

@@ -1,0 +1,181 @@
+//! Placed welds on shapes of our own: what was asked is what was got.
+
+mod shapes;
+
+use glam::DVec3;
+use sdf_bake::bake::WindingTree;
+use sdf_bake::{Mesh, query::MeshQuery};
+use shapes::{cuboid, icosphere, tube};
+use weldgen::rejection::Rejection;
+use weldgen::{PlaceError, Weld, WeldRequest, place_weld};
+
+fn request(part: &Mesh) -> WeldRequest {
+    WeldRequest::for_part(part, part.diagonal() / 256.0)
+}
+
+fn place(part: &Mesh, request: &WeldRequest, seed: u64) -> Weld {
+    let weld = place_weld(part, &MeshQuery::new(part), request, seed).unwrap();
+    weld.curve.validate(part).unwrap();
+    weld
+}
+
+#[test]
+fn length_and_curvature_are_what_was_asked() {
+    for part in [icosphere(0.2, 4), closed_tube(), cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03))] {
+        for seed in 1..=5 {
+            let ask = WeldRequest { length: Some(0.15), curvature_rms: 5.0, curvature_max: 30.0, ..request(&part) };
+            let weld = place(&part, &ask, seed);
+            assert!((weld.length - 0.15).abs() < 1e-12);
+            let chords: f64 = weld.curve.points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
+            assert!((chords / 0.15 - 1.0).abs() < 1e-3, "the chords sum to {chords}");
+            assert!((weld.curvature_rms / 5.0 - 1.0).abs() < 1e-3, "{}", weld.curvature_rms);
+        }
+    }
+}
+
+#[test]
+fn on_a_plate_the_positions_turn_at_the_rate_the_curve_states() {
+    let part = cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03));
+    for seed in 1..=5 {
+        let weld = place(&part, &request(&part), seed);
+        for three in weld.curve.points.windows(3) {
+            let [a, b, c] = [three[0], three[1], three[2]].map(|point| point.position);
+            // Curvature of the circle through three points, signed by the normal.
+            let (ab, bc) = (b - a, c - b);
+            let bend = 2.0 * ab.cross(bc) / (ab.length() * bc.length() * (c - a).length());
+            let (found, stated) = (bend.dot(three[1].normal), three[1].geodesic_curvature);
+            assert!((found - stated).abs() < 0.01 * weld.curvature_rms, "{found} is not {stated}");
+        }
+    }
+}
+
+#[test]
+fn the_toes_are_under_the_surface_and_the_crown_is_above() {
+    for part in [icosphere(0.1, 3), cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.05)), closed_tube()] {
+        let winding = WindingTree::new(&part);
+        for seed in 1..=3 {
+            let weld = place(&part, &request(&part), seed);
+            let base = weld.profile.half_width_at(weld.root_depth);
+            for point in &weld.curve.points {
+                for side in [-base, base] {
+                    let toe = point.position + side * point.side - weld.root_depth * point.normal;
+                    assert!(winding.winding_number(toe) > 0.5, "a toe is in the air");
+                }
+                let crown = point.position + weld.profile.height * point.normal;
+                assert!(winding.winding_number(crown) < 0.5, "the crown is buried");
+            }
+            assert!(weld.root_depth <= weld.profile.height);
+        }
+    }
+}
+
+/// A solid round bar of 24 flat sides.
+fn closed_tube() -> Mesh {
+    let mut mesh = tube(0.05, 0.3, 24, 4);
+    for (ring, z, up) in [(0u32, 0.0, false), (4, 0.3, true)] {
+        let centre = mesh.positions.len() as u32;
+        mesh.positions.push(DVec3::Z * z);
+        for i in 0..24u32 {
+            let (a, b) = (i * 5 + ring, (i + 1) % 24 * 5 + ring);
+            mesh.triangles.push(if up { [centre, a, b] } else { [centre, b, a] });
+        }
+    }
+    mesh
+}
+
+#[test]
+fn on_a_round_bar_the_bead_does_not_kink_with_the_facets() {
+    let bar = closed_tube();
+    let weld = place(&bar, &WeldRequest { width: 0.03, height: 0.008, ..request(&bar) }, 3);
+    let turn = |pair: &[weldgen::CurvePoint]| pair[0].normal.angle_between(pair[1].normal);
+    let sharpest = weld.curve.points.windows(2).map(turn).fold(0.0, f64::max);
+    assert!(
+        sharpest < 0.08,
+        "the normal jumps by {sharpest} rad; a facet's edge is {} rad",
+        std::f64::consts::TAU / 24.0
+    );
+}
+
+#[test]
+fn the_same_seed_gives_the_same_weld_on_one_thread_and_on_two() {
+    let part = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.05));
+    let on = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let weld = pool.install(|| place(&part, &request(&part), seed));
+        (weld.curve, weld.bead, weld.reasons)
+    };
+    assert_eq!(on(1, 7), on(2, 7));
+    assert_ne!(on(1, 7).0, on(1, 8).0);
+}
+
+#[test]
+fn an_impossible_wish_is_answered_with_the_dial_that_forbids_it() {
+    let part = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.05));
+    let query = MeshQuery::new(&part);
+    let long = WeldRequest { length: Some(0.9), may_shrink: false, ..request(&part) };
+    let Err(PlaceError::Nowhere { tally, longest_run, .. }) = place_weld(&part, &query, &long, 1) else {
+        panic!("a weld of 0.9 m cannot lie on a plate of 0.3 m");
+    };
+    assert_eq!(tally.total(), long.attempts);
+    assert!(tally.of(Rejection::SharpEdge) > long.attempts / 2);
+    assert!(longest_run > 0.2 && longest_run < 0.9, "{longest_run}");
+    let message = place_weld(&part, &query, &long, 1).unwrap_err().to_string();
+    assert!(message.contains("sharp edge") && message.contains("shorter length"), "{message}");
+
+    let shrunk = place(&part, &WeldRequest { may_shrink: true, ..long.clone() }, 1);
+    assert!(shrunk.length < 0.9 && shrunk.reasons.iter().any(|reason| reason.contains("instead of 900.00 mm")));
+
+    // In a narrow slot the sky is narrow, whatever the curve.
+    let mut slot = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.05, 0.01));
+    slot.append(&cuboid(DVec3::new(0.0, -0.01, -0.05), DVec3::new(0.3, 0.0, 0.3)));
+    let open = WeldRequest { min_exposure: 1.0, exposure_reach: 10.0, may_shrink: false, ..request(&slot) };
+    let from_floor = place_weld(&slot, &MeshQuery::new(&slot), &open, 1);
+    assert!(from_floor.is_err() || from_floor.unwrap().min_exposure > 0.999);
+}
+
+#[test]
+fn dials_out_of_range_and_parts_without_surface_are_named() {
+    let part = cuboid(DVec3::ZERO, DVec3::ONE);
+    let query = MeshQuery::new(&part);
+    let good = request(&part);
+    for (bad, name) in [
+        (WeldRequest { width: f64::NAN, ..good.clone() }, "width"),
+        (WeldRequest { length: Some(-1.0), ..good.clone() }, "length"),
+        (WeldRequest { min_exposure: 1.5, ..good.clone() }, "exposure"),
+        (WeldRequest { curvature_max: f64::NAN, ..good.clone() }, "curvature"),
+        (WeldRequest { attempts: 0, ..good.clone() }, "attempts"),
+    ] {
+        let error = place_weld(&part, &query, &bad, 1).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+    let nothing = Mesh::default();
+    let error = place_weld(&nothing, &MeshQuery::new(&nothing), &good, 1).unwrap_err();
+    assert_eq!(error, PlaceError::NoSurface(0));
+    let flat = Mesh { positions: vec![DVec3::ZERO; 3], triangles: vec![[0, 1, 2]] };
+    assert!(matches!(place_weld(&flat, &MeshQuery::new(&flat), &good, 1), Err(PlaceError::NoSurface(1))));
+}
+
+#[test]
+fn inside_out_bodies_and_hidden_faces_get_no_weld() {
+    let solid = cuboid(DVec3::ZERO, DVec3::splat(0.2));
+    let turned = Mesh { triangles: solid.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..solid };
+    let ask = WeldRequest { min_exposure: 0.0, ..request(&turned) };
+    let Err(PlaceError::Nowhere { tally, .. }) = place_weld(&turned, &MeshQuery::new(&turned), &ask, 1) else {
+        panic!("a weld was laid on the inside of a solid");
+    };
+    assert!(tally.of(Rejection::Inside) > 0, "{tally}");
+}
+
+#[test]
+fn a_thin_sheet_gets_a_bead_whose_root_stays_within_it() {
+    let thickness = 0.0012;
+    let sheet = cuboid(DVec3::ZERO, DVec3::new(0.035, 0.035, thickness));
+    for seed in 1..=5 {
+        let weld = place(&sheet, &request(&sheet), seed);
+        let (low, high) = weld.bead.bounds().unwrap();
+        let (root, height) = (weld.root_depth, weld.profile.height);
+        let on_top = (low.z - (thickness - root)).abs() < 1e-12 && (high.z - (thickness + height)).abs() < 1e-12;
+        let below = (low.z + height).abs() < 1e-12 && (high.z - root).abs() < 1e-12;
+        assert!(root < thickness && (on_top || below), "the bead spans {} to {}", low.z, high.z);
+    }
+}
