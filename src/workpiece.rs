@@ -99,7 +99,7 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     let (bead, _) = bake(&weld.bead, &baking)?;
     let welded = target.united_with(&bead, FIRST_WELD)?;
     let weld_volume = welded.difference_volume(&target);
-    if !(weld_volume > 0.0) {
+    if weld_volume.is_nan() || weld_volume <= 0.0 {
         bail!("the bead adds nothing to the part at a voxel of {:.4} mm", baking.voxel * 1e3);
     }
     console.step("unite", format!("the bead adds {:.2} mm³", weld_volume * 1e9));

@@ -1,8 +1,8 @@
 //! Baking: triangles to an exact narrow band with inside and outside known everywhere.
 //!
-//! The road: each triangle is scattered to the bricks within one band of it ([`scatter`]); each brick takes
-//! the exact distance to its own triangles ([`distance`]); voxels that no surface can separate share one
-//! sign, judged by the generalised winding number ([`sign`], [`winding`]); what has no brick is flooded.
+//! The road: each triangle is scattered to the bricks within one band of it (`scatter.rs`); each brick takes
+//! the exact distance to its own triangles (`distance.rs`); voxels that no surface can separate share one
+//! sign (`sign.rs`), judged by the generalised winding number ([`WindingTree`]); what has no brick is flooded.
 
 mod distance;
 mod scatter;
@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
 use crate::implicit::entry_brick;
 use crate::mesh::Mesh;
@@ -152,7 +153,7 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     }
     sign::flood_empty(&mut grid);
 
-    let boundary_edges = boundary_edges(mesh);
+    let boundary_edges = EdgeMap::new(mesh).boundary_count();
     let share = ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64;
     if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
         return Err(BakeError::Open { boundary_edges, share });
@@ -208,18 +209,6 @@ fn fill(b: usize, near: &BrickTriangles, facets: &[Facet], tree: &WindingTree, g
     let in_band = phi.iter().any(|&phi| phi < grid.band);
     let (ambiguous, inside) = sign::judge(brick, &mut phi, tree, grid);
     JudgedBrick { phi, in_band, ambiguous, inside }
-}
-
-/// Number of edges that belong to exactly one triangle.
-fn boundary_edges(mesh: &Mesh) -> usize {
-    let mut edges: Vec<[u32; 2]> = mesh
-        .triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
-    edges.par_sort_unstable();
-    edges.chunk_by(|a, b| a == b).filter(|run| run.len() == 1).count()
 }
 
 /// Centre of a brick's voxels [m].

@@ -113,6 +113,7 @@ fn a_sheet_has_no_inside() {
 fn the_tree_agrees_with_the_full_sum() {
     let mut mesh = uv_sphere(0.02, 60, 30);
     mesh.triangles.truncate(mesh.triangles.len() * 4 / 5);
+    mesh.append(&uv_sphere(0.015, 30, 15));
     let tree = WindingTree::new(&mesh);
     let exact = |p: DVec3| {
         let angle = |t: usize| {

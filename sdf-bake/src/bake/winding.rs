@@ -48,7 +48,8 @@ impl WindingTree {
 
     /// Winding number at a point [m]: 1 inside a closed outward-oriented surface, 0 outside.
     pub fn winding_number(&self, point: DVec3) -> f64 {
-        let mut solid_angle = 0.0;
+        let mut far_angle = 0.0;
+        let mut near_angle = AngleSum::ZERO;
         let mut stack = [0u32; 64];
         let mut depth = usize::from(!self.nodes.is_empty());
         while depth > 0 {
@@ -58,17 +59,17 @@ impl WindingTree {
             let away = node.centre - point;
             let squared = away.length_squared();
             if squared > (FAR * node.radius).powi(2) {
-                solid_angle += node.dipole.dot(away) / (squared * squared.sqrt());
+                far_angle += node.dipole.dot(away) / (squared * squared.sqrt());
             } else if node.second_child == 0 {
                 let leaf = &self.triangles[node.first as usize..][..node.count as usize];
-                solid_angle += leaf.iter().map(|corners| triangle_solid_angle(corners, point)).sum::<f64>();
+                leaf.iter().for_each(|corners| near_angle.add(half_solid_angle(corners, point)));
             } else {
                 stack[depth] = node.second_child;
                 stack[depth + 1] = at + 1;
                 depth += 2;
             }
         }
-        solid_angle / (4.0 * PI)
+        (far_angle + 2.0 * near_angle.angle()) / (4.0 * PI)
     }
 }
 
@@ -104,10 +105,45 @@ fn summarise(triangles: &[[DVec3; 3]], first: u32) -> Node {
     Node { centre, dipole, radius, first, count: triangles.len() as u32, second_child: 0 }
 }
 
-/// Signed solid angle of a triangle (van Oosterom & Strackee 1983, Eq. 8).
-fn triangle_solid_angle(corners: &[DVec3; 3], point: DVec3) -> f64 {
+/// A sum of angles between −π and π, kept as a product of complex numbers and a count of full turns: one arc tangent
+/// for the whole sum.
+struct AngleSum {
+    /// Real and imaginary part of the product, of any magnitude.
+    product: [f64; 2],
+    turns: i32,
+}
+
+impl AngleSum {
+    const ZERO: Self = Self { product: [1.0, 0.0], turns: 0 };
+
+    /// Adds the angle of the complex number `[x, y]`; zero adds nothing.
+    fn add(&mut self, [x, y]: [f64; 2]) {
+        let size = x.abs() + y.abs();
+        if size == 0.0 {
+            return;
+        }
+        let (x, y) = (x / size, y / size);
+        let [a, b] = self.product;
+        let [re, im] = [a * x - b * y, a * y + b * x];
+        if b > 0.0 && y > 0.0 && im < 0.0 {
+            self.turns += 1;
+        } else if b < 0.0 && y < 0.0 && im > 0.0 {
+            self.turns -= 1;
+        }
+        // Each factor is at least 1/√2 long; this keeps long products from fading away.
+        let scale = if re.abs() + im.abs() < 1e-100 { 1e100 } else { 1.0 };
+        self.product = [re * scale, im * scale];
+    }
+
+    fn angle(&self) -> f64 {
+        self.product[1].atan2(self.product[0]) + 2.0 * PI * f64::from(self.turns)
+    }
+}
+
+/// A complex number whose angle is half the signed solid angle of a triangle (van Oosterom & Strackee 1983, Eq. 8).
+fn half_solid_angle(corners: &[DVec3; 3], point: DVec3) -> [f64; 2] {
     let [a, b, c] = corners.map(|p| p - point);
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    2.0 * a.dot(b.cross(c)).atan2(denominator)
+    [denominator, a.dot(b.cross(c))]
 }
