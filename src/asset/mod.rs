@@ -37,7 +37,7 @@ pub const USD_FILE: &str = "welded.usdc";
 /// Name of the picture.
 pub const PREVIEW_FILE: &str = "preview.png";
 /// Width and height of the picture [pixels].
-const PREVIEW_SIZE: (usize, usize) = (800, 600);
+const PREVIEW_SIZE: (usize, usize) = (960, 720);
 
 /// Where and how to write an asset.
 pub struct AssetTarget<'a> {

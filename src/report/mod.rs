@@ -2,14 +2,16 @@
 
 mod chart;
 mod page;
+mod section;
 
+use std::fs;
 use std::path::Path;
 
 use anyhow::Result;
 
-use crate::asset::{FileRecord, MANIFEST_FILE, WeldTruth, record_files};
+use crate::asset::{FileRecord, MANIFEST_FILE, PREVIEW_FILE, WeldTruth, record_files};
 use crate::finishing::Ground;
-use crate::picture::{GrindPictures, VIEW_SIZE, overview, to_png, weld_outward};
+use crate::picture::{GrindPictures, to_png};
 use crate::workpiece::Workpiece;
 
 pub use chart::{Chart, Series};
@@ -29,11 +31,8 @@ pub fn demo_page(workpiece: &Workpiece, ground: &Ground, pictures: &GrindPicture
         ground.settings.force_setpoint
     );
     let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead);
-    let welded = overview(&workpiece.welded, weld_outward(&ground.weld), VIEW_SIZE)?;
-    page.picture(
-        &to_png(&welded)?,
-        "The welded workpiece, drawn from its signed distance field; weld metal is tinted.",
-    );
+    let welded = fs::read(asset.join(PREVIEW_FILE))?;
+    page.picture(&welded, "The welded workpiece, drawn from its signed distance field; weld metal is tinted.");
     page.picture(&to_png(&pictures.sheet)?, "The weld before and after grinding, and the depth that was removed.");
 
     page.section("Grinding");
@@ -49,6 +48,7 @@ pub fn demo_page(workpiece: &Workpiece, ground: &Ground, pictures: &GrindPicture
         ],
         &pass_rows(ground),
     );
+    page.drawing(&section::middle_section(ground), "Section across the middle of the weld, as welded and as ground.");
     page.drawing(&force_chart(ground), "Normal force along each pass.");
     page.facts(&process_facts(ground));
 
@@ -62,8 +62,7 @@ pub fn demo_page(workpiece: &Workpiece, ground: &Ground, pictures: &GrindPicture
     page.facts(&part_facts(workpiece));
 
     page.section("Files of the asset");
-    let mut files: Vec<_> = record_files(asset)?.into_iter().collect();
-    files.sort_by_key(|(name, _)| name.clone());
+    let files: Vec<_> = record_files(asset)?.into_iter().collect();
     page.table(&["file", "bytes", "SHA-256"], &files.iter().map(file_row).collect::<Vec<_>>());
     page.paragraph(&format!(
         "RoboFin {}; the manifest {MANIFEST_FILE} holds every parameter. `robofin validate` checks the folder.",
