@@ -110,10 +110,11 @@ impl Patch {
 
     fn meet(&self, grid: &BrickGrid, column: usize, sink: f64) -> Column {
         let start = self.place(column);
-        // A column is left out if the wheel, sunk as far as it may, cannot reach the surface.
-        let reach = sink + grid.voxel;
+        // A column is left out if the wheel, sunk as far as it may, cannot reach the surface; the margin is
+        // for what the trilinear φ lacks.
+        let reach = sink + 0.15 * grid.voxel;
         let clear = reach < 0.9 * f64::from(grid.band) && f64::from(grid.sample(start)) > reach;
-        let way = if clear { None } else { way_to_surface(grid, start, self.pose.approach, 2.0 * reach) };
+        let way = if clear { None } else { way_to_surface(grid, start, self.pose.approach, 2.0 * sink + grid.voxel) };
         let offset = start + self.pose.approach * way.unwrap_or(0.0) - self.pose.centre;
         let radial = offset.reject_from(self.pose.axis);
         Column {
@@ -124,7 +125,7 @@ impl Patch {
         }
     }
 
-    /// Slopes of the surface between neighbouring columns.
+    /// Slopes of the surface between neighbouring columns; next to a wall, that of the gentler side.
     fn set_area_ratios(&mut self) {
         let height: Vec<f64> = self
             .columns
@@ -133,7 +134,8 @@ impl Patch {
             .collect();
         for i in 0..self.columns.len() {
             let (along, across) = self.differences(&height, i);
-            let slope_squared = (along.mean / self.pitch_along).powi(2) + (across.mean / self.pitch_across).powi(2);
+            let slope_squared =
+                (along.gentler() / self.pitch_along).powi(2) + (across.gentler() / self.pitch_across).powi(2);
             self.columns[i].area_ratio = (1.0 + slope_squared).sqrt();
         }
     }
@@ -242,6 +244,11 @@ struct Difference {
 }
 
 impl Difference {
+    /// The smaller of the differences to either side.
+    fn gentler(&self) -> f64 {
+        self.mean.abs() - 0.5 * self.bend.abs()
+    }
+
     fn new(before: f64, here: f64, after: f64) -> Self {
         match (before.is_finite(), after.is_finite() && here.is_finite()) {
             (true, true) => Self { mean: 0.5 * (after - before), bend: after - 2.0 * here + before },

@@ -16,8 +16,10 @@ const EVALUATIONS: usize = 60;
 pub struct Search {
     /// Travel near which the balance is expected [m]; coming from the air, [`Search::reach`].
     pub travel: f64,
-    /// Expected half length of the patch [m].
+    /// Half length of the surface to sample, from the wheel's lowest point [m]; grown where it is short.
     pub half_length: f64,
+    /// How far below `travel` to look at first [m]; doubled until the setpoint is met.
+    pub sink: f64,
     /// The wheel is sought between this far above the nominal pose and this far below it [m].
     pub reach: f64,
 }
@@ -25,7 +27,7 @@ pub struct Search {
 impl Search {
     /// A search that comes down from the air.
     pub fn from_air(wheel: &Wheel, reach: f64) -> Self {
-        Self { travel: reach, half_length: 0.1 * wheel.radius, reach }
+        Self { travel: reach, half_length: 0.1 * wheel.radius, sink: 0.1 * reach, reach }
     }
 }
 
@@ -58,7 +60,7 @@ pub fn balance_force(
     search: Search,
 ) -> Option<Balance> {
     let mut at = search.travel.clamp(-search.reach, search.reach);
-    let mut extent = PatchExtent { half_length: search.half_length, sink: grid.voxel };
+    let mut extent = PatchExtent { half_length: search.half_length, sink: search.sink };
     loop {
         let patch = Patch::find(grid, wheel, &nominal.lifted(at), extent);
         if patch.contact(-extent.sink, stiffness).force >= setpoint {

@@ -110,8 +110,12 @@ impl<'a> Grinder<'a> {
 
         self.record.removed_volume_by_law += volume;
         self.log(sample, press.pose.centre, &balance, dt);
-        self.search.travel = balance.travel;
-        self.search.half_length = 1.2 * balance.contact.half_length + 2.0 * self.grid.voxel;
+        self.search = Search {
+            travel: balance.travel,
+            half_length: 1.1 * balance.contact.half_length + self.grid.voxel,
+            sink: 0.25 * self.grid.voxel,
+            ..self.search
+        };
         Ok(force)
     }
 

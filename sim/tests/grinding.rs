@@ -45,7 +45,7 @@ fn a_flat_plate_loses_k_times_impulse_and_keeps_a_groove_of_the_closed_form() {
     let depth_error = f64::from(grid.sample(DVec3::new(0.01, 0.0, 0.1e-3 - depth))) / depth;
     println!("groove: section {:+.3} %, depth {:+.3} %", section_error * 100.0, depth_error * 100.0);
     assert!(section_error.abs() < 5e-3);
-    assert!(depth_error.abs() < 1.5e-2, "the side walls take half a voxel");
+    assert!(depth_error.abs() < 3e-2, "each side wall is smeared over a voxel: h/b = 2.5 %");
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn a_bead_loses_what_the_law_says_in_each_of_two_passes() {
         let (by_force, by_law) = volume_errors(name, &record, &settings);
         assert!(by_law < 3e-3);
         assert!(by_force < 1e-2, "sloping flanks lose more than their projection");
-        assert!(grid.difference_volume(&before) < 1e-4 * record.removed_volume, "nothing grows");
+        assert_no_growth(&before, &grid);
     }
     assert_distances(&grid);
 }
@@ -108,6 +108,16 @@ fn a_part_that_lies_askew_to_the_lattice_loses_the_same() {
     let record = pass(&mut grid, &Path::along(&arc, settings.feed).unwrap(), &settings);
     let (_, by_law) = volume_errors("great circle on a ball, askew", &record, &settings);
     assert!(by_law < 3e-3);
+}
+
+/// No value that shapes the surface has fallen: material only recedes.
+fn assert_no_growth(before: &BrickGrid, after: &BrickGrid) {
+    for &brick in &before.bricks {
+        for at in (0..512).map(|offset| sdf_bake::grid::voxel_at(brick, offset)) {
+            let (old, new) = (before.phi_at(at), after.phi_at(at));
+            assert!(old.abs() > before.voxel as f32 || new >= old, "φ fell from {old} to {new} at voxel {at}");
+        }
+    }
 }
 
 /// φ is still a distance near the surface, away from edges.
