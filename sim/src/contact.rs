@@ -125,7 +125,7 @@ impl Patch {
         }
     }
 
-    /// Slopes of the surface between neighbouring columns; next to a wall, that of the gentler side.
+    /// From the slopes of the surface between neighbouring columns.
     fn set_area_ratios(&mut self) {
         let height: Vec<f64> = self
             .columns
@@ -134,8 +134,8 @@ impl Patch {
             .collect();
         for i in 0..self.columns.len() {
             let (along, across) = self.differences(&height, i);
-            let slope_squared =
-                (along.gentler() / self.pitch_along).powi(2) + (across.gentler() / self.pitch_across).powi(2);
+            let slopes = (along.slope(self.pitch_along), across.slope(self.pitch_across));
+            let slope_squared = slopes.0 * slopes.0 + slopes.1 * slopes.1;
             self.columns[i].area_ratio = (1.0 + slope_squared).sqrt();
         }
     }
@@ -244,9 +244,11 @@ struct Difference {
 }
 
 impl Difference {
-    /// The smaller of the differences to either side.
-    fn gentler(&self) -> f64 {
-        self.mean.abs() - 0.5 * self.bend.abs()
+    /// Slope over a `pitch`; where the slopes to either side differ by more than 1, next to a wall, the
+    /// gentler one.
+    fn slope(&self, pitch: f64) -> f64 {
+        let steep = if self.bend.abs() > pitch { 0.5 * self.bend.abs() } else { 0.0 };
+        (self.mean.abs() - steep).max(0.0) / pitch
     }
 
     fn new(before: f64, here: f64, after: f64) -> Self {
