@@ -102,10 +102,8 @@ impl Patch {
     fn place(&self, column: usize) -> DVec3 {
         let u = ((column / self.across) as f64 - 0.5 * (self.along - 1) as f64) * self.pitch_along;
         let v = ((column % self.across) as f64 - 0.5 * (self.across - 1) as f64) * self.pitch_across;
-        let feed = self.pose.feed();
-        let up = self.pose.approach.reject_from(self.pose.axis).normalize();
         let drop = (self.wheel.radius.powi(2) - u * u).sqrt();
-        self.pose.centre + feed * u + self.pose.axis * v - up * drop
+        self.pose.centre + self.pose.feed() * u + self.pose.axis * v - self.pose.radial_approach() * drop
     }
 
     fn meet(&self, grid: &BrickGrid, column: usize, sink: f64) -> Column {
@@ -116,7 +114,7 @@ impl Patch {
         let clear = reach < 0.9 * f64::from(grid.band) && f64::from(grid.sample(start)) > reach;
         let way = if clear { None } else { way_to_surface(grid, start, self.pose.approach, 2.0 * sink + grid.voxel) };
         let offset = start + self.pose.approach * way.unwrap_or(0.0) - self.pose.centre;
-        let radial = offset.reject_from(self.pose.axis);
+        let radial = offset.reject_from_normalized(self.pose.axis);
         Column {
             offset,
             radial_squared: if way.is_some() { radial.length_squared() } else { f64::INFINITY },
@@ -142,7 +140,7 @@ impl Patch {
 
     /// Depth [m] of each column's surface point under the wheel lifted by `travel`; -∞ where there is none.
     fn depths(&self, travel: f64) -> Vec<f64> {
-        let lift = travel * travel * self.pose.approach.reject_from(self.pose.axis).length_squared();
+        let lift = travel * travel * self.pose.approach.reject_from_normalized(self.pose.axis).length_squared();
         let depth =
             |c: &Column| self.wheel.radius - (c.radial_squared - 2.0 * travel * c.radial_approach + lift).sqrt();
         self.columns.iter().map(depth).collect()

@@ -107,7 +107,10 @@ fn rise_of_brick(grid: &BrickGrid, slot: u32, press: &Press, duration: f64) -> R
     for offset in 0..BRICK_VOXELS {
         let at = halo.at(voxel_at(IVec3::ZERO, offset));
         let phi = f64::from(halo.phi[at]);
-        if halo.phi[at].abs() >= grid.band {
+        let position = grid.position(voxel_at(brick, offset));
+        // The closest surface point lies within 2 |φ|, and the depth changes no faster than the way.
+        let dry = press.wheel.depth(&press.pose, position) + 2.0 * phi.abs() <= 0.0;
+        if halo.phi[at].abs() >= grid.band || dry {
             continue;
         }
         let gradient = gradient(&halo, at) / grid.voxel;
@@ -115,7 +118,7 @@ fn rise_of_brick(grid: &BrickGrid, slot: u32, press: &Press, duration: f64) -> R
         let kept = phi.abs() <= KEPT_VOXELS * grid.voxel;
         let steepness = if kept { gradient.length().clamp(0.5, 2.0) } else { 1.0 };
         let normal = gradient.normalize_or_zero();
-        let closest = grid.position(voxel_at(brick, offset)) - normal * (phi / steepness);
+        let closest = position - normal * (phi / steepness);
         let way = press.rate(closest, normal, grid.voxel) * duration;
         // Eq. (1)
         let risen = way * steepness;
