@@ -17,7 +17,7 @@ use crate::surface::way_to_surface;
 use crate::tool::{Pose, Wheel};
 
 /// Quadrature columns along one voxel.
-pub const COLUMNS_PER_VOXEL: f64 = 2.0;
+pub const COLUMNS_PER_VOXEL: f64 = 1.5;
 
 /// Which part of the surface a patch covers.
 #[derive(Clone, Copy, Debug)]
