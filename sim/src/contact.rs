@@ -19,13 +19,25 @@ use crate::tool::{Pose, Wheel};
 /// Quadrature columns along one voxel.
 pub const COLUMNS_PER_VOXEL: f64 = 1.5;
 
+/// Longest patch to either side [wheel radii].
+pub const LONGEST: f64 = 0.9;
+
 /// Which part of the surface a patch covers.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchExtent {
-    /// Half length along the feed from the wheel's lowest point [m].
-    pub half_length: f64,
+    /// Length ahead of the wheel's lowest point [m].
+    pub front: f64,
+    /// Length behind it [m].
+    pub back: f64,
     /// How far the wheel may sink below the given pose [m].
     pub sink: f64,
+}
+
+impl PatchExtent {
+    /// Half as long again to either side.
+    pub fn grown(&self) -> Self {
+        Self { front: 1.5 * self.front, back: 1.5 * self.back, ..*self }
+    }
 }
 
 /// The surface under a wheel, as columns along the approach axis.
@@ -34,6 +46,8 @@ pub struct PatchExtent {
 pub struct Patch {
     along: usize,
     across: usize,
+    /// Columns behind the wheel's lowest point.
+    behind: usize,
     pitch_along: f64,
     pitch_across: f64,
     wheel: Wheel,
@@ -65,8 +79,10 @@ pub struct Contact {
     pub area: f64,
     /// Highest pressure [Pa].
     pub pressure_max: f64,
-    /// Half length of the patch along the feed, from the wheel's lowest point [m].
-    pub half_length: f64,
+    /// Length of the patch ahead of the wheel's centre [m].
+    pub front: f64,
+    /// Length of the patch behind it [m].
+    pub back: f64,
 }
 
 impl Contact {
@@ -80,10 +96,11 @@ impl Patch {
     /// Finds the surface under a wheel at `pose`.
     pub fn find(grid: &BrickGrid, wheel: &Wheel, pose: &Pose, extent: PatchExtent) -> Self {
         let pitch = grid.voxel / COLUMNS_PER_VOXEL;
-        let half_along = (extent.half_length.min(0.9 * wheel.radius) / pitch).ceil();
+        let columns = |length: f64| (length.min(LONGEST * wheel.radius) / pitch).ceil() as usize;
         let face = (wheel.width / pitch).ceil();
         let mut patch = Self {
-            along: 2 * half_along as usize + 1,
+            along: columns(extent.back) + 1 + columns(extent.front),
+            behind: columns(extent.back),
             across: face as usize + 2,
             pitch_along: pitch,
             pitch_across: wheel.width / face,
@@ -100,7 +117,7 @@ impl Patch {
 
     /// Place of a column on the working face of the unlifted wheel [m].
     fn place(&self, column: usize) -> DVec3 {
-        let u = ((column / self.across) as f64 - 0.5 * (self.along - 1) as f64) * self.pitch_along;
+        let u = ((column / self.across) as f64 - self.behind as f64) * self.pitch_along;
         let v = ((column % self.across) as f64 - 0.5 * (self.across - 1) as f64) * self.pitch_across;
         let drop = (self.wheel.radius.powi(2) - u * u).sqrt();
         self.pose.centre + self.pose.feed() * u + self.pose.axis * v - self.pose.radial_approach() * drop
@@ -160,7 +177,8 @@ impl Patch {
             contact.moment += offset.cross(self.pose.approach) * force;
             contact.area += square.wet * cell;
             contact.pressure_max = contact.pressure_max.max(stiffness * depths[i]);
-            contact.half_length = contact.half_length.max(offset.dot(feed).abs());
+            contact.front = contact.front.max(offset.dot(feed));
+            contact.back = contact.back.max(-offset.dot(feed));
         }
         contact
     }

@@ -6,6 +6,7 @@
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 
+use crate::contact::PatchExtent;
 use crate::control::{Balance, Search, balance_force};
 use crate::path::{Path, PathSample};
 use crate::record::{LogRow, PassRecord};
@@ -112,8 +113,11 @@ impl<'a> Grinder<'a> {
         self.log(sample, press.pose.centre, &balance, dt);
         self.search = Search {
             travel: balance.travel,
-            half_length: 1.1 * balance.contact.half_length + self.grid.voxel,
-            sink: 0.25 * self.grid.voxel,
+            extent: PatchExtent {
+                front: 1.1 * balance.contact.front + self.grid.voxel,
+                back: 1.1 * balance.contact.back + self.grid.voxel,
+                sink: 0.25 * self.grid.voxel,
+            },
             ..self.search
         };
         Ok(force)
