@@ -17,15 +17,27 @@ use crate::surface::way_to_surface;
 use crate::tool::{Pose, Wheel};
 
 /// Quadrature columns along one voxel.
-pub const COLUMNS_PER_VOXEL: f64 = 2.0;
+pub const COLUMNS_PER_VOXEL: f64 = 1.5;
+
+/// Longest patch to either side [wheel radii].
+pub const LONGEST: f64 = 0.9;
 
 /// Which part of the surface a patch covers.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchExtent {
-    /// Half length along the feed from the wheel's lowest point [m].
-    pub half_length: f64,
+    /// Length ahead of the wheel's lowest point [m].
+    pub front: f64,
+    /// Length behind it [m].
+    pub back: f64,
     /// How far the wheel may sink below the given pose [m].
     pub sink: f64,
+}
+
+impl PatchExtent {
+    /// Half as long again to either side.
+    pub fn grown(&self) -> Self {
+        Self { front: 1.5 * self.front, back: 1.5 * self.back, ..*self }
+    }
 }
 
 /// The surface under a wheel, as columns along the approach axis.
@@ -34,6 +46,8 @@ pub struct PatchExtent {
 pub struct Patch {
     along: usize,
     across: usize,
+    /// Columns behind the wheel's lowest point.
+    behind: usize,
     pitch_along: f64,
     pitch_across: f64,
     wheel: Wheel,
@@ -65,8 +79,10 @@ pub struct Contact {
     pub area: f64,
     /// Highest pressure [Pa].
     pub pressure_max: f64,
-    /// Half length of the patch along the feed, from the wheel's lowest point [m].
-    pub half_length: f64,
+    /// Length of the patch ahead of the wheel's centre [m].
+    pub front: f64,
+    /// Length of the patch behind it [m].
+    pub back: f64,
 }
 
 impl Contact {
@@ -80,10 +96,11 @@ impl Patch {
     /// Finds the surface under a wheel at `pose`.
     pub fn find(grid: &BrickGrid, wheel: &Wheel, pose: &Pose, extent: PatchExtent) -> Self {
         let pitch = grid.voxel / COLUMNS_PER_VOXEL;
-        let half_along = (extent.half_length.min(0.9 * wheel.radius) / pitch).ceil();
+        let columns = |length: f64| (length.min(LONGEST * wheel.radius) / pitch).ceil() as usize;
         let face = (wheel.width / pitch).ceil();
         let mut patch = Self {
-            along: 2 * half_along as usize + 1,
+            along: columns(extent.back) + 1 + columns(extent.front),
+            behind: columns(extent.back),
             across: face as usize + 2,
             pitch_along: pitch,
             pitch_across: wheel.width / face,
@@ -100,22 +117,21 @@ impl Patch {
 
     /// Place of a column on the working face of the unlifted wheel [m].
     fn place(&self, column: usize) -> DVec3 {
-        let u = ((column / self.across) as f64 - 0.5 * (self.along - 1) as f64) * self.pitch_along;
+        let u = ((column / self.across) as f64 - self.behind as f64) * self.pitch_along;
         let v = ((column % self.across) as f64 - 0.5 * (self.across - 1) as f64) * self.pitch_across;
-        let feed = self.pose.feed();
-        let up = self.pose.approach.reject_from(self.pose.axis).normalize();
         let drop = (self.wheel.radius.powi(2) - u * u).sqrt();
-        self.pose.centre + feed * u + self.pose.axis * v - up * drop
+        self.pose.centre + self.pose.feed() * u + self.pose.axis * v - self.pose.radial_approach() * drop
     }
 
     fn meet(&self, grid: &BrickGrid, column: usize, sink: f64) -> Column {
         let start = self.place(column);
-        // A column is left out if the wheel, sunk as far as it may, cannot reach the surface.
-        let reach = sink + grid.voxel;
+        // A column is left out if the wheel, sunk as far as it may, cannot reach the surface; the margin is
+        // for what the trilinear φ lacks.
+        let reach = sink + 0.15 * grid.voxel;
         let clear = reach < 0.9 * f64::from(grid.band) && f64::from(grid.sample(start)) > reach;
-        let way = if clear { None } else { way_to_surface(grid, start, self.pose.approach, 2.0 * reach) };
+        let way = if clear { None } else { way_to_surface(grid, start, self.pose.approach, 2.0 * sink + grid.voxel) };
         let offset = start + self.pose.approach * way.unwrap_or(0.0) - self.pose.centre;
-        let radial = offset.reject_from(self.pose.axis);
+        let radial = offset.reject_from_normalized(self.pose.axis);
         Column {
             offset,
             radial_squared: if way.is_some() { radial.length_squared() } else { f64::INFINITY },
@@ -124,7 +140,7 @@ impl Patch {
         }
     }
 
-    /// Slopes of the surface between neighbouring columns.
+    /// From the slopes of the surface between neighbouring columns.
     fn set_area_ratios(&mut self) {
         let height: Vec<f64> = self
             .columns
@@ -133,14 +149,15 @@ impl Patch {
             .collect();
         for i in 0..self.columns.len() {
             let (along, across) = self.differences(&height, i);
-            let slope_squared = (along.mean / self.pitch_along).powi(2) + (across.mean / self.pitch_across).powi(2);
+            let slopes = (along.slope(self.pitch_along), across.slope(self.pitch_across));
+            let slope_squared = slopes.0 * slopes.0 + slopes.1 * slopes.1;
             self.columns[i].area_ratio = (1.0 + slope_squared).sqrt();
         }
     }
 
     /// Depth [m] of each column's surface point under the wheel lifted by `travel`; -∞ where there is none.
     fn depths(&self, travel: f64) -> Vec<f64> {
-        let lift = travel * travel * self.pose.approach.reject_from(self.pose.axis).length_squared();
+        let lift = travel * travel * self.pose.approach.reject_from_normalized(self.pose.axis).length_squared();
         let depth =
             |c: &Column| self.wheel.radius - (c.radial_squared - 2.0 * travel * c.radial_approach + lift).sqrt();
         self.columns.iter().map(depth).collect()
@@ -160,7 +177,8 @@ impl Patch {
             contact.moment += offset.cross(self.pose.approach) * force;
             contact.area += square.wet * cell;
             contact.pressure_max = contact.pressure_max.max(stiffness * depths[i]);
-            contact.half_length = contact.half_length.max(offset.dot(feed).abs());
+            contact.front = contact.front.max(offset.dot(feed));
+            contact.back = contact.back.max(-offset.dot(feed));
         }
         contact
     }
@@ -242,6 +260,13 @@ struct Difference {
 }
 
 impl Difference {
+    /// Slope over a `pitch`; where the slopes to either side differ by more than 1, next to a wall, the
+    /// gentler one.
+    fn slope(&self, pitch: f64) -> f64 {
+        let steep = if self.bend.abs() > pitch { 0.5 * self.bend.abs() } else { 0.0 };
+        (self.mean.abs() - steep).max(0.0) / pitch
+    }
+
     fn new(before: f64, here: f64, after: f64) -> Self {
         match (before.is_finite(), after.is_finite() && here.is_finite()) {
             (true, true) => Self { mean: 0.5 * (after - before), bend: after - 2.0 * here + before },

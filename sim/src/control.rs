@@ -2,7 +2,7 @@
 
 use sdf_bake::BrickGrid;
 
-use crate::contact::{Contact, Patch, PatchExtent};
+use crate::contact::{Contact, LONGEST, Patch, PatchExtent};
 use crate::tool::{Pose, Wheel};
 
 /// Relative difference between force and setpoint that is good enough.
@@ -11,13 +11,16 @@ pub const FORCE_TOLERANCE: f64 = 1e-6;
 /// Evaluations of the force before the best travel so far is taken.
 const EVALUATIONS: usize = 60;
 
+/// Patches sampled before the search gives up; from a voxel, growing and sinking need about 30.
+const ROUNDS: usize = 100;
+
 /// Where to start, and how far to go.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
     /// Travel near which the balance is expected [m]; coming from the air, [`Search::reach`].
     pub travel: f64,
-    /// Expected half length of the patch [m].
-    pub half_length: f64,
+    /// Surface to sample, and how far below `travel` to look at first; grown until the setpoint is met.
+    pub extent: PatchExtent,
     /// The wheel is sought between this far above the nominal pose and this far below it [m].
     pub reach: f64,
 }
@@ -25,7 +28,8 @@ pub struct Search {
 impl Search {
     /// A search that comes down from the air.
     pub fn from_air(wheel: &Wheel, reach: f64) -> Self {
-        Self { travel: reach, half_length: 0.1 * wheel.radius, reach }
+        let length = 0.1 * wheel.radius;
+        Self { travel: reach, extent: PatchExtent { front: length, back: length, sink: 0.1 * reach }, reach }
     }
 }
 
@@ -58,18 +62,19 @@ pub fn balance_force(
     search: Search,
 ) -> Option<Balance> {
     let mut at = search.travel.clamp(-search.reach, search.reach);
-    let mut extent = PatchExtent { half_length: search.half_length, sink: grid.voxel };
-    loop {
+    let mut extent = search.extent;
+    let longest = |extent: PatchExtent| extent.front.min(extent.back) >= LONGEST * wheel.radius;
+    for _ in 0..ROUNDS {
         let patch = Patch::find(grid, wheel, &nominal.lifted(at), extent);
         if patch.contact(-extent.sink, stiffness).force >= setpoint {
             let travel = solve(&patch, stiffness, setpoint, (-extent.sink, 0.1 * grid.voxel));
-            if patch.is_whole(travel) || extent.half_length >= 0.9 * wheel.radius {
+            if patch.is_whole(travel) || longest(extent) {
                 let contact = patch.contact(travel, stiffness);
                 return Some(Balance { travel: at + travel, patch, sampled_at: at, contact });
             }
-            extent.half_length *= 1.5;
-        } else if extent.half_length < 0.9 * wheel.radius && !patch.is_whole(-extent.sink) {
-            extent.half_length *= 1.5;
+            extent = extent.grown();
+        } else if !patch.is_whole(-extent.sink) && !longest(extent) {
+            extent = extent.grown();
         } else if at > -search.reach {
             at -= extent.sink;
             extent.sink *= 2.0;
@@ -77,6 +82,7 @@ pub fn balance_force(
             return None;
         }
     }
+    None
 }
 
 /// Travel at which the patch meets the setpoint: Newton's steps, kept between the travels known to be too

@@ -6,10 +6,11 @@
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 
+use crate::contact::PatchExtent;
 use crate::control::{Balance, Search, balance_force};
 use crate::path::{Path, PathSample};
 use crate::record::{LogRow, PassRecord};
-use crate::removal::{Press, Receded, recede};
+use crate::removal::{Cut, Press, Receded, recede};
 use crate::settings::{GrindError, GrindSettings};
 use crate::tool::Wheel;
 
@@ -100,15 +101,25 @@ impl<'a> Grinder<'a> {
         // Eq. (1): the surface recedes.
         let press = Press { wheel: self.wheel, pose: nominal.lifted(balance.travel), law };
         let wet = balance.patch.wet_points(balance.patch_travel());
-        let receded = recede(self.grid, &press, &wet, dt);
+        let load = balance.patch.load_above(balance.patch_travel(), law.stiffness, law.threshold_pressure);
+        let volume = law.grind_rate * load * dt;
+        let receded = recede(self.grid, &press, &Cut { wet: &wet, duration: dt, volume });
 
         // Bricks ahead of the surface, distances around it.
         self.mark_stale(&receded);
         self.renew_distances(RENEW_VOXELS * self.grid.voxel);
 
+        self.record.removed_volume_by_law += volume;
         self.log(sample, press.pose.centre, &balance, dt);
-        self.search.travel = balance.travel;
-        self.search.half_length = 1.2 * balance.contact.half_length + 2.0 * self.grid.voxel;
+        self.search = Search {
+            travel: balance.travel,
+            extent: PatchExtent {
+                front: 1.1 * balance.contact.front + self.grid.voxel,
+                back: 1.1 * balance.contact.back + self.grid.voxel,
+                sink: 0.25 * self.grid.voxel,
+            },
+            ..self.search
+        };
         Ok(force)
     }
 
@@ -146,8 +157,6 @@ impl<'a> Grinder<'a> {
 
     fn log(&mut self, sample: &PathSample, centre: DVec3, balance: &Balance, dt: f64) {
         let force = balance.contact.force;
-        let law = self.settings.law();
-        let load = balance.patch.load_above(balance.patch_travel(), law.stiffness, law.threshold_pressure);
         let row = LogRow {
             time: sample.time,
             position: centre,
@@ -156,7 +165,6 @@ impl<'a> Grinder<'a> {
             spindle_speed: self.settings.spindle_speed,
         };
         self.record.push(row, dt);
-        self.record.removed_volume_by_law += law.grind_rate * load * dt;
         self.record.force_rms_error += (force - self.settings.force_setpoint).powi(2);
         self.record.pressure_max = self.record.pressure_max.max(balance.contact.pressure_max);
     }

@@ -79,7 +79,8 @@ impl Path {
         if samples.len() < 2 {
             return Err(PathError::TooFewPoints { found: samples.len() });
         }
-        match samples.windows(2).position(|pair| !(pair[1].time > pair[0].time)) {
+        let follows = |pair: &[PathSample]| pair[1].time > pair[0].time;
+        match samples.windows(2).position(|pair| !follows(pair)) {
             Some(before) => Err(PathError::TimeNotIncreasing { sample: before + 1 }),
             None => Ok(Self { samples }),
         }

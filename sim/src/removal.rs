@@ -1,18 +1,23 @@
 //! Material removal, Eq. (1): `∂φ/∂t = r |∇φ|` with `r = k max(p - p_c, 0)`.
 //!
 //! The rate of a voxel is that of its closest surface point `x - φ ∇φ`, so φ stays a distance while the
-//! surface recedes (extension velocities, Adalsteinsson and Sethian 1999). A voxel stands for a piece of
-//! surface one voxel wide: its rate is the mean over that piece, or rims and side faces of the wheel would
-//! gain or lose up to half a voxel.
+//! surface recedes (extension velocities, Adalsteinsson and Sethian 1999).
+//!
+//! A stiff contact relaxes over the length v/(kK), which may be less than a voxel. Then the voxels, as a
+//! quadrature of the law, are a few per cent off its integral over the patch. So each step's rates are
+//! scaled to remove exactly what the law asks of the patch: `dV/dt = ∫ r dA` holds step by step.
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, voxel_at};
 use sdf_bake::halo::Halo;
+use sdf_bake::redistance::KEPT_VOXELS;
 
-use crate::ramp::ramp_mean;
 use crate::tool::{Pose, Wheel};
+
+/// Most by which a step's rates are scaled.
+const MOST_SCALED: f64 = 0.2;
 
 /// Law of removal on a contact with stiffness K.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,20 +41,27 @@ pub struct Press<'a> {
 }
 
 impl Press<'_> {
-    /// Recession speed r [m/s] at a surface point [m] with outward unit normal, mean over a piece of
-    /// surface `span` [m] wide.
+    /// Recession speed r [m/s] at a surface point [m] with outward unit normal. At the side faces it falls
+    /// to zero over `span` [m].
     pub fn rate(&self, point: DVec3, normal: DVec3, span: f64) -> f64 {
-        let radial = self.wheel.radial(&self.pose, point);
-        let depth = self.wheel.radius - radial.length() - self.law.threshold_pressure / self.law.stiffness;
-        if depth <= -span || normal.dot(self.pose.approach) <= 0.0 {
+        let depth = self.wheel.depth(&self.pose, point) - self.law.threshold_pressure / self.law.stiffness;
+        if !(depth > 0.0 && normal.dot(self.pose.approach) > 0.0) {
             return 0.0;
         }
-        let slope = radial.normalize().reject_from(normal).length();
-        let mean_depth = ramp_mean(depth, (0.5 * span * slope, 0.0));
         let cover = self.wheel.cover((point - self.pose.centre).dot(self.pose.axis), span);
         // Eq. (1), recession speed
-        self.law.grind_rate * self.law.stiffness * mean_depth * cover
+        self.law.grind_rate * self.law.stiffness * depth * cover
     }
+}
+
+/// What a step shall remove.
+pub struct Cut<'a> {
+    /// Surface points under pressure [m].
+    pub wet: &'a [DVec3],
+    /// Time for which the press lasts [s].
+    pub duration: f64,
+    /// `∫ r dA` over the patch times the duration [m³].
+    pub volume: f64,
 }
 
 /// What one step of removal did.
@@ -61,41 +73,70 @@ pub struct Receded {
     pub furthest: f64,
 }
 
-/// Lets the surface recede for `duration` [s] under a press. `wet` are the surface points under pressure [m].
-pub fn recede(grid: &mut BrickGrid, press: &Press, wet: &[DVec3], duration: f64) -> Receded {
-    let slots = slots_around(grid, wet);
-    let receded: Vec<(Vec<f32>, f64)> =
-        slots.par_iter().map(|&slot| recede_brick(grid, slot, press, duration)).collect();
+/// Lets the surface recede under a press.
+pub fn recede(grid: &mut BrickGrid, press: &Press, cut: &Cut) -> Receded {
+    let slots = slots_around(grid, cut.wet);
+    let rises: Vec<Rise> = slots.par_iter().map(|&slot| rise_of_brick(grid, slot, press, cut.duration)).collect();
+    let volume: f64 = rises.iter().map(|rise| rise.volume).sum();
+    let scale = if volume > 0.0 { (cut.volume / volume).clamp(1.0 - MOST_SCALED, 1.0 + MOST_SCALED) } else { 1.0 };
     let mut furthest = 0f64;
-    for (&slot, (values, moved)) in slots.iter().zip(&receded) {
+    for (&slot, rise) in slots.iter().zip(&rises) {
         let at = slot as usize * BRICK_VOXELS;
-        grid.phi[at..at + BRICK_VOXELS].copy_from_slice(values);
-        furthest = furthest.max(*moved);
+        for (phi, way) in grid.phi[at..at + BRICK_VOXELS].iter_mut().zip(&rise.phi) {
+            *phi = (*phi + *way * scale as f32).min(grid.band);
+        }
+        furthest = furthest.max(rise.furthest * scale);
     }
     Receded { slots, furthest }
 }
 
-/// New φ of a brick and the furthest that a surface point of its voxels moved [m].
-fn recede_brick(grid: &BrickGrid, slot: u32, press: &Press, duration: f64) -> (Vec<f32>, f64) {
+/// How φ of a brick's voxels rises in a step.
+struct Rise {
+    /// [m], shape `[512]`.
+    phi: Vec<f32>,
+    /// Volume that this removes [m³].
+    volume: f64,
+    /// Furthest that a surface point moves [m].
+    furthest: f64,
+}
+
+fn rise_of_brick(grid: &BrickGrid, slot: u32, press: &Press, duration: f64) -> Rise {
     let brick = grid.bricks[slot as usize];
     let halo = grid.halo(brick, 1);
-    let mut furthest = 0f64;
-    let values = (0..BRICK_VOXELS).map(|offset| {
+    let mut rise = Rise { phi: vec![0.0; BRICK_VOXELS], volume: 0.0, furthest: 0.0 };
+    for offset in 0..BRICK_VOXELS {
         let at = halo.at(voxel_at(IVec3::ZERO, offset));
-        let phi = halo.phi[at];
-        if phi.abs() >= grid.band {
-            return phi;
+        let phi = f64::from(halo.phi[at]);
+        let position = grid.position(voxel_at(brick, offset));
+        // The closest surface point lies within 2 |φ|, and the depth changes no faster than the way.
+        let dry = press.wheel.depth(&press.pose, position) + 2.0 * phi.abs() <= 0.0;
+        if halo.phi[at].abs() >= grid.band || dry {
+            continue;
         }
         let gradient = gradient(&halo, at) / grid.voxel;
-        let steepness = gradient.length().clamp(0.5, 2.0);
+        // Only distances that redistancing leaves alone can drift, and only they have whole neighbours.
+        let kept = phi.abs() <= KEPT_VOXELS * grid.voxel;
+        let steepness = if kept { gradient.length().clamp(0.5, 2.0) } else { 1.0 };
         let normal = gradient.normalize_or_zero();
-        let closest = grid.position(voxel_at(brick, offset)) - normal * (f64::from(phi) / steepness);
-        let moved = press.rate(closest, normal, grid.voxel) * duration;
-        furthest = furthest.max(moved);
+        let closest = position - normal * (phi / steepness);
+        let way = press.rate(closest, normal, grid.voxel) * duration;
         // Eq. (1)
-        (phi + (moved * steepness) as f32).min(grid.band)
-    });
-    (values.collect(), furthest)
+        let risen = way * steepness;
+        rise.phi[offset] = risen as f32;
+        rise.volume += risen * volume_per_rise(&halo, at, normal, grid.voxel);
+        rise.furthest = rise.furthest.max(way);
+    }
+    rise
+}
+
+/// Volume removed per rise of a voxel's φ [m²]: on the lattice line along the axis that the surface faces
+/// most, the rise of the two voxels beside a crossing shifts it, each by its share.
+fn volume_per_rise(halo: &Halo, at: usize, normal: DVec3, voxel: f64) -> f64 {
+    let stride = halo.strides()[normal.abs().max_position()];
+    let phi = f64::from(halo.phi[at]);
+    let sides = [halo.phi[at - stride], halo.phi[at + stride]].map(f64::from);
+    let crossed = sides.iter().filter(|&&near| (near < 0.0) != (phi < 0.0));
+    crossed.map(|near| near.abs() / (near - phi).powi(2)).sum::<f64>() * voxel.powi(3)
 }
 
 /// Central differences [m per voxel].

@@ -34,14 +34,15 @@ pub fn way_to_surface(grid: &BrickGrid, start: DVec3, axis: DVec3, down: f64) ->
     None
 }
 
-/// Newton's steps on the corrected φ from a point next to the surface.
+/// Newton's steps on the corrected φ from a point next to the surface. A step is a few per cent off, so
+/// the one after a thousandth of a voxel would be lost in the roundings of φ.
 fn polish(grid: &BrickGrid, start: DVec3, axis: DVec3, mut way: f64) -> f64 {
     for _ in 0..3 {
         let cell = Cell::at(grid, start + axis * way);
         let slope = cell.gradient().dot(axis) / grid.voxel;
         let step = (cell.phi() - cell.chord_error(grid)) / slope.max(GRAZING);
         way -= step;
-        if step.abs() < 1e-5 * grid.voxel {
+        if step.abs() < 1e-3 * grid.voxel {
             break;
         }
     }

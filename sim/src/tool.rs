@@ -35,8 +35,8 @@ impl Pose {
     }
 
     /// Approach axis seen by the working face, unit: across the wheel's axis.
-    fn radial_approach(&self) -> DVec3 {
-        self.approach.reject_from(self.axis).normalize()
+    pub fn radial_approach(&self) -> DVec3 {
+        self.approach.reject_from_normalized(self.axis).normalize()
     }
 }
 
@@ -48,7 +48,7 @@ impl Wheel {
 
     /// Vector from the wheel's axis to a point [m], across the axis.
     pub fn radial(&self, pose: &Pose, point: DVec3) -> DVec3 {
-        (point - pose.centre).reject_from(pose.axis)
+        (point - pose.centre).reject_from_normalized(pose.axis)
     }
 
     /// Depth [m] of a point below the working face, -φ of the endless cylinder: positive inside.

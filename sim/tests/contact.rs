@@ -14,7 +14,7 @@ use sim::{Contact, Pose, Wheel};
 const K: f64 = 1e10;
 
 fn contact(grid: &BrickGrid, wheel: &Wheel, pose: &Pose) -> Contact {
-    let patch = Patch::find(grid, wheel, pose, PatchExtent { half_length: 0.012, sink: grid.voxel });
+    let patch = Patch::find(grid, wheel, pose, PatchExtent { front: 0.012, back: 0.012, sink: grid.voxel });
     assert!(patch.is_whole(0.0));
     patch.contact(0.0, K)
 }
@@ -87,12 +87,13 @@ fn a_wheel_across_a_bar_meets_the_closed_form_and_converges_at_second_order() {
     assert!((exact / parabolic - 1.0).abs() < 0.01, "{exact}, {parabolic}");
     let errors = [1e-3, 0.5e-3, 0.25e-3].map(|voxel| {
         let grid = bar(voxel, radius, 0.03);
-        // The mean over places within a voxel: single places may be right by chance.
+        // The mean over places within a voxel: single places may be right by chance. The wheel is wide enough
+        // that a shift along its own axis changes nothing.
         let places = 5;
         let error = |i: usize| {
             let shift = voxel * (i as f64 + 0.5) / places as f64;
             let found = contact(&grid, &WHEEL, &pressed(&WHEEL, shift, 0.37 * shift, depth)).force;
-            (found / wheel_across_bar_shifted(exact, 0.37 * shift, radius, depth) - 1.0).powi(2)
+            (found / exact - 1.0).powi(2)
         };
         let rms = ((0..places).map(error).sum::<f64>() / places as f64).sqrt();
         println!("across a bar of 20 mm, {} mm voxels: error {:.4} %", voxel * 1e3, rms * 100.0);
@@ -100,12 +101,6 @@ fn a_wheel_across_a_bar_meets_the_closed_form_and_converges_at_second_order() {
     });
     assert!(errors[1] < 5e-3 && errors[2] < 1e-3, "{errors:?}");
     assert!(errors[0] / errors[2] > 12.0, "two halvings at second order give 16: {errors:?}");
-}
-
-/// A wheel shifted along its own axis stays wide enough to cover the patch, so its force is unchanged.
-fn wheel_across_bar_shifted(exact: f64, shift: f64, radius: f64, depth: f64) -> f64 {
-    assert!(shift.abs() + (2.0 * radius * depth).sqrt() < 0.5 * WHEEL.width);
-    exact
 }
 
 #[test]
@@ -161,16 +156,24 @@ fn patch_area_and_pressures_meet_the_closed_form() {
 
 #[test]
 fn the_force_does_not_ripple_while_the_wheel_slides_over_voxels() {
-    let voxel = 0.5e-3;
-    for (name, grid, depth) in [("flat", plate(voxel, 0.1e-3), 32e-6), ("bar", bar(voxel, 0.02, 0.03), 150e-6)] {
-        let top = if name == "flat" { 0.1e-3 } else { 0.0 };
-        let forces: Vec<f64> = (0..50)
-            .map(|i| contact(&grid, &WHEEL, &pressed(&WHEEL, 0.043e-3 * f64::from(i), 0.0, depth - top)).force)
-            .collect();
+    // Askew to the lattice: along it every place within a voxel would be alike.
+    let (voxel, turn, half) = (0.5e-3, odd_turn(), DVec3::splat(0.025));
+    let flat = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| (turn.transpose() * p).z);
+    let bar = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| {
+        let q = turn.transpose() * p;
+        q.y.hypot(q.z + 0.02) - 0.02
+    });
+    for (name, grid, depth) in [("flat", flat, 32e-6), ("bar", bar, 150e-6)] {
+        let force = |i: i32| {
+            let pose = pressed(&WHEEL, 0.043e-3 * f64::from(i), 0.0, depth);
+            let pose = Pose { centre: turn * pose.centre, approach: turn * DVec3::Z, axis: turn * DVec3::Y };
+            contact(&grid, &WHEEL, &pose).force
+        };
+        let forces: Vec<f64> = (0..50).map(force).collect();
         let mean = forces.iter().sum::<f64>() / forces.len() as f64;
         let ripple = forces.iter().map(|f| (f / mean - 1.0).abs()).fold(0.0, f64::max);
-        println!("ripple while sliding, {name}: {:.4} %", ripple * 100.0);
-        assert!(ripple < 5e-3);
+        println!("ripple while sliding, {name}: {ripple:.1e}");
+        assert!(ripple > 0.0 && ripple < 5e-3);
     }
 }
 

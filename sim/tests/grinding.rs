@@ -32,17 +32,20 @@ fn volume_errors(name: &str, record: &PassRecord, settings: &GrindSettings) -> (
 fn a_flat_plate_loses_k_times_impulse_and_keeps_a_groove_of_the_closed_form() {
     let settings = settings();
     let mut grid = plate(0.5e-3, 0.1e-3);
+    let original = grid.clone();
     let record = pass(&mut grid, &Path::along(&line(-0.02, 0.02, 0.1e-3), settings.feed).unwrap(), &settings);
     let (by_force, by_law) = volume_errors("flat, 0.5 mm voxels", &record, &settings);
     assert!(by_force < 3e-3 && by_law < 3e-3);
     assert!(record.force_rms_error < 1e-4 * settings.force_setpoint, "{}", record.force_rms_error);
+    // Where the pass is steady, the groove's section is kF/v and its depth kF/(bv).
+    let (low, high) = (DVec3::new(5e-3, -1.0, -1.0), DVec3::new(15e-3, 1.0, 1.0));
+    let section = (original.volume_within(low, high) - grid.volume_within(low, high)) / 10e-3;
+    let section_error = section / (settings.grind_rate * settings.force_setpoint / settings.feed) - 1.0;
     let depth = settings.grind_rate * settings.force_setpoint / (WHEEL.width * settings.feed);
-    for x in [-0.01, 0.0, 0.01] {
-        let below = DVec3::new(x, 0.0, 0.1e-3 - depth);
-        let error = f64::from(grid.sample(below)) / depth;
-        println!("groove of {:.1} µm at x = {x}: error {:.3} %", depth * 1e6, error * 100.0);
-        assert!(error.abs() < 5e-3);
-    }
+    let depth_error = f64::from(grid.sample(DVec3::new(0.01, 0.0, 0.1e-3 - depth))) / depth;
+    println!("groove: section {:+.3} %, depth {:+.3} %", section_error * 100.0, depth_error * 100.0);
+    assert!(section_error.abs() < 5e-3);
+    assert!(depth_error.abs() < 3e-2, "each side wall is smeared over a voxel: h/b = 2.5 %");
 }
 
 #[test]
@@ -83,8 +86,8 @@ fn a_bead_loses_what_the_law_says_in_each_of_two_passes() {
         let record = pass(&mut grid, &path, &settings);
         let (by_force, by_law) = volume_errors(name, &record, &settings);
         assert!(by_law < 3e-3);
-        assert!(by_force < 3e-2, "sloping flanks lose more than their projection");
-        assert_eq!(grid.difference_volume(&before), 0.0, "nothing grows");
+        assert!(by_force < 1e-2, "sloping flanks lose more than their projection");
+        assert_no_growth(&before, &grid);
     }
     assert_distances(&grid);
 }
@@ -105,6 +108,16 @@ fn a_part_that_lies_askew_to_the_lattice_loses_the_same() {
     let record = pass(&mut grid, &Path::along(&arc, settings.feed).unwrap(), &settings);
     let (_, by_law) = volume_errors("great circle on a ball, askew", &record, &settings);
     assert!(by_law < 3e-3);
+}
+
+/// No value that shapes the surface has fallen: material only recedes.
+fn assert_no_growth(before: &BrickGrid, after: &BrickGrid) {
+    for &brick in &before.bricks {
+        for at in (0..512).map(|offset| sdf_bake::grid::voxel_at(brick, offset)) {
+            let (old, new) = (before.phi_at(at), after.phi_at(at));
+            assert!(old.abs() > before.voxel as f32 || new >= old, "φ fell from {old} to {new} at voxel {at}");
+        }
+    }
 }
 
 /// φ is still a distance near the surface, away from edges.

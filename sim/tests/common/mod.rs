@@ -5,10 +5,10 @@ use glam::{DMat3, DVec3};
 use sdf_bake::BrickGrid;
 use sim::{CurvePoint, GrindSettings, Pose, Wheel};
 
-pub const WHEEL: Wheel = Wheel { radius: 0.05, width: 0.02 };
+pub(crate) const WHEEL: Wheel = Wheel { radius: 0.05, width: 0.02 };
 
 /// A plate with its top at z = `top`, 60 x 40 mm or so.
-pub fn plate(voxel: f64, top: f64) -> BrickGrid {
+pub(crate) fn plate(voxel: f64, top: f64) -> BrickGrid {
     let half = DVec3::new(0.03, 0.02, 0.004);
     BrickGrid::from_distance(-half, half, voxel, 3.0, move |p| {
         let q = p.abs() - DVec3::new(0.03, 0.02, 0.0);
@@ -17,18 +17,18 @@ pub fn plate(voxel: f64, top: f64) -> BrickGrid {
 }
 
 /// Distance of a box from the signed distances to its three pairs of sides.
-pub fn box_distance(q: DVec3) -> f64 {
+pub(crate) fn box_distance(q: DVec3) -> f64 {
     q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
 }
 
 /// A ball of `radius` centred at `centre`.
-pub fn ball(voxel: f64, radius: f64, centre: DVec3) -> BrickGrid {
+pub(crate) fn ball(voxel: f64, radius: f64, centre: DVec3) -> BrickGrid {
     let half = DVec3::splat(radius);
     BrickGrid::from_distance(centre - half, centre + half, voxel, 3.0, move |p| (p - centre).length() - radius)
 }
 
 /// A bar along x whose crown is a circle of `radius`, highest at z = 0.
-pub fn bar(voxel: f64, radius: f64, half_length: f64) -> BrickGrid {
+pub(crate) fn bar(voxel: f64, radius: f64, half_length: f64) -> BrickGrid {
     let half = DVec3::new(half_length, radius, radius);
     let centre = DVec3::Z * -radius;
     BrickGrid::from_distance(centre - half, centre + half, voxel, 3.0, move |p| {
@@ -39,7 +39,7 @@ pub fn bar(voxel: f64, radius: f64, half_length: f64) -> BrickGrid {
 }
 
 /// Distance to the parabola z = h (1 - (y/w)²) [m], signed, by Newton's steps on the foot point.
-pub fn parabola_distance(y: f64, z: f64, w: f64, h: f64) -> f64 {
+pub(crate) fn parabola_distance(y: f64, z: f64, w: f64, h: f64) -> f64 {
     let y = y.abs();
     let mut foot = y.min(2.0 * w);
     for _ in 0..40 {
@@ -54,7 +54,7 @@ pub fn parabola_distance(y: f64, z: f64, w: f64, h: f64) -> f64 {
 }
 
 /// A plate 120 x 60 x 10 mm with its top at z = 0 and a weld bead 10 mm wide, 3 mm high, 80 mm long on it.
-pub fn welded_plate(voxel: f64, scale: f64) -> BrickGrid {
+pub(crate) fn welded_plate(voxel: f64, scale: f64) -> BrickGrid {
     let (half_length, half) = (0.06 * scale, DVec3::new(0.06 * scale, 0.03, 0.005));
     let high = DVec3::new(half.x, half.y, 0.003);
     BrickGrid::from_distance(DVec3::new(-half.x, -half.y, -0.01), high, voxel, 3.0, move |p| {
@@ -67,21 +67,21 @@ pub fn welded_plate(voxel: f64, scale: f64) -> BrickGrid {
 }
 
 /// Straight curve along x at z = `height`.
-pub fn line(from: f64, to: f64, height: f64) -> [CurvePoint; 2] {
+pub(crate) fn line(from: f64, to: f64, height: f64) -> [CurvePoint; 2] {
     [from, to].map(|x| CurvePoint { position: DVec3::new(x, 0.0, height), normal: DVec3::Z })
 }
 
 /// A wheel whose lowest point is `depth` below z = 0 at (x, y).
-pub fn pressed(wheel: &Wheel, x: f64, y: f64, depth: f64) -> Pose {
+pub(crate) fn pressed(wheel: &Wheel, x: f64, y: f64, depth: f64) -> Pose {
     Pose { centre: DVec3::new(x, y, wheel.radius - depth), approach: DVec3::Z, axis: DVec3::Y }
 }
 
 /// Settings for the closed forms.
-pub fn settings() -> GrindSettings {
+pub(crate) fn settings() -> GrindSettings {
     GrindSettings::default()
 }
 
 /// A rotation that shares no axis with the lattice.
-pub fn odd_turn() -> DMat3 {
+pub(crate) fn odd_turn() -> DMat3 {
     DMat3::from_axis_angle(DVec3::new(0.3, -0.5, 0.8).normalize(), 0.7)
 }
