@@ -96,11 +96,13 @@ pub fn grind_asset(asset: &Path, wheel: Wheel, settings: GrindSettings, console:
     let mut after = before.clone();
     let passes = run_passes(&mut after, &weld, wheel, settings, console)?;
     let seconds = started.elapsed().as_secs_f64();
+    let removed: f64 = passes.iter().map(|pass| pass.removed_volume).sum();
+    let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));
     Ok(Ground {
         source: manifest.source,
         asset_sha256,
-        weld_left: after.difference_volume(&target),
-        base_removed: target.difference_volume(&after),
+        weld_left,
+        base_removed: (removed - (weld_before - weld_left)).max(0.0),
         weld,
         wheel,
         settings,

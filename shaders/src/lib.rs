@@ -23,9 +23,6 @@
 //! This crate never opens a file, prints nothing outside [`testing`], and knows no other room of the house:
 //! grids arrive as slices.
 
-// Units stand in brackets: `[m]` is no link.
-#![allow(rustdoc::broken_intra_doc_links)]
-
 pub mod adapters;
 pub mod brick_grid;
 pub mod choice;

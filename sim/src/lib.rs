@@ -24,8 +24,6 @@
 //! This crate never opens a file, never prints, and holds no state between calls. It computes the same
 //! bytes for any number of threads.
 
-#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets: [m]")]
-
 pub mod contact;
 pub mod control;
 pub mod grind;
