@@ -34,13 +34,13 @@ def bracket():
             plate -= drum(4.5, -1, 11, (x, y))
     upright = box((-80, 12, 10), (-70, 45, 60))
     gusset = CrossSection([[(0, 0), (32, 0), (0, 32)]]).extrude(8).rotate((90, 0, 0)).translate((-70, 33, 10))
-    tube = drum(19, 9, 52, (44, 12))
-    flange = drum(28, 46, 52, (44, 12))
-    bore = drum(15, 4, 53, (44, 12))
+    tube = drum(19, 9, 52, (44, 16))
+    flange = drum(28, 46, 52, (44, 16))
+    bore = drum(15, 4, 53, (44, 16))
     solid = plate + upright + gusset + tube + flange - bore
     for turn in range(6):
         angle = np.pi / 3 * turn
-        solid -= drum(2.2, 45, 53, (44 + 23.5 * np.cos(angle), 12 + 23.5 * np.sin(angle)))
+        solid -= drum(2.2, 45, 53, (44 + 23.5 * np.cos(angle), 16 + 23.5 * np.sin(angle)))
     return solid.refine_to_length(LONGEST_EDGE)
 
 

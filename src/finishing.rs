@@ -220,7 +220,7 @@ pub fn write(ground: &Ground, folder: &Path, force: bool, console: &Console) -> 
     }
     write_json(&place(GRIND_FILE), &ground.summary())?;
     let target = staged.commit()?;
-    console.step("ground", format!("field, logs and pictures in {}", folder.display()));
+    console.step("ground", "field, logs and pictures written");
     Ok((target, pictures))
 }
 

@@ -70,7 +70,7 @@ pub fn write(
     let manifest = manifest_of(workpiece, options, folder.path())?;
     write_json(&folder.path().join(MANIFEST_FILE), &manifest)?;
     let place = folder.commit()?;
-    console.step("asset", format!("{} files in {}", manifest.files.len() + 1, target.folder.display()));
+    console.step("asset", format!("{} files written", manifest.files.len() + 1));
     Ok(place)
 }
 

@@ -99,6 +99,7 @@ pub(super) fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
     let ground = grind_asset(&args.asset, wheel, settings, console)?;
     finishing::write(&ground, &args.out.out, args.out.force, console)?;
     console.step("weld", finishing::describe_rest(&ground));
+    console.step("done", format!("{}", args.out.out.display()));
     console.answer(&SimulateAnswer {
         out: &args.out.out,
         real_time_factor: ground.real_time_factor(),

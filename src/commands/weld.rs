@@ -99,5 +99,6 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let target = AssetTarget { folder: &args.out.out, force: args.out.force, usd: args.usd };
     let place = asset::write(&workpiece, &options, &target, console)?;
     let manifest = Manifest::read(&place)?;
+    console.step("done", format!("{}", args.out.out.display()));
     console.answer(&WeldAnswer { asset: &args.out.out, seconds: started.elapsed().as_secs_f64(), manifest })
 }

@@ -15,10 +15,8 @@ const REACH: f64 = 0.85;
 /// The outline across the middle of the weld as welded and as ground, as an SVG drawing.
 pub(super) fn middle_section(ground: &Ground) -> String {
     let middle = ground.weld.curve.position.len() / 2;
-    let outline = |name: &str, grid: &BrickGrid| Series {
-        name: name.to_owned(),
-        points: outline(grid, &ground.weld, middle),
-    };
+    let outline =
+        |name: &str, grid: &BrickGrid| Series { name: name.to_owned(), points: outline(grid, &ground.weld, middle) };
     let series = [outline("as welded", &ground.before), outline("as ground", &ground.after)];
     Chart { x_label: "across the weld [mm]", y_label: "height above the part [mm]", series: &series }.to_svg()
 }
