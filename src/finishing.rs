@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -15,10 +15,13 @@ use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::part::{Source, sha256};
-use crate::picture::{GrindPictures, grinding, to_png};
+use crate::picture::{grinding, to_png};
+use crate::report::grinding_page;
 
 /// Name of the result file in a grinding folder.
 pub const GRIND_FILE: &str = "grind.json";
+/// Name of the page in a grinding folder.
+pub const PAGE_FILE: &str = "index.html";
 /// Value of the `format` key.
 pub const GRIND_FORMAT: &str = "robofin-grind/1";
 
@@ -193,11 +196,11 @@ impl Ground {
     }
 }
 
-/// Writes a grinding folder: the field, a log for each pass, pictures, figures. Returns its place and pictures.
+/// Writes a grinding folder: the field, a log for each pass, pictures, figures, the page. Returns the page.
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(ground: &Ground, folder: &Path, force: bool, console: &Console) -> Result<(PathBuf, GrindPictures)> {
+pub fn write(ground: &Ground, asset: &Path, folder: &Path, force: bool, console: &Console) -> Result<String> {
     let staged = StagedFolder::new(folder, GRIND_FILE, force)?;
     let place = |name: &str| staged.path().join(name);
     let grids = [
@@ -219,9 +222,11 @@ pub fn write(ground: &Ground, folder: &Path, force: bool, console: &Console) -> 
         fs::write(place(&format!("{name}.png")), to_png(picture)?)?;
     }
     write_json(&place(GRIND_FILE), &ground.summary())?;
-    let target = staged.commit()?;
+    let page = grinding_page(asset, ground, &pictures)?;
+    fs::write(place(PAGE_FILE), &page)?;
+    staged.commit()?;
     console.step("ground", "field, logs and pictures written");
-    Ok((target, pictures))
+    Ok(page)
 }
 
 /// A pass log in the columns of the trial format, with the approach axis.

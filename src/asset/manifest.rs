@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use sdf_bake::BakeReport;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -30,8 +31,10 @@ pub struct Manifest {
     pub options: Value,
     /// What cleaning found and changed.
     pub cleaning: Value,
+    /// What cleaning found and changed, in sentences.
+    pub repairs: Vec<String>,
     /// Voxel size, bricks, sign.
-    pub baking: Value,
+    pub baking: BakeReport,
     /// Why the weld is as it is, one sentence each.
     pub choices: Vec<String>,
     /// Figures checked when the asset was made.

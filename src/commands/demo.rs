@@ -12,16 +12,13 @@ use sim::Wheel;
 
 use crate::asset::{self, AssetTarget, UsdMode, write_json};
 use crate::console::Console;
-use crate::finishing::{self, GrindSummary, grind_asset};
+use crate::finishing::{self, GrindSummary, PAGE_FILE, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
-use crate::report::demo_page;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 
 /// Name of the figures file in a demo folder.
 const DEMO_FILE: &str = "demo.json";
-/// Name of the page in a demo folder.
-const PAGE_FILE: &str = "index.html";
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin demo --out out/demo")]
@@ -64,10 +61,9 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
 
     let wheel = Wheel { radius: 0.05, width: 0.02 };
     let ground = grind_asset(&asset, wheel, GrindSettings::default(), console)?;
-    let (_, pictures) = finishing::write(&ground, &folder.path().join("grind"), false, console)?;
+    let page = finishing::write(&ground, &asset, &folder.path().join("grind"), false, console)?;
     console.step("weld", finishing::describe_rest(&ground));
 
-    let page = demo_page(&workpiece, &ground, &pictures, &asset)?;
     fs::write(folder.path().join(PAGE_FILE), page)?;
     let seconds = started.elapsed().as_secs_f64();
     let answer = DemoAnswer {

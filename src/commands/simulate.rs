@@ -97,7 +97,7 @@ pub(super) fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
     let (wheel, settings) = (args.process.wheel()?, args.process.settings()?);
     refuse_occupied(&args.out.out, GRIND_FILE, args.out.force)?;
     let ground = grind_asset(&args.asset, wheel, settings, console)?;
-    finishing::write(&ground, &args.out.out, args.out.force, console)?;
+    finishing::write(&ground, &args.asset, &args.out.out, args.out.force, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&SimulateAnswer {

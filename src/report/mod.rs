@@ -9,58 +9,31 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use crate::asset::{FileRecord, MANIFEST_FILE, PREVIEW_FILE, WeldTruth, record_files};
+use crate::asset::{FileRecord, MANIFEST_FILE, Manifest, PREVIEW_FILE, WeldTruth, record_files};
 use crate::finishing::Ground;
 use crate::picture::{GrindPictures, to_png};
-use crate::workpiece::Workpiece;
 
 pub use chart::{Chart, Series};
 pub use page::Page;
 
-/// The summary of the demo: workpiece, grinding, figures, files.
+/// The summary of a ground asset: workpiece, grinding, figures, files.
 ///
 /// # Errors
-/// When a picture or a file of the asset cannot be read.
-pub fn demo_page(workpiece: &Workpiece, ground: &Ground, pictures: &GrindPictures, asset: &Path) -> Result<String> {
-    let removed: f64 = ground.passes.iter().map(|pass| pass.removed_volume * 1e9).sum();
-    let lead = format!(
-        "A weld of {:.0} mm was laid on {}, and {} passes of a wheel at {:.0} N took {removed:.1} mm³ off it.",
-        ground.weld.length_mm,
-        ground.source.file,
-        ground.passes.len(),
-        ground.settings.force_setpoint
-    );
-    let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead);
+/// When the manifest, the picture or a file of the asset cannot be read.
+pub fn grinding_page(asset: &Path, ground: &Ground, pictures: &GrindPictures) -> Result<String> {
+    let manifest = Manifest::read(asset)?;
+    let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead(ground));
     let welded = fs::read(asset.join(PREVIEW_FILE))?;
     page.picture(&welded, "The welded workpiece, drawn from its signed distance field; weld metal is tinted.");
     page.picture(&to_png(&pictures.sheet)?, "The weld before and after grinding, and the depth that was removed.");
-
-    page.section("Grinding");
-    page.table(
-        &[
-            "pass",
-            "removed [mm³]",
-            "Eq. (1) over the contact [mm³]",
-            "force error [N rms]",
-            "peak pressure [MPa]",
-            "time [s]",
-            "steps",
-        ],
-        &pass_rows(ground),
-    );
-    page.drawing(&section::middle_section(ground), "Section across the middle of the weld, as welded and as ground.");
-    page.drawing(&force_chart(ground), "Normal force along each pass.");
-    page.facts(&process_facts(ground));
-
+    add_grinding(&mut page, ground);
     page.section("Weld");
     page.facts(&weld_facts(&ground.weld));
-    for choice in &workpiece.weld.reasons {
+    for choice in &manifest.choices {
         page.paragraph(choice);
     }
-
     page.section("Part and field");
-    page.facts(&part_facts(workpiece));
-
+    page.facts(&part_facts(&manifest));
     page.section("Files of the asset");
     let files: Vec<_> = record_files(asset)?.into_iter().collect();
     page.table(&["file", "bytes", "SHA-256"], &files.iter().map(file_row).collect::<Vec<_>>());
@@ -69,6 +42,33 @@ pub fn demo_page(workpiece: &Workpiece, ground: &Ground, pictures: &GrindPicture
         env!("CARGO_PKG_VERSION")
     ));
     Ok(page.finish())
+}
+
+fn lead(ground: &Ground) -> String {
+    let removed: f64 = ground.passes.iter().map(|pass| pass.removed_volume * 1e9).sum();
+    let passes =
+        if ground.passes.len() == 1 { "one pass".to_owned() } else { format!("{} passes", ground.passes.len()) };
+    format!(
+        "A weld of {:.0} mm was laid on {}, and {passes} of a wheel at {:.0} N took {removed:.1} mm³ off it.",
+        ground.weld.length_mm, ground.source.file, ground.settings.force_setpoint
+    )
+}
+
+fn add_grinding(page: &mut Page, ground: &Ground) {
+    page.section("Grinding");
+    let headings = [
+        "pass",
+        "removed [mm³]",
+        "Eq. (1) over the contact [mm³]",
+        "force error [N rms]",
+        "peak pressure [MPa]",
+        "time [s]",
+        "steps",
+    ];
+    page.table(&headings, &pass_rows(ground));
+    page.drawing(&section::middle_section(ground), "Section across the middle of the weld, as welded and as ground.");
+    page.drawing(&force_chart(ground), "Normal force along each pass.");
+    page.facts(&process_facts(ground));
 }
 
 fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
@@ -127,14 +127,17 @@ fn weld_facts(weld: &WeldTruth) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn part_facts(workpiece: &Workpiece) -> Vec<(&'static str, String)> {
-    let (part, baking) = (&workpiece.part, &workpiece.baking);
+fn part_facts(manifest: &Manifest) -> Vec<(&'static str, String)> {
+    let (source, baking) = (&manifest.source, &manifest.baking);
+    let repairs =
+        if manifest.repairs.is_empty() { "nothing to repair".to_owned() } else { manifest.repairs.join("; ") };
     vec![
-        ("part", part.summary()),
-        ("cleaning", part.cleaning_summary()),
+        ("part", source.file.clone()),
+        ("unit", source.unit_reason.clone()),
+        ("cleaning", repairs),
         ("voxel, band", format!("{:.4} mm, {} voxels", baking.voxel_m * 1e3, baking.band_voxels)),
         ("bricks, active voxels", format!("{}, {}", baking.bricks, baking.active_voxels)),
-        ("SHA-256 of the source", part.source.sha256.clone()),
+        ("SHA-256 of the source", source.sha256.clone()),
     ]
 }
 

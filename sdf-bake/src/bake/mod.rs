@@ -11,7 +11,7 @@ mod winding;
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::clean::EdgeMap;
@@ -53,7 +53,7 @@ impl BakeOptions {
 }
 
 /// What baking did.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BakeReport {
     /// Distance between voxels [m].
     pub voxel_m: f64,
