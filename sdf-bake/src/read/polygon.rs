@@ -1,9 +1,9 @@
-//! Polygons to triangles by ear clipping (Meisters 1975).
+//! Polygons to triangles by constrained Delaunay triangulation.
 //!
-//! A fan is wrong for a concave face: it folds over itself. Among the ears the fattest is clipped first, so that
-//! corners in the middle of a straight side do not give triangles without area.
+//! A fan is wrong for a concave face: it folds over itself.
 
 use glam::{DVec2, DVec3};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::{Format, ReadError};
 use crate::Mesh;
@@ -34,90 +34,66 @@ pub(super) fn append_face(
 /// Splits a polygon into triangles of the same orientation.
 ///
 /// `corners`: positions in order. Returns indices into them; empty for fewer than three corners.
-/// A polygon that crosses itself, or is flat to a line, still gives `corners.len() - 2` triangles.
+/// A polygon that crosses or touches itself, or is flat to a line, becomes a fan.
 fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
     match corners.len() {
         0..3 => Vec::new(),
         3 => vec![[0, 1, 2]],
-        _ => EarClipping::new(corners).run(),
+        n => delaunay(corners).unwrap_or_else(|| (2..n).map(|i| [0, i - 1, i]).collect()),
     }
 }
 
-struct EarClipping {
-    points: Vec<DVec2>,
-    previous: Vec<usize>,
-    next: Vec<usize>,
-    /// Shape of the ear at each corner, larger is better; `None` where there is no ear.
-    quality: Vec<Option<f64>>,
-}
-
-impl EarClipping {
-    fn new(corners: &[DVec3]) -> Self {
-        let n = corners.len();
-        let normal = newell_normal(corners);
-        let (u, v) = normal.any_orthonormal_pair();
-        let points: Vec<_> = corners.iter().map(|&p| p - corners[0]).map(|p| DVec2::new(p.dot(u), p.dot(v))).collect();
-        let mut clipping = Self {
-            points,
-            previous: (0..n).map(|i| (i + n - 1) % n).collect(),
-            next: (0..n).map(|i| (i + 1) % n).collect(),
-            quality: vec![None; n],
-        };
-        for corner in 0..n {
-            clipping.quality[corner] = clipping.ear(corner, n);
-        }
-        clipping
-    }
-
-    fn run(mut self) -> Vec<[usize; 3]> {
-        let mut triangles = Vec::with_capacity(self.points.len() - 2);
-        let mut first = 0;
-        for left in (3..=self.points.len()).rev() {
-            let tip = self.best(first, left);
-            let (before, after) = (self.previous[tip], self.next[tip]);
-            triangles.push([before, tip, after]);
-            self.next[before] = after;
-            self.previous[after] = before;
-            first = before;
-            self.quality[before] = self.ear(before, left - 1);
-            self.quality[after] = self.ear(after, left - 1);
-        }
-        triangles
-    }
-
-    /// The corner with the fattest ear; where a bad polygon has none, any corner, so that the loop ends.
-    fn best(&self, first: usize, left: usize) -> usize {
-        let mut best = first;
-        let mut corner = first;
-        for _ in 0..left {
-            if self.quality[corner].unwrap_or(-1.0) > self.quality[best].unwrap_or(-1.0) {
-                best = corner;
-            }
-            corner = self.next[corner];
-        }
-        best
-    }
-
-    /// Doubled area over the square of the longest side, if the triangle at `tip` is convex and holds no other corner.
-    fn ear(&self, tip: usize, left: usize) -> Option<f64> {
-        let [ia, ic] = [self.previous[tip], self.next[tip]];
-        let [a, b, c] = [ia, tip, ic].map(|i| self.points[i]);
-        let area = (b - a).perp_dot(c - a);
-        if area.is_nan() || area < 0.0 {
+/// Constrained Delaunay triangulation of the polygon in its own plane, where the polygon is simple.
+fn delaunay(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
+    let points = flatten(corners)?;
+    let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+    let mut handles = Vec::with_capacity(points.len());
+    for (corner, p) in points.iter().enumerate() {
+        let handle = mesh.insert(Point2::new(p.x, p.y)).ok()?;
+        // Two corners at one place share a vertex: not a simple polygon.
+        if handle.index() != corner {
             return None;
         }
-        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        let mut other = self.next[ic];
-        for _ in 3..left {
-            let p = self.points[other];
-            let inside = [(a, b), (b, c), (c, a)].iter().all(|&(from, to)| (to - from).perp_dot(p - from) >= 0.0);
-            if inside && p != a && p != b && p != c {
-                return None;
-            }
-            other = self.next[other];
-        }
-        Some(if longest > 0.0 { area / longest } else { 0.0 })
+        handles.push(handle);
     }
+    for (i, &from) in handles.iter().enumerate() {
+        let to = handles[(i + 1) % handles.len()];
+        if !mesh.can_add_constraint(from, to) {
+            return None;
+        }
+        mesh.add_constraint(from, to);
+    }
+    let triangles: Vec<[usize; 3]> = mesh
+        .inner_faces()
+        .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
+        .filter(|t| is_inside(&points, t.map(|i| points[i]).iter().sum::<DVec2>() / 3.0))
+        .collect();
+    (triangles.len() == corners.len() - 2).then_some(triangles)
+}
+
+/// Corners in the polygon's plane, scaled to about one; `None` where they have no extent.
+fn flatten(corners: &[DVec3]) -> Option<Vec<DVec2>> {
+    let size = corners.iter().map(|p| (p - corners[0]).abs().max_element()).fold(0.0, f64::max);
+    if size.is_nan() || size <= 0.0 {
+        return None;
+    }
+    let (u, v) = newell_normal(corners).any_orthonormal_pair();
+    // Below this, spade takes no coordinate but zero.
+    let tidy = |x: f64| if x.abs() < 1e-15 { 0.0 } else { x };
+    let flat = |p: &DVec3| {
+        let p = (p - corners[0]) / size;
+        DVec2::new(tidy(p.dot(u)), tidy(p.dot(v)))
+    };
+    Some(corners.iter().map(flat).collect())
+}
+
+/// Whether a point lies in a polygon, by the parity of the sides to its right.
+fn is_inside(polygon: &[DVec2], point: DVec2) -> bool {
+    let crosses = |(i, a): (usize, &DVec2)| {
+        let b = polygon[(i + 1) % polygon.len()];
+        (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    };
+    polygon.iter().enumerate().filter(|&side| crosses(side)).count() % 2 == 1
 }
 
 /// Normal of a polygon, also of a slightly bent one (Newell's method, Sutherland et al. 1974).
@@ -161,5 +137,16 @@ mod tests {
         assert_eq!(areas.len(), 6);
         assert!(areas.iter().all(|&a| a > 0.4), "{areas:?}");
         assert!((areas.iter().sum::<f64>() - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_polygon_that_is_not_simple_still_has_its_number_of_triangles() {
+        let bow_tie = [(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)];
+        let line = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 0.0)];
+        let point = [(3.0, 4.0); 5];
+        for polygon in [&bow_tie[..], &line, &point] {
+            let corners: Vec<_> = polygon.iter().map(|&(x, y)| DVec3::new(x, y, 7.0)).collect();
+            assert_eq!(triangulate(&corners).len(), corners.len() - 2);
+        }
     }
 }
