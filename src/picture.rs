@@ -1,11 +1,12 @@
 //! Pictures of workpieces, and their PNG files.
 
 use anyhow::{Context, Result};
-use glam::DVec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use sdf_bake::BrickGrid;
-use sim::render::{Camera, Legend, Panel, Picture, RemovedView, View, contact_sheet, outward, render};
+use sim::render::{
+    Camera, Legend, Panel, Picture, RemovedView, View, clearest_direction, clearest_of, contact_sheet, outward, render,
+};
 
 use crate::asset::WeldTruth;
 
@@ -27,36 +28,32 @@ pub fn to_png(picture: &Picture) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The whole workpiece from the three-quarter view that shows the most of what faces `towards`.
+/// The whole workpiece from the three-quarter view that shows the most of its weld, or from the front right above.
 ///
 /// # Errors
 /// When the field holds no surface.
-pub fn overview(grid: &BrickGrid, towards: DVec3, (width, height): (usize, usize)) -> Result<Picture> {
-    let (low, high) = grid.surface_bounds().context("the field holds no surface to draw")?;
-    let (azimuth, elevation) = three_quarter_view(towards);
+pub fn overview(grid: &BrickGrid, weld: Option<&WeldTruth>, (width, height): (usize, usize)) -> Result<Picture> {
+    let bounds = grid.surface_bounds().or_else(|| grid.near_surface_bounds());
+    let (low, high) = bounds.context("the field holds no surface to draw")?;
+    let (azimuth, elevation) = three_quarter_view(grid, weld);
     let camera = Camera::framing(low, high, azimuth, elevation, width as f64 / height as f64);
     Ok(render(grid, &camera, &view(width, height, None)).to_srgb8())
 }
 
-/// Azimuth and elevation [rad] of the standard view that looks most against `towards`.
-fn three_quarter_view(towards: DVec3) -> (f64, f64) {
-    let mut views = Vec::new();
-    for elevation in [32f64, -32.0] {
-        for azimuth in [-58f64, 32.0, 122.0, 212.0] {
-            views.push((azimuth.to_radians(), elevation.to_radians()));
-        }
-    }
-    let shown = |view: &(f64, f64)| outward(view.0, view.1).dot(towards);
-    views.into_iter().max_by(|a, b| shown(a).total_cmp(&shown(b))).unwrap_or_default()
+/// Azimuth and elevation [rad] of the standard view that shows the most of a weld.
+fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>) -> (f64, f64) {
+    let views = [32f64, -32.0].into_iter().flat_map(|elevation| {
+        [-58f64, 32.0, 122.0, 212.0].map(|azimuth| (azimuth.to_radians(), elevation.to_radians()))
+    });
+    let views: Vec<(f64, f64)> = views.collect();
+    let Some(weld) = weld else { return views[0] };
+    let directions = views.iter().map(|&(azimuth, elevation)| outward(azimuth, elevation));
+    let clearest = clearest_of(grid, &weld.curve.position, 1e-3 * weld.width_mm, directions);
+    views.into_iter().find(|&(azimuth, elevation)| outward(azimuth, elevation) == clearest).unwrap_or_default()
 }
 
 fn view<'a>(width: usize, height: usize, removed: Option<RemovedView<'a>>) -> View<'a> {
     View { width, height, samples_per_side: SAMPLES_PER_SIDE, removed }
-}
-
-/// Mean outward direction along a weld.
-pub fn weld_outward(weld: &WeldTruth) -> DVec3 {
-    weld.curve.normal.iter().sum::<DVec3>().normalize_or(DVec3::Z)
 }
 
 /// Close-up of a weld before and after grinding, and the removed depth, each as a picture of its own.
@@ -74,13 +71,9 @@ pub struct GrindPictures {
 /// Draws a weld before and after grinding.
 pub fn grinding(before: &BrickGrid, after: &BrickGrid, weld: &WeldTruth, title: &str) -> GrindPictures {
     let (width, height) = (VIEW_SIZE.0 * 2 / 3, VIEW_SIZE.1 * 2 / 3);
-    let curve = &weld.curve;
-    let middle = curve.position.len() / 2;
-    let (up, side) = (weld_outward(weld), curve.side.get(middle).copied().unwrap_or(DVec3::Y));
-    let margin = 1.5e-3 * weld.width_mm;
-    // A low view from the side shows the crown's profile; the part's frame decides which side.
-    let side = if side.dot(DVec3::new(0.5, -0.85, 0.2)) < 0.0 { -side } else { side };
-    let camera = Camera::close_up(&curve.position, up + 0.9 * side, margin, width as f64 / height as f64);
+    let (points, bead) = (&weld.curve.position, 1e-3 * weld.width_mm);
+    let camera =
+        Camera::close_up(points, clearest_direction(before, points, bead), 1.5 * bead, width as f64 / height as f64);
     let shade = |grid| render(grid, &camera, &view(width, height, None)).to_srgb8();
     let (first, last) = (shade(before), shade(after));
     let removed = RemovedView { before, full_scale: None };

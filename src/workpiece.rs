@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use sdf_bake::query::MeshQuery;
-use sdf_bake::{BakeOptions, BakeReport, BrickGrid, SignChoice, bake};
+use sdf_bake::{BakeOptions, BakeReport, BrickGrid, Mesh, SignChoice, bake};
 use serde::Serialize;
 use weldgen::{Weld, WeldRequest, place_weld};
 
@@ -91,6 +91,10 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     let (target, report) = bake(&part.mesh, &baking)?;
     console.step("bake", describe_baking(&report, &target));
 
+    if let Some(warning) = describe_volume(&part.mesh, &target) {
+        console.step("note", warning);
+    }
+
     let query = MeshQuery::new(&part.mesh);
     let request = options.wishes.applied_to(WeldRequest::for_part(&part.mesh, baking.voxel));
     let weld = place_weld(&part.mesh, &query, &request, options.seed)?;
@@ -136,6 +140,22 @@ fn describe_weld(weld: &Weld) -> String {
         weld.min_exposure,
         weld.reasons.join("\n")
     )
+}
+
+/// Relative difference of the volumes of mesh and field that is worth a word.
+const VOLUME_NOTE: f64 = 0.05;
+
+/// Says so if the field does not hold the volume of the mesh.
+fn describe_volume(mesh: &Mesh, field: &BrickGrid) -> Option<String> {
+    let share = field.volume() / mesh.volume();
+    if (share - 1.0).abs() <= VOLUME_NOTE {
+        return None;
+    }
+    Some(format!(
+        "the field holds {:.1} % of the volume that the triangles enclose: bodies overlap, the surface is open, or walls are \
+         thinner than a voxel; a finer --resolution tells",
+        100.0 * share
+    ))
 }
 
 /// How a part was baked, for people.

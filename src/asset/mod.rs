@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::console::Console;
 use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
 use crate::folder::StagedFolder;
-use crate::picture::{overview, to_png, weld_outward};
+use crate::picture::{overview, to_png};
 use crate::workpiece::{FIRST_WELD, WeldingOptions, Workpiece};
 
 pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
@@ -64,7 +64,7 @@ pub fn write(
     let truth = Welds::of(FIRST_WELD, &workpiece.weld, workpiece.weld_volume);
     write_json(&folder.path().join(WELDS_FILE), &truth)?;
     volumes::write(workpiece, folder.path())?;
-    let preview = overview(&workpiece.welded, weld_outward(&truth.welds[0]), PREVIEW_SIZE)?;
+    let preview = overview(&workpiece.welded, truth.welds.first(), PREVIEW_SIZE)?;
     fs::write(folder.path().join(PREVIEW_FILE), to_png(&preview)?)?;
     usd::write(folder.path(), target.usd, console)?;
     let manifest = manifest_of(workpiece, options, folder.path())?;

@@ -4,15 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use glam::DVec3;
 use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
 
 use super::flags::OutFlags;
-use crate::asset::{AssetFields, Welds};
+use crate::asset::{AssetFields, WeldTruth, Welds};
 use crate::console::Console;
 use crate::folder::{refuse_occupied, write_file};
-use crate::picture::{overview, to_png, weld_outward};
+use crate::picture::{overview, to_png};
 use crate::wrong_use;
 
 #[derive(Debug, Args)]
@@ -42,19 +41,19 @@ pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let started = std::time::Instant::now();
     let size = parse_size(&args.size)?;
     refuse_occupied(&args.out.out, "", args.out.force)?;
-    let (grid, towards) = open(&args.source)?;
-    let picture = overview(&grid, towards, size)?;
+    let (grid, weld) = open(&args.source)?;
+    let picture = overview(&grid, weld.as_ref(), size)?;
     write_file(&args.out.out, &to_png(&picture)?, args.out.force)?;
     console.step("picture", format!("{} x {} in {}", size.0, size.1, args.out.out.display()));
     let seconds = started.elapsed().as_secs_f64();
     console.answer(&RenderAnswer { out: &args.out.out, width: size.0, height: size.1, seconds })
 }
 
-/// The field to draw and the direction that should face the camera.
-fn open(source: &Path) -> Result<(BrickGrid, DVec3)> {
+/// The field to draw, and the weld that should be seen.
+fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
     if source.is_dir() {
-        let towards = Welds::read(source)?.welds.first().map_or(DVec3::Z, weld_outward);
-        return Ok((AssetFields::open(source)?.welded, towards));
+        let weld = Welds::read(source)?.welds.into_iter().next();
+        return Ok((AssetFields::open(source)?.welded, weld));
     }
     let context = || source.display().to_string();
     let file = nvdb::read(&std::fs::read(source).with_context(context)?).with_context(context)?;
@@ -63,7 +62,7 @@ fn open(source: &Path) -> Result<(BrickGrid, DVec3)> {
     if let Some(labels) = file.grid("weld_id") {
         labels.attach_labels(&mut grid).with_context(context)?;
     }
-    Ok((grid, DVec3::Z))
+    Ok((grid, None))
 }
 
 fn parse_size(text: &str) -> Result<(usize, usize)> {

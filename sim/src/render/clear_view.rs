@@ -22,6 +22,18 @@ const END_ON: f64 = 0.25;
 /// `reach`: how far from its point the visible surface may be [m], for example a bead's width for points on the seam
 /// below it. Upward views win ties. Meant for [`Camera::close_up`](super::Camera::close_up).
 pub fn clearest_direction(grid: &BrickGrid, points: &[DVec3], reach: f64) -> DVec3 {
+    let azimuth = |step: usize| step as f64 / AZIMUTHS as f64 * std::f64::consts::TAU;
+    let directions = ELEVATIONS.iter().flat_map(|&e| (0..AZIMUTHS).map(move |step| outward(azimuth(step), e)));
+    clearest_of(grid, points, reach, directions)
+}
+
+/// As [`clearest_direction`], among given unit directions; the first wins a tie. Up without any.
+pub fn clearest_of(
+    grid: &BrickGrid,
+    points: &[DVec3],
+    reach: f64,
+    directions: impl IntoIterator<Item = DVec3>,
+) -> DVec3 {
     let size = (grid.dims * sdf_bake::grid::BRICK_SIDE as i32).as_dvec3() * grid.voxel;
     let stride = points.len().div_ceil(MOST_POINTS).max(1);
     let seen = |direction: DVec3| -> f64 {
@@ -33,15 +45,12 @@ pub fn clearest_direction(grid: &BrickGrid, points: &[DVec3], reach: f64) -> DVe
         points.iter().step_by(stride).map(from_there).sum::<f64>()
             * (END_ON + (1.0 - END_ON) * breadth(points, direction))
     };
-    let mut best = (outward(0.0, ELEVATIONS[0]), -1.0);
-    for elevation in ELEVATIONS {
-        for step in 0..AZIMUTHS {
-            let direction = outward(step as f64 / AZIMUTHS as f64 * std::f64::consts::TAU, elevation);
-            let score = seen(direction);
-            // A hair more is no reason to leave a natural view.
-            if score > best.1 * 1.02 + 1e-9 {
-                best = (direction, score);
-            }
+    let mut best = (DVec3::Z, -1.0);
+    for direction in directions {
+        let score = seen(direction);
+        // A hair more is no reason to leave a natural view.
+        if score > best.1 * 1.02 + 1e-9 {
+            best = (direction, score);
         }
     }
     best.0

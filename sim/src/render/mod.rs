@@ -11,7 +11,6 @@
 //! Every sample is a pure function of grid, camera and view, so a picture is the same for any number of threads.
 
 // Units stand in brackets: `[m]` is no link.
-#![allow(rustdoc::broken_intra_doc_links)]
 
 mod camera;
 mod clear_view;
@@ -32,7 +31,7 @@ mod view;
 mod walk;
 
 pub use camera::{Camera, Projection, Ray, outward};
-pub use clear_view::clearest_direction;
+pub use clear_view::{clearest_direction, clearest_of};
 pub use colour::{from_srgb8, to_srgb8};
 pub use colour_map::colour_map;
 pub use frame::{Frame, Picture};
@@ -42,4 +41,4 @@ pub use shade::{BASE_STEEL, Finish, UNTOUCHED, WELD_METAL};
 pub use sheet::{Panel, contact_sheet};
 pub use text::{draw_text, text_size};
 pub use trace::{Hit, trace};
-pub use view::{RemovedView, View, render, surface_bounds};
+pub use view::{RemovedView, View, render};

@@ -51,9 +51,10 @@ impl Studio {
         let toward = |right: f64, up: f64| {
             (camera.right * right + camera.up * up - camera.forward).normalize_or(-camera.forward).as_vec3()
         };
-        // Half the part's vertical, half the image's: a view from below still has a sky.
-        let up = (glam::DVec3::Z + 0.5 * camera.up).normalize_or(camera.up).as_vec3();
-        Self { key: toward(-0.75, 1.0), fill: toward(1.3, 0.15), up }
+        // The sky leans towards the camera: seen from above it is the part's vertical, and what a view from below
+        // shows is not left in the dark.
+        let up = (camera.up - 0.6 * camera.forward).normalize_or(camera.up).as_vec3();
+        Self { key: toward(-0.55, 0.3), fill: toward(1.3, 0.15), up }
     }
 
     /// Light that a finish sends to the camera, linear RGB.

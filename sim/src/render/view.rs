@@ -1,9 +1,8 @@
 //! One view of a grid: geometry, light and the mean over each pixel.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
-use sdf_bake::grid::{BRICK_VOXELS, voxel_at};
 
 use super::camera::Camera;
 use super::colour_map::colour_map;
@@ -74,16 +73,6 @@ pub fn render(grid: &BrickGrid, camera: &Camera, view: &View) -> Frame {
     }
 }
 
-/// Lowest and highest corner [m] of the voxels in the metal, one voxel wider; `None` for a grid without metal.
-pub fn surface_bounds(grid: &BrickGrid) -> Option<(DVec3, DVec3)> {
-    let mut bounds: Option<(glam::IVec3, glam::IVec3)> = None;
-    for (at, _) in grid.phi.iter().enumerate().filter(|(_, phi)| **phi <= 0.0) {
-        let voxel = voxel_at(grid.bricks[at / BRICK_VOXELS], at % BRICK_VOXELS);
-        bounds = Some(bounds.map_or((voxel, voxel), |(low, high)| (low.min(voxel), high.max(voxel))));
-    }
-    bounds.map(|(low, high)| (grid.position(low - 1), grid.position(high + 1)))
-}
-
 struct Light<'a> {
     grid: &'a BrickGrid,
     camera: &'a Camera,
@@ -140,6 +129,9 @@ fn mean_of_squares(samples: &[Vec3], width: usize, side: usize) -> Vec<Vec3> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+    use sdf_bake::grid::{BRICK_VOXELS, voxel_at};
+
     use super::*;
     use crate::render::{Projection, REMOVED_RESOLUTION};
 
@@ -263,13 +255,5 @@ mod tests {
         assert_eq!(frame.removed_full_scale, Some(0.002));
         let untouched = compare(&before);
         assert!(untouched.removed.iter().all(|&removed| removed == 0.0), "below {REMOVED_RESOLUTION} voxel");
-    }
-
-    #[test]
-    fn surface_bounds_hold_the_ball_within_two_voxels() {
-        let (low, high) = surface_bounds(&ball(RADIUS)).unwrap();
-        assert!(low.max_element() <= -RADIUS && low.min_element() > -RADIUS - 2.0 * VOXEL);
-        assert!(high.min_element() >= RADIUS && high.max_element() < RADIUS + 2.0 * VOXEL);
-        assert_eq!(surface_bounds(&BrickGrid::empty(VOXEL, 0.001, glam::IVec3::ZERO, glam::IVec3::ONE)), None);
     }
 }
