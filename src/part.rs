@@ -55,6 +55,12 @@ impl Part {
         if !path.exists() {
             return Err(wrong_use(format!("{}: no such file", path.display())));
         }
+        if path.is_dir() {
+            return Err(wrong_use(format!(
+                "{} is a folder; a mesh file (OBJ, STL, PLY, GLB or glTF) is expected",
+                path.display()
+            )));
+        }
         let context = || path.display().to_string();
         let bytes = std::fs::read(path).with_context(context)?;
         let file = read_mesh(path, unit).with_context(context)?;

@@ -10,6 +10,7 @@ use sdf_bake::{BakeOptions, bake};
 use serde::Serialize;
 
 use super::flags::{MeshFlags, OutFlags};
+use crate::budget;
 use crate::console::Console;
 use crate::folder::{refuse_occupied, write_file};
 use crate::part::Part;
@@ -52,6 +53,7 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
     let part = Part::load(&args.mesh_file, args.mesh.unit.into())?;
     part.describe(console);
     let options = BakeOptions { voxel: fineness.voxel(&part), band_voxels, sign: args.mesh.sign.into() };
+    budget::check(&part.mesh, &options)?;
     let baking = Instant::now();
     let (grid, report) = bake(&part.mesh, &options)?;
     let bake_s = baking.elapsed().as_secs_f64();

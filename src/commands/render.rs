@@ -9,7 +9,7 @@ use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
 
 use super::flags::OutFlags;
-use crate::asset::{AssetFields, Welds};
+use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
 use crate::folder::{refuse_occupied, write_file};
 use crate::picture::{overview, to_png, weld_outward};
@@ -53,6 +53,7 @@ pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
 /// The field to draw and the direction that should face the camera.
 fn open(source: &Path) -> Result<(BrickGrid, DVec3)> {
     if source.is_dir() {
+        Manifest::read(source)?;
         let towards = Welds::read(source)?.welds.first().map_or(DVec3::Z, weld_outward);
         return Ok((AssetFields::open(source)?.welded, towards));
     }
@@ -68,10 +69,10 @@ fn open(source: &Path) -> Result<(BrickGrid, DVec3)> {
 
 fn parse_size(text: &str) -> Result<(usize, usize)> {
     let wrong =
-        || wrong_use(format!("--size {text}: WIDTHxHEIGHT from 16 to 8192 pixels is expected, for example 960x720"));
+        || wrong_use(format!("--size {text}: WIDTHxHEIGHT from 16 to 4096 pixels is expected, for example 960x720"));
     let (width, height) = text.split_once('x').ok_or_else(wrong)?;
     match (width.parse(), height.parse()) {
-        (Ok(width), Ok(height)) if (16..=8192).contains(&width) && (16..=8192).contains(&height) => Ok((width, height)),
+        (Ok(width), Ok(height)) if (16..=4096).contains(&width) && (16..=4096).contains(&height) => Ok((width, height)),
         _ => Err(wrong()),
     }
 }
