@@ -33,10 +33,16 @@ fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
 /// # Errors
 /// When about [`MOST_BRICKS`] or more would be needed; the message says which voxel would fit.
 pub fn check(mesh: &Mesh, options: &BakeOptions) -> Result<()> {
+    let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
+    ensure!(
+        options.voxel <= longest,
+        "a voxel of {:.3e} mm is larger than the part of {:.3e} mm: use a smaller --voxel-mm",
+        options.voxel * 1e3,
+        longest * 1e3
+    );
     let bricks = expected_bricks(mesh, options);
     // Bricks around a surface fall with the square of the voxel, those of a box faster.
     let least_voxel = options.voxel * (bricks / MOST_BRICKS).sqrt();
-    let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
     ensure!(
         bricks <= MOST_BRICKS,
         "a voxel of {:.3e} mm with a band of {} voxels needs about {bricks:.1e} bricks ({:.1} GB), and {MOST_BRICKS:.0e} \

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 
-use super::flags::{MeshFlags, OutFlags, optional_mm, positive};
+use super::flags::{MeshFlags, OutFlags, optional_mm, within};
 use crate::asset::{self, MANIFEST_FILE, Manifest, UsdMode};
 use crate::console::Console;
 use crate::folder::StagedFolder;
@@ -61,8 +61,8 @@ impl WeldFlags {
         if let Some(share) = self.min_exposure.filter(|share| !(0.0..=1.0).contains(share)) {
             return Err(wrong_use(format!("--min-exposure {share}: a share from 0 to 1 is expected")));
         }
-        if let Some(curvature) = self.curvature_per_m.filter(|&c| c != 0.0) {
-            positive("--curvature-per-m", curvature)?;
+        if let Some(curvature) = self.curvature_per_m {
+            within("--curvature-per-m", curvature, (0.0, 1e4))?;
         }
         Ok(WeldWishes {
             length: optional_mm("--length-mm", self.length_mm)?,
@@ -95,7 +95,7 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let folder = StagedFolder::new(&args.out.out, MANIFEST_FILE, args.out.force)?;
     let part = Part::load(&args.file, args.mesh.unit.into())?;
     part.describe(console);
-    let workpiece = weld_part(part, &options, console)?;
+    let workpiece = weld_part(part, &options, console).with_context(|| args.file.display().to_string())?;
     let place = asset::write(&workpiece, &options, folder, args.usd, console)?;
     let manifest = Manifest::read(&place)?;
     console.answer(&WeldAnswer { asset: &args.out.out, seconds: started.elapsed().as_secs_f64(), manifest })

@@ -87,8 +87,10 @@ fn check_numbers(weld: &WeldTruth) -> Check {
     let sizes = [weld.width_mm, weld.height_mm, weld.length_mm, weld.volume_mm3];
     let shares = weld.curve.exposure.iter().all(|share| (0.0..=1.0).contains(share));
     let grows = weld.curve.arc_length.windows(2).all(|pair| pair[0] < pair[1]);
+    let steps = weld.curve.arc_length.windows(2).zip(weld.curve.position.windows(2));
+    let reached = steps.into_iter().all(|(s, p)| p[0].distance(p[1]) <= (s[1] - s[0]) * (1.0 + 1e-6) + 1e-12);
     let positive = sizes.iter().all(|&size| size > 0.0 && size.is_finite());
-    let passed = positive && shares && grows && is_complete(&weld.curve) && is_framed(&weld.curve);
+    let passed = positive && shares && grows && reached && is_complete(&weld.curve) && is_framed(&weld.curve);
     Check::new(WELDS_FILE, rule, passed, format!("{} points", weld.curve.position.len()))
 }
 

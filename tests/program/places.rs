@@ -10,7 +10,7 @@ fn a_folder_that_is_there_is_kept() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let copy = copy_of_asset(folder.path());
     let before = files(&copy);
-    let outcome = run(weld_bracket(&copy).args(["--seed", "8"]));
+    let outcome = run(&mut weld_bracket(&copy));
     outcome.is_refused(2, &["asset", "already exists", "--force"]);
     assert!(files(&copy) == before, "it was changed");
 
