@@ -92,12 +92,13 @@ fn a_flipped_bit_in_any_file_is_noticed() {
 }
 
 #[test]
-fn a_flipped_bit_in_a_field_is_noticed_without_the_hash() {
+fn a_field_with_bad_bytes_is_noticed_without_the_hash() {
     for name in ["phi.nvdb", "weld.nvdb"] {
         let [_, forged] = damaged(|asset| {
             rewrite(&asset.join(name), |bytes| {
+                // One bit of packed bytes may leave what they unpack to as it was.
                 let at = bytes.len() / 2;
-                bytes[at] ^= 0x10;
+                bytes[at..at + 256].iter_mut().for_each(|byte| *byte ^= 0x55);
             });
         });
         assert_named(&forged, "can be opened");
