@@ -31,7 +31,8 @@ fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
 /// Refuses a grid that would not fit in memory.
 ///
 /// # Errors
-/// When about [`MOST_BRICKS`] or more would be needed; the message says which voxel would fit.
+/// When the voxel is larger than the part, or about half a million bricks or more would be needed; the message says
+/// which voxel would fit.
 pub fn check(mesh: &Mesh, options: &BakeOptions) -> Result<()> {
     let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
     ensure!(
