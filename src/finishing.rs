@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
@@ -24,6 +24,9 @@ pub const GRIND_FILE: &str = "grind.json";
 pub const PAGE_FILE: &str = "index.html";
 /// Value of the `format` key.
 pub const GRIND_FORMAT: &str = "robofin-grind/1";
+
+/// Steps that a pass may take; a step takes some milliseconds.
+const MOST_STEPS: f64 = 2e4;
 
 /// A weld that has been ground.
 pub struct Ground {
@@ -95,6 +98,7 @@ pub fn grind_asset(asset: &Path, wheel: Wheel, settings: GrindSettings, console:
     if 1e-3 * weld.width_mm > wheel.width {
         console.step("wheel", format!("narrower than the bead ({:.1} mm): one track will not cover it", weld.width_mm));
     }
+    check_wheel(&wheel, before.voxel)?;
     let started = Instant::now();
     let mut after = before.clone();
     let passes = run_passes(&mut after, &weld, wheel, settings, console)?;
@@ -116,6 +120,33 @@ pub fn grind_asset(asset: &Path, wheel: Wheel, settings: GrindSettings, console:
     })
 }
 
+/// A wheel smaller than a voxel falls between the voxels.
+fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
+    for (flag, size) in [("--wheel-radius-mm", wheel.radius), ("--wheel-width-mm", wheel.width)] {
+        ensure!(
+            size >= voxel,
+            "{flag} {}: the field has a voxel of {:.4} mm, and a wheel of at least that size is accepted",
+            size * 1e3,
+            voxel * 1e3
+        );
+    }
+    Ok(())
+}
+
+/// The steps of a pass are as many as [`sim::grind`] needs for the way and for the removal.
+fn check_steps(path: &sim::Path, settings: &GrindSettings, voxel: f64) -> Result<()> {
+    let by_way = path.length() / (settings.step_voxels * voxel);
+    let by_removal = path.duration() * settings.grind_rate * settings.stiffness / settings.step_removal;
+    ensure!(
+        by_way <= MOST_STEPS && by_removal <= MOST_STEPS,
+        "a pass of {:.3e} s takes {by_way:.1e} steps for its way and {by_removal:.1e} for its removal, and {MOST_STEPS:.0e} \
+         are accepted: use a faster --feed-mm-s, or a smaller --grind-rate or --stiffness (k K is {:.1e} 1/s)",
+        path.duration(),
+        settings.grind_rate * settings.stiffness
+    );
+    Ok(())
+}
+
 fn run_passes(
     grid: &mut BrickGrid,
     weld: &WeldTruth,
@@ -126,6 +157,7 @@ fn run_passes(
     let points = weld.curve.position.iter().zip(&weld.curve.normal);
     let curve: Vec<CurvePoint> = points.map(|(&position, &normal)| CurvePoint { position, normal }).collect();
     let forth = sim::Path::along(&curve, settings.feed)?;
+    check_steps(&forth, &settings, grid.voxel)?;
     let back = forth.reversed();
     let mut passes = Vec::new();
     for pass in 1..=settings.passes {
@@ -200,8 +232,7 @@ impl Ground {
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(ground: &Ground, asset: &Path, folder: &Path, force: bool, console: &Console) -> Result<String> {
-    let staged = StagedFolder::new(folder, GRIND_FILE, force)?;
+pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Console) -> Result<String> {
     let place = |name: &str| staged.path().join(name);
     let grids = [
         GridRef::LevelSet { name: "phi", grid: &ground.after },

@@ -86,11 +86,13 @@ pub fn refuse_occupied(target: &Path, marker: &str, force: bool) -> Result<()> {
     if !force {
         return Err(occupied(target));
     }
+    if target.is_dir() && marker.is_empty() {
+        return Err(wrong_use(format!("{} is a folder; --out expects the name of a file", target.display())));
+    }
     if target.is_dir() && !target.join(marker).is_file() {
         return Err(wrong_use(format!(
-            "{} holds no {}: it is not a result of this command, so --force does not replace it",
-            target.display(),
-            if marker.is_empty() { "such file" } else { marker }
+            "{} holds no {marker}: it is not a result of this command, so --force does not replace it",
+            target.display()
         )));
     }
     Ok(())

@@ -11,6 +11,7 @@
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
 
 pub mod asset;
+pub mod budget;
 pub mod commands;
 pub mod console;
 pub mod export;

@@ -6,6 +6,7 @@ use sdf_bake::{BakeOptions, BakeReport, BrickGrid, Mesh, SignChoice, bake};
 use serde::Serialize;
 use weldgen::{Weld, WeldRequest, place_weld};
 
+use crate::budget;
 use crate::console::Console;
 use crate::part::Part;
 
@@ -88,12 +89,14 @@ impl Fineness {
 pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Result<Workpiece> {
     let baking =
         BakeOptions { voxel: options.fineness.voxel(&part), band_voxels: options.band_voxels, sign: options.sign };
+    budget::check(&part.mesh, &baking)?;
     let (target, report) = bake(&part.mesh, &baking)?;
     console.step("bake", describe_baking(&report, &target));
 
     if let Some(warning) = describe_volume(&part.mesh, &target) {
         console.step("note", warning);
     }
+    options.wishes.check_against(baking.voxel)?;
 
     let query = MeshQuery::new(&part.mesh);
     let request = options.wishes.applied_to(WeldRequest::for_part(&part.mesh, baking.voxel));
@@ -111,6 +114,23 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
 }
 
 impl WeldWishes {
+    /// A bead far below the voxel would be in the truth and not in the field.
+    fn check_against(&self, voxel: f64) -> Result<()> {
+        for (flag, wish, voxels) in
+            [("--length-mm", self.length, 1.0), ("--width-mm", self.width, 1.0), ("--height-mm", self.height, 0.05)]
+        {
+            if let Some(size) = wish.filter(|&size| size < voxels * voxel) {
+                bail!(
+                    "{flag} {:?}: with a voxel of {:.4} mm, {:.4} mm or more is accepted; a smaller --voxel-mm allows less",
+                    size * 1e3,
+                    voxel * 1e3,
+                    voxels * voxel * 1e3
+                );
+            }
+        }
+        Ok(())
+    }
+
     /// The request for a part with what the user fixed; fixed sizes are never shrunk.
     fn applied_to(&self, chosen: WeldRequest) -> WeldRequest {
         let width = self.width.unwrap_or(chosen.width);

@@ -63,7 +63,7 @@ impl FileRecord {
     }
 }
 
-/// Records of all files in a folder, by name.
+/// Records of all files in a folder, by name; folders in it are left out.
 ///
 /// # Errors
 /// When the folder or a file cannot be read.
@@ -71,6 +71,9 @@ pub fn record_files(folder: &Path) -> Result<BTreeMap<String, FileRecord>> {
     let mut files = BTreeMap::new();
     for entry in fs::read_dir(folder).with_context(|| format!("{}: cannot be read", folder.display()))? {
         let entry = entry?;
+        if entry.path().is_dir() {
+            continue;
+        }
         let name = entry.file_name().to_string_lossy().into_owned();
         files.insert(name, FileRecord::of(&entry.path())?);
     }

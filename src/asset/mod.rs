@@ -39,34 +39,24 @@ pub const PREVIEW_FILE: &str = "preview.png";
 /// Width and height of the picture [pixels].
 const PREVIEW_SIZE: (usize, usize) = (960, 720);
 
-/// Where and how to write an asset.
-pub struct AssetTarget<'a> {
-    /// Folder that will hold the asset.
-    pub folder: &'a Path,
-    /// Replace an asset that is there.
-    pub force: bool,
-    /// Whether the USD file is wanted.
-    pub usd: UsdMode,
-}
-
-/// Writes a welded workpiece as an asset folder, complete or not at all.
+/// Writes a welded workpiece into a folder in the making, which becomes an asset, complete or not at all.
 ///
 /// # Errors
 /// When a file cannot be written, or USD is required and cannot be had.
 pub fn write(
     workpiece: &Workpiece,
     options: &WeldingOptions,
-    target: &AssetTarget,
+    folder: StagedFolder,
+    usd: UsdMode,
     console: &Console,
 ) -> Result<PathBuf> {
-    let folder = StagedFolder::new(target.folder, MANIFEST_FILE, target.force)?;
     write_meshes(workpiece, folder.path())?;
     let truth = Welds::of(FIRST_WELD, &workpiece.weld, workpiece.weld_volume);
     write_json(&folder.path().join(WELDS_FILE), &truth)?;
     volumes::write(workpiece, folder.path())?;
     let preview = overview(&workpiece.welded, truth.welds.first(), PREVIEW_SIZE)?;
     fs::write(folder.path().join(PREVIEW_FILE), to_png(&preview)?)?;
-    usd::write(folder.path(), target.usd, console)?;
+    usd::write(folder.path(), usd, console)?;
     let manifest = manifest_of(workpiece, options, folder.path())?;
     write_json(&folder.path().join(MANIFEST_FILE), &manifest)?;
     let place = folder.commit()?;

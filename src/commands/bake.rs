@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use sdf_bake::{BakeOptions, bake};
 use serde::Serialize;
 
 use super::flags::{MeshFlags, OutFlags};
+use crate::budget;
 use crate::console::Console;
 use crate::folder::{refuse_occupied, write_file};
 use crate::part::Part;
@@ -52,8 +53,10 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
     let part = Part::load(&args.mesh_file, args.mesh.unit.into())?;
     part.describe(console);
     let options = BakeOptions { voxel: fineness.voxel(&part), band_voxels, sign: args.mesh.sign.into() };
+    let name = || args.mesh_file.display().to_string();
+    budget::check(&part.mesh, &options).with_context(name)?;
     let baking = Instant::now();
-    let (grid, report) = bake(&part.mesh, &options)?;
+    let (grid, report) = bake(&part.mesh, &options).with_context(name)?;
     let bake_s = baking.elapsed().as_secs_f64();
     console.step("bake", describe_baking(&report, &grid));
     let bytes = nvdb::write(&[GridRef::LevelSet { name: "phi", grid: &grid }], Codec::None)?;

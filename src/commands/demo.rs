@@ -10,9 +10,9 @@ use serde::Serialize;
 use sim::GrindSettings;
 use sim::Wheel;
 
-use crate::asset::{self, AssetTarget, UsdMode, write_json};
+use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
-use crate::finishing::{self, GrindSummary, PAGE_FILE, grind_asset};
+use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
@@ -30,7 +30,7 @@ pub(super) struct DemoArgs {
     #[arg(long)]
     force: bool,
     /// Seed of every random choice.
-    #[arg(long, default_value_t = 4)]
+    #[arg(long, default_value_t = 4, allow_negative_numbers = true)]
     seed: u64,
     /// USD file: auto makes it if Python can be had, require fails without it, off leaves it out.
     #[arg(long, value_enum, default_value_t)]
@@ -57,11 +57,13 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let options = demo_options(args.seed);
     let workpiece = weld_part(part, &options, console)?;
     let asset = folder.path().join("asset");
-    asset::write(&workpiece, &options, &AssetTarget { folder: &asset, force: false, usd: args.usd }, console)?;
+    let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
+    asset::write(&workpiece, &options, asset_folder, args.usd, console)?;
 
     let wheel = Wheel { radius: 0.05, width: 0.02 };
     let ground = grind_asset(&asset, wheel, GrindSettings::default(), console)?;
-    let page = finishing::write(&ground, &asset, &folder.path().join("grind"), false, console)?;
+    let grind_folder = StagedFolder::new(&folder.path().join("grind"), GRIND_FILE, false)?;
+    let page = finishing::write(&ground, &asset, grind_folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
 
     fs::write(folder.path().join(PAGE_FILE), page)?;

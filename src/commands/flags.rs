@@ -64,13 +64,13 @@ pub(super) struct MeshFlags {
     #[arg(long, value_enum, default_value_t)]
     pub(super) unit: UnitFlag,
     /// Distance between voxels [mm].
-    #[arg(long, value_name = "MM", conflicts_with = "resolution")]
+    #[arg(long, value_name = "MM", conflicts_with = "resolution", allow_negative_numbers = true)]
     pub(super) voxel_mm: Option<f64>,
     /// Voxels along the longest side [default: 256].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(super) resolution: Option<u32>,
     /// Half width of the band [voxels].
-    #[arg(long, value_name = "VOXELS", default_value_t = 3.0)]
+    #[arg(long, value_name = "VOXELS", default_value_t = 3.0, allow_negative_numbers = true)]
     pub(super) band: f64,
     /// How inside and outside are told apart.
     #[arg(long, value_enum, default_value_t)]
@@ -118,6 +118,15 @@ pub(super) fn positive(flag: &str, value: f64) -> Result<f64> {
         Ok(value)
     } else {
         Err(wrong_use(format!("{flag} {value}: a number above zero is expected")))
+    }
+}
+
+/// Checks that a flag's number is within bounds, both included.
+pub(super) fn within(flag: &str, value: f64, (least, most): (f64, f64)) -> Result<f64> {
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(wrong_use(format!("{flag} {value:?}: {least:?} to {most:?} is accepted")))
     }
 }
 

@@ -17,6 +17,9 @@ use clap::{Parser, Subcommand};
 use crate::WrongUse;
 use crate::console::Console;
 
+/// More threads than any machine for this has; tens of thousands would only wait for each other.
+const MOST_THREADS: usize = 1024;
+
 /// Make welded workpieces, bake them into signed distance fields, grind them in simulation.
 #[derive(Debug, Parser)]
 #[command(name = "robofin", version, max_term_width = 110)]
@@ -25,7 +28,7 @@ struct Cli {
     #[arg(long, global = true)]
     json: bool,
     /// Worker threads; the results do not depend on it [default: all cores].
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
     threads: Option<usize>,
     #[command(subcommand)]
     verb: Verb,
@@ -64,8 +67,8 @@ pub fn main() -> ExitCode {
 
 fn start(cli: Cli, console: &Console) -> Result<()> {
     if let Some(threads) = cli.threads {
-        if threads == 0 {
-            return Err(crate::wrong_use("--threads 0: at least one thread is needed".to_owned()));
+        if !(1..=MOST_THREADS).contains(&threads) {
+            return Err(crate::wrong_use(format!("--threads {threads}: 1 to {MOST_THREADS} are accepted")));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }

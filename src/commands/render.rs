@@ -8,7 +8,7 @@ use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
 
 use super::flags::OutFlags;
-use crate::asset::{AssetFields, WeldTruth, Welds};
+use crate::asset::{AssetFields, Manifest, WeldTruth, Welds};
 use crate::console::Console;
 use crate::folder::{refuse_occupied, write_file};
 use crate::picture::{overview, to_png};
@@ -52,6 +52,7 @@ pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
 /// The field to draw, and the weld that should be seen.
 fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
     if source.is_dir() {
+        Manifest::read(source)?;
         let weld = Welds::read(source)?.welds.into_iter().next();
         return Ok((AssetFields::open(source)?.welded, weld));
     }
@@ -67,10 +68,10 @@ fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
 
 fn parse_size(text: &str) -> Result<(usize, usize)> {
     let wrong =
-        || wrong_use(format!("--size {text}: WIDTHxHEIGHT from 16 to 8192 pixels is expected, for example 960x720"));
+        || wrong_use(format!("--size {text}: WIDTHxHEIGHT from 16 to 4096 pixels is expected, for example 960x720"));
     let (width, height) = text.split_once('x').ok_or_else(wrong)?;
     match (width.parse(), height.parse()) {
-        (Ok(width), Ok(height)) if (16..=8192).contains(&width) && (16..=8192).contains(&height) => Ok((width, height)),
+        (Ok(width), Ok(height)) if (16..=4096).contains(&width) && (16..=4096).contains(&height) => Ok((width, height)),
         _ => Err(wrong()),
     }
 }

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 
-use super::flags::{MeshFlags, OutFlags, optional_mm, positive};
-use crate::asset::{self, AssetTarget, MANIFEST_FILE, Manifest, UsdMode};
+use super::flags::{MeshFlags, OutFlags, optional_mm, within};
+use crate::asset::{self, MANIFEST_FILE, Manifest, UsdMode};
 use crate::console::Console;
-use crate::folder::refuse_occupied;
+use crate::folder::StagedFolder;
 use crate::part::Part;
 use crate::workpiece::{WeldWishes, WeldingOptions, weld_part};
 use crate::wrong_use;
@@ -25,7 +25,7 @@ pub(super) struct WeldArgs {
     #[command(flatten)]
     out: OutFlags,
     /// Seed of every random choice; the same seed gives the same bytes.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     #[command(flatten)]
     mesh: MeshFlags,
@@ -40,19 +40,19 @@ pub(super) struct WeldArgs {
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct WeldFlags {
     /// Length of the weld's centreline [mm].
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     length_mm: Option<f64>,
     /// Width of the bead between its toes [mm].
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     width_mm: Option<f64>,
     /// Height of the bead above the surface [mm].
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     height_mm: Option<f64>,
     /// Root mean square of the centreline's geodesic curvature [1/m]; 0 is a geodesic.
-    #[arg(long, value_name = "PER_M")]
+    #[arg(long, value_name = "PER_M", allow_negative_numbers = true)]
     curvature_per_m: Option<f64>,
     /// Least exposure: the cosine-weighted share of the hemisphere above the weld that must be free, 0 to 1.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     min_exposure: Option<f64>,
 }
 
@@ -61,8 +61,8 @@ impl WeldFlags {
         if let Some(share) = self.min_exposure.filter(|share| !(0.0..=1.0).contains(share)) {
             return Err(wrong_use(format!("--min-exposure {share}: a share from 0 to 1 is expected")));
         }
-        if let Some(curvature) = self.curvature_per_m.filter(|&c| c != 0.0) {
-            positive("--curvature-per-m", curvature)?;
+        if let Some(curvature) = self.curvature_per_m {
+            within("--curvature-per-m", curvature, (0.0, 1e4))?;
         }
         Ok(WeldWishes {
             length: optional_mm("--length-mm", self.length_mm)?,
@@ -92,12 +92,11 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
         sign: args.mesh.sign.into(),
         wishes: args.wishes.wishes()?,
     };
-    refuse_occupied(&args.out.out, MANIFEST_FILE, args.out.force)?;
+    let folder = StagedFolder::new(&args.out.out, MANIFEST_FILE, args.out.force)?;
     let part = Part::load(&args.file, args.mesh.unit.into())?;
     part.describe(console);
-    let workpiece = weld_part(part, &options, console)?;
-    let target = AssetTarget { folder: &args.out.out, force: args.out.force, usd: args.usd };
-    let place = asset::write(&workpiece, &options, &target, console)?;
+    let workpiece = weld_part(part, &options, console).with_context(|| args.file.display().to_string())?;
+    let place = asset::write(&workpiece, &options, folder, args.usd, console)?;
     let manifest = Manifest::read(&place)?;
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&WeldAnswer { asset: &args.out.out, seconds: started.elapsed().as_secs_f64(), manifest })

@@ -31,8 +31,20 @@ pub(super) fn check(folder: &Path, manifest: &Manifest) -> Vec<Check> {
     for name in found.keys().filter(|name| *name != MANIFEST_FILE && !manifest.files.contains_key(*name)) {
         checks.push(Check::new(name, "is listed in the manifest", false, "a file that the manifest does not know"));
     }
+    checks.extend(check_folders(folder));
     checks.push(check_picture(folder));
     checks
+}
+
+/// An asset is flat.
+fn check_folders(folder: &Path) -> Vec<Check> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries
+        .filter(|entry| entry.path().is_dir())
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names.iter().map(|name| Check::new(name, "is listed in the manifest", false, "a folder inside the asset")).collect()
 }
 
 fn check_picture(folder: &Path) -> Check {

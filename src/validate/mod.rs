@@ -52,6 +52,10 @@ pub fn validate(folder: &Path, usd: UsdMode) -> Result<Vec<Check>> {
     }
     if let (Some(truth), Some(meshes), Some(fields)) = (&truth, &meshes, &fields) {
         checks.extend(welds::check(truth, meshes, fields));
+        checks.push(welds::check_ids(truth, meshes, fields));
+    }
+    if let Some(truth) = &truth {
+        checks.extend(welds::check_manifest(truth, &manifest));
     }
     checks.extend(usd::check(folder, &manifest, meshes.as_ref(), usd)?);
     Ok(checks)

@@ -1,35 +1,96 @@
 //! The truth file against meshes and fields: the curve is on the part, the labels hold the bead's volume.
 
+use std::collections::BTreeSet;
+
 use sdf_bake::query::MeshQuery;
 
 use super::Check;
 use super::meshes::Meshes;
-use crate::asset::{AssetFields, CurveTruth, WELD_FILE, WELDS_FILE, WeldTruth, Welds};
+use crate::asset::{AssetFields, CurveTruth, MANIFEST_FILE, Manifest, WELD_FILE, WELDS_FILE, WeldTruth, Welds};
 
 /// Largest distance of the centreline from the part's surface [m].
 const ON_SURFACE: f64 = 1e-5;
 /// Largest relative difference between the volume of the labels and of the bead.
 const VOLUME_TOLERANCE: f64 = 0.02;
+/// Figures that are said twice may differ by this, relative.
+const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(truth: &Welds, meshes: &Meshes, fields: &AssetFields) -> Vec<Check> {
     let query = MeshQuery::new(&meshes.part.mesh);
     let mut checks = Vec::new();
     for weld in &truth.welds {
         checks.push(check_numbers(weld));
+        checks.push(check_figures(weld));
         checks.push(check_surface(weld, &query));
         checks.push(check_volume(weld, fields));
-        let known = meshes.beads().any(|bead| bead.weld_id == weld.id);
-        let found = if known { "present" } else { "absent" };
-        checks.push(Check::new(WELDS_FILE, format!("weld {} has a bead in welded.glb", weld.id), known, found));
     }
     checks
 }
 
+/// Truth, beads and labels name the same welds.
+pub(super) fn check_ids(truth: &Welds, meshes: &Meshes, fields: &AssetFields) -> Check {
+    let sorted = |mut ids: Vec<u16>| {
+        ids.sort_unstable();
+        ids
+    };
+    let told = sorted(truth.welds.iter().map(|weld| weld.id).collect());
+    let swept = sorted(meshes.beads().map(|bead| bead.weld_id).collect());
+    let labelled: BTreeSet<u16> = fields.welded.label.iter().copied().filter(|&id| id != 0).collect();
+    let one_each = !told.is_empty() && told.windows(2).all(|pair| pair[0] < pair[1]);
+    let passed = one_each && told == swept && labelled.iter().eq(&told);
+    let found = format!("weld ids: truth {told:?}, beads {swept:?}, labels {labelled:?}");
+    Check::new(WELDS_FILE, "truth, beads and labels name the same weld ids, each once", passed, found)
+}
+
+/// The manifest repeats figures of the truth.
+pub(super) fn check_manifest(truth: &Welds, manifest: &Manifest) -> Vec<Check> {
+    let sum = |figure: fn(&WeldTruth) -> f64| truth.welds.iter().map(figure).sum::<f64>();
+    let figures = [("weld_volume_mm3", sum(|weld| weld.volume_mm3)), ("weld_length_mm", sum(|weld| weld.length_mm))];
+    let check = |(name, expected): (&str, f64)| {
+        let said = manifest.checks.get(name).copied().unwrap_or(f64::NAN);
+        let found = format!("{said}, {expected} in {WELDS_FILE}");
+        Check::new(MANIFEST_FILE, format!("{name} is that of the truth"), agree(said, expected), found)
+    };
+    figures.map(check).into()
+}
+
+/// Whether two figures are one up to rounding.
+fn agree(one: f64, two: f64) -> bool {
+    (one - two).abs() <= ROUNDING * one.abs().max(two.abs()).max(ROUNDING)
+}
+
+/// The figures of a weld follow from its centreline.
+fn check_figures(weld: &WeldTruth) -> Check {
+    let curve = &weld.curve;
+    let count = curve.position.len().max(1) as f64;
+    let length = curve.arc_length.last().copied().unwrap_or(f64::NAN);
+    let squares: f64 = curve.geodesic_curvature.iter().map(|k| k * k).sum();
+    let largest = curve.geodesic_curvature.iter().map(|k| k.abs()).fold(0.0, f64::max);
+    let figures = [
+        ("length_mm", weld.length_mm, length * 1e3),
+        ("exposure_mean", weld.exposure_mean, curve.exposure.iter().sum::<f64>() / count),
+        ("exposure_min", weld.exposure_min, curve.exposure.iter().copied().fold(1.0, f64::min)),
+        ("geodesic_curvature_rms_per_m", weld.geodesic_curvature_rms_per_m, (squares / count).sqrt()),
+        ("geodesic_curvature_max_per_m", weld.geodesic_curvature_max_per_m, largest),
+    ];
+    let wrong: Vec<String> = figures
+        .iter()
+        .filter(|&&(_, said, follows)| !agree(said, follows))
+        .map(|(name, said, follows)| format!("{name} is {said}, {follows} follows"))
+        .collect();
+    let found = if wrong.is_empty() { "they do".to_owned() } else { wrong.join("; ") };
+    Check::new(WELDS_FILE, format!("weld {}: its figures follow from its centreline", weld.id), wrong.is_empty(), found)
+}
+
 fn check_numbers(weld: &WeldTruth) -> Check {
-    let rule = format!("weld {} has finite numbers, unit frames and one entry per point", weld.id);
+    let rule = format!("weld {} has finite numbers, unit frames, growing arc length, one entry per point", weld.id);
     let sizes = [weld.width_mm, weld.height_mm, weld.length_mm, weld.volume_mm3];
+    let shares = weld.curve.exposure.iter().all(|share| (0.0..=1.0).contains(share));
+    let grows = weld.curve.arc_length.windows(2).all(|pair| pair[0] < pair[1]);
+    let steps = weld.curve.arc_length.windows(2).zip(weld.curve.position.windows(2));
+    let reached = steps.into_iter().all(|(s, p)| p[0].distance(p[1]) <= (s[1] - s[0]) * (1.0 + 1e-6) + 1e-12);
     let positive = sizes.iter().all(|&size| size > 0.0 && size.is_finite());
-    let passed = positive && is_complete(&weld.curve) && is_framed(&weld.curve);
+    let passed = positive && shares && grows && reached && is_complete(&weld.curve) && is_framed(&weld.curve);
     Check::new(WELDS_FILE, rule, passed, format!("{} points", weld.curve.position.len()))
 }
 

@@ -1,0 +1,89 @@
+//! What baking would cost, known from the mesh before anything is allocated.
+
+use anyhow::{Result, ensure};
+use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS};
+use sdf_bake::{BakeOptions, Mesh};
+
+/// Bricks that a field may have: 1.6 GB of distances and labels, some times that while a workpiece is made.
+const MOST_BRICKS: f64 = 5e5;
+/// Bytes of distance and label in a brick.
+const BRICK_BYTES: f64 = 6.0 * BRICK_VOXELS as f64;
+
+/// Bricks that the band around a surface will need, about: `A (2 b + 1.5 s) / s³`.
+///
+/// A slab of area A and thickness t meets `A (t + w) / s³` cubes of side s, where w is the cube's width across the
+/// slab, 1.5 s in the mean over all directions (Cauchy 1841). There are never more than the box around the band has.
+fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
+    let side = BRICK_SIDE as f64 * options.voxel;
+    let band = options.band_voxels * options.voxel;
+    let area: f64 = (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            0.5 * (b - a).cross(c - a).length()
+        })
+        .sum();
+    let around_surface = area * (2.0 * band + 1.5 * side) / side.powi(3);
+    let box_of_band =
+        mesh.bounds().map_or(0.0, |(low, high)| ((high - low + 2.0 * band) / side + 1.0).element_product());
+    around_surface.min(box_of_band)
+}
+
+/// Refuses a grid that would not fit in memory.
+///
+/// # Errors
+/// When the voxel is larger than the part, or about half a million bricks or more would be needed; the message says
+/// which voxel would fit.
+pub fn check(mesh: &Mesh, options: &BakeOptions) -> Result<()> {
+    let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
+    ensure!(
+        options.voxel <= longest,
+        "a voxel of {:.3e} mm is larger than the part of {:.3e} mm: use a smaller --voxel-mm",
+        options.voxel * 1e3,
+        longest * 1e3
+    );
+    let bricks = expected_bricks(mesh, options);
+    // Bricks around a surface fall with the square of the voxel, those of a box faster.
+    let least_voxel = options.voxel * (bricks / MOST_BRICKS).sqrt();
+    ensure!(
+        bricks <= MOST_BRICKS,
+        "a voxel of {:.3e} mm with a band of {} voxels needs about {bricks:.1e} bricks ({:.1} GB), and {MOST_BRICKS:.0e} \
+         are accepted: use --voxel-mm {:.3e} or more, --resolution {:.0} or less, or a smaller --band",
+        options.voxel * 1e3,
+        options.band_voxels,
+        bricks * BRICK_BYTES * 1e-9,
+        least_voxel * 1e3,
+        (longest / least_voxel).floor()
+    );
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use sdf_bake::bake;
+
+    use super::*;
+    use crate::part::Part;
+
+    #[test]
+    fn the_estimate_is_never_below_what_baking_makes_and_never_twice_as_much() {
+        let part = Part::bundled().unwrap();
+        for (voxel, band_voxels) in [(1e-3, 3.0), (0.5e-3, 3.0)] {
+            let options = BakeOptions { band_voxels, ..BakeOptions::with_voxel(voxel) };
+            let made = bake(&part.mesh, &options).unwrap().1.bricks as f64;
+            let expected = expected_bricks(&part.mesh, &options);
+            assert!((1.0..2.0).contains(&(expected / made)), "{made} bricks, {expected} expected");
+        }
+    }
+
+    #[test]
+    fn the_voxel_that_a_refusal_names_is_accepted() {
+        let part = Part::bundled().unwrap();
+        for band_voxels in [3.0, 64.0] {
+            let options = BakeOptions { band_voxels, ..BakeOptions::with_voxel(1e-6) };
+            let error = check(&part.mesh, &options).unwrap_err().to_string();
+            let named = error.split("--voxel-mm ").nth(1).and_then(|text| text.split(' ').next()).unwrap();
+            let voxel = 1.001e-3 * named.parse::<f64>().unwrap();
+            assert!(check(&part.mesh, &BakeOptions { voxel, ..options }).is_ok(), "{error}");
+        }
+    }
+}

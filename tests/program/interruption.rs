@@ -1,0 +1,71 @@
+//! Runs that are killed, and runs that want the same place.
+
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::program::{asset, bracket, files, names, robofin, run, weld_bracket};
+
+#[test]
+fn two_runs_at_once_leave_one_whole_asset() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("asset");
+    let (one, two) = std::thread::scope(|scope| {
+        let other = scope.spawn(|| run(&mut weld_bracket(&out)));
+        (run(&mut weld_bracket(&out)), other.join().expect("no panic"))
+    });
+    let codes = [&one, &two].map(|outcome| outcome.status.code());
+    assert!(codes.contains(&Some(0)), "{} {}", one.stderr, two.stderr);
+    for outcome in [one, two].iter().filter(|outcome| outcome.status.code() != Some(0)) {
+        let code = outcome.status.code().expect("it was not killed");
+        outcome.is_refused(code, &["asset"]);
+    }
+    assert_eq!(names(folder.path()), ["asset"], "nothing is left over");
+    assert!(files(&out) == files(asset()), "it is whole");
+}
+
+#[test]
+fn a_killed_run_leaves_nothing_under_the_final_name() {
+    // A picture, a field and a folder take long enough here to be interrupted on the way.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("asset");
+    let mut unfinished = 0;
+    for delay in [30, 100, 300, 600, 900, 1200] {
+        let mut command = robofin(["weld", "--seed", "7", "--usd", "off", "--resolution", "128"]);
+        command.arg(bracket()).arg("--out").arg(&out).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().expect("the program can be started");
+        sleep(Duration::from_millis(delay));
+        child.kill().expect("the program can be killed");
+        let finished = child.wait().expect("the program ends").success();
+        assert_eq!(out.exists(), finished, "after {delay} ms");
+        let left = names(folder.path());
+        for name in left.iter().filter(|name| *name != "asset") {
+            assert!(name.starts_with(".asset.part-"), "{left:?}");
+            std::fs::remove_dir_all(folder.path().join(name)).expect("it can be removed");
+        }
+        unfinished += usize::from(!finished);
+        if finished {
+            break;
+        }
+    }
+    assert!(unfinished > 0, "all runs were finished before they were killed");
+}
+
+#[test]
+fn what_a_killed_run_left_does_not_stop_the_next() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("asset");
+    let mut command = weld_bracket(&out);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program can be started");
+    let started = Instant::now();
+    while names(folder.path()).is_empty() && started.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(1));
+    }
+    child.kill().expect("the program can be killed");
+    child.wait().expect("the program ends");
+    let left = names(folder.path());
+    assert!(left.len() == 1 && left[0].starts_with(".asset.part-"), "{left:?}");
+    run(&mut weld_bracket(&out)).succeeds();
+    assert!(files(&out) == files(asset()), "it is whole");
+    assert_eq!(names(folder.path()), [left[0].as_str(), "asset"], "what others left is not touched");
+}

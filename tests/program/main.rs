@@ -1,0 +1,19 @@
+//! The program as its users meet it: started as a process, judged by its exit code, its words and its files.
+//!
+//! Where Python, node or the shared parts (`ROBOFIN_SHARED`) cannot be had, the tests that need them say so on
+//! standard error; with `ROBOFIN_REQUIRE_OUTSIDE=1` they fail instead.
+
+mod damage;
+mod flags;
+mod hostile_files;
+mod interruption;
+mod memory;
+#[path = "../export/outside.rs"]
+mod outside;
+mod places;
+mod process;
+mod program;
+mod repeatability;
+mod road;
+mod shared_parts;
+mod units;
