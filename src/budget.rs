@@ -16,13 +16,7 @@ const BRICK_BYTES: f64 = 6.0 * BRICK_VOXELS as f64;
 fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
     let side = BRICK_SIDE as f64 * options.voxel;
     let band = options.band_voxels * options.voxel;
-    let area: f64 = (0..mesh.triangles.len())
-        .map(|t| {
-            let [a, b, c] = mesh.corners(t);
-            0.5 * (b - a).cross(c - a).length()
-        })
-        .sum();
-    let around_surface = area * (2.0 * band + 1.5 * side) / side.powi(3);
+    let around_surface = mesh.area() * (2.0 * band + 1.5 * side) / side.powi(3);
     let box_of_band =
         mesh.bounds().map_or(0.0, |(low, high)| ((high - low + 2.0 * band) / side + 1.0).element_product());
     around_surface.min(box_of_band)
