@@ -4,12 +4,14 @@
 //! the exact distance to its own triangles (`distance.rs`); voxels that no surface can separate share one
 //! sign (`sign.rs`), judged by the generalised winding number ([`WindingTree`]); what has no brick is flooded.
 
+mod columns;
 mod distance;
+mod facet;
 mod scatter;
 mod sign;
 mod winding;
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
@@ -18,7 +20,9 @@ use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
 use crate::implicit::entry_brick;
 use crate::mesh::Mesh;
-use distance::Facet;
+use columns::InsideMask;
+use distance::Scratch;
+use facet::Facet;
 use scatter::BrickTriangles;
 
 pub use winding::WindingTree;
@@ -135,12 +139,20 @@ const AMBIGUOUS_LIMIT: f64 = 0.005;
 /// [`BakeError`] for an empty mesh, unusable options, a grid that cannot fit, or a surface without a clear inside.
 pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport), BakeError> {
     let mut grid = frame(mesh, options)?;
-    let facets: Vec<Facet> = (0..mesh.triangles.len()).map(|t| Facet::new(mesh.corners(t))).collect();
+    let facets: Vec<Facet> =
+        (0..mesh.triangles.len()).into_par_iter().map(|t| Facet::new(mesh.corners(t), grid.voxel)).collect();
     let near = scatter::scatter(&facets, &grid);
-    let tree = WindingTree::new(mesh);
+    let edges = EdgeMap::new(mesh);
+    let inside = if edges.indices().all(|edge| edges.is_balanced(edge)) {
+        Inside::Masks(columns::inside_masks(&near, &facets, &grid))
+    } else {
+        Inside::Tree(WindingTree::new(mesh))
+    };
 
-    let judged: Vec<JudgedBrick> =
-        (0..near.brick_count()).into_par_iter().map(|b| fill(b, &near, &facets, &tree, &grid)).collect();
+    let judged: Vec<JudgedBrick> = (0..near.brick_count())
+        .into_par_iter()
+        .map_init(Scratch::default, |scratch, b| fill(b, &near, &facets, &inside, &grid, scratch))
+        .collect();
     let (mut ambiguous, mut inside) = (0usize, 0usize);
     for (b, brick) in judged.iter().enumerate() {
         ambiguous += brick.ambiguous;
@@ -153,7 +165,7 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     }
     sign::flood_empty(&mut grid);
 
-    let boundary_edges = EdgeMap::new(mesh).boundary_count();
+    let boundary_edges = edges.boundary_count();
     let share = ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64;
     if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
         return Err(BakeError::Open { boundary_edges, share });
@@ -198,22 +210,33 @@ struct JudgedBrick {
     inside: usize,
 }
 
-fn fill(b: usize, near: &BrickTriangles, facets: &[Facet], tree: &WindingTree, grid: &BrickGrid) -> JudgedBrick {
-    let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
-    let squared = distance::squared_distances(brick, near.triangles(b), facets, grid);
-    let mut phi = Box::new([0f32; BRICK_VOXELS]);
-    let band = f64::from(grid.band);
-    for (value, &squared) in phi.iter_mut().zip(squared.iter()) {
-        *value = squared.sqrt().min(band) as f32;
-    }
-    let in_band = phi.iter().any(|&phi| phi < grid.band);
-    let (ambiguous, inside) = sign::judge(brick, &mut phi, tree, grid);
-    JudgedBrick { phi, in_band, ambiguous, inside }
+/// Where inside and outside come from.
+enum Inside {
+    Masks(Vec<InsideMask>),
+    Tree(WindingTree),
 }
 
-/// Centre of a brick's voxels [m].
-fn brick_centre(brick: IVec3, voxel: f64) -> DVec3 {
-    (brick.as_dvec3() * BRICK_SIDE as f64 + 3.5) * voxel
+fn fill(
+    b: usize,
+    near: &BrickTriangles,
+    facets: &[Facet],
+    inside: &Inside,
+    grid: &BrickGrid,
+    scratch: &mut Scratch,
+) -> JudgedBrick {
+    let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
+    let centre = brick.as_dvec3() * BRICK_SIDE as f64 + 3.5;
+    let band = (f64::from(grid.band) / grid.voxel) as f32;
+    let mut phi = distance::distances(centre, near.triangles(b), facets, band, scratch);
+    for value in phi.iter_mut() {
+        *value = if *value < band { ((f64::from(*value) * grid.voxel) as f32).min(grid.band) } else { grid.band };
+    }
+    let in_band = phi.iter().any(|&phi| phi < grid.band);
+    let (ambiguous, inside) = match inside {
+        Inside::Masks(masks) => (0, columns::apply(&masks[b], &mut phi)),
+        Inside::Tree(tree) => sign::judge(brick, &mut phi, tree, grid),
+    };
+    JudgedBrick { phi, in_band, ambiguous, inside }
 }
 
 #[cfg(test)]
