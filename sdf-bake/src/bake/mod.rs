@@ -11,7 +11,6 @@ mod scatter;
 mod sign;
 mod winding;
 
-use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
