@@ -42,14 +42,14 @@ fn wrong_share(damage: &str, damaged: &Mesh) -> f64 {
     share
 }
 
-/// Cuts out patches of about 60 faces until 5 % are gone.
-fn with_holes(mut mesh: Mesh) -> Mesh {
+/// Cuts out patches of a radius [m] until 5 % of the faces are gone.
+fn with_holes(mut mesh: Mesh, radius: f64) -> Mesh {
     let (before, mut seed) = (mesh.triangles.len(), 0);
     while mesh.triangles.len() * 100 > before * 95 {
         seed += 1;
         let centre = mesh.corners((noise(seed) * mesh.triangles.len() as f64) as usize)[0];
         let positions = &mesh.positions;
-        mesh.triangles.retain(|t| positions[t[0] as usize].distance(centre) > 0.0025);
+        mesh.triangles.retain(|t| positions[t[0] as usize].distance(centre) > radius);
     }
     mesh
 }
@@ -70,10 +70,13 @@ fn as_soup(mesh: &Mesh) -> Mesh {
     Mesh { positions, triangles }
 }
 
+/// A winding number of one half spans a hole with a skin of its own, which cuts edges off: wide holes are another shape.
 #[test]
-fn holes_leave_the_sign_alone() {
-    let share = wrong_share("5 % cut out in patches", &with_holes(gear()));
-    assert!(share < 5e-4, "{share}");
+fn holes_nearly_leave_the_sign_alone() {
+    for (radius, limit) in [(0.0008, 1e-3), (0.0025, 3e-3)] {
+        let share = wrong_share(&format!("5 % cut out, {} mm", 1e3 * radius), &with_holes(gear(), radius));
+        assert!(share < limit, "{share}");
+    }
 }
 
 #[test]
@@ -83,7 +86,7 @@ fn turned_faces_are_harmless_after_cleaning_and_bounded_without() {
     assert!(report.flipped_triangles > 0);
     assert_eq!(wrong_share("10 % turned, cleaned", &cleaned), 0.0);
     let share = wrong_share("10 % turned, as they are", &turned);
-    assert!(share < 0.02, "{share}");
+    assert!(share < 0.005, "{share}");
 }
 
 #[test]

@@ -23,6 +23,7 @@ use columns::InsideMask;
 use distance::Scratch;
 use facet::Facet;
 use scatter::BrickTriangles;
+use sign::Surface;
 
 pub use winding::WindingTree;
 
@@ -145,7 +146,8 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     let inside = if edges.indices().all(|edge| edges.is_balanced(edge)) {
         Inside::Masks(columns::inside_masks(&near, &facets, &grid))
     } else {
-        Inside::Tree(WindingTree::new(mesh))
+        let has_holes = edges.indices().any(|edge| edges.uses(edge).len() % 2 == 1);
+        Inside::Judged(Surface { tree: WindingTree::new(mesh), has_holes })
     };
 
     let judged: Vec<JudgedBrick> = (0..near.brick_count())
@@ -212,7 +214,7 @@ struct JudgedBrick {
 /// Where inside and outside come from.
 enum Inside {
     Masks(Vec<InsideMask>),
-    Tree(WindingTree),
+    Judged(Surface),
 }
 
 fn fill(
@@ -233,7 +235,7 @@ fn fill(
     let in_band = phi.iter().any(|&phi| phi < grid.band);
     let (ambiguous, inside) = match inside {
         Inside::Masks(masks) => (0, columns::apply(&masks[b], &mut phi)),
-        Inside::Tree(tree) => sign::judge(brick, &mut phi, tree, grid),
+        Inside::Judged(surface) => sign::judge(brick, &mut phi, surface, grid),
     };
     JudgedBrick { phi, in_band, ambiguous, inside }
 }
