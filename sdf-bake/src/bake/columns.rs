@@ -19,8 +19,11 @@ use crate::implicit::entry_brick;
 /// Inside voxels of a brick: bit z + 8 y of word x.
 pub(super) type InsideMask = [u64; BRICK_SIDE];
 
-/// Signed crossings of each of a brick's columns (x, y), sorted by how many of its voxels lie below them.
-type Crossings = [[[i32; BRICK_SIDE + 1]; BRICK_SIDE]; BRICK_SIDE];
+/// A brick's columns along z; column (x, y) is number 8 x + y.
+const COLUMNS: usize = BRICK_SIDE * BRICK_SIDE;
+
+/// Signed crossings of each of a brick's columns, sorted by how many of its voxels lie below them.
+type Crossings = [[i32; BRICK_SIDE + 1]; COLUMNS];
 
 /// Inside voxels of each touched brick.
 pub(super) fn inside_masks(near: &BrickTriangles, facets: &[Facet], grid: &BrickGrid) -> Vec<InsideMask> {
@@ -28,12 +31,12 @@ pub(super) fn inside_masks(near: &BrickTriangles, facets: &[Facet], grid: &Brick
     let masks: Vec<Vec<InsideMask>> = stacks
         .into_par_iter()
         .map(|stack| {
-            let mut above = [[0; BRICK_SIDE]; BRICK_SIDE];
+            let mut above = [0; COLUMNS];
             let mut masks: Vec<InsideMask> = stack
                 .rev()
                 .map(|b| {
                     let low = (grid.origin + entry_brick(near.entry(b), grid.dims)).as_dvec3() * BRICK_SIDE as f64;
-                    let mut crossings = Crossings::default();
+                    let mut crossings = [[0; BRICK_SIDE + 1]; COLUMNS];
                     for &triangle in near.triangles(b) {
                         add_crossings(&facets[triangle as usize], low, &mut crossings);
                     }
@@ -58,17 +61,14 @@ pub(super) fn apply(mask: &InsideMask, phi: &mut [f32; BRICK_VOXELS]) -> usize {
 }
 
 /// Goes down a brick's columns; `above` holds the winding number over the brick, then that below it.
-fn mask(crossings: &Crossings, above: &mut [[i32; BRICK_SIDE]; BRICK_SIDE]) -> InsideMask {
+fn mask(crossings: &Crossings, above: &mut [i32; COLUMNS]) -> InsideMask {
     let mut mask = InsideMask::default();
-    for x in 0..BRICK_SIDE {
-        for y in 0..BRICK_SIDE {
-            let winding = &mut above[x][y];
-            for z in (0..BRICK_SIDE).rev() {
-                *winding += crossings[x][y][z + 1];
-                mask[x] |= u64::from(*winding > 0) << (8 * y + z);
-            }
-            *winding += crossings[x][y][0];
+    for (column, (crossings, winding)) in crossings.iter().zip(above).enumerate() {
+        for z in (0..BRICK_SIDE).rev() {
+            *winding += crossings[z + 1];
+            mask[column / BRICK_SIDE] |= u64::from(*winding > 0) << (column % BRICK_SIDE * BRICK_SIDE + z);
         }
+        *winding += crossings[0];
     }
     mask
 }
@@ -96,7 +96,7 @@ fn add_crossings(facet: &Facet, low: DVec3, crossings: &mut Crossings) {
             let share = (x - left.x) / (right.x - left.x);
             let height = (left.z + share * (right.z - left.z)).clamp(least.z, most.z) - low.z;
             if (0.0..side).contains(&height) {
-                crossings[column][row][height.ceil() as usize] += sign;
+                crossings[column * BRICK_SIDE + row][height.ceil() as usize] += sign;
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::facet::{Facet, LocalFacet, smaller};
+use super::facet::{Facet, LocalFacet, larger, smaller};
 use crate::grid::BRICK_VOXELS;
 
 /// Half the diagonal of 4³ and of 2³ voxels [voxels].
@@ -29,12 +29,21 @@ pub(super) struct Scratch {
 struct Candidates {
     facets: Vec<u32>,
     squared: Vec<[f32; 8]>,
+    /// Those of one child, and their squared distances from its centre.
+    of_child: Vec<(f32, u32)>,
 }
 
 impl Candidates {
     fn clear(&mut self) {
         self.facets.clear();
         self.squared.clear();
+    }
+
+    fn within(&mut self, child: usize, limit: f32) -> &[(f32, u32)] {
+        self.of_child.clear();
+        let all = self.squared.iter().map(|squared| squared[child]).zip(self.facets.iter().copied());
+        self.of_child.extend(all.filter(|&(squared, _)| squared <= limit));
+        &self.of_child
     }
 
     /// Squared distances from a child's centre within which triangles matter; `reach` is the band [voxels].
@@ -76,9 +85,10 @@ pub(super) fn distances(
             }
         }
         let block_limits = blocks.limits(BLOCK_RADIUS, band);
-        for block in 0..8 {
+        for (block, limit) in block_limits.into_iter().enumerate() {
             let block_centre = part_centre + corner(block) * 2.0 - 1.0;
-            if let Some(values) = block_distances(block, block_centre, block_limits[block], local, blocks) {
+            let candidates = blocks.within(block, limit);
+            if let Some(values) = block_distances(candidates, block_centre, local) {
                 let first = (corner(part) * 4.0 + corner(block) * 2.0).as_ivec3();
                 for (i, value) in values.iter().enumerate() {
                     let voxel = first + corner(i).as_ivec3();
@@ -90,24 +100,16 @@ pub(super) fn distances(
     nearest
 }
 
-/// Squared distances [voxels²] of a block's voxels, or `None` if no triangle is within its limit.
-fn block_distances(
-    block: usize,
-    centre: Vec3,
-    mut limit: f32,
-    local: &[LocalFacet],
-    blocks: &Candidates,
-) -> Option<[f32; 8]> {
-    let closest =
-        (0..blocks.facets.len()).min_by(|&a, &b| blocks.squared[a][block].total_cmp(&blocks.squared[b][block]))?;
-    if blocks.squared[closest][block] > limit {
-        return None;
-    }
-    let mut nearest = local[blocks.facets[closest] as usize].squared_distances(centre, 0.5);
-    let farthest = nearest.iter().fold(0.0, |a: f32, &b| a.max(b)).sqrt() + BLOCK_RADIUS + MARGIN;
-    limit = smaller(limit, farthest * farthest);
-    for (i, &facet) in blocks.facets.iter().enumerate() {
-        if i != closest && blocks.squared[i][block] <= limit {
+/// Squared distances [voxels²] of a block's voxels, or `None` without a candidate.
+fn block_distances(candidates: &[(f32, u32)], centre: Vec3, local: &[LocalFacet]) -> Option<[f32; 8]> {
+    let closest = candidates.iter().fold(None, |best: Option<&(f32, u32)>, candidate| match best {
+        Some(best) if best.0 <= candidate.0 => Some(best),
+        _ => Some(candidate),
+    })?;
+    let mut nearest = local[closest.1 as usize].squared_distances(centre, 0.5);
+    let farthest = nearest.iter().fold(0.0, |a, &b| larger(b, a)).sqrt() + BLOCK_RADIUS + MARGIN;
+    for &(squared, facet) in candidates {
+        if squared <= farthest * farthest && facet != closest.1 {
             let squared = local[facet as usize].squared_distances(centre, 0.5);
             for (nearest, squared) in nearest.iter_mut().zip(squared) {
                 *nearest = smaller(squared, *nearest);

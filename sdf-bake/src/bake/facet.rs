@@ -157,7 +157,7 @@ impl LocalFacet {
 
 /// One instruction, unlike `f32::max`, which must care for NaN.
 #[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
+pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
