@@ -39,6 +39,7 @@ impl Candidates {
         self.squared.clear();
     }
 
+    #[inline(always)]
     fn within(&mut self, child: usize, limit: f32) -> &[(f32, u32)] {
         self.of_child.clear();
         let all = self.squared.iter().map(|squared| squared[child]).zip(self.facets.iter().copied());
@@ -47,6 +48,7 @@ impl Candidates {
     }
 
     /// Squared distances from a child's centre within which triangles matter; `reach` is the band [voxels].
+    #[inline(always)]
     fn limits(&self, radius: f32, reach: f32) -> [f32; 8] {
         let mut least = [f32::INFINITY; 8];
         for squared in &self.squared {
@@ -58,22 +60,54 @@ impl Candidates {
     }
 }
 
-/// Distance [voxels] from each voxel of a brick to the nearest of its triangles, at most `band`.
-///
-/// - `centre`: of the brick's voxels [voxels]
-pub(super) fn distances(
-    centre: DVec3,
-    triangles: &[u32],
-    facets: &[Facet],
-    band: f32,
-    scratch: &mut Scratch,
-) -> Box<[f32; BRICK_VOXELS]> {
+/// A brick and what may be near it.
+pub(super) struct Brick<'a> {
+    /// Centre of its voxels [voxels].
+    pub(super) centre: DVec3,
+    /// Indices into `facets`.
+    pub(super) triangles: &'a [u32],
+    pub(super) facets: &'a [Facet],
+    /// Where distances end [voxels].
+    pub(super) band: f32,
+}
+
+impl Brick<'_> {
+    /// Distance [voxels] from each voxel to the nearest of the brick's triangles, at most `band`.
+    ///
+    /// Runs in the widest lanes the processor has; they change no bit of the result.
+    pub(super) fn distances(self, scratch: &mut Scratch) -> Box<[f32; BRICK_VOXELS]> {
+        pulp::Arch::new().dispatch(InLanes { brick: self, scratch })
+    }
+}
+
+/// [`distances`] as a call that is compiled for each kind of lanes.
+struct InLanes<'a, 'b> {
+    brick: Brick<'a>,
+    scratch: &'b mut Scratch,
+}
+
+impl pulp::NullaryFnOnce for InLanes<'_, '_> {
+    type Output = Box<[f32; BRICK_VOXELS]>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        distances(self.brick, self.scratch)
+    }
+}
+
+// All below is inlined into the call above, or it would not be compiled for its lanes.
+
+#[inline(always)]
+fn distances(brick: Brick, scratch: &mut Scratch) -> Box<[f32; BRICK_VOXELS]> {
+    let Brick { centre, triangles, facets, band } = brick;
     let mut nearest = Box::new([band; BRICK_VOXELS]);
     let Scratch { facets: local, parts, blocks } = scratch;
     local.clear();
     local.extend(triangles.iter().map(|&t| facets[t as usize].seen_from(centre)));
     parts.squared.clear();
-    parts.squared.extend(local.iter().map(|facet| facet.squared_distances(Vec3::ZERO, 2.0)));
+    for facet in local.iter() {
+        parts.squared.push(facet.squared_distances(Vec3::ZERO, 2.0));
+    }
     let part_limits = parts.limits(PART_RADIUS, band);
     for part in 0..8 {
         let part_centre = corner(part) * 4.0 - 2.0;
@@ -101,6 +135,7 @@ pub(super) fn distances(
 }
 
 /// Squared distances [voxels²] of a block's voxels, or `None` without a candidate.
+#[inline(always)]
 fn block_distances(candidates: &[(f32, u32)], centre: Vec3, local: &[LocalFacet]) -> Option<[f32; 8]> {
     let closest = candidates.iter().fold(None, |best: Option<&(f32, u32)>, candidate| match best {
         Some(best) if best.0 <= candidate.0 => Some(best),
@@ -120,6 +155,7 @@ fn block_distances(candidates: &[(f32, u32)], centre: Vec3, local: &[LocalFacet]
 }
 
 /// Corner `i` of the unit cube, z fastest.
+#[inline(always)]
 fn corner(i: usize) -> Vec3 {
     crate::grid::cell_corner(i).as_vec3()
 }

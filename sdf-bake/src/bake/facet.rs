@@ -93,12 +93,14 @@ impl Facet {
     }
 
     /// How far a point is beyond edge `i` within the plane, and how far along it from its start.
+    #[inline(always)]
     fn in_plane(&self, i: usize, point: DVec3) -> (f64, f64) {
         let from = point - self.corners[i];
         (self.along[i].cross(self.normal).dot(from), self.along[i].dot(from))
     }
 
     /// The facet as seen from `centre` [voxels].
+    #[inline(always)]
     pub(super) fn seen_from(&self, centre: DVec3) -> LocalFacet {
         let edge = |i: usize| {
             let (s, t) = self.in_plane(i, centre);

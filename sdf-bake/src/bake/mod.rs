@@ -20,7 +20,7 @@ use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
 use crate::implicit::entry_brick;
 use crate::mesh::Mesh;
 use columns::InsideMask;
-use distance::Scratch;
+use distance::{Brick, Scratch};
 use facet::Facet;
 use scatter::BrickTriangles;
 use sign::Surface;
@@ -228,7 +228,8 @@ fn fill(
     let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
     let centre = brick.as_dvec3() * BRICK_SIDE as f64 + 3.5;
     let band = (f64::from(grid.band) / grid.voxel) as f32;
-    let mut phi = distance::distances(centre, near.triangles(b), facets, band, scratch);
+    let brick_triangles = Brick { centre, triangles: near.triangles(b), facets, band };
+    let mut phi = brick_triangles.distances(scratch);
     for value in phi.iter_mut() {
         *value = if *value < band { ((f64::from(*value) * grid.voxel) as f32).min(grid.band) } else { grid.band };
     }
