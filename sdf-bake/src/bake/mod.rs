@@ -1,8 +1,9 @@
 //! Baking: triangles to an exact narrow band with inside and outside known everywhere.
 //!
 //! The road: each triangle is scattered to the bricks within one band of it (`scatter.rs`); each brick takes
-//! the exact distance to its own triangles (`distance.rs`); voxels that no surface can separate share one
-//! sign (`sign.rs`), judged by the generalised winding number ([`WindingTree`]); what has no brick is flooded.
+//! the exact distance to its own triangles (`distance.rs`); a closed surface is signed by counting crossings along the
+//! lattice's columns (`columns.rs`), any other by the generalised winding number (`sign.rs`, [`WindingTree`]); what has
+//! no brick is flooded.
 
 mod columns;
 mod distance;
@@ -11,6 +12,7 @@ mod scatter;
 mod sign;
 mod winding;
 
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
@@ -197,7 +199,9 @@ fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
     let first = ((low - band) / brick).floor() - 1.0;
     let dims = ((high + band) / brick).floor() + 1.0 - first + 1.0;
     let cells = dims.element_product();
-    if cells > MAX_INDEX || first.abs().max_element().max((first + dims).abs().max_element()) > 1e8 {
+    let farthest = first.abs().max((first + dims).abs());
+    // Written so that a coordinate that is no number is refused too.
+    if !(cells <= MAX_INDEX && farthest.cmple(DVec3::splat(1e8)).all()) {
         let least_voxel = voxel * (cells / MAX_INDEX).cbrt().max(1.0);
         return Err(BakeError::TooFine { cells, limit: MAX_INDEX, least_voxel });
     }

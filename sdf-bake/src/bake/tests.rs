@@ -1,5 +1,3 @@
-use glam::DVec3;
-
 use super::*;
 use crate::mesh::tests::{cuboid, uv_sphere};
 
