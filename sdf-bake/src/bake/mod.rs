@@ -134,7 +134,7 @@ const AMBIGUOUS_LIMIT: f64 = 0.005;
 
 /// Bakes a mesh into a brick grid.
 ///
-/// Distances within the band are exact (f64, rounded once to f32). Overlapping and nested bodies are united:
+/// Distances within the band are exact to about 1e-6 voxels. Overlapping and nested bodies are united:
 /// a point is inside where the winding number (Jacobson et al. 2013) exceeds one half.
 ///
 /// # Errors
@@ -143,15 +143,12 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     let mut grid = frame(mesh, options)?;
     let facets: Vec<Facet> =
         (0..mesh.triangles.len()).into_par_iter().map(|t| Facet::new(mesh.corners(t), grid.voxel)).collect();
-    let near = scatter::scatter(&facets, &grid);
-    let edges = EdgeMap::new(mesh);
+    let (near, edges) = rayon::join(|| scatter::scatter(&facets, &grid), || EdgeMap::new(mesh));
     let inside = if edges.indices().all(|edge| edges.is_balanced(edge)) {
         Inside::Masks(columns::inside_masks(&near, &facets, &grid))
     } else {
-        let has_holes = edges.indices().any(|edge| edges.uses(edge).len() % 2 == 1);
-        Inside::Judged(Surface { tree: WindingTree::new(mesh), has_holes })
+        Inside::Judged(Surface::new(mesh, &edges))
     };
-
     let judged: Vec<JudgedBrick> = (0..near.brick_count())
         .into_par_iter()
         .map_init(Scratch::default, |scratch, b| fill(b, &near, &facets, &inside, &grid, scratch))

@@ -10,6 +10,8 @@ use std::collections::VecDeque;
 use glam::IVec3;
 
 use super::winding::WindingTree;
+use crate::Mesh;
+use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at, voxel_offset};
 use crate::implicit::entry_brick;
 
@@ -25,9 +27,16 @@ const AGREEMENT: f64 = 0.1;
 
 /// A surface that does not close, or not with one orientation.
 pub(super) struct Surface {
-    pub(super) tree: WindingTree,
+    tree: WindingTree,
     /// Whether it ends anywhere, so that inside and outside may hang together.
-    pub(super) has_holes: bool,
+    has_holes: bool,
+}
+
+impl Surface {
+    pub(super) fn new(mesh: &Mesh, edges: &EdgeMap) -> Self {
+        let has_holes = edges.indices().any(|edge| edges.uses(edge).len() % 2 == 1);
+        Self { tree: WindingTree::new(mesh), has_holes }
+    }
 }
 
 /// Turns a brick's distances into signed ones; returns its ambiguous and its inside voxels.
