@@ -1,93 +1,161 @@
-//! Exact distance from voxels to a brick's own triangles.
+//! Exact distance from a brick's voxels to its own triangles.
+//!
+//! The brick is an octree of three levels: 8 parts of 4³ voxels, each of 8 blocks of 2³. The eight children of a
+//! node are eight lanes. With `m` the least distance from a child's centre to any triangle and `r` the radius of its
+//! voxels, a triangle farther than m + 2r from the centre is nearest to none of them and goes no deeper.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, Vec3};
 
-use super::brick_centre;
-use crate::grid::{BRICK_VOXELS, BrickGrid, voxel_at};
+use super::facet::{Facet, LocalFacet, larger, smaller};
+use crate::grid::BRICK_VOXELS;
 
-/// A triangle made ready for many distance queries.
-pub(super) struct Facet {
-    a: DVec3,
-    ab: DVec3,
-    ac: DVec3,
-    /// Unit normal, zero if degenerate.
-    normal: DVec3,
+/// Half the diagonal of 4³ and of 2³ voxels [voxels].
+const PART_RADIUS: f32 = 2.598_077;
+const BLOCK_RADIUS: f32 = 0.866_026;
+
+/// More than the rounding of f32 to any distance in a brick [voxels].
+const MARGIN: f32 = 1e-4;
+
+/// Memory that one thread uses again for each brick.
+#[derive(Default)]
+pub(super) struct Scratch {
+    facets: Vec<LocalFacet>,
+    parts: Candidates,
+    blocks: Candidates,
 }
 
-impl Facet {
-    pub(super) fn new([a, b, c]: [DVec3; 3]) -> Self {
-        let (ab, ac) = (b - a, c - a);
-        Self { a, ab, ac, normal: ab.cross(ac).normalize_or_zero() }
+/// Triangles that may be nearest to a voxel of some child, with their squared distances from the children's centres.
+#[derive(Default)]
+struct Candidates {
+    facets: Vec<u32>,
+    squared: Vec<[f32; 8]>,
+    /// Those of one child, and their squared distances from its centre.
+    of_child: Vec<(f32, u32)>,
+}
+
+impl Candidates {
+    fn clear(&mut self) {
+        self.facets.clear();
+        self.squared.clear();
     }
 
-    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
-        let (b, c) = (self.a + self.ab, self.a + self.ac);
-        (self.a.min(b).min(c), self.a.max(b).max(c))
+    #[inline(always)]
+    fn within(&mut self, child: usize, limit: f32) -> &[(f32, u32)] {
+        self.of_child.clear();
+        let all = self.squared.iter().map(|squared| squared[child]).zip(self.facets.iter().copied());
+        self.of_child.extend(all.filter(|&(squared, _)| squared <= limit));
+        &self.of_child
     }
 
-    /// Squared distance from the triangle's plane [m²]: a lower bound of the distance.
-    fn squared_plane_distance(&self, point: DVec3) -> f64 {
-        let height = self.normal.dot(point - self.a);
-        height * height
-    }
-
-    /// Squared distance [m²] to the closest point of the triangle, by its Voronoi regions (Ericson 2005, §5.1.5).
-    pub(super) fn squared_distance(&self, point: DVec3) -> f64 {
-        let ap = point - self.a;
-        let (d1, d2) = (self.ab.dot(ap), self.ac.dot(ap));
-        if d1 <= 0.0 && d2 <= 0.0 {
-            return ap.length_squared();
+    /// Squared distances from a child's centre within which triangles matter; `reach` is the band [voxels].
+    #[inline(always)]
+    fn limits(&self, radius: f32, reach: f32) -> [f32; 8] {
+        let mut least = [f32::INFINITY; 8];
+        for squared in &self.squared {
+            for (least, &squared) in least.iter_mut().zip(squared) {
+                *least = smaller(squared, *least);
+            }
         }
-        let bp = ap - self.ab;
-        let (d3, d4) = (self.ab.dot(bp), self.ac.dot(bp));
-        if d3 >= 0.0 && d4 <= d3 {
-            return bp.length_squared();
-        }
-        let cp = ap - self.ac;
-        let (d5, d6) = (self.ab.dot(cp), self.ac.dot(cp));
-        if d6 >= 0.0 && d5 <= d6 {
-            return cp.length_squared();
-        }
-        if d1 * d4 - d3 * d2 <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-            return (ap - self.ab * (d1 / (d1 - d3))).length_squared();
-        }
-        if d5 * d2 - d1 * d6 <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-            return (ap - self.ac * (d2 / (d2 - d6))).length_squared();
-        }
-        if d3 * d6 - d5 * d4 <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-            let along = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-            return (bp - (self.ac - self.ab) * along).length_squared();
-        }
-        self.squared_plane_distance(point)
+        least.map(|least| smaller(least.sqrt() + 2.0 * radius, reach + radius) + MARGIN).map(|limit| limit * limit)
     }
 }
 
-/// Squared distance [m²] from each voxel of a brick to the nearest of its triangles.
-pub(super) fn squared_distances(
-    brick: IVec3,
-    triangles: &[u32],
-    facets: &[Facet],
-    grid: &BrickGrid,
-) -> Box<[f64; BRICK_VOXELS]> {
-    let band = f64::from(grid.band);
-    let mut nearest = Box::new([band * band * 1.0001; BRICK_VOXELS]);
-    let positions: Vec<DVec3> = (0..BRICK_VOXELS).map(|o| grid.position(voxel_at(brick, o))).collect();
-    for &triangle in &nearest_first(brick, triangles, facets, grid) {
-        let facet = &facets[triangle as usize];
-        for (best, &point) in nearest.iter_mut().zip(&positions) {
-            if facet.squared_plane_distance(point) < *best {
-                *best = best.min(facet.squared_distance(point));
+/// A brick and what may be near it.
+pub(super) struct Brick<'a> {
+    /// Centre of its voxels [voxels].
+    pub(super) centre: DVec3,
+    /// Indices into `facets`.
+    pub(super) triangles: &'a [u32],
+    pub(super) facets: &'a [Facet],
+    /// Where distances end [voxels].
+    pub(super) band: f32,
+}
+
+impl Brick<'_> {
+    /// Distance [voxels] from each voxel to the nearest of the brick's triangles, at most `band`.
+    ///
+    /// Runs in the widest lanes the processor has; they change no bit of the result.
+    pub(super) fn distances(self, scratch: &mut Scratch) -> Box<[f32; BRICK_VOXELS]> {
+        pulp::Arch::new().dispatch(InLanes { brick: self, scratch })
+    }
+}
+
+/// [`distances`] as a call that is compiled for each kind of lanes.
+struct InLanes<'a, 'b> {
+    brick: Brick<'a>,
+    scratch: &'b mut Scratch,
+}
+
+impl pulp::NullaryFnOnce for InLanes<'_, '_> {
+    type Output = Box<[f32; BRICK_VOXELS]>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        distances(self.brick, self.scratch)
+    }
+}
+
+// All below is inlined into the call above, or it would not be compiled for its lanes.
+
+#[inline(always)]
+fn distances(brick: Brick, scratch: &mut Scratch) -> Box<[f32; BRICK_VOXELS]> {
+    let Brick { centre, triangles, facets, band } = brick;
+    let mut nearest = Box::new([band; BRICK_VOXELS]);
+    let Scratch { facets: local, parts, blocks } = scratch;
+    local.clear();
+    local.extend(triangles.iter().map(|&t| facets[t as usize].seen_from(centre)));
+    parts.squared.clear();
+    for facet in local.iter() {
+        parts.squared.push(facet.squared_distances(Vec3::ZERO, 2.0));
+    }
+    let part_limits = parts.limits(PART_RADIUS, band);
+    for part in 0..8 {
+        let part_centre = corner(part) * 4.0 - 2.0;
+        blocks.clear();
+        for (i, squared) in parts.squared.iter().enumerate() {
+            if squared[part] <= part_limits[part] {
+                blocks.facets.push(i as u32);
+                blocks.squared.push(local[i].squared_distances(part_centre, 1.0));
+            }
+        }
+        let block_limits = blocks.limits(BLOCK_RADIUS, band);
+        for (block, limit) in block_limits.into_iter().enumerate() {
+            let block_centre = part_centre + corner(block) * 2.0 - 1.0;
+            let candidates = blocks.within(block, limit);
+            if let Some(values) = block_distances(candidates, block_centre, local) {
+                let first = (corner(part) * 4.0 + corner(block) * 2.0).as_ivec3();
+                for (i, value) in values.iter().enumerate() {
+                    let voxel = first + corner(i).as_ivec3();
+                    nearest[crate::grid::voxel_offset(voxel)] = smaller(value.sqrt(), band);
+                }
             }
         }
     }
     nearest
 }
 
-/// Triangles by distance from the brick's centre, so that later ones are mostly culled by their plane.
-fn nearest_first(brick: IVec3, triangles: &[u32], facets: &[Facet], grid: &BrickGrid) -> Vec<u32> {
-    let centre = brick_centre(brick, grid.voxel);
-    let mut order: Vec<(f64, u32)> =
-        triangles.iter().map(|&t| (facets[t as usize].squared_distance(centre), t)).collect();
-    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    order.into_iter().map(|(_, t)| t).collect()
+/// Squared distances [voxels²] of a block's voxels, or `None` without a candidate.
+#[inline(always)]
+fn block_distances(candidates: &[(f32, u32)], centre: Vec3, local: &[LocalFacet]) -> Option<[f32; 8]> {
+    let closest = candidates.iter().fold(None, |best: Option<&(f32, u32)>, candidate| match best {
+        Some(best) if best.0 <= candidate.0 => Some(best),
+        _ => Some(candidate),
+    })?;
+    let mut nearest = local[closest.1 as usize].squared_distances(centre, 0.5);
+    let farthest = nearest.iter().fold(0.0, |a, &b| larger(b, a)).sqrt() + BLOCK_RADIUS + MARGIN;
+    for &(squared, facet) in candidates {
+        if squared <= farthest * farthest && facet != closest.1 {
+            let squared = local[facet as usize].squared_distances(centre, 0.5);
+            for (nearest, squared) in nearest.iter_mut().zip(squared) {
+                *nearest = smaller(squared, *nearest);
+            }
+        }
+    }
+    Some(nearest)
+}
+
+/// Corner `i` of the unit cube, z fastest.
+#[inline(always)]
+fn corner(i: usize) -> Vec3 {
+    crate::grid::cell_corner(i).as_vec3()
 }

@@ -1,15 +1,18 @@
 //! Baking: triangles to an exact narrow band with inside and outside known everywhere.
 //!
 //! The road: each triangle is scattered to the bricks within one band of it (`scatter.rs`); each brick takes
-//! the exact distance to its own triangles (`distance.rs`); voxels that no surface can separate share one
-//! sign (`sign.rs`), judged by the generalised winding number ([`WindingTree`]); what has no brick is flooded.
+//! the exact distance to its own triangles (`distance.rs`); a closed surface is signed by counting crossings along the
+//! lattice's columns (`columns.rs`), any other by the generalised winding number (`sign.rs`, [`WindingTree`]); what has
+//! no brick is flooded.
 
+mod columns;
 mod distance;
+mod facet;
 mod scatter;
 mod sign;
 mod winding;
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -18,8 +21,11 @@ use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
 use crate::implicit::entry_brick;
 use crate::mesh::Mesh;
-use distance::Facet;
+use columns::InsideMask;
+use distance::{Brick, Scratch};
+use facet::Facet;
 use scatter::BrickTriangles;
+use sign::Surface;
 
 pub use winding::WindingTree;
 
@@ -128,19 +134,25 @@ const AMBIGUOUS_LIMIT: f64 = 0.005;
 
 /// Bakes a mesh into a brick grid.
 ///
-/// Distances within the band are exact (f64, rounded once to f32). Overlapping and nested bodies are united:
+/// Distances within the band are exact to about 1e-6 voxels. Overlapping and nested bodies are united:
 /// a point is inside where the winding number (Jacobson et al. 2013) exceeds one half.
 ///
 /// # Errors
 /// [`BakeError`] for an empty mesh, unusable options, a grid that cannot fit, or a surface without a clear inside.
 pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport), BakeError> {
     let mut grid = frame(mesh, options)?;
-    let facets: Vec<Facet> = (0..mesh.triangles.len()).map(|t| Facet::new(mesh.corners(t))).collect();
-    let near = scatter::scatter(&facets, &grid);
-    let tree = WindingTree::new(mesh);
-
-    let judged: Vec<JudgedBrick> =
-        (0..near.brick_count()).into_par_iter().map(|b| fill(b, &near, &facets, &tree, &grid)).collect();
+    let facets: Vec<Facet> =
+        (0..mesh.triangles.len()).into_par_iter().map(|t| Facet::new(mesh.corners(t), grid.voxel)).collect();
+    let (near, edges) = rayon::join(|| scatter::scatter(&facets, &grid), || EdgeMap::new(mesh));
+    let inside = if edges.indices().all(|edge| edges.is_balanced(edge)) {
+        Inside::Masks(columns::inside_masks(&near, &facets, &grid))
+    } else {
+        Inside::Judged(Surface::new(mesh, &edges))
+    };
+    let judged: Vec<JudgedBrick> = (0..near.brick_count())
+        .into_par_iter()
+        .map_init(Scratch::default, |scratch, b| fill(b, &near, &facets, &inside, &grid, scratch))
+        .collect();
     let (mut ambiguous, mut inside) = (0usize, 0usize);
     for (b, brick) in judged.iter().enumerate() {
         ambiguous += brick.ambiguous;
@@ -153,7 +165,7 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     }
     sign::flood_empty(&mut grid);
 
-    let boundary_edges = EdgeMap::new(mesh).boundary_count();
+    let boundary_edges = edges.boundary_count();
     let share = ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64;
     if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
         return Err(BakeError::Open { boundary_edges, share });
@@ -184,7 +196,9 @@ fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
     let first = ((low - band) / brick).floor() - 1.0;
     let dims = ((high + band) / brick).floor() + 1.0 - first + 1.0;
     let cells = dims.element_product();
-    if cells > MAX_INDEX || first.abs().max_element().max((first + dims).abs().max_element()) > 1e8 {
+    let farthest = first.abs().max((first + dims).abs());
+    // Written so that a coordinate that is no number is refused too.
+    if !(cells <= MAX_INDEX && farthest.cmple(DVec3::splat(1e8)).all()) {
         let least_voxel = voxel * (cells / MAX_INDEX).cbrt().max(1.0);
         return Err(BakeError::TooFine { cells, limit: MAX_INDEX, least_voxel });
     }
@@ -198,22 +212,34 @@ struct JudgedBrick {
     inside: usize,
 }
 
-fn fill(b: usize, near: &BrickTriangles, facets: &[Facet], tree: &WindingTree, grid: &BrickGrid) -> JudgedBrick {
-    let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
-    let squared = distance::squared_distances(brick, near.triangles(b), facets, grid);
-    let mut phi = Box::new([0f32; BRICK_VOXELS]);
-    let band = f64::from(grid.band);
-    for (value, &squared) in phi.iter_mut().zip(squared.iter()) {
-        *value = squared.sqrt().min(band) as f32;
-    }
-    let in_band = phi.iter().any(|&phi| phi < grid.band);
-    let (ambiguous, inside) = sign::judge(brick, &mut phi, tree, grid);
-    JudgedBrick { phi, in_band, ambiguous, inside }
+/// Where inside and outside come from.
+enum Inside {
+    Masks(Vec<InsideMask>),
+    Judged(Surface),
 }
 
-/// Centre of a brick's voxels [m].
-fn brick_centre(brick: IVec3, voxel: f64) -> DVec3 {
-    (brick.as_dvec3() * BRICK_SIDE as f64 + 3.5) * voxel
+fn fill(
+    b: usize,
+    near: &BrickTriangles,
+    facets: &[Facet],
+    inside: &Inside,
+    grid: &BrickGrid,
+    scratch: &mut Scratch,
+) -> JudgedBrick {
+    let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
+    let centre = brick.as_dvec3() * BRICK_SIDE as f64 + 3.5;
+    let band = (f64::from(grid.band) / grid.voxel) as f32;
+    let brick_triangles = Brick { centre, triangles: near.triangles(b), facets, band };
+    let mut phi = brick_triangles.distances(scratch);
+    for value in phi.iter_mut() {
+        *value = if *value < band { ((f64::from(*value) * grid.voxel) as f32).min(grid.band) } else { grid.band };
+    }
+    let in_band = phi.iter().any(|&phi| phi < grid.band);
+    let (ambiguous, inside) = match inside {
+        Inside::Masks(masks) => (0, columns::apply(&masks[b], &mut phi)),
+        Inside::Judged(surface) => sign::judge(brick, &mut phi, surface, grid),
+    };
+    JudgedBrick { phi, in_band, ambiguous, inside }
 }
 
 #[cfg(test)]

@@ -1,14 +1,17 @@
 //! Inside and outside, judged sparingly.
 //!
 //! Two neighbouring voxels whose distances add up to more than the step between them lie on the same side: the
-//! balls around them, free of surface, cover the step. Such voxels form components, and one winding number
-//! per component gives the sign of all of them.
+//! balls around them, free of surface, cover the step. Such voxels form components, and the winding number of the one
+//! farthest from the surface gives the sign of all. If the surface has holes, it must agree with those of the
+//! component's outermost voxels; where they differ, a hole joins inside and outside, and each voxel is judged by itself.
 
 use std::collections::VecDeque;
 
 use glam::IVec3;
 
 use super::winding::WindingTree;
+use crate::Mesh;
+use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at, voxel_offset};
 use crate::implicit::entry_brick;
 
@@ -18,43 +21,80 @@ const AMBIGUOUS: f64 = 0.25;
 /// Voxels closer to the surface than this [voxels] lie on it: there the winding number jumps and says nothing.
 const ON_SURFACE: f32 = 1e-4;
 
+/// Samples of a component must agree to this much before they speak for all of it: through a hole the winding number
+/// goes smoothly from inside to outside.
+const AGREEMENT: f64 = 0.1;
+
+/// A surface that does not close, or not with one orientation.
+pub(super) struct Surface {
+    tree: WindingTree,
+    /// Whether it ends anywhere, so that inside and outside may hang together.
+    has_holes: bool,
+}
+
+impl Surface {
+    pub(super) fn new(mesh: &Mesh, edges: &EdgeMap) -> Self {
+        let has_holes = edges.indices().any(|edge| edges.uses(edge).len() % 2 == 1);
+        Self { tree: WindingTree::new(mesh), has_holes }
+    }
+}
+
 /// Turns a brick's distances into signed ones; returns its ambiguous and its inside voxels.
 pub(super) fn judge(
     brick: IVec3,
     phi: &mut [f32; BRICK_VOXELS],
-    tree: &WindingTree,
+    surface: &Surface,
     grid: &BrickGrid,
 ) -> (usize, usize) {
-    let component = components(phi, grid.voxel as f32);
-    let mut farthest: Vec<Option<usize>> = vec![None; BRICK_VOXELS];
-    let mut size = [0usize; BRICK_VOXELS];
-    for (offset, &root) in component.iter().enumerate() {
-        size[root] += 1;
-        if farthest[root].is_none_or(|best| phi[offset] > phi[best]) {
-            farthest[root] = Some(offset);
-        }
-    }
+    let winding_at = |voxel: usize| surface.tree.winding_number(grid.position(voxel_at(brick, voxel)));
     let (mut ambiguous, mut inside) = (0, 0);
-    let mut is_inside = [false; BRICK_VOXELS];
-    for (root, farthest) in farthest.iter().enumerate() {
-        let Some(offset) = *farthest else { continue };
-        let winding = tree.winding_number(grid.position(voxel_at(brick, offset)));
-        is_inside[root] = winding > 0.5;
-        let clear_of_surface = phi[offset] > ON_SURFACE * grid.voxel as f32;
-        if clear_of_surface && (winding - winding.round()).abs() > AMBIGUOUS {
-            ambiguous += size[root];
-        }
-        if is_inside[root] {
-            inside += size[root];
-        }
-    }
-    for (value, &root) in phi.iter_mut().zip(&component) {
-        if is_inside[root] {
-            *value = -*value;
+    for voxels in members(&components(phi, grid.voxel as f32)) {
+        let samples: Vec<f64> = sampled(&voxels, phi, surface.has_holes).into_iter().map(winding_at).collect();
+        let alike = samples.iter().all(|winding| (winding - samples[0]).abs() < AGREEMENT);
+        for &voxel in &voxels {
+            let winding = if alike { samples[0] } else { winding_at(voxel) };
+            let clear_of_surface = phi[voxel] > ON_SURFACE * grid.voxel as f32;
+            ambiguous += usize::from(clear_of_surface && (winding - winding.round()).abs() > AMBIGUOUS);
+            if winding > 0.5 {
+                inside += 1;
+                phi[voxel] = -phi[voxel];
+            }
         }
     }
     (ambiguous, inside)
 }
+
+/// The voxels of each component, in order.
+fn members(component: &[usize; BRICK_VOXELS]) -> Vec<Vec<usize>> {
+    let mut members = vec![Vec::new(); BRICK_VOXELS];
+    for (voxel, &root) in component.iter().enumerate() {
+        members[root].push(voxel);
+    }
+    members.retain(|voxels| !voxels.is_empty());
+    members
+}
+
+/// The voxel of a component farthest from the surface and, where holes may join two sides, also those outermost along
+/// the axes and diagonals.
+fn sampled(voxels: &[usize], distance: &[f32; BRICK_VOXELS], has_holes: bool) -> Vec<usize> {
+    let most = |measure: &dyn Fn(usize) -> f32| {
+        let keep = |best: usize, &voxel: &usize| if measure(voxel) > measure(best) { voxel } else { best };
+        voxels.iter().fold(voxels[0], keep)
+    };
+    let mut samples = vec![most(&|voxel| distance[voxel])];
+    if has_holes && voxels.len() > 1 {
+        for direction in DIRECTIONS {
+            let outermost = |sign: i32| most(&|voxel| (sign * direction.dot(voxel_at(IVec3::ZERO, voxel))) as f32);
+            samples.extend([outermost(1), outermost(-1)]);
+        }
+        samples[1..].sort_unstable();
+        samples.dedup();
+    }
+    samples
+}
+
+const DIRECTIONS: [IVec3; 7] =
+    [IVec3::X, IVec3::Y, IVec3::Z, IVec3::ONE, IVec3::new(1, 1, -1), IVec3::new(1, -1, 1), IVec3::new(-1, 1, 1)];
 
 /// Component of each voxel, named by one of its voxels.
 fn components(phi: &[f32; BRICK_VOXELS], step: f32) -> [usize; BRICK_VOXELS] {

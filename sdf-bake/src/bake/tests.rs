@@ -2,7 +2,7 @@ use super::*;
 use crate::mesh::tests::{cuboid, uv_sphere};
 
 fn brute_distance(mesh: &Mesh, point: DVec3) -> f64 {
-    let squared = |t| Facet::new(mesh.corners(t)).squared_distance(point);
+    let squared = |t| crate::query::closest_on_triangle(mesh.corners(t), point).1;
     (0..mesh.triangles.len()).map(squared).fold(f64::INFINITY, f64::min).sqrt()
 }
 

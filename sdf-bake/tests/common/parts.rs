@@ -1,0 +1,71 @@
+//! Parts made by formula, as fine as a test or benchmark asks: a gear of even triangles and a plate of long slivers.
+#![allow(dead_code, reason = "each test program uses some of them")]
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use sdf_bake::Mesh;
+
+/// A closed gear [m] with 24 rounded teeth and a bore, 80 mm across and 20 mm thick.
+///
+/// `around` points on the circumference, `rows` rows of quads on each of its four faces: 8 · around · rows triangles.
+pub(crate) fn gear(around: u32, rows: u32) -> Mesh {
+    let outer = |angle: f64| 0.036 + 0.004 * (3.0 * (24.0 * angle).sin()).tanh();
+    // Once around the cross section: bore upwards, top outwards, flanks downwards, bottom inwards.
+    let section = |step: u32, angle: f64| {
+        let along = f64::from(step % rows) / f64::from(rows);
+        let (inner, outer) = (0.012, outer(angle));
+        match step / rows {
+            0 => (inner, -0.01 + 0.02 * along),
+            1 => (inner + (outer - inner) * along, 0.01),
+            2 => (outer, 0.01 - 0.02 * along),
+            _ => (outer + (inner - outer) * along, -0.01),
+        }
+    };
+    let steps = 4 * rows;
+    let mut mesh = Mesh::default();
+    for i in 0..around {
+        let angle = TAU * f64::from(i) / f64::from(around);
+        for step in 0..steps {
+            let (radius, z) = section(step, angle);
+            mesh.positions.push(DVec3::new(radius * angle.cos(), radius * angle.sin(), z));
+        }
+    }
+    let at = |i: u32, step: u32| (i % around) * steps + step % steps;
+    for i in 0..around {
+        for step in 0..steps {
+            let [a, b, c, d] = [at(i, step), at(i + 1, step), at(i + 1, step + 1), at(i, step + 1)];
+            mesh.triangles.extend([[a, d, c], [a, c, b]]);
+        }
+    }
+    mesh
+}
+
+/// A closed plate [m], 200 × 120 × 12 mm, with one round hole of `around` segments (a multiple of 4), each joined to
+/// a corner of the plate as CAD kernels do: 4 · `around` + 16 triangles, most of them long slivers.
+pub(crate) fn sliver_plate(around: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    let corners = [(0.1, 0.06), (-0.1, 0.06), (-0.1, -0.06), (0.1, -0.06)];
+    let mut layer = |z: f64| {
+        mesh.positions.extend(corners.map(|(x, y)| DVec3::new(x, y, z)));
+        mesh.positions.extend((0..around).map(|i| {
+            let (y, x) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
+            DVec3::new(0.03 * x, 0.03 * y, z)
+        }));
+    };
+    layer(-0.006);
+    layer(0.006);
+    let top = 4 + around;
+    let hole = |i: u32| 4 + i % around;
+    for i in 0..around {
+        let (corner, a, b) = (4 * i / around, hole(i), hole(i + 1));
+        mesh.triangles.extend([[corner, a, b], [top + corner, top + b, top + a]]);
+        mesh.triangles.extend([[a, top + b, b], [a, top + a, top + b]]);
+    }
+    for corner in 0..4 {
+        let (next, between) = ((corner + 1) % 4, hole((corner + 1) * around / 4));
+        mesh.triangles.extend([[corner, between, next], [top + corner, top + next, top + between]]);
+        mesh.triangles.extend([[corner, next, top + next], [corner, top + next, top + corner]]);
+    }
+    mesh
+}
