@@ -181,11 +181,12 @@ fn describe_volume(mesh: &Mesh, field: &BrickGrid) -> Option<String> {
 /// How a part was baked, for people.
 pub fn describe_baking(report: &BakeReport, grid: &BrickGrid) -> String {
     let mut line = format!(
-        "voxel {:.4} mm, {} bricks, {} active voxels, {:.1} MB; sign by winding number",
+        "voxel {:.4} mm, {} bricks, {} active voxels, {:.1} MB\ninside by {}",
         report.voxel_m * 1e3,
         report.bricks,
         report.active_voxels,
-        grid.bytes() as f64 / 1e6
+        grid.bytes() as f64 / 1e6,
+        report.sign_method
     );
     if report.boundary_edges > 0 {
         line += &format!(

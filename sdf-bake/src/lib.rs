@@ -19,7 +19,7 @@ mod share;
 mod union;
 mod volume;
 
-pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, bake};
+pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, SignMethod, bake};
 pub use grid::BrickGrid;
 pub use mesh::Mesh;
 pub use union::LatticeError;

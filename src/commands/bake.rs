@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::Args;
 use sdf_bake::nvdb::{self, Codec, GridRef};
-use sdf_bake::{BakeOptions, bake};
+use sdf_bake::{BakeOptions, SignMethod, bake};
 use serde::Serialize;
 
 use super::flags::{MeshFlags, OutFlags};
@@ -34,7 +34,7 @@ struct BakeAnswer<'a> {
     out: &'a Path,
     voxel_mm: f64,
     band_voxels: f64,
-    sign_method: &'a str,
+    sign_method: SignMethod,
     triangles: usize,
     open_edges: usize,
     non_manifold_edges: usize,
@@ -67,7 +67,7 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
         out: &args.out.out,
         voxel_mm: report.voxel_m * 1e3,
         band_voxels,
-        sign_method: "winding",
+        sign_method: report.sign_method,
         triangles: part.mesh.triangles.len(),
         open_edges: report.boundary_edges,
         non_manifold_edges: part.cleaning.non_manifold_edges,

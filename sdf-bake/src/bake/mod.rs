@@ -58,6 +58,26 @@ impl BakeOptions {
     }
 }
 
+/// Where inside and outside came from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SignMethod {
+    /// Signed crossings along columns of voxels: exact, for surfaces whose edges are all passed equally often both ways.
+    #[default]
+    Crossings,
+    /// Generalised winding number, for open or inconsistently oriented surfaces.
+    Winding,
+}
+
+impl std::fmt::Display for SignMethod {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Crossings => "signed crossings (the surface is closed)",
+            Self::Winding => "winding number (the surface is open or inconsistently oriented)",
+        })
+    }
+}
+
 /// What baking did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BakeReport {
@@ -69,6 +89,8 @@ pub struct BakeReport {
     pub bricks: usize,
     /// Voxels with |φ| < band.
     pub active_voxels: usize,
+    /// Where inside and outside came from.
+    pub sign_method: SignMethod,
     /// Edges with one triangle only.
     pub boundary_edges: usize,
     /// Share of the judged voxels whose winding number is farther than 0.25 from a whole number.
@@ -144,44 +166,54 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     let facets: Vec<Facet> =
         (0..mesh.triangles.len()).into_par_iter().map(|t| Facet::new(mesh.corners(t), grid.voxel)).collect();
     let (near, edges) = rayon::join(|| scatter::scatter(&facets, &grid), || EdgeMap::new(mesh));
-    let inside = if edges.indices().all(|edge| edges.is_balanced(edge)) {
+    let side = if edges.indices().all(|edge| edges.is_balanced(edge)) {
         Inside::Masks(columns::inside_masks(&near, &facets, &grid))
     } else {
         Inside::Judged(Surface::new(mesh, &edges))
     };
     let judged: Vec<JudgedBrick> = (0..near.brick_count())
         .into_par_iter()
-        .map_init(Scratch::default, |scratch, b| fill(b, &near, &facets, &inside, &grid, scratch))
+        .map_init(Scratch::default, |scratch, b| fill(b, &near, &facets, &side, &grid, scratch))
         .collect();
-    let (mut ambiguous, mut inside) = (0usize, 0usize);
-    for (b, brick) in judged.iter().enumerate() {
-        ambiguous += brick.ambiguous;
-        inside += brick.inside;
-        if brick.in_band {
-            grid.index[near.entry(b)] = grid.bricks.len() as u32;
-            grid.bricks.push(grid.origin + entry_brick(near.entry(b), grid.dims));
-            grid.phi.extend_from_slice(brick.phi.as_slice());
-        }
-    }
+    collect(&judged, &near, &mut grid);
     sign::flood_empty(&mut grid);
-
-    let boundary_edges = edges.boundary_count();
-    let share = ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64;
-    if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
-        return Err(BakeError::Open { boundary_edges, share });
-    }
-    if inside == 0 {
-        return Err(BakeError::NoInside { voxel: options.voxel, boundary_edges });
-    }
     let report = BakeReport {
         voxel_m: options.voxel,
         band_voxels: options.band_voxels,
         bricks: grid.brick_count(),
         active_voxels: grid.phi.iter().filter(|phi| phi.abs() < grid.band).count(),
-        boundary_edges,
-        ambiguous_share: share,
+        sign_method: side.method(),
+        boundary_edges: edges.boundary_count(),
+        ambiguous_share: ambiguous_share(&judged),
     };
+    check(&report, &judged, options)?;
     Ok((grid, report))
+}
+
+/// Moves the bricks that hold a part of the band into the grid.
+fn collect(judged: &[JudgedBrick], near: &BrickTriangles, grid: &mut BrickGrid) {
+    for (b, brick) in judged.iter().enumerate().filter(|(_, brick)| brick.in_band) {
+        grid.index[near.entry(b)] = grid.bricks.len() as u32;
+        grid.bricks.push(grid.origin + entry_brick(near.entry(b), grid.dims));
+        grid.phi.extend_from_slice(brick.phi.as_slice());
+    }
+}
+
+fn ambiguous_share(judged: &[JudgedBrick]) -> f64 {
+    let ambiguous: usize = judged.iter().map(|brick| brick.ambiguous).sum();
+    ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64
+}
+
+/// Refuses a surface without a clear inside.
+fn check(report: &BakeReport, judged: &[JudgedBrick], options: &BakeOptions) -> Result<(), BakeError> {
+    let BakeReport { boundary_edges, ambiguous_share: share, .. } = *report;
+    if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
+        return Err(BakeError::Open { boundary_edges, share });
+    }
+    if judged.iter().all(|brick| brick.inside == 0) {
+        return Err(BakeError::NoInside { voxel: options.voxel, boundary_edges });
+    }
+    Ok(())
 }
 
 /// An empty grid whose index reaches one brick beyond the band on every side.
@@ -212,10 +244,19 @@ struct JudgedBrick {
     inside: usize,
 }
 
-/// Where inside and outside come from.
+/// What tells inside from outside.
 enum Inside {
     Masks(Vec<InsideMask>),
     Judged(Surface),
+}
+
+impl Inside {
+    fn method(&self) -> SignMethod {
+        match self {
+            Self::Masks(_) => SignMethod::Crossings,
+            Self::Judged(_) => SignMethod::Winding,
+        }
+    }
 }
 
 fn fill(
