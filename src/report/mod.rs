@@ -108,7 +108,6 @@ fn process_facts(ground: &Ground) -> Vec<(&'static str, String)> {
             format!("{:.2} of {:.2} mm³", ground.weld_left * 1e9, ground.weld.volume_mm3),
         ),
         ("base metal ground away", format!("{:.3} mm³", ground.base_removed * 1e9)),
-        ("speed", format!("{:.0} times real time", ground.real_time_factor())),
     ]
 }
 

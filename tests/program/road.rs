@@ -25,7 +25,16 @@ fn weld_validate_simulate_and_render_follow_each_other() {
             .succeeds();
     let (before, left) = (&ground.answer()["weld_mm3"], &ground.answer()["weld_left_mm3"]);
     assert!(left.as_f64() < before.as_f64(), "{left} of {before} mm³ are left");
-    let made = ["after.png", "before.png", "grind.json", "ground.nvdb", "pass-1.csv", "removed.png", "sheet.png"];
+    let made = [
+        "after.png",
+        "before.png",
+        "grind.json",
+        "ground.nvdb",
+        "index.html",
+        "pass-1.csv",
+        "removed.png",
+        "sheet.png",
+    ];
     assert_eq!(names(&place("ground")), made);
 
     for (source, picture) in [("asset", "asset.png"), ("ground/ground.nvdb", "ground.png")] {
