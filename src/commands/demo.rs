@@ -7,8 +7,7 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use sim::GrindSettings;
-use sim::Wheel;
+use sim::{GrindSettings, Wheel};
 
 use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
-use sdf_bake::Mesh;
+use sdf_bake::clean::clean;
 
 use super::Check;
 use crate::asset::{WELDED_FILE, WORKPIECE_FILE};
@@ -58,13 +58,9 @@ pub(super) fn check(meshes: &Meshes) -> Vec<Check> {
     let found = if same { "identical" } else { "different" };
     checks.push(Check::new(WELDED_FILE, "its base is the part of workpiece.glb", same, found));
     for bead in meshes.beads() {
-        let open = open_edges(&bead.mesh);
-        checks.push(Check::new(
-            WELDED_FILE,
-            format!("{} is closed", bead.name),
-            open == 0,
-            format!("{open} open edges"),
-        ));
+        let closed = clean(bead.mesh.clone()).is_ok_and(|(_, report)| report.is_watertight());
+        let found = if closed { "every edge has two triangles" } else { "edges without two triangles" };
+        checks.push(Check::new(WELDED_FILE, format!("{} is closed", bead.name), closed, found));
     }
     checks
 }
@@ -74,24 +70,4 @@ fn check_numbers(file: &str, part: &ReadPart) -> Check {
     let unit = part.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3);
     let found = format!("{} vertices, {} triangles", part.mesh.positions.len(), part.mesh.triangles.len());
     Check::new(file, format!("{} has finite positions and unit normals", part.name), finite && unit, found)
-}
-
-/// Edges that do not belong to exactly two triangles, once vertices at the same place are one again.
-fn open_edges(mesh: &Mesh) -> usize {
-    let mut places: Vec<([u64; 3], usize)> =
-        mesh.positions.iter().enumerate().map(|(i, p)| (p.to_array().map(|x| (x + 0.0).to_bits()), i)).collect();
-    places.sort_unstable();
-    let mut first = vec![0; mesh.positions.len()];
-    for run in places.chunk_by(|a, b| a.0 == b.0) {
-        run.iter().for_each(|&(_, i)| first[i] = run[0].1);
-    }
-    let mut edges: Vec<[usize; 2]> = mesh
-        .triangles
-        .iter()
-        .map(|t| t.map(|v| first[v as usize]))
-        .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
-    edges.sort_unstable();
-    edges.chunk_by(|a, b| a == b).filter(|run| run.len() != 2).count()
 }
