@@ -4,7 +4,7 @@ use glam::DVec3;
 use sdf_bake::BrickGrid;
 
 use super::camera::{Ray, outward};
-use super::trace::trace;
+use super::trace::{Hit, trace};
 
 /// Elevations that are tried [rad], the most natural first: it wins a tie.
 const ELEVATIONS: [f64; 6] = [0.65, 0.95, 0.35, 1.35, -0.5, -1.2];
@@ -20,7 +20,7 @@ const END_ON: f64 = 0.25;
 /// Direction from `points` [m] towards a camera that sees most of them, unobstructed, facing it and across.
 ///
 /// `reach`: how far from its point the visible surface may be [m], for example a bead's width for points on the seam
-/// below it. Upward views win ties. Meant for [`Camera::close_up`](super::Camera::close_up).
+/// below it. Where the grid has labels, only labelled surface counts: the far side of a thin plate is near, too. Upward views win ties. Meant for [`Camera::close_up`](super::Camera::close_up).
 pub fn clearest_direction(grid: &BrickGrid, points: &[DVec3], reach: f64) -> DVec3 {
     let azimuth = |step: usize| step as f64 / AZIMUTHS as f64 * std::f64::consts::TAU;
     let directions = ELEVATIONS.iter().flat_map(|&e| (0..AZIMUTHS).map(move |step| outward(azimuth(step), e)));
@@ -40,7 +40,9 @@ pub fn clearest_of(
         let from_there = |point: &DVec3| {
             let ray = Ray { origin: *point + direction * size.length(), direction: -direction };
             let facing = |normal: glam::Vec3| (normal.as_dvec3().dot(direction) / ENOUGH_FACING).clamp(0.0, 1.0);
-            trace(grid, &ray).filter(|hit| hit.point.distance(*point) <= reach).map_or(0.0, |hit| facing(hit.normal))
+            let is_weld = |hit: &Hit| grid.label.is_empty() || grid.label(hit.point) != 0;
+            let hit = trace(grid, &ray).filter(|hit| hit.point.distance(*point) <= reach && is_weld(hit));
+            hit.map_or(0.0, |hit| facing(hit.normal))
         };
         points.iter().step_by(stride).map(from_there).sum::<f64>()
             * (END_ON + (1.0 - END_ON) * breadth(points, direction))
@@ -90,5 +92,25 @@ mod tests {
         let below = clearest_direction(&grid, &[DVec3::new(0.005, 0.0, -0.001)], 0.001);
         assert!(below.z < 0.0, "{below}");
         assert!(clearest_direction(&grid, &[], 0.001).is_finite());
+    }
+
+    #[test]
+    fn the_far_side_of_a_thin_plate_is_no_view_of_a_weld_on_it() {
+        let half = DVec3::new(0.02, 0.02, 0.001);
+        let plate = |p: DVec3| {
+            let q = p.abs() - half;
+            q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+        };
+        let bead = |p: DVec3| (p - DVec3::Z * 0.001).length() - 0.0015;
+        let field = |low: DVec3, high: DVec3, f: &(dyn Fn(DVec3) -> f64 + Sync)| {
+            BrickGrid::from_distance(low, high, 0.0005, 3.0, f)
+        };
+        let ball = DVec3::splat(0.0015);
+        let welded = field(-half, half, &plate)
+            .united_with(&field(DVec3::Z * 0.001 - ball, DVec3::Z * 0.001 + ball, &bead), 1)
+            .unwrap();
+        let views = [outward(0.3, -0.6), outward(0.3, 0.6)];
+        let chosen = clearest_of(&welded, &[DVec3::Z * 0.001], 0.005, views);
+        assert_eq!(chosen, views[1]);
     }
 }
