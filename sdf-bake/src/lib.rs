@@ -1,7 +1,27 @@
 //! From a CAD mesh to a signed distance field.
 //!
 //! Everything is in SI units, in the part's right-handed frame with z up; inside is negative.
-//! This crate shows no progress and never prints.
+//!
+//! ```
+//! use glam::DVec3;
+//! use sdf_bake::clean::clean;
+//! use sdf_bake::read::{Format, UnitChoice, parse_mesh};
+//! use sdf_bake::{BakeOptions, bake};
+//!
+//! let corner = b"v 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+//! let file = parse_mesh(corner, Format::Obj, UnitChoice::Millimetre, "corner.obj").unwrap();
+//! let (mesh, report) = clean(file.mesh).unwrap();
+//! assert!(report.is_watertight());
+//! let (field, _) = bake(&mesh, &BakeOptions::with_voxel(0.5e-3)).unwrap();
+//! assert!((field.sample(DVec3::new(0.004, 0.004, 0.001)) + 0.001).abs() < 1e-6);
+//! assert!((field.volume() / mesh.volume() - 1.0).abs() < 0.01);
+//! ```
+//!
+//! The modules in the order in which data meets them: [`read`] and [`clean`] make a [`Mesh`], [`query`] finds closest
+//! points and ray hits on it, [`mod@bake`] makes a [`BrickGrid`] ([`grid`]), [`redistance`] keeps it a distance while it
+//! changes, [`nvdb`] stores it.
+//!
+//! This crate shows no progress and never prints; it opens no file but the mesh that [`read`] is given.
 
 pub mod bake;
 mod bounds;
