@@ -48,7 +48,7 @@ pub struct Ground {
     pub passes: Vec<PassRecord>,
     /// Weld metal that still stands above the part [m³].
     pub weld_left: f64,
-    /// Base metal that was ground away [m³].
+    /// Base metal that was ground away [m³]: what was removed less what the weld lost; rounding below zero is cut.
     pub base_removed: f64,
     /// Time the simulation took [s].
     pub seconds: f64,
@@ -133,15 +133,15 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
     Ok(())
 }
 
-/// The steps of a pass are as many as [`sim::grind`] needs for the way and for the removal.
+/// Refuses a pass that would take too long.
 fn check_steps(path: &sim::Path, settings: &GrindSettings, voxel: f64) -> Result<()> {
-    let by_way = path.length() / (settings.step_voxels * voxel);
-    let by_removal = path.duration() * settings.grind_rate * settings.stiffness / settings.step_removal;
+    let steps = settings.steps(path, voxel);
     ensure!(
-        by_way <= MOST_STEPS && by_removal <= MOST_STEPS,
-        "a pass of {:.3e} s takes {by_way:.1e} steps for its way and {by_removal:.1e} for its removal, and {MOST_STEPS:.0e} \
-         are accepted: use a faster --feed-mm-s, or a smaller --grind-rate or --stiffness (k K is {:.1e} 1/s)",
+        steps <= MOST_STEPS,
+        "a pass of {:.3e} s over {:.3e} mm takes {steps:.1e} steps, and {MOST_STEPS:.0e} are accepted: use a faster \
+         --feed-mm-s, or a smaller --grind-rate or --stiffness (k K is {:.1e} 1/s)",
         path.duration(),
+        path.length() * 1e3,
         settings.grind_rate * settings.stiffness
     );
     Ok(())

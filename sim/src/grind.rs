@@ -54,7 +54,7 @@ pub fn grind(
 ) -> Result<PassRecord, GrindError> {
     settings.check(grid, wheel)?;
     let before = grid.volume();
-    let steps = step_count(grid, path, settings);
+    let steps = settings.steps(path, grid.voxel).max(1.0) as usize;
     let dt = path.duration() / steps as f64;
     let mut grinder = Grinder::new(grid, wheel, settings);
     for step in 0..steps {
@@ -66,13 +66,6 @@ pub fn grind(
     grid.release_uniform_bricks();
     record.finish(path.duration(), before - grid.volume());
     Ok(record)
-}
-
-/// Steps in which the wheel moves and the surface recedes by no more than the settings allow.
-fn step_count(grid: &BrickGrid, path: &Path, settings: &GrindSettings) -> usize {
-    let by_way = path.length() / (settings.step_voxels * grid.voxel);
-    let by_removal = path.duration() * settings.grind_rate * settings.stiffness / settings.step_removal;
-    by_way.max(by_removal).ceil().max(1.0) as usize
 }
 
 impl<'a> Grinder<'a> {

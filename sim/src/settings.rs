@@ -4,6 +4,7 @@ use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
 
+use crate::path::Path;
 use crate::removal::RemovalLaw;
 use crate::tool::Wheel;
 
@@ -91,6 +92,14 @@ impl GrindSettings {
             grind_rate: self.grind_rate,
             threshold_pressure: self.threshold_pressure,
         }
+    }
+
+    /// Steps of a pass over `path` in a field of `voxel` [m]: enough for the wheel to move and for the surface to recede
+    /// by no more than `step_voxels` and `step_removal` allow.
+    pub fn steps(&self, path: &Path, voxel: f64) -> f64 {
+        let by_way = path.length() / (self.step_voxels * voxel);
+        let by_removal = path.duration() * self.grind_rate * self.stiffness / self.step_removal;
+        by_way.max(by_removal).ceil()
     }
 
     /// Checks all that a pass reads.
