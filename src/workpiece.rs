@@ -90,13 +90,13 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     let baking =
         BakeOptions { voxel: options.fineness.voxel(&part), band_voxels: options.band_voxels, sign: options.sign };
     budget::check(&part.mesh, &baking)?;
+    options.wishes.check_against(baking.voxel)?;
     let (target, report) = bake(&part.mesh, &baking)?;
     console.step("bake", describe_baking(&report, &target));
 
     if let Some(warning) = describe_volume(&part.mesh, &target) {
         console.step("note", warning);
     }
-    options.wishes.check_against(baking.voxel)?;
 
     let query = MeshQuery::new(&part.mesh);
     let request = options.wishes.applied_to(WeldRequest::for_part(&part.mesh, baking.voxel));

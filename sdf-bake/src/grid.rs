@@ -164,14 +164,6 @@ impl BrickGrid {
         }
     }
 
-    /// Lowest and highest voxel of all bricks, or `None` for an empty grid.
-    pub fn voxel_bounds(&self) -> Option<(IVec3, IVec3)> {
-        let first = *self.bricks.first()?;
-        let grow = |(low, high): (IVec3, IVec3), b: &IVec3| (low.min(*b), high.max(*b));
-        let (low, high) = self.bricks.iter().fold((first, first), grow);
-        Some((low * BRICK_SIDE as i32, high * BRICK_SIDE as i32 + 7))
-    }
-
     /// Checks that index and pool agree and that all values are finite and within the band.
     ///
     /// # Errors
