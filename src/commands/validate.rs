@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::asset::UsdMode;
 use crate::console::Console;
-use crate::validate::{Check, validate};
+use crate::validate::{Validation, validate};
 
 #[derive(Debug, Args)]
 #[command(
@@ -27,17 +27,22 @@ pub(super) struct ValidateArgs {
 struct ValidateAnswer<'a> {
     asset: &'a Path,
     valid: bool,
-    checks: &'a [Check],
+    #[serde(flatten)]
+    validation: &'a Validation,
 }
 
 pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
-    let checks = validate(&args.asset, args.usd)?;
-    for check in &checks {
+    let validation = validate(&args.asset, args.usd)?;
+    let checks = &validation.checks;
+    for check in checks {
         let verdict = if check.passed { "ok" } else { "FAILED" };
         console.step(verdict, format!("{}: {} ({})", check.file, check.rule, check.found));
     }
+    for left_out in &validation.not_checked {
+        console.step("not seen", left_out);
+    }
     let failed = checks.iter().filter(|check| !check.passed).count();
-    console.answer(&ValidateAnswer { asset: &args.asset, valid: failed == 0, checks: &checks })?;
+    console.answer(&ValidateAnswer { asset: &args.asset, valid: failed == 0, validation: &validation })?;
     if failed > 0 {
         bail!("{}: {failed} of {} checks failed", args.asset.display(), checks.len());
     }

@@ -32,13 +32,22 @@ impl Check {
     }
 }
 
+/// What validation found, and what it could not look at.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Validation {
+    /// Everything that was checked.
+    pub checks: Vec<Check>,
+    /// What was not checked, and why; neither passed nor failed.
+    pub not_checked: Vec<String>,
+}
+
 /// Checks an asset folder: hashes, then everything that the files say of each other.
 ///
 /// A file that cannot be opened is a failed check, not an error, so that one run names all that is wrong.
 ///
 /// # Errors
 /// When the folder has no readable manifest.
-pub fn validate(folder: &Path, usd: UsdMode) -> Result<Vec<Check>> {
+pub fn validate(folder: &Path, usd: UsdMode) -> Result<Validation> {
     let manifest = Manifest::read(folder)?;
     let mut checks = files::check(folder, &manifest);
     let meshes = opened(meshes::Meshes::open(folder), "workpiece.glb, welded.glb", &mut checks);
@@ -57,8 +66,9 @@ pub fn validate(folder: &Path, usd: UsdMode) -> Result<Vec<Check>> {
     if let Some(truth) = &truth {
         checks.extend(welds::check_manifest(truth, &manifest));
     }
-    checks.extend(usd::check(folder, &manifest, meshes.as_ref(), usd)?);
-    Ok(checks)
+    let mut validation = Validation { checks, not_checked: Vec::new() };
+    usd::check(folder, &manifest, meshes.as_ref(), usd, &mut validation)?;
+    Ok(validation)
 }
 
 fn opened<T>(result: Result<T>, file: &str, checks: &mut Vec<Check>) -> Option<T> {

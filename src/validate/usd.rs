@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::Check;
 use super::meshes::Meshes;
+use super::{Check, Validation};
 use crate::asset::{Manifest, USD_FILE, UsdMode};
 use crate::export::usd::{self, UsdReport};
 use crate::python;
@@ -13,24 +13,33 @@ use crate::python;
 /// Boxes of the glTF and the USD file hold the same single-precision numbers.
 const BOX_TOLERANCE: f64 = 1e-6;
 
-pub(super) fn check(folder: &Path, manifest: &Manifest, meshes: Option<&Meshes>, mode: UsdMode) -> Result<Vec<Check>> {
+/// Adds the checks of the USD file, or why its content was not looked at.
+pub(super) fn check(
+    folder: &Path,
+    manifest: &Manifest,
+    meshes: Option<&Meshes>,
+    mode: UsdMode,
+    validation: &mut Validation,
+) -> Result<()> {
+    let mut unseen = |why: &str| validation.not_checked.push(format!("{USD_FILE}: only its hash was checked: {why}"));
     let listed = manifest.files.contains_key(USD_FILE);
-    if mode == UsdMode::Off || (!listed && mode == UsdMode::Auto) {
-        return Ok(Vec::new());
-    }
-    if !listed {
-        return Ok(vec![Check::new(USD_FILE, "is part of the asset", false, "the asset was made without USD")]);
-    }
-    let python = match python::find(None) {
-        Ok(python) => python,
-        Err(error) if mode == UsdMode::Require => return Err(error.into()),
-        Err(error) => {
-            let found = format!("not opened, only its hash was checked: {error}");
-            return Ok(vec![Check::new(USD_FILE, "can be opened (needs Python)", true, found)]);
+    match (listed, mode) {
+        (false, UsdMode::Require) => {
+            let absent = "the asset was made without USD";
+            validation.checks.push(Check::new(USD_FILE, "is part of the asset", false, absent));
         }
-    };
-    let reports = usd::check(&[folder.join(USD_FILE)], &python)?;
-    Ok(reports.iter().flat_map(|report| check_report(report, meshes)).collect())
+        (false, _) => {}
+        (true, UsdMode::Off) => unseen("--usd off"),
+        (true, _) => match python::find(None) {
+            Ok(python) => {
+                let reports = usd::check(&[folder.join(USD_FILE)], &python)?;
+                validation.checks.extend(reports.iter().flat_map(|report| check_report(report, meshes)));
+            }
+            Err(error) if mode == UsdMode::Require => return Err(error.into()),
+            Err(error) => unseen(&error.to_string()),
+        },
+    }
+    Ok(())
 }
 
 fn check_report(report: &UsdReport, meshes: Option<&Meshes>) -> Vec<Check> {
