@@ -53,6 +53,15 @@ impl BrickGrid {
         before - kept
     }
 
+    /// Slot of the brick at `brick` [bricks], which is given one if it is wholly inside; `None` outside.
+    pub fn open_inside_brick(&mut self, brick: IVec3) -> Option<u32> {
+        match self.slot(brick) {
+            OUTSIDE => None,
+            INSIDE => Some(self.add_inside_brick(brick)),
+            slot => Some(slot),
+        }
+    }
+
     fn add_inside_brick(&mut self, brick: IVec3) -> u32 {
         let slot = self.bricks.len() as u32;
         if let Some(entry) = self.entry(brick) {

@@ -1,116 +1,161 @@
-//! Ideal force control: the travel along the approach axis at which the contact force is the setpoint.
+//! Who decides how far the tool is lifted: the travel along the approach axis from the nominal path.
 
-use sdf_bake::BrickGrid;
+use serde::{Deserialize, Serialize};
 
-use crate::contact::{Contact, LONGEST, Patch, PatchExtent};
-use crate::tool::{Pose, Wheel};
+/// The robot's controller.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", tag = "kind")]
+pub enum Controller {
+    /// The force is the setpoint at every time.
+    Ideal,
+    /// `M z'' = (F - F_set) - B z'`, sampled every period.
+    Admittance {
+        /// M [kg].
+        mass: f64,
+        /// B [N s/m].
+        damping: f64,
+        /// Time between samples [s].
+        period: f64,
+    },
+    /// The tool keeps to its path; the force follows.
+    Replay,
+}
 
-/// Relative difference between force and setpoint that is good enough.
-pub const FORCE_TOLERANCE: f64 = 1e-6;
+/// Travel and speed of a tool along its approach axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Travel from the nominal path, positive away from the part [m].
+    pub travel: f64,
+    /// [m/s]
+    pub speed: f64,
+}
 
 /// Evaluations of the force before the best travel so far is taken.
-const EVALUATIONS: usize = 60;
+const EVALUATIONS: usize = 40;
 
-/// Patches sampled before the search gives up; from a voxel, growing and sinking need about 30.
-const ROUNDS: usize = 100;
-
-/// Where to start, and how far to go.
+/// A balance to be found for the end of a step: `F(z) = F_set + B z' + M z''` with backward differences.
 #[derive(Clone, Copy, Debug)]
-pub struct Search {
-    /// Travel near which the balance is expected [m]; coming from the air, [`Search::reach`].
-    pub travel: f64,
-    /// Surface to sample, and how far below `travel` to look at first; grown until the setpoint is met.
-    pub extent: PatchExtent,
-    /// The wheel is sought between this far above the nominal pose and this far below it [m].
-    pub reach: f64,
-}
-
-impl Search {
-    /// A search that comes down from the air.
-    pub fn from_air(wheel: &Wheel, reach: f64) -> Self {
-        let length = 0.1 * wheel.radius;
-        Self { travel: reach, extent: PatchExtent { front: length, back: length, sink: 0.1 * reach }, reach }
-    }
-}
-
-/// The wheel in balance.
 pub struct Balance {
-    /// Travel from the nominal pose [m].
-    pub travel: f64,
-    /// The patch, sampled at the nominal pose lifted by `sampled_at`.
-    pub patch: Patch,
-    /// Travel at which the patch was sampled [m].
-    pub sampled_at: f64,
-    /// Force, moment, area and pressure.
-    pub contact: Contact,
+    /// Where the step starts.
+    pub from: Motion,
+    /// F_set [N].
+    pub setpoint: f64,
+    /// B [N s/m]; 0 for an ideal controller.
+    pub damping: f64,
+    /// M [kg]; 0 for an ideal controller.
+    pub mass: f64,
+    /// Length of the step [s]; 0 for a balance at rest.
+    pub dt: f64,
+    /// Difference in force that is good enough [N].
+    pub tolerance: f64,
+    /// Lowest and highest travel [m].
+    pub bounds: (f64, f64),
+}
+
+/// Force at a travel, its stiffness -dF/dz [N/m], and the gap (negative) or depth under the tool [m].
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// [N]
+    pub force: f64,
+    /// [N/m]
+    pub stiffness: f64,
+    /// Deepest point under the working surface [m]; -∞ where there is no surface.
+    pub depth: f64,
 }
 
 impl Balance {
-    /// Travel from the pose at which the patch was sampled [m]: what [`Patch`]'s functions take.
-    pub fn patch_travel(&self) -> f64 {
-        self.travel - self.sampled_at
-    }
-}
-
-/// Finds the travel at which the wheel meets `setpoint` [N] with stiffness K [Pa/m]; `None` where there is
-/// nothing to press against within reach.
-pub fn balance_force(
-    grid: &BrickGrid,
-    wheel: &Wheel,
-    nominal: &Pose,
-    (stiffness, setpoint): (f64, f64),
-    search: Search,
-) -> Option<Balance> {
-    let mut at = search.travel.clamp(-search.reach, search.reach);
-    let mut extent = search.extent;
-    let longest = |extent: PatchExtent| extent.front.min(extent.back) >= LONGEST * wheel.radius;
-    for _ in 0..ROUNDS {
-        let patch = Patch::find(grid, wheel, &nominal.lifted(at), extent);
-        if patch.contact(-extent.sink, stiffness).force >= setpoint {
-            let travel = solve(&patch, stiffness, setpoint, (-extent.sink, 0.1 * grid.voxel));
-            if patch.is_whole(travel) || longest(extent) {
-                let contact = patch.contact(travel, stiffness);
-                return Some(Balance { travel: at + travel, patch, sampled_at: at, contact });
+    /// Finds the travel near `guess`: Newton's steps, kept between the travels known to be too low and too high.
+    /// `None` where nothing is met within the bounds.
+    pub fn solve(&self, guess: f64, mut respond: impl FnMut(f64) -> Response) -> Option<f64> {
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
+        let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
+        for _ in 0..EVALUATIONS {
+            let response = respond(travel);
+            let excess = self.excess(travel, response.force);
+            if excess.abs() <= self.tolerance {
+                return Some(travel);
             }
-            extent = extent.grown();
-        } else if !patch.is_whole(-extent.sink) && !longest(extent) {
-            extent = extent.grown();
-        } else if at > -search.reach {
-            at -= extent.sink;
-            extent.sink *= 2.0;
-        } else {
-            return None;
+            if excess > 0.0 { low = travel } else { high = travel }
+            let slope = response.stiffness + drag;
+            let step = if slope > 0.0 {
+                travel + excess / slope
+            } else if response.depth == f64::NEG_INFINITY {
+                return None;
+            } else {
+                // Down to the surface, and a hundredth of the way into it.
+                travel + response.depth.min(0.0) * (1.0 + 1e-9) - 1e-7
+            };
+            travel = match (step > low, step < high) {
+                (true, true) => step,
+                _ if low.is_finite() && high.is_finite() => 0.5 * (low + high),
+                _ => step,
+            };
+            if !(travel >= self.bounds.0) {
+                return None;
+            }
+            if high - low < 1e-14 {
+                return Some(low);
+            }
         }
+        Some(travel)
     }
-    None
+
+    /// Force in excess of what the controller lets stand [N].
+    fn excess(&self, travel: f64, force: f64) -> f64 {
+        if self.dt == 0.0 {
+            return force - self.setpoint;
+        }
+        let speed = (travel - self.from.travel) / self.dt;
+        force - self.setpoint - self.damping * speed - self.mass * (speed - self.from.speed) / self.dt
+    }
 }
 
-/// Travel at which the patch meets the setpoint: Newton's steps, kept between the travels known to be too
-/// low and too high. `low` is one at which the force is at least the setpoint.
-fn solve(patch: &Patch, stiffness: f64, setpoint: f64, (mut low, stride): (f64, f64)) -> f64 {
-    let mut high = f64::INFINITY;
-    let mut travel = f64::max(low, 0.0);
-    for _ in 0..EVALUATIONS {
-        let contact = patch.contact(travel, stiffness);
-        let excess = contact.force - setpoint;
-        if excess.abs() <= FORCE_TOLERANCE * setpoint {
-            return travel;
-        }
-        if excess > 0.0 {
-            low = low.max(travel)
-        } else {
-            high = high.min(travel)
-        }
-        // dF/dz = -K A: the depth grows over the whole patch at once.
-        let newton = travel + excess / (stiffness * contact.area.max(f64::MIN_POSITIVE));
-        let step = if contact.area > 0.0 { newton } else { travel + patch.depth_max(travel) - 1e-3 * stride };
-        travel = if step > low && step < high {
-            step
-        } else if high.is_finite() {
-            0.5 * (low + high)
-        } else {
-            travel + stride
+/// One sample of an admittance controller (semi-implicit Euler) that has read `force` [N].
+pub fn admittance_sample(motion: Motion, force: f64, setpoint: f64, (mass, damping): (f64, f64), dt: f64) -> Motion {
+    // B is taken at the end of the sample: M may then be zero.
+    let speed = (mass * motion.speed + dt * (force - setpoint)) / (mass + dt * damping);
+    Motion { travel: motion.travel + dt * speed, speed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_spring_is_balanced_from_the_air_and_from_too_deep() {
+        let balance = Balance {
+            from: Motion::default(),
+            setpoint: 15.0,
+            damping: 0.0,
+            mass: 0.0,
+            dt: 0.01,
+            tolerance: 1e-9,
+            bounds: (-0.02, 0.02),
         };
+        let spring = |z: f64| Response {
+            force: (-1e6 * z).max(0.0),
+            stiffness: if z < 0.0 { 1e6 } else { 0.0 },
+            depth: -z,
+        };
+        for guess in [0.01, -0.015, 0.0] {
+            let travel = balance.solve(guess, spring).expect("a balance");
+            assert!((travel + 15e-6).abs() < 1e-12, "{travel}");
+        }
+        let nothing = |_| Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY };
+        assert_eq!(balance.solve(0.0, nothing), None);
     }
-    low
+
+    #[test]
+    fn an_admittance_on_a_flat_spring_approaches_the_setpoint_as_the_closed_form_says() {
+        // M = 0: F = F_d (1 - exp(-t/tau)), tau = B/(K A).
+        let (spring, damping, setpoint, dt) = (1e6, 1500.0, 15.0, 1e-6);
+        let mut motion = Motion::default();
+        for _ in 0..1500 {
+            motion = admittance_sample(motion, -spring * motion.travel, setpoint, (0.0, damping), dt);
+        }
+        let force = -spring * motion.travel;
+        let exact = setpoint * (1.0 - (-1500.0 * dt * spring / damping).exp());
+        assert!((force / exact - 1.0).abs() < 1e-3, "{force} {exact}");
+    }
 }

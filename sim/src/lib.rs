@@ -7,38 +7,45 @@
 //! ```
 //! use glam::DVec3;
 //! use sdf_bake::BrickGrid;
-//! use sim::{CurvePoint, GrindSettings, Path, Wheel, grind};
+//! use sim::physics::BaseLaw;
+//! use sim::{CurvePoint, Pass, Path, Process, Tool, Wheel, run_pass};
 //!
 //! let half = DVec3::new(0.03, 0.02, 0.005);
 //! let plate = |p: DVec3| p.z;
 //! let mut part = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, plate);
 //! let curve = [-5e-3, 5e-3].map(|x| CurvePoint { position: DVec3::X * x, normal: DVec3::Z });
-//! let settings = GrindSettings::default();
-//! let path = Path::along(&curve, settings.feed).unwrap();
-//! let wheel = Wheel { radius: 0.05, width: 0.02 };
-//! let pass = grind(&mut part, &path, &wheel, &settings, &mut |_| {}).unwrap();
-//! let expected = settings.grind_rate * settings.force_setpoint * path.duration();
-//! assert!((pass.removed_volume / expected - 1.0).abs() < 0.01);
+//! let path = Path::along(&curve, 5e-3).unwrap();
+//! let tool = Tool::from(Wheel::cylinder(0.05, 0.02));
+//! let law = BaseLaw { stiffness: 1e10, grind_rate: 1e-9, threshold_pressure: 0.0, sanding_rate: 0.0 };
+//! let pass = Pass { tool: &tool, path: &path, process: &Process::default(), law: &law };
+//! let record = run_pass(&mut part, pass, &mut |_| {}).unwrap();
+//! let expected = law.grind_rate * pass.process.force_setpoint * path.duration();
+//! assert!((record.removed_volume / expected - 1.0).abs() < 0.01);
 //! ```
 //!
 //! This crate never opens a file, never prints, and holds no state between calls. It computes the same
 //! bytes for any number of threads.
 
+mod commit;
 pub mod contact;
 pub mod control;
-pub mod grind;
+pub mod pass;
 pub mod path;
+pub mod physics;
+pub mod press;
 mod ramp;
 pub mod record;
-pub mod removal;
 pub mod render;
 pub mod settings;
+pub mod sheet;
+pub mod step;
 pub mod surface;
 pub mod tool;
 
 pub use contact::Contact;
-pub use grind::{Progress, grind};
+pub use control::Controller;
+pub use pass::{Pass, Progress, run_pass};
 pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use record::{LogRow, PassRecord};
-pub use settings::{GrindError, GrindSettings};
-pub use tool::{Pose, Wheel};
+pub use settings::{PassError, Process};
+pub use tool::{FieldTool, Frame, Pad, Pose, Tool, Wheel};

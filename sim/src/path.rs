@@ -1,16 +1,16 @@
-//! The planned path of a pass: where the wheel's lowest point should be, and when.
+//! The planned path of a pass: where the tool's lowest point should be, and when.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::tool::{Pose, Wheel};
+use crate::tool::{Frame, Pose, Tool};
 
 /// One point of a curve on the workpiece.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// Position on the surface [m].
     pub position: DVec3,
-    /// Outward unit normal: the wheel approaches against it.
+    /// Outward unit normal: the tool approaches against it.
     pub normal: DVec3,
 }
 
@@ -19,19 +19,29 @@ pub struct CurvePoint {
 pub struct PathSample {
     /// Since the start of the pass [s].
     pub time: f64,
-    /// Nominal contact point [m]; force control moves the wheel along `approach` from there.
+    /// Nominal contact point [m]; force control moves the tool along `approach` from there.
     pub position: DVec3,
     /// Approach axis, unit, out of the part.
     pub approach: DVec3,
-    /// The wheel's axis, unit.
+    /// Across the feed, unit: the axis of a wheel.
     pub axis: DVec3,
 }
 
 impl PathSample {
-    /// Pose of a wheel whose lowest point is the nominal contact point.
-    pub fn pose(&self, wheel: &Wheel) -> Pose {
-        let pose = Pose { centre: self.position, approach: self.approach, axis: self.axis };
-        Pose { centre: 2.0 * self.position - wheel.lowest(&pose), ..pose }
+    /// Pose of a tool whose lowest point is the nominal contact point.
+    pub fn pose(&self, tool: &Tool) -> Pose {
+        let frame = match tool {
+            Tool::Wheel(_) => Frame::about(self.axis, self.approach),
+            _ => Frame::facing(self.approach, self.axis.cross(self.approach)),
+        };
+        Pose { centre: self.position + frame.z * tool.drop(), approach: self.approach, frame }
+    }
+
+    /// A sample whose tool has its reference point at `centre` [m].
+    pub fn from_centre(time: f64, centre: DVec3, (approach, axis): (DVec3, DVec3), tool: &Tool) -> Self {
+        let sample = Self { time, position: centre, approach, axis };
+        let frame = sample.pose(tool).frame;
+        Self { position: centre - frame.z * tool.drop(), ..sample }
     }
 }
 
@@ -86,7 +96,7 @@ impl Path {
         }
     }
 
-    /// Follows a curve at constant `feed` [m/s] with the wheel's axis across the curve and its normal.
+    /// Follows a curve at constant `feed` [m/s] with the tool's axis across the curve and its normal.
     ///
     /// # Errors
     /// A feed that is not a speed, fewer than two distinct points, or a normal along the curve.
@@ -110,10 +120,10 @@ impl Path {
         Self::from_samples(samples)
     }
 
-    /// The same way in the other direction, at the same speeds.
+    /// The same way in the other direction, at the same speeds; the tool is not turned round.
     pub fn reversed(&self) -> Self {
         let end = self.duration();
-        let turn = |sample: &PathSample| PathSample { time: end - sample.time, axis: -sample.axis, ..*sample };
+        let turn = |sample: &PathSample| PathSample { time: end - sample.time, ..*sample };
         Self { samples: self.samples.iter().rev().map(turn).collect() }
     }
 
@@ -127,10 +137,21 @@ impl Path {
         self.samples.windows(2).map(|pair| (pair[1].position - pair[0].position).length()).sum()
     }
 
+    /// Velocity along the path at a time [m/s].
+    pub fn velocity(&self, time: f64) -> DVec3 {
+        let (a, b) = self.segment(time);
+        (b.position - a.position) / (b.time - a.time)
+    }
+
+    /// The samples before and after a time; a sample's own time belongs to the segment after it.
+    fn segment(&self, time: f64) -> (&PathSample, &PathSample) {
+        let after = self.samples.partition_point(|sample| sample.time <= time).clamp(1, self.samples.len() - 1);
+        (&self.samples[after - 1], &self.samples[after])
+    }
+
     /// The path at a time [s], held at its ends.
     pub fn at(&self, time: f64) -> PathSample {
-        let after = self.samples.partition_point(|sample| sample.time < time).clamp(1, self.samples.len() - 1);
-        let (a, b) = (&self.samples[after - 1], &self.samples[after]);
+        let (a, b) = self.segment(time);
         let t = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
         let approach = a.approach.lerp(b.approach, t).normalize();
         let axis = a.axis.lerp(b.axis, t).normalize();
@@ -141,6 +162,7 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tool::Wheel;
 
     fn straight() -> Vec<CurvePoint> {
         (0..5).map(|i| CurvePoint { position: DVec3::X * 0.01 * f64::from(i), normal: DVec3::Z }).collect()
@@ -153,11 +175,13 @@ mod tests {
         let sample = path.at(3.0);
         assert!((sample.position - DVec3::X * 0.015).length() < 1e-12);
         assert_eq!((sample.approach, sample.axis), (DVec3::Z, DVec3::Y));
-        let wheel = Wheel { radius: 0.05, width: 0.02 };
-        assert!((wheel.lowest(&sample.pose(&wheel)) - sample.position).length() < 1e-15);
+        let wheel = Tool::from(Wheel::cylinder(0.05, 0.02));
+        assert!((sample.pose(&wheel).centre - sample.position - DVec3::Z * 0.05).length() < 1e-15);
+        assert!((path.velocity(3.0) - DVec3::X * 0.005).length() < 1e-15);
         let back = path.reversed();
         assert!((back.at(3.0).position - DVec3::X * 0.025).length() < 1e-12);
-        assert_eq!(back.at(3.0).pose(&wheel).feed(), -DVec3::X);
+        assert_eq!(back.at(3.0).pose(&wheel).frame.x, DVec3::X);
+        assert!((back.velocity(3.0) + DVec3::X * 0.005).length() < 1e-15);
     }
 
     #[test]

@@ -3,18 +3,25 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::Contact;
+
+/// Height above the first and last contact at which a log that starts in contact is begun and ended [m].
+const CLEARANCE: f64 = 5e-3;
+/// Least time between two rows of the log [s].
+const LOG_PERIOD: f64 = 0.01;
+
 /// One row of the log, as robot and force sensor would report it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LogRow {
     /// Since the start of the pass [s].
     pub time: f64,
-    /// Centre of the wheel [m].
+    /// The tool's reference point [m].
     pub position: DVec3,
     /// Approach axis, unit, out of the part.
     pub approach: DVec3,
     /// Normal force [N].
     pub force: f64,
-    /// Speed of the wheel [rad/s].
+    /// Speed of the spindle [rad/s].
     pub spindle_speed: f64,
 }
 
@@ -31,12 +38,71 @@ pub struct PassRecord {
     pub removed_volume: f64,
     /// `∫∫ k max(p - p_c, 0) dA dt` over the contact patch [m³]: what Eq. (1) asks for.
     pub removed_volume_by_law: f64,
-    /// `∫ F dt` [N s]. For p_c = 0 and gentle slopes, k times this is the removed volume.
+    /// `∫ F dt` [N s].
     pub impulse: f64,
-    /// Root mean square of force minus setpoint, over the steps in contact [N].
+    /// `∫∫ p dA dt` [N s]. For p_c = 0, k times this is the removed volume, for every shape.
+    pub load_impulse: f64,
+    /// Root mean square of force minus setpoint, over the time in contact [N].
     pub force_rms_error: f64,
+    /// Time in contact [s].
+    pub contact_time: f64,
     /// Highest pressure met [Pa].
     pub pressure_max: f64,
+    /// Largest area under pressure [m²].
+    pub area_max: f64,
     /// Time simulated [s].
     pub duration: f64,
+}
+
+impl PassRecord {
+    /// Adds a step of `dt` [s] that removed `volume` [m³].
+    pub(crate) fn push(&mut self, row: LogRow, contact: Contact, volume: f64, dt: f64, setpoint: f64) {
+        self.steps += 1;
+        self.impulse += contact.force * dt;
+        self.load_impulse += contact.load * dt;
+        self.removed_volume_by_law += volume;
+        self.pressure_max = self.pressure_max.max(contact.pressure_max);
+        self.area_max = self.area_max.max(contact.area);
+        if contact.force > 0.0 {
+            self.force_rms_error += (contact.force - setpoint).powi(2) * dt;
+            self.contact_time += dt;
+        }
+        self.log_row(row);
+    }
+
+    /// Adds a step in the air.
+    pub(crate) fn push_air(&mut self, row: LogRow) {
+        self.steps += 1;
+        self.steps_in_air += 1;
+        self.log_row(row);
+    }
+
+    fn log_row(&mut self, row: LogRow) {
+        if self.log.last().is_none_or(|last| row.time - last.time >= LOG_PERIOD - 1e-9) {
+            self.log.push(row);
+        }
+    }
+
+    /// Adds approach and retract to the log and turns sums into means.
+    pub(crate) fn finish(&mut self, duration: f64, removed_volume: f64) {
+        let lifted = |row: &LogRow, time: f64| LogRow {
+            time,
+            position: row.position + row.approach * CLEARANCE,
+            force: 0.0,
+            ..*row
+        };
+        if let (Some(first), Some(last)) = (self.log.first().copied(), self.log.last().copied()) {
+            if first.force > 0.0 {
+                self.log.insert(0, lifted(&first, 0.0));
+            }
+            if last.force > 0.0 && last.time < duration {
+                self.log.push(lifted(&last, duration));
+            }
+        }
+        if self.contact_time > 0.0 {
+            self.force_rms_error = (self.force_rms_error / self.contact_time).sqrt();
+        }
+        self.removed_volume = removed_volume;
+        self.duration = duration;
+    }
 }

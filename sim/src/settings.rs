@@ -1,55 +1,40 @@
-//! What a grinding run is told, with defaults that give a plausible weld on steel.
+//! How a pass is controlled, with defaults that suit a weld on steel.
 
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
 
-use crate::path::Path;
-use crate::removal::RemovalLaw;
-use crate::tool::Wheel;
+use crate::control::Controller;
+use crate::tool::Tool;
 
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
-/// Process parameters of a grinding pass.
+/// Controller and numerics of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GrindSettings {
-    /// K [Pa/m], pressure per depth. Default 1e10: a resin-bonded wheel on steel; 15 N then press a 20 mm
-    /// wide wheel of 50 mm radius 32 µm deep into a flat plate.
-    pub stiffness: f64,
-    /// k [m/(Pa s)]. Default 1e-9, inside 1e-10 to 1.5e-9, which an energy balance k = μ v_s / u gives for
-    /// steel: friction μ 0.3 to 0.5, wheel speed v_s 20 to 60 m/s, specific energy u 20 to 60 GJ/m³.
-    pub grind_rate: f64,
-    /// p_c [Pa], pressure below which nothing is removed. Default 0: a sharp wheel.
-    pub threshold_pressure: f64,
+pub struct Process {
+    /// Who holds the force. Default: ideal.
+    pub controller: Controller,
     /// Normal force the controller holds [N]. Default 15.
     pub force_setpoint: f64,
-    /// Speed along the path [m/s], for who plans it. Default 5e-3.
-    pub feed: f64,
-    /// Passes over the weld. Default 2.
-    pub passes: u32,
-    /// Speed of the wheel [rad/s], logged. Default 628, 6000 rpm.
+    /// Speed of the spindle [rad/s]. Default 628, 6000 rpm.
     pub spindle_speed: f64,
-    /// Way of the wheel in one step [voxels]. Default 0.5.
+    /// Way of the tool in one step [voxels]. Default 0.5.
     pub step_voxels: f64,
-    /// Share of its depth that a point may lose in one step, at most, by `k K dt`. Default 0.5.
-    pub step_removal: f64,
-    /// The controller seeks the surface this far above and below the path [m]. Default 20e-3.
+    /// Way of the tool after which the field is written [voxels]. Default 1.
+    pub commit_voxels: f64,
+    /// The tool is sought this far above and below its path [m]. Default 20e-3.
     pub search_reach: f64,
 }
 
-impl Default for GrindSettings {
+impl Default for Process {
     fn default() -> Self {
         Self {
-            stiffness: 1e10,
-            grind_rate: 1e-9,
-            threshold_pressure: 0.0,
+            controller: Controller::Ideal,
             force_setpoint: 15.0,
-            feed: 5e-3,
-            passes: 2,
             spindle_speed: 6000.0 * std::f64::consts::TAU / 60.0,
             step_voxels: 0.5,
-            step_removal: 0.5,
+            commit_voxels: 1.0,
             search_reach: 20e-3,
         }
     }
@@ -57,11 +42,11 @@ impl Default for GrindSettings {
 
 /// Why a pass cannot be simulated.
 #[derive(Debug, thiserror::Error, PartialEq)]
-pub enum GrindError {
+pub enum PassError {
     /// A parameter out of its range.
     #[error("{name} is {found}, it must be {accepted}")]
     BadSetting {
-        /// Field of [`GrindSettings`] or [`Wheel`].
+        /// Which one, with its unit.
         name: &'static str,
         /// Value given [SI].
         found: f64,
@@ -84,51 +69,36 @@ pub enum GrindError {
     },
 }
 
-impl GrindSettings {
-    /// The law of removal on the contact.
-    pub fn law(&self) -> RemovalLaw {
-        RemovalLaw {
-            stiffness: self.stiffness,
-            grind_rate: self.grind_rate,
-            threshold_pressure: self.threshold_pressure,
-        }
-    }
-
-    /// Steps of a pass over `path` in a field of `voxel` [m]: enough for the wheel to move and for the surface to recede
-    /// by no more than `step_voxels` and `step_removal` allow.
-    pub fn steps(&self, path: &Path, voxel: f64) -> f64 {
-        let by_way = path.length() / (self.step_voxels * voxel);
-        let by_removal = path.duration() * self.grind_rate * self.stiffness / self.step_removal;
-        by_way.max(by_removal).ceil()
-    }
-
+impl Process {
     /// Checks all that a pass reads.
     ///
     /// # Errors
     /// The first parameter that is out of range, or a band that is too thin.
-    pub fn check(&self, grid: &BrickGrid, wheel: &Wheel) -> Result<(), GrindError> {
+    pub fn check(&self, grid: &BrickGrid, tool: &Tool) -> Result<(), PassError> {
         let positive = "positive and finite";
-        for (name, found) in [
-            ("wheel radius [m]", wheel.radius),
-            ("wheel width [m]", wheel.width),
-            ("stiffness [Pa/m]", self.stiffness),
+        let bad = |name, found| Err(PassError::BadSetting { name, found, accepted: positive });
+        if let Some((name, found)) = tool.bad_size() {
+            return bad(name, found);
+        }
+        let mut settings = vec![
             ("force setpoint [N]", self.force_setpoint),
             ("step_voxels", self.step_voxels),
-            ("step_removal", self.step_removal),
+            ("commit_voxels", self.commit_voxels),
             ("search_reach [m]", self.search_reach),
-        ] {
-            if !(found > 0.0 && found.is_finite()) {
-                return Err(GrindError::BadSetting { name, found, accepted: positive });
-            }
+        ];
+        if let Controller::Admittance { mass, damping, period } = self.controller {
+            settings.extend([
+                ("admittance mass [kg]", mass),
+                ("admittance damping [N s/m]", damping),
+                ("admittance period [s]", period),
+            ]);
         }
-        for (name, found) in
-            [("grind_rate [m/(Pa s)]", self.grind_rate), ("threshold_pressure [Pa]", self.threshold_pressure)]
-        {
-            if !(found >= 0.0 && found.is_finite()) {
-                return Err(GrindError::BadSetting { name, found, accepted: "zero or positive, and finite" });
+        for (name, found) in settings {
+            if !(found > 0.0 && found.is_finite()) {
+                return bad(name, found);
             }
         }
         let band = f64::from(grid.band) / grid.voxel;
-        if band >= BAND_VOXELS { Ok(()) } else { Err(GrindError::ThinBand { found: band }) }
+        if band >= BAND_VOXELS { Ok(()) } else { Err(PassError::ThinBand { found: band }) }
     }
 }

@@ -5,18 +5,16 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{WHEEL, ball, bar, odd_turn, plate, pressed};
+use common::{LAW, WHEEL, ball, bar, odd_turn, plate, pressed, turned};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
-use sim::contact::{Patch, PatchExtent};
-use sim::{Contact, Pose, Wheel};
+use sim::press::Press;
+use sim::{Contact, Frame, Pose, Tool, Wheel};
 
 const K: f64 = 1e10;
 
 fn contact(grid: &BrickGrid, wheel: &Wheel, pose: &Pose) -> Contact {
-    let patch = Patch::find(grid, wheel, pose, PatchExtent { front: 0.012, back: 0.012, sink: grid.voxel });
-    assert!(patch.is_whole(0.0));
-    patch.contact(0.0, K)
+    Press::new(grid, &Tool::from(*wheel), *pose, 1e-3).contact(0.0, &LAW)
 }
 
 /// K b [a R - c² asinh(a/c)], in terms that do not cancel.
@@ -73,7 +71,7 @@ fn a_plate_that_lies_askew_to_the_lattice_gives_the_same_force() {
     for (voxel, limit) in [(0.5e-3, 5e-3), (0.25e-3, 1e-3)] {
         let grid = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| (turn.transpose() * p).z);
         let pose = pressed(&WHEEL, 0.0, 0.0, depth);
-        let pose = Pose { centre: turn * pose.centre, approach: turn * DVec3::Z, axis: turn * DVec3::Y };
+        let pose = turned(&pose, turn);
         let found = contact(&grid, &WHEEL, &pose);
         assert!(report("askew flat", voxel, found.force, wheel_on_flat(&WHEEL, depth)) < limit);
     }
@@ -132,10 +130,8 @@ fn a_tilted_wheel_meets_the_closed_form_for_force_and_has_a_moment() {
     let (high, low) = (depth + 0.01 * tilt.tan(), (depth - 0.01 * tilt.tan()).max(0.0));
     let exact = 8.0 / 15.0 * K * (2.0 * WHEEL.radius).sqrt() / tilt.tan() * (high.powf(2.5) - low.powf(2.5));
     for (voxel, limit) in [(0.5e-3, 5e-3), (0.25e-3, 2e-3)] {
-        let axis = DVec3::new(0.0, tilt.cos(), -tilt.sin());
-        let up = DVec3::new(0.0, tilt.sin(), tilt.cos());
-        let centre = up * WHEEL.radius - DVec3::Z * depth;
-        let pose = Pose { centre, approach: DVec3::Z, axis };
+        let frame = Frame::about(DVec3::Y, DVec3::Z).tilted(-tilt, 0.0);
+        let pose = Pose { centre: frame.z * WHEEL.radius - DVec3::Z * depth, approach: DVec3::Z, frame };
         let found = contact(&plate(voxel, 0.0), &WHEEL, &pose);
         assert!(report("tilted 2.5 mrad", voxel, found.force, exact) < limit);
         assert!(found.moment.x.abs() > 1e-3 * found.force, "{}", found.moment);
@@ -166,7 +162,7 @@ fn the_force_does_not_ripple_while_the_wheel_slides_over_voxels() {
     for (name, grid, depth) in [("flat", flat, 32e-6), ("bar", bar, 150e-6)] {
         let force = |i: i32| {
             let pose = pressed(&WHEEL, 0.043e-3 * f64::from(i), 0.0, depth);
-            let pose = Pose { centre: turn * pose.centre, approach: turn * DVec3::Z, axis: turn * DVec3::Y };
+            let pose = turned(&pose, turn);
             contact(&grid, &WHEEL, &pose).force
         };
         let forces: Vec<f64> = (0..50).map(force).collect();

@@ -2,21 +2,27 @@
 
 mod common;
 
-use common::{WHEEL, ball, line, odd_turn, plate, settings, welded_plate};
+use common::{LAW, WHEEL, ball, line, odd_turn, plate, welded_plate};
 use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use sdf_bake::BrickGrid;
-use sim::{GrindError, GrindSettings, PassRecord, Path, Wheel, grind};
+use sim::physics::BaseLaw;
+use sim::{Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
 
-fn pass(grid: &mut BrickGrid, path: &Path, settings: &GrindSettings) -> PassRecord {
-    let record = grind(grid, path, &WHEEL, settings, &mut |_| {}).expect("a pass");
+/// Feed of the tests [m/s].
+const FEED: f64 = 5e-3;
+
+fn pass(grid: &mut BrickGrid, path: &Path, law: &BaseLaw) -> PassRecord {
+    let tool = Tool::from(WHEEL);
+    let pass = Pass { tool: &tool, path, process: &Process::default(), law };
+    let record = run_pass(grid, pass, &mut |_| {}).expect("a pass");
     assert_eq!(grid.sanity_check(), Ok(()));
     record
 }
 
 /// Prints and returns how far the removed volume is from `k ∫ F dt` and from the law on the true surface.
-fn volume_errors(name: &str, record: &PassRecord, settings: &GrindSettings) -> (f64, f64) {
-    let by_force = record.removed_volume / (settings.grind_rate * record.impulse) - 1.0;
+fn volume_errors(name: &str, record: &PassRecord, law: &BaseLaw) -> (f64, f64) {
+    let by_force = record.removed_volume / (law.grind_rate * record.impulse) - 1.0;
     let by_law = record.removed_volume / record.removed_volume_by_law - 1.0;
     println!(
         "{name}: {:.3} mm³ in {} steps; against k∫F dt {:+.3} %, against ∫∫ r dA dt {:+.3} %",
@@ -30,18 +36,17 @@ fn volume_errors(name: &str, record: &PassRecord, settings: &GrindSettings) -> (
 
 #[test]
 fn a_flat_plate_loses_k_times_impulse_and_keeps_a_groove_of_the_closed_form() {
-    let settings = settings();
     let mut grid = plate(0.5e-3, 0.1e-3);
     let original = grid.clone();
-    let record = pass(&mut grid, &Path::along(&line(-0.02, 0.02, 0.1e-3), settings.feed).unwrap(), &settings);
-    let (by_force, by_law) = volume_errors("flat, 0.5 mm voxels", &record, &settings);
+    let record = pass(&mut grid, &Path::along(&line(-0.02, 0.02, 0.1e-3), FEED).unwrap(), &LAW);
+    let (by_force, by_law) = volume_errors("flat, 0.5 mm voxels", &record, &LAW);
     assert!(by_force < 3e-3 && by_law < 3e-3);
-    assert!(record.force_rms_error < 1e-4 * settings.force_setpoint, "{}", record.force_rms_error);
+    assert!(record.force_rms_error < 1e-4 * 15.0, "{}", record.force_rms_error);
     // Where the pass is steady, the groove's section is kF/v and its depth kF/(bv).
     let (low, high) = (DVec3::new(5e-3, -1.0, -1.0), DVec3::new(15e-3, 1.0, 1.0));
     let section = (original.volume_within(low, high) - grid.volume_within(low, high)) / 10e-3;
-    let section_error = section / (settings.grind_rate * settings.force_setpoint / settings.feed) - 1.0;
-    let depth = settings.grind_rate * settings.force_setpoint / (WHEEL.width * settings.feed);
+    let section_error = section / (LAW.grind_rate * 15.0 / FEED) - 1.0;
+    let depth = LAW.grind_rate * 15.0 / (WHEEL.width * FEED);
     let depth_error = f64::from(grid.sample(DVec3::new(0.01, 0.0, 0.1e-3 - depth))) / depth;
     println!("groove: section {:+.3} %, depth {:+.3} %", section_error * 100.0, depth_error * 100.0);
     assert!(section_error.abs() < 5e-3);
@@ -50,25 +55,25 @@ fn a_flat_plate_loses_k_times_impulse_and_keeps_a_groove_of_the_closed_form() {
 
 #[test]
 fn a_threshold_lowers_the_removed_volume_as_the_law_says() {
-    let settings = GrindSettings { threshold_pressure: 1e5, ..settings() };
+    let law = BaseLaw { threshold_pressure: 1e5, ..LAW };
     let mut grid = plate(0.5e-3, 0.0);
-    let record = pass(&mut grid, &Path::along(&line(-0.02, 0.02, 0.0), settings.feed).unwrap(), &settings);
-    let (_, by_law) = volume_errors("flat, threshold 0.1 MPa", &record, &settings);
+    let record = pass(&mut grid, &Path::along(&line(-0.02, 0.02, 0.0), FEED).unwrap(), &law);
+    let (_, by_law) = volume_errors("flat, threshold 0.1 MPa", &record, &law);
     assert!(by_law < 3e-3);
-    assert!(record.removed_volume < 0.9 * settings.grind_rate * record.impulse);
+    assert!(record.removed_volume < 0.9 * LAW.grind_rate * record.impulse);
 }
 
 #[test]
 fn nothing_is_removed_below_the_threshold_or_away_from_the_wheel() {
-    let never = GrindSettings { threshold_pressure: 1e9, ..settings() };
+    let never = BaseLaw { threshold_pressure: 1e9, ..LAW };
     let mut grid = plate(0.5e-3, 0.0);
     let original = grid.clone();
-    let path = Path::along(&line(-0.005, 0.005, 0.0), never.feed).unwrap();
+    let path = Path::along(&line(-0.005, 0.005, 0.0), FEED).unwrap();
     let record = pass(&mut grid, &path, &never);
     assert_eq!((record.removed_volume, record.removed_volume_by_law), (0.0, 0.0));
     assert!(grid == original, "the field is unchanged");
 
-    pass(&mut grid, &path, &settings());
+    pass(&mut grid, &path, &LAW);
     for x in [-0.025, 0.0, 0.025] {
         let beside = DVec3::new(x, 0.0105 + 1e-3, 0.0);
         assert_eq!(grid.sample(beside), original.sample(beside), "beside the wheel at {beside}");
@@ -78,13 +83,12 @@ fn nothing_is_removed_below_the_threshold_or_away_from_the_wheel() {
 
 #[test]
 fn a_bead_loses_what_the_law_says_in_each_of_two_passes() {
-    let settings = settings();
-    let mut grid = welded_plate(0.4e-3, 0.5);
-    let path = Path::along(&line(-0.012, 0.012, 0.0), settings.feed).unwrap();
+    let mut grid = welded_plate(0.25e-3, 0.5);
+    let path = Path::along(&line(-0.012, 0.012, 0.0), FEED).unwrap();
     for (name, path) in [("bead, pass 1", path.clone()), ("bead, pass 2", path.reversed())] {
         let before = grid.clone();
-        let record = pass(&mut grid, &path, &settings);
-        let (by_force, by_law) = volume_errors(name, &record, &settings);
+        let record = pass(&mut grid, &path, &LAW);
+        let (by_force, by_law) = volume_errors(name, &record, &LAW);
         assert!(by_law < 3e-3);
         assert!(by_force < 1e-2, "sloping flanks lose more than their projection");
         assert_no_growth(&before, &grid);
@@ -97,7 +101,6 @@ fn a_part_that_lies_askew_to_the_lattice_loses_the_same() {
     let turn = odd_turn();
     let half = DVec3::splat(0.022);
     let mut grid = BrickGrid::from_distance(-half, half, 0.4e-3, 3.0, |p| (turn.transpose() * p).length() - 0.022);
-    let settings = settings();
     let arc: Vec<sim::CurvePoint> = (-20..=20)
         .map(|i| {
             let (sin, cos) = (0.02 * f64::from(i)).sin_cos();
@@ -105,8 +108,8 @@ fn a_part_that_lies_askew_to_the_lattice_loses_the_same() {
             sim::CurvePoint { position: normal * 0.022, normal }
         })
         .collect();
-    let record = pass(&mut grid, &Path::along(&arc, settings.feed).unwrap(), &settings);
-    let (_, by_law) = volume_errors("great circle on a ball, askew", &record, &settings);
+    let record = pass(&mut grid, &Path::along(&arc, FEED).unwrap(), &LAW);
+    let (_, by_law) = volume_errors("great circle on a ball, askew", &record, &LAW);
     assert!(by_law < 3e-3);
 }
 
@@ -142,13 +145,12 @@ fn assert_distances(grid: &BrickGrid) {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bytes() {
-    let settings = settings();
     let run = |threads: usize| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
             let mut grid = welded_plate(0.5e-3, 0.3);
-            let path = Path::along(&line(-0.003, 0.003, 0.0), settings.feed).unwrap();
-            let record = pass(&mut grid, &path, &settings);
+            let path = Path::along(&line(-0.003, 0.003, 0.0), FEED).unwrap();
+            let record = pass(&mut grid, &path, &LAW);
             (grid, record)
         })
     };
@@ -162,9 +164,8 @@ fn any_number_of_threads_gives_the_same_bytes() {
 
 #[test]
 fn a_path_beside_the_part_is_in_the_air_and_says_so() {
-    let settings = settings();
     let mut grid = ball(0.5e-3, 0.01, DVec3::ZERO);
-    let record = pass(&mut grid, &Path::along(&line(0.2, 0.21, 0.0), settings.feed).unwrap(), &settings);
+    let record = pass(&mut grid, &Path::along(&line(0.2, 0.21, 0.0), FEED).unwrap(), &LAW);
     assert_eq!(record.steps_in_air, record.steps);
     assert_eq!((record.impulse, record.removed_volume, record.force_rms_error), (0.0, 0.0, 0.0));
     assert!(record.log.iter().all(|row| row.force == 0.0));
@@ -172,19 +173,21 @@ fn a_path_beside_the_part_is_in_the_air_and_says_so() {
 
 #[test]
 fn settings_out_of_range_are_refused_by_name() {
-    let path = Path::along(&line(0.0, 0.01, 0.0), 0.005).unwrap();
+    let path = Path::along(&line(0.0, 0.01, 0.0), FEED).unwrap();
     let mut grid = plate(0.5e-3, 0.0);
-    for (settings, wheel, name) in [
-        (GrindSettings { stiffness: f64::NAN, ..settings() }, WHEEL, "stiffness [Pa/m]"),
-        (GrindSettings { grind_rate: -1.0, ..settings() }, WHEEL, "grind_rate [m/(Pa s)]"),
-        (settings(), Wheel { radius: 0.0, ..WHEEL }, "wheel radius [m]"),
+    let defaults = Process::default();
+    for (process, wheel, name) in [
+        (Process { force_setpoint: f64::NAN, ..defaults }, WHEEL, "force setpoint [N]"),
+        (defaults, Wheel { radius: 0.0, ..WHEEL }, "wheel radius [m]"),
     ] {
-        match grind(&mut grid, &path, &wheel, &settings, &mut |_| {}) {
-            Err(GrindError::BadSetting { name: found, .. }) => assert_eq!(found, name),
+        let pass = Pass { tool: &Tool::from(wheel), path: &path, process: &process, law: &LAW };
+        match run_pass(&mut grid, pass, &mut |_| {}) {
+            Err(PassError::BadSetting { name: found, .. }) => assert_eq!(found, name),
             other => panic!("{other:?}"),
         }
     }
     let mut thin = BrickGrid::from_distance(DVec3::splat(-0.01), DVec3::splat(0.01), 1e-3, 2.0, |p| p.z);
-    let found = grind(&mut thin, &path, &WHEEL, &settings(), &mut |_| {});
-    assert!(matches!(found, Err(GrindError::ThinBand { .. })), "{found:?}");
+    let pass = Pass { tool: &Tool::from(WHEEL), path: &path, process: &defaults, law: &LAW };
+    let found = run_pass(&mut thin, pass, &mut |_| {});
+    assert!(matches!(found, Err(PassError::ThinBand { .. })), "{found:?}");
 }

@@ -3,9 +3,14 @@
 
 use glam::{DMat3, DVec3};
 use sdf_bake::BrickGrid;
-use sim::{CurvePoint, GrindSettings, Pose, Wheel};
+use sim::physics::BaseLaw;
+use sim::{CurvePoint, Frame, Pose, Wheel};
 
-pub(crate) const WHEEL: Wheel = Wheel { radius: 0.05, width: 0.02 };
+pub(crate) const WHEEL: Wheel = Wheel::cylinder(0.05, 0.02);
+
+/// A stiff wheel without a threshold.
+pub(crate) const LAW: BaseLaw =
+    BaseLaw { stiffness: 1e10, grind_rate: 1e-9, threshold_pressure: 0.0, sanding_rate: 0.0 };
 
 /// A plate with its top at z = `top`, 60 x 40 mm or so.
 pub(crate) fn plate(voxel: f64, top: f64) -> BrickGrid {
@@ -73,12 +78,17 @@ pub(crate) fn line(from: f64, to: f64, height: f64) -> [CurvePoint; 2] {
 
 /// A wheel whose lowest point is `depth` below z = 0 at (x, y).
 pub(crate) fn pressed(wheel: &Wheel, x: f64, y: f64, depth: f64) -> Pose {
-    Pose { centre: DVec3::new(x, y, wheel.radius - depth), approach: DVec3::Z, axis: DVec3::Y }
+    Pose {
+        centre: DVec3::new(x, y, wheel.radius - depth),
+        approach: DVec3::Z,
+        frame: Frame::about(DVec3::Y, DVec3::Z),
+    }
 }
 
-/// Settings for the closed forms.
-pub(crate) fn settings() -> GrindSettings {
-    GrindSettings::default()
+/// A pose turned about the origin.
+pub(crate) fn turned(pose: &Pose, turn: DMat3) -> Pose {
+    let frame = Frame { x: turn * pose.frame.x, y: turn * pose.frame.y, z: turn * pose.frame.z };
+    Pose { centre: turn * pose.centre, approach: turn * pose.approach, frame }
 }
 
 /// A rotation that shares no axis with the lattice.

@@ -1,0 +1,176 @@
+//! Writing what a sheet lost back into the field, Eq. (1): `∂φ/∂t = r |∇φ|`.
+//!
+//! A voxel rises by the recession of its closest surface point (extension velocities, Adalsteinsson and Sethian 1999),
+//! which is interpolated between columns, times the field's own steepness: so the zero set moves by exactly what its
+//! columns receded. Then voxels farther than [`KEPT_VOXELS`], which carry no zero set, take their distance anew from one
+//! voxel nearer to the surface along the normal, layer by layer.
+
+use glam::{DVec2, IVec3};
+use sdf_bake::BrickGrid;
+use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
+use sdf_bake::redistance::KEPT_VOXELS;
+
+use crate::sheet::{NO_SURFACE, Sheet};
+
+/// Area ratio up to which a column's whole band is written.
+const STEEPEST: f64 = 2.0;
+/// Bounds of the field's steepness that are believed.
+const STEEPNESS: (f64, f64) = (0.3, 2.0);
+
+/// Writes the recession of a sheet into the field it was read from.
+pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
+    let Some(lines) = lines_to_change(sheet) else { return };
+    open_bricks(grid, sheet, &lines);
+    for &line in &lines {
+        raise(grid, sheet, line);
+    }
+    sheet.set_slopes();
+    let layers = lines.iter().map(|&line| reach(grid, sheet.area_ratio(line))).max().unwrap_or(0);
+    for layer in 1..=layers {
+        for &line in &lines {
+            renew_far(grid, sheet, line, layer);
+        }
+    }
+}
+
+/// Lines whose voxels may have a receded column as their closest surface point.
+fn lines_to_change(sheet: &Sheet) -> Option<Vec<usize>> {
+    let [rows, across] = sheet.window.size;
+    let receded = |line: &usize| sheet.recession[*line] > 0.0;
+    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+    for line in (0..sheet.window.lines()).filter(receded) {
+        for (d, at) in [line / across, line % across].into_iter().enumerate() {
+            (low[d], high[d]) = (low[d].min(at), high[d].max(at));
+        }
+    }
+    if low[0] == usize::MAX {
+        return None;
+    }
+    let from = |d: usize| low[d].saturating_sub(2);
+    let to = |d: usize, size: usize| (high[d] + 2).min(size - 1);
+    let rows = from(0)..=to(0, rows);
+    let lines = rows.flat_map(|row| (from(1)..=to(1, across)).map(move |place| row * across + place));
+    Some(lines.filter(|&line| sheet.read_height[line] > NO_SURFACE).collect())
+}
+
+/// Gives bricks to what lies ahead of the receding surface.
+fn open_bricks(grid: &mut BrickGrid, sheet: &Sheet, lines: &[usize]) {
+    let mut last = IVec3::MAX;
+    for &line in lines {
+        let (i, j) = sheet.window.place(line);
+        let below = (sheet.height[line] / sheet.pitch).floor() as i32 - reach(grid, sheet.area_ratio(line));
+        let brick = sheet.facing.voxel(i, j, below) >> 3;
+        if brick != last {
+            grid.open_inside_brick(brick);
+            last = brick;
+        }
+    }
+}
+
+/// Place of a voxel's value in the pool, or `None` where it has no brick.
+fn place(grid: &BrickGrid, voxel: IVec3) -> Option<usize> {
+    match grid.slot(voxel >> 3) {
+        OUTSIDE | INSIDE => None,
+        slot => Some(slot as usize * BRICK_VOXELS + voxel_offset(voxel)),
+    }
+}
+
+/// Raises the band's voxels of a line.
+fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
+    let (i, j) = sheet.window.place(line);
+    let below = (sheet.read_height[line] / sheet.pitch).floor() as i32;
+    let area_ratio = sheet.area_ratio(line);
+    let phi_at = |grid: &BrickGrid, k: i32| f64::from(grid.phi_at(sheet.facing.voxel(i, j, k)));
+    let beside = [phi_at(grid, below), phi_at(grid, below + 1)];
+    for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
+        for step in 0..reach(grid, area_ratio) {
+            let Some(at) = place(grid, sheet.facing.voxel(i, j, first + side * step)) else { break };
+            let phi = f64::from(grid.phi[at]);
+            let rise = (phi - nearer) * f64::from(side);
+            if grid.phi[at].abs() >= grid.band || rise <= 0.0 {
+                break;
+            }
+            let recession = recession_at(sheet, line, phi);
+            if recession > 0.0 {
+                let steepness = (rise / sheet.pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1);
+                grid.phi[at] = ((phi + recession * steepness) as f32).min(grid.band);
+            }
+            nearer = phi;
+        }
+    }
+}
+
+/// Voxels above or below the surface that a column's share of the band covers.
+fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
+    (f64::from(grid.band) / grid.voxel * area_ratio.min(STEEPEST)).ceil() as i32 + 1
+}
+
+/// Recession [m] of the closest surface point of a voxel on a line with the value `phi` [m].
+fn recession_at(sheet: &Sheet, line: usize, phi: f64) -> f64 {
+    let shift = phi / (sheet.area_ratio(line) * sheet.pitch);
+    let at = DVec2::from(sheet.slope[line]) * shift;
+    bilinear(sheet, line, at, |near| Some(sheet.recession[near])).unwrap_or(0.0)
+}
+
+/// Interpolates between the columns around a line, `at` [columns] away from it; `None` beyond the window, or where a
+/// column has no value.
+fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+    let [rows, across] = sheet.window.size;
+    let (row, column) = ((line / across) as f64 + at.x, (line % across) as f64 + at.y);
+    if !(row >= 0.0 && column >= 0.0 && row <= (rows - 1) as f64 && column <= (across - 1) as f64) {
+        return None;
+    }
+    let (r, c) = ((row as usize).min(rows - 2), (column as usize).min(across - 2));
+    let (fr, fc) = (row - r as f64, column - c as f64);
+    let first = r * across + c;
+    let mut sum = 0.0;
+    for (near, weight) in [
+        (first, (1.0 - fr) * (1.0 - fc)),
+        (first + 1, (1.0 - fr) * fc),
+        (first + across, fr * (1.0 - fc)),
+        (first + across + 1, fr * fc),
+    ] {
+        if weight > 0.0 {
+            sum += weight * value(near)?;
+        }
+    }
+    Some(sum)
+}
+
+/// Renews the distances of the voxels `layer` steps from the surface that carry no zero set.
+fn renew_far(grid: &mut BrickGrid, sheet: &Sheet, line: usize, layer: i32) {
+    let (i, j) = sheet.window.place(line);
+    let below = (sheet.height[line] / sheet.pitch).floor() as i32;
+    let kept = (KEPT_VOXELS * sheet.pitch) as f32;
+    for side in [1, -1] {
+        let k = if side > 0 { below + layer } else { below + 1 - layer };
+        let Some(at) = place(grid, sheet.facing.voxel(i, j, k)) else { continue };
+        let old = grid.phi[at];
+        let wrong_side = old * (side as f32) < 0.0;
+        if old.abs() <= kept || wrong_side {
+            continue;
+        }
+        let Some(distance) = distance_from_nearer(grid, sheet, line, k, side) else { continue };
+        let new = (distance as f32).clamp(kept, grid.band) * side as f32;
+        if old == -grid.band && !grid.label.is_empty() {
+            grid.label[at] = grid.label_at(sheet.facing.voxel(i, j, k + 1));
+        }
+        grid.phi[at] = new;
+    }
+}
+
+/// Distance [m] of voxel `k` of a line from the surface: that of the point one voxel of height nearer to it on the
+/// normal, and the way there.
+fn distance_from_nearer(grid: &BrickGrid, sheet: &Sheet, line: usize, k: i32, side: i32) -> Option<f64> {
+    let (i, j) = sheet.window.place(line);
+    let across = sheet.window.size[1];
+    let slope = DVec2::from(sheet.slope[line]);
+    let area_ratio = sheet.area_ratio(line);
+    let value = |near: usize| {
+        let (di, dj) = ((near / across) as i32 - (line / across) as i32, (near % across) as i32 - (line % across) as i32);
+        let phi = f64::from(grid.phi_at(sheet.facing.voxel(i + di, j + dj, k - side)));
+        (phi.abs() < f64::from(grid.band)).then_some(phi)
+    };
+    let nearer = bilinear(sheet, line, slope * f64::from(side), value)?;
+    Some((nearer * f64::from(side)).max(0.0) + sheet.pitch * area_ratio)
+}

@@ -1,0 +1,276 @@
+//! One step of the contact: the tool moves from one pose to another while the surface recedes under it.
+//!
+//! Within a step the mean depth m of a square obeys `dm/dt = s - r(m)`: s is how fast the tool comes nearer, r the
+//! recession. Stiff contacts relax within a fraction of a step (`∂r/∂m = k K`), so the equation is linearised about the
+//! step's ends and integrated exactly (exponential integrators, Hochbruck and Ostermann 2010, eq. 2.8): any step
+//! is stable, and for Eq. (1) exact as long as s is constant.
+
+use glam::DVec3;
+
+use crate::contact::{Contact, Squares};
+use crate::physics::BaseLaw;
+use crate::sheet::Sheet;
+use crate::tool::{Pose, Tool};
+
+/// Relative change of depth over which the slope of the recession is taken.
+const PROBE: f64 = 1e-3;
+
+/// State of the squares in contact at one end of a step, one lane each.
+#[derive(Clone, Debug, Default)]
+struct End {
+    /// Mean depth over the wet share [m].
+    depth: Vec<f64>,
+    share: Vec<f64>,
+    pressure: Vec<f64>,
+    rate: Vec<f64>,
+}
+
+/// What a step does to each square in contact; buffers that are filled again and again.
+#[derive(Clone, Debug, Default)]
+pub struct Step {
+    start_squares: Squares,
+    end_squares: Squares,
+    /// Lines of the sheet that are in contact at either end.
+    lines: Vec<u32>,
+    start: End,
+    end: End,
+    probe: End,
+    /// Recession of the square's mean over the step [m].
+    recession: Vec<f64>,
+    /// Mean over the square of the pressure at the end [Pa].
+    end_load: Vec<f64>,
+    /// The same as a mean over the step.
+    mean_load: Vec<f64>,
+}
+
+/// Force at the end of a step, and how it depends on the travel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EndForce {
+    /// [N]
+    pub force: f64,
+    /// -dF/dz [N/m].
+    pub stiffness: f64,
+}
+
+impl Step {
+    /// Starts a step: measures the tool at `pose` over the surface as it is now.
+    pub fn begin(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet) {
+        self.start_squares.measure(tool, pose, sheet, &[]);
+    }
+
+    /// Force [N] at the start of the step.
+    pub fn start_force(&mut self, law: &BaseLaw, pose: &Pose, sheet: &Sheet) -> f64 {
+        let squares = &self.start_squares;
+        let normal = ApproachShare::new(pose, sheet);
+        let wet = (0..squares.share.len()).filter(|&line| squares.share[line] > 0.0);
+        let area = sheet.pitch * sheet.pitch;
+        wet.map(|line| law.stiffness * squares.mean_depth[line] * area * normal.of(sheet, line)).sum()
+    }
+
+    /// Lets the tool end the step at `pose`, after `dt` [s].
+    pub fn end_at(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, law: &BaseLaw, dt: f64) -> EndForce {
+        self.end_squares.measure(tool, pose, sheet, &[]);
+        self.gather();
+        for end in [&mut self.start, &mut self.end] {
+            law.pressure(&end.depth, &mut end.pressure);
+            law.rate(&end.pressure, &mut end.rate);
+        }
+        self.probe.depth.clear();
+        let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
+        self.probe.depth.extend(deeper);
+        law.pressure(&self.probe.depth, &mut self.probe.pressure);
+        law.rate(&self.probe.pressure, &mut self.probe.rate);
+        self.relax(pose, sheet, dt)
+    }
+
+    fn gather(&mut self) {
+        let (a, b) = (&self.start_squares, &self.end_squares);
+        self.lines.clear();
+        let wet = |line: &u32| a.share[*line as usize] + b.share[*line as usize] > 0.0;
+        self.lines.extend((0..a.share.len() as u32).filter(wet));
+        for (end, squares) in [(&mut self.start, a), (&mut self.end, b)] {
+            end.depth.clear();
+            end.share.clear();
+            for &line in &self.lines {
+                let share = squares.share[line as usize];
+                end.share.push(share);
+                end.depth.push(if share > 0.0 { squares.mean_depth[line as usize] / share } else { 0.0 });
+            }
+        }
+    }
+
+    /// Integrates each lane over the step.
+    fn relax(&mut self, pose: &Pose, sheet: &Sheet, dt: f64) -> EndForce {
+        self.recession.clear();
+        self.end_load.clear();
+        self.mean_load.clear();
+        let normal = ApproachShare::new(pose, sheet);
+        let area = sheet.pitch * sheet.pitch;
+        let mut result = EndForce::default();
+        let mut decay = Decay::new(0.0);
+        for lane in 0..self.lines.len() {
+            let (a, b) = (Side::of(&self.start, lane), Side::of(&self.end, lane));
+            let deeper = if a.depth > b.depth { &a } else { &b };
+            let relaxation = ((self.probe.rate[lane] - deeper.rate) / (PROBE * deeper.depth)).max(0.0);
+            if relaxation * dt != decay.x {
+                decay = Decay::new(relaxation * dt);
+            }
+            let (rate_a, rate_b) = (a.rate * a.share, b.rate * b.share);
+            let recession = dt * (rate_a * decay.phi1 + (rate_b - rate_a) * decay.phi2);
+            let (load_a, load_b) = (a.pressure * a.share, b.pressure * b.share);
+            let mean_depth = b.depth * b.share;
+            let left = if mean_depth > 0.0 { (1.0 - recession / mean_depth).max(0.0) } else { 0.0 };
+            // The mean of the recession up to a time, over the step.
+            let mean_recession = dt * (rate_a * decay.psi1 + (rate_b - rate_a) * decay.psi2);
+            let stiffness = deeper.pressure / deeper.depth;
+            self.recession.push(recession);
+            self.end_load.push(load_b * left);
+            self.mean_load.push((0.5 * (load_a + load_b) - stiffness * mean_recession).max(0.0));
+            let facing = area * normal.of(sheet, self.lines[lane] as usize);
+            result.force += load_b * left * facing;
+            result.stiffness += stiffness * b.share * (1.0 - decay.x * decay.phi2) * facing;
+        }
+        result
+    }
+
+    /// Applies the step to the sheet. Returns what the tool met, as a mean over the step, and the volume that
+    /// Eq. (1) removes [m³].
+    pub fn apply(&self, pose: &Pose, sheet: &mut Sheet) -> (Contact, f64) {
+        let area = sheet.pitch * sheet.pitch;
+        let normal = ApproachShare::new(pose, sheet);
+        let (mut contact, mut volume) = (Contact::default(), 0.0);
+        for (lane, &line) in self.lines.iter().enumerate() {
+            let line = line as usize;
+            let facing = area * normal.of(sheet, line);
+            let surface = area * sheet.area_ratio(line);
+            let force = self.mean_load[lane] * facing;
+            let arm = sheet.facing.world(sheet.point(line)) - pose.centre;
+            contact.force += force;
+            contact.load += self.mean_load[lane] * surface;
+            contact.moment += arm.cross(pose.approach) * force;
+            contact.area += 0.5 * (self.start.share[lane] + self.end.share[lane]) * facing;
+            contact.pressure_max = contact.pressure_max.max(self.start.pressure[lane]);
+            volume += self.recession[lane] * surface;
+            sheet.recede(line, self.recession[lane]);
+        }
+        (contact, volume)
+    }
+
+    /// Largest depth under the working surface at the end of the step [m], negative: the gap.
+    pub fn end_gap(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+        self.end_squares.deepest(tool, pose, sheet)
+    }
+
+    /// Whether the patch may go on beyond the window.
+    pub fn reaches_border(&self, sheet: &Sheet) -> bool {
+        self.start_squares.reaches_border(sheet) || self.end_squares.reaches_border(sheet)
+    }
+
+    /// Extent of the contact in the tool's frame: least and greatest x and y [m].
+    pub fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<[(f64, f64); 2]> {
+        let mut extent: Option<[(f64, f64); 2]> = None;
+        for &line in &self.lines {
+            let at = pose.local(sheet.facing.world(sheet.point(line as usize)));
+            let so_far = extent.get_or_insert([(at.x, at.x), (at.y, at.y)]);
+            *so_far = [(so_far[0].0.min(at.x), so_far[0].1.max(at.x)), (so_far[1].0.min(at.y), so_far[1].1.max(at.y))];
+        }
+        extent
+    }
+
+    /// Largest recession of a square in this step [m].
+    pub fn recession_max(&self) -> f64 {
+        self.recession.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// One lane at one end.
+struct Side {
+    depth: f64,
+    share: f64,
+    pressure: f64,
+    rate: f64,
+}
+
+impl Side {
+    fn of(end: &End, lane: usize) -> Self {
+        Self { depth: end.depth[lane], share: end.share[lane], pressure: end.pressure[lane], rate: end.rate[lane] }
+    }
+}
+
+/// Weights of an exponential step with `x = λ dt`.
+struct Decay {
+    x: f64,
+    /// (1 - e^-x)/x
+    phi1: f64,
+    /// (x - 1 + e^-x)/x²
+    phi2: f64,
+    /// (1 - φ1)/x
+    psi1: f64,
+    /// (1/2 - φ2)/x
+    psi2: f64,
+}
+
+impl Decay {
+    fn new(x: f64) -> Self {
+        if x < 1e-2 {
+            // Series, where the closed forms cancel.
+            return Self {
+                x,
+                phi1: 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0)),
+                phi2: 0.5 - x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)),
+                psi1: 0.5 - x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)),
+                psi2: 1.0 / 6.0 - x / 24.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0)),
+            };
+        }
+        let phi1 = -(-x).exp_m1() / x;
+        let phi2 = (1.0 - phi1) / x;
+        Self { x, phi1, phi2, psi1: phi2, psi2: (0.5 - phi2) / x }
+    }
+}
+
+/// Share of a square's lattice area that faces the approach axis, n·a / n·up.
+struct ApproachShare(DVec3);
+
+impl ApproachShare {
+    fn new(pose: &Pose, sheet: &Sheet) -> Self {
+        Self(sheet.facing.sheet(pose.approach))
+    }
+
+    fn of(&self, sheet: &Sheet, line: usize) -> f64 {
+        let [u, v] = sheet.slope[line];
+        (self.0.z - u * self.0.x - v * self.0.y).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_and_closed_forms_of_the_weights_meet() {
+        let (low, high) = (Decay::new(1e-2 - 1e-9), Decay::new(1e-2 + 1e-9));
+        for (a, b) in [(low.phi1, high.phi1), (low.phi2, high.phi2), (low.psi1, high.psi1), (low.psi2, high.psi2)] {
+            assert!((a - b).abs() < 1e-8, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn the_weights_solve_the_linear_equation() {
+        // m' = s - λ m from m = a, without recession it would end at b: compare with many small steps.
+        let (a, b, lambda, dt) = (2.0, 3.0, 5.0, 0.3);
+        let n = 200_000;
+        let (mut m, mut removed, mut mean) = (a, 0.0, 0.0);
+        for _ in 0..n {
+            let h = dt / f64::from(n);
+            let rate = lambda * (m + 0.5 * h * ((b - a) / dt - lambda * m));
+            removed += h * rate;
+            m += h * ((b - a) / dt - rate);
+            mean += removed / f64::from(n);
+        }
+        let decay = Decay::new(lambda * dt);
+        let step = dt * lambda * (a * decay.phi1 + (b - a) * decay.phi2);
+        let step_mean = dt * lambda * (a * decay.psi1 + (b - a) * decay.psi2);
+        assert!((step / removed - 1.0).abs() < 1e-6, "{step} {removed}");
+        assert!((step_mean / mean - 1.0).abs() < 1e-5, "{step_mean} {mean}");
+    }
+}
