@@ -25,7 +25,9 @@
 
 pub mod bake;
 mod bounds;
+pub mod channels;
 pub mod clean;
+mod combine;
 pub mod grid;
 mod grow;
 pub mod halo;
@@ -40,6 +42,7 @@ mod union;
 mod volume;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, SignMethod, bake};
+pub use channels::Scalar;
+pub use combine::{Combine, CombineError, LatticeError};
 pub use grid::BrickGrid;
 pub use mesh::Mesh;
-pub use union::LatticeError;
