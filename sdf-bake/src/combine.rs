@@ -1,18 +1,18 @@
 //! Union, difference and intersection of two fields on one lattice.
 //!
 //! min(φ, ψ) is the exact distance outside a union, and inside it as long as the nearer surface is not buried in the
-//! other body. The voxels whose nearest surface is buried are recomputed from those around them (`redistance.rs`);
-//! voxels of a cell that the surface crosses stay, so the zero set is that of min(φ, ψ). A difference is the complement
-//! of a union with a complement, and so is an intersection.
+//! other body. Where it is buried, the nearest point of the union is on the other body's surface or on the seam, where
+//! both distances vanish (`seam.rs`). Voxels of a cell that the surface crosses stay in any case, so the zero set is that
+//! of min(φ, ψ). A difference is the complement of a union with a complement, and so is an intersection.
 //!
 //! ```text
 //!      ψ = 0 ┌────────┐            ··· buried surface
-//!   ┌────────┼········│ φ = 0      ▒   nearest surface buried: redistanced
+//!   ┌────────┼········│ φ = 0      ▒   nearest surface buried: way to the seam
 //!   │       ▒:▒       │
 //!   └────────┴────────┘
 //! ```
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -20,6 +20,7 @@ use crate::channels::Scalar;
 use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at};
 use crate::implicit::entry_brick;
 use crate::redistance::{VoxelSet, contains, insert};
+use crate::seam::Bodies;
 
 /// Two grids that do not share a lattice.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -49,12 +50,6 @@ pub enum CombineError {
 
 /// Largest blend radius in bands: where both distances are below 5/4 of the radius the surface may move.
 const BLEND_REACH: f64 = 0.8;
-
-/// How far a nearest surface point must lie inside the other body to count as buried [voxels].
-const BURIED: f32 = 0.01;
-
-/// Least slope of a blended field that is taken at its word.
-const LEAST_SLOPE: f32 = 0.3;
 
 /// What to make of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,9 +144,9 @@ pub(crate) fn inherit<T: Copy + Default>(
 
 /// Two bodies, seen so that their combination is a union.
 pub(crate) struct Combination<'a> {
-    first: &'a BrickGrid,
-    second: &'a BrickGrid,
-    signs: [f32; 3],
+    bodies: Bodies<'a>,
+    /// Sign that turns the union's φ into that of the combination.
+    back: f32,
     radius: f32,
     whole_box: bool,
 }
@@ -161,8 +156,8 @@ struct Mixed {
     phi: [f32; BRICK_VOXELS],
     /// Voxels whose nearer surface is the second body's.
     from_second: VoxelSet,
-    /// Voxels whose distance is not exact.
-    loose: VoxelSet,
+    /// Voxels that φ is no distance at, with the distance [m] if it is known.
+    inexact: Vec<(usize, Option<f32>)>,
 }
 
 enum Part {
@@ -176,13 +171,14 @@ impl<'a> Combination<'a> {
             return Err(LatticeError { voxels: [first.voxel, second.voxel], bands: [first.band, second.band] });
         }
         let whole_box = matches!(how, Combine::Union | Combine::SmoothUnion { .. });
-        Ok(Self { first, second, signs: how.signs(), radius: how.radius() as f32, whole_box })
+        let [s, t, back] = how.signs();
+        Ok(Self { bodies: Bodies { grids: [first, second], signs: [s, t] }, back, radius: how.radius() as f32, whole_box })
     }
 
     /// The combination, and for each of its bricks the voxels that are nearer to the second body's surface. The first's
     /// labels and scalars are not carried over. With `keeps_core`, bricks that only the second body fills are kept.
     pub(crate) fn grid(&self, keeps_core: bool) -> (BrickGrid, Vec<VoxelSet>) {
-        let (first, second) = (self.first, self.second);
+        let [first, second] = self.bodies.grids;
         let (origin, dims) = if self.whole_box {
             let origin = first.origin.min(second.origin);
             (origin, (first.origin + first.dims).max(second.origin + second.dims) - origin)
@@ -194,7 +190,7 @@ impl<'a> Combination<'a> {
             .into_par_iter()
             .map(|entry| self.part(origin + entry_brick(entry, dims), keeps_core))
             .collect();
-        let (mut from_second, mut loose, mut loose_slots) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut from_second, mut inexact) = (Vec::new(), Vec::new());
         for (entry, part) in parts.into_iter().enumerate() {
             match part {
                 Part::Uniform(state) => grid.index[entry] = state,
@@ -204,27 +200,50 @@ impl<'a> Combination<'a> {
                     grid.bricks.push(origin + entry_brick(entry, dims));
                     grid.phi.extend_from_slice(&mixed.phi);
                     from_second.push(mixed.from_second);
-                    if mixed.loose != VoxelSet::default() {
-                        loose_slots.push(slot);
-                        loose.push(mixed.loose);
+                    if !mixed.inexact.is_empty() {
+                        inexact.push((slot, mixed.inexact));
                     }
                 }
             }
         }
-        grid.redistance_voxels(&loose_slots, &loose);
+        self.settle(&mut grid, inexact);
         (grid, from_second)
     }
 
+    /// Writes the distances that are known, and redistances the other voxels; those at the surface stay.
+    fn settle(&self, grid: &mut BrickGrid, inexact: Vec<(u32, Vec<(usize, Option<f32>)>)>) {
+        let settle = |(slot, voxels): (u32, Vec<(usize, Option<f32>)>)| {
+            let halo = grid.halo(grid.bricks[slot as usize], 1);
+            (slot, voxels.into_iter().filter(|&(offset, _)| !halo.at_surface(offset)).collect::<Vec<_>>())
+        };
+        let free: Vec<(u32, Vec<(usize, Option<f32>)>)> = inexact.into_par_iter().map(settle).collect();
+        let (mut slots, mut unknown) = (Vec::new(), Vec::new());
+        for (slot, voxels) in free {
+            let mut set = VoxelSet::default();
+            for (offset, distance) in voxels {
+                let phi = &mut grid.phi[slot as usize * BRICK_VOXELS + offset];
+                *phi = distance.map_or(grid.band.copysign(*phi), |distance| self.back * distance);
+                if distance.is_none() {
+                    insert(&mut set, offset);
+                }
+            }
+            if set != VoxelSet::default() {
+                slots.push(slot);
+                unknown.push(set);
+            }
+        }
+        grid.redistance_voxels(&slots, &unknown);
+    }
+
     fn part(&self, brick: IVec3, keeps_core: bool) -> Part {
-        let [s, t, back] = self.signs;
         // Inside (-1), outside (1) or a brick, in the sense of the union.
-        let state = |grid: &BrickGrid, sign: f32| match grid.slot(brick) {
-            OUTSIDE => sign,
-            INSIDE => -sign,
+        let state = |body: usize| match self.bodies.grids[body].slot(brick) {
+            OUTSIDE => self.bodies.signs[body],
+            INSIDE => -self.bodies.signs[body],
             _ => 0.0,
         };
-        let (a, b) = (state(self.first, s), state(self.second, t));
-        let uniform = |side: f32| Part::Uniform(if side * back < 0.0 { INSIDE } else { OUTSIDE });
+        let (a, b) = (state(0), state(1));
+        let uniform = |side: f32| Part::Uniform(if side * self.back < 0.0 { INSIDE } else { OUTSIDE });
         if a < 0.0 || (b < 0.0 && !keeps_core) {
             return uniform(-1.0);
         }
@@ -235,50 +254,34 @@ impl<'a> Combination<'a> {
     }
 
     fn mixed(&self, brick: IVec3) -> Mixed {
-        let [s, t, back] = self.signs;
-        let band = self.first.band;
-        let (first, second) = (self.first.brick_phi(brick), self.second.brick_phi(brick));
-        let mut mixed =
-            Mixed { phi: [0.0; BRICK_VOXELS], from_second: VoxelSet::default(), loose: VoxelSet::default() };
+        let (grids, [s, t]) = (self.bodies.grids, self.bodies.signs);
+        let (first, second) = (grids[0].brick_phi(brick), grids[1].brick_phi(brick));
+        let mut mixed = Mixed { phi: [0.0; BRICK_VOXELS], from_second: VoxelSet::default(), inexact: Vec::new() };
         for offset in 0..BRICK_VOXELS {
-            let (a, b) = (s * first[offset], t * second[offset]);
-            if b < a {
+            let values = [s * first[offset], t * second[offset]];
+            if values[1] < values[0] {
                 insert(&mut mixed.from_second, offset);
             }
-            let known = a.abs() < band && b.abs() < band;
-            let value = if known && (a - b).abs() < self.radius {
-                insert(&mut mixed.loose, offset);
-                self.blended(a, b, self.first.position(voxel_at(brick, offset)))
-            } else {
-                if self.is_buried(a, b, self.first.position(voxel_at(brick, offset))) {
-                    insert(&mut mixed.loose, offset);
-                }
-                a.min(b)
-            };
-            mixed.phi[offset] = back * value.clamp(-band, band);
+            let point = grids[0].position(voxel_at(brick, offset));
+            let (value, exact) = self.value(values, point);
+            if let Some(distance) = exact {
+                mixed.inexact.push((offset, distance));
+            }
+            mixed.phi[offset] = self.back * value;
         }
         mixed
     }
 
-    /// Whether the nearest surface point of the deeper body lies inside the other.
-    fn is_buried(&self, a: f32, b: f32, point: DVec3) -> bool {
-        let (near, far) = (a.min(b), a.max(b));
-        // The other body's surface is as far from that point as it may be: no need to look.
-        if near >= 0.0 || near <= -self.first.band || far >= -near {
-            return false;
+    /// φ of the union at a point [m] whose distances are `values` [m]; if that is no distance, also what is known of it.
+    fn value(&self, values: [f32; 2], point: DVec3) -> (f32, Option<Option<f32>>) {
+        let band = self.bodies.grids[0].band;
+        let least = values[0].min(values[1]);
+        if self.radius > 0.0 && self.bodies.feet_are_within(values, self.radius, point) {
+            return (self.bodies.blended(values, self.radius, point).clamp(-band, band), Some(None));
         }
-        let [s, t, _] = self.signs;
-        let (body, other, sign) = if b < a { (self.second, self.first, s) } else { (self.first, self.second, t) };
-        let foot = point - (body.normal(point) * body.sample(point)).as_dvec3();
-        sign * other.sample(foot) < -BURIED * body.voxel as f32
-    }
-
-    /// The smooth minimum at a point [m], over its slope: the distance to its zero set to second order.
-    fn blended(&self, a: f32, b: f32, point: DVec3) -> f32 {
-        let h = 1.0 - (a - b).abs() / self.radius;
-        let value = a.min(b) - 0.25 * self.radius * h * h;
-        let (n, m): (Vec3, Vec3) = (self.first.normal(point), self.second.normal(point));
-        let share = if a < b { 0.5 * h } else { 1.0 - 0.5 * h };
-        value / n.lerp(m, share).length().max(LEAST_SLOPE)
+        if !self.bodies.is_buried(values, point) {
+            return (least, None);
+        }
+        (least, Some(self.bodies.depth(values, point).map(|depth| depth.clamp(-band, 0.0))))
     }
 }

@@ -37,6 +37,7 @@ pub mod nvdb;
 pub mod query;
 pub mod read;
 pub mod redistance;
+mod seam;
 mod share;
 mod union;
 mod volume;

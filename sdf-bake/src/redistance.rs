@@ -36,32 +36,9 @@ impl BrickGrid {
         self.relax(slots, kept, |_, _, phi| phi.abs() > kept);
     }
 
-    /// Recomputes φ of the given voxels of the bricks in `slots`, but for corners of cells that the surface crosses.
+    /// Recomputes φ of the given voxels of the bricks in `slots` from the voxels around them.
     pub(crate) fn redistance_voxels(&mut self, slots: &[u32], voxels: &[VoxelSet]) {
-        let voxels: Vec<VoxelSet> =
-            slots.par_iter().zip(voxels).map(|(&slot, set)| self.off_the_surface(slot, set)).collect();
-        for (&slot, set) in slots.iter().zip(&voxels) {
-            for offset in (0..BRICK_VOXELS).filter(|&offset| contains(set, offset)) {
-                let phi = &mut self.phi[slot as usize * BRICK_VOXELS + offset];
-                *phi = self.band.copysign(*phi);
-            }
-        }
         self.relax(slots, 0.0, |nth, offset, _| contains(&voxels[nth], offset));
-    }
-
-    /// The voxels of a set that are no corner of a cell with a sign change.
-    fn off_the_surface(&self, slot: u32, set: &VoxelSet) -> VoxelSet {
-        let halo = self.halo(self.bricks[slot as usize], 1);
-        let mut off = VoxelSet::default();
-        for offset in (0..BRICK_VOXELS).filter(|&offset| contains(set, offset)) {
-            let local = voxel_at(IVec3::ZERO, offset);
-            let inside = halo.phi[halo.at(local)] < 0.0;
-            let step = |i: i32| IVec3::new(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
-            if (0..27).all(|i| (halo.phi[halo.at(local + step(i))] < 0.0) == inside) {
-                insert(&mut off, offset);
-            }
-        }
-        off
     }
 
     /// Solves |∇φ| = 1 at the voxels that are `free`, told by the brick's place in `slots`, the voxel's offset and φ, and
