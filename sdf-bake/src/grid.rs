@@ -6,6 +6,8 @@
 
 use glam::{DVec3, IVec3, Vec3};
 
+use crate::channels::Scalar;
+
 /// Voxels along the side of a brick.
 pub const BRICK_SIDE: usize = 8;
 /// Voxels in a brick.
@@ -47,6 +49,10 @@ pub struct BrickGrid {
     pub phi: Vec<f32>,
     /// Weld id of each voxel, 0 for base metal, shape `[bricks, 512]`; empty where a part has no weld.
     pub label: Vec<u16>,
+    /// Coating dose D of each voxel, shape `[bricks, 512]`; empty where a part has no coating.
+    pub dose: Vec<f32>,
+    /// Depth removed so far at each voxel [m], shape `[bricks, 512]`; empty where nobody keeps it.
+    pub removed: Vec<f32>,
 }
 
 impl BrickGrid {
@@ -62,6 +68,8 @@ impl BrickGrid {
             bricks: Vec::new(),
             phi: Vec::new(),
             label: Vec::new(),
+            dose: Vec::new(),
+            removed: Vec::new(),
         }
     }
 
@@ -72,7 +80,8 @@ impl BrickGrid {
 
     /// Bytes held by the pool and the index.
     pub fn bytes(&self) -> usize {
-        4 * self.phi.len() + 2 * self.label.len() + 12 * self.bricks.len() + 4 * self.index.len()
+        let scalars: usize = Scalar::ALL.iter().map(|&channel| self.scalar(channel).len()).sum();
+        4 * (self.phi.len() + scalars + self.index.len()) + 2 * self.label.len() + 12 * self.bricks.len()
     }
 
     /// Position of a brick in `index`, or `None` outside the indexed box.
@@ -87,6 +96,19 @@ impl BrickGrid {
         self.entry(brick).map_or(OUTSIDE, |entry| self.index[entry])
     }
 
+    /// Position of a voxel in the pool, or `None` where no brick is.
+    pub fn place(&self, voxel: IVec3) -> Option<usize> {
+        match self.slot(voxel >> 3) {
+            OUTSIDE | INSIDE => None,
+            slot => Some(slot as usize * BRICK_VOXELS + voxel_offset(voxel)),
+        }
+    }
+
+    /// The voxel at a position in the pool.
+    pub fn voxel_of(&self, place: usize) -> IVec3 {
+        voxel_at(self.bricks[place / BRICK_VOXELS], place % BRICK_VOXELS)
+    }
+
     /// φ at a voxel [m].
     pub fn phi_at(&self, voxel: IVec3) -> f32 {
         match self.slot(voxel >> 3) {
@@ -98,10 +120,7 @@ impl BrickGrid {
 
     /// Weld id at a voxel; 0 for base metal and where no brick is.
     pub fn label_at(&self, voxel: IVec3) -> u16 {
-        match self.slot(voxel >> 3) {
-            OUTSIDE | INSIDE => 0,
-            slot => self.label.get(slot as usize * BRICK_VOXELS + voxel_offset(voxel)).copied().unwrap_or(0),
-        }
+        self.place(voxel).and_then(|at| self.label.get(at)).copied().unwrap_or(0)
     }
 
     /// Position of a voxel in the part's frame [m].
@@ -172,9 +191,7 @@ impl BrickGrid {
         if self.phi.len() != self.bricks.len() * BRICK_VOXELS {
             return Err(format!("{} values for {} bricks", self.phi.len(), self.bricks.len()));
         }
-        if !self.label.is_empty() && self.label.len() != self.phi.len() {
-            return Err(format!("{} labels for {} values", self.label.len(), self.phi.len()));
-        }
+        self.check_channels()?;
         for (slot, &brick) in self.bricks.iter().enumerate() {
             if self.slot(brick) != slot as u32 {
                 return Err(format!("brick {brick} is in slot {slot}, the index says {}", self.slot(brick)));
@@ -182,12 +199,7 @@ impl BrickGrid {
         }
         let limit = self.band * (1.0 + 1e-6);
         match self.phi.iter().position(|&phi| phi.is_nan() || phi.abs() > limit) {
-            Some(at) => Err(format!(
-                "φ is {} at voxel {}, the band is {}",
-                self.phi[at],
-                voxel_at(self.bricks[at / BRICK_VOXELS], at % BRICK_VOXELS),
-                self.band
-            )),
+            Some(at) => Err(format!("φ is {} at voxel {}, the band is {}", self.phi[at], self.voxel_of(at), self.band)),
             None => Ok(()),
         }
     }

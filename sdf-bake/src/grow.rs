@@ -22,7 +22,8 @@ impl BrickGrid {
         added
     }
 
-    /// Returns bricks that are wholly beyond the band to the index. Slots change; the order of bricks stays.
+    /// Returns bricks that are wholly beyond the band to the index. Slots change; the order of bricks stays. Inside
+    /// bricks with a weld label are kept: it says what an opened surface would show.
     pub fn release_uniform_bricks(&mut self) -> usize {
         let before = self.brick_count();
         let mut kept = 0;
@@ -30,16 +31,13 @@ impl BrickGrid {
             let values = slot * BRICK_VOXELS..(slot + 1) * BRICK_VOXELS;
             let entry = self.entry(self.bricks[slot]);
             let beyond = |sign: f32| self.phi[values.clone()].iter().all(|&phi| phi * sign >= self.band);
+            let labelled = self.label.get(values.clone()).is_some_and(|labels| labels.iter().any(|&id| id != 0));
             let state = if beyond(1.0) {
                 OUTSIDE
-            } else if beyond(-1.0) {
+            } else if !labelled && beyond(-1.0) {
                 INSIDE
             } else {
-                self.phi.copy_within(values.clone(), kept * BRICK_VOXELS);
-                if !self.label.is_empty() {
-                    self.label.copy_within(values, kept * BRICK_VOXELS);
-                }
-                self.bricks[kept] = self.bricks[slot];
+                self.move_brick(slot, kept);
                 kept += 1;
                 kept as u32 - 1
             };
@@ -47,9 +45,7 @@ impl BrickGrid {
                 self.index[entry] = state;
             }
         }
-        self.bricks.truncate(kept);
-        self.phi.truncate(kept * BRICK_VOXELS);
-        self.label.truncate(kept * BRICK_VOXELS);
+        self.truncate_pool(kept);
         before - kept
     }
 
@@ -69,9 +65,7 @@ impl BrickGrid {
         }
         self.bricks.push(brick);
         self.phi.resize(self.phi.len() + BRICK_VOXELS, -self.band);
-        if !self.label.is_empty() {
-            self.label.resize(self.phi.len(), 0);
-        }
+        self.extend_channels();
         slot
     }
 

@@ -4,7 +4,7 @@
 
 use glam::IVec3;
 
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at};
 
 /// Values φ [m] of a brick and of `margin` voxels on each side; z runs fastest.
 pub struct Halo {
@@ -20,6 +20,13 @@ impl Halo {
     pub fn at(&self, local: IVec3) -> usize {
         let l = local + self.margin as i32;
         (l.x as usize * self.side + l.y as usize) * self.side + l.z as usize
+    }
+
+    /// Whether a voxel of the brick is a corner of a cell that the surface crosses.
+    pub(crate) fn at_surface(&self, offset: usize) -> bool {
+        let local = voxel_at(IVec3::ZERO, offset);
+        let inside = |local: IVec3| self.phi[self.at(local)] < 0.0;
+        (0..27).any(|i| inside(local + IVec3::new(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1)) != inside(local))
     }
 
     /// Distance in `phi` between neighbours along x, y and z.

@@ -25,21 +25,27 @@
 
 pub mod bake;
 mod bounds;
+pub mod channels;
 pub mod clean;
+mod combine;
 pub mod grid;
 mod grow;
 pub mod halo;
 mod implicit;
 pub mod mesh;
 pub mod nvdb;
+mod project;
 pub mod query;
 pub mod read;
 pub mod redistance;
+mod seam;
 mod share;
+mod surface;
 mod union;
 mod volume;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, SignMethod, bake};
+pub use channels::Scalar;
+pub use combine::{Combine, CombineError, LatticeError};
 pub use grid::BrickGrid;
 pub use mesh::Mesh;
-pub use union::LatticeError;

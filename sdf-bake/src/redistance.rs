@@ -16,15 +16,41 @@ use crate::halo::Halo;
 /// the surface crosses lies further away than the cell's diagonal, √3.
 pub const KEPT_VOXELS: f64 = 1.75;
 
-/// Passes after which the band is complete: each carries distances at least one voxel further.
-const PASSES: usize = 8;
+/// Some of a brick's voxels: word x, bit 8 y + z.
+pub(crate) type VoxelSet = [u64; 8];
+
+/// Whether a set holds the voxel at `offset` in its brick.
+pub(crate) fn contains(set: &VoxelSet, offset: usize) -> bool {
+    set[offset >> 6] >> (offset & 63) & 1 != 0
+}
+
+/// Adds the voxel at `offset`.
+pub(crate) fn insert(set: &mut VoxelSet, offset: usize) {
+    set[offset >> 6] |= 1 << (offset & 63);
+}
 
 impl BrickGrid {
     /// Recomputes φ beyond [`KEPT_VOXELS`] in the bricks in `slots`; other bricks are read, never written.
     pub fn redistance(&mut self, slots: &[u32]) {
+        let kept = (KEPT_VOXELS * self.voxel) as f32;
+        self.relax(slots, kept, |_, _, phi| phi.abs() > kept);
+    }
+
+    /// Recomputes φ of the given voxels of the bricks in `slots` from the voxels around them.
+    pub(crate) fn redistance_voxels(&mut self, slots: &[u32], voxels: &[VoxelSet]) {
+        self.relax(slots, 0.0, |nth, offset, _| contains(&voxels[nth], offset));
+    }
+
+    /// Solves |∇φ| = 1 at the voxels that are `free`, told by the brick's place in `slots`, the voxel's offset and φ, and
+    /// nowhere below `least` [m].
+    fn relax(&mut self, slots: &[u32], least: f32, free: impl Fn(usize, usize, f32) -> bool + Sync) {
         let settled = 1e-4 * self.voxel as f32;
-        for _ in 0..PASSES {
-            let solved: Vec<(Vec<f32>, f32)> = slots.par_iter().map(|&slot| self.solve_brick(slot)).collect();
+        // A pass carries distances one voxel further at least, and a diagonal takes two.
+        let passes = (2.0 * f64::from(self.band) / self.voxel).ceil() as usize + 2;
+        for _ in 0..passes {
+            let solve =
+                |(nth, &slot): (usize, &u32)| self.solve_brick(slot, least, |offset, phi: f32| free(nth, offset, phi));
+            let solved: Vec<(Vec<f32>, f32)> = slots.par_iter().enumerate().map(solve).collect();
             let mut largest = 0f32;
             for (&slot, (values, change)) in slots.iter().zip(&solved) {
                 let at = slot as usize * BRICK_VOXELS;
@@ -38,17 +64,15 @@ impl BrickGrid {
     }
 
     /// New values of a brick and the largest change [m].
-    fn solve_brick(&self, slot: u32) -> (Vec<f32>, f32) {
+    fn solve_brick(&self, slot: u32, least: f32, free: impl Fn(usize, f32) -> bool) -> (Vec<f32>, f32) {
         let mut halo = self.halo(self.bricks[slot as usize], 2);
-        let kept = (KEPT_VOXELS * self.voxel) as f32;
         let mut values = Vec::with_capacity(BRICK_VOXELS);
         let mut change = 0f32;
         for offset in 0..BRICK_VOXELS {
             let at = halo.at(voxel_at(IVec3::ZERO, offset));
             let old = halo.phi[at];
-            if old.abs() > kept {
-                let distance = eikonal(&halo, at, self.voxel as f32).clamp(kept, self.band);
-                let new = distance.copysign(old);
+            if free(offset, old) {
+                let new = eikonal(&halo, at, self.voxel as f32).clamp(least, self.band).copysign(old);
                 change = change.max((new - old).abs());
                 halo.phi[at] = new;
             }

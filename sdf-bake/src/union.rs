@@ -1,24 +1,12 @@
 //! Union of two fields on one lattice, remembering which body made the surface.
 
-use glam::IVec3;
-use thiserror::Error;
-
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
-use crate::implicit::entry_brick;
-
-/// Two grids that do not share a lattice.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("the grids differ: voxel {voxels:?} m, band {bands:?} m; both must be equal")]
-pub struct LatticeError {
-    /// Voxels of the two grids [m].
-    pub voxels: [f64; 2],
-    /// Bands of the two grids [m].
-    pub bands: [f32; 2],
-}
+use crate::combine::{Combination, Combine, LatticeError, inherit};
+use crate::grid::{BRICK_VOXELS, BrickGrid};
+use crate::redistance::contains;
 
 impl BrickGrid {
-    /// The union of this field and `added`, `min(φ, φ_added)`, labelled `id` where `added` is the nearer body, and
-    /// in every voxel whose cell holds some of what `added` brings.
+    /// The union of this field and `added` as [`BrickGrid::combined_with`] makes it, labelled `id` where `added` is the
+    /// nearer body, and in every voxel whose cell holds some of what `added` brings.
     ///
     /// Labels of this grid stay elsewhere. Bricks deep inside `added` are kept, because their label says what
     /// an opened surface would show.
@@ -26,74 +14,21 @@ impl BrickGrid {
     /// # Errors
     /// [`LatticeError`] when voxel or band differ.
     pub fn united_with(&self, added: &BrickGrid, id: u16) -> Result<BrickGrid, LatticeError> {
-        if self.voxel != added.voxel || self.band != added.band {
-            return Err(LatticeError { voxels: [self.voxel, added.voxel], bands: [self.band, added.band] });
+        let (mut union, from_added) = Combination::of(self, added, Combine::Union)?.grid(true);
+        let owned = |place: usize| contains(&from_added[place / BRICK_VOXELS], place % BRICK_VOXELS);
+        union.inherit_scalars(self, added, owned);
+        union.label = vec![0; union.phi.len()];
+        if !self.label.is_empty() {
+            union.label = inherit(&union, [(self, &self.label), (added, &[])], owned);
         }
-        let origin = self.origin.min(added.origin);
-        let dims = (self.origin + self.dims).max(added.origin + added.dims) - origin;
-        let mut union = BrickGrid::empty(self.voxel, self.band, origin, dims);
-        for entry in 0..union.index.len() {
-            let brick = origin + entry_brick(entry, dims);
-            match (self.slot(brick), added.slot(brick)) {
-                (OUTSIDE, OUTSIDE) => {}
-                (INSIDE, _) => union.index[entry] = INSIDE,
-                _ => union.push_united(entry, brick, self, added, id),
+        for (place, share) in union.difference_share(self).into_iter().enumerate() {
+            if share > 0.0 || owned(place) {
+                union.label[place] = id;
             }
         }
-        let shares = union.difference_share(self);
-        for (label, share) in union.label.iter_mut().zip(shares) {
-            if share > 0.0 {
-                *label = id;
-            }
-        }
+        union.release_uniform_bricks();
         Ok(union)
     }
-
-    fn push_united(&mut self, entry: usize, brick: IVec3, base: &BrickGrid, added: &BrickGrid, id: u16) {
-        let (phi, label) = united_brick(brick, base, added, id);
-        let labelled = label.iter().any(|&id| id != 0);
-        if phi.iter().all(|&phi| phi >= self.band) {
-            return;
-        }
-        if !labelled && phi.iter().all(|&phi| phi <= -self.band) {
-            self.index[entry] = INSIDE;
-            return;
-        }
-        self.index[entry] = self.bricks.len() as u32;
-        self.bricks.push(brick);
-        self.phi.extend_from_slice(&phi);
-        self.label.extend_from_slice(&label);
-    }
-
-    /// φ of a whole brick [m], also where no brick is.
-    pub(crate) fn brick_phi(&self, brick: IVec3) -> [f32; BRICK_VOXELS] {
-        match self.slot(brick) {
-            OUTSIDE => [self.band; BRICK_VOXELS],
-            INSIDE => [-self.band; BRICK_VOXELS],
-            slot => {
-                let first = slot as usize * BRICK_VOXELS;
-                std::array::from_fn(|offset| self.phi[first + offset])
-            }
-        }
-    }
-}
-
-fn united_brick(
-    brick: IVec3,
-    base: &BrickGrid,
-    added: &BrickGrid,
-    id: u16,
-) -> ([f32; BRICK_VOXELS], [u16; BRICK_VOXELS]) {
-    let (mut phi, extra) = (base.brick_phi(brick), added.brick_phi(brick));
-    let mut label = [0u16; BRICK_VOXELS];
-    for offset in 0..BRICK_VOXELS {
-        label[offset] = base.label_at(brick * BRICK_SIDE as i32 + crate::grid::voxel_at(IVec3::ZERO, offset));
-        if extra[offset] < phi[offset] {
-            phi[offset] = extra[offset];
-            label[offset] = id;
-        }
-    }
-    (phi, label)
 }
 
 #[cfg(test)]
@@ -109,12 +44,16 @@ mod tests {
     #[test]
     fn each_surface_point_knows_its_body() {
         let (left, right) = (DVec3::new(-0.01, 0.001, 0.0), DVec3::new(0.011, 0.0, 0.002));
-        let union = ball(left, 0.014).united_with(&ball(right, 0.0125), 3).unwrap();
+        let mut coated = ball(left, 0.014);
+        coated.dose = vec![0.25; coated.phi.len()];
+        let union = coated.united_with(&ball(right, 0.0125), 3).unwrap();
         assert_eq!(union.sanity_check(), Ok(()));
         assert_eq!(union.label(left - DVec3::X * 0.014), 0);
         assert_eq!(union.label(right + DVec3::X * 0.0125), 3);
         assert!(union.sample(DVec3::ZERO) < 0.0);
         assert_eq!(union.label(right), 3, "the core of the added body keeps its label");
+        assert_eq!(union.sample_dose(left - DVec3::X * 0.014), 0.25);
+        assert_eq!(union.sample_dose(right + DVec3::X * 0.0125), 0.0, "what is added has no dose");
     }
 
     #[test]
@@ -123,6 +62,16 @@ mod tests {
         let union = base.united_with(&ball(DVec3::ZERO, 0.01), 1).unwrap();
         assert_eq!(union.phi, base.phi);
         assert!(union.label.iter().all(|&id| id == 0));
+    }
+
+    #[test]
+    fn a_second_weld_leaves_the_first_its_label() {
+        let base = ball(DVec3::ZERO, 0.012);
+        let (one, two) = (ball(DVec3::X * 0.012, 0.004), ball(DVec3::Y * 0.012, 0.004));
+        let welded = base.united_with(&one, 1).unwrap().united_with(&two, 2).unwrap();
+        assert_eq!((welded.label(DVec3::X * 0.016), welded.label(DVec3::Y * 0.016)), (1, 2));
+        assert_eq!(welded.label(DVec3::X * 0.014), 1, "also below the surface");
+        assert_eq!(welded.label(DVec3::NEG_Z * 0.012), 0);
     }
 
     #[test]

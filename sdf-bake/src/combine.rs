@@ -1,0 +1,292 @@
+//! Union, difference and intersection of two fields on one lattice.
+//!
+//! min(φ, ψ) is the exact distance outside a union, and inside it as long as the nearer surface is not buried in the
+//! other body. Where it is buried, the nearest point of the union is on the other body's surface or on the seam, where
+//! both distances vanish (`seam.rs`). Voxels of a cell that the surface crosses stay in any case, so the zero set is that
+//! of min(φ, ψ). A difference is the complement of a union with a complement, and so is an intersection.
+//!
+//! ```text
+//!      ψ = 0 ┌────────┐            ··· buried surface
+//!   ┌────────┼········│ φ = 0      ▒   nearest surface buried: way to the seam
+//!   │       ▒:▒       │
+//!   └────────┴────────┘
+//! ```
+
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::channels::Scalar;
+use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at};
+use crate::implicit::entry_brick;
+use crate::redistance::{VoxelSet, contains, insert};
+use crate::seam::Bodies;
+
+/// Two grids that do not share a lattice.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("the grids differ: voxel {voxels:?} m, band {bands:?} m; both must be equal")]
+pub struct LatticeError {
+    /// Voxels of the two grids [m].
+    pub voxels: [f64; 2],
+    /// Bands of the two grids [m].
+    pub bands: [f32; 2],
+}
+
+/// Why two grids cannot be combined.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum CombineError {
+    /// They do not share a lattice.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// The blend reaches farther than the distances are known.
+    #[error("a blend radius of {radius} m with a band of {band} m: 0 to {:.6} m are accepted; a wider band allows more", BLEND_REACH * f64::from(*band))]
+    Blend {
+        /// Asked radius [m].
+        radius: f64,
+        /// Band of the grids [m].
+        band: f32,
+    },
+}
+
+/// Largest blend radius in bands: where both distances are below 5/4 of the radius the surface may move.
+const BLEND_REACH: f64 = 0.8;
+
+/// What to make of two bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Combine {
+    /// What is in either: min(φ, ψ).
+    Union,
+    /// The union with its inner edges filled: min(φ, ψ) − r h²/4 with h = max(1 − |φ − ψ|/r, 0), the quadratic smooth
+    /// minimum (I. Quilez 2013). In a right-angled inner edge the fillet meets both faces at the distance r from the
+    /// edge and fills r²/6 of the section; where the surfaces are farther than that from each other nothing changes.
+    SmoothUnion {
+        /// r [m], at most 0.8 bands.
+        radius: f64,
+    },
+    /// What is in the first and not in the second: max(φ, −ψ).
+    Difference,
+    /// What is in both: max(φ, ψ).
+    Intersection,
+}
+
+impl Combine {
+    /// Signs of φ and ψ that make this a union, whose sign is then turned back by the third.
+    fn signs(self) -> [f32; 3] {
+        match self {
+            Self::Union | Self::SmoothUnion { .. } => [1.0, 1.0, 1.0],
+            Self::Difference => [-1.0, 1.0, -1.0],
+            Self::Intersection => [-1.0, -1.0, -1.0],
+        }
+    }
+
+    fn radius(self) -> f64 {
+        if let Self::SmoothUnion { radius } = self { radius } else { 0.0 }
+    }
+}
+
+impl BrickGrid {
+    /// This body combined with `other`: truncated distances, inside or outside known everywhere. Exact where the nearest
+    /// surface is that of one body, elsewhere redistanced without moving the surface. Each voxel keeps label, dose and
+    /// the like of the body whose surface it is nearer to; what was cut open keeps those of this body.
+    ///
+    /// # Errors
+    /// [`CombineError`] when voxel or band differ, or a blend reaches beyond the band.
+    pub fn combined_with(&self, other: &BrickGrid, how: Combine) -> Result<BrickGrid, CombineError> {
+        let band = f64::from(self.band);
+        if !(0.0..=BLEND_REACH * band).contains(&how.radius()) {
+            return Err(CombineError::Blend { radius: how.radius(), band: self.band });
+        }
+        let (mut grid, from_other) = Combination::of(self, other, how)?.grid(false);
+        let other_owns = how != Combine::Difference;
+        let owned = |place: usize| other_owns && contains(&from_other[place / BRICK_VOXELS], place % BRICK_VOXELS);
+        grid.label = inherit(&grid, [(self, &self.label), (other, &other.label)], owned);
+        grid.inherit_scalars(self, other, owned);
+        grid.release_uniform_bricks();
+        Ok(grid)
+    }
+
+    /// Takes each voxel's scalars from `second` where `owned`, else from `first`.
+    pub(crate) fn inherit_scalars(&mut self, first: &Self, second: &Self, owned: impl Fn(usize) -> bool) {
+        for channel in Scalar::ALL {
+            let parts = [(first, first.scalar(channel)), (second, second.scalar(channel))];
+            *self.scalar_mut(channel) = inherit(self, parts, &owned);
+        }
+    }
+
+    /// φ of a whole brick [m], also where no brick is.
+    fn brick_phi(&self, brick: IVec3) -> [f32; BRICK_VOXELS] {
+        match self.slot(brick) {
+            OUTSIDE => [self.band; BRICK_VOXELS],
+            INSIDE => [-self.band; BRICK_VOXELS],
+            slot => {
+                let first = slot as usize * BRICK_VOXELS;
+                std::array::from_fn(|offset| self.phi[first + offset])
+            }
+        }
+    }
+}
+
+/// A channel of the bricks of `grid` from those of two others: the second's where `second_owns` the place.
+pub(crate) fn inherit<T: Copy + Default>(
+    grid: &BrickGrid,
+    [first, second]: [(&BrickGrid, &[T]); 2],
+    second_owns: impl Fn(usize) -> bool,
+) -> Vec<T> {
+    if first.1.is_empty() && second.1.is_empty() {
+        return Vec::new();
+    }
+    let value = |place: usize| {
+        let (from, values) = if second_owns(place) { second } else { first };
+        from.place(grid.voxel_of(place)).and_then(|at| values.get(at)).copied().unwrap_or_default()
+    };
+    (0..grid.phi.len()).map(value).collect()
+}
+
+/// Two bodies, seen so that their combination is a union.
+pub(crate) struct Combination<'a> {
+    bodies: Bodies<'a>,
+    /// Sign that turns the union's φ into that of the combination.
+    back: f32,
+    radius: f32,
+    whole_box: bool,
+}
+
+/// A brick of a combination.
+struct Mixed {
+    phi: [f32; BRICK_VOXELS],
+    /// Voxels whose nearer surface is the second body's.
+    from_second: VoxelSet,
+    /// Voxels that φ is no distance at, with the distance [m] if it is known.
+    inexact: Vec<(usize, Option<f32>)>,
+}
+
+enum Part {
+    Uniform(u32),
+    Mixed(Box<Mixed>),
+}
+
+impl<'a> Combination<'a> {
+    pub(crate) fn of(first: &'a BrickGrid, second: &'a BrickGrid, how: Combine) -> Result<Self, LatticeError> {
+        if first.voxel != second.voxel || first.band != second.band {
+            return Err(LatticeError { voxels: [first.voxel, second.voxel], bands: [first.band, second.band] });
+        }
+        let whole_box = matches!(how, Combine::Union | Combine::SmoothUnion { .. });
+        let [s, t, back] = how.signs();
+        Ok(Self {
+            bodies: Bodies { grids: [first, second], signs: [s, t] },
+            back,
+            radius: how.radius() as f32,
+            whole_box,
+        })
+    }
+
+    /// The combination, and for each of its bricks the voxels that are nearer to the second body's surface. The first's
+    /// labels and scalars are not carried over. With `keeps_core`, bricks that only the second body fills are kept.
+    pub(crate) fn grid(&self, keeps_core: bool) -> (BrickGrid, Vec<VoxelSet>) {
+        let [first, second] = self.bodies.grids;
+        let (origin, dims) = if self.whole_box {
+            let origin = first.origin.min(second.origin);
+            (origin, (first.origin + first.dims).max(second.origin + second.dims) - origin)
+        } else {
+            (first.origin, first.dims)
+        };
+        let mut grid = BrickGrid::empty(first.voxel, first.band, origin, dims);
+        let parts: Vec<Part> = (0..grid.index.len())
+            .into_par_iter()
+            .map(|entry| self.part(origin + entry_brick(entry, dims), keeps_core))
+            .collect();
+        let (mut from_second, mut inexact) = (Vec::new(), Vec::new());
+        for (entry, part) in parts.into_iter().enumerate() {
+            match part {
+                Part::Uniform(state) => grid.index[entry] = state,
+                Part::Mixed(mixed) => {
+                    let slot = grid.bricks.len() as u32;
+                    grid.index[entry] = slot;
+                    grid.bricks.push(origin + entry_brick(entry, dims));
+                    grid.phi.extend_from_slice(&mixed.phi);
+                    from_second.push(mixed.from_second);
+                    if !mixed.inexact.is_empty() {
+                        inexact.push((slot, mixed.inexact));
+                    }
+                }
+            }
+        }
+        self.settle(&mut grid, inexact);
+        (grid, from_second)
+    }
+
+    /// Writes the distances that are known, and redistances the other voxels; those at the surface stay.
+    fn settle(&self, grid: &mut BrickGrid, inexact: Vec<(u32, Vec<(usize, Option<f32>)>)>) {
+        let settle = |(slot, voxels): (u32, Vec<(usize, Option<f32>)>)| {
+            let halo = grid.halo(grid.bricks[slot as usize], 1);
+            (slot, voxels.into_iter().filter(|&(offset, _)| !halo.at_surface(offset)).collect::<Vec<_>>())
+        };
+        let free: Vec<(u32, Vec<(usize, Option<f32>)>)> = inexact.into_par_iter().map(settle).collect();
+        let (mut slots, mut unknown) = (Vec::new(), Vec::new());
+        for (slot, voxels) in free {
+            let mut set = VoxelSet::default();
+            for (offset, distance) in voxels {
+                let phi = &mut grid.phi[slot as usize * BRICK_VOXELS + offset];
+                *phi = distance.map_or(grid.band.copysign(*phi), |distance| self.back * distance);
+                if distance.is_none() {
+                    insert(&mut set, offset);
+                }
+            }
+            if set != VoxelSet::default() {
+                slots.push(slot);
+                unknown.push(set);
+            }
+        }
+        grid.redistance_voxels(&slots, &unknown);
+    }
+
+    fn part(&self, brick: IVec3, keeps_core: bool) -> Part {
+        // Inside (-1), outside (1) or a brick, in the sense of the union.
+        let state = |body: usize| match self.bodies.grids[body].slot(brick) {
+            OUTSIDE => self.bodies.signs[body],
+            INSIDE => -self.bodies.signs[body],
+            _ => 0.0,
+        };
+        let (a, b) = (state(0), state(1));
+        let uniform = |side: f32| Part::Uniform(if side * self.back < 0.0 { INSIDE } else { OUTSIDE });
+        if a < 0.0 || (b < 0.0 && !keeps_core) {
+            return uniform(-1.0);
+        }
+        if a > 0.0 && b > 0.0 {
+            return uniform(1.0);
+        }
+        Part::Mixed(Box::new(self.mixed(brick)))
+    }
+
+    fn mixed(&self, brick: IVec3) -> Mixed {
+        let (grids, [s, t]) = (self.bodies.grids, self.bodies.signs);
+        let (first, second) = (grids[0].brick_phi(brick), grids[1].brick_phi(brick));
+        let mut mixed = Mixed { phi: [0.0; BRICK_VOXELS], from_second: VoxelSet::default(), inexact: Vec::new() };
+        for offset in 0..BRICK_VOXELS {
+            let values = [s * first[offset], t * second[offset]];
+            if values[1] < values[0] {
+                insert(&mut mixed.from_second, offset);
+            }
+            let point = grids[0].position(voxel_at(brick, offset));
+            let (value, exact) = self.value(values, point);
+            if let Some(distance) = exact {
+                mixed.inexact.push((offset, distance));
+            }
+            mixed.phi[offset] = self.back * value;
+        }
+        mixed
+    }
+
+    /// φ of the union at a point [m] whose distances are `values` [m]; if that is no distance, also what is known of it.
+    fn value(&self, values: [f32; 2], point: DVec3) -> (f32, Option<Option<f32>>) {
+        let band = self.bodies.grids[0].band;
+        let least = values[0].min(values[1]);
+        if self.radius > 0.0 && self.bodies.feet_are_within(values, self.radius, point) {
+            return (self.bodies.blended(values, self.radius, point).clamp(-band, band), Some(None));
+        }
+        if !self.bodies.is_buried(values, point) {
+            return (least, None);
+        }
+        (least, Some(self.bodies.depth(values, point).map(|depth| depth.clamp(-band, 0.0))))
+    }
+}
