@@ -29,6 +29,7 @@ pub mod clean;
 pub mod grid;
 mod grow;
 pub mod halo;
+pub mod heights;
 mod implicit;
 pub mod mesh;
 pub mod nvdb;
@@ -41,5 +42,6 @@ mod volume;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, SignMethod, bake};
 pub use grid::BrickGrid;
+pub use heights::{HeightMap, PixelGrid};
 pub use mesh::Mesh;
 pub use union::LatticeError;
