@@ -28,6 +28,7 @@ pub mod contact;
 pub mod control;
 pub mod grind;
 pub mod path;
+pub mod profilometer;
 mod ramp;
 pub mod record;
 pub mod removal;
@@ -38,6 +39,7 @@ pub mod tool;
 
 pub use contact::Contact;
 pub use grind::{Progress, grind};
+pub use profilometer::Profilometer;
 pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use record::{LogRow, PassRecord};
 pub use settings::{GrindError, GrindSettings};

@@ -17,7 +17,7 @@ struct Patch {
     bend: [f64; 3],
 }
 
-/// Distance [voxels] from a point [voxels] to the surface, at most `most`; without sign.
+/// Distance [voxels] from a lattice point [voxels] to the surface, at most `most`; without sign.
 ///
 /// Newton's steps start from the nearest lattice point of the surface, so that of two flanks the nearer one is found.
 pub(super) fn distance(surface: &LatticeHeights, point: DVec3, most: f64) -> f64 {
@@ -28,20 +28,17 @@ pub(super) fn distance(surface: &LatticeHeights, point: DVec3, most: f64) -> f64
     descend(surface, point, start).min(most)
 }
 
-/// The lattice point of the surface that is nearest to a point above or below a lattice point, and its distance.
+/// The lattice point of the surface that is nearest to a lattice point above or below it, and its distance.
 fn nearest_node(surface: &LatticeHeights, point: DVec3, most: f64) -> (DVec2, f64) {
-    let centre = point.truncate().round().as_ivec2();
-    let square = |step: IVec2| {
-        let node = (centre + step).as_dvec2();
-        (node - point.truncate()).length_squared() + (surface.at(centre + step) - point.z).powi(2)
-    };
-    let (mut best, mut least) = (IVec2::ZERO, square(IVec2::ZERO));
-    let reach = least.sqrt().min(most + 1.0).floor() as i32;
-    for i in -reach..=reach {
-        for j in -reach..=reach {
-            let found = square(IVec2::new(i, j));
-            if found < least {
-                (best, least) = (IVec2::new(i, j), found);
+    let centre = point.truncate().as_ivec2();
+    let (mut best, mut least) = (IVec2::ZERO, (surface.at(centre) - point.z).powi(2));
+    let reach = least.sqrt().min(most + 1.0) as i32;
+    for j in -reach..=reach {
+        let row = surface.row(centre + IVec2::new(-reach, j), 2 * reach as usize + 1);
+        for (i, height) in (-reach..).zip(row) {
+            let square = f64::from(i * i + j * j) + (height - point.z).powi(2);
+            if square < least {
+                (best, least) = (IVec2::new(i, j), square);
             }
         }
     }
@@ -96,8 +93,8 @@ impl Patch {
         let mut patch = Self { height: 0.0, slope: DVec2::ZERO, bend: [0.0; 3] };
         for b in 0..4 {
             let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
-            for a in 0..4 {
-                let height = surface.at(corner + IVec2::new(a as i32 - 1, b as i32 - 1));
+            let row = surface.row(corner + IVec2::new(-1, b as i32 - 1), 4);
+            for (a, height) in row.iter().enumerate() {
                 value += x.value[a] * height;
                 slope += x.slope[a] * height;
                 bend += x.bend[a] * height;

@@ -15,7 +15,6 @@ const SLOPE_BASE: usize = 20;
 pub(super) struct LatticeHeights {
     pub(super) first: IVec2,
     pub(super) nx: usize,
-    pub(super) ny: usize,
     /// Heights [voxels], shape `[ny, nx]`.
     pub(super) heights: Vec<f64>,
 }
@@ -39,13 +38,24 @@ impl LatticeHeights {
         let (nx, ny) = ((last.x - first.x + 1) as usize, (last.y - first.y + 1) as usize);
         let place = |k: usize| (first + IVec2::new((k % nx) as i32, (k / nx) as i32)).as_dvec2() * voxel;
         let heights = (0..nx * ny).map(|k| bicubic(&padded, padded.pixels.coordinates(place(k))) / voxel).collect();
-        Self { first, nx, ny, heights }
+        Self { first, nx, heights }
     }
 
-    /// Height at a lattice point, the nearest one beyond the border [voxels].
+    /// Position of a lattice point in `heights`.
+    fn index(&self, point: IVec2) -> usize {
+        let local = point - self.first;
+        local.y as usize * self.nx + local.x as usize
+    }
+
+    /// Height at a lattice point [voxels].
     pub(super) fn at(&self, point: IVec2) -> f64 {
-        let local = (point - self.first).clamp(IVec2::ZERO, IVec2::new(self.nx as i32 - 1, self.ny as i32 - 1));
-        self.heights[local.y as usize * self.nx + local.x as usize]
+        self.heights[self.index(point)]
+    }
+
+    /// Heights [voxels] at `count` lattice points along x from `start`.
+    pub(super) fn row(&self, start: IVec2, count: usize) -> &[f64] {
+        let at = self.index(start);
+        &self.heights[at..at + count]
     }
 }
 

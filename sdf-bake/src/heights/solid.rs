@@ -109,7 +109,8 @@ impl Slab {
         let extent = pitch * DVec2::new((nx - 1) as f64, (ny - 1) as f64);
         let low = ((origin - options.margin) / options.voxel).map(before);
         let high = ((origin + extent + options.margin) / options.voxel).map(after);
-        let reach = options.band_voxels + 2.0;
+        // Bricks end less than two sides beyond the slab's sides, and feet are sought within a band of them.
+        let reach = options.band_voxels + 2.0 * side;
         let (first, last) = ((low - reach).floor().as_ivec2(), (high + reach).ceil().as_ivec2());
         let surface = LatticeHeights::of(map, options.voxel, first, last);
         let lowest = surface.heights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -139,7 +140,18 @@ impl Slab {
             return Filled::Inside;
         }
         let band = (self.band * voxel) as f32;
-        Filled::of(|offset| (self.phi(voxel_at(brick, offset)) * voxel) as f32, band)
+        let phi = |point: IVec3| {
+            let z = f64::from(point.z);
+            let surface = if z - most >= self.band {
+                self.band
+            } else if z - least <= -self.band {
+                -self.band
+            } else {
+                self.surface_distance(point)
+            };
+            self.cut_by_box(surface, point)
+        };
+        Filled::of(|offset| (phi(voxel_at(brick, offset)) * voxel) as f32, band)
     }
 
     /// Least and greatest height [voxels] over a rectangle [voxels].
@@ -151,12 +163,15 @@ impl Slab {
         })
     }
 
-    /// Signed distance [voxels] of a lattice point to the slab.
-    fn phi(&self, point: IVec3) -> f64 {
-        let at = point.as_dvec3();
-        let above = at.z - self.surface.at(point.truncate());
-        let surface = distance(&self.surface, at, self.band).copysign(above);
-        let sides = self.box_distance(at);
+    /// Signed distance [voxels] of a lattice point to the surface.
+    fn surface_distance(&self, point: IVec3) -> f64 {
+        let above = f64::from(point.z) - self.surface.at(point.truncate());
+        distance(&self.surface, point.as_dvec3(), self.band).copysign(above)
+    }
+
+    /// Signed distance [voxels] to the slab of a lattice point that has `surface` to its top.
+    fn cut_by_box(&self, surface: f64, point: IVec3) -> f64 {
+        let sides = self.box_distance(point.as_dvec3());
         if surface > 0.0 && sides > 0.0 { surface.hypot(sides) } else { surface.max(sides) }
     }
 
