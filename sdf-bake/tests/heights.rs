@@ -62,7 +62,10 @@ fn worst(voxel: f64, surface: fn(DVec2) -> f64) -> f64 {
 fn the_surface_lies_at_the_heights_of_the_pixels() {
     for (name, surface) in [("bead", bead as fn(DVec2) -> f64), ("waves", waves)] {
         let errors = [0.5e-3, 0.25e-3, 0.125e-3].map(|voxel| worst(voxel, surface));
-        println!("{name}: surface within {:.1e}, {:.1e}, {:.1e} m at 0.5, 0.25, 0.125 mm", errors[0], errors[1], errors[2]);
+        println!(
+            "{name}: surface within {:.1e}, {:.1e}, {:.1e} m at 0.5, 0.25, 0.125 mm",
+            errors[0], errors[1], errors[2]
+        );
         assert!(errors[1] < 0.2e-6 && errors[2] < 0.2e-6, "{errors:?}");
         assert!(errors[0] < 3e-6, "{errors:?}");
     }

@@ -39,8 +39,8 @@ pub mod tool;
 
 pub use contact::Contact;
 pub use grind::{Progress, grind};
-pub use profilometer::Profilometer;
 pub use path::{CurvePoint, Path, PathError, PathSample};
+pub use profilometer::Profilometer;
 pub use record::{LogRow, PassRecord};
 pub use settings::{GrindError, GrindSettings};
 pub use tool::{Pose, Wheel};

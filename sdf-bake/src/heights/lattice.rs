@@ -156,7 +156,8 @@ fn smoothed_rows(values: &[f64], width: usize, half_width: usize) -> Vec<f64> {
 fn bicubic(map: &HeightMap, at: DVec2) -> f64 {
     let floor = at.floor();
     let (wx, wy) = (cubic_weights(at.x - floor.x), cubic_weights(at.y - floor.y));
-    let clamp = |k: f64, step: usize, count: usize| (k as isize + step as isize - 1).clamp(0, count as isize - 1) as usize;
+    let clamp =
+        |k: f64, step: usize, count: usize| (k as isize + step as isize - 1).clamp(0, count as isize - 1) as usize;
     let row = |b: usize| {
         let j = clamp(floor.y, b, map.pixels.ny);
         (0..4).map(|a| wx[a] * map.height(clamp(floor.x, a, map.pixels.nx), j)).sum::<f64>()

@@ -158,9 +158,9 @@ impl Slab {
     fn range(&self, low: DVec2, high: DVec2) -> (f64, f64) {
         let (low, high) = (low.floor().as_ivec2(), high.ceil().as_ivec2());
         let points = (low.x..=high.x).flat_map(|i| (low.y..=high.y).map(move |j| IVec2::new(i, j)));
-        points.map(|point| self.surface.at(point)).fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), height| {
-            (least.min(height), most.max(height))
-        })
+        points
+            .map(|point| self.surface.at(point))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), height| (least.min(height), most.max(height)))
     }
 
     /// Signed distance [voxels] of a lattice point to the surface.
