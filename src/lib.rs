@@ -21,6 +21,7 @@ pub mod part;
 pub mod picture;
 pub mod python;
 pub mod report;
+pub mod trial;
 pub mod validate;
 pub mod workpiece;
 

@@ -24,11 +24,22 @@ impl BrickGrid {
         let first = ((low - band) / brick_size).floor().as_ivec3();
         let last = ((high + band) / brick_size).floor().as_ivec3();
         let dims = last - first + 1;
-        let mut grid = Self::empty(voxel, band as f32, first, dims);
-        let filled: Vec<Filled> = (0..grid.index.len())
-            .into_par_iter()
-            .map(|e| fill(first + entry_brick(e, dims), &grid, &distance))
-            .collect();
+        Self::from_bricks((voxel, band), first, dims, |brick| fill(brick, (voxel, band as f32), &distance))
+    }
+
+    /// Asks `fill` for every brick of a box, on all threads, and gathers the answers in the order of the index.
+    ///
+    /// - `lattice`: voxel and band [m]
+    /// - `first`, `dims`: the box [bricks]
+    pub(crate) fn from_bricks(
+        lattice: (f64, f64),
+        first: IVec3,
+        dims: IVec3,
+        fill: impl Fn(IVec3) -> Filled + Sync,
+    ) -> Self {
+        let mut grid = Self::empty(lattice.0, lattice.1 as f32, first, dims);
+        let filled: Vec<Filled> =
+            (0..grid.index.len()).into_par_iter().map(|entry| fill(first + entry_brick(entry, dims))).collect();
         for (entry, brick) in filled.into_iter().enumerate() {
             match brick {
                 Filled::Outside => {}
@@ -44,10 +55,29 @@ impl BrickGrid {
     }
 }
 
-enum Filled {
+/// What a brick holds.
+pub(crate) enum Filled {
     Outside,
     Inside,
     Band(Box<[f32; BRICK_VOXELS]>),
+}
+
+impl Filled {
+    /// A brick of values [m] by their offset, truncated at the band [m].
+    pub(crate) fn of(value: impl Fn(usize) -> f32, band: f32) -> Self {
+        let mut values = Box::new([0f32; BRICK_VOXELS]);
+        for (offset, phi) in values.iter_mut().enumerate() {
+            *phi = value(offset).clamp(-band, band);
+        }
+        let beyond = |sign: f32| values.iter().all(|&phi| phi * sign >= band);
+        if beyond(1.0) {
+            Self::Outside
+        } else if beyond(-1.0) {
+            Self::Inside
+        } else {
+            Self::Band(values)
+        }
+    }
 }
 
 /// Brick coordinates, relative to the first, of an index entry.
@@ -56,9 +86,9 @@ pub(crate) fn entry_brick(entry: usize, dims: IVec3) -> IVec3 {
     IVec3::new(entry / (dims.y * dims.z), entry / dims.z % dims.y, entry % dims.z)
 }
 
-fn fill(brick: IVec3, grid: &BrickGrid, distance: &(impl Fn(DVec3) -> f64 + Sync)) -> Filled {
-    let centre = (brick.as_dvec3() * BRICK_SIDE as f64 + 3.5) * grid.voxel;
-    let reach = 3.5 * 3f64.sqrt() * grid.voxel + f64::from(grid.band);
+fn fill(brick: IVec3, (voxel, band): (f64, f32), distance: &(impl Fn(DVec3) -> f64 + Sync)) -> Filled {
+    let centre = (brick.as_dvec3() * BRICK_SIDE as f64 + 3.5) * voxel;
+    let reach = 3.5 * 3f64.sqrt() * voxel + f64::from(band);
     let at_centre = distance(centre);
     if at_centre > reach {
         return Filled::Outside;
@@ -66,18 +96,7 @@ fn fill(brick: IVec3, grid: &BrickGrid, distance: &(impl Fn(DVec3) -> f64 + Sync
     if at_centre < -reach {
         return Filled::Inside;
     }
-    let mut values = Box::new([0f32; BRICK_VOXELS]);
-    for (offset, value) in values.iter_mut().enumerate() {
-        *value = (distance(grid.position(voxel_at(brick, offset))) as f32).clamp(-grid.band, grid.band);
-    }
-    let beyond = |sign: f32| values.iter().all(|&phi| phi * sign >= grid.band);
-    if beyond(1.0) {
-        Filled::Outside
-    } else if beyond(-1.0) {
-        Filled::Inside
-    } else {
-        Filled::Band(values)
-    }
+    Filled::of(|offset| distance(voxel_at(brick, offset).as_dvec3() * voxel) as f32, band)
 }
 
 #[cfg(test)]

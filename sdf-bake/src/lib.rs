@@ -31,6 +31,7 @@ mod combine;
 pub mod grid;
 mod grow;
 pub mod halo;
+pub mod heights;
 mod implicit;
 pub mod mesh;
 pub mod nvdb;
@@ -48,4 +49,5 @@ pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, SignMethod, bake}
 pub use channels::Scalar;
 pub use combine::{Combine, CombineError, LatticeError};
 pub use grid::BrickGrid;
+pub use heights::{HeightMap, PixelGrid};
 pub use mesh::Mesh;

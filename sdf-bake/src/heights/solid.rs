@@ -1,0 +1,185 @@
+//! The solid below a height map, as bricks.
+
+use glam::{DVec2, DVec3, IVec2, IVec3};
+
+use super::foot::distance;
+use super::lattice::{LatticeHeights, without_empty_rim};
+use super::{HeightMap, HeightsError, PixelGrid};
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, voxel_at};
+use crate::implicit::Filled;
+
+/// Where in a brick the sides and the bottom lie [voxels from its first voxel]: a band of three fits around them.
+const SIDE_PLACE: f64 = 3.5;
+
+/// How a height map becomes a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlabOptions {
+    /// Distance between voxels [m].
+    pub voxel: f64,
+    /// Truncation distance [voxels], 2 to 16. Default 3.
+    pub band_voxels: f64,
+    /// How far the surface is continued beyond the map's border, at least [m]. Give half the tool's width, so that
+    /// it finds no edge. Default 16 voxels.
+    pub margin: f64,
+    /// Material below the lowest pixel, at least [m]. Default 2 mm or 16 voxels.
+    pub thickness: f64,
+}
+
+impl SlabOptions {
+    /// Defaults for a voxel size [m].
+    pub fn with_voxel(voxel: f64) -> Self {
+        Self { voxel, band_voxels: 3.0, margin: 16.0 * voxel, thickness: (16.0 * voxel).max(2e-3) }
+    }
+
+    fn check(&self) -> Result<(), HeightsError> {
+        let Self { voxel, band_voxels, margin, thickness } = *self;
+        for (name, found, good, accepted) in [
+            ("voxel", voxel, voxel > 0.0 && voxel.is_finite(), "above zero [m]"),
+            ("band_voxels", band_voxels, (2.0..=16.0).contains(&band_voxels), "2 to 16"),
+            ("margin", margin, (0.0..=1.0).contains(&margin), "0 to 1 [m]"),
+            ("thickness", thickness, (0.0..=1.0).contains(&thickness), "0 to 1 [m]"),
+        ] {
+            if !good {
+                return Err(HeightsError::BadOption { name, found, accepted });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What was changed in a map before it became a surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeightsReport {
+    /// Indices of pixels that were taken for spikes and replaced.
+    pub spikes: Vec<usize>,
+    /// Pixels that were missing and filled, those of an empty rim included.
+    pub missing: usize,
+}
+
+/// The surface and the box whose top it is, in voxels.
+struct Slab {
+    surface: LatticeHeights,
+    band: f64,
+    low: DVec3,
+    high: DVec2,
+}
+
+impl BrickGrid {
+    /// The solid below a height map: a slab with the map's surface as its top, continued beyond the border by
+    /// [`SlabOptions::margin`], with upright sides and a flat bottom.
+    ///
+    /// Spikes are removed and missing pixels filled first. φ is the distance to the bicubic surface through the heights
+    /// at the lattice points, so along the lattice lines the surface lies at exactly the map's heights where pixels
+    /// and lattice coincide.
+    ///
+    /// # Errors
+    /// [`HeightsError`] when the map holds no surface or an option is out of its range.
+    pub fn from_heights(map: &HeightMap, options: &SlabOptions) -> Result<(Self, HeightsReport), HeightsError> {
+        options.check()?;
+        map.check()?;
+        let mut clean = map.clone();
+        let report = HeightsReport { spikes: map.spikes(), missing: map.missing() };
+        for &at in &report.spikes {
+            clean.heights[at] = f64::NAN;
+        }
+        let clean = without_empty_rim(&clean).filled()?;
+        let slab = Slab::of(&clean, options);
+        Ok((slab.bricks(options.voxel), report))
+    }
+
+    /// Labels every voxel with the label of the pixel above or below it; 0 beyond the pixels.
+    ///
+    /// - `labels`: one per pixel, shape `[ny, nx]`
+    pub fn label_columns(&mut self, pixels: &PixelGrid, labels: &[u16]) {
+        let of = |voxel: IVec3| {
+            let place = self.position(voxel).truncate();
+            pixels.nearest(place).and_then(|at| labels.get(at)).copied().unwrap_or(0)
+        };
+        let column = |&brick: &IVec3| (0..BRICK_VOXELS).map(move |offset| voxel_at(brick, offset)).map(of);
+        self.label = self.bricks.iter().flat_map(column).collect();
+    }
+}
+
+impl Slab {
+    fn of(map: &HeightMap, options: &SlabOptions) -> Self {
+        let side = BRICK_SIDE as f64;
+        let before = |x: f64| ((x - SIDE_PLACE) / side).floor() * side + SIDE_PLACE;
+        let after = |x: f64| ((x - SIDE_PLACE) / side).ceil() * side + SIDE_PLACE;
+        let PixelGrid { origin, pitch, nx, ny } = map.pixels;
+        let extent = pitch * DVec2::new((nx - 1) as f64, (ny - 1) as f64);
+        let low = ((origin - options.margin) / options.voxel).map(before);
+        let high = ((origin + extent + options.margin) / options.voxel).map(after);
+        // Bricks end less than two sides beyond the slab's sides, and feet are sought within a band of them.
+        let reach = options.band_voxels + 2.0 * side;
+        let (first, last) = ((low - reach).floor().as_ivec2(), (high + reach).ceil().as_ivec2());
+        let surface = LatticeHeights::of(map, options.voxel, first, last);
+        let lowest = surface.heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let bottom = before(lowest - options.thickness / options.voxel);
+        Self { surface, band: options.band_voxels, low: low.extend(bottom), high }
+    }
+
+    fn bricks(&self, voxel: f64) -> BrickGrid {
+        let side = BRICK_SIDE as f64;
+        let highest = self.surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let first = ((self.low - self.band) / side).floor().as_ivec3();
+        let last = ((self.high.extend(highest) + self.band) / side).floor().as_ivec3();
+        BrickGrid::from_bricks((voxel, self.band * voxel), first, last - first + 1, |brick| self.fill(brick, voxel))
+    }
+
+    /// φ [m] of a brick.
+    fn fill(&self, brick: IVec3, voxel: f64) -> Filled {
+        let low = brick.as_dvec3() * BRICK_SIDE as f64;
+        let high = low + (BRICK_SIDE - 1) as f64;
+        let (least, most) = self.range(low.truncate() - self.band, high.truncate() + self.band);
+        if low.z - most >= self.band {
+            return Filled::Outside;
+        }
+        // The distance to a box is convex, so that no point of the brick has more than its corners.
+        let corners = [low, low.with_x(high.x), low.with_y(high.y), high.with_z(low.z)];
+        if high.z - least <= -self.band && corners.iter().all(|&corner| self.box_distance(corner) <= -self.band) {
+            return Filled::Inside;
+        }
+        let band = (self.band * voxel) as f32;
+        let phi = |point: IVec3| {
+            let z = f64::from(point.z);
+            let surface = if z - most >= self.band {
+                self.band
+            } else if z - least <= -self.band {
+                -self.band
+            } else {
+                self.surface_distance(point)
+            };
+            self.cut_by_box(surface, point)
+        };
+        Filled::of(|offset| (phi(voxel_at(brick, offset)) * voxel) as f32, band)
+    }
+
+    /// Least and greatest height [voxels] over a rectangle [voxels].
+    fn range(&self, low: DVec2, high: DVec2) -> (f64, f64) {
+        let (low, high) = (low.floor().as_ivec2(), high.ceil().as_ivec2());
+        let points = (low.x..=high.x).flat_map(|i| (low.y..=high.y).map(move |j| IVec2::new(i, j)));
+        points
+            .map(|point| self.surface.at(point))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), height| (least.min(height), most.max(height)))
+    }
+
+    /// Signed distance [voxels] of a lattice point to the surface.
+    fn surface_distance(&self, point: IVec3) -> f64 {
+        let above = f64::from(point.z) - self.surface.at(point.truncate());
+        distance(&self.surface, point.as_dvec3(), self.band).copysign(above)
+    }
+
+    /// Signed distance [voxels] to the slab of a lattice point that has `surface` to its top.
+    fn cut_by_box(&self, surface: f64, point: IVec3) -> f64 {
+        let sides = self.box_distance(point.as_dvec3());
+        if surface > 0.0 && sides > 0.0 { surface.hypot(sides) } else { surface.max(sides) }
+    }
+
+    /// Signed distance [voxels] to the sides and the bottom; there is no top.
+    fn box_distance(&self, at: DVec3) -> f64 {
+        let middle = 0.5 * (self.low.truncate() + self.high);
+        let across = (at.truncate() - middle).abs() - 0.5 * (self.high - self.low.truncate());
+        let q = across.extend(self.low.z - at.z);
+        q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+    }
+}

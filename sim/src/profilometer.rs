@@ -1,0 +1,241 @@
+//! A virtual profilometer: the surface of a field as an instrument above it sees it.
+//!
+//! Along each lattice line parallel to z the topmost surface is the zero of the cubic through the four voxels around
+//! the sign change, which is third order and better for a φ that is a distance. Pixels between lattice lines
+//! take the bicubic of the lines around them; then the instrument's lateral blur is applied.
+
+use glam::{DVec2, IVec3};
+use rayon::prelude::*;
+use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
+use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
+
+/// How far a pixel may lie off a lattice line and still be on it [voxels].
+const ON_LINE: f64 = 1e-6;
+
+/// The instrument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profilometer {
+    /// Where its pixels lie.
+    pub pixels: PixelGrid,
+    /// Standard deviation of its lateral blur, a Gaussian [m]. Zero for none.
+    pub blur: f64,
+}
+
+/// Where a lattice line meets the topmost surface.
+#[derive(Clone, Copy)]
+struct Crossing {
+    /// Voxel below the surface, on the line.
+    below: IVec3,
+    /// Way from that voxel to the surface [voxels], 0 to 1.
+    way: f64,
+}
+
+/// Lattice lines around an instrument's pixels.
+struct Lines {
+    /// First line [voxels].
+    first: [i32; 2],
+    nx: usize,
+    ny: usize,
+}
+
+impl Profilometer {
+    /// An instrument without blur.
+    pub fn sharp(pixels: PixelGrid) -> Self {
+        Self { pixels, blur: 0.0 }
+    }
+
+    /// Heights of the topmost surface [m]; NaN where there is none.
+    pub fn heights(&self, grid: &BrickGrid) -> HeightMap {
+        let read = |crossing: Crossing| (f64::from(crossing.below.z) + crossing.way) * grid.voxel;
+        HeightMap { pixels: self.pixels, heights: self.seen(grid, read) }
+    }
+
+    /// A channel of the field on the topmost surface, for instance the coating dose; NaN where there is no surface.
+    ///
+    /// - `values`: one per voxel in the order of `phi`, shape `[bricks, 512]`
+    pub fn channel(&self, grid: &BrickGrid, values: &[f32]) -> Vec<f64> {
+        let at = |voxel: IVec3| match grid.slot(voxel >> 3) {
+            OUTSIDE | INSIDE => f64::NAN,
+            slot => f64::from(values[slot as usize * BRICK_VOXELS + voxel_offset(voxel)]),
+        };
+        self.seen(grid, |Crossing { below, way }| {
+            let (low, high) = (at(below), at(below + IVec3::Z));
+            low + (high - low) * way
+        })
+    }
+
+    /// Which pixels show substrate: where the dose has reached 1. `None` where there is no surface.
+    ///
+    /// - `dose`: coating dose of each voxel in the order of `phi`, 1 where the coating is gone
+    pub fn exposed(&self, grid: &BrickGrid, dose: &[f32]) -> Vec<Option<bool>> {
+        let share = |dose: f64| (!dose.is_nan()).then_some(dose >= 1.0);
+        self.channel(grid, dose).into_iter().map(share).collect()
+    }
+
+    /// What `read` finds on the surface, at the pixels, blurred.
+    fn seen(&self, grid: &BrickGrid, read: impl Fn(Crossing) -> f64 + Sync) -> Vec<f64> {
+        let lines = Lines::around(&self.pixels, grid.voxel);
+        let value = |k: usize| topmost(grid, lines.line(k)).map_or(f64::NAN, &read);
+        let on_lines: Vec<f64> = (0..lines.nx * lines.ny).into_par_iter().map(value).collect();
+        let pixel = |k: usize| {
+            let place = self.pixels.position(k % self.pixels.nx, k / self.pixels.nx) / grid.voxel;
+            lines.at(&on_lines, place)
+        };
+        let sharp: Vec<f64> = (0..self.pixels.len()).into_par_iter().map(pixel).collect();
+        blurred(sharp, self.pixels.nx, self.blur / self.pixels.pitch)
+    }
+}
+
+/// The topmost surface on the lattice line at (x, y) [voxels].
+fn topmost(grid: &BrickGrid, [x, y]: [i32; 2]) -> Option<Crossing> {
+    let side = BRICK_SIDE as i32;
+    let mut above: Option<f32> = None;
+    for brick in (grid.origin.z..grid.origin.z + grid.dims.z).rev() {
+        let at = IVec3::new(x >> 3, y >> 3, brick);
+        let slot = grid.slot(at);
+        if slot == OUTSIDE {
+            above = Some(grid.band);
+            continue;
+        }
+        for z in (brick * side..(brick + 1) * side).rev() {
+            let voxel = IVec3::new(x, y, z);
+            let phi = match slot {
+                INSIDE => -grid.band,
+                slot => grid.phi[slot as usize * BRICK_VOXELS + voxel_offset(voxel)],
+            };
+            if phi < 0.0 {
+                return above.map(|above| Crossing { below: voxel, way: way_to_zero(grid, voxel, phi, above) });
+            }
+            above = Some(phi);
+        }
+    }
+    None
+}
+
+/// Way [voxels] from a voxel below the surface to the zero of the cubic through the four voxels around it; of the
+/// chord where the band ends next to it.
+fn way_to_zero(grid: &BrickGrid, below: IVec3, low: f32, high: f32) -> f64 {
+    let (before, after) = (grid.phi_at(below - IVec3::Z), grid.phi_at(below + 2 * IVec3::Z));
+    let [a, b, c, d] = [before, low, high, after].map(f64::from);
+    let chord = b / (b - c);
+    if a <= -f64::from(grid.band) || d >= f64::from(grid.band) {
+        return chord;
+    }
+    let (second_low, second_high) = (a - 2.0 * b + c, b - 2.0 * c + d);
+    // Newton's form of the cubic: chord, second difference, third difference.
+    let cubic = |t: f64| {
+        let bend = 0.5 * t * (t - 1.0);
+        b + (c - b) * t + bend * (second_low + (second_high - second_low) * (t + 1.0) / 3.0)
+    };
+    bracketed_root(cubic, chord)
+}
+
+/// The root in 0 to 1 of a function that is negative at 0 and not at 1, near `guess`: regula falsi (Illinois).
+fn bracketed_root(f: impl Fn(f64) -> f64, guess: f64) -> f64 {
+    let (mut low, mut high) = ((0.0, f(0.0)), (1.0, f(1.0)));
+    let mut at = guess;
+    for _ in 0..40 {
+        let value = f(at);
+        if value < 0.0 {
+            high.1 *= if low.0 > 0.0 { 0.5 } else { 1.0 };
+            low = (at, value);
+        } else {
+            low.1 *= if high.0 < 1.0 { 0.5 } else { 1.0 };
+            high = (at, value);
+        }
+        let next = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        if (next - at).abs() < 1e-9 {
+            return next;
+        }
+        at = next;
+    }
+    at
+}
+
+impl Lines {
+    /// The lines under all pixels, with two more on each side for the bicubic.
+    fn around(pixels: &PixelGrid, voxel: f64) -> Self {
+        let last = pixels.position(pixels.nx.max(1) - 1, pixels.ny.max(1) - 1);
+        let low = (pixels.origin / voxel).floor().as_ivec2() - 2;
+        let high = (last / voxel).ceil().as_ivec2() + 2;
+        Self { first: low.to_array(), nx: (high.x - low.x + 1) as usize, ny: (high.y - low.y + 1) as usize }
+    }
+
+    fn line(&self, k: usize) -> [i32; 2] {
+        [self.first[0] + (k % self.nx) as i32, self.first[1] + (k / self.nx) as i32]
+    }
+
+    /// Bicubic between the lines' values at a place [voxels]; bilinear where the sixteen are not all known, NaN where
+    /// the four are not.
+    fn at(&self, values: &[f64], place: DVec2) -> f64 {
+        let local = place - DVec2::new(f64::from(self.first[0]), f64::from(self.first[1]));
+        let nearest = local.round();
+        let value = |i: usize, j: usize| values[j * self.nx + i];
+        if (local - nearest).abs().max_element() < ON_LINE {
+            return value(nearest.x as usize, nearest.y as usize);
+        }
+        let corner = local.floor();
+        let (i, j, t) = (corner.x as usize, corner.y as usize, local - corner);
+        let sum = |wx: &[f64], wy: &[f64], i: usize, j: usize| {
+            let row = |b: usize| (0..wx.len()).map(|a| wx[a] * value(i + a, j + b)).sum::<f64>();
+            (0..wy.len()).map(|b| wy[b] * row(b)).sum::<f64>()
+        };
+        let bicubic = sum(&cubic_weights(t.x), &cubic_weights(t.y), i - 1, j - 1);
+        if bicubic.is_nan() { sum(&[1.0 - t.x, t.x], &[1.0 - t.y, t.y], i, j) } else { bicubic }
+    }
+}
+
+/// Lagrange's weights of the four points around a cell at `t` (0 to 1).
+fn cubic_weights(t: f64) -> [f64; 4] {
+    let (a, b, c, d) = (t + 1.0, t, t - 1.0, t - 2.0);
+    [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
+}
+
+/// Gaussian blur of rows of `nx` values with a standard deviation of `sigma` [pixels]; missing values stay missing
+/// and count nothing for their neighbours.
+fn blurred(values: Vec<f64>, nx: usize, sigma: f64) -> Vec<f64> {
+    if !(sigma > 0.0) || values.is_empty() {
+        return values;
+    }
+    let kernel = kernel(sigma);
+    let ny = values.len() / nx;
+    let along_x = blurred_lines(&values, (nx, 1), (ny, nx), &kernel);
+    blurred_lines(&along_x, (ny, nx), (nx, 1), &kernel)
+}
+
+/// Weights from the middle outwards. Below 0.8 pixels a sampled Gaussian is too narrow: three weights then carry
+/// the variance.
+fn kernel(sigma: f64) -> Vec<f64> {
+    if sigma < 0.8 {
+        return vec![1.0 - sigma * sigma, 0.5 * sigma * sigma];
+    }
+    (0..=(4.0 * sigma).ceil() as usize).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect()
+}
+
+/// Blurs along lines of `count` values `stride` apart; the lines themselves are given in the same way.
+fn blurred_lines(
+    values: &[f64],
+    (count, stride): (usize, usize),
+    (lines, line_stride): (usize, usize),
+    kernel: &[f64],
+) -> Vec<f64> {
+    let mut out = values.to_vec();
+    for line in 0..lines {
+        for k in 0..count {
+            let at = |k: usize| line * line_stride + k * stride;
+            if values[at(k)].is_nan() {
+                continue;
+            }
+            let (mut sum, mut weights) = (0.0, 0.0);
+            let reach = kernel.len() - 1;
+            for near in k.saturating_sub(reach)..(k + reach + 1).min(count) {
+                let (value, weight) = (values[at(near)], kernel[near.abs_diff(k)]);
+                if !value.is_nan() {
+                    (sum, weights) = (sum + weight * value, weights + weight);
+                }
+            }
+            out[at(k)] = sum / weights;
+        }
+    }
+    out
+}

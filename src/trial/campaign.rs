@@ -1,0 +1,62 @@
+//! A campaign: all trials of a folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::error::{Place, TrialError};
+use super::manifest::TRIAL_FILE;
+use super::{Tool, Trial};
+
+/// All trials of a folder, in the order of their folders' names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Campaign {
+    /// The folder.
+    pub folder: PathBuf,
+    /// The trials; a tool that is not fresh carries on from the one before.
+    pub trials: Vec<Trial>,
+}
+
+impl Campaign {
+    /// Reads a folder of trial folders, or one trial folder.
+    ///
+    /// # Errors
+    /// [`TrialError`] when no trial is there, or one cannot be read.
+    pub fn read(folder: &Path) -> Result<Self, TrialError> {
+        let unreadable = |source| TrialError::Unreadable { file: folder.to_owned(), source };
+        if folder.join(TRIAL_FILE).is_file() {
+            return Ok(Self { folder: folder.to_owned(), trials: vec![Trial::read(folder)?] });
+        }
+        let mut places = Vec::new();
+        for entry in fs::read_dir(folder).map_err(unreadable)? {
+            let place = entry.map_err(unreadable)?.path();
+            if place.join(TRIAL_FILE).is_file() {
+                places.push(place);
+            }
+        }
+        places.sort();
+        if places.is_empty() {
+            return Err(Place::file(folder).bad(
+                format!("no {TRIAL_FILE} here or in a folder below"),
+                "a trial or a folder of trials is expected",
+            ));
+        }
+        let trials: Vec<Trial> = places.iter().map(|place| Trial::read(place)).collect::<Result<_, _>>()?;
+        Self { folder: folder.to_owned(), trials }.checked()
+    }
+
+    /// A worn tool carries on from the trial before, so that must have used the same tool.
+    fn checked(mut self) -> Result<Self, TrialError> {
+        let tools: Vec<Tool> = self.trials.iter().map(|trial| trial.tool).collect();
+        for (k, trial) in self.trials.iter_mut().enumerate().filter(|(_, trial)| !trial.fresh) {
+            if k == 0 {
+                trial.notes.push("the tool is not fresh and no trial comes before: its past is unknown".to_owned());
+            } else if tools[k - 1] != tools[k] {
+                return Err(Place::file(&trial.folder.join(TRIAL_FILE)).bad(
+                    "the tool is not fresh and differs from that of the trial before",
+                    "fresh = true, or the same tool as before, is expected",
+                ));
+            }
+        }
+        Ok(self)
+    }
+}

@@ -1,0 +1,111 @@
+//! Height maps and masks as plain grids: one row per y, one cell per x, an empty cell where nothing was seen.
+
+use super::error::{Place, TrialError};
+use super::table::Table;
+
+/// A grid of numbers, NaN where a cell is empty.
+pub(super) struct Grid {
+    pub(super) nx: usize,
+    pub(super) ny: usize,
+    /// Shape `[ny, nx]`.
+    pub(super) values: Vec<f64>,
+    /// What was odd, in sentences.
+    pub(super) notes: Vec<String>,
+}
+
+/// Collects the rows of a grid and remembers what was odd.
+#[derive(Default)]
+pub(super) struct GridRows {
+    nx: Option<usize>,
+    values: Vec<f64>,
+    words: usize,
+    cut_row: Option<(u64, usize)>,
+    leading_zeros: usize,
+    fractions: usize,
+}
+
+impl Grid {
+    /// Reads a whole table as a grid.
+    pub(super) fn read(table: &Table) -> Result<Self, TrialError> {
+        let mut rows = GridRows::default();
+        table.rows(|row| rows.push(row).map(|()| true))?;
+        rows.finish(table)
+    }
+}
+
+impl GridRows {
+    /// Adds a row; a shorter one must be the last.
+    pub(super) fn push(&mut self, row: &super::table::Row) -> Result<(), TrialError> {
+        let nx = *self.nx.get_or_insert(row.len());
+        if let Some((line, found)) = self.cut_row {
+            return Err(row.place(0).at_line(line).bad(
+                format!("{found} cells where the first row has {nx}"),
+                "as many cells in every row are expected",
+            ));
+        }
+        if row.len() > nx {
+            return Err(row.place(nx).bad(
+                format!("{} cells where the first row has {nx}", row.len()),
+                "as many cells in every row are expected",
+            ));
+        }
+        let cut = row.len() < nx;
+        // The last cell of a row that was cut short may be half a number.
+        let whole = if cut { row.len().saturating_sub(1) } else { nx };
+        for column in 0..whole {
+            self.push_cell(row, column)?;
+        }
+        if cut {
+            self.values.resize(self.values.len() + nx - whole, f64::NAN);
+            self.cut_row = Some((row.line, row.len()));
+        }
+        Ok(())
+    }
+
+    fn push_cell(&mut self, row: &super::table::Row, column: usize) -> Result<(), TrialError> {
+        let cell = row.cell(column);
+        self.fractions += usize::from(cell.contains(&b'.') || cell.contains(&b','));
+        self.leading_zeros += usize::from(cell.len() > 1 && cell[0] == b'0' && cell[1].is_ascii_digit());
+        let value = row.number(column)?;
+        let value = match value {
+            Some(value) if !value.is_finite() => {
+                self.words += 1;
+                f64::NAN
+            }
+            other => other.unwrap_or(f64::NAN),
+        };
+        self.values.push(value);
+        Ok(())
+    }
+
+    /// The grid, if the rows make one.
+    pub(super) fn finish(self, table: &Table) -> Result<Grid, TrialError> {
+        let nx = self.nx.unwrap_or(0);
+        let ny = if nx == 0 { 0 } else { self.values.len() / nx };
+        let place = || Place::file(table.file());
+        if nx < 2 || ny < 2 {
+            return Err(place().bad(format!("{ny} rows of {nx} cells"), "a grid of at least 2 x 2 cells is expected"));
+        }
+        if self.fractions == 0 && self.leading_zeros > 0 {
+            let found = "decimals are written with commas, which also separate the cells";
+            return Err(place().bad(found, "decimal points, or semicolons between the cells, are expected"));
+        }
+        let mut notes = table.notes.clone();
+        if self.words > 0 {
+            notes.push(format!("{} cells say NaN or infinity: read as missing", self.words));
+        }
+        match self.cut_row {
+            Some((line, found)) if !table.ends_within_a_line() => {
+                return Err(Place::line(table.file(), line).bad(
+                    format!("{found} cells where the first row has {nx}"),
+                    "as many cells in every row are expected",
+                ));
+            }
+            Some((line, found)) => notes.push(format!(
+                "line {line} is cut short after {found} of {nx} cells: the cut cell and the rest of the row are missing"
+            )),
+            None => {}
+        }
+        Ok(Grid { nx, ny, values: self.values, notes })
+    }
+}

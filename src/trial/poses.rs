@@ -1,0 +1,173 @@
+//! A log as the path of the tool: poses with times, when the tool touched, how fast it went.
+
+use glam::DVec3;
+
+use super::log::{Log, LogRow};
+use super::{Pass, Tool};
+
+/// Robust standard deviations of the force's noise that count as contact.
+const NOISE_SIGMAS: f64 = 5.0;
+/// Shares of the setpoint between which the threshold of contact lies.
+const CONTACT_SHARE: (f64, f64) = (0.05, 0.5);
+/// Rows in a row above the threshold that make a contact.
+const CONTACT_ROWS: usize = 3;
+/// Median periods without a row that make a jump of the clock.
+const JUMP_PERIODS: f64 = 5.0;
+
+/// Where the tool was at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolPose {
+    /// Since the first row [s].
+    pub time: f64,
+    /// Wheel's centre or centre of the pad's face [m].
+    pub centre: DVec3,
+    /// Approach axis, unit, out of the part.
+    pub approach: DVec3,
+    /// Axis about which the tool turns, unit: the wheel's, across the approach axis; the pad's is the approach axis.
+    pub axis: DVec3,
+    /// Logged force [N].
+    pub force: f64,
+    /// Logged spindle speed [rad/s].
+    pub spindle_speed: f64,
+}
+
+/// When the tool touched, since the first row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// First contact [s].
+    pub start: f64,
+    /// End of contact [s].
+    pub end: f64,
+}
+
+/// A stretch without rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockJump {
+    /// Row after the stretch.
+    pub row: usize,
+    /// Its time since the first row [s].
+    pub time: f64,
+    /// Length of the stretch [s].
+    pub gap: f64,
+}
+
+/// A log as the path of a tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToolPath {
+    /// One pose per row, times from 0 and increasing.
+    pub poses: Vec<ToolPose>,
+    /// When the tool touched; `None` if it never did.
+    pub contact: Option<Contact>,
+    /// Median speed across the approach axis while moving [m/s].
+    pub feed: f64,
+    /// Stretches without rows, in order.
+    pub jumps: Vec<ClockJump>,
+}
+
+/// How the tool moved over a whole log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Motion {
+    /// Median speed across the approach axis while moving [m/s].
+    pub(super) feed: f64,
+    /// From the first to the last row, unit; +x where the tool returned.
+    pub(super) direction: DVec3,
+    /// Median spindle speed [rad/s].
+    pub(super) spindle_speed: f64,
+}
+
+impl Pass {
+    /// The pass's log as the path of `tool`.
+    pub fn tool_path(&self, tool: &Tool) -> ToolPath {
+        ToolPath::of(&self.log, tool, self.force_setpoint)
+    }
+}
+
+impl ToolPath {
+    /// A log as the path of a tool that was pressed on with `force_setpoint` [N].
+    pub fn of(log: &Log, tool: &Tool, force_setpoint: f64) -> Self {
+        let start = log.rows.first().map_or(0.0, |row| row.time);
+        let poses: Vec<ToolPose> = log.rows.iter().map(|row| pose(row, tool, start)).collect();
+        let contact = contact(&poses, force_setpoint);
+        Self { contact, feed: Motion::of(log).feed, jumps: jumps(&poses), poses }
+    }
+
+    /// Time from the first to the last row [s].
+    pub fn duration(&self) -> f64 {
+        self.poses.last().map_or(0.0, |pose| pose.time)
+    }
+
+    /// The pose at a time [s], straight between rows and held at the ends.
+    pub fn at(&self, time: f64) -> ToolPose {
+        let after = self.poses.partition_point(|pose| pose.time < time).clamp(1, self.poses.len() - 1);
+        let (a, b) = (&self.poses[after - 1], &self.poses[after]);
+        let t = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
+        ToolPose {
+            time,
+            centre: a.centre.lerp(b.centre, t),
+            approach: a.approach.lerp(b.approach, t).normalize(),
+            axis: a.axis.lerp(b.axis, t).normalize(),
+            force: a.force + (b.force - a.force) * t,
+            spindle_speed: a.spindle_speed + (b.spindle_speed - a.spindle_speed) * t,
+        }
+    }
+}
+
+fn pose(row: &LogRow, tool: &Tool, start: f64) -> ToolPose {
+    let axis = match *tool {
+        Tool::Wheel { axis, .. } => axis.reject_from_normalized(row.approach).normalize_or(axis),
+        Tool::Pad { .. } => row.approach,
+    };
+    ToolPose {
+        time: row.time - start,
+        centre: row.position,
+        approach: row.approach,
+        axis,
+        force: row.force,
+        spindle_speed: row.spindle_speed,
+    }
+}
+
+/// From the first to the last run of rows whose force is above the noise.
+fn contact(poses: &[ToolPose], force_setpoint: f64) -> Option<Contact> {
+    let steps = poses.windows(2).map(|pair| (pair[1].force - pair[0].force).abs()).collect();
+    // The difference of two rows has twice the variance of one.
+    let noise = 1.4826 * median(steps) / 2f64.sqrt();
+    let threshold = (NOISE_SIGMAS * noise).clamp(CONTACT_SHARE.0 * force_setpoint, CONTACT_SHARE.1 * force_setpoint);
+    let touches = |run: &[ToolPose]| run.iter().all(|pose| pose.force > threshold);
+    let first = poses.windows(CONTACT_ROWS).position(touches)?;
+    let last = poses.windows(CONTACT_ROWS).rposition(touches)? + CONTACT_ROWS - 1;
+    Some(Contact { start: poses[first].time, end: poses[last].time })
+}
+
+fn jumps(poses: &[ToolPose]) -> Vec<ClockJump> {
+    let gap = |pair: &[ToolPose]| pair[1].time - pair[0].time;
+    let period = median(poses.windows(2).map(gap).collect());
+    let long = poses.windows(2).enumerate().filter(|(_, pair)| gap(pair) > JUMP_PERIODS * period);
+    long.map(|(k, pair)| ClockJump { row: k + 1, time: pair[1].time, gap: gap(pair) }).collect()
+}
+
+impl Motion {
+    pub(super) fn of(log: &Log) -> Self {
+        let speed = |pair: &[LogRow]| {
+            let way = (pair[1].position - pair[0].position).reject_from_normalized(pair[1].approach);
+            way.length() / (pair[1].time - pair[0].time)
+        };
+        let mut speeds: Vec<f64> = log.rows.windows(2).map(speed).collect();
+        speeds.sort_by(f64::total_cmp);
+        let fast = speeds.get(speeds.len() * 19 / 20).copied().unwrap_or(0.0);
+        let moving = &speeds[speeds.partition_point(|&speed| speed < 0.5 * fast)..];
+        let ends = log.rows.first().zip(log.rows.last());
+        let way = ends.map_or(DVec3::ZERO, |(a, b)| (b.position - a.position).reject_from_normalized(a.approach));
+        Self {
+            feed: median(moving.to_vec()),
+            direction: way.try_normalize().unwrap_or(DVec3::X),
+            spindle_speed: median(log.rows.iter().map(|row| row.spindle_speed).collect()),
+        }
+    }
+}
+
+/// Median, 0 of nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}

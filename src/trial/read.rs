@@ -1,0 +1,221 @@
+//! Reading a trial folder: `trial.toml` first, then every file it names, then whether they fit each other.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use glam::{DVec2, DVec3};
+use sdf_bake::PixelGrid;
+use toml::Spanned;
+
+use super::error::{Place, TrialError};
+use super::log::{RPM, read_log};
+use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Process, Source, ToolKind, ToolTable};
+use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
+use super::{Controller, Pass, PassScan, Scans, Tool, Trial, plausible};
+
+impl Trial {
+    /// Reads a trial folder completely and checks that its files fit each other.
+    ///
+    /// # Errors
+    /// [`TrialError`] with file, line and column, what was found and what would be accepted.
+    pub fn read(folder: &Path) -> Result<Self, TrialError> {
+        let source = Source::read(folder)?;
+        let manifest = source.manifest()?;
+        let mut reader = Reader { folder, source: &source, notes: Vec::new() };
+        let trial = reader.trial(&manifest)?;
+        plausible::check(&trial, &manifest)?;
+        Ok(trial)
+    }
+}
+
+struct Reader<'a> {
+    folder: &'a Path,
+    source: &'a Source,
+    notes: Vec<String>,
+}
+
+impl Reader<'_> {
+    fn trial(&mut self, manifest: &Manifest) -> Result<Trial, TrialError> {
+        let frame = self.frame(manifest)?;
+        let tool = self.tool(&manifest.tool)?;
+        let scans = self.scans(manifest, frame)?;
+        if manifest.pass.is_empty() {
+            return Err(Place::file(&self.source.file).bad("no [[pass]]", "at least one pass is expected"));
+        }
+        let passes = manifest.pass.iter().map(|table| self.pass(table, manifest.process, &scans.before.pixels, frame));
+        let passes = passes.collect::<Result<Vec<_>, _>>()?;
+        let coating = manifest.coating.as_ref().map(|table| self.positive("thickness_mm", &table.thickness_mm));
+        Ok(Trial {
+            folder: self.folder.to_owned(),
+            name: manifest.name.clone(),
+            process: manifest.process,
+            tool,
+            fresh: manifest.tool.fresh,
+            scans,
+            controller: manifest.controller.as_ref().map(|table| self.controller(table)).transpose()?,
+            coating: coating.transpose()?.map(|thickness| thickness * 1e-3),
+            passes,
+            notes: std::mem::take(&mut self.notes),
+        })
+    }
+
+    fn frame(&self, manifest: &Manifest) -> Result<ScanFrame, TrialError> {
+        let pitch = self.positive("pitch_mm", &manifest.scan.pitch_mm)? * 1e-3;
+        let [x, y] = *manifest.scan.origin_mm.get_ref();
+        if !(x.is_finite() && y.is_finite()) {
+            let at = manifest.scan.origin_mm.span();
+            return Err(self.source.bad(at, format!("origin_mm is [{x}, {y}]"), "two finite numbers are expected"));
+        }
+        Ok(ScanFrame { origin: DVec2::new(x, y) * 1e-3, pitch })
+    }
+
+    fn tool(&self, table: &ToolTable) -> Result<Tool, TrialError> {
+        let radius = self.positive("radius_mm", &table.radius_mm)? * 1e-3;
+        let missing = |key: &str| self.source.bad(table.kind.span(), format!("a wheel without {key}"), "it is needed");
+        match table.kind.get_ref() {
+            ToolKind::Pad => {
+                let extra = table.width_mm.as_ref().map(|width| ("width_mm", width.span()));
+                if let Some((key, at)) = extra.or(table.axis.as_ref().map(|axis| ("axis", axis.span()))) {
+                    return Err(self.source.bad(at, format!("a pad with {key}"), "a pad has a radius only"));
+                }
+                Ok(Tool::Pad { radius })
+            }
+            ToolKind::Wheel => {
+                let width = table.width_mm.as_ref().ok_or_else(|| missing("width_mm"))?;
+                let axis = table.axis.as_ref().ok_or_else(|| missing("axis"))?;
+                let width = self.positive("width_mm", width)? * 1e-3;
+                Ok(Tool::Wheel { radius, width, axis: self.unit("axis", axis)? })
+            }
+        }
+    }
+
+    fn controller(&self, table: &Spanned<ControllerTable>) -> Result<Controller, TrialError> {
+        let ControllerTable { kind, mass_kg, damping_ns_m, period_s } = table.get_ref();
+        if *kind == ControllerKind::Ideal {
+            return Ok(Controller::Ideal);
+        }
+        let need = |key: &str, value: &Option<Spanned<f64>>| match value {
+            Some(value) => self.positive(key, value),
+            None => {
+                Err(self.source.bad(table.span(), format!("an admittance controller without {key}"), "it is needed"))
+            }
+        };
+        let mass = match mass_kg {
+            Some(mass) if *mass.get_ref() == 0.0 => 0.0,
+            other => need("mass_kg", other)?,
+        };
+        Ok(Controller::Admittance {
+            mass,
+            damping: need("damping_ns_m", damping_ns_m)?,
+            period: need("period_s", period_s)?,
+        })
+    }
+
+    fn scans(&mut self, manifest: &Manifest, frame: ScanFrame) -> Result<Scans, TrialError> {
+        let before_name = &manifest.scan.before;
+        let before = self.file(before_name, |file| read_heights(file, frame))?;
+        let same = |name: &Spanned<PathBuf>, pixels: &PixelGrid| self.same_shape(name, pixels, &before.content.pixels);
+        let mut notes = before.notes.clone();
+        let mut repeats = Vec::new();
+        for name in &manifest.scan.repeat {
+            let repeat = self.file(name, |file| read_heights(file, frame))?;
+            same(name, &repeat.content.pixels)?;
+            repeats.push(repeat.content);
+            notes.extend(repeat.notes);
+        }
+        let mut material = None;
+        if let Some(name) = &manifest.scan.material {
+            let own = ScanFrame { pitch: before.content.pixels.pitch, ..frame };
+            let labels = self.file(name, |file| read_labels(file, own))?;
+            same(name, &labels.content.pixels)?;
+            material = Some(labels.content);
+            notes.extend(labels.notes);
+        }
+        self.notes.extend(notes);
+        Ok(Scans { before: before.content, repeats, material })
+    }
+
+    fn pass(
+        &mut self,
+        table: &PassTable,
+        process: Process,
+        pixels: &PixelGrid,
+        frame: ScanFrame,
+    ) -> Result<Pass, TrialError> {
+        let log = self.file(&table.log, read_log)?;
+        let own = ScanFrame { pitch: pixels.pitch, ..frame };
+        let (scan, found, notes) = match process {
+            Process::Grinding => {
+                let map = self.file(&table.scan, |file| read_heights(file, frame))?;
+                let found = map.content.pixels;
+                (PassScan::Heights(map.content), found, map.notes)
+            }
+            Process::Sanding => {
+                let mask = self.file(&table.scan, |file| read_exposure(file, own))?;
+                let found = mask.content.pixels;
+                (PassScan::Exposure(mask.content), found, mask.notes)
+            }
+        };
+        self.same_shape(&table.scan, &found, pixels)?;
+        self.notes.extend(log.notes.iter().cloned().chain(notes));
+        let log = log.content;
+        let motion = super::poses::Motion::of(&log);
+        let optional =
+            |key: &str, value: &Option<Spanned<f64>>| value.as_ref().map(|v| self.positive(key, v)).transpose();
+        let feed = optional("feed_mm_s", &table.feed_mm_s)?.map_or(motion.feed, |feed| feed * 1e-3);
+        let spindle_speed = optional("spindle_rpm", &table.spindle_rpm)?.map_or(motion.spindle_speed, |rpm| rpm * RPM);
+        let direction = table.direction.as_ref().map(|given| self.unit("direction", given)).transpose()?;
+        Ok(Pass {
+            scan,
+            role: table.role,
+            force_setpoint: self.positive("force_setpoint_n", &table.force_setpoint_n)?,
+            feed,
+            spindle_speed,
+            direction: direction.unwrap_or(motion.direction),
+            log,
+        })
+    }
+
+    /// Reads a file that `trial.toml` names; notes begin with its name.
+    fn file<T>(
+        &self,
+        name: &Spanned<PathBuf>,
+        read: impl FnOnce(&Path) -> Result<Read<T>, TrialError>,
+    ) -> Result<Read<T>, TrialError> {
+        let path = self.folder.join(name.get_ref());
+        if !path.is_file() {
+            let found = format!("{} is not there", path.display());
+            return Err(self.source.bad(name.span(), found, "the name of a file in the trial's folder is expected"));
+        }
+        let Read { content, notes } = read(&path)?;
+        let shown = name.get_ref().display();
+        Ok(Read { content, notes: notes.into_iter().map(|note| format!("{shown}: {note}")).collect() })
+    }
+
+    fn same_shape(&self, name: &Spanned<PathBuf>, found: &PixelGrid, before: &PixelGrid) -> Result<(), TrialError> {
+        let shown = |pixels: &PixelGrid| format!("{} x {} pixels of {} mm", pixels.nx, pixels.ny, pixels.pitch * 1e3);
+        let same_pitch = (found.pitch / before.pitch - 1.0).abs() < 1e-9;
+        if (found.nx, found.ny) == (before.nx, before.ny) && same_pitch {
+            return Ok(());
+        }
+        Err(Place::file(&self.folder.join(name.get_ref()))
+            .bad(shown(found), format!("{} as in the scan before the first pass are expected", shown(before))))
+    }
+
+    fn positive(&self, key: &str, value: &Spanned<f64>) -> Result<f64, TrialError> {
+        let found = *value.get_ref();
+        if found > 0.0 && found.is_finite() {
+            return Ok(found);
+        }
+        Err(self.source.bad(value.span(), format!("{key} is {found}"), "a finite number above zero is expected"))
+    }
+
+    fn unit(&self, key: &str, value: &Spanned<[f64; 3]>) -> Result<DVec3, TrialError> {
+        let at: Range<usize> = value.span();
+        let found = DVec3::from_array(*value.get_ref());
+        found
+            .try_normalize()
+            .filter(|unit| unit.is_finite())
+            .ok_or_else(|| self.source.bad(at, format!("{key} is {found}"), "a vector with a length is expected"))
+    }
+}

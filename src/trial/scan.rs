@@ -1,0 +1,141 @@
+//! One scan of a workpiece: the file is recognised by its content, not by its name.
+
+use std::path::Path;
+
+use glam::DVec2;
+use sdf_bake::{HeightMap, PixelGrid};
+
+use super::error::{Place, TrialError};
+use super::height_csv::Grid;
+use super::keyence;
+use super::table::Table;
+
+/// Slope between neighbouring pixels that most of no surface has [1].
+const MOST_SLOPE: f64 = 2.0;
+/// Relative difference of two pitches that is worth a word.
+const PITCH_NOTE: f64 = 1e-3;
+
+/// What `trial.toml` says of all scans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScanFrame {
+    /// x, y of the first pixel [m].
+    pub origin: DVec2,
+    /// Distance between pixels [m].
+    pub pitch: f64,
+}
+
+/// Which pixels show substrate after sanding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExposureMask {
+    /// Where the pixels lie.
+    pub pixels: PixelGrid,
+    /// `None` where the optics could not tell, shape `[ny, nx]`.
+    pub exposed: Vec<Option<bool>>,
+}
+
+/// A label for each pixel: 0 base metal, 1 weld metal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelMap {
+    /// Where the pixels lie.
+    pub pixels: PixelGrid,
+    /// Shape `[ny, nx]`; 0 where the file has none.
+    pub labels: Vec<u16>,
+}
+
+/// Something read from a file, with what was understood of it, in sentences.
+#[derive(Clone, Debug)]
+pub struct Read<T> {
+    /// What was read.
+    pub content: T,
+    /// What was understood, where it was not the plain case.
+    pub notes: Vec<String>,
+}
+
+/// Reads a height map: a plain grid in millimetres or a Keyence VR export.
+///
+/// # Errors
+/// [`TrialError`] with the place in the file.
+pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
+    let table = Table::read(file)?;
+    let (pitch, grid) = if keyence::is_export(&table)? {
+        let export = keyence::read(&table)?;
+        (export.pitch, export.grid)
+    } else {
+        let mut grid = Grid::read(&table)?;
+        grid.values.iter_mut().for_each(|height| *height *= 1e-3);
+        (frame.pitch, grid)
+    };
+    let mut notes = grid.notes;
+    if (pitch / frame.pitch - 1.0).abs() > PITCH_NOTE {
+        notes.push(format!(
+            "the file's pitch of {} mm is used, not pitch_mm = {} of trial.toml",
+            pitch * 1e3,
+            frame.pitch * 1e3
+        ));
+    }
+    let pixels = PixelGrid { origin: frame.origin, pitch, nx: grid.nx, ny: grid.ny };
+    let map = HeightMap { pixels, heights: grid.values };
+    check_heights(file, &map)?;
+    Ok(Read { content: map, notes })
+}
+
+/// Refuses maps without heights, and those whose unit cannot be the one assumed.
+fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
+    if map.missing() == map.heights.len() {
+        return Err(Place::file(file).bad("every cell is empty", "heights in mm are expected"));
+    }
+    let nx = map.pixels.nx;
+    let steps = map.heights.chunks_exact(nx).flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
+    let mut steps: Vec<f64> = steps.filter(|step| step.is_finite()).collect();
+    let middle = steps.len() / 2;
+    if middle == 0 {
+        return Ok(());
+    }
+    let slope = *steps.select_nth_unstable_by(middle, f64::total_cmp).1 / map.pixels.pitch;
+    if slope <= MOST_SLOPE {
+        return Ok(());
+    }
+    Err(Place::file(file).bad(
+        format!(
+            "half of all neighbouring pixels, {} mm apart, differ by {:.3} mm or more",
+            map.pixels.pitch * 1e3,
+            slope * map.pixels.pitch * 1e3
+        ),
+        "heights in mm are expected: these look like µm",
+    ))
+}
+
+/// Reads an exposure mask: 1 exposed, 0 coated, empty unknown.
+///
+/// # Errors
+/// [`TrialError`] with the place in the file.
+pub fn read_exposure(file: &Path, frame: ScanFrame) -> Result<Read<ExposureMask>, TrialError> {
+    let (pixels, grid) = read_integers(file, frame, 1.0, "0 for coated, 1 for exposed, or an empty cell")?;
+    let exposed = grid.values.iter().map(|&value| (!value.is_nan()).then_some(value == 1.0)).collect();
+    Ok(Read { content: ExposureMask { pixels, exposed }, notes: grid.notes })
+}
+
+/// Reads a label map: a whole number for each pixel.
+///
+/// # Errors
+/// [`TrialError`] with the place in the file.
+pub fn read_labels(file: &Path, frame: ScanFrame) -> Result<Read<LabelMap>, TrialError> {
+    let accepted = "a whole number from 0 to 65535, 0 for base metal";
+    let (pixels, mut grid) = read_integers(file, frame, f64::from(u16::MAX), accepted)?;
+    let missing = grid.values.iter().filter(|value| value.is_nan()).count();
+    if missing > 0 {
+        grid.notes.push(format!("{missing} pixels have no label: taken as 0, base metal"));
+    }
+    let labels = grid.values.iter().map(|&value| if value.is_nan() { 0 } else { value as u16 }).collect();
+    Ok(Read { content: LabelMap { pixels, labels }, notes: grid.notes })
+}
+
+fn read_integers(file: &Path, frame: ScanFrame, most: f64, accepted: &str) -> Result<(PixelGrid, Grid), TrialError> {
+    let grid = Grid::read(&Table::read(file)?)?;
+    let good = |value: f64| value.is_nan() || ((0.0..=most).contains(&value) && value.fract() == 0.0);
+    if let Some(at) = grid.values.iter().position(|&value| !good(value)) {
+        let place = Place::cell(file, (at / grid.nx + 1) as u64, at % grid.nx + 1);
+        return Err(place.bad(format!("{} is found", grid.values[at]), format!("{accepted} is expected")));
+    }
+    Ok((PixelGrid { origin: frame.origin, pitch: frame.pitch, nx: grid.nx, ny: grid.ny }, grid))
+}
