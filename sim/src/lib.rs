@@ -26,6 +26,7 @@
 
 pub mod contact;
 pub mod control;
+pub mod effect;
 pub mod grind;
 pub mod path;
 mod ramp;
