@@ -30,6 +30,8 @@ mod commit;
 pub mod contact;
 pub mod control;
 pub mod pass;
+pub mod effect;
+pub mod grind;
 pub mod path;
 pub mod physics;
 pub mod press;

@@ -1,0 +1,134 @@
+//! What every file must satisfy before it may be used: known names, matching dimensions, no circles, and an effect that
+//! vanishes at its null value.
+
+use super::definition::{Effect, Formula, Kind};
+use super::error::{EffectError, Problem};
+use super::interpret::lag;
+use super::null::check_null;
+use super::scope::{Scope, Symbol, motion_formulas};
+use super::toml_text::Source;
+use super::variable::{Place, Variable};
+
+/// Checks an effect against the base laws whose parameters it may use.
+///
+/// # Errors
+/// The first fault, with its place in the file.
+pub fn check(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
+    check_names(effect, laws)?;
+    check_circles(effect)?;
+    for change in &effect.changes {
+        let scope = Scope { effect, place: change.hook, laws };
+        let of = format!("the value `{}`", change.value.name());
+        scope.expect(&change.formula, change.value.dimension(), &of)?;
+    }
+    for state in &effect.states {
+        let scope = Scope { effect, place: state.per.place(), laws };
+        for (formula, dimension, of) in motion_formulas(state) {
+            scope.expect(formula, dimension, &of)?;
+        }
+    }
+    check_lags(effect, laws)?;
+    match effect.kind {
+        Kind::Law => check_law(effect, laws),
+        Kind::Effect if effect.parameters.iter().all(|parameter| parameter.null.is_none()) => {
+            let problem = Problem::Missing("null".to_owned());
+            Err(source(effect).error(0, "parameters", problem))
+        }
+        Kind::Effect => check_null(effect, laws),
+    }
+}
+
+fn source(effect: &Effect) -> Source<'_> {
+    Source { file: &effect.file, text: &effect.text }
+}
+
+/// No name may stand for two things.
+fn check_names(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
+    let parameters = effect.parameters.iter().map(|parameter| &parameter.name);
+    let definitions = effect.definitions.iter().map(|item| &item.name);
+    let states = effect.states.iter().map(|state| &state.name);
+    let names: Vec<&String> = parameters.chain(definitions).chain(states).collect();
+    for (index, name) in names.iter().enumerate() {
+        let variable = Variable::ALL.iter().any(|variable| variable.name() == **name);
+        let mut other_laws = laws.iter().filter(|law| law.name != effect.name && effect.kind == Kind::Effect);
+        let law = other_laws.find(|law| law.parameter(name).is_some());
+        let owner = match law {
+            _ if variable => Some("a variable of the simulation".to_owned()),
+            Some(law) => Some(format!("a parameter of the law {}", law.name)),
+            None => names[..index].contains(name).then(|| "another entry of this file".to_owned()),
+        };
+        if let Some(owner) = owner {
+            let problem = Problem::Taken { name: (*name).clone(), owner };
+            let byte = effect.text.find(&format!(".{name}]")).or_else(|| effect.text.find(&format!("\n{name} ")));
+            return Err(source(effect).error(byte.map_or(0, |at| at + 1), name, problem));
+        }
+    }
+    Ok(())
+}
+
+/// Definitions and lags may use each other, but not in a circle.
+fn check_circles(effect: &Effect) -> Result<(), EffectError> {
+    let definitions = effect.definitions.iter().map(|item| (item.name.as_str(), &item.formula));
+    let lags = effect.states.iter().filter_map(|state| Some((state.name.as_str(), lag(effect, state)?.1)));
+    let formulas: Vec<(&str, &Formula)> = definitions.chain(lags).collect();
+    let mut done: Vec<&str> = Vec::new();
+    for &(name, _) in &formulas {
+        follow(effect, &formulas, &mut done, &mut vec![name])?;
+    }
+    Ok(())
+}
+
+fn follow<'a>(
+    effect: &Effect,
+    formulas: &[(&'a str, &'a Formula)],
+    done: &mut Vec<&'a str>,
+    trail: &mut Vec<&'a str>,
+) -> Result<(), EffectError> {
+    let name = trail[trail.len() - 1];
+    let Some((_, formula)) = formulas.iter().find(|(known, _)| *known == name) else { return Ok(()) };
+    if done.contains(&name) {
+        return Ok(());
+    }
+    for (used, span) in formula.tree.names() {
+        let circle = trail.iter().position(|before| *before == used);
+        trail.push(used);
+        if let Some(from) = circle {
+            let scope = Scope { effect, place: Place::ToolState, laws: &[] };
+            return Err(scope.error(formula, &span, Problem::Cycle(trail[from..].join(" -> "))));
+        }
+        follow(effect, formulas, done, trail)?;
+        trail.pop();
+    }
+    done.push(name);
+    Ok(())
+}
+
+/// A lag reads as its target at null, so the target must make sense wherever the lag is read.
+fn check_lags(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
+    for change in &effect.changes {
+        let scope = Scope { effect, place: change.hook, laws };
+        for (name, _) in change.formula.tree.names() {
+            let Some(Symbol::State(index)) = scope.find(name) else { continue };
+            let state = &effect.states[index];
+            if let Some((_, target)) = lag(effect, state) {
+                scope.expect(target, state.unit.dimension, &format!("the state `{name}`"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A law gives a value that nothing gave before.
+fn check_law(law: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
+    for change in &law.changes {
+        let scope = Scope { effect: law, place: change.hook, laws };
+        for (name, span) in change.formula.tree.names() {
+            if name == change.value.name() {
+                let expected = "a formula without the value that the law gives".to_owned();
+                let problem = Problem::Value { found: format!("`{name}`"), expected };
+                return Err(scope.error(&change.formula, &span, problem));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,310 @@
+//! A model ready to run: programs of every hook and state, and the values of its parameters.
+
+use std::sync::Arc;
+
+use super::call::Call;
+use super::definition::{Effect, Holder, Process, Reset};
+use super::error::RunError;
+use super::graph::Id;
+use super::inputs::{Lanes, StepValues};
+use super::library::Library;
+use super::lower::{Lowering, Part};
+use super::model::{Model, ModelError};
+use super::program::{MOST_INPUTS, MOST_REGISTERS, Program};
+use super::slots::{ParameterSlot, RowCounts, Slots};
+use super::states::States;
+use super::variable::{Place, Variable};
+
+/// A state of the workpiece cells, whose values the caller keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellState {
+    /// `effect.state`.
+    pub name: String,
+    /// Value of a cell that nothing happened to [SI].
+    pub initial: f64,
+    /// When all cells return to it.
+    pub reset: Reset,
+}
+
+/// What a model makes of the tool's pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseChange {
+    /// Shift in the tool's frame [m].
+    pub offset: [f64; 3],
+    /// Turn about the tool's x [rad].
+    pub roll: f64,
+    /// Turn about the tool's y [rad].
+    pub pitch: f64,
+}
+
+/// All that does not depend on parameter values.
+pub(super) struct Structure {
+    pub(super) process: Process,
+    /// The laws, as scopes need them.
+    pub(super) laws: Vec<Effect>,
+    /// The first parts, one per law.
+    pub(super) law_parts: Vec<Part>,
+    /// The effects in the order in which they act.
+    pub(super) effect_parts: Vec<Part>,
+    /// By [`Place`].
+    programs: Vec<Program>,
+    needs: Vec<Vec<Variable>>,
+    slots: Vec<ParameterSlot>,
+    pub(super) states: StateTable,
+}
+
+/// The states of a model by holder: part (laws first) and number within the part.
+#[derive(Clone, Debug, Default)]
+pub(super) struct StateTable {
+    pub(super) tool: Vec<(usize, usize)>,
+    pub(super) tool_cell: Vec<(usize, usize)>,
+    pub(super) workpiece_cell: Vec<CellState>,
+    cells: Vec<(usize, usize)>,
+}
+
+impl StateTable {
+    pub(super) fn of(&self, holder: Holder) -> &[(usize, usize)] {
+        match holder {
+            Holder::Tool => &self.tool,
+            Holder::ToolCell => &self.tool_cell,
+            Holder::WorkpieceCell => &self.cells,
+        }
+    }
+}
+
+/// A model compiled to programs, with the values of its parameters. Cloning copies the values only.
+#[derive(Clone)]
+pub struct CompiledModel {
+    pub(super) structure: Arc<Structure>,
+    pub(super) values: Vec<f64>,
+}
+
+/// Every place that has a program.
+const PLACES: [Place; 12] = [
+    Place::Pose,
+    Place::Shape,
+    Place::Pressure,
+    Place::Spindle,
+    Place::Force,
+    Place::Rate,
+    Place::Dose,
+    Place::Height,
+    Place::Exposure,
+    Place::ToolState,
+    Place::ToolCell,
+    Place::WorkpieceCell,
+];
+
+impl CompiledModel {
+    /// Compiles a model for a campaign of so many passes and scans. Effects act in the library's order, whatever the
+    /// order in the model.
+    ///
+    /// # Errors
+    /// A law or effect that the library does not have, parameters that do not exist, a formula too large.
+    pub fn new(model: &Model, library: &Library, rows: RowCounts) -> Result<Self, ModelError> {
+        let laws: Vec<Effect> = model.resolve_laws(library)?.into_iter().cloned().collect();
+        let effects = model.resolve_effects(library)?;
+        let mut slots = Slots::new(model, rows);
+        let mut states = StateTable::default();
+        let mut parts = Vec::new();
+        for effect in laws.iter().chain(effects) {
+            let parameters = slots.add(effect)?;
+            let numbers = states.add(parts.len(), effect);
+            parts.push(Part { effect: effect.clone(), parameters, states: numbers });
+        }
+        let effect_parts = parts.split_off(laws.len());
+        let mut structure = Structure {
+            process: model.process,
+            laws,
+            law_parts: parts,
+            effect_parts,
+            programs: Vec::new(),
+            needs: Vec::new(),
+            slots: slots.slots,
+            states,
+        };
+        for place in PLACES {
+            let program = structure.compile(place)?;
+            structure.needs.push(program.variables());
+            structure.programs.push(program);
+        }
+        Ok(Self { structure: Arc::new(structure), values: slots.values })
+    }
+
+    /// The process.
+    pub fn process(&self) -> Process {
+        self.structure.process
+    }
+
+    /// Whether an effect acts at a hook. Where none does, only the base law is at work, or nothing.
+    pub fn has(&self, hook: Place) -> bool {
+        self.structure.process.has(hook)
+            && self
+                .structure
+                .effect_parts
+                .iter()
+                .any(|part| part.effect.changes.iter().any(|change| change.hook == hook))
+    }
+
+    /// The variables that formulas read at a place: what the simulator must supply.
+    pub fn needs(&self, place: Place) -> &[Variable] {
+        &self.structure.needs[place as usize]
+    }
+
+    /// Whether anything has a state per tool cell.
+    pub fn needs_tool_cells(&self) -> bool {
+        !self.structure.states.tool_cell.is_empty()
+    }
+
+    /// Whether formulas at a place read the tool cell over each lane.
+    pub fn reads_tool_cells(&self, place: Place) -> bool {
+        self.program(place).reads_tool_cell_over()
+    }
+
+    /// The states of workpiece cells, whose values the caller keeps.
+    pub fn cell_states(&self) -> &[CellState] {
+        &self.structure.states.workpiece_cell
+    }
+
+    /// Every parameter value, in a fixed order: laws first, then effects as they act.
+    pub fn parameters(&self) -> &[ParameterSlot] {
+        &self.structure.slots
+    }
+
+    /// The place of `effect.parameter`, or `effect.parameter[2]` for the second pass or scan, among the parameters.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.structure.slots.iter().position(|slot| slot.name() == name)
+    }
+
+    /// A parameter's value [SI].
+    pub fn value(&self, index: usize) -> f64 {
+        self.values[index]
+    }
+
+    /// All parameter values [SI].
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Changes a parameter's value [SI]; nothing is compiled again.
+    pub fn set(&mut self, index: usize, value: f64) {
+        self.values[index] = value;
+    }
+
+    /// A base law's parameter [SI], such as `stiffness`.
+    pub fn law_value(&self, name: &str) -> Option<f64> {
+        let parts = self.structure.law_parts.iter();
+        parts
+            .flat_map(|part| part.effect.parameters.iter().zip(&part.parameters))
+            .find_map(|(parameter, slot)| (parameter.name == name).then(|| self.values[*slot]))
+    }
+
+    /// Prepares a hook for a step: what has one value per step is computed here.
+    pub fn at<'a>(&'a self, place: Place, step: &'a StepValues, states: &'a States) -> Call<'a> {
+        Call::new(self, place, step, states, 0.0)
+    }
+
+    /// Offset and tilt of the tool.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn pose(&self, step: &StepValues, states: &States) -> Result<PoseChange, RunError> {
+        let call = self.at(Place::Pose, step, states);
+        let [x, y, z, roll, pitch] = [0, 1, 2, 3, 4].map(|output| call.scalar(output));
+        Ok(PoseChange { offset: [x?, y?, z?], roll: roll?, pitch: pitch? })
+    }
+
+    /// Speed of the spindle [rad/s], from [`Variable::SpindleSpeed`] as it should be.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn spindle_speed(&self, step: &StepValues, states: &States) -> Result<f64, RunError> {
+        self.at(Place::Spindle, step, states).scalar(0)
+    }
+
+    /// Force that the controller believes [N], from [`Variable::ForceReading`] as it is.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn force_reading(&self, step: &StepValues, states: &States) -> Result<f64, RunError> {
+        self.at(Place::Force, step, states).scalar(0)
+    }
+
+    /// Dose from which the scanner calls the substrate exposed; 1 for a perfect one.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn exposure_threshold(&self, step: &StepValues) -> Result<f64, RunError> {
+        let states = States::new(self, 1);
+        self.at(Place::Exposure, step, &states).scalar(0)
+    }
+
+    /// Moves the states of workpiece cells on by `elapsed` [s]: old values in `lanes`, new ones into `out`.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number, or lanes of different length.
+    pub fn advance_cells(
+        &self,
+        elapsed: f64,
+        (step, states): (&StepValues, &States),
+        lanes: &Lanes,
+        out: &mut [&mut [f64]],
+    ) -> Result<(), RunError> {
+        Call::new(self, Place::WorkpieceCell, step, states, elapsed).run_all(lanes, out)
+    }
+
+    pub(super) fn program(&self, place: Place) -> &Program {
+        &self.structure.programs[place as usize]
+    }
+}
+
+impl Structure {
+    /// A part by its number, laws first.
+    pub(super) fn part(&self, index: usize) -> &Part {
+        let laws = self.law_parts.len();
+        if index < laws { &self.law_parts[index] } else { &self.effect_parts[index - laws] }
+    }
+
+    fn compile(&self, place: Place) -> Result<Program, ModelError> {
+        let mut lowering = Lowering::new(place, &self.laws, &self.law_parts);
+        let outputs: Vec<Id> = match place {
+            Place::ToolState => self.advance_all(&mut lowering, Holder::Tool),
+            Place::ToolCell => self.advance_all(&mut lowering, Holder::ToolCell),
+            Place::WorkpieceCell => self.advance_all(&mut lowering, Holder::WorkpieceCell),
+            hook => {
+                if self.process.has(hook) {
+                    self.law_parts.iter().chain(&self.effect_parts).for_each(|part| lowering.apply(part));
+                }
+                lowering.outputs()
+            }
+        };
+        let program = Program::new(&lowering.graph, &outputs);
+        let fits = program.registers <= MOST_REGISTERS && program.inputs.len() <= MOST_INPUTS;
+        if fits { Ok(program) } else { Err(ModelError::TooLarge { place }) }
+    }
+
+    fn advance_all(&self, lowering: &mut Lowering, holder: Holder) -> Vec<Id> {
+        let states = self.states.of(holder).iter();
+        states.map(|&(part, index)| lowering.advanced(self.part(part), index)).collect()
+    }
+}
+
+impl StateTable {
+    /// Numbers the states of an effect among all with the same holder.
+    fn add(&mut self, part: usize, effect: &Effect) -> Vec<usize> {
+        let number = |(index, state): (usize, &super::definition::State)| {
+            let list = match state.per {
+                Holder::Tool => &mut self.tool,
+                Holder::ToolCell => &mut self.tool_cell,
+                Holder::WorkpieceCell => {
+                    let name = format!("{}.{}", effect.name, state.name);
+                    self.workpiece_cell.push(CellState { name, initial: state.initial, reset: state.reset });
+                    &mut self.cells
+                }
+            };
+            list.push((part, index));
+            list.len() - 1
+        };
+        effect.states.iter().enumerate().map(number).collect()
+    }
+}

@@ -1,0 +1,140 @@
+//! Direct interpretation of formulas, one number at a time: what the lane programs must agree with, and what finds the
+//! operation that broke down.
+
+use super::definition::{Effect, Formula, Motion, State};
+use super::op::Op;
+use super::scope::{Scope, Symbol};
+use super::syntax::{Expr, Node};
+
+/// Values of everything that a formula of an effect may name.
+pub struct Environment<'a> {
+    /// What the names stand for.
+    pub scope: Scope<'a>,
+    /// Parameters of the effect [SI].
+    pub parameters: &'a [f64],
+    /// Parameters of the laws [SI].
+    pub law_parameters: &'a [Vec<f64>],
+    /// Variables [SI], by `Variable`.
+    pub variables: &'a [f64],
+    /// States of the effect [SI].
+    pub states: &'a [f64],
+}
+
+impl Environment<'_> {
+    /// The value of a formula.
+    pub fn evaluate(&self, expr: &Expr) -> f64 {
+        match &expr.node {
+            Node::Number(value, _) => *value,
+            Node::Name(name) => self.scope.find(name).map_or(f64::NAN, |symbol| self.value(symbol)),
+            Node::Apply(op, arguments) => op.apply(self.arguments(arguments)),
+        }
+    }
+
+    fn arguments(&self, arguments: &[Expr]) -> [f64; 3] {
+        let mut values = [0.0; 3];
+        for (value, argument) in values.iter_mut().zip(arguments) {
+            *value = self.evaluate(argument);
+        }
+        values
+    }
+
+    fn value(&self, symbol: Symbol) -> f64 {
+        let effect = self.scope.effect;
+        match symbol {
+            Symbol::Parameter(index) => self.parameters[index],
+            Symbol::Definition(index) => self.evaluate(&effect.definitions[index].formula.tree),
+            Symbol::Variable(variable) => self.variables[variable as usize],
+            Symbol::Law(law, index) => self.law_parameters[law][index],
+            Symbol::State(index) => match lag(effect, &effect.states[index]) {
+                Some((parameter, target)) if self.parameters[parameter] == 0.0 => self.evaluate(&target.tree),
+                _ => self.states[index],
+            },
+        }
+    }
+
+    /// A state after `dt` [s].
+    pub fn advanced(&self, index: usize, dt: f64) -> f64 {
+        let state = &self.scope.effect.states[index];
+        let old = self.states[index];
+        let moved = match &state.motion {
+            Motion::Rate(rate) => old + dt * self.evaluate(&rate.tree),
+            Motion::Relax { target, time } => {
+                let (target, time) = (self.evaluate(&target.tree), self.evaluate(&time.tree));
+                let passed = 1.0 - super::math::exp(-dt / time);
+                if time == 0.0 { target } else { old + (target - old) * passed }
+            }
+        };
+        super::op::min(super::op::max(moved, state.bounds[0]), state.bounds[1])
+    }
+
+    /// The innermost operation that turns finite numbers into none, in words with its place in the file.
+    pub fn cause(&self, formula: &Formula) -> String {
+        self.find_fault(formula, &formula.tree).unwrap_or_else(|| "an infinite value is used".to_owned())
+    }
+
+    fn find_fault(&self, formula: &Formula, expr: &Expr) -> Option<String> {
+        match &expr.node {
+            Node::Number(..) => None,
+            Node::Name(name) => match self.scope.find(name)? {
+                Symbol::Definition(index) => {
+                    let inner = &self.scope.effect.definitions[index].formula;
+                    self.find_fault(inner, &inner.tree)
+                }
+                symbol => self.value(symbol).is_nan().then(|| format!("`{name}` is not a number")),
+            },
+            Node::Apply(op, arguments) => {
+                let within = arguments.iter().find_map(|argument| self.find_fault(formula, argument));
+                within.or_else(|| {
+                    let values = self.arguments(arguments);
+                    let fault = fault_of(*op, values, op.apply(values))?;
+                    let (line, column) = self.scope.effect.line_column(formula.start + expr.span.start);
+                    Some(format!("{fault} in `{}` at {line}:{column}", &formula.text[expr.span.clone()]))
+                })
+            }
+        }
+    }
+
+    /// The names of a formula with their values.
+    pub fn inputs(&self, formula: &Formula) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        self.collect(&formula.tree, &mut names);
+        let shown = names.iter().filter_map(|name| {
+            let value = self.scope.find(name).map(|symbol| self.value(symbol))?;
+            Some(format!("{name} = {value:?}"))
+        });
+        shown.collect::<Vec<_>>().join(", ")
+    }
+
+    fn collect<'b>(&'b self, expr: &'b Expr, names: &mut Vec<&'b str>) {
+        for (name, _) in expr.names() {
+            if !names.contains(&name) {
+                names.push(name);
+                if let Some(Symbol::Definition(index)) = self.scope.find(name) {
+                    self.collect(&self.scope.effect.definitions[index].formula.tree, names);
+                }
+            }
+        }
+    }
+}
+
+fn fault_of(op: Op, [a, b, _]: [f64; 3], result: f64) -> Option<&'static str> {
+    match op {
+        Op::Div if b == 0.0 => Some("division by zero"),
+        Op::Sqrt if a < 0.0 => Some("square root of a negative number"),
+        Op::Log if a <= 0.0 => Some("logarithm of zero or a negative number"),
+        Op::Pow if a < 0.0 => Some("power of a negative number"),
+        Op::Pow if a == 0.0 && b < 0.0 => Some("negative power of zero"),
+        _ if result.is_nan() => Some("no number comes out"),
+        _ if result.is_infinite() && a.is_finite() && b.is_finite() => Some("the result is too large"),
+        _ => None,
+    }
+}
+
+/// A state that relaxes within a time that is a parameter with null value 0 is a lag: at null it reads as its target,
+/// so that it vanishes exactly. Returns the parameter and the target.
+pub fn lag<'a>(effect: &Effect, state: &'a State) -> Option<(usize, &'a Formula)> {
+    let Motion::Relax { target, time } = &state.motion else { return None };
+    let Node::Name(name) = &time.tree.node else { return None };
+    let index = effect.parameters.iter().position(|parameter| parameter.name == *name)?;
+    (effect.parameters[index].null == Some(0.0)).then_some((index, target))
+}

@@ -1,0 +1,210 @@
+//! Runs a lane program, some dozens of lanes at a time, so that registers stay in the fastest memory and every operation
+//! is one loop in the processor's widest lanes.
+//!
+//! Every operation acts on each lane alone and is exactly rounded or our own: a lane gives the same bits wherever it
+//! stands, however the lanes are split into calls, on every processor.
+
+use super::math;
+use super::op::{self, Op};
+use super::program::{LaneOp, LaneStep, MOST_REGISTERS, Operand, Program};
+
+/// Lanes that one operation handles at a time.
+const CHUNK: usize = 64;
+
+/// Results of an operation on a chunk.
+type Register = [f64; CHUNK];
+
+/// What a lane program reads.
+pub struct LaneInputs<'a> {
+    /// Results of the step program.
+    pub scalars: &'a [f64],
+    /// One slice per input of the program, all as long as the lanes.
+    pub slices: &'a [&'a [f64]],
+    /// Place of each lane among the tool cells.
+    pub tool_cell: &'a [f64],
+    /// States of the tool cells.
+    pub tool_states: &'a [Vec<f64>],
+}
+
+/// Runs `program` over `len` lanes into one slice per output. Returns whether all results are finite.
+pub fn run(program: &Program, inputs: &LaneInputs, outputs: &mut [&mut [f64]], len: usize) -> bool {
+    let run = Run { program, inputs, outputs, len };
+    pulp::Arch::new().dispatch(run)
+}
+
+/// [`run`] as a call that is compiled for each kind of lanes.
+struct Run<'a, 'b, 'c> {
+    program: &'a Program,
+    inputs: &'a LaneInputs<'a>,
+    outputs: &'b mut [&'c mut [f64]],
+    len: usize,
+}
+
+impl pulp::NullaryFnOnce for Run<'_, '_, '_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        // Few registers are quick to clear; most programs need no more.
+        match self.program.registers {
+            0..=8 => run_chunks(self, &mut [[0.0; CHUNK]; 8]),
+            9..=32 => run_chunks(self, &mut [[0.0; CHUNK]; 32]),
+            _ => run_chunks(self, &mut [[0.0; CHUNK]; MOST_REGISTERS]),
+        }
+    }
+}
+
+// All below is inlined into the call above, or it would not be compiled for its lanes.
+
+#[inline(always)]
+fn run_chunks(run: Run, registers: &mut [Register]) -> bool {
+    let mut all_finite = true;
+    let mut start = 0;
+    while start < run.len {
+        let chunk = Chunk { inputs: run.inputs, start, len: CHUNK.min(run.len - start) };
+        for step in &run.program.steps {
+            chunk.step(step, registers);
+        }
+        for (output, operand) in run.outputs.iter_mut().zip(&run.program.outputs) {
+            let to = &mut output[start..start + chunk.len];
+            match chunk.fetch(*operand, registers) {
+                Value::Lanes(lanes) => to.copy_from_slice(lanes),
+                Value::One(value) => to.fill(value),
+            }
+            // x − x is 0 for finite x, else NaN
+            let faults = to.iter().fold(0.0, |sum, x| sum + (x - x));
+            all_finite &= faults == 0.0;
+        }
+        start += chunk.len;
+    }
+    all_finite
+}
+
+#[derive(Clone, Copy)]
+enum Value<'a> {
+    One(f64),
+    Lanes(&'a [f64]),
+}
+
+#[derive(Clone, Copy)]
+struct Chunk<'a> {
+    inputs: &'a LaneInputs<'a>,
+    start: usize,
+    len: usize,
+}
+
+impl<'a> Chunk<'a> {
+    #[inline(always)]
+    fn fetch<'r>(self, operand: Operand, registers: &'r [Register]) -> Value<'r>
+    where
+        'a: 'r,
+    {
+        match operand {
+            Operand::Scalar(index) => Value::One(self.inputs.scalars[index as usize]),
+            Operand::Input(index) => {
+                Value::Lanes(&self.inputs.slices[index as usize][self.start..self.start + self.len])
+            }
+            Operand::Register(index) => Value::Lanes(&registers[index as usize][..self.len]),
+        }
+    }
+
+    #[inline(always)]
+    fn step(self, step: &LaneStep, registers: &mut [Register]) {
+        let (before, rest) = registers.split_at_mut(step.to);
+        let Some((to, after)) = rest.split_first_mut() else { return };
+        let to = &mut to[..self.len];
+        let fetch = |operand: Operand| match operand {
+            Operand::Register(index) if index as usize > step.to => {
+                self.fetch(Operand::Register(index - step.to as u32 - 1), after)
+            }
+            other => self.fetch(other, before),
+        };
+        match step.op {
+            LaneOp::ToolCellOver(state) => {
+                interpolate(to, &self.inputs.tool_states[state], &self.inputs.tool_cell[self.start..])
+            }
+            LaneOp::Apply(op) => match op.arity() {
+                1 => unary(op, to, fetch(step.arguments[0])),
+                2 => binary(op, to, fetch(step.arguments[0]), fetch(step.arguments[1])),
+                _ => select(to, step.arguments.map(fetch)),
+            },
+        }
+    }
+}
+
+#[inline(always)]
+fn unary(op: Op, to: &mut [f64], a: Value) {
+    match op {
+        Op::Neg => map(to, a, |a| -a),
+        Op::Sqrt => map(to, a, f64::sqrt),
+        Op::Exp => map(to, a, math::exp),
+        Op::Log => map(to, a, math::log),
+        Op::Sin => map(to, a, math::sin),
+        Op::Cos => map(to, a, math::cos),
+        Op::Tanh => map(to, a, math::tanh),
+        Op::Abs => map(to, a, f64::abs),
+        Op::Sign => map(to, a, op::sign),
+        _ => unreachable!("{op:?} has more than one argument"),
+    }
+}
+
+#[inline(always)]
+fn binary(op: Op, to: &mut [f64], a: Value, b: Value) {
+    match op {
+        Op::Add => zip(to, a, b, |a, b| a + b),
+        Op::Sub => zip(to, a, b, |a, b| a - b),
+        Op::Mul => zip(to, a, b, |a, b| a * b),
+        Op::Div => zip(to, a, b, |a, b| a / b),
+        Op::Pow => zip(to, a, b, math::pow),
+        Op::Less => zip(to, a, b, op::less),
+        Op::LessEqual => zip(to, a, b, op::less_equal),
+        Op::Equal => zip(to, a, b, op::equal),
+        Op::Min => zip(to, a, b, op::min),
+        Op::Max => zip(to, a, b, op::max),
+        _ => unreachable!("{op:?} has not two arguments"),
+    }
+}
+
+#[inline(always)]
+fn map(to: &mut [f64], a: Value, f: impl Fn(f64) -> f64) {
+    match a {
+        Value::Lanes(a) => to.iter_mut().zip(a).for_each(|(to, a)| *to = f(*a)),
+        Value::One(a) => to.fill(f(a)),
+    }
+}
+
+#[inline(always)]
+fn zip(to: &mut [f64], a: Value, b: Value, f: impl Fn(f64, f64) -> f64) {
+    match (a, b) {
+        (Value::Lanes(a), Value::Lanes(b)) => {
+            to.iter_mut().zip(a).zip(b).for_each(|((to, a), b)| *to = f(*a, *b));
+        }
+        (Value::Lanes(a), Value::One(b)) => to.iter_mut().zip(a).for_each(|(to, a)| *to = f(*a, b)),
+        (Value::One(a), Value::Lanes(b)) => to.iter_mut().zip(b).for_each(|(to, b)| *to = f(a, *b)),
+        (Value::One(a), Value::One(b)) => to.fill(f(a, b)),
+    }
+}
+
+#[inline(always)]
+fn select(to: &mut [f64], arguments: [Value; 3]) {
+    let mut spread = [[0.0; CHUNK]; 3];
+    for (argument, spread) in arguments.iter().zip(&mut spread) {
+        map(&mut spread[..to.len()], *argument, |a| a);
+    }
+    let [condition, then, other] = &spread;
+    for (i, to) in to.iter_mut().enumerate() {
+        *to = op::select(condition[i], then[i], other[i]);
+    }
+}
+
+/// Linear between the centres of the cells, constant beyond the outermost.
+#[inline(always)]
+fn interpolate(to: &mut [f64], cells: &[f64], places: &[f64]) {
+    let last = cells.len() - 1;
+    for (to, place) in to.iter_mut().zip(places) {
+        let place = op::min(op::max(*place, 0.0), last as f64);
+        let cell = (place as usize).min(last);
+        let next = cells[(cell + 1).min(last)];
+        *to = cells[cell] + (place - cell as f64) * (next - cells[cell]);
+    }
+}

@@ -1,0 +1,104 @@
+//! What the tool remembers: states of the whole tool and of each of its cells.
+
+use super::call::Call;
+use super::compiled::CompiledModel;
+use super::definition::{Holder, Reset};
+use super::error::RunError;
+use super::inputs::{Lanes, StepValues};
+use super::variable::Place;
+
+/// States of a tool [SI].
+#[derive(Clone, Debug, PartialEq)]
+pub struct States {
+    pub(super) tool: Vec<f64>,
+    /// One list over the cells for each state.
+    pub(super) tool_cells: Vec<Vec<f64>>,
+    scratch: Vec<Vec<f64>>,
+}
+
+impl States {
+    /// A fresh tool with so many cells.
+    pub fn new(model: &CompiledModel, tool_cells: usize) -> Self {
+        let initial = |holder: Holder| {
+            let list = model.structure.states.of(holder).iter();
+            list.map(|&(part, state)| model.structure.part(part).effect.states[state].initial).collect::<Vec<f64>>()
+        };
+        let cells: Vec<Vec<f64>> =
+            initial(Holder::ToolCell).into_iter().map(|value| vec![value; tool_cells.max(1)]).collect();
+        Self { tool: initial(Holder::Tool), scratch: cells.clone(), tool_cells: cells }
+    }
+
+    /// Returns the states to their initial values that an event resets. A new trial is also a new pass; dressing the
+    /// tool is neither.
+    pub fn reset(&mut self, model: &CompiledModel, event: Reset) {
+        let resets = |reset: Reset| reset == event || (event == Reset::Trial && reset == Reset::Pass);
+        let structure = &model.structure;
+        let state = |(part, state): (usize, usize)| &structure.part(part).effect.states[state];
+        for (value, at) in self.tool.iter_mut().zip(structure.states.of(Holder::Tool)) {
+            if resets(state(*at).reset) {
+                *value = state(*at).initial;
+            }
+        }
+        for (cells, at) in self.tool_cells.iter_mut().zip(structure.states.of(Holder::ToolCell)) {
+            if resets(state(*at).reset) {
+                cells.fill(state(*at).initial);
+            }
+        }
+    }
+
+    /// Moves all states on by `elapsed` [s]. `step` holds the values of the step that is done, `tool_lanes` those of the
+    /// tool cells.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number, or lanes of another number than cells; the states are then as before.
+    pub fn advance(
+        &mut self,
+        model: &CompiledModel,
+        elapsed: f64,
+        step: &StepValues,
+        tool_lanes: &Lanes,
+    ) -> Result<(), RunError> {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let moved = self.moved(model, elapsed, (step, tool_lanes), &mut scratch);
+        self.scratch = scratch;
+        self.tool = moved?;
+        std::mem::swap(&mut self.tool_cells, &mut self.scratch);
+        Ok(())
+    }
+
+    fn moved(
+        &self,
+        model: &CompiledModel,
+        elapsed: f64,
+        (step, tool_lanes): (&StepValues, &Lanes),
+        cells: &mut [Vec<f64>],
+    ) -> Result<Vec<f64>, RunError> {
+        if !cells.is_empty() {
+            let mut outputs: Vec<&mut [f64]> = cells.iter_mut().map(Vec::as_mut_slice).collect();
+            Call::new(model, Place::ToolCell, step, self, elapsed).run_all(tool_lanes, &mut outputs)?;
+        }
+        let call = Call::new(model, Place::ToolState, step, self, elapsed);
+        (0..self.tool.len()).map(|index| call.scalar(index)).collect()
+    }
+
+    /// A state of the tool by `effect.state` [SI].
+    pub fn tool_state(&self, model: &CompiledModel, name: &str) -> Option<f64> {
+        let index = position(model, Holder::Tool, name)?;
+        Some(self.tool[index])
+    }
+
+    /// A state of the tool cells by `effect.state` [SI].
+    pub fn tool_cell_state(&self, model: &CompiledModel, name: &str) -> Option<&[f64]> {
+        let index = position(model, Holder::ToolCell, name)?;
+        Some(&self.tool_cells[index])
+    }
+}
+
+fn position(model: &CompiledModel, holder: Holder, name: &str) -> Option<usize> {
+    let structure = &model.structure;
+    structure.states.of(holder).iter().position(|&(part, state)| {
+        let effect = &structure.part(part).effect;
+        name.strip_prefix(effect.name.as_str()).and_then(|rest| rest.strip_prefix('.'))
+            == Some(&effect.states[state].name)
+    })
+}
