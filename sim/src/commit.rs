@@ -7,7 +7,7 @@
 
 use glam::{DVec2, IVec3};
 use sdf_bake::BrickGrid;
-use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
+use sdf_bake::channels::Scalar;
 use sdf_bake::redistance::KEPT_VOXELS;
 
 use crate::sheet::{NO_SURFACE, Sheet};
@@ -19,10 +19,19 @@ const STEEPNESS: (f64, f64) = (0.3, 2.0);
 
 /// Writes the recession of a sheet into the field it was read from.
 pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
+    if !grid.dose.is_empty() {
+        let dosed = (0..sheet.window.lines()).filter(|&line| sheet.dose[line] > 0.0);
+        dosed.for_each(|line| write_near(grid, sheet, line, Scalar::Dose, sheet.dose[line]));
+    }
     let Some(lines) = lines_to_change(sheet) else { return };
     open_bricks(grid, sheet, &lines);
     for &line in &lines {
         raise(grid, sheet, line);
+    }
+    if !grid.removed.is_empty() {
+        for &line in &lines {
+            write_near(grid, sheet, line, Scalar::Removed, sheet.removed[line]);
+        }
     }
     sheet.set_slopes();
     let layers = lines.iter().map(|&line| reach(grid, sheet.area_ratio(line))).max().unwrap_or(0);
@@ -67,11 +76,17 @@ fn open_bricks(grid: &mut BrickGrid, sheet: &Sheet, lines: &[usize]) {
     }
 }
 
-/// Place of a voxel's value in the pool, or `None` where it has no brick.
-fn place(grid: &BrickGrid, voxel: IVec3) -> Option<usize> {
-    match grid.slot(voxel >> 3) {
-        OUTSIDE | INSIDE => None,
-        slot => Some(slot as usize * BRICK_VOXELS + voxel_offset(voxel)),
+/// Writes a line's value of a channel to the voxels around its surface.
+fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar, value: f64) {
+    let (i, j) = sheet.window.place(line);
+    if sheet.height[line] <= NO_SURFACE {
+        return;
+    }
+    let below = (sheet.height[line] / sheet.pitch).floor() as i32;
+    for k in below - 1..=below + 2 {
+        if let Some(at) = grid.place(sheet.facing.voxel(i, j, k)) {
+            grid.scalar_mut(channel)[at] = value as f32;
+        }
     }
 }
 
@@ -84,7 +99,7 @@ fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
     let beside = [phi_at(grid, below), phi_at(grid, below + 1)];
     for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
         for step in 0..reach(grid, area_ratio) {
-            let Some(at) = place(grid, sheet.facing.voxel(i, j, first + side * step)) else { break };
+            let Some(at) = grid.place(sheet.facing.voxel(i, j, first + side * step)) else { break };
             let phi = f64::from(grid.phi[at]);
             let rise = (phi - nearer) * f64::from(side);
             if grid.phi[at].abs() >= grid.band || rise <= 0.0 {
@@ -144,7 +159,7 @@ fn renew_far(grid: &mut BrickGrid, sheet: &Sheet, line: usize, layer: i32) {
     let kept = (KEPT_VOXELS * sheet.pitch) as f32;
     for side in [1, -1] {
         let k = if side > 0 { below + layer } else { below + 1 - layer };
-        let Some(at) = place(grid, sheet.facing.voxel(i, j, k)) else { continue };
+        let Some(at) = grid.place(sheet.facing.voxel(i, j, k)) else { continue };
         let old = grid.phi[at];
         let wrong_side = old * (side as f32) < 0.0;
         if old.abs() <= kept || wrong_side {

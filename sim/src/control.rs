@@ -66,22 +66,29 @@ pub struct Response {
 impl Balance {
     /// Finds the travel near `guess`: Newton's steps, kept between the travels known to be too low and too high.
     /// `None` where nothing is met within the bounds.
-    pub fn solve(&self, guess: f64, mut respond: impl FnMut(f64) -> Response) -> Option<f64> {
+    ///
+    /// # Errors
+    /// The first of `respond`.
+    pub fn solve<E>(
+        &self,
+        guess: f64,
+        mut respond: impl FnMut(f64) -> Result<Response, E>,
+    ) -> Result<Option<f64>, E> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
         let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
         for _ in 0..EVALUATIONS {
-            let response = respond(travel);
+            let response = respond(travel)?;
             let excess = self.excess(travel, response.force);
             if excess.abs() <= self.tolerance {
-                return Some(travel);
+                return Ok(Some(travel));
             }
             if excess > 0.0 { low = travel } else { high = travel }
             let slope = response.stiffness + drag;
             let step = if slope > 0.0 {
                 travel + excess / slope
             } else if response.depth == f64::NEG_INFINITY {
-                return None;
+                return Ok(None);
             } else {
                 // Down to the surface, and a hundredth of the way into it.
                 travel + response.depth.min(0.0) * (1.0 + 1e-9) - 1e-7
@@ -92,13 +99,13 @@ impl Balance {
                 _ => step,
             };
             if !(travel >= self.bounds.0) {
-                return None;
+                return Ok(None);
             }
             if high - low < 1e-14 {
-                return Some(low);
+                return Ok(Some(low));
             }
         }
-        Some(travel)
+        Ok(Some(travel))
     }
 
     /// Force in excess of what the controller lets stand [N].
@@ -133,17 +140,16 @@ mod tests {
             tolerance: 1e-9,
             bounds: (-0.02, 0.02),
         };
-        let spring = |z: f64| Response {
-            force: (-1e6 * z).max(0.0),
-            stiffness: if z < 0.0 { 1e6 } else { 0.0 },
-            depth: -z,
+        let spring = |z: f64| {
+            let stiffness = if z < 0.0 { 1e6 } else { 0.0 };
+            Ok::<_, ()>(Response { force: (-1e6 * z).max(0.0), stiffness, depth: -z })
         };
         for guess in [0.01, -0.015, 0.0] {
-            let travel = balance.solve(guess, spring).expect("a balance");
+            let travel = balance.solve(guess, spring).unwrap().expect("a balance");
             assert!((travel + 15e-6).abs() < 1e-12, "{travel}");
         }
-        let nothing = |_| Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY };
-        assert_eq!(balance.solve(0.0, nothing), None);
+        let nothing = |_| Ok::<_, ()>(Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY });
+        assert_eq!(balance.solve(0.0, nothing), Ok(None));
     }
 
     #[test]

@@ -7,8 +7,8 @@
 //! ```
 //! use glam::DVec3;
 //! use sdf_bake::BrickGrid;
-//! use sim::physics::BaseLaw;
-//! use sim::{CurvePoint, Pass, Path, Process, Tool, Wheel, run_pass};
+//! use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
+//! use sim::{CurvePoint, Pass, Path, Process, TOOL_CELLS, Tool, Wheel, run_pass};
 //!
 //! let half = DVec3::new(0.03, 0.02, 0.005);
 //! let plate = |p: DVec3| p.z;
@@ -16,10 +16,14 @@
 //! let curve = [-5e-3, 5e-3].map(|x| CurvePoint { position: DVec3::X * x, normal: DVec3::Z });
 //! let path = Path::along(&curve, 5e-3).unwrap();
 //! let tool = Tool::from(Wheel::cylinder(0.05, 0.02));
-//! let law = BaseLaw { stiffness: 1e10, grind_rate: 1e-9, threshold_pressure: 0.0, sanding_rate: 0.0 };
-//! let pass = Pass { tool: &tool, path: &path, process: &Process::default(), law: &law };
-//! let record = run_pass(&mut part, pass, &mut |_| {}).unwrap();
-//! let expected = law.grind_rate * pass.process.force_setpoint * path.duration();
+//! let library = Library::builtin();
+//! let model = Model::parse("model.toml", "process = \"grinding\"", library).unwrap();
+//! let model = CompiledModel::new(&model, library, RowCounts::default()).unwrap();
+//! let mut wheel = States::new(&model, TOOL_CELLS);
+//! let process = Process::default();
+//! let record = run_pass(&mut part, Pass::first(&tool, &path, &process, &model), &mut wheel, &mut |_| {}).unwrap();
+//! let grind_rate = model.law_value("grind_rate").unwrap();
+//! let expected = grind_rate * process.force_setpoint * path.duration();
 //! assert!((record.removed_volume / expected - 1.0).abs() < 0.01);
 //! ```
 //!
@@ -29,9 +33,9 @@
 mod commit;
 pub mod contact;
 pub mod control;
-pub mod pass;
 pub mod effect;
-pub mod grind;
+mod extent;
+pub mod pass;
 pub mod path;
 pub mod physics;
 pub mod press;
@@ -42,8 +46,10 @@ pub mod render;
 pub mod settings;
 pub mod sheet;
 pub mod step;
+mod step_values;
 pub mod surface;
 pub mod tool;
+mod tool_cells;
 
 pub use contact::Contact;
 pub use control::Controller;
@@ -52,4 +58,5 @@ pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use profilometer::Profilometer;
 pub use record::{LogRow, PassRecord};
 pub use settings::{PassError, Process};
+pub use tool_cells::COUNT as TOOL_CELLS;
 pub use tool::{FieldTool, Frame, Pad, Pose, Tool, Wheel};

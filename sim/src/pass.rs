@@ -5,21 +5,24 @@
 //! controller's own dynamics matter: then they fall to its period.
 
 use sdf_bake::BrickGrid;
+use sdf_bake::channels::Scalar;
 
 use crate::commit::commit;
 use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
+use crate::effect::{CompiledModel, PoseChange, Reset, RunError, States, Variable};
+use crate::extent::Extent;
 use crate::path::Path;
-use crate::physics::BaseLaw;
+use crate::physics::Physics;
 use crate::record::{LogRow, PassRecord};
 use crate::settings::{PassError, Process};
-use crate::sheet::{Facing, Sheet, Window};
+use crate::sheet::{Facing, Sheet};
 use crate::step::Step;
+use crate::step_values::Moment;
 use crate::tool::{Pose, Tool};
+use crate::tool_cells::{CellSums, ToolCells};
 
 /// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
 const COMMIT_RECESSION: f64 = 0.4;
-/// Lines around the contact that a sheet holds in reserve.
-const MARGIN: i32 = 3;
 /// Surface sought below the tool while it is in contact [voxels].
 const NEAR_BELOW: f64 = 4.0;
 /// Longest step [s].
@@ -50,21 +53,69 @@ pub struct Pass<'a> {
     /// How it is controlled.
     pub process: &'a Process,
     /// What it does to the part.
-    pub law: &'a BaseLaw,
+    pub model: &'a CompiledModel,
+    /// Number of the pass in its trial, from 1.
+    pub number: usize,
+    /// Row of parameters that have one value per pass, from 0.
+    pub row: usize,
+    /// Time since the trial's first pass began, pauses included [s].
+    pub trial_time: f64,
+}
+
+impl<'a> Pass<'a> {
+    /// The first pass of a trial.
+    pub fn first(tool: &'a Tool, path: &'a Path, process: &'a Process, model: &'a CompiledModel) -> Self {
+        Self { tool, path, process, model, number: 1, row: 0, trial_time: 0.0 }
+    }
+}
+
+/// Runs one pass: changes `grid` and the tool's `states`, returns the log and what was removed.
+///
+/// # Errors
+/// A setting out of range, a band that is too thin, or a formula that gives no finite number: then the field holds the
+/// last good state.
+pub fn run_pass(
+    grid: &mut BrickGrid,
+    pass: Pass,
+    states: &mut States,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<PassRecord, PassError> {
+    pass.process.check(grid, pass.tool)?;
+    states.reset(pass.model, Reset::Pass);
+    let duration = pass.path.duration();
+    let mut runner = Runner::new(grid, pass, states);
+    while runner.time < duration {
+        let time = runner.time;
+        match runner.advance(duration) {
+            Ok(force) => progress(Progress { time: runner.time, duration, force }),
+            Err(error) => {
+                runner.write_back();
+                return Err(PassError::Formula { time, error });
+            }
+        }
+    }
+    runner.write_back();
+    let mut record = runner.record;
+    grid.release_uniform_bricks();
+    record.finish(duration);
+    Ok(record)
 }
 
 /// A part under a tool.
 struct Runner<'a> {
     grid: &'a mut BrickGrid,
     pass: Pass<'a>,
+    physics: Physics<'a>,
     sheet: Option<Sheet>,
     step: Step,
     time: f64,
     motion: Motion,
+    pose_change: PoseChange,
+    moment: Moment,
     /// Length of the next step [s], where the controller limits it.
     dt: f64,
-    /// Half-extents of the contact in the tool's frame that sheets are read for: least and greatest x and y [m].
-    extent: [(f64, f64); 2],
+    /// Surface that sheets are read for.
+    extent: Extent,
     /// Way of the tool since the sheet was read [m].
     travelled: f64,
     /// Recession since the sheet was read, at most [m].
@@ -72,83 +123,69 @@ struct Runner<'a> {
     record: PassRecord,
 }
 
-/// Runs one pass: changes `grid`, returns the log and what was removed.
-///
-/// # Errors
-/// A setting out of range, a band that is too thin, or a state that is no longer finite: then the field holds the last
-/// good state.
-pub fn run_pass(
-    grid: &mut BrickGrid,
-    pass: Pass,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<PassRecord, PassError> {
-    pass.process.check(grid, pass.tool)?;
-    let before = grid.volume();
-    let duration = pass.path.duration();
-    let mut runner = Runner::new(grid, pass);
-    while runner.time < duration {
-        let force = runner.advance(duration)?;
-        progress(Progress { time: runner.time, duration, force });
-    }
-    runner.write_back();
-    let mut record = runner.record;
-    grid.release_uniform_bricks();
-    record.finish(duration, before - grid.volume());
-    Ok(record)
-}
-
 impl<'a> Runner<'a> {
-    fn new(grid: &'a mut BrickGrid, pass: Pass<'a>) -> Self {
-        let travel = match pass.process.controller {
-            Controller::Ideal => pass.process.search_reach,
-            _ => 0.0,
-        };
-        let mut runner = Self {
+    fn new(grid: &'a mut BrickGrid, pass: Pass<'a>, states: &'a mut States) -> Self {
+        let physics = Physics::new(pass.model, states, pass.process.coating);
+        if physics.sands() {
+            grid.scalar_or_zero(Scalar::Dose);
+        }
+        if physics.wants(Variable::RemovedDepth) {
+            grid.scalar_or_zero(Scalar::Removed);
+        }
+        let travel = if pass.process.controller == Controller::Ideal { pass.process.search_reach } else { 0.0 };
+        Self {
+            extent: Extent::of(pass.tool, 2.0 * grid.voxel),
             grid,
-            pass,
+            physics,
             sheet: None,
             step: Step::default(),
             time: 0.0,
             motion: Motion { travel, speed: 0.0 },
+            pose_change: PoseChange { offset: [0.0; 3], roll: 0.0, pitch: 0.0 },
+            moment: Moment::new(&pass),
             dt: LONGEST_STEP,
-            extent: [(0.0, 0.0); 2],
             travelled: 0.0,
             receded: 0.0,
             record: PassRecord::default(),
-        };
-        runner.reset_extent();
-        runner
+            pass,
+        }
     }
 
-    fn voxel(&self) -> f64 {
-        self.grid.voxel
-    }
-
-    fn pose(&self, time: f64, travel: f64) -> Pose {
+    /// The tool on its path, as the robot believes it to be.
+    fn nominal(&self, time: f64, travel: f64) -> Pose {
         self.pass.path.at(time).pose(self.pass.tool).lifted(travel)
     }
 
+    /// The tool as the model's effects have it.
+    fn pose(&self, time: f64, travel: f64) -> Pose {
+        self.nominal(time, travel).changed(&self.pose_change)
+    }
+
     /// One step. Returns the force [N].
-    fn advance(&mut self, duration: f64) -> Result<f64, PassError> {
+    fn advance(&mut self, duration: f64) -> Result<f64, RunError> {
         let speed = self.pass.path.velocity(self.time).length();
-        let by_way = if speed > 0.0 { self.pass.process.step_voxels * self.voxel() / speed } else { LONGEST_STEP };
-        let mut dt = by_way.min(self.dt).min(LONGEST_STEP).min(duration - self.time);
+        let by_way = if speed > 0.0 { self.pass.process.step_voxels * self.grid.voxel / speed } else { LONGEST_STEP };
+        let rest = duration - self.time;
+        let mut dt = by_way.min(self.dt).min(LONGEST_STEP).min(rest);
         let period = match self.pass.process.controller {
             Controller::Admittance { period, .. } => period,
             _ => f64::INFINITY,
         };
+        self.moment.enter(&self.pass, self.nominal(self.time, 0.0), self.time, &mut self.physics.step);
+        let spindle = self.physics.model.spindle_speed(&self.physics.step, self.physics.states)?;
+        self.moment.set_spindle(spindle, &mut self.physics.step);
+        self.pose_change = self.physics.pose_change()?;
         loop {
-            let Some(motion) = self.find_motion(dt) else {
-                self.stay_in_air(dt);
+            let Some(motion) = self.find_motion(dt)? else {
+                self.stay_in_air(dt)?;
                 return Ok(0.0);
             };
-            let inertia = self.inertial_force(motion, dt);
-            if inertia > INERTIA * self.pass.process.force_setpoint && dt > period {
+            if dt > period && self.inertial_force(motion, dt) > INERTIA * self.pass.process.force_setpoint {
                 dt = (0.25 * dt).max(period);
                 continue;
             }
-            self.dt = (2.0 * dt).max(self.dt.min(dt));
-            return self.accept(motion, dt);
+            self.dt = 2.0 * dt;
+            return self.accept(motion, if rest - dt < 1e-9 { rest } else { dt });
         }
     }
 
@@ -161,58 +198,65 @@ impl<'a> Runner<'a> {
 
     /// Where the controller brings the tool in a step of `dt` [s]; `None` where it finds nothing to press on.
     /// Afterwards `step` holds the step to that motion on a sheet that is large enough.
-    fn find_motion(&mut self, dt: f64) -> Option<Motion> {
+    fn find_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let mut searched = false;
         loop {
-            self.read_sheet_if_needed(dt, searched);
-            let motion = self.try_motion(dt);
-            let sheet = self.sheet.as_ref().expect("a sheet was read");
-            if motion.is_some() && self.step.reaches_border(sheet) && self.grow_extent() {
-                self.write_back();
-                continue;
+            if self.sheet.is_none() {
+                self.read_sheet(dt, searched);
             }
-            if motion.is_none() && !searched && matches!(self.pass.process.controller, Controller::Ideal) {
+            let motion = self.try_motion(dt)?;
+            let sheet = self.sheet.as_ref().expect("a sheet was read");
+            if motion.is_some() && self.step.reaches_border(sheet) {
+                if let Some(extent) = self.extent.grown(self.pass.tool, self.grid.voxel) {
+                    self.write_back();
+                    self.extent = extent;
+                    continue;
+                }
+            }
+            if motion.is_none() && !searched && self.pass.process.controller == Controller::Ideal {
                 self.write_back();
-                self.reset_extent();
+                self.extent = Extent::of(self.pass.tool, 2.0 * self.grid.voxel);
                 searched = true;
                 continue;
             }
-            return motion;
+            return Ok(motion);
         }
     }
 
     fn in_air(&self) -> bool {
-        matches!(self.pass.process.controller, Controller::Ideal) && self.motion.travel >= self.pass.process.search_reach
+        self.pass.process.controller == Controller::Ideal && self.motion.travel >= self.pass.process.search_reach
     }
 
-    fn try_motion(&mut self, dt: f64) -> Option<Motion> {
+    fn try_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         if self.in_air() {
             // An ideal controller is in balance from the first touch on.
-            self.motion = self.try_step(0.0, self.time)?;
+            let Some(motion) = self.try_step(0.0, self.time)? else { return Ok(None) };
+            self.motion = motion;
         }
         self.try_step(dt, self.time + dt)
     }
 
     /// Seeks the end of a step of `dt` [s] that ends at the path's place at `end` [s].
-    fn try_step(&mut self, dt: f64, end: f64) -> Option<Motion> {
-        let Pass { tool, process, law, .. } = self.pass;
+    fn try_step(&mut self, dt: f64, end: f64) -> Result<Option<Motion>, RunError> {
+        let Pass { tool, process, .. } = self.pass;
         let start = self.pose(self.time, self.motion.travel);
         let end = self.pose(end, 0.0);
         let sheet = self.sheet.as_ref().expect("a sheet was read");
-        self.step.begin(tool, &start, sheet);
-        let from = self.motion;
+        let (step, physics, from) = (&mut self.step, &mut self.physics, self.motion);
+        step.begin((tool, &start), sheet, physics)?;
         let (damping, mass) = match process.controller {
             Controller::Ideal => (0.0, 0.0),
-            Controller::Admittance { mass, damping, period } if dt <= period => {
-                let force = self.step.start_force(law, &start, sheet);
-                let motion = admittance_sample(from, force, process.force_setpoint, (mass, damping), dt);
-                self.step.end_at(tool, &end.lifted(motion.travel), sheet, law, dt);
-                return Some(motion);
+            Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
+                let held = step.end_at((tool, &start), sheet, physics, 0.0)?;
+                let reading = physics.force_reading(held.start_force)?;
+                let motion = admittance_sample(from, reading, process.force_setpoint, (mass, damping), dt);
+                step.end_at((tool, &end.lifted(motion.travel)), sheet, physics, dt)?;
+                return Ok(Some(motion));
             }
             Controller::Admittance { mass, damping, .. } => (damping, mass),
             Controller::Replay => {
-                self.step.end_at(tool, &end, sheet, law, dt);
-                return Some(Motion::default());
+                step.end_at((tool, &end), sheet, physics, dt)?;
+                return Ok(Some(Motion::default()));
             }
         };
         let balance = Balance {
@@ -224,69 +268,78 @@ impl<'a> Runner<'a> {
             tolerance: FORCE_TOLERANCE * process.force_setpoint,
             bounds: (-process.search_reach, process.search_reach),
         };
-        let step = &mut self.step;
-        let mut last = f64::NAN;
         let travel = balance.solve(from.travel + from.speed * dt, |travel| {
             let pose = end.lifted(travel);
-            last = travel;
-            let response = step.end_at(tool, &pose, sheet, law, dt);
-            let depth = if response.force > 0.0 { 0.0 } else { step.end_gap(tool, &pose, sheet) };
-            Response { force: response.force, stiffness: response.stiffness, depth }
+            let end = step.end_at((tool, &pose), sheet, physics, dt)?;
+            let depth = if end.force > 0.0 { 0.0 } else { step.end_gap(tool, &pose, sheet) };
+            let force = physics.force_reading(end.force)?;
+            Ok(Response { force, stiffness: end.stiffness, depth })
         })?;
-        if last != travel {
-            step.end_at(tool, &end.lifted(travel), sheet, law, dt);
-        }
-        Some(Motion { travel, speed: if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 } })
+        let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
+        Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }
 
     /// Takes the step that `find_motion` prepared. Returns the mean force [N].
-    fn accept(&mut self, motion: Motion, dt: f64) -> Result<f64, PassError> {
+    fn accept(&mut self, motion: Motion, dt: f64) -> Result<f64, RunError> {
         let middle = self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel));
         let sheet = self.sheet.as_mut().expect("a sheet was read");
-        let (contact, volume) = self.step.apply(&middle, sheet);
-        if !(contact.force.is_finite() && volume.is_finite()) {
-            return Err(PassError::NotFinite { time: self.time, force: contact.force });
-        }
-        if let Some(extent) = self.step.extent(&middle, sheet) {
-            self.extent = extent;
-        }
+        let contact = self.step.contact(&middle, sheet);
+        let cells = self.physics.model.needs_tool_cells();
+        let sums = if cells {
+            self.step.cell_sums((self.pass.tool, &middle), sheet, &self.physics, dt).means()
+        } else {
+            CellSums::default()
+        };
+        self.physics.advance_cells(&self.step, sheet, dt)?;
+        let removal = self.step.apply(sheet, self.pass.process.coating);
+        let extent = self.step.extent(&middle, sheet);
+        let width = extent.map_or(0.0, |extent| extent.y.1 - extent.y.0);
+        self.extent = extent.unwrap_or(self.extent);
+        self.moment.leave((&contact, &removal), (motion, self.motion), width, dt);
+        self.moment.publish(&mut self.physics.step);
+        self.advance_states(&sums, dt)?;
         self.receded += self.step.recession_max();
-        self.travelled += (self.pose(self.time + dt, 0.0).centre - self.pose(self.time, 0.0).centre).length();
-        self.motion = match self.pass.process.controller {
-            Controller::Ideal => Motion { travel: motion.travel, speed: 0.0 },
-            _ => motion,
-        };
+        let way = self.nominal(self.time + dt, 0.0).centre - self.nominal(self.time, 0.0).centre;
+        self.travelled += way.length();
+        let ideal = self.pass.process.controller == Controller::Ideal;
+        self.motion = if ideal { Motion { speed: 0.0, ..motion } } else { motion };
         self.time += dt;
-        let row = LogRow {
-            time: self.time,
-            position: self.pose(self.time, self.motion.travel).centre,
-            approach: middle.approach,
-            force: contact.force,
-            spindle_speed: self.pass.process.spindle_speed,
-        };
-        self.record.push(row, contact, volume, dt, self.pass.process.force_setpoint);
-        if self.travelled > self.pass.process.commit_voxels * self.voxel()
-            || self.receded > COMMIT_RECESSION * self.voxel()
-        {
+        let row = self.log_row(contact.force);
+        self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
+        let far = self.travelled > self.pass.process.commit_voxels * self.grid.voxel;
+        if far || self.receded > COMMIT_RECESSION * self.grid.voxel {
             self.write_back();
         }
         Ok(contact.force)
     }
 
-    fn stay_in_air(&mut self, dt: f64) {
+    fn advance_states(&mut self, sums: &CellSums, dt: f64) -> Result<(), RunError> {
+        let Physics { model, states, step, .. } = &mut self.physics;
+        sums.advance(&ToolCells::of(self.pass.tool), model, states, (step, dt))
+    }
+
+    fn stay_in_air(&mut self, dt: f64) -> Result<(), RunError> {
         self.write_back();
-        self.reset_extent();
+        self.extent = Extent::of(self.pass.tool, 2.0 * self.grid.voxel);
         self.motion = Motion { travel: self.pass.process.search_reach, speed: 0.0 };
+        self.moment.leave_air();
+        self.moment.publish(&mut self.physics.step);
+        self.advance_states(&CellSums::default(), dt)?;
         self.time += dt;
-        let pose = self.pose(self.time, self.motion.travel);
-        let row = LogRow {
+        let row = self.log_row(0.0);
+        self.record.push_air(row);
+        Ok(())
+    }
+
+    fn log_row(&self, force: f64) -> LogRow {
+        let pose = self.nominal(self.time, self.motion.travel);
+        LogRow {
             time: self.time,
             position: pose.centre,
             approach: pose.approach,
-            force: 0.0,
-            spindle_speed: self.pass.process.spindle_speed,
-        };
-        self.record.push_air(row);
+            force,
+            spindle_speed: self.physics.step.get(Variable::SpindleSpeed),
+        }
     }
 
     /// Writes the sheet's losses into the field and drops it.
@@ -298,45 +351,17 @@ impl<'a> Runner<'a> {
         self.receded = 0.0;
     }
 
-    fn reset_extent(&mut self) {
-        let (x, y) = self.pass.tool.half_footprint(2.0 * self.voxel());
-        self.extent = [(-x, x), (-y, y)];
-    }
-
-    /// Makes the extent larger; `false` if it covers the tool already.
-    fn grow_extent(&mut self) -> bool {
-        let (x, y) = self.pass.tool.half_footprint(f64::INFINITY);
-        let whole = [x, y];
-        let covered = self.extent.iter().zip(whole).all(|(&(low, high), most)| low <= -most && high >= most);
-        for ((low, high), most) in self.extent.iter_mut().zip(whole) {
-            let more = 0.25 * (*high - *low) + 2.0 * self.grid.voxel;
-            (*low, *high) = ((*low - more).max(-most), (*high + more).min(most));
-        }
-        !covered
-    }
-
-    /// Reads a sheet that holds the contact for the next steps, if there is none; `far` to seek the surface from the air.
-    fn read_sheet_if_needed(&mut self, dt: f64, far: bool) {
-        if self.sheet.is_some() {
-            return;
-        }
+    /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
+    fn read_sheet(&mut self, dt: f64, far: bool) {
         let Pass { tool, path, process, .. } = self.pass;
         let speed = path.velocity(self.time).length();
-        let ahead = if speed > 0.0 { (process.commit_voxels + 1.0) * self.voxel() / speed } else { 0.0 };
+        let ahead = if speed > 0.0 { (process.commit_voxels + 1.0) * self.grid.voxel / speed } else { 0.0 };
         let poses = [self.time, self.time + dt, self.time + ahead.max(dt)].map(|t| self.pose(t, self.motion.travel));
         let facing = Facing::of(poses[0].approach);
-        let corners = poses.iter().flat_map(|pose| {
-            let bottom = pose.centre - pose.frame.z * tool.drop();
-            let [(back, front), (right, left)] = self.extent;
-            [(back, right), (back, left), (front, right), (front, left)]
-                .map(|(x, y)| facing.sheet(bottom + pose.frame.x * x + pose.frame.y * y))
-        });
-        let corners: Vec<_> = corners.collect();
-        let window = Window::around(corners.iter().copied(), self.voxel(), MARGIN);
+        let (window, lowest) = self.extent.window(tool, &poses, facing, self.grid.voxel);
         let level = facing.sheet(poses[0].centre - poses[0].frame.z * tool.drop()).z;
-        let below = if far || self.in_air() { 2.0 * process.search_reach } else { NEAR_BELOW * self.voxel() };
-        let falling = (-self.motion.speed).max(0.0) * dt.max(LONGEST_STEP);
-        let lowest = corners.iter().map(|corner| corner.z).fold(level, f64::min);
-        self.sheet = Some(Sheet::read(self.grid, facing, window, level, lowest - below - falling));
+        let below = if far || self.in_air() { 2.0 * process.search_reach } else { NEAR_BELOW * self.grid.voxel };
+        let falling = (-self.motion.speed).max(0.0) * LONGEST_STEP.max(dt);
+        self.sheet = Some(Sheet::read(self.grid, facing, window, level, lowest.min(level) - below - falling));
     }
 }

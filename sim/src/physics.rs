@@ -1,39 +1,216 @@
-//! What happens in a contact: pressure from depth, recession and dose from pressure.
+//! The model at work in a contact: its hooks run over the squares in contact, one lane each.
 
-use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 
-/// Columns in contact, one lane each.
-#[derive(Clone, Debug, Default)]
-pub struct Lanes {
-    /// Mean depth over the wet share of the square [m].
-    pub depth: Vec<f64>,
-    /// Slip speed [m/s].
-    pub slip_speed: Vec<f64>,
+use glam::DVec3;
+
+use crate::contact::Squares;
+use crate::effect::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
+use crate::sheet::Sheet;
+use crate::step::Step;
+use crate::tool::{Pose, Tool};
+use crate::tool_cells::ToolCells;
+
+/// Distance that stands for "no edge near" [m].
+const NO_EDGE: f64 = 1.0;
+
+/// A model with the state of its tool, and the values of the step under way.
+pub struct Physics<'a> {
+    /// Laws and effects.
+    pub model: &'a CompiledModel,
+    /// What the tool remembers.
+    pub states: &'a mut States,
+    /// Values of the step.
+    pub step: StepValues,
+    /// Coating thickness h_c [m].
+    pub coating: f64,
+    /// Values of cells by [`Variable`], of those that a hook reads.
+    lanes: Vec<Vec<f64>>,
+    /// Cell variables that some hook reads.
+    wanted: Vec<Variable>,
+    /// Place of each lane among the tool's cells.
+    tool_cell: Vec<f64>,
+    /// States of the workpiece's cells, by lattice line.
+    cells: HashMap<(i32, i32), Vec<f64>>,
+    /// The same of each lane, by state.
+    cell_lanes: Vec<Vec<f64>>,
 }
 
-/// The base laws.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BaseLaw {
-    /// K [Pa/m].
-    pub stiffness: f64,
-    /// k [m/(Pa s)].
-    pub grind_rate: f64,
-    /// p_c [Pa].
-    pub threshold_pressure: f64,
-    /// K_P/h_c [1/(Pa m)].
-    pub sanding_rate: f64,
-}
-
-impl BaseLaw {
-    /// `p = K depth` [Pa].
-    pub fn pressure(&self, depth: &[f64], out: &mut Vec<f64>) {
-        out.clear();
-        out.extend(depth.iter().map(|d| self.stiffness * d));
+impl<'a> Physics<'a> {
+    /// A model and its tool's states before the first step.
+    pub fn new(model: &'a CompiledModel, states: &'a mut States, coating: f64) -> Self {
+        let hooks = [Place::Shape, Place::Pressure, Place::Rate, Place::Dose, Place::WorkpieceCell];
+        let mut wanted: Vec<Variable> = hooks.iter().flat_map(|&place| model.needs(place)).copied().collect();
+        wanted.retain(|variable| variable.row().per == Per::Cell);
+        wanted.sort_unstable_by_key(|&variable| variable as usize);
+        wanted.dedup();
+        let lanes = vec![Vec::new(); Variable::COUNT];
+        let cell_lanes = vec![Vec::new(); model.cell_states().len()];
+        Self { model, states, step: StepValues::new(), coating, lanes, wanted, tool_cell: Vec::new(), cells: HashMap::new(), cell_lanes }
     }
 
-    /// Eq. (1): `r = k max(p - p_c, 0)` [m/s].
-    pub fn rate(&self, pressure: &[f64], out: &mut Vec<f64>) {
+    /// Whether the surface recedes.
+    pub fn grinds(&self) -> bool {
+        self.model.process() == Process::Grinding || self.model.has(Place::Rate)
+    }
+
+    /// Whether coating is taken off.
+    pub fn sands(&self) -> bool {
+        self.model.process() == Process::Sanding
+    }
+
+    /// Whether a hook reads a variable of the cells.
+    pub fn wants(&self, variable: Variable) -> bool {
+        self.wanted.contains(&variable)
+    }
+
+    /// Offset and tilt of the tool in this step.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number; so for all hooks.
+    pub fn pose_change(&self) -> Result<PoseChange, RunError> {
+        if !self.model.has(Place::Pose) {
+            return Ok(PoseChange { offset: [0.0; 3], roll: 0.0, pitch: 0.0 });
+        }
+        self.model.pose(&self.step, self.states)
+    }
+
+    /// Force that the controller believes [N] when the true one is `force`.
+    pub fn force_reading(&mut self, force: f64) -> Result<f64, RunError> {
+        if !self.model.has(Place::Force) {
+            return Ok(force);
+        }
+        self.step.set(Variable::ForceReading, force);
+        self.model.force_reading(&self.step, self.states)
+    }
+
+    /// How much further away the tool's surface is than its shape says [m], for each line of a sheet; empty if no effect
+    /// changes the shape.
+    pub fn gap(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, out: &mut Vec<f64>) -> Result<(), RunError> {
         out.clear();
-        out.extend(pressure.iter().map(|p| self.grind_rate * (p - self.threshold_pressure).max(0.0)));
+        if !self.model.has(Place::Shape) {
+            return Ok(());
+        }
+        let lines: Vec<u32> = (0..sheet.window.lines() as u32).collect();
+        self.place(tool, pose, sheet, None, &lines);
+        out.resize(lines.len(), 0.0);
+        self.run(Place::Shape, &[], out)
+    }
+
+    /// Takes up what the hooks read of the squares `lines` of a sheet under a tool at `pose`.
+    pub fn place(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: Option<&Squares>, lines: &[u32]) {
+        let (spindle, feed) = self.motion();
+        let edges = self.wants(Variable::EdgeDistance).then(|| sheet.edge_distances(NO_EDGE));
+        for &variable in &self.wanted {
+            let lane = &mut self.lanes[variable as usize];
+            lane.clear();
+            let value = |line: usize| -> f64 {
+                let point = sheet.facing.world(sheet.point(line));
+                match variable {
+                    Variable::X => point.x,
+                    Variable::Y => point.y,
+                    Variable::Z => point.z,
+                    Variable::ToolX => pose.local(point).x,
+                    Variable::ToolY => pose.local(point).y,
+                    Variable::SlipSpeed => tool.slip_speed(pose.local(point), spindle, feed),
+                    Variable::DepthLaplacian => squares.map_or(0.0, |squares| squares.laplacian(sheet, line)),
+                    Variable::RemovedDepth => sheet.removed[line],
+                    Variable::Dose => sheet.dose[line],
+                    Variable::CoatingRemoved => sheet.dose[line].min(1.0) * self.coating,
+                    Variable::EdgeDistance => edges.as_ref().map_or(NO_EDGE, |edges| edges[line]),
+                    Variable::Slope => sheet.slope_against(line, pose.approach),
+                    Variable::Label => f64::from(sheet.label[line]),
+                    _ => 0.0,
+                }
+            };
+            lane.extend(lines.iter().map(|&line| value(line as usize)));
+        }
+        self.tool_cell.clear();
+        if self.model.needs_tool_cells() {
+            let cells = ToolCells::of(tool);
+            let place = |&line: &u32| cells.place(pose.local(sheet.facing.world(sheet.point(line as usize))));
+            self.tool_cell.extend(lines.iter().map(place));
+        }
+        for (number, state) in self.model.cell_states().iter().enumerate() {
+            let value = |&line: &u32| {
+                let cell = self.cells.get(&sheet.window.place(line as usize));
+                cell.map_or(state.initial, |values| values[number])
+            };
+            self.cell_lanes[number].clear();
+            self.cell_lanes[number].extend(lines.iter().map(value));
+        }
+    }
+
+    /// Moves the states of the workpiece's cells in contact on by `dt` [s].
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn advance_cells(&mut self, step: &Step, sheet: &Sheet, dt: f64) -> Result<(), RunError> {
+        if self.cell_lanes.is_empty() {
+            return Ok(());
+        }
+        let mut moved = self.cell_lanes.clone();
+        let old: Vec<&[f64]> = self.cell_lanes.iter().map(Vec::as_slice).collect();
+        let lanes = self.lanes(step.lines().len(), &step.means()).with_states(&old);
+        let mut out: Vec<&mut [f64]> = moved.iter_mut().map(Vec::as_mut_slice).collect();
+        self.model.advance_cells(dt, (&self.step, self.states), &lanes, &mut out)?;
+        for (lane, &line) in step.lines().iter().enumerate() {
+            let values = moved.iter().map(|values| values[lane]).collect();
+            self.cells.insert(sheet.window.place(line as usize), values);
+        }
+        Ok(())
+    }
+
+    /// Spindle speed [rad/s] and feed in the tool's frame [m/s].
+    fn motion(&self) -> (f64, DVec3) {
+        let feed = DVec3::new(self.step.get(Variable::FeedAlong), self.step.get(Variable::FeedAcross), 0.0);
+        (self.step.get(Variable::SpindleSpeed), feed * self.step.get(Variable::FeedSpeed))
+    }
+
+    /// Slip speed [m/s] at a point of the tool's frame [m].
+    pub fn slip_speed(&self, tool: &Tool, at: DVec3) -> f64 {
+        let (spindle, feed) = self.motion();
+        tool.slip_speed(at, spindle, feed)
+    }
+
+    /// Pressure [Pa] at depths [m] that change by `depth_rate` [m/s].
+    pub fn pressure(&self, depth: &[f64], depth_rate: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
+        out.clear();
+        out.resize(depth.len(), 0.0);
+        self.run(Place::Pressure, &[(Variable::Depth, depth), (Variable::DepthRate, depth_rate)], out)
+    }
+
+    /// Recession speed r [m/s].
+    pub fn rate(&self, depth: &[f64], pressure: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
+        out.clear();
+        out.resize(depth.len(), 0.0);
+        if !self.grinds() {
+            return Ok(());
+        }
+        self.run(Place::Rate, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
+    }
+
+    /// Dose per time [1/s].
+    pub fn dose_rate(&self, depth: &[f64], pressure: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
+        out.clear();
+        out.resize(depth.len(), 0.0);
+        if !self.sands() {
+            return Ok(());
+        }
+        self.run(Place::Dose, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
+    }
+
+    fn run(&self, place: Place, own: &[(Variable, &[f64])], out: &mut [f64]) -> Result<(), RunError> {
+        let states: Vec<&[f64]> = self.cell_lanes.iter().map(Vec::as_slice).collect();
+        let lanes = self.lanes(out.len(), own).with_states(&states);
+        self.model.at(place, &self.step, self.states).run(&lanes, out)
+    }
+
+    fn lanes<'l>(&'l self, len: usize, own: &[(Variable, &'l [f64])]) -> Lanes<'l> {
+        let mut lanes = Lanes::new(len).with_tool_cell(&self.tool_cell);
+        for &variable in &self.wanted {
+            lanes = lanes.with(variable, &self.lanes[variable as usize]);
+        }
+        own.iter().fold(lanes, |lanes, &(variable, values)| lanes.with(variable, values))
     }
 }

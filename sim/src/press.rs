@@ -2,77 +2,71 @@
 
 use sdf_bake::BrickGrid;
 
-use crate::contact::{Contact, Squares};
+use crate::contact::Contact;
 use crate::control::{Balance, Motion, Response};
-use crate::physics::BaseLaw;
-use crate::sheet::{Facing, Sheet, Window};
+use crate::effect::RunError;
+use crate::extent::Extent;
+use crate::physics::Physics;
+use crate::sheet::{Facing, Sheet};
+use crate::step::Step;
 use crate::tool::{Pose, Tool};
 
-/// Lines around the tool's footprint.
-const MARGIN: i32 = 3;
 /// Relative difference between force and setpoint that is good enough.
 const FORCE_TOLERANCE: f64 = 1e-9;
+/// Surface sought below the tool beyond its reach [voxels].
+const BELOW: f64 = 4.0;
 
 /// A tool over the part's surface.
 pub struct Press<'a> {
     tool: &'a Tool,
     pose: Pose,
+    reach: f64,
     sheet: Sheet,
-    squares: Squares,
+    step: Step,
 }
 
 impl<'a> Press<'a> {
     /// Reads the surface under a tool that may go `reach` [m] up or down from `pose`.
     pub fn new(grid: &BrickGrid, tool: &'a Tool, pose: Pose, reach: f64) -> Self {
         let facing = Facing::of(pose.approach);
-        let (x, y) = tool.half_footprint(reach.max(0.02 * tool.drop()));
-        let bottom = pose.centre - pose.frame.z * tool.drop();
-        let corners = [(-x, -y), (-x, y), (x, -y), (x, y)]
-            .map(|(x, y)| facing.sheet(bottom + pose.frame.x * x + pose.frame.y * y));
-        let window = Window::around(corners.into_iter(), grid.voxel, MARGIN);
-        let lowest = corners.iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min);
-        let floor = lowest - reach - 4.0 * grid.voxel;
-        let sheet = Sheet::read(grid, facing, window, facing.sheet(bottom).z + reach, floor);
-        Self { tool, pose, sheet, squares: Squares::default() }
+        let extent = Extent::of(tool, 2.0 * reach);
+        let (window, lowest) = extent.window(tool, &[pose], facing, grid.voxel);
+        let level = facing.sheet(pose.centre - pose.frame.z * tool.drop()).z;
+        let sheet = Sheet::read(grid, facing, window, level + reach, lowest - reach - BELOW * grid.voxel);
+        Self { tool, pose, reach, sheet, step: Step::default() }
     }
 
     /// What the tool meets, lifted by `travel` [m].
-    pub fn contact(&mut self, travel: f64, law: &BaseLaw) -> Contact {
+    ///
+    /// # Errors
+    /// A formula of the model that gives no finite number.
+    pub fn contact(&mut self, travel: f64, physics: &mut Physics) -> Result<Contact, RunError> {
         let pose = self.pose.lifted(travel);
-        self.squares.measure(self.tool, &pose, &self.sheet, &[]);
-        let (sheet, squares) = (&self.sheet, &self.squares);
-        let area = sheet.pitch * sheet.pitch;
-        let up = sheet.facing.sheet(pose.approach);
-        let mut contact = Contact::default();
-        for line in (0..squares.share.len()).filter(|&line| squares.share[line] > 0.0) {
-            let [u, v] = sheet.slope[line];
-            let facing = area * (up.z - u * up.x - v * up.y).max(0.0);
-            let load = law.stiffness * squares.mean_depth[line];
-            let arm = sheet.facing.world(sheet.point(line)) - pose.centre;
-            contact.force += load * facing;
-            contact.load += load * area * sheet.area_ratio(line);
-            contact.moment += arm.cross(pose.approach) * (load * facing);
-            contact.area += squares.share[line] * facing;
-            contact.pressure_max = contact.pressure_max.max(law.stiffness * squares.depth[line]);
-        }
-        contact
+        self.step.begin((self.tool, &pose), &self.sheet, physics)?;
+        self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
+        Ok(self.step.contact(&pose, &self.sheet))
     }
 
-    /// Travel [m] at which the force is `setpoint` [N]; `None` where nothing is met within `reach` [m].
-    pub fn travel_for(&mut self, setpoint: f64, law: &BaseLaw, reach: f64) -> Option<f64> {
+    /// Travel [m] at which the force is `setpoint` [N]; `None` where nothing is met within reach.
+    ///
+    /// # Errors
+    /// As [`Press::contact`].
+    pub fn travel_for(&mut self, setpoint: f64, physics: &mut Physics) -> Result<Option<f64>, RunError> {
         let balance = Balance {
             from: Motion::default(),
             setpoint,
             damping: 0.0,
             mass: 0.0,
-            dt: 1.0,
+            dt: 0.0,
             tolerance: FORCE_TOLERANCE * setpoint,
-            bounds: (-reach, reach),
+            bounds: (-self.reach, self.reach),
         };
         balance.solve(0.0, |travel| {
-            let contact = self.contact(travel, law);
-            let depth = self.squares.deepest(self.tool, &self.pose.lifted(travel), &self.sheet);
-            Response { force: contact.force, stiffness: law.stiffness * contact.area, depth }
+            let pose = self.pose.lifted(travel);
+            self.step.begin((self.tool, &pose), &self.sheet, physics)?;
+            let end = self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
+            let depth = self.step.end_gap(self.tool, &pose, &self.sheet);
+            Ok(Response { force: end.force, stiffness: end.stiffness, depth })
         })
     }
 }

@@ -4,6 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Contact;
+use crate::step::Removal;
 
 /// Height above the first and last contact at which a log that starts in contact is begun and ended [m].
 const CLEARANCE: f64 = 5e-3;
@@ -34,10 +35,10 @@ pub struct PassRecord {
     pub steps: usize,
     /// Steps in which there was nothing to press against.
     pub steps_in_air: usize,
-    /// Volume lost by the field [m³].
+    /// `∫∫ r dA dt` over the contact patch, Eq. (1) [m³].
     pub removed_volume: f64,
-    /// `∫∫ k max(p - p_c, 0) dA dt` over the contact patch [m³]: what Eq. (1) asks for.
-    pub removed_volume_by_law: f64,
+    /// Volume of coating taken off, Eq. (2) [m³].
+    pub coating_volume: f64,
     /// `∫ F dt` [N s].
     pub impulse: f64,
     /// `∫∫ p dA dt` [N s]. For p_c = 0, k times this is the removed volume, for every shape.
@@ -55,12 +56,13 @@ pub struct PassRecord {
 }
 
 impl PassRecord {
-    /// Adds a step of `dt` [s] that removed `volume` [m³].
-    pub(crate) fn push(&mut self, row: LogRow, contact: Contact, volume: f64, dt: f64, setpoint: f64) {
+    /// Adds a step of `dt` [s].
+    pub(crate) fn push(&mut self, row: LogRow, (contact, removal): (&Contact, &Removal), dt: f64, setpoint: f64) {
         self.steps += 1;
         self.impulse += contact.force * dt;
         self.load_impulse += contact.load * dt;
-        self.removed_volume_by_law += volume;
+        self.removed_volume += removal.volume;
+        self.coating_volume += removal.coating_volume;
         self.pressure_max = self.pressure_max.max(contact.pressure_max);
         self.area_max = self.area_max.max(contact.area);
         if contact.force > 0.0 {
@@ -84,7 +86,7 @@ impl PassRecord {
     }
 
     /// Adds approach and retract to the log and turns sums into means.
-    pub(crate) fn finish(&mut self, duration: f64, removed_volume: f64) {
+    pub(crate) fn finish(&mut self, duration: f64) {
         let lifted = |row: &LogRow, time: f64| LogRow {
             time,
             position: row.position + row.approach * CLEARANCE,
@@ -102,7 +104,6 @@ impl PassRecord {
         if self.contact_time > 0.0 {
             self.force_rms_error = (self.force_rms_error / self.contact_time).sqrt();
         }
-        self.removed_volume = removed_volume;
         self.duration = duration;
     }
 }

@@ -5,6 +5,7 @@ use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Controller;
+use crate::effect::RunError;
 use crate::tool::Tool;
 
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
@@ -23,6 +24,8 @@ pub struct Process {
     pub step_voxels: f64,
     /// Way of the tool after which the field is written [voxels]. Default 1.
     pub commit_voxels: f64,
+    /// Thickness of the coating h_c [m], for sanding. Default 50e-6.
+    pub coating: f64,
     /// The tool is sought this far above and below its path [m]. Default 20e-3.
     pub search_reach: f64,
 }
@@ -35,6 +38,7 @@ impl Default for Process {
             spindle_speed: 6000.0 * std::f64::consts::TAU / 60.0,
             step_voxels: 0.5,
             commit_voxels: 1.0,
+            coating: 50e-6,
             search_reach: 20e-3,
         }
     }
@@ -59,13 +63,13 @@ pub enum PassError {
         /// Band of the field [voxels].
         found: f64,
     },
-    /// The state is no longer a number.
-    #[error("the force is {force} N at {time} s: the run stopped there, the part holds the last good state")]
-    NotFinite {
+    /// A formula of the model gave no finite number.
+    #[error("at {time:.4} s of the pass: {error}; the part holds the last good state")]
+    Formula {
         /// Time in the pass [s].
         time: f64,
-        /// Force found [N].
-        force: f64,
+        /// Which formula, and why.
+        error: RunError,
     },
 }
 
@@ -84,6 +88,7 @@ impl Process {
             ("force setpoint [N]", self.force_setpoint),
             ("step_voxels", self.step_voxels),
             ("commit_voxels", self.commit_voxels),
+            ("coating thickness [m]", self.coating),
             ("search_reach [m]", self.search_reach),
         ];
         if let Controller::Admittance { mass, damping, period } = self.controller {

@@ -105,8 +105,12 @@ pub struct Sheet {
     pub slope: Vec<[f64; 2]>,
     /// How far the surface has receded along its normal since it was read [m].
     pub recession: Vec<f64>,
-    /// Dose taken up since the sheet was read [1].
+    /// Coating dose D [1].
     pub dose: Vec<f64>,
+    /// Depth removed so far [m]; 0 where the field does not keep it.
+    pub removed: Vec<f64>,
+    /// Weld id, 0 for base metal.
+    pub label: Vec<u16>,
 }
 
 impl Sheet {
@@ -123,6 +127,8 @@ impl Sheet {
             slope: vec![[0.0; 2]; lines],
             recession: vec![0.0; lines],
             dose: vec![0.0; lines],
+            removed: vec![0.0; lines],
+            label: vec![0; lines],
         };
         let start = (level / grid.voxel).ceil() as i32;
         let least = (floor / grid.voxel).floor() as i32;
@@ -139,12 +145,31 @@ impl Sheet {
         }
         sheet.read_height = sheet.height.clone();
         sheet.set_slopes();
+        sheet.read_channels(grid);
         sheet
+    }
+
+    /// Takes dose, removed depth and label from the voxel nearest to the surface on each line.
+    fn read_channels(&mut self, grid: &BrickGrid) {
+        if grid.dose.is_empty() && grid.removed.is_empty() && grid.label.is_empty() {
+            return;
+        }
+        let value = |channel: &[f32], at: usize| channel.get(at).copied().map_or(0.0, f64::from);
+        for line in (0..self.window.lines()).filter(|&line| self.height[line] > NO_SURFACE) {
+            let (i, j) = self.window.place(line);
+            let nearest = (self.height[line] / self.pitch).round() as i32;
+            if let Some(at) = grid.place(self.facing.voxel(i, j, nearest)) {
+                self.dose[line] = value(&grid.dose, at);
+                self.removed[line] = value(&grid.removed, at);
+                self.label[line] = grid.label.get(at).copied().unwrap_or(0);
+            }
+        }
     }
 
     /// Lets the surface of a line recede by `way` [m] along its normal.
     pub fn recede(&mut self, line: usize, way: f64) {
         self.recession[line] += way;
+        self.removed[line] += way;
         self.height[line] -= way * self.area_ratio(line);
     }
 
@@ -160,10 +185,36 @@ impl Sheet {
         (1.0 + u * u + v * v).sqrt()
     }
 
-    /// Whether a line lies on the window's border.
-    pub fn on_border(&self, line: usize) -> bool {
-        let (row, place) = (line / self.window.size[1], line % self.window.size[1]);
-        row == 0 || place == 0 || row + 1 == self.window.size[0] || place + 1 == self.window.size[1]
+    /// Tangent of the angle between the surface's normal and an approach axis.
+    pub fn slope_against(&self, line: usize, approach: DVec3) -> f64 {
+        let [u, v] = self.slope[line];
+        let cosine = (DVec3::new(-u, -v, 1.0).normalize().dot(self.facing.sheet(approach))).clamp(1e-6, 1.0);
+        (1.0 - cosine * cosine).sqrt() / cosine
+    }
+
+    /// Distance [m] of each line from the nearest edge of the part across the columns: a line without a surface, or a
+    /// step of more than two pitches. `far` where none is in the window (chamfer distance, Borgefors 1986).
+    pub fn edge_distances(&self, far: f64) -> Vec<f64> {
+        let [rows, across] = self.window.size;
+        let mut distance: Vec<f64> = self.height.iter().map(|&h| if h > NO_SURFACE { far } else { 0.0 }).collect();
+        let diagonal = std::f64::consts::SQRT_2;
+        let steps = [(-1, -1, diagonal), (-1, 0, 1.0), (-1, 1, diagonal), (0, -1, 1.0)];
+        for sign in [1, -1] {
+            for n in 0..rows * across {
+                let line = if sign > 0 { n } else { rows * across - 1 - n };
+                for (dr, dc, way) in steps {
+                    let (r, c) = ((line / across) as i64 + sign * dr, (line % across) as i64 + sign * dc);
+                    if r < 0 || c < 0 || r >= rows as i64 || c >= across as i64 {
+                        continue;
+                    }
+                    let other = r as usize * across + c as usize;
+                    let step = self.height[line] - self.height[other] > 2.0 * self.pitch;
+                    let reach = if step { 0.5 * self.pitch } else { distance[other] + way * self.pitch };
+                    distance[line] = distance[line].min(reach);
+                }
+            }
+        }
+        distance
     }
 
     /// Takes the slopes from the heights as they are now.

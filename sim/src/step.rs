@@ -8,9 +8,12 @@
 use glam::DVec3;
 
 use crate::contact::{Contact, Squares};
-use crate::physics::BaseLaw;
+use crate::effect::{RunError, Variable};
+use crate::extent::Extent;
+use crate::physics::Physics;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
+use crate::tool_cells::{CellSums, ToolCells, Under};
 
 /// Relative change of depth over which the slope of the recession is taken.
 const PROBE: f64 = 1e-3;
@@ -23,6 +26,16 @@ struct End {
     share: Vec<f64>,
     pressure: Vec<f64>,
     rate: Vec<f64>,
+    dose_rate: Vec<f64>,
+}
+
+impl End {
+    /// Pressure and rates at the depths.
+    fn evaluate(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
+        physics.pressure(&self.depth, depth_rate, &mut self.pressure)?;
+        physics.rate(&self.depth, &self.pressure, &mut self.rate)?;
+        physics.dose_rate(&self.depth, &self.pressure, &mut self.dose_rate)
+    }
 }
 
 /// What a step does to each square in contact; buffers that are filled again and again.
@@ -30,8 +43,12 @@ struct End {
 pub struct Step {
     start_squares: Squares,
     end_squares: Squares,
+    /// How much further away the tool is than its shape says, by line; empty if it is not.
+    gap: Vec<f64>,
     /// Lines of the sheet that are in contact at either end.
     lines: Vec<u32>,
+    /// How fast the tool comes nearer, less recession [m/s].
+    depth_rate: Vec<f64>,
     start: End,
     end: End,
     probe: End,
@@ -41,49 +58,65 @@ pub struct Step {
     end_load: Vec<f64>,
     /// The same as a mean over the step.
     mean_load: Vec<f64>,
+    /// Dose that the square's mean takes up in the step [1].
+    dose: Vec<f64>,
 }
 
-/// Force at the end of a step, and how it depends on the travel.
+/// Forces of a step, and how the one at its end depends on the travel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EndForce {
-    /// [N]
+    /// At the end [N].
     pub force: f64,
+    /// At the start [N].
+    pub start_force: f64,
     /// -dF/dz [N/m].
     pub stiffness: f64,
 }
 
 impl Step {
     /// Starts a step: measures the tool at `pose` over the surface as it is now.
-    pub fn begin(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet) {
-        self.start_squares.measure(tool, pose, sheet, &[]);
-    }
-
-    /// Force [N] at the start of the step.
-    pub fn start_force(&mut self, law: &BaseLaw, pose: &Pose, sheet: &Sheet) -> f64 {
-        let squares = &self.start_squares;
-        let normal = ApproachShare::new(pose, sheet);
-        let wet = (0..squares.share.len()).filter(|&line| squares.share[line] > 0.0);
-        let area = sheet.pitch * sheet.pitch;
-        wet.map(|line| law.stiffness * squares.mean_depth[line] * area * normal.of(sheet, line)).sum()
+    ///
+    /// # Errors
+    /// A formula of the model that gives no finite number; so for all that runs the model.
+    pub fn begin(
+        &mut self,
+        (tool, pose): (&Tool, &Pose),
+        sheet: &Sheet,
+        physics: &mut Physics,
+    ) -> Result<(), RunError> {
+        physics.gap(tool, pose, sheet, &mut self.gap)?;
+        self.start_squares.measure(tool, pose, sheet, &self.gap);
+        Ok(())
     }
 
     /// Lets the tool end the step at `pose`, after `dt` [s].
-    pub fn end_at(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, law: &BaseLaw, dt: f64) -> EndForce {
-        self.end_squares.measure(tool, pose, sheet, &[]);
-        self.gather();
-        for end in [&mut self.start, &mut self.end] {
-            law.pressure(&end.depth, &mut end.pressure);
-            law.rate(&end.pressure, &mut end.rate);
-        }
+    pub fn end_at(
+        &mut self,
+        (tool, pose): (&Tool, &Pose),
+        sheet: &Sheet,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<EndForce, RunError> {
+        physics.gap(tool, pose, sheet, &mut self.gap)?;
+        self.end_squares.measure(tool, pose, sheet, &self.gap);
+        self.gather(dt);
+        physics.place(tool, pose, sheet, Some(&self.end_squares), &self.lines);
+        self.start.evaluate(physics, &self.depth_rate)?;
+        self.end.evaluate(physics, &self.depth_rate)?;
         self.probe.depth.clear();
         let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
         self.probe.depth.extend(deeper);
-        law.pressure(&self.probe.depth, &mut self.probe.pressure);
-        law.rate(&self.probe.pressure, &mut self.probe.rate);
-        self.relax(pose, sheet, dt)
+        if physics.grinds() {
+            physics.pressure(&self.probe.depth, &self.depth_rate, &mut self.probe.pressure)?;
+            physics.rate(&self.probe.depth, &self.probe.pressure, &mut self.probe.rate)?;
+        } else {
+            self.probe.rate.clear();
+            self.probe.rate.resize(self.lines.len(), 0.0);
+        }
+        Ok(self.relax(pose, sheet, dt))
     }
 
-    fn gather(&mut self) {
+    fn gather(&mut self, dt: f64) {
         let (a, b) = (&self.start_squares, &self.end_squares);
         self.lines.clear();
         let wet = |line: &u32| a.share[*line as usize] + b.share[*line as usize] > 0.0;
@@ -97,6 +130,10 @@ impl Step {
                 end.depth.push(if share > 0.0 { squares.mean_depth[line as usize] / share } else { 0.0 });
             }
         }
+        self.depth_rate.clear();
+        let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let pairs = self.start.depth.iter().zip(&self.end.depth);
+        self.depth_rate.extend(pairs.map(|(a, b)| (b - a) * per_time));
     }
 
     /// Integrates each lane over the step.
@@ -104,6 +141,7 @@ impl Step {
         self.recession.clear();
         self.end_load.clear();
         self.mean_load.clear();
+        self.dose.clear();
         let normal = ApproachShare::new(pose, sheet);
         let area = sheet.pitch * sheet.pitch;
         let mut result = EndForce::default();
@@ -125,35 +163,89 @@ impl Step {
             let stiffness = deeper.pressure / deeper.depth;
             self.recession.push(recession);
             self.end_load.push(load_b * left);
+            let doses = (self.start.dose_rate[lane] * a.share, self.end.dose_rate[lane] * b.share);
+            self.dose.push(0.5 * dt * (doses.0 + doses.1));
             self.mean_load.push((0.5 * (load_a + load_b) - stiffness * mean_recession).max(0.0));
             let facing = area * normal.of(sheet, self.lines[lane] as usize);
             result.force += load_b * left * facing;
+            result.start_force += load_a * facing;
             result.stiffness += stiffness * b.share * (1.0 - decay.x * decay.phi2) * facing;
         }
         result
     }
 
-    /// Applies the step to the sheet. Returns what the tool met, as a mean over the step, and the volume that
-    /// Eq. (1) removes [m³].
-    pub fn apply(&self, pose: &Pose, sheet: &mut Sheet) -> (Contact, f64) {
+    /// What the tool meets, as a mean over the step.
+    pub fn contact(&self, pose: &Pose, sheet: &Sheet) -> Contact {
         let area = sheet.pitch * sheet.pitch;
         let normal = ApproachShare::new(pose, sheet);
-        let (mut contact, mut volume) = (Contact::default(), 0.0);
+        let mut contact = Contact::default();
         for (lane, &line) in self.lines.iter().enumerate() {
             let line = line as usize;
             let facing = area * normal.of(sheet, line);
-            let surface = area * sheet.area_ratio(line);
             let force = self.mean_load[lane] * facing;
             let arm = sheet.facing.world(sheet.point(line)) - pose.centre;
             contact.force += force;
-            contact.load += self.mean_load[lane] * surface;
+            contact.load += self.mean_load[lane] * area * sheet.area_ratio(line);
             contact.moment += arm.cross(pose.approach) * force;
             contact.area += 0.5 * (self.start.share[lane] + self.end.share[lane]) * facing;
-            contact.pressure_max = contact.pressure_max.max(self.start.pressure[lane]);
-            volume += self.recession[lane] * surface;
-            sheet.recede(line, self.recession[lane]);
+            // The pressure belongs to the square's mean depth; its column may be deeper.
+            let peak = (self.start_squares.depth[line] / self.start.depth[lane]).max(1.0);
+            if self.start.share[lane] > 0.0 {
+                contact.pressure_max = contact.pressure_max.max(self.start.pressure[lane] * peak);
+            }
         }
-        (contact, volume)
+        contact
+    }
+
+    /// Applies the step to the sheet. Returns the volumes removed from the part and from a `coating` [m].
+    pub fn apply(&self, sheet: &mut Sheet, coating: f64) -> Removal {
+        let mut removal = Removal::default();
+        for (lane, &line) in self.lines.iter().enumerate() {
+            let line = line as usize;
+            let surface = sheet.pitch * sheet.pitch * sheet.area_ratio(line);
+            removal.volume += self.recession[lane] * surface;
+            sheet.recede(line, self.recession[lane]);
+            let taken = self.dose[lane].min((1.0 - sheet.dose[line]).max(0.0));
+            removal.coating_volume += taken * coating * surface;
+            sheet.dose[line] += self.dose[lane];
+        }
+        removal
+    }
+
+    /// What the workpiece's cells see at the end of the step, lane by lane.
+    pub fn means(&self) -> [(Variable, &[f64]); 5] {
+        [
+            (Variable::Depth, &self.end.depth),
+            (Variable::DepthRate, &self.depth_rate),
+            (Variable::Pressure, &self.end.pressure),
+            (Variable::Rate, &self.end.rate),
+            (Variable::DoseRate, &self.end.dose_rate),
+        ]
+    }
+
+    /// Lines in contact at either end of the step.
+    pub fn lines(&self) -> &[u32] {
+        &self.lines
+    }
+
+    /// What happened under each cell of the tool: means over its contact, and what was taken under it.
+    pub fn cell_sums(&self, (tool, pose): (&Tool, &Pose), sheet: &Sheet, physics: &Physics, dt: f64) -> CellSums {
+        let mut sums = CellSums::default();
+        let places = ToolCells::of(tool);
+        for (lane, &line) in self.lines.iter().enumerate() {
+            let line = line as usize;
+            let at = pose.local(sheet.facing.world(sheet.point(line)));
+            sums.add(places.place(at), &Under {
+                share: 0.5 * (self.start.share[lane] + self.end.share[lane]),
+                load: self.mean_load[lane],
+                slip_speed: physics.slip_speed(tool, at),
+                recession: self.recession[lane] / dt,
+                dose: self.dose[lane] / dt,
+                surface: sheet.pitch * sheet.pitch * sheet.area_ratio(line),
+                coating: physics.coating,
+            });
+        }
+        sums
     }
 
     /// Largest depth under the working surface at the end of the step [m], negative: the gap.
@@ -166,13 +258,14 @@ impl Step {
         self.start_squares.reaches_border(sheet) || self.end_squares.reaches_border(sheet)
     }
 
-    /// Extent of the contact in the tool's frame: least and greatest x and y [m].
-    pub fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<[(f64, f64); 2]> {
-        let mut extent: Option<[(f64, f64); 2]> = None;
+    /// Extent of the contact; `None` without any.
+    pub fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
+        let mut extent: Option<Extent> = None;
         for &line in &self.lines {
             let at = pose.local(sheet.facing.world(sheet.point(line as usize)));
-            let so_far = extent.get_or_insert([(at.x, at.x), (at.y, at.y)]);
-            *so_far = [(so_far[0].0.min(at.x), so_far[0].1.max(at.x)), (so_far[1].0.min(at.y), so_far[1].1.max(at.y))];
+            let so_far = extent.get_or_insert(Extent { x: (at.x, at.x), y: (at.y, at.y) });
+            so_far.x = (so_far.x.0.min(at.x), so_far.x.1.max(at.x));
+            so_far.y = (so_far.y.0.min(at.y), so_far.y.1.max(at.y));
         }
         extent
     }
@@ -181,6 +274,15 @@ impl Step {
     pub fn recession_max(&self) -> f64 {
         self.recession.iter().copied().fold(0.0, f64::max)
     }
+}
+
+/// What a step took off.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Removal {
+    /// By Eq. (1) [m³].
+    pub volume: f64,
+    /// Of the coating, by Eq. (2) [m³].
+    pub coating_volume: f64,
 }
 
 /// One lane at one end.

@@ -5,16 +5,20 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{LAW, WHEEL, ball, bar, odd_turn, plate, pressed, turned};
+use common::{WHEEL, base, fresh, ball, bar, odd_turn, plate, pressed, turned};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
+use sim::physics::Physics;
 use sim::press::Press;
 use sim::{Contact, Frame, Pose, Tool, Wheel};
 
 const K: f64 = 1e10;
 
 fn contact(grid: &BrickGrid, wheel: &Wheel, pose: &Pose) -> Contact {
-    Press::new(grid, &Tool::from(*wheel), *pose, 1e-3).contact(0.0, &LAW)
+    let model = base();
+    let mut states = fresh(&model);
+    let mut physics = Physics::new(&model, &mut states, 0.0);
+    Press::new(grid, &Tool::from(*wheel), *pose, 1e-3).contact(0.0, &mut physics).expect("a contact")
 }
 
 /// K b [a R - c² asinh(a/c)], in terms that do not cancel.

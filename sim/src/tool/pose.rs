@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::effect::PoseChange;
+
 /// Axes of a tool in the workpiece's frame, orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
@@ -57,6 +59,13 @@ impl Pose {
     /// The pose lifted by `travel` [m] along the approach axis.
     pub fn lifted(&self, travel: f64) -> Self {
         Self { centre: self.centre + self.approach * travel, ..*self }
+    }
+
+    /// The pose with a model's offset and tilt.
+    pub fn changed(&self, change: &PoseChange) -> Self {
+        let frame = self.frame.tilted(change.roll, change.pitch);
+        let [x, y, z] = change.offset;
+        Self { centre: self.centre + self.frame.matrix() * DVec3::new(x, y, z), frame, ..*self }
     }
 
     /// A point of the workpiece's frame [m] in the tool's.

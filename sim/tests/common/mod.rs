@@ -3,14 +3,39 @@
 
 use glam::{DMat3, DVec3};
 use sdf_bake::BrickGrid;
-use sim::physics::BaseLaw;
+use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
 use sim::{CurvePoint, Frame, Pose, Wheel};
 
 pub(crate) const WHEEL: Wheel = Wheel::cylinder(0.05, 0.02);
 
-/// A stiff wheel without a threshold.
-pub(crate) const LAW: BaseLaw =
-    BaseLaw { stiffness: 1e10, grind_rate: 1e-9, threshold_pressure: 0.0, sanding_rate: 0.0 };
+/// K of the tests [Pa/m].
+pub(crate) const STIFFNESS: f64 = 1e10;
+/// k of the tests [m/(Pa s)].
+pub(crate) const GRIND_RATE: f64 = 1e-9;
+
+/// A model from the text of a model file.
+pub(crate) fn model(text: &str) -> CompiledModel {
+    let model = Model::parse("model.toml", text, Library::builtin()).expect("a model");
+    CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model that compiles")
+}
+
+/// The base law of grinding without a threshold.
+pub(crate) fn base() -> CompiledModel {
+    threshold(0.0)
+}
+
+/// The base law of grinding with a threshold pressure [Pa].
+pub(crate) fn threshold(pressure: f64) -> CompiledModel {
+    model(&format!(
+        "process = \"grinding\"\n[law.winkler]\nstiffness = \"{STIFFNESS:e} Pa/m\"\n\
+         [law.preston-threshold]\ngrind_rate = \"{GRIND_RATE:e} m/(Pa s)\"\nthreshold_pressure = \"{pressure:e} Pa\"\n"
+    ))
+}
+
+/// A fresh tool.
+pub(crate) fn fresh(model: &CompiledModel) -> States {
+    States::new(model, sim::TOOL_CELLS)
+}
 
 /// A plate with its top at z = `top`, 60 x 40 mm or so.
 pub(crate) fn plate(voxel: f64, top: f64) -> BrickGrid {
