@@ -22,8 +22,9 @@ impl Trial {
         let source = Source::read(folder)?;
         let manifest = source.manifest()?;
         let mut reader = Reader { folder, source: &source, notes: Vec::new() };
-        let trial = reader.trial(&manifest)?;
-        plausible::check(&trial, &manifest)?;
+        let mut trial = reader.trial(&manifest)?;
+        let logs: Vec<&Path> = manifest.pass.iter().map(|table| table.log.get_ref().as_path()).collect();
+        plausible::check(&mut trial, &logs)?;
         Ok(trial)
     }
 }

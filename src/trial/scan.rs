@@ -9,6 +9,7 @@ use super::error::{Place, TrialError};
 use super::height_csv::Grid;
 use super::keyence;
 use super::table::Table;
+use crate::measure::median;
 
 /// Slope between neighbouring pixels that most of no surface has [1].
 const MOST_SLOPE: f64 = 2.0;
@@ -86,12 +87,7 @@ fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     }
     let nx = map.pixels.nx;
     let steps = map.heights.chunks_exact(nx).flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
-    let mut steps: Vec<f64> = steps.filter(|step| step.is_finite()).collect();
-    let middle = steps.len() / 2;
-    if middle == 0 {
-        return Ok(());
-    }
-    let slope = *steps.select_nth_unstable_by(middle, f64::total_cmp).1 / map.pixels.pitch;
+    let slope = median(steps.filter(|step| step.is_finite()).collect()).unwrap_or(0.0) / map.pixels.pitch;
     if slope <= MOST_SLOPE {
         return Ok(());
     }
