@@ -12,7 +12,7 @@ mod untouched;
 use sdf_bake::HeightMap;
 
 pub use noise::{NoiseFloor, noise_floor};
-pub use register::{Registration, RegistrationError, register};
+pub use register::{Freedom, Registration, RegistrationError, register};
 pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 pub use untouched::untouched;
 

@@ -2,7 +2,7 @@
 
 use sdf_bake::HeightMap;
 
-use super::register::{Registration, RegistrationError, register};
+use super::register::{Freedom, Registration, RegistrationError, register};
 use super::robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 
 /// Lags of the variogram at most [pixels].
@@ -29,7 +29,7 @@ pub struct NoiseFloor {
     pub registration: Registration,
 }
 
-/// Compares two scans of one surface after laying one on the other.
+/// Compares two scans of one surface after laying one on the other, with a lateral shift.
 ///
 /// The difference of two scans has twice the variance of one. Its robust variogram
 /// `g(l) = ½ (1.4826 median |d(x + l) - d(x)|)²`, the mean over x and y, rises from the white part at lag zero to
@@ -38,9 +38,8 @@ pub struct NoiseFloor {
 /// # Errors
 /// [`RegistrationError`] when the scans cannot be laid on each other.
 pub fn noise_floor(first: &HeightMap, second: &HeightMap) -> Result<NoiseFloor, RegistrationError> {
-    let registration = register(second, first, |_| true)?;
-    let laid = registration.applied_to(second);
-    let difference: Vec<f64> = laid.heights.iter().zip(&first.heights).map(|(a, b)| a - b).collect();
+    let registration = register(second, first, Freedom::PlaneAndShift, |_| true)?;
+    let difference = registration.left(second, first);
     let known: Vec<f64> = difference.iter().copied().filter(|d| d.is_finite()).collect();
     let Some((_, spread)) = centre_and_sigma(&known) else {
         return Err(RegistrationError::TooFewPixels { found: 0 });

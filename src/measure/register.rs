@@ -1,6 +1,7 @@
-//! Offset and tilt between two maps of one surface, by iteratively reweighted least squares.
+//! How two maps of one surface lie on each other: offset, tilt and, if asked, a lateral shift, by iteratively
+//! reweighted least squares.
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::DVec2;
 use sdf_bake::HeightMap;
 use thiserror::Error;
 
@@ -14,14 +15,30 @@ const ROUNDS: (usize, usize) = (10, 20);
 const TUNING: (f64, f64) = (1.345, 4.685);
 /// Spread below which the fit is exact [m].
 const EXACT: f64 = 1e-12;
+/// Unknowns: offset, tilt along x and y, shift along x and y.
+const UNKNOWNS: usize = 5;
+/// Share of a column's length that the others must leave of it.
+const INDEPENDENT: f64 = 1e-6;
 
-/// How one map lies over another: `measured - reference = offset + tilt · (place - centre)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What may differ between two maps of one surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Freedom {
+    /// Offset and tilt.
+    Plane,
+    /// Offset, tilt and a lateral shift; the shift needs a surface with slopes along x and y.
+    PlaneAndShift,
+}
+
+/// How one map lies over another:
+/// `measured(p) = reference(p - shift) + offset + tilt · (p - centre)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Registration {
     /// Height difference at `centre` [m].
     pub offset: f64,
     /// Slope of the difference along x and y [1].
     pub tilt: DVec2,
+    /// Lateral shift [m]; zero unless asked for.
+    pub shift: DVec2,
     /// Mean place of the pixels used [m].
     pub centre: DVec2,
     /// Robust standard deviation of what is left on the pixels used [m].
@@ -49,90 +66,153 @@ pub enum RegistrationError {
     },
 }
 
+/// One pixel's equation: what each unknown adds, and the difference of the maps [m].
+struct Equation {
+    basis: [f64; UNKNOWNS],
+    difference: f64,
+}
+
 /// Lays `measured` on `reference` over the pixels that `takes` says; outliers among them count little or nothing.
+///
+/// A shift is a step of Gauss and Newton's method with the reference's central differences, good for a small part of
+/// the pitch; a simulated reference can be observed again at the shifted pixels.
 ///
 /// # Errors
 /// [`RegistrationError`] when the maps differ in shape, or too few pixels are left.
 pub fn register(
     measured: &HeightMap,
     reference: &HeightMap,
+    freedom: Freedom,
     takes: impl Fn(usize) -> bool,
 ) -> Result<Registration, RegistrationError> {
-    let (found, expected) = (measured.pixels, reference.pixels);
-    if (found.nx, found.ny) != (expected.nx, expected.ny) {
-        let (found, reference) = ((found.nx, found.ny), (expected.nx, expected.ny));
+    let (pixels, other) = (measured.pixels, reference.pixels);
+    if (pixels.nx, pixels.ny) != (other.nx, other.ny) {
+        let (found, reference) = ((pixels.nx, pixels.ny), (other.nx, other.ny));
         return Err(RegistrationError::DifferentPixels { found, reference });
     }
-    let place = |at: usize| found.position(at % found.nx, at / found.nx);
-    let difference = |at: usize| measured.heights[at] - reference.heights[at];
-    let samples: Vec<(DVec2, f64)> = (0..found.len())
-        .filter(|&at| takes(at) && difference(at).is_finite())
-        .map(|at| (place(at), difference(at)))
-        .collect();
-    let too_few = RegistrationError::TooFewPixels { found: samples.len() };
-    if samples.len() < LEAST_PIXELS {
+    let known = |at: usize| (measured.heights[at] - reference.heights[at]).is_finite();
+    let used: Vec<usize> = (0..pixels.len()).filter(|&at| takes(at) && known(at)).collect();
+    let place = |at: usize| pixels.position(at % pixels.nx, at / pixels.nx);
+    let centre = used.iter().map(|&at| place(at)).sum::<DVec2>() / used.len().max(1) as f64;
+    let scale = pixels.pitch * pixels.nx.max(pixels.ny) as f64;
+    let equation = |at: usize| {
+        let (x, slope) = ((place(at) - centre) / scale, slope(reference, at, freedom));
+        let basis = [1.0, x.x, x.y, -slope.x, -slope.y];
+        let difference = measured.heights[at] - reference.heights[at];
+        (!slope.is_nan()).then_some(Equation { basis, difference })
+    };
+    let equations: Vec<Equation> = used.iter().filter_map(|&at| equation(at)).collect();
+    let too_few = RegistrationError::TooFewPixels { found: equations.len() };
+    if equations.len() < LEAST_PIXELS {
         return Err(too_few);
     }
-    let centre = samples.iter().map(|(place, _)| *place).sum::<DVec2>() / samples.len() as f64;
-    let scale = found.pitch * found.nx.max(found.ny) as f64;
-    let rows: Vec<(DVec3, f64)> =
-        samples.iter().map(|&(place, d)| (((place - centre) / scale).extend(1.0), d)).collect();
-    let (plane, sigma) = fit(&rows).ok_or(too_few)?;
-    Ok(Registration { offset: plane.z, tilt: plane.truncate() / scale, centre, sigma, pixels: rows.len() })
+    let ([offset, tilt_x, tilt_y, shift_x, shift_y], sigma) = fit(&equations).ok_or(too_few)?;
+    let (tilt, shift) = (DVec2::new(tilt_x, tilt_y) / scale, DVec2::new(shift_x, shift_y));
+    Ok(Registration { offset, tilt, shift, centre, sigma, pixels: equations.len() })
 }
 
-/// The robust plane through rows of (basis, value), and the spread around it.
-fn fit(rows: &[(DVec3, f64)]) -> Option<(DVec3, f64)> {
-    let mut plane = weighted(rows, |_| 1.0)?;
-    let mut sigma = spread(rows, plane)?;
+/// Slope of a map at a pixel by central differences, NaN at the border and beside missing pixels; zero where no
+/// shift is asked for.
+fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
+    let (nx, ny) = (map.pixels.nx, map.pixels.ny);
+    let (i, j) = (at % nx, at / nx);
+    if freedom == Freedom::Plane {
+        return DVec2::ZERO;
+    }
+    if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
+        return DVec2::NAN;
+    }
+    let h = &map.heights;
+    DVec2::new(h[at + 1] - h[at - 1], h[at + nx] - h[at - nx]) / (2.0 * map.pixels.pitch)
+}
+
+/// The robust solution, and the spread around it.
+fn fit(equations: &[Equation]) -> Option<([f64; UNKNOWNS], f64)> {
+    let mut solution = weighted(equations, |_| 1.0)?;
+    let mut sigma = spread(equations, &solution)?;
     for round in 0..ROUNDS.0 + ROUNDS.1 {
         if sigma < EXACT {
             break;
         }
         let huber = |r: f64| (TUNING.0 * sigma / r.abs()).min(1.0);
         let tukey = |r: f64| (1.0 - (r / (TUNING.1 * sigma)).powi(2)).max(0.0).powi(2);
-        plane = if round < ROUNDS.0 {
-            weighted(rows, |(basis, d)| huber(d - plane.dot(*basis)))?
-        } else {
-            weighted(rows, |(basis, d)| tukey(d - plane.dot(*basis)))?
-        };
-        sigma = spread(rows, plane)?;
+        let weight = |r: f64| if round < ROUNDS.0 { huber(r) } else { tukey(r) };
+        solution = weighted(equations, |equation| weight(equation.left(&solution)))?;
+        sigma = spread(equations, &solution)?;
     }
-    Some((plane, sigma))
+    Some((solution, sigma))
 }
 
-/// Weighted least squares; `None` where the rows do not fix a plane.
-fn weighted(rows: &[(DVec3, f64)], weight: impl Fn(&(DVec3, f64)) -> f64) -> Option<DVec3> {
-    let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for row in rows {
-        let (basis, w) = (row.0, weight(row));
-        matrix += DMat3::from_cols(basis * basis.x, basis * basis.y, basis * basis.z) * w;
-        right += basis * (row.1 * w);
+impl Equation {
+    fn left(&self, solution: &[f64; UNKNOWNS]) -> f64 {
+        self.difference - self.basis.iter().zip(solution).map(|(a, b)| a * b).sum::<f64>()
     }
-    let plane = matrix.inverse() * right;
-    // Lengths are of order one, so that a determinant this small is a line.
-    (matrix.determinant() > 1e-12 * matrix.z_axis.z.powi(3) && plane.is_finite()).then_some(plane)
 }
 
-fn spread(rows: &[(DVec3, f64)], plane: DVec3) -> Option<f64> {
-    let residuals: Vec<f64> = rows.iter().map(|(basis, d)| d - plane.dot(*basis)).collect();
-    centre_and_sigma(&residuals).map(|(_, sigma)| sigma)
+fn spread(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Option<f64> {
+    let left: Vec<f64> = equations.iter().map(|equation| equation.left(solution)).collect();
+    centre_and_sigma(&left).map(|(_, sigma)| sigma)
+}
+
+/// Weighted least squares by Cholesky's factors of the normal equations. Shifts that the surface does not show stay
+/// zero; `None` where not even the plane is fixed.
+fn weighted(equations: &[Equation], weight: impl Fn(&Equation) -> f64) -> Option<[f64; UNKNOWNS]> {
+    let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
+    let mut right = [0.0; UNKNOWNS];
+    for equation in equations {
+        let w = weight(equation);
+        for i in 0..UNKNOWNS {
+            right[i] += w * equation.basis[i] * equation.difference;
+            for j in 0..=i {
+                matrix[i][j] += w * equation.basis[i] * equation.basis[j];
+            }
+        }
+    }
+    let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
+    let mut solution = [0.0; UNKNOWNS];
+    for i in 0..UNKNOWNS {
+        for j in 0..i {
+            let sum: f64 = (0..j).map(|k| factor[i][k] * factor[j][k]).sum();
+            factor[i][j] = if factor[j][j] > 0.0 { (matrix[i][j] - sum) / factor[j][j] } else { 0.0 };
+        }
+        let pivot = matrix[i][i] - (0..i).map(|k| factor[i][k] * factor[i][k]).sum::<f64>();
+        let is_fixed = pivot > INDEPENDENT * matrix[i][i];
+        if !is_fixed && i < 3 {
+            return None;
+        }
+        factor[i][i] = if is_fixed { pivot.sqrt() } else { 0.0 };
+        let known: f64 = (0..i).map(|k| factor[i][k] * solution[k]).sum();
+        solution[i] = if is_fixed { (right[i] - known) / factor[i][i] } else { 0.0 };
+    }
+    for i in (0..UNKNOWNS).rev() {
+        let known: f64 = (i + 1..UNKNOWNS).map(|k| factor[k][i] * solution[k]).sum();
+        solution[i] = if factor[i][i] > 0.0 { (solution[i] - known) / factor[i][i] } else { 0.0 };
+    }
+    solution.iter().all(|value| value.is_finite()).then_some(solution)
 }
 
 impl Registration {
-    /// What the registration says at a place [m].
-    pub fn at(&self, place: DVec2) -> f64 {
+    /// The plane at a place [m].
+    pub fn plane(&self, place: DVec2) -> f64 {
         self.offset + self.tilt.dot(place - self.centre)
     }
 
-    /// The measured map, laid on the reference.
-    pub fn applied_to(&self, measured: &HeightMap) -> HeightMap {
+    /// The measured map without the plane; a shift is left to the reference.
+    pub fn levelled(&self, measured: &HeightMap) -> HeightMap {
         let mut map = measured.clone();
         let pixels = map.pixels;
         for (at, height) in map.heights.iter_mut().enumerate() {
-            *height -= self.at(pixels.position(at % pixels.nx, at / pixels.nx));
+            *height -= self.plane(pixels.position(at % pixels.nx, at / pixels.nx));
         }
         map
+    }
+
+    /// What is left of `measured - reference` at each pixel [m], NaN where it is not known.
+    pub fn left(&self, measured: &HeightMap, reference: &HeightMap) -> Vec<f64> {
+        let freedom = if self.shift == DVec2::ZERO { Freedom::Plane } else { Freedom::PlaneAndShift };
+        let levelled = self.levelled(measured);
+        let shifted = |at: usize| reference.heights[at] - self.shift.dot(slope(reference, at, freedom));
+        levelled.heights.iter().enumerate().map(|(at, height)| height - shifted(at)).collect()
     }
 }
 
@@ -142,18 +222,20 @@ mod tests {
 
     use super::*;
 
-    fn maps() -> (HeightMap, HeightMap) {
+    fn bead(p: DVec2) -> f64 {
+        let along = (1.0 - ((p.x - 0.035) / 0.03).powi(4)).max(0.0);
+        (2e-3 * along * (1.0 - (p.y / 5e-3).powi(2))).max(0.0)
+    }
+
+    fn maps(shift: DVec2) -> (HeightMap, HeightMap) {
         let pixels = PixelGrid { origin: DVec2::new(0.0, -0.01), pitch: 0.5e-3, nx: 140, ny: 40 };
-        let surface = |p: DVec2| (2e-3 * (1.0 - (p.y / 5e-3).powi(2))).max(0.0);
-        let reference = HeightMap::from_function(pixels, surface);
-        let measured = HeightMap::from_function(pixels, |p| surface(p) + 12e-6 + 0.4e-3 * p.x - 0.7e-3 * p.y);
+        let reference = HeightMap::from_function(pixels, bead);
+        let measured = HeightMap::from_function(pixels, |p| bead(p - shift) + 12e-6 + 0.4e-3 * p.x - 0.7e-3 * p.y);
         (measured, reference)
     }
 
-    #[test]
-    fn offset_and_tilt_are_found_below_a_third_of_outliers() {
-        let (mut measured, reference) = maps();
-        for (at, height) in measured.heights.iter_mut().enumerate() {
+    fn dirty(map: &mut HeightMap) {
+        for (at, height) in map.heights.iter_mut().enumerate() {
             *height += 2e-6 * (((at * 7919) % 1000) as f64 / 500.0 - 1.0);
             if at % 3 == 0 {
                 *height -= 80e-6;
@@ -162,27 +244,58 @@ mod tests {
                 *height = f64::NAN;
             }
         }
-        let found = register(&measured, &reference, |_| true).unwrap();
-        let error = (0..4)
-            .map(|k| DVec2::new(0.07 * f64::from(k % 2), 0.02 * f64::from(k / 2) - 0.01))
-            .map(|p| (found.at(p) - (12e-6 + 0.4e-3 * p.x - 0.7e-3 * p.y)).abs());
-        let worst = error.fold(0.0, f64::max);
-        println!("registration is off by {worst:.1e} m at the map's corners");
-        assert!(worst < 0.2e-6, "{worst}: {found:?}");
-        let laid = found.applied_to(&measured);
-        assert!(super::super::residual(&laid, &reference, |at| at % 3 != 0).rms < 2e-6);
+    }
+
+    fn worst(found: &Registration) -> f64 {
+        let corners = (0..4).map(|k| DVec2::new(0.07 * f64::from(k % 2), 0.02 * f64::from(k / 2) - 0.01));
+        let error = |p: DVec2| (found.plane(p) - (12e-6 + 0.4e-3 * p.x - 0.7e-3 * p.y)).abs();
+        corners.map(error).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn offset_and_tilt_are_found_below_a_third_of_outliers() {
+        let (mut measured, reference) = maps(DVec2::ZERO);
+        dirty(&mut measured);
+        let found = register(&measured, &reference, Freedom::Plane, |_| true).unwrap();
+        println!("registration is off by {:.1e} m at the map's corners", worst(&found));
+        assert!(worst(&found) < 0.2e-6, "{found:?}");
+        assert!(super::super::residual(&found.levelled(&measured), &reference, |at| at % 3 != 0).rms < 2e-6);
+    }
+
+    #[test]
+    fn a_shift_is_told_from_a_tilt() {
+        let shift = DVec2::new(23e-6, -17e-6);
+        let (mut measured, reference) = maps(shift);
+        dirty(&mut measured);
+        let found = register(&measured, &reference, Freedom::PlaneAndShift, |_| true).unwrap();
+        println!("shift {} m, off by {:.1e} m", found.shift, (found.shift - shift).length());
+        assert!((found.shift - shift).length() < 1.5e-6, "{found:?}");
+        assert!(worst(&found) < 0.3e-6, "{found:?}");
+        let left = found.left(&measured, &reference);
+        let clean: Vec<f64> =
+            left.iter().copied().enumerate().filter(|(k, d)| k % 3 != 0 && d.is_finite()).map(|(_, d)| d).collect();
+        assert!(centre_and_sigma(&clean).unwrap().1 < 2e-6);
+    }
+
+    #[test]
+    fn a_flat_plate_has_no_shift() {
+        let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 40, ny: 30 };
+        let plate = HeightMap::from_function(pixels, |_| 0.0);
+        let mut other = plate.clone();
+        dirty(&mut other);
+        let found = register(&other, &plate, Freedom::PlaneAndShift, |_| true).unwrap();
+        assert_eq!(found.shift, DVec2::ZERO);
     }
 
     #[test]
     fn maps_that_cannot_be_laid_on_each_other_say_why() {
-        let (measured, reference) = maps();
-        assert!(matches!(
-            register(&measured, &reference, |at| at < 9),
-            Err(RegistrationError::TooFewPixels { found: 9 })
-        ));
-        assert!(register(&measured, &reference, |at| at < 140).is_err(), "one row fixes no tilt across it");
+        let (measured, reference) = maps(DVec2::ZERO);
+        let plane = |takes: &dyn Fn(usize) -> bool| register(&measured, &reference, Freedom::Plane, takes);
+        assert!(matches!(plane(&|at| at < 9), Err(RegistrationError::TooFewPixels { found: 9 })));
+        assert!(plane(&|at| at < 140).is_err(), "one row fixes no tilt across it");
         let mut short = reference.clone();
         short.pixels.nx = 139;
-        assert!(matches!(register(&measured, &short, |_| true), Err(RegistrationError::DifferentPixels { .. })));
+        let error = register(&measured, &short, Freedom::Plane, |_| true);
+        assert!(matches!(error, Err(RegistrationError::DifferentPixels { .. })));
     }
 }

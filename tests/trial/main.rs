@@ -5,6 +5,7 @@
 
 mod files;
 mod hostile;
+mod instrument;
 mod keyence;
 mod poses;
 mod shared;
