@@ -201,7 +201,7 @@ fn cubic_weights(t: f64) -> [f64; 4] {
 /// Gaussian blur of rows of `nx` values with a standard deviation of `sigma` [pixels]; missing values stay missing
 /// and count nothing for their neighbours.
 fn blurred(values: Vec<f64>, nx: usize, sigma: f64) -> Vec<f64> {
-    if !(sigma > 0.0) || values.is_empty() {
+    if sigma <= 0.0 || values.is_empty() {
         return values;
     }
     let kernel = kernel(sigma);

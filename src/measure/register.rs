@@ -154,20 +154,25 @@ fn spread(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Option<f64> {
     centre_and_sigma(&left).map(|(_, sigma)| sigma)
 }
 
-/// Weighted least squares by Cholesky's factors of the normal equations. Shifts that the surface does not show stay
-/// zero; `None` where not even the plane is fixed.
+/// Weighted least squares; `None` where not even the plane is fixed.
 fn weighted(equations: &[Equation], weight: impl Fn(&Equation) -> f64) -> Option<[f64; UNKNOWNS]> {
     let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut right = [0.0; UNKNOWNS];
     for equation in equations {
         let w = weight(equation);
-        for i in 0..UNKNOWNS {
-            right[i] += w * equation.basis[i] * equation.difference;
-            for j in 0..=i {
-                matrix[i][j] += w * equation.basis[i] * equation.basis[j];
+        for (i, a) in equation.basis.iter().enumerate() {
+            right[i] += w * a * equation.difference;
+            for (sum, b) in matrix[i].iter_mut().zip(&equation.basis) {
+                *sum += w * a * b;
             }
         }
     }
+    solved(&matrix, &right)
+}
+
+/// Solves normal equations by Cholesky's factors. Shifts that the surface does not show stay zero; `None` where the
+/// plane is not fixed.
+fn solved(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], right: &[f64; UNKNOWNS]) -> Option<[f64; UNKNOWNS]> {
     let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut solution = [0.0; UNKNOWNS];
     for i in 0..UNKNOWNS {
@@ -176,13 +181,12 @@ fn weighted(equations: &[Equation], weight: impl Fn(&Equation) -> f64) -> Option
             factor[i][j] = if factor[j][j] > 0.0 { (matrix[i][j] - sum) / factor[j][j] } else { 0.0 };
         }
         let pivot = matrix[i][i] - (0..i).map(|k| factor[i][k] * factor[i][k]).sum::<f64>();
-        let is_fixed = pivot > INDEPENDENT * matrix[i][i];
-        if !is_fixed && i < 3 {
+        if pivot > INDEPENDENT * matrix[i][i] {
+            factor[i][i] = pivot.sqrt();
+            solution[i] = (right[i] - (0..i).map(|k| factor[i][k] * solution[k]).sum::<f64>()) / factor[i][i];
+        } else if i < 3 {
             return None;
         }
-        factor[i][i] = if is_fixed { pivot.sqrt() } else { 0.0 };
-        let known: f64 = (0..i).map(|k| factor[i][k] * solution[k]).sum();
-        solution[i] = if is_fixed { (right[i] - known) / factor[i][i] } else { 0.0 };
     }
     for i in (0..UNKNOWNS).rev() {
         let known: f64 = (i + 1..UNKNOWNS).map(|k| factor[k][i] * solution[k]).sum();

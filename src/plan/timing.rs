@@ -35,8 +35,7 @@ impl Plan {
             })
             .collect();
         let rows = start / travel.period;
-        // Written so that a path without end or number fails too.
-        if !(rows <= MOST_ROWS) {
+        if rows.is_nan() || rows > MOST_ROWS {
             return Err(PlanError::TooLong { rows, accepted: MOST_ROWS });
         }
         let steps = (rows - 1e-9).floor() as usize;
