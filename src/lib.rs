@@ -6,7 +6,8 @@
 //! 2. [`workpiece`] places a weld on it ([`weldgen`]) and bakes part and bead ([`sdf_bake::bake`]).
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
-//! 5. [`validate`] opens what was written and holds it against itself.
+//! 5. [`plan`] makes tool paths; [`trial`] reads what was measured, and [`measure`] says what it is worth.
+//! 6. [`validate`] opens what was written and holds it against itself.
 //!
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
 
@@ -17,8 +18,10 @@ pub mod console;
 pub mod export;
 pub mod finishing;
 pub mod folder;
+pub mod measure;
 pub mod part;
 pub mod picture;
+pub mod plan;
 pub mod python;
 pub mod report;
 pub mod trial;

@@ -2,9 +2,10 @@
 //!
 //! Along each lattice line parallel to z the topmost surface is the zero of the cubic through the four voxels around
 //! the sign change, which is third order and better for a φ that is a distance. Pixels between lattice lines
-//! take the bicubic of the lines around them; then the instrument's lateral blur is applied.
+//! take the bicubic of the lines around them; then the instrument's lateral blur is applied. Pixels all on lattice
+//! lines, as those of a scan whose pitch is a multiple of the voxel, need their own lines only.
 
-use glam::{DVec2, IVec3};
+use glam::{DVec2, IVec2, IVec3};
 use rayon::prelude::*;
 use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
@@ -33,7 +34,7 @@ struct Crossing {
 /// Lattice lines around an instrument's pixels.
 struct Lines {
     /// First line [voxels].
-    first: [i32; 2],
+    first: IVec2,
     nx: usize,
     ny: usize,
 }
@@ -74,31 +75,37 @@ impl Profilometer {
 
     /// What `read` finds on the surface, at the pixels, blurred.
     fn seen(&self, grid: &BrickGrid, read: impl Fn(Crossing) -> f64 + Sync) -> Vec<f64> {
-        let lines = Lines::around(&self.pixels, grid.voxel);
-        let value = |k: usize| topmost(grid, lines.line(k)).map_or(f64::NAN, &read);
-        let on_lines: Vec<f64> = (0..lines.nx * lines.ny).into_par_iter().map(value).collect();
-        let pixel = |k: usize| {
-            let place = self.pixels.position(k % self.pixels.nx, k / self.pixels.nx) / grid.voxel;
-            lines.at(&on_lines, place)
+        let value = |line: IVec2| topmost(grid, line).map_or(f64::NAN, &read);
+        let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx) / grid.voxel;
+        let count = self.pixels.len();
+        let sharp: Vec<f64> = if (0..count).all(|k| is_on_line(place(k))) {
+            (0..count).into_par_iter().map(|k| value(place(k).round().as_ivec2())).collect()
+        } else {
+            let lines = Lines::around(&self.pixels, grid.voxel);
+            let on_lines: Vec<f64> = (0..lines.nx * lines.ny).into_par_iter().map(|k| value(lines.line(k))).collect();
+            (0..count).into_par_iter().map(|k| lines.at(&on_lines, place(k))).collect()
         };
-        let sharp: Vec<f64> = (0..self.pixels.len()).into_par_iter().map(pixel).collect();
         blurred(sharp, self.pixels.nx, self.blur / self.pixels.pitch)
     }
 }
 
+/// Whether a place [voxels] is on a lattice line.
+fn is_on_line(place: DVec2) -> bool {
+    (place - place.round()).abs().max_element() < ON_LINE
+}
+
 /// The topmost surface on the lattice line at (x, y) [voxels].
-fn topmost(grid: &BrickGrid, [x, y]: [i32; 2]) -> Option<Crossing> {
+fn topmost(grid: &BrickGrid, line: IVec2) -> Option<Crossing> {
     let side = BRICK_SIDE as i32;
     let mut above: Option<f32> = None;
     for brick in (grid.origin.z..grid.origin.z + grid.dims.z).rev() {
-        let at = IVec3::new(x >> 3, y >> 3, brick);
-        let slot = grid.slot(at);
+        let slot = grid.slot(line.extend(brick * side) >> 3);
         if slot == OUTSIDE {
             above = Some(grid.band);
             continue;
         }
         for z in (brick * side..(brick + 1) * side).rev() {
-            let voxel = IVec3::new(x, y, z);
+            let voxel = line.extend(z);
             let phi = match slot {
                 INSIDE => -grid.band,
                 slot => grid.phi[slot as usize * BRICK_VOXELS + voxel_offset(voxel)],
@@ -158,20 +165,20 @@ impl Lines {
         let last = pixels.position(pixels.nx.max(1) - 1, pixels.ny.max(1) - 1);
         let low = (pixels.origin / voxel).floor().as_ivec2() - 2;
         let high = (last / voxel).ceil().as_ivec2() + 2;
-        Self { first: low.to_array(), nx: (high.x - low.x + 1) as usize, ny: (high.y - low.y + 1) as usize }
+        Self { first: low, nx: (high.x - low.x + 1) as usize, ny: (high.y - low.y + 1) as usize }
     }
 
-    fn line(&self, k: usize) -> [i32; 2] {
-        [self.first[0] + (k % self.nx) as i32, self.first[1] + (k / self.nx) as i32]
+    fn line(&self, k: usize) -> IVec2 {
+        self.first + IVec2::new((k % self.nx) as i32, (k / self.nx) as i32)
     }
 
     /// Bicubic between the lines' values at a place [voxels]; bilinear where the sixteen are not all known, NaN where
     /// the four are not.
     fn at(&self, values: &[f64], place: DVec2) -> f64 {
-        let local = place - DVec2::new(f64::from(self.first[0]), f64::from(self.first[1]));
-        let nearest = local.round();
+        let local = place - self.first.as_dvec2();
         let value = |i: usize, j: usize| values[j * self.nx + i];
-        if (local - nearest).abs().max_element() < ON_LINE {
+        if is_on_line(local) {
+            let nearest = local.round();
             return value(nearest.x as usize, nearest.y as usize);
         }
         let corner = local.floor();
@@ -194,7 +201,7 @@ fn cubic_weights(t: f64) -> [f64; 4] {
 /// Gaussian blur of rows of `nx` values with a standard deviation of `sigma` [pixels]; missing values stay missing
 /// and count nothing for their neighbours.
 fn blurred(values: Vec<f64>, nx: usize, sigma: f64) -> Vec<f64> {
-    if !(sigma > 0.0) || values.is_empty() {
+    if sigma <= 0.0 || values.is_empty() {
         return values;
     }
     let kernel = kernel(sigma);

@@ -4,6 +4,7 @@ mod backends;
 mod bake;
 mod demo;
 mod flags;
+mod path;
 mod render;
 mod simulate;
 mod validate;
@@ -44,6 +45,8 @@ enum Verb {
     Bake(bake::BakeArgs),
     /// Grind the weld of an asset.
     Simulate(simulate::SimulateArgs),
+    /// Plan a tool path along a weld or over a patch of an asset.
+    Path(path::PathArgs),
     /// Draw an asset or a field from its distance field.
     Render(render::RenderArgs),
     /// Open every file of an asset and hold it against the others.
@@ -77,6 +80,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Weld(args) => weld::run(&args, console),
         Verb::Bake(args) => bake::run(&args, console),
         Verb::Simulate(args) => simulate::run(&args, console),
+        Verb::Path(args) => path::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),

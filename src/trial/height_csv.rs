@@ -81,7 +81,7 @@ impl GridRows {
     /// The grid, if the rows make one.
     pub(super) fn finish(self, table: &Table) -> Result<Grid, TrialError> {
         let nx = self.nx.unwrap_or(0);
-        let ny = if nx == 0 { 0 } else { self.values.len() / nx };
+        let ny = self.values.len().checked_div(nx).unwrap_or(0);
         let place = || Place::file(table.file());
         if nx < 2 || ny < 2 {
             return Err(place().bad(format!("{ny} rows of {nx} cells"), "a grid of at least 2 x 2 cells is expected"));

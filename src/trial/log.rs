@@ -189,7 +189,7 @@ impl Reading {
 
     fn wrong_count(&self, place: Place, found: usize) -> TrialError {
         let count = self.columns.count;
-        let hint = if found + 1 >= 2 * count { "; are decimals written with commas?" } else { "" };
+        let hint = if found > count { "; are decimals written with commas?" } else { "" };
         place.bad(
             format!("{found} cells where the header has {count}{hint}"),
             "as many cells as the header has, and decimal points, are expected",

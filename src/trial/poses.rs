@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::log::{Log, LogRow};
 use super::{Pass, Tool};
+use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Robust standard deviations of the force's noise that count as contact.
 const NOISE_SIGMAS: f64 = 5.0;
@@ -131,7 +132,7 @@ fn pose(row: &LogRow, tool: &Tool, start: f64) -> ToolPose {
 fn contact(poses: &[ToolPose], force_setpoint: f64) -> Option<Contact> {
     let steps = poses.windows(2).map(|pair| (pair[1].force - pair[0].force).abs()).collect();
     // The difference of two rows has twice the variance of one.
-    let noise = 1.4826 * median(steps) / 2f64.sqrt();
+    let noise = MAD_TO_SIGMA * median(steps).unwrap_or(0.0) / 2f64.sqrt();
     let threshold = (NOISE_SIGMAS * noise).clamp(CONTACT_SHARE.0 * force_setpoint, CONTACT_SHARE.1 * force_setpoint);
     let touches = |run: &[ToolPose]| run.iter().all(|pose| pose.force > threshold);
     let first = poses.windows(CONTACT_ROWS).position(touches)?;
@@ -141,7 +142,7 @@ fn contact(poses: &[ToolPose], force_setpoint: f64) -> Option<Contact> {
 
 fn jumps(poses: &[ToolPose]) -> Vec<ClockJump> {
     let gap = |pair: &[ToolPose]| pair[1].time - pair[0].time;
-    let period = median(poses.windows(2).map(gap).collect());
+    let period = median(poses.windows(2).map(gap).collect()).unwrap_or(0.0);
     let long = poses.windows(2).enumerate().filter(|(_, pair)| gap(pair) > JUMP_PERIODS * period);
     long.map(|(k, pair)| ClockJump { row: k + 1, time: pair[1].time, gap: gap(pair) }).collect()
 }
@@ -159,15 +160,9 @@ impl Motion {
         let ends = log.rows.first().zip(log.rows.last());
         let way = ends.map_or(DVec3::ZERO, |(a, b)| (b.position - a.position).reject_from_normalized(a.approach));
         Self {
-            feed: median(moving.to_vec()),
+            feed: median(moving.to_vec()).unwrap_or(0.0),
             direction: way.try_normalize().unwrap_or(DVec3::X),
-            spindle_speed: median(log.rows.iter().map(|row| row.spindle_speed).collect()),
+            spindle_speed: median(log.rows.iter().map(|row| row.spindle_speed).collect()).unwrap_or(0.0),
         }
     }
-}
-
-/// Median, 0 of nothing.
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }

@@ -22,8 +22,9 @@ impl Trial {
         let source = Source::read(folder)?;
         let manifest = source.manifest()?;
         let mut reader = Reader { folder, source: &source, notes: Vec::new() };
-        let trial = reader.trial(&manifest)?;
-        plausible::check(&trial, &manifest)?;
+        let mut trial = reader.trial(&manifest)?;
+        let logs: Vec<&Path> = manifest.pass.iter().map(|table| table.log.get_ref().as_path()).collect();
+        plausible::check(&mut trial, &logs)?;
         Ok(trial)
     }
 }
@@ -161,7 +162,7 @@ impl Reader<'_> {
         let log = log.content;
         let motion = super::poses::Motion::of(&log);
         let optional =
-            |key: &str, value: &Option<Spanned<f64>>| value.as_ref().map(|v| self.positive(key, v)).transpose();
+            |key: &str, value: &Option<Spanned<f64>>| value.as_ref().map(|v| self.not_negative(key, v)).transpose();
         let feed = optional("feed_mm_s", &table.feed_mm_s)?.map_or(motion.feed, |feed| feed * 1e-3);
         let spindle_speed = optional("spindle_rpm", &table.spindle_rpm)?.map_or(motion.spindle_speed, |rpm| rpm * RPM);
         let direction = table.direction.as_ref().map(|given| self.unit("direction", given)).transpose()?;
@@ -208,6 +209,14 @@ impl Reader<'_> {
             return Ok(found);
         }
         Err(self.source.bad(value.span(), format!("{key} is {found}"), "a finite number above zero is expected"))
+    }
+
+    fn not_negative(&self, key: &str, value: &Spanned<f64>) -> Result<f64, TrialError> {
+        let found = *value.get_ref();
+        if found >= 0.0 && found.is_finite() {
+            return Ok(found);
+        }
+        Err(self.source.bad(value.span(), format!("{key} is {found}"), "a finite number, zero or above, is expected"))
     }
 
     fn unit(&self, key: &str, value: &Spanned<[f64; 3]>) -> Result<DVec3, TrialError> {

@@ -9,9 +9,12 @@ use super::error::{Place, TrialError};
 use super::height_csv::Grid;
 use super::keyence;
 use super::table::Table;
+use crate::measure::median;
 
 /// Slope between neighbouring pixels that most of no surface has [1].
 const MOST_SLOPE: f64 = 2.0;
+/// Difference of neighbouring pixels that noise alone may make [m].
+const NOISE: f64 = 4e-6;
 /// Relative difference of two pitches that is worth a word.
 const PITCH_NOTE: f64 = 1e-3;
 
@@ -86,13 +89,8 @@ fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     }
     let nx = map.pixels.nx;
     let steps = map.heights.chunks_exact(nx).flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
-    let mut steps: Vec<f64> = steps.filter(|step| step.is_finite()).collect();
-    let middle = steps.len() / 2;
-    if middle == 0 {
-        return Ok(());
-    }
-    let slope = *steps.select_nth_unstable_by(middle, f64::total_cmp).1 / map.pixels.pitch;
-    if slope <= MOST_SLOPE {
+    let slope = median(steps.filter(|step| step.is_finite()).collect()).unwrap_or(0.0) / map.pixels.pitch;
+    if slope <= MOST_SLOPE + NOISE / map.pixels.pitch {
         return Ok(());
     }
     Err(Place::file(file).bad(

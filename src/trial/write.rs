@@ -46,9 +46,10 @@ pub fn heights_csv(map: &HeightMap) -> String {
 
 /// An exposure mask: 1 exposed, 0 coated, empty unknown.
 pub fn exposure_csv(mask: &ExposureMask) -> String {
-    rows(&mask.exposed, mask.pixels.nx, |text, exposed| match exposed {
-        Some(exposed) => text.push(if *exposed { '1' } else { '0' }),
-        None => {}
+    rows(&mask.exposed, mask.pixels.nx, |text, exposed| {
+        if let Some(exposed) = exposed {
+            text.push(if *exposed { '1' } else { '0' });
+        }
     })
 }
 

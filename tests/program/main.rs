@@ -10,6 +10,7 @@ mod interruption;
 mod memory;
 #[path = "../export/outside.rs"]
 mod outside;
+mod paths;
 mod places;
 mod process;
 mod program;

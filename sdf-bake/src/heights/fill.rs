@@ -93,7 +93,7 @@ fn relax(heights: &mut [f64], missing: &[bool], unknown: &[usize], stencils: &[S
     let first = dot(&residual, &residual);
     let mut square = first;
     for _ in 0..MOST_STEPS {
-        if !(square > SETTLED * SETTLED * first) {
+        if square <= SETTLED * SETTLED * first {
             break;
         }
         let curved = bending(&direction, missing, stencils);

@@ -1,0 +1,220 @@
+//! `robofin path`: plan a tool path along a weld or over a patch of an asset.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+
+use super::flags::{OutFlags, positive, within};
+use crate::asset::{AssetFields, Manifest, Welds};
+use crate::console::Console;
+use crate::folder::{refuse_occupied, write_file};
+use crate::plan::{LineDirection, Plan, Raster, Travel, along_weld, raster};
+use crate::trial::{Log, RPM, Tool, log_csv};
+use crate::wrong_use;
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  robofin weld data/bracket.obj --out out/bracket --seed 7\n  \
+                  robofin path out/bracket --weld 1 --tool wheel:radius=50mm,width=20mm --out out/weld-path.csv\n  \
+                  robofin path out/bracket --raster=-5,-5,5,5 --spacing-mm 2 --zigzag --tool pad:radius=10mm --out \
+                  out/raster.csv")]
+pub(super) struct PathArgs {
+    /// Asset folder made by `robofin weld`.
+    asset: PathBuf,
+    #[command(flatten)]
+    out: OutFlags,
+    /// Id of the weld to follow [default: 1].
+    #[arg(long, value_name = "ID", conflicts_with = "raster")]
+    weld: Option<u16>,
+    /// Patch of the part's top to cover in lines, in the part's frame: X0,Y0,X1,Y1 [mm].
+    #[arg(long, value_name = "MM", requires = "spacing_mm", allow_hyphen_values = true)]
+    raster: Option<String>,
+    /// Distance between the lines of a raster, at most [mm].
+    #[arg(long, value_name = "MM", requires = "raster", allow_negative_numbers = true)]
+    spacing_mm: Option<f64>,
+    /// Which way the lines of a raster run.
+    #[arg(long, value_enum, default_value_t)]
+    direction: DirectionFlag,
+    /// Lines to and fro without lifting; otherwise the tool returns in the air.
+    #[arg(long, requires = "raster")]
+    zigzag: bool,
+    /// The tool: wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH, lengths with mm or m.
+    #[arg(long, value_name = "TOOL", default_value = "wheel:radius=50mm,width=20mm")]
+    tool: String,
+    #[command(flatten)]
+    motion: MotionFlags,
+}
+
+/// Speed, force and time.
+#[derive(Clone, Debug, Args)]
+struct MotionFlags {
+    /// Speed along the path [mm/s].
+    #[arg(long, value_name = "MM_S", default_value_t = 5.0, allow_negative_numbers = true)]
+    feed_mm_s: f64,
+    /// Way over which the speed rises from zero and falls to it, at each end of a line [mm].
+    #[arg(long, value_name = "MM", default_value_t = 2.0, allow_negative_numbers = true)]
+    ramp_mm: f64,
+    /// Height above the surface where the path starts and ends [mm].
+    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
+    approach_mm: f64,
+    /// Time between two rows [ms].
+    #[arg(long, value_name = "MS", default_value_t = 10.0, allow_negative_numbers = true)]
+    period_ms: f64,
+    /// Force setpoint on the surface [N].
+    #[arg(long, value_name = "N", default_value_t = 15.0, allow_negative_numbers = true)]
+    force_n: f64,
+    /// Spindle speed [rpm].
+    #[arg(long, value_name = "RPM", default_value_t = 6000.0, allow_negative_numbers = true)]
+    spindle_rpm: f64,
+}
+
+/// Which way the lines of a raster run.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum DirectionFlag {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+}
+
+/// The answer of `path --json`.
+#[derive(Serialize)]
+struct PathAnswer<'a> {
+    out: &'a Path,
+    rows: usize,
+    lines: usize,
+    pressed_length_mm: f64,
+    duration_s: f64,
+    feed_mm_s: f64,
+    force_n: f64,
+    has_approach_axis: bool,
+}
+
+pub(super) fn run(args: &PathArgs, console: &Console) -> Result<()> {
+    let travel = args.travel()?;
+    let patch = args.patch()?;
+    refuse_occupied(&args.out.out, "", args.out.force)?;
+    Manifest::read(&args.asset)?;
+    let plan = match &patch {
+        Some(patch) => raster(&AssetFields::open(&args.asset)?.welded, patch)?,
+        None => weld_plan(&args.asset, args.weld.unwrap_or(1))?,
+    };
+    let log = plan.timed(&travel)?;
+    write_file(&args.out.out, log_csv(&log).as_bytes(), args.out.force)?;
+    let answer = args.answer(&plan, &log, patch.map_or(1, |patch| patch.count()));
+    console.step(
+        "path",
+        format!(
+            "{} lines, {:.2} mm on the surface, {:.2} s in {} rows",
+            answer.lines, answer.pressed_length_mm, answer.duration_s, answer.rows
+        ),
+    );
+    console.step("done", format!("{}", args.out.out.display()));
+    console.answer(&answer)
+}
+
+fn weld_plan(asset: &Path, id: u16) -> Result<Plan> {
+    let welds = Welds::read(asset)?.welds;
+    let known: Vec<String> = welds.iter().map(|weld| weld.id.to_string()).collect();
+    let weld = welds.iter().find(|weld| weld.id == id);
+    let weld = weld.with_context(|| format!("--weld {id}: the asset has the welds {}", known.join(", ")))?;
+    Ok(along_weld(weld)?)
+}
+
+impl PathArgs {
+    fn travel(&self) -> Result<Travel> {
+        let motion = &self.motion;
+        Ok(Travel {
+            tool: parse_tool(&self.tool)?,
+            feed: within("--feed-mm-s", motion.feed_mm_s, (1e-3, 1e4))? * 1e-3,
+            ramp: within("--ramp-mm", motion.ramp_mm, (0.0, 1e3))? * 1e-3,
+            clearance: within("--approach-mm", motion.approach_mm, (0.0, 1e3))? * 1e-3,
+            period: within("--period-ms", motion.period_ms, (0.1, 1e4))? * 1e-3,
+            force: within("--force-n", motion.force_n, (1e-3, 1e4))?,
+            spindle_speed: within("--spindle-rpm", motion.spindle_rpm, (0.0, 1e6))? * RPM,
+        })
+    }
+
+    fn patch(&self) -> Result<Option<Raster>> {
+        let (Some(text), Some(spacing)) = (&self.raster, self.spacing_mm) else { return Ok(None) };
+        let wrong = || {
+            wrong_use(format!(
+                "--raster {text}: X0,Y0,X1,Y1 in mm with X0 < X1 and Y0 < Y1 is expected, for example 0,0,40,20"
+            ))
+        };
+        let numbers: Vec<f64> =
+            text.split(',').map(|part| part.trim().parse()).collect::<Result<_, _>>().map_err(|_| wrong())?;
+        let &[x0, y0, x1, y1] = numbers.as_slice() else { return Err(wrong()) };
+        if !(x0 < x1 && y0 < y1 && numbers.iter().all(|number| number.is_finite())) {
+            return Err(wrong());
+        }
+        let spacing = positive("--spacing-mm", spacing)?;
+        // A line for every spacing; a million of them is no plan.
+        within("--spacing-mm", spacing, (1e-6 * (x1 - x0).max(y1 - y0), f64::MAX))?;
+        Ok(Some(Raster {
+            low: DVec2::new(x0, y0) * 1e-3,
+            high: DVec2::new(x1, y1) * 1e-3,
+            spacing: spacing * 1e-3,
+            direction: match self.direction {
+                DirectionFlag::X => LineDirection::X,
+                DirectionFlag::Y => LineDirection::Y,
+            },
+            zigzag: self.zigzag,
+            clearance: self.motion.approach_mm * 1e-3,
+        }))
+    }
+
+    fn answer(&self, plan: &Plan, log: &Log, lines: usize) -> PathAnswer<'_> {
+        PathAnswer {
+            out: &self.out.out,
+            rows: log.rows.len(),
+            lines,
+            pressed_length_mm: plan.pressed_length() * 1e3,
+            duration_s: log.rows.last().map_or(0.0, |row| row.time),
+            feed_mm_s: self.motion.feed_mm_s,
+            force_n: self.motion.force_n,
+            has_approach_axis: log.has_approach,
+        }
+    }
+}
+
+/// `wheel:radius=50mm,width=20mm` or `pad:radius=25mm`.
+fn parse_tool(text: &str) -> Result<Tool> {
+    let wrong = |found: String| {
+        wrong_use(format!(
+            "--tool {text}: {found}; wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH with lengths like 50mm or \
+             0.05m is expected"
+        ))
+    };
+    let (kind, sizes) = text.split_once(':').ok_or_else(|| wrong("no ':'".into()))?;
+    let (mut radius, mut width) = (None, None);
+    for part in sizes.split(',') {
+        let (key, value) = part.split_once('=').ok_or_else(|| wrong(format!("{part:?} has no '='")))?;
+        let length = parse_length(value).ok_or_else(|| wrong(format!("{value:?} is no length above zero")))?;
+        match (kind, key.trim()) {
+            (_, "radius") => radius = Some(length),
+            ("wheel", "width") => width = Some(length),
+            (_, key) => return Err(wrong(format!("{key:?} is unknown"))),
+        }
+    }
+    match (kind, radius, width) {
+        ("wheel", Some(radius), Some(width)) => Ok(Tool::Wheel { radius, width, axis: DVec3::Y }),
+        ("pad", Some(radius), None) => Ok(Tool::Pad { radius }),
+        ("wheel" | "pad", ..) => Err(wrong("a size is missing".into())),
+        _ => Err(wrong(format!("{kind:?} is no tool"))),
+    }
+}
+
+/// A length with its unit, in metres.
+fn parse_length(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let (number, unit) = match text.strip_suffix("mm") {
+        Some(number) => (number, 1e-3),
+        None => (text.strip_suffix('m')?, 1.0),
+    };
+    let length = number.trim().parse::<f64>().ok()? * unit;
+    (length > 0.0 && length.is_finite()).then_some(length)
+}

@@ -1,0 +1,47 @@
+//! What a measurement is worth: maps laid on each other, the instrument's noise, and what is left between two maps.
+//!
+//! [`untouched`] finds the pixels that a tool left alone; on those, [`register`] lays a scan on a reference, because
+//! every scan has its own offset and tilt; [`noise_floor`] tells from a repeated scan how well any model can agree;
+//! [`residual`] says how well one does. Missing pixels are never filled here.
+
+mod noise;
+mod register;
+mod robust;
+mod untouched;
+
+use sdf_bake::HeightMap;
+
+pub use noise::{NoiseFloor, noise_floor};
+pub use register::{Freedom, Registration, RegistrationError, register};
+pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
+pub use untouched::untouched;
+
+/// What is left between two maps over a mask.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residual {
+    /// Root mean square [m]; 0 without pixels.
+    pub rms: f64,
+    /// Mean [m].
+    pub mean: f64,
+    /// Pixels that both maps have and the mask takes.
+    pub pixels: usize,
+}
+
+/// `measured - reference` over the pixels that `takes` says; both maps on the same pixels.
+pub fn residual(measured: &HeightMap, reference: &HeightMap, takes: impl Fn(usize) -> bool) -> Residual {
+    let pairs = measured.heights.iter().zip(&reference.heights).enumerate();
+    let kept = pairs.filter(|(at, (a, b))| takes(*at) && a.is_finite() && b.is_finite()).map(|(_, (a, b))| a - b);
+    let (pixels, sum, squares) = kept.fold((0, 0.0, 0.0), |(n, sum, squares), d| (n + 1, sum + d, squares + d * d));
+    let count = (pixels as f64).max(1.0);
+    Residual { rms: (squares / count).sqrt(), mean: sum / count, pixels }
+}
+
+/// The map without its spikes, which become missing pixels, and their indices.
+pub fn despiked(map: &HeightMap) -> (HeightMap, Vec<usize>) {
+    let spikes = map.spikes();
+    let mut clean = map.clone();
+    for &at in &spikes {
+        clean.heights[at] = f64::NAN;
+    }
+    (clean, spikes)
+}

@@ -1,0 +1,305 @@
+//! How two maps of one surface lie on each other: offset, tilt and, if asked, a lateral shift, by iteratively
+//! reweighted least squares.
+
+use glam::DVec2;
+use sdf_bake::HeightMap;
+use thiserror::Error;
+
+use super::robust::centre_and_sigma;
+
+/// Fewest pixels that fix a plane.
+const LEAST_PIXELS: usize = 16;
+/// Rounds of reweighting with Huber's weights, then with Tukey's, which forget outliers altogether.
+const ROUNDS: (usize, usize) = (10, 20);
+/// Huber's and Tukey's constants for 95 % efficiency under a normal law [standard deviations].
+const TUNING: (f64, f64) = (1.345, 4.685);
+/// Spread below which the fit is exact [m].
+const EXACT: f64 = 1e-12;
+/// Unknowns: offset, tilt along x and y, shift along x and y.
+const UNKNOWNS: usize = 5;
+/// Share of a column's length that the others must leave of it.
+const INDEPENDENT: f64 = 1e-6;
+
+/// What may differ between two maps of one surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Freedom {
+    /// Offset and tilt.
+    Plane,
+    /// Offset, tilt and a lateral shift; the shift needs a surface with slopes along x and y.
+    PlaneAndShift,
+}
+
+/// How one map lies over another:
+/// `measured(p) = reference(p - shift) + offset + tilt · (p - centre)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Registration {
+    /// Height difference at `centre` [m].
+    pub offset: f64,
+    /// Slope of the difference along x and y [1].
+    pub tilt: DVec2,
+    /// Lateral shift [m]; zero unless asked for.
+    pub shift: DVec2,
+    /// Mean place of the pixels used [m].
+    pub centre: DVec2,
+    /// Robust standard deviation of what is left on the pixels used [m].
+    pub sigma: f64,
+    /// Pixels used.
+    pub pixels: usize,
+}
+
+/// Why two maps cannot be laid on each other.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum RegistrationError {
+    /// The maps have other pixels.
+    #[error("{found:?} pixels on one map and {reference:?} on the other: the same are expected")]
+    DifferentPixels {
+        /// Pixels of the measured map.
+        found: (usize, usize),
+        /// Pixels of the reference.
+        reference: (usize, usize),
+    },
+    /// Not enough to lay one map on the other.
+    #[error("{found} pixels may be used, at least {LEAST_PIXELS} that do not lie on one line are needed")]
+    TooFewPixels {
+        /// Pixels that both maps have and the mask takes.
+        found: usize,
+    },
+}
+
+/// One pixel's equation: what each unknown adds, and the difference of the maps [m].
+struct Equation {
+    basis: [f64; UNKNOWNS],
+    difference: f64,
+}
+
+/// Lays `measured` on `reference` over the pixels that `takes` says; outliers among them count little or nothing.
+///
+/// A shift is a step of Gauss and Newton's method with the reference's central differences, good for a small part of
+/// the pitch; a simulated reference can be observed again at the shifted pixels.
+///
+/// # Errors
+/// [`RegistrationError`] when the maps differ in shape, or too few pixels are left.
+pub fn register(
+    measured: &HeightMap,
+    reference: &HeightMap,
+    freedom: Freedom,
+    takes: impl Fn(usize) -> bool,
+) -> Result<Registration, RegistrationError> {
+    let (pixels, other) = (measured.pixels, reference.pixels);
+    if (pixels.nx, pixels.ny) != (other.nx, other.ny) {
+        let (found, reference) = ((pixels.nx, pixels.ny), (other.nx, other.ny));
+        return Err(RegistrationError::DifferentPixels { found, reference });
+    }
+    let known = |at: usize| (measured.heights[at] - reference.heights[at]).is_finite();
+    let used: Vec<usize> = (0..pixels.len()).filter(|&at| takes(at) && known(at)).collect();
+    let place = |at: usize| pixels.position(at % pixels.nx, at / pixels.nx);
+    let centre = used.iter().map(|&at| place(at)).sum::<DVec2>() / used.len().max(1) as f64;
+    let scale = pixels.pitch * pixels.nx.max(pixels.ny) as f64;
+    let equation = |at: usize| {
+        let (x, slope) = ((place(at) - centre) / scale, slope(reference, at, freedom));
+        let basis = [1.0, x.x, x.y, -slope.x, -slope.y];
+        let difference = measured.heights[at] - reference.heights[at];
+        (!slope.is_nan()).then_some(Equation { basis, difference })
+    };
+    let equations: Vec<Equation> = used.iter().filter_map(|&at| equation(at)).collect();
+    let too_few = RegistrationError::TooFewPixels { found: equations.len() };
+    if equations.len() < LEAST_PIXELS {
+        return Err(too_few);
+    }
+    let ([offset, tilt_x, tilt_y, shift_x, shift_y], sigma) = fit(&equations).ok_or(too_few)?;
+    let (tilt, shift) = (DVec2::new(tilt_x, tilt_y) / scale, DVec2::new(shift_x, shift_y));
+    Ok(Registration { offset, tilt, shift, centre, sigma, pixels: equations.len() })
+}
+
+/// Slope of a map at a pixel by central differences, NaN at the border and beside missing pixels; zero where no
+/// shift is asked for.
+fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
+    let (nx, ny) = (map.pixels.nx, map.pixels.ny);
+    let (i, j) = (at % nx, at / nx);
+    if freedom == Freedom::Plane {
+        return DVec2::ZERO;
+    }
+    if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
+        return DVec2::NAN;
+    }
+    let h = &map.heights;
+    DVec2::new(h[at + 1] - h[at - 1], h[at + nx] - h[at - nx]) / (2.0 * map.pixels.pitch)
+}
+
+/// The robust solution, and the spread around it.
+fn fit(equations: &[Equation]) -> Option<([f64; UNKNOWNS], f64)> {
+    let mut solution = weighted(equations, |_| 1.0)?;
+    let mut sigma = spread(equations, &solution)?;
+    for round in 0..ROUNDS.0 + ROUNDS.1 {
+        if sigma < EXACT {
+            break;
+        }
+        let huber = |r: f64| (TUNING.0 * sigma / r.abs()).min(1.0);
+        let tukey = |r: f64| (1.0 - (r / (TUNING.1 * sigma)).powi(2)).max(0.0).powi(2);
+        let weight = |r: f64| if round < ROUNDS.0 { huber(r) } else { tukey(r) };
+        solution = weighted(equations, |equation| weight(equation.left(&solution)))?;
+        sigma = spread(equations, &solution)?;
+    }
+    Some((solution, sigma))
+}
+
+impl Equation {
+    fn left(&self, solution: &[f64; UNKNOWNS]) -> f64 {
+        self.difference - self.basis.iter().zip(solution).map(|(a, b)| a * b).sum::<f64>()
+    }
+}
+
+fn spread(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Option<f64> {
+    let left: Vec<f64> = equations.iter().map(|equation| equation.left(solution)).collect();
+    centre_and_sigma(&left).map(|(_, sigma)| sigma)
+}
+
+/// Weighted least squares; `None` where not even the plane is fixed.
+fn weighted(equations: &[Equation], weight: impl Fn(&Equation) -> f64) -> Option<[f64; UNKNOWNS]> {
+    let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
+    let mut right = [0.0; UNKNOWNS];
+    for equation in equations {
+        let w = weight(equation);
+        for (i, a) in equation.basis.iter().enumerate() {
+            right[i] += w * a * equation.difference;
+            for (sum, b) in matrix[i].iter_mut().zip(&equation.basis) {
+                *sum += w * a * b;
+            }
+        }
+    }
+    solved(&matrix, &right)
+}
+
+/// Solves normal equations by Cholesky's factors. Shifts that the surface does not show stay zero; `None` where the
+/// plane is not fixed.
+fn solved(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], right: &[f64; UNKNOWNS]) -> Option<[f64; UNKNOWNS]> {
+    let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
+    let mut solution = [0.0; UNKNOWNS];
+    for i in 0..UNKNOWNS {
+        for j in 0..i {
+            let sum: f64 = (0..j).map(|k| factor[i][k] * factor[j][k]).sum();
+            factor[i][j] = if factor[j][j] > 0.0 { (matrix[i][j] - sum) / factor[j][j] } else { 0.0 };
+        }
+        let pivot = matrix[i][i] - (0..i).map(|k| factor[i][k] * factor[i][k]).sum::<f64>();
+        if pivot > INDEPENDENT * matrix[i][i] {
+            factor[i][i] = pivot.sqrt();
+            solution[i] = (right[i] - (0..i).map(|k| factor[i][k] * solution[k]).sum::<f64>()) / factor[i][i];
+        } else if i < 3 {
+            return None;
+        }
+    }
+    for i in (0..UNKNOWNS).rev() {
+        let known: f64 = (i + 1..UNKNOWNS).map(|k| factor[k][i] * solution[k]).sum();
+        solution[i] = if factor[i][i] > 0.0 { (solution[i] - known) / factor[i][i] } else { 0.0 };
+    }
+    solution.iter().all(|value| value.is_finite()).then_some(solution)
+}
+
+impl Registration {
+    /// The plane at a place [m].
+    pub fn plane(&self, place: DVec2) -> f64 {
+        self.offset + self.tilt.dot(place - self.centre)
+    }
+
+    /// The measured map without the plane; a shift is left to the reference.
+    pub fn levelled(&self, measured: &HeightMap) -> HeightMap {
+        let mut map = measured.clone();
+        let pixels = map.pixels;
+        for (at, height) in map.heights.iter_mut().enumerate() {
+            *height -= self.plane(pixels.position(at % pixels.nx, at / pixels.nx));
+        }
+        map
+    }
+
+    /// What is left of `measured - reference` at each pixel [m], NaN where it is not known.
+    pub fn left(&self, measured: &HeightMap, reference: &HeightMap) -> Vec<f64> {
+        let freedom = if self.shift == DVec2::ZERO { Freedom::Plane } else { Freedom::PlaneAndShift };
+        let levelled = self.levelled(measured);
+        let shifted = |at: usize| reference.heights[at] - self.shift.dot(slope(reference, at, freedom));
+        levelled.heights.iter().enumerate().map(|(at, height)| height - shifted(at)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sdf_bake::PixelGrid;
+
+    use super::*;
+
+    fn bead(p: DVec2) -> f64 {
+        let along = (1.0 - ((p.x - 0.035) / 0.03).powi(4)).max(0.0);
+        (2e-3 * along * (1.0 - (p.y / 5e-3).powi(2))).max(0.0)
+    }
+
+    fn maps(shift: DVec2) -> (HeightMap, HeightMap) {
+        let pixels = PixelGrid { origin: DVec2::new(0.0, -0.01), pitch: 0.5e-3, nx: 140, ny: 40 };
+        let reference = HeightMap::from_function(pixels, bead);
+        let measured = HeightMap::from_function(pixels, |p| bead(p - shift) + 12e-6 + 0.4e-3 * p.x - 0.7e-3 * p.y);
+        (measured, reference)
+    }
+
+    fn dirty(map: &mut HeightMap) {
+        for (at, height) in map.heights.iter_mut().enumerate() {
+            *height += 2e-6 * (((at * 7919) % 1000) as f64 / 500.0 - 1.0);
+            if at % 3 == 0 {
+                *height -= 80e-6;
+            }
+            if at % 50 == 0 {
+                *height = f64::NAN;
+            }
+        }
+    }
+
+    fn worst(found: &Registration) -> f64 {
+        let corners = (0..4).map(|k| DVec2::new(0.07 * f64::from(k % 2), 0.02 * f64::from(k / 2) - 0.01));
+        let error = |p: DVec2| (found.plane(p) - (12e-6 + 0.4e-3 * p.x - 0.7e-3 * p.y)).abs();
+        corners.map(error).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn offset_and_tilt_are_found_below_a_third_of_outliers() {
+        let (mut measured, reference) = maps(DVec2::ZERO);
+        dirty(&mut measured);
+        let found = register(&measured, &reference, Freedom::Plane, |_| true).unwrap();
+        println!("registration is off by {:.1e} m at the map's corners", worst(&found));
+        assert!(worst(&found) < 0.2e-6, "{found:?}");
+        assert!(super::super::residual(&found.levelled(&measured), &reference, |at| at % 3 != 0).rms < 2e-6);
+    }
+
+    #[test]
+    fn a_shift_is_told_from_a_tilt() {
+        let shift = DVec2::new(23e-6, -17e-6);
+        let (mut measured, reference) = maps(shift);
+        dirty(&mut measured);
+        let found = register(&measured, &reference, Freedom::PlaneAndShift, |_| true).unwrap();
+        println!("shift {} m, off by {:.1e} m", found.shift, (found.shift - shift).length());
+        assert!((found.shift - shift).length() < 1.5e-6, "{found:?}");
+        assert!(worst(&found) < 0.3e-6, "{found:?}");
+        let left = found.left(&measured, &reference);
+        let clean: Vec<f64> =
+            left.iter().copied().enumerate().filter(|(k, d)| k % 3 != 0 && d.is_finite()).map(|(_, d)| d).collect();
+        assert!(centre_and_sigma(&clean).unwrap().1 < 2e-6);
+    }
+
+    #[test]
+    fn a_flat_plate_has_no_shift() {
+        let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 40, ny: 30 };
+        let plate = HeightMap::from_function(pixels, |_| 0.0);
+        let mut other = plate.clone();
+        dirty(&mut other);
+        let found = register(&other, &plate, Freedom::PlaneAndShift, |_| true).unwrap();
+        assert_eq!(found.shift, DVec2::ZERO);
+    }
+
+    #[test]
+    fn maps_that_cannot_be_laid_on_each_other_say_why() {
+        let (measured, reference) = maps(DVec2::ZERO);
+        let plane = |takes: &dyn Fn(usize) -> bool| register(&measured, &reference, Freedom::Plane, takes);
+        assert!(matches!(plane(&|at| at < 9), Err(RegistrationError::TooFewPixels { found: 9 })));
+        assert!(plane(&|at| at < 140).is_err(), "one row fixes no tilt across it");
+        let mut short = reference.clone();
+        short.pixels.nx = 139;
+        let error = register(&measured, &short, Freedom::Plane, |_| true);
+        assert!(matches!(error, Err(RegistrationError::DifferentPixels { .. })));
+    }
+}

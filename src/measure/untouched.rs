@@ -1,0 +1,54 @@
+//! The pixels that a tool left alone.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use sdf_bake::HeightMap;
+
+use crate::trial::{Tool, ToolPath, ToolPose};
+
+/// Poses nearer to each other than this share of a pixel are one.
+const SAME_POSE: f64 = 0.5;
+
+/// For each pixel, whether no point of the tool came nearer to the surface than `clearance` [m] on the whole path.
+///
+/// - `surface`: the workpiece before the pass; pixels without a height count as touched
+/// - `clearance`: covers errors of pose and scan, and grinding dust; a tenth of a millimetre is plenty for a bead
+pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &Tool, clearance: f64) -> Vec<bool> {
+    let poses = thinned(&path.poses, SAME_POSE * surface.pixels.pitch);
+    let pixels = surface.pixels;
+    let is_free = |at: usize| {
+        let place = pixels.position(at % pixels.nx, at / pixels.nx);
+        let point = place.extend(surface.heights[at]);
+        point.is_finite() && poses.iter().all(|pose| gap(tool, pose, point, pixels.pitch) > clearance)
+    };
+    (0..pixels.len()).into_par_iter().map(is_free).collect()
+}
+
+/// Every pose that lies at least `way` [m] from the one kept before it.
+fn thinned(poses: &[ToolPose], way: f64) -> Vec<ToolPose> {
+    let mut kept: Vec<ToolPose> = Vec::new();
+    for pose in poses {
+        if kept.last().is_none_or(|last| last.centre.distance(pose.centre) >= way) {
+            kept.push(*pose);
+        }
+    }
+    kept.extend(poses.last());
+    kept
+}
+
+/// Distance [m] from a point to the tool's working face; infinite beside it, where beside begins a pixel further out.
+fn gap(tool: &Tool, pose: &ToolPose, point: DVec3, pixel: f64) -> f64 {
+    let from_centre = point - pose.centre;
+    match *tool {
+        Tool::Wheel { radius, width, .. } => {
+            let along = from_centre.dot(pose.axis);
+            let radial = (from_centre.length_squared() - along * along).max(0.0).sqrt();
+            if along.abs() <= 0.5 * width + pixel { radial - radius } else { f64::INFINITY }
+        }
+        Tool::Pad { radius } => {
+            let height = -from_centre.dot(pose.approach);
+            let beside = (from_centre + pose.approach * height).length();
+            if beside <= radius + pixel { height } else { f64::INFINITY }
+        }
+    }
+}

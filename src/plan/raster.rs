@@ -1,0 +1,116 @@
+//! Parallel lines over a rectangular patch of a part's top.
+
+use glam::{DVec2, DVec3};
+use sdf_bake::{BrickGrid, PixelGrid};
+use sim::Profilometer;
+
+use super::{Leg, Plan, PlanError, Waypoint};
+
+/// Which way the lines run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineDirection {
+    /// Along x.
+    X,
+    /// Along y.
+    Y,
+}
+
+/// A patch and how it is covered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Raster {
+    /// Least x, y [m].
+    pub low: DVec2,
+    /// Greatest x, y [m].
+    pub high: DVec2,
+    /// Distance between lines at most [m]; they are spread evenly from border to border.
+    pub spacing: f64,
+    /// Which way the lines run.
+    pub direction: LineDirection,
+    /// To and fro without lifting; otherwise every line runs the same way and the tool returns in the air.
+    pub zigzag: bool,
+    /// Height of the way back in the air [m].
+    pub clearance: f64,
+}
+
+/// Lines over the top of a part, the approach axis +z.
+///
+/// # Errors
+/// [`PlanError::OffThePart`] when the part has no surface below a line.
+pub fn raster(part: &BrickGrid, raster: &Raster) -> Result<Plan, PlanError> {
+    let lines = raster.lines(part)?;
+    let mut legs: Vec<Leg> = Vec::new();
+    for (k, mut line) in lines.into_iter().enumerate() {
+        if raster.zigzag && k % 2 == 1 {
+            line.reverse();
+        }
+        if let Some(end) = legs.last().and_then(|leg| leg.points.last()).copied() {
+            let start = line[0];
+            if raster.zigzag {
+                legs.push(Leg { points: vec![end, start], pressed: true });
+            } else {
+                legs.extend(raster.way_back(end, start));
+            }
+        }
+        legs.push(Leg { points: line, pressed: true });
+    }
+    Ok(Plan { legs })
+}
+
+impl Raster {
+    /// Number of lines.
+    pub fn count(&self) -> usize {
+        let across = self.high - self.low;
+        let width = if self.direction == LineDirection::X { across.y } else { across.x };
+        // A whole number of spacings stays that number in floating point.
+        1 + (width / self.spacing - 1e-9).ceil().max(0.0) as usize
+    }
+
+    /// The lines on the surface, all in the rising direction.
+    fn lines(&self, part: &BrickGrid) -> Result<Vec<Vec<Waypoint>>, PlanError> {
+        let across = self.high - self.low;
+        let count = self.count();
+        let step = 1.0 / (count as f64 - 1.0).max(1.0);
+        (0..count)
+            .map(|k| {
+                let t = k as f64 * step;
+                let (from, to) = match self.direction {
+                    LineDirection::X => (DVec2::new(0.0, t), DVec2::new(1.0, t)),
+                    LineDirection::Y => (DVec2::new(t, 0.0), DVec2::new(t, 1.0)),
+                };
+                self.line(part, self.low + across * from, self.low + across * to)
+            })
+            .collect()
+    }
+
+    /// Points on the surface from `from` to `to` [m], about a voxel apart.
+    fn line(&self, part: &BrickGrid, from: DVec2, to: DVec2) -> Result<Vec<Waypoint>, PlanError> {
+        let steps = (from.distance(to) / part.voxel).ceil().max(1.0) as usize;
+        (0..=steps)
+            .map(|k| {
+                let place = from.lerp(to, k as f64 / steps as f64);
+                let pixel = PixelGrid { origin: place, pitch: part.voxel, nx: 1, ny: 1 };
+                let height = Profilometer::sharp(pixel).heights(part).heights[0];
+                let contact = place.extend(height);
+                if contact.is_finite() { Ok(Waypoint { contact, approach: DVec3::Z }) } else { Err(off(part, place)) }
+            })
+            .collect()
+    }
+
+    /// Up, over and down again in the air.
+    fn way_back(&self, end: Waypoint, start: Waypoint) -> Vec<Leg> {
+        let height = end.contact.z.max(start.contact.z) + self.clearance;
+        let lifted = |point: Waypoint| Waypoint { contact: point.contact.with_z(height), ..point };
+        let ways = [[end, lifted(end)], [lifted(end), lifted(start)], [lifted(start), start]];
+        ways.into_iter().map(|points| Leg { points: points.to_vec(), pressed: false }).collect()
+    }
+}
+
+fn off(part: &BrickGrid, place: DVec2) -> PlanError {
+    let side = sdf_bake::grid::BRICK_SIDE as f64 * part.voxel;
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for brick in &part.bricks {
+        let corner = brick.truncate().as_dvec2() * side;
+        (low, high) = (low.min(corner + f64::from(part.band)), high.max(corner + side - f64::from(part.band)));
+    }
+    PlanError::OffThePart { at: place.to_array(), low: low.to_array(), high: high.to_array() }
+}

@@ -1,0 +1,37 @@
+//! A path along a weld's crown.
+
+use glam::DVec3;
+
+use super::{Leg, Plan, PlanError, Waypoint};
+use crate::asset::WeldTruth;
+
+/// Along the crown of a weld from its first to its last point, the approach axis across the curve.
+///
+/// # Errors
+/// [`PlanError::BadCurve`] when the truth's curve has fewer than two points, or a normal along the curve.
+pub fn along_weld(weld: &WeldTruth) -> Result<Plan, PlanError> {
+    let curve = &weld.curve;
+    let count = curve.position.len().min(curve.normal.len());
+    if count < 2 {
+        return Err(PlanError::BadCurve { point: 0, found: format!("{count} points with a normal") });
+    }
+    let mut points: Vec<Waypoint> = Vec::with_capacity(count);
+    for k in 0..count {
+        let along = curve.position[(k + 1).min(count - 1)] - curve.position[k.saturating_sub(1)];
+        let approach = across(curve.normal[k], along).ok_or_else(|| PlanError::BadCurve {
+            point: k,
+            found: format!("normal {} along {along}", curve.normal[k]),
+        })?;
+        let contact = curve.position[k] + approach * weld.height_mm * 1e-3;
+        if points.last().is_none_or(|last| last.contact.distance(contact) > 1e-9) {
+            points.push(Waypoint { contact, approach });
+        }
+    }
+    Ok(Plan { legs: vec![Leg { points, pressed: true }] })
+}
+
+/// The part of a normal across a direction, unit.
+fn across(normal: DVec3, along: DVec3) -> Option<DVec3> {
+    let along = along.try_normalize()?;
+    normal.reject_from_normalized(along).try_normalize().filter(|axis| axis.is_finite())
+}

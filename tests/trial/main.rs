@@ -1,0 +1,12 @@
+//! Trials as users bring them: whole, damaged, in other units and in other programs' formats.
+//!
+//! Campaigns that were made elsewhere are read from `ROBOFIN_SHARED`; where they are not there the test says so, and
+//! fails if `ROBOFIN_REQUIRE_SHARED` is 1.
+
+mod files;
+mod hostile;
+mod instrument;
+mod keyence;
+mod poses;
+mod shared;
+mod written;

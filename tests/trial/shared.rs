@@ -1,0 +1,53 @@
+//! Campaigns made by another laboratory's simulation.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use robofin::trial::{Campaign, Controller, PassScan, Process, Tool};
+
+/// The shared campaigns, or `None` and a word where they are not there.
+pub(crate) fn campaigns() -> Option<PathBuf> {
+    let shared = std::env::var_os("ROBOFIN_SHARED").map_or_else(|| PathBuf::from("../shared"), PathBuf::from);
+    let place = shared.join("campaigns");
+    if place.is_dir() {
+        return Some(place);
+    }
+    assert!(std::env::var_os("ROBOFIN_REQUIRE_SHARED").is_none_or(|v| v != "1"), "{} is not there", place.display());
+    eprintln!("not run: {} is not there", place.display());
+    None
+}
+
+#[test]
+fn shared_campaigns_are_read_completely() {
+    let Some(place) = campaigns() else { return };
+    for (name, process, trials, passes) in [
+        ("open-a", Process::Grinding, 4, 8),
+        ("open-b", Process::Grinding, 4, 8),
+        ("open-c", Process::Grinding, 1, 2),
+        ("open-d", Process::Sanding, 4, 8),
+    ] {
+        let started = Instant::now();
+        let campaign = Campaign::read(&place.join(name)).unwrap();
+        println!("{name}: {} trials in {:.1?}", campaign.trials.len(), started.elapsed());
+        assert_eq!(campaign.trials.len(), trials);
+        assert_eq!(campaign.trials.iter().map(|trial| trial.passes.len()).sum::<usize>(), passes);
+        for trial in &campaign.trials {
+            assert_eq!(trial.process, process);
+            assert!(trial.notes.is_empty(), "{name}: {:?}", trial.notes);
+            assert_eq!(trial.scans.repeats.len(), 1);
+            for pass in &trial.passes {
+                let path = pass.tool_path(&trial.tool);
+                let contact = path.contact.expect("a contact");
+                assert!(contact.end - contact.start > 0.8 * path.duration(), "{name}: {contact:?}");
+                assert!((path.feed / pass.feed - 1.0).abs() < 0.02, "{name}: {} for {}", path.feed, pass.feed);
+                match (&pass.scan, trial.tool) {
+                    (PassScan::Heights(map), Tool::Wheel { .. }) => assert_eq!(map.pixels, trial.scans.before.pixels),
+                    (PassScan::Exposure(mask), Tool::Pad { .. }) => assert_eq!(mask.pixels, trial.scans.before.pixels),
+                    other => panic!("{name}: {other:?}"),
+                }
+            }
+        }
+        let admittance = matches!(campaign.trials[0].controller, Some(Controller::Admittance { .. }));
+        assert_eq!(admittance, process == Process::Grinding);
+    }
+}
