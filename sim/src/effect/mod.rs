@@ -42,3 +42,6 @@ pub use slots::{ParameterSlot, RowCounts};
 pub use states::States;
 pub use unit::{Unit, UnitError};
 pub use variable::{Per, Place, TABLE, Variable, VariableRow};
+
+#[cfg(test)]
+mod tests;
