@@ -58,7 +58,7 @@ fn faults_of_a_model_file_are_named() {
             "[effect.pad-loading]",
             ["`pad-loading`", "does nothing when", "grinding"],
         ),
-        ("[effect.pass-gain]\ngain = [0.02, -0.03]", "[law.preston-sanding]", ["model", "", ""]),
+        ("[effect.pass-gain]\ngain = [0.02, -0.03]", "[law.preston-sanding]", ["`preston-sanding`", "does nothing when", "grinding"]),
     ] {
         let text = MODEL.replacen(from, to, 1);
         assert_ne!(text, MODEL);

@@ -24,7 +24,7 @@ fn says(message: &str, words: &[&str]) {
 #[test]
 fn unknown_names_list_what_is_available_at_the_hook() {
     let message = refusal(&effect_file("rate = \"rate * (1 + amount * presure)\"", ""));
-    says(&message, &["trial.toml:11:31: modify.rate:", "`presure` is not known at the hook rate"]);
+    says(&message, &["trial.toml:11:30: modify.rate:", "`presure` is not known at the hook rate"]);
     says(&message, &["did you mean `pressure`?", "amount [1]", "removed_depth [m]", "threshold_pressure [MPa]"]);
     assert!(!message.contains("slope_x"), "{message}");
 
@@ -42,7 +42,7 @@ fn wrong_dimensions_name_the_unit_found_and_the_place() {
     for (formula, words) in [
         (
             "rate * exp(amount * pressure)",
-            ["11:19", "`amount * pressure` has the unit Pa", "a plain number (its argument)"],
+            ["11:20", "`amount * pressure` has the unit Pa", "a plain number (its argument)"],
         ),
         ("rate + amount * pressure", ["11:16", "`amount * pressure` has the unit Pa", "m/s (as `rate`)"]),
         ("rate * amount * depth", ["11:9", "has the unit m^2/s", "m/s (of the value `rate`)"]),
@@ -128,7 +128,7 @@ fn files_with_wrong_keys_and_values_say_what_is_accepted() {
 
 #[test]
 fn a_result_that_is_no_number_at_run_time_names_formula_and_first_bad_lane() {
-    let text = effect_file("rate = \"rate * (1 + amount * sqrt(tool_y / tool_width))\"", "");
+    let text = effect_file("rate = \"rate * (1 + sqrt(amount * tool_y / tool_width))\"", "");
     let text = text.replace("range", "default = 0.5\nrange");
     let library = Library::builtin().with(&[("trial.toml".to_owned(), text)]).unwrap();
     let model = Model::new(Process::Grinding).with("pass-gain").with("trial");
