@@ -58,7 +58,11 @@ fn faults_of_a_model_file_are_named() {
             "[effect.pad-loading]",
             ["`pad-loading`", "does nothing when", "grinding"],
         ),
-        ("[effect.pass-gain]\ngain = [0.02, -0.03]", "[law.preston-sanding]", ["`preston-sanding`", "does nothing when", "grinding"]),
+        (
+            "[effect.pass-gain]\ngain = [0.02, -0.03]",
+            "[law.preston-sanding]",
+            ["`preston-sanding`", "does nothing when", "grinding"],
+        ),
     ] {
         let text = MODEL.replacen(from, to, 1);
         assert_ne!(text, MODEL);
@@ -66,5 +70,54 @@ fn faults_of_a_model_file_are_named() {
         for word in words {
             assert!(message.contains(word), "{word:?} is missing in: {message}");
         }
+    }
+}
+
+#[test]
+fn adding_and_removing_an_effect_keeps_the_rest_of_the_file() {
+    let library = Library::builtin();
+    let text = MODEL.replace("\n[effect.pass-gain]\ngain = [0.02, -0.03]\n", "");
+    let given = [("dulling_volume".to_owned(), "0.2 cm^3".to_owned())];
+    let plain = text.replace("\n[effect.grit-dulling]\ndulling_volume = \"350 mm^3\"\n", "");
+    let plain = plain
+        .replace(", \"grit-dulling.dulling_volume\"", "")
+        .replace("[range]\n\"grit-dulling.dulling_volume\" = [\"50 mm^3\", \"5000 mm^3\"]\n\n", "");
+    let added = Model::add_to_text(("model.toml", &plain), "grit-dulling", &given, library).unwrap();
+    assert_eq!(added.model.values("grit-dulling", "dulling_volume"), [0.2e-6]);
+    assert!(added.text.starts_with("# the fit of May\nprocess = \"grinding\"\n"), "{}", added.text);
+    assert!(added.text.contains("[effect.grit-dulling]\ndulling_volume = \"200 mm^3\"\n"), "{}", added.text);
+    assert_eq!(added.model.free.as_ref().unwrap()[1], "grit-dulling.dulling_volume");
+    assert!(
+        added.changes[1].contains("dulling_volume = 200 mm^3   range 10 to 100000, vanishes at inf"),
+        "{:?}",
+        added.changes
+    );
+
+    let removed = Model::remove_from_text(("model.toml", &added.text), "grit-dulling", library).unwrap();
+    assert_eq!(removed.text, plain);
+    let removed = Model::remove_from_text(("model.toml", MODEL), "grit-dulling", library).unwrap();
+    assert!(!removed.text.contains("dulling") && removed.text.contains("[effect.pass-gain]"), "{}", removed.text);
+
+    let again = Model::add_to_text(("model.toml", MODEL), "grit-dulling", &[], library).unwrap_err().to_string();
+    assert!(again.contains("`grit-dulling` is in the model twice"), "{again}");
+    let absent = Model::remove_from_text(("model.toml", MODEL), "tool-tilt", library).unwrap_err().to_string();
+    assert!(absent.contains("no effect is called `tool-tilt`; known are grit-dulling, pass-gain"), "{absent}");
+}
+
+#[test]
+fn a_model_survives_its_own_text() {
+    let library = Library::builtin();
+    let model = parse(MODEL).unwrap();
+    assert_eq!(parse(&model.to_text(library)).unwrap(), model);
+    let values = [
+        ("winkler".to_owned(), "stiffness".to_owned(), vec![3.1415926e10]),
+        ("pass-gain".to_owned(), "gain".to_owned(), vec![0.1, -0.2, 0.3]),
+        ("grit-dulling".to_owned(), "dulling_volume".to_owned(), vec![f64::INFINITY]),
+    ];
+    let set = Model::set_in_text(("model.toml", MODEL), &values, library).unwrap();
+    assert!(set.text.contains("stiffness = \"31.415926 MPa/mm\""), "{}", set.text);
+    assert!(set.text.contains("dulling_volume = inf"), "{}", set.text);
+    for (owner, name, expected) in &values {
+        assert_eq!(set.model.values(owner, name), expected.as_slice(), "{owner}.{name}");
     }
 }
