@@ -259,6 +259,8 @@ pub struct Effect {
     pub source: String,
     /// Law or effect.
     pub kind: Kind,
+    /// The only process in which it acts; nothing: every process whose values it changes.
+    pub process: Option<Process>,
     /// What it leaves in measurements.
     pub signature: String,
     /// Effects that leave something similar.
@@ -282,7 +284,8 @@ impl Effect {
     pub fn acts_in(&self, process: Process) -> bool {
         let touches = |place| self.changes.iter().any(|change| change.hook == place);
         let other = process.absent();
-        self.changes.iter().any(|change| process.has(change.hook))
+        self.process.is_none_or(|only| only == process)
+            && self.changes.iter().any(|change| process.has(change.hook))
             && (!touches(other) || touches(if other == Place::Dose { Place::Rate } else { Place::Dose }))
     }
 

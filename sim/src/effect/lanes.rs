@@ -71,9 +71,7 @@ fn run_chunks(run: Run, registers: &mut [Register]) -> bool {
                 Value::Lanes(lanes) => to.copy_from_slice(lanes),
                 Value::One(value) => to.fill(value),
             }
-            // x − x is 0 for finite x, else NaN
-            let faults = to.iter().fold(0.0, |sum, x| sum + (x - x));
-            all_finite &= faults == 0.0;
+            all_finite &= to.iter().fold(true, |all, x| all & x.is_finite());
         }
         start += chunk.len;
     }
@@ -132,18 +130,58 @@ impl<'a> Chunk<'a> {
     }
 }
 
+// Macros, because a function handed to a loop is not compiled for the lanes of the loop.
+
+/// One loop over an argument.
+macro_rules! map {
+    ($to:ident, $a:ident, $result:expr) => {
+        match $a {
+            Value::Lanes(lanes) => {
+                for (to, &$a) in $to.iter_mut().zip(lanes) {
+                    *to = $result;
+                }
+            }
+            Value::One($a) => $to.fill($result),
+        }
+    };
+}
+
+/// One loop over two arguments.
+macro_rules! zip {
+    ($to:ident, $a:ident, $b:ident, $result:expr) => {
+        match ($a, $b) {
+            (Value::Lanes(left), Value::Lanes(right)) => {
+                for ((to, &$a), &$b) in $to.iter_mut().zip(left).zip(right) {
+                    *to = $result;
+                }
+            }
+            (Value::Lanes(left), Value::One($b)) => {
+                for (to, &$a) in $to.iter_mut().zip(left) {
+                    *to = $result;
+                }
+            }
+            (Value::One($a), Value::Lanes(right)) => {
+                for (to, &$b) in $to.iter_mut().zip(right) {
+                    *to = $result;
+                }
+            }
+            (Value::One($a), Value::One($b)) => $to.fill($result),
+        }
+    };
+}
+
 #[inline(always)]
 fn unary(op: Op, to: &mut [f64], a: Value) {
     match op {
-        Op::Neg => map(to, a, |a| -a),
-        Op::Sqrt => map(to, a, f64::sqrt),
-        Op::Exp => map(to, a, math::exp),
-        Op::Log => map(to, a, math::log),
-        Op::Sin => map(to, a, math::sin),
-        Op::Cos => map(to, a, math::cos),
-        Op::Tanh => map(to, a, math::tanh),
-        Op::Abs => map(to, a, f64::abs),
-        Op::Sign => map(to, a, op::sign),
+        Op::Neg => map!(to, a, -a),
+        Op::Sqrt => map!(to, a, a.sqrt()),
+        Op::Exp => map!(to, a, math::exp(a)),
+        Op::Log => map!(to, a, math::log(a)),
+        Op::Sin => map!(to, a, math::sin(a)),
+        Op::Cos => map!(to, a, math::cos(a)),
+        Op::Tanh => map!(to, a, math::tanh(a)),
+        Op::Abs => map!(to, a, a.abs()),
+        Op::Sign => map!(to, a, op::sign(a)),
         _ => unreachable!("{op:?} has more than one argument"),
     }
 }
@@ -151,37 +189,17 @@ fn unary(op: Op, to: &mut [f64], a: Value) {
 #[inline(always)]
 fn binary(op: Op, to: &mut [f64], a: Value, b: Value) {
     match op {
-        Op::Add => zip(to, a, b, |a, b| a + b),
-        Op::Sub => zip(to, a, b, |a, b| a - b),
-        Op::Mul => zip(to, a, b, |a, b| a * b),
-        Op::Div => zip(to, a, b, |a, b| a / b),
-        Op::Pow => zip(to, a, b, math::pow),
-        Op::Less => zip(to, a, b, op::less),
-        Op::LessEqual => zip(to, a, b, op::less_equal),
-        Op::Equal => zip(to, a, b, op::equal),
-        Op::Min => zip(to, a, b, op::min),
-        Op::Max => zip(to, a, b, op::max),
+        Op::Add => zip!(to, a, b, a + b),
+        Op::Sub => zip!(to, a, b, a - b),
+        Op::Mul => zip!(to, a, b, a * b),
+        Op::Div => zip!(to, a, b, a / b),
+        Op::Pow => zip!(to, a, b, math::pow(a, b)),
+        Op::Less => zip!(to, a, b, op::less(a, b)),
+        Op::LessEqual => zip!(to, a, b, op::less_equal(a, b)),
+        Op::Equal => zip!(to, a, b, op::equal(a, b)),
+        Op::Min => zip!(to, a, b, op::min(a, b)),
+        Op::Max => zip!(to, a, b, op::max(a, b)),
         _ => unreachable!("{op:?} has not two arguments"),
-    }
-}
-
-#[inline(always)]
-fn map(to: &mut [f64], a: Value, f: impl Fn(f64) -> f64) {
-    match a {
-        Value::Lanes(a) => to.iter_mut().zip(a).for_each(|(to, a)| *to = f(*a)),
-        Value::One(a) => to.fill(f(a)),
-    }
-}
-
-#[inline(always)]
-fn zip(to: &mut [f64], a: Value, b: Value, f: impl Fn(f64, f64) -> f64) {
-    match (a, b) {
-        (Value::Lanes(a), Value::Lanes(b)) => {
-            to.iter_mut().zip(a).zip(b).for_each(|((to, a), b)| *to = f(*a, *b));
-        }
-        (Value::Lanes(a), Value::One(b)) => to.iter_mut().zip(a).for_each(|(to, a)| *to = f(*a, b)),
-        (Value::One(a), Value::Lanes(b)) => to.iter_mut().zip(b).for_each(|(to, b)| *to = f(a, *b)),
-        (Value::One(a), Value::One(b)) => to.fill(f(a, b)),
     }
 }
 
@@ -189,11 +207,14 @@ fn zip(to: &mut [f64], a: Value, b: Value, f: impl Fn(f64, f64) -> f64) {
 fn select(to: &mut [f64], arguments: [Value; 3]) {
     let mut spread = [[0.0; CHUNK]; 3];
     for (argument, spread) in arguments.iter().zip(&mut spread) {
-        map(&mut spread[..to.len()], *argument, |a| a);
+        match *argument {
+            Value::Lanes(lanes) => spread[..lanes.len()].copy_from_slice(lanes),
+            Value::One(value) => spread.fill(value),
+        }
     }
     let [condition, then, other] = &spread;
-    for (i, to) in to.iter_mut().enumerate() {
-        *to = op::select(condition[i], then[i], other[i]);
+    for (((to, &condition), &then), &other) in to.iter_mut().zip(condition).zip(then).zip(other) {
+        *to = op::select(condition, then, other);
     }
 }
 

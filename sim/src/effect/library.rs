@@ -16,7 +16,54 @@ macro_rules! files {
 pub const LAWS: &[(&str, &str)] = files!["winkler.toml", "preston-threshold.toml", "preston-sanding.toml",];
 
 /// The effects, in the order in which their formulas act where several change the same value.
-pub const EFFECTS: &[(&str, &str)] = files!["grit-dulling.toml",];
+pub const EFFECTS: &[(&str, &str)] = files![
+    // The pose of the tool.
+    "path-offset.toml",
+    "clock-offset.toml",
+    "tool-tilt.toml",
+    "robot-compliance.toml",
+    // The shape of the contact and its pressure.
+    "wheel-crown.toml",
+    "wheel-wear.toml",
+    "contact-stiffening.toml",
+    "viscoelastic-pad.toml",
+    "lateral-coupling.toml",
+    "edge-pressure.toml",
+    // Spindle and force. The sensor sees what the loop does, so bias and lag come last.
+    "spindle-droop.toml",
+    "chatter.toml",
+    "slide-friction.toml",
+    "entry-overshoot.toml",
+    "force-drift.toml",
+    "force-bias.toml",
+    "force-lag.toml",
+    // Removal. What adds to the base law comes before what multiplies it.
+    "random-orbit.toml",
+    "threshold-variant.toml",
+    "pressure-exponent.toml",
+    "speed-exponent.toml",
+    "break-in.toml",
+    "grit-dulling.toml",
+    "self-sharpening.toml",
+    "pad-loading.toml",
+    "thermal-softening.toml",
+    "coolant.toml",
+    "cutting-direction.toml",
+    "material-grindability.toml",
+    "surface-layer.toml",
+    "layered-coating.toml",
+    "coating-thickness.toml",
+    "feed-ramp.toml",
+    "pass-gain.toml",
+    // The scan, from the surface to the reading.
+    "scan-shift.toml",
+    "slope-bias.toml",
+    "lateral-blur.toml",
+    "height-gain.toml",
+    "stitching.toml",
+    "scan-tilt.toml",
+    "exposure-threshold.toml",
+];
 
 /// Laws and effects by name.
 #[derive(Clone, Debug)]
@@ -61,7 +108,7 @@ impl Library {
             }
         }
         library.effects[EFFECTS.len()..].sort_by(|a, b| a.name.cmp(&b.name));
-        for effect in library.all().skip(0).filter(|effect| files.iter().any(|(file, _)| *file == effect.file)) {
+        for effect in library.all().filter(|effect| files.iter().any(|(file, _)| *file == effect.file)) {
             check(effect, &library.laws)?;
         }
         Ok(library)

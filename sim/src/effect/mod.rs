@@ -5,6 +5,7 @@ mod check;
 mod compiled;
 mod definition;
 mod dimension;
+mod edit;
 mod error;
 mod graph;
 mod inputs;
@@ -33,6 +34,7 @@ pub use definition::{
     ByProcess, Change, Definition, Effect, Formula, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State,
 };
 pub use dimension::Dimension;
+pub use edit::{Edit, candidates};
 pub use error::{BadResult, EffectError, Problem, RunError};
 pub use inputs::{Lanes, StepValues};
 pub use library::{EFFECTS, LAWS, Library, check_file};
@@ -42,3 +44,6 @@ pub use slots::{ParameterSlot, RowCounts};
 pub use states::States;
 pub use unit::{Unit, UnitError};
 pub use variable::{Per, Place, TABLE, Variable, VariableRow};
+
+#[cfg(test)]
+mod tests;

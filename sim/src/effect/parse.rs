@@ -22,6 +22,9 @@ const MOST_DEEP: usize = 64;
 /// Nodes that a formula may have.
 const MOST_NODES: usize = 4096;
 
+/// Whole powers up to this become products.
+const MOST_FACTORS: f64 = 16.0;
+
 /// Why a text is no formula.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, {expected} is expected")]
@@ -39,7 +42,7 @@ pub struct SyntaxError {
 /// # Errors
 /// The first place where the text is no formula.
 pub fn parse(text: &str) -> Result<Expr, SyntaxError> {
-    let mut parser = Parser { text, at: 0, depth: 0 };
+    let mut parser = Parser { text, at: 0, depth: 0, operators: 0 };
     let formula = parser.comparison()?;
     if !parser.rest().is_empty() {
         return Err(parser.unexpected("an operator or the end"));
@@ -55,6 +58,7 @@ struct Parser<'a> {
     text: &'a str,
     at: usize,
     depth: usize,
+    operators: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -79,6 +83,12 @@ impl<'a> Parser<'a> {
         let length = word_length(rest).max(rest.chars().next().map_or(0, char::len_utf8));
         let found = if rest.is_empty() { "the end".to_owned() } else { format!("`{}`", &rest[..length]) };
         SyntaxError { span: self.at..self.at + length, found, expected: expected.into() }
+    }
+
+    /// A long row of operators is a deep tree.
+    fn count_operator(&mut self) -> Result<(), SyntaxError> {
+        self.operators += 1;
+        if self.operators <= MOST_NODES { Ok(()) } else { Err(self.unexpected("the end of so long a formula")) }
     }
 
     fn comparison(&mut self) -> Result<Expr, SyntaxError> {
@@ -113,6 +123,7 @@ impl<'a> Parser<'a> {
                 _ => return Ok(sum),
             };
             self.at += 1;
+            self.count_operator()?;
             sum = binary(op, sum, self.product()?);
         }
     }
@@ -126,6 +137,7 @@ impl<'a> Parser<'a> {
                 _ => return Ok(product),
             };
             self.at += 1;
+            self.count_operator()?;
             product = binary(op, product, self.signed()?);
         }
     }
@@ -302,10 +314,10 @@ fn clamped(arguments: Vec<Expr>) -> Expr {
 /// Powers with a small whole exponent are products, which keep exact values exact; a power of one half is a root.
 fn raised(base: Expr, exponent: Expr) -> Expr {
     let span = base.span.start..exponent.span.end;
-    let whole = |power: f64| power.abs() <= 8.0 && power == power.trunc() && power != 0.0;
+    let whole = |power: f64| power.abs() <= MOST_FACTORS && power == power.trunc() && power != 0.0;
     let formula = match exponent.literal() {
         Some(power) if power == 0.5 => Expr { node: Node::Apply(Op::Sqrt, vec![base]), span: span.clone() },
-        Some(power) if whole(power) && base.size() * 8 < MOST_NODES => {
+        Some(power) if whole(power) && base.size() * MOST_FACTORS as usize <= MOST_NODES => {
             let factors = (1..power.abs() as usize).map(|_| base.clone());
             let product = factors.fold(base.clone(), |product, factor| binary(Op::Mul, product, factor));
             if power < 0.0 { binary(Op::Div, number(1.0, &span), product) } else { product }

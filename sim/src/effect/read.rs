@@ -8,8 +8,8 @@ use super::toml_text::{Bare, Entry, Section, Source};
 use super::unit::Unit;
 use super::variable::{Place, Variable};
 
-const KEYS: [&str; 10] =
-    ["name", "title", "source", "signature", "confused_with", "parameters", "let", "state", "modify", "law"];
+const KEYS: [&str; 11] =
+    ["name", "title", "process", "source", "signature", "confused_with", "parameters", "let", "state", "modify", "law"];
 const PARAMETER_KEYS: [&str; 9] = ["symbol", "unit", "null", "range", "scale", "default", "free", "per", "about"];
 const STATE_KEYS: [&str; 9] = ["per", "unit", "rate", "target", "time", "initial", "reset", "min", "max"];
 
@@ -33,6 +33,7 @@ pub fn read(source: Source) -> Result<Effect, EffectError> {
         title: root.text("title")?,
         source: root.text("source")?,
         kind,
+        process: process(&root)?,
         signature: root.optional_text("signature")?.unwrap_or_default(),
         confused_with: root.get("confused_with").map(|entry| entry.texts()).transpose()?.unwrap_or_default(),
         parameters: parameters.iter().map(|(name, table)| parameter(name, table)).collect::<Result<_, _>>()?,
@@ -53,6 +54,12 @@ fn name(root: &Section) -> Result<String, EffectError> {
     } else {
         Err(entry.unfit(format!("`{name}`"), "lower-case letters, digits and hyphens, a letter first"))
     }
+}
+
+fn process(root: &Section) -> Result<Option<Process>, EffectError> {
+    let Some(entry) = root.get("process") else { return Ok(None) };
+    let name = entry.text()?;
+    Process::from_name(name).map(Some).ok_or_else(|| entry.unfit(format!("`{name}`"), "grinding or sanding"))
 }
 
 /// A name that formulas can use.

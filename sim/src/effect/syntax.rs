@@ -49,12 +49,18 @@ impl Expr {
         }
     }
 
-    /// The value of a number, also with a sign before it.
+    /// The value of a formula of plain numbers.
     pub fn literal(&self) -> Option<f64> {
         match &self.node {
-            Node::Number(value, _) => Some(*value),
-            Node::Apply(Op::Neg, arguments) => arguments[0].literal().map(|value| -value),
-            _ => None,
+            Node::Number(value, None | Some(Dimension::NONE)) => Some(*value),
+            Node::Number(..) | Node::Name(_) => None,
+            Node::Apply(op, arguments) => {
+                let mut values = [0.0; 3];
+                for (value, argument) in values.iter_mut().zip(arguments) {
+                    *value = argument.literal()?;
+                }
+                Some(op.apply(values))
+            }
         }
     }
 }

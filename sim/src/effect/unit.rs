@@ -138,9 +138,15 @@ impl Unit {
     }
 }
 
-/// `value · 10^decimals`, rounded once for the sizes that units have.
+/// `value · 10^decimals` as if the value's decimals were moved: 0.2 cm^3 is 2e-7 m^3 to the last bit.
 fn scale_by_ten(value: f64, decimals: i32) -> f64 {
-    if decimals < 0 { value / 10f64.powi(-decimals) } else { value * 10f64.powi(decimals) }
+    let shifted = || {
+        let text = format!("{value:e}");
+        let (digits, exponent) = text.split_once('e')?;
+        let exponent: i32 = exponent.parse().ok()?;
+        format!("{digits}e{}", exponent + decimals).parse().ok()
+    };
+    if decimals == 0 { value } else { shifted().unwrap_or(value) }
 }
 
 struct Reader<'a> {
@@ -237,6 +243,7 @@ mod tests {
             ("um", 20.0, 20e-6, [0, 1, 0, 0]),
             ("µm", 20.0, 20e-6, [0, 1, 0, 0]),
             ("kg", 2.0, 2.0, [1, 0, 0, 0]),
+            ("cm^3", 0.2, 2e-7, [0, 3, 0, 0]),
             ("N/mm", 3.0, 3000.0, [1, 0, -2, 0]),
             ("mrad", 12.0, 0.012, [0, 0, 0, 0]),
             ("%", 3.0, 0.03, [0, 0, 0, 0]),
