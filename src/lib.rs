@@ -15,6 +15,7 @@ pub mod asset;
 pub mod budget;
 pub mod commands;
 pub mod console;
+pub mod effect_page;
 pub mod export;
 pub mod finishing;
 pub mod folder;

@@ -3,6 +3,7 @@
 mod backends;
 mod bake;
 mod demo;
+mod effects;
 mod flags;
 mod path;
 mod render;
@@ -51,6 +52,8 @@ enum Verb {
     Render(render::RenderArgs),
     /// Open every file of an asset and hold it against the others.
     Validate(validate::ValidateArgs),
+    /// List, show and check laws and effects; add them to a model or remove them.
+    Effects(effects::EffectsArgs),
     /// List the devices that can compute, and check them against the CPU.
     Backends(backends::BackendsArgs),
 }
@@ -83,6 +86,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Path(args) => path::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
+        Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),
     }
 }

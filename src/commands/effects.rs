@@ -1,0 +1,234 @@
+//! `robofin effects`: the laws and effects that are known, a check for new ones, and which of them a model has.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
+use sim::effect::{Edit, Effect, Kind, Library, Model, Process, check_file};
+
+use crate::console::Console;
+use crate::effect_page::{EffectAnswer, describe};
+use crate::folder::write_file;
+use crate::wrong_use;
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  robofin effects list\n  robofin effects show grit-dulling\n  \
+                        robofin effects check my-effect.toml\n  robofin effects add model.toml grit-dulling")]
+pub(super) struct EffectsArgs {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    /// List laws and effects in the order in which they act.
+    #[command(after_help = "Example:\n  robofin effects list --process sanding")]
+    List(ListArgs),
+    /// Show one law or effect: formulas, parameters, signature, look-alikes, source.
+    #[command(after_help = "Example:\n  robofin effects show tool-tilt")]
+    Show(ShowArgs),
+    /// Check an effect's file: names, units, circles, null value.
+    #[command(after_help = "Example:\n  robofin effects check my-effect.toml")]
+    Check(CheckArgs),
+    /// Add an effect to a model file; the rest of the file stays as it is.
+    #[command(after_help = "Example:\n  robofin effects add model.toml grit-dulling --set \"dulling_volume=350 mm^3\"")]
+    Add(AddArgs),
+    /// Remove an effect from a model file.
+    #[command(after_help = "Example:\n  robofin effects remove model.toml grit-dulling")]
+    Remove(RemoveArgs),
+}
+
+/// Where a user's own effects are.
+#[derive(Debug, Args)]
+struct OwnFlags {
+    /// Folder with effect files of your own (*.toml); they act after the built-in ones.
+    #[arg(long, value_name = "DIR")]
+    effects: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct ListArgs {
+    /// Only what acts in this process.
+    #[arg(long, value_enum)]
+    process: Option<ProcessFlag>,
+    #[command(flatten)]
+    own: OwnFlags,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ProcessFlag {
+    Grinding,
+    Sanding,
+}
+
+impl From<ProcessFlag> for Process {
+    fn from(flag: ProcessFlag) -> Self {
+        match flag {
+            ProcessFlag::Grinding => Self::Grinding,
+            ProcessFlag::Sanding => Self::Sanding,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+struct ShowArgs {
+    /// Name of the law or effect.
+    name: String,
+    #[command(flatten)]
+    own: OwnFlags,
+}
+
+#[derive(Debug, Args)]
+struct CheckArgs {
+    /// The file.
+    file: PathBuf,
+}
+
+#[derive(Debug, Args)]
+struct AddArgs {
+    /// Model file to change.
+    model: PathBuf,
+    /// Name of the effect.
+    name: String,
+    /// A parameter's value with its unit; may be given several times [default: typical values].
+    #[arg(long, value_name = "PARAMETER=VALUE")]
+    set: Vec<String>,
+    #[command(flatten)]
+    own: OwnFlags,
+}
+
+#[derive(Debug, Args)]
+struct RemoveArgs {
+    /// Model file to change.
+    model: PathBuf,
+    /// Name of the effect.
+    name: String,
+    #[command(flatten)]
+    own: OwnFlags,
+}
+
+/// The answer of `effects list --json`.
+#[derive(Serialize)]
+struct ListAnswer {
+    laws: Vec<EffectAnswer>,
+    effects: Vec<EffectAnswer>,
+}
+
+/// The answer of `effects add --json` and `effects remove --json`.
+#[derive(Serialize)]
+struct EditAnswer<'a> {
+    model: &'a Path,
+    changes: &'a [String],
+    effects: Vec<&'a str>,
+}
+
+pub(super) fn run(args: &EffectsArgs, console: &Console) -> Result<()> {
+    match &args.action {
+        Action::List(args) => list(args, console),
+        Action::Show(args) => show(args, console),
+        Action::Check(args) => check(args, console),
+        Action::Add(args) => add(args, console),
+        Action::Remove(args) => remove(args, console),
+    }
+}
+
+impl OwnFlags {
+    /// The built-in library with the user's own files.
+    fn library(&self) -> Result<Library> {
+        let Some(folder) = &self.effects else { return Ok(Library::builtin().clone()) };
+        if !folder.is_dir() {
+            return Err(wrong_use(format!("--effects {}: no such folder", folder.display())));
+        }
+        let context = || folder.display().to_string();
+        let mut files = Vec::new();
+        for entry in fs::read_dir(folder).with_context(context)? {
+            let path = entry.with_context(context)?.path();
+            if path.extension().is_some_and(|extension| extension == "toml") {
+                files.push((path.display().to_string(), read_text(&path)?));
+            }
+        }
+        files.sort();
+        Ok(Library::builtin().with(&files)?)
+    }
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    if !path.exists() {
+        return Err(wrong_use(format!("{}: no such file", path.display())));
+    }
+    fs::read_to_string(path).with_context(|| format!("{}: cannot read this file as text", path.display()))
+}
+
+fn list(args: &ListArgs, console: &Console) -> Result<()> {
+    let library = args.own.library()?;
+    let acts = |effect: &&Effect| args.process.is_none_or(|process| effect.acts_in(process.into()));
+    for (about, list) in [("laws", library.laws()), ("effects", library.effects())] {
+        let rows: Vec<String> = list.iter().filter(acts).map(row).collect();
+        console.step(about, rows.join("\n"));
+    }
+    let answers = |list: &[Effect]| list.iter().filter(acts).map(EffectAnswer::new).collect();
+    console.answer(&ListAnswer { laws: answers(library.laws()), effects: answers(library.effects()) })
+}
+
+/// One line of the list.
+fn row(effect: &Effect) -> String {
+    let processes: Vec<&str> =
+        Process::ALL.into_iter().filter(|process| effect.acts_in(*process)).map(Process::name).collect();
+    let hooks: Vec<&str> = effect.changes.iter().map(|change| change.value.name()).collect();
+    format!("{:22} {:17} {:26} {}", effect.name, processes.join(", "), hooks.join(", "), effect.title)
+}
+
+fn show(args: &ShowArgs, console: &Console) -> Result<()> {
+    let library = args.own.library()?;
+    let Some(effect) = library.find(&args.name) else {
+        let known: Vec<&str> = library.all().map(|effect| effect.name.as_str()).collect();
+        return Err(wrong_use(format!("no law or effect is called `{}`; known are {}", args.name, known.join(", "))));
+    };
+    for (about, text) in describe(effect) {
+        console.step(about, text);
+    }
+    console.answer(&EffectAnswer::new(effect))
+}
+
+fn check(args: &CheckArgs, console: &Console) -> Result<()> {
+    let text = read_text(&args.file)?;
+    let effect = check_file(&args.file.display().to_string(), &text)?;
+    let what = match effect.kind {
+        Kind::Law => "law",
+        Kind::Effect => "effect; it vanishes exactly at its null value",
+    };
+    console.step("good", format!("{}: {} ({what})", args.file.display(), effect.title));
+    for (about, text) in describe(&effect) {
+        console.step(about, text);
+    }
+    console.answer(&EffectAnswer::new(&effect))
+}
+
+fn add(args: &AddArgs, console: &Console) -> Result<()> {
+    let library = args.own.library()?;
+    let given = args.set.iter().map(|set| match set.split_once('=') {
+        Some((name, value)) => Ok((name.trim().to_owned(), value.trim().to_owned())),
+        None => Err(wrong_use(format!("--set {set}: PARAMETER=VALUE is expected, such as dulling_volume=350 mm^3"))),
+    });
+    let given = given.collect::<Result<Vec<_>>>()?;
+    change(&args.model, console, |source| Model::add_to_text(source, &args.name, &given, &library).map_err(Into::into))
+}
+
+fn remove(args: &RemoveArgs, console: &Console) -> Result<()> {
+    let library = args.own.library()?;
+    change(&args.model, console, |source| Model::remove_from_text(source, &args.name, &library).map_err(Into::into))
+}
+
+/// Changes a model file: the new one is written beside it and renamed.
+fn change(path: &Path, console: &Console, edit: impl Fn((&str, &str)) -> Result<Edit>) -> Result<()> {
+    let text = read_text(path)?;
+    let edit = edit((&path.display().to_string(), &text))?;
+    // Through a link, so that the file behind it is replaced and not the link.
+    let place = fs::canonicalize(path).with_context(|| path.display().to_string())?;
+    write_file(&place, edit.text.as_bytes(), true)?;
+    console.step("model", edit.changes.join("\n"));
+    let effects: Vec<&str> = edit.model.effects.iter().map(|part| part.name.as_str()).collect();
+    console.answer(&EditAnswer { model: path, changes: &edit.changes, effects })
+}
