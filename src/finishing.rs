@@ -1,5 +1,6 @@
 //! Grinding the weld of an asset: planned passes along its centreline, and what they leave.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -9,7 +10,8 @@ use anyhow::{Context, Result, bail, ensure};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
-use sim::{CurvePoint, GrindSettings, LogRow, PassRecord, Wheel, grind};
+use sim::effect::{CompiledModel, States};
+use sim::{CurvePoint, LogRow, Pass, PassRecord, Process, TOOL_CELLS, Tool, Wheel, run_pass};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
@@ -25,8 +27,25 @@ pub const PAGE_FILE: &str = "index.html";
 /// Value of the `format` key.
 pub const GRIND_FORMAT: &str = "robofin-grind/1";
 
-/// Steps that a pass may take; a step takes some milliseconds.
-const MOST_STEPS: f64 = 2e4;
+/// Steps that a pass may take; a step takes less than a millisecond.
+const MOST_STEPS: f64 = 2e5;
+
+/// Passes along a weld.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// Normal force that the controller holds [N].
+    pub force_setpoint: f64,
+    /// Speed along the weld [m/s].
+    pub feed: f64,
+    /// Passes, to and fro.
+    pub passes: u32,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self { force_setpoint: 15.0, feed: 5e-3, passes: 2 }
+    }
+}
 
 /// A weld that has been ground.
 pub struct Ground {
@@ -38,14 +57,18 @@ pub struct Ground {
     pub weld: WeldTruth,
     /// The wheel.
     pub wheel: Wheel,
-    /// The process.
-    pub settings: GrindSettings,
+    /// The passes.
+    pub plan: Plan,
+    /// What the wheel does to the part.
+    pub model: CompiledModel,
     /// The workpiece as welded.
     pub before: BrickGrid,
     /// The workpiece as ground.
     pub after: BrickGrid,
     /// One record for each pass.
     pub passes: Vec<PassRecord>,
+    /// Volume that the field lost in each pass [m³].
+    pub lost: Vec<f64>,
     /// Weld metal that still stands above the part [m³].
     pub weld_left: f64,
     /// Base metal that was ground away [m³]: what was removed less what the weld lost; rounding below zero is cut.
@@ -63,13 +86,16 @@ pub struct GrindSummary {
     asset_sha256: String,
     weld_id: u16,
     wheel: Wheel,
-    settings: GrindSettings,
+    plan: Plan,
+    model: BTreeMap<String, String>,
     /// Volume lost by the field in each pass [mm³].
     pub removed_mm3: Vec<f64>,
     /// Volume that Eq. (1) asks for, integrated over the contact [mm³].
     pub removed_by_law_mm3: Vec<f64>,
     /// ∫ F dt of each pass [N s].
     pub impulse_ns: Vec<f64>,
+    /// ∫∫ p dA dt of each pass [N s]: without a threshold, k times this is removed.
+    pub load_impulse_ns: Vec<f64>,
     /// Root mean square of force minus setpoint in contact [N].
     pub force_rms_error_n: Vec<f64>,
     /// Highest pressure of each pass [MPa].
@@ -90,7 +116,13 @@ pub struct GrindSummary {
 ///
 /// # Errors
 /// When the asset cannot be read, or a setting does not fit it.
-pub fn grind_asset(asset: &Path, wheel: Wheel, settings: GrindSettings, console: &Console) -> Result<Ground> {
+pub fn grind_asset(
+    asset: &Path,
+    wheel: Wheel,
+    plan: Plan,
+    model: CompiledModel,
+    console: &Console,
+) -> Result<Ground> {
     let manifest = Manifest::read(asset)?;
     let asset_sha256 = sha256(&fs::read(asset.join(MANIFEST_FILE))?);
     let weld = Welds::read(asset)?.welds.into_iter().next().context("the asset has no weld to grind")?;
@@ -101,9 +133,9 @@ pub fn grind_asset(asset: &Path, wheel: Wheel, settings: GrindSettings, console:
     check_wheel(&wheel, before.voxel)?;
     let started = Instant::now();
     let mut after = before.clone();
-    let passes = run_passes(&mut after, &weld, wheel, settings, console)?;
+    let (passes, lost) = run_passes(&mut after, &weld, (&Tool::from(wheel), plan, &model), console)?;
     let seconds = started.elapsed().as_secs_f64();
-    let removed: f64 = passes.iter().map(|pass| pass.removed_volume).sum();
+    let removed: f64 = lost.iter().sum();
     let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));
     Ok(Ground {
         source: manifest.source,
@@ -112,10 +144,12 @@ pub fn grind_asset(asset: &Path, wheel: Wheel, settings: GrindSettings, console:
         base_removed: (removed - (weld_before - weld_left)).max(0.0),
         weld,
         wheel,
-        settings,
+        plan,
+        model,
         before,
         after,
         passes,
+        lost,
         seconds,
     })
 }
@@ -134,46 +168,48 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
 }
 
 /// Refuses a pass that would take too long.
-fn check_steps(path: &sim::Path, settings: &GrindSettings, voxel: f64) -> Result<()> {
-    let steps = settings.steps(path, voxel);
+fn check_steps(path: &sim::Path, process: &Process, voxel: f64) -> Result<()> {
+    let steps = path.length() / (process.step_voxels * voxel);
     ensure!(
         steps <= MOST_STEPS,
-        "a pass of {:.3e} s over {:.3e} mm takes {steps:.1e} steps, and {MOST_STEPS:.0e} are accepted: use a faster \
-         --feed-mm-s, or a smaller --grind-rate or --stiffness (k K is {:.1e} 1/s)",
-        path.duration(),
+        "a pass of {:.3e} mm takes {steps:.1e} steps in a field of {:.3e} mm voxels, and {MOST_STEPS:.0e} are accepted",
         path.length() * 1e3,
-        settings.grind_rate * settings.stiffness
+        voxel * 1e3,
     );
     Ok(())
 }
 
+/// Runs the passes of a plan. Returns their records, and the volume that the field lost in each [m³].
 fn run_passes(
     grid: &mut BrickGrid,
     weld: &WeldTruth,
-    wheel: Wheel,
-    settings: GrindSettings,
+    (tool, plan, model): (&Tool, Plan, &CompiledModel),
     console: &Console,
-) -> Result<Vec<PassRecord>> {
+) -> Result<(Vec<PassRecord>, Vec<f64>)> {
     let points = weld.curve.position.iter().zip(&weld.curve.normal);
     let curve: Vec<CurvePoint> = points.map(|(&position, &normal)| CurvePoint { position, normal }).collect();
-    let forth = sim::Path::along(&curve, settings.feed)?;
-    check_steps(&forth, &settings, grid.voxel)?;
+    let forth = sim::Path::along(&curve, plan.feed)?;
+    let process = Process { force_setpoint: plan.force_setpoint, ..Process::default() };
+    check_steps(&forth, &process, grid.voxel)?;
     let back = forth.reversed();
-    let mut passes = Vec::new();
-    for pass in 1..=settings.passes {
-        let path = if pass % 2 == 1 { &forth } else { &back };
-        let bar = console.bar(&format!("pass {pass}"), 100);
-        let record = grind(grid, path, &wheel, &settings, &mut |at| {
-            bar.set_position((100 * at.step / at.steps.max(1)) as u64);
-        })?;
+    let mut states = States::new(model, TOOL_CELLS);
+    let (mut passes, mut lost, mut volume) = (Vec::new(), Vec::new(), grid.volume());
+    for number in 1..=plan.passes as usize {
+        let path = if number % 2 == 1 { &forth } else { &back };
+        let bar = console.bar(&format!("pass {number}"), 100);
+        let trial_time = (number - 1) as f64 * forth.duration();
+        let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
+        let record = run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
         bar.finish_and_clear();
         if record.steps_in_air == record.steps {
-            bail!("pass {pass}: the wheel never touched the part; is the weld within reach of the wheel?");
+            bail!("pass {number}: the wheel never touched the part; is the weld within reach of the wheel?");
         }
-        console.step(&format!("pass {pass}"), describe(&record));
+        console.step(&format!("pass {number}"), describe(&record));
+        lost.push(volume - grid.volume());
+        volume = grid.volume();
         passes.push(record);
     }
-    Ok(passes)
+    Ok((passes, lost))
 }
 
 fn describe(record: &PassRecord) -> String {
@@ -185,6 +221,14 @@ fn describe(record: &PassRecord) -> String {
         record.force_rms_error,
         record.pressure_max * 1e-6
     )
+}
+
+/// Parameters of a model as `effect.parameter` and value with unit.
+pub fn model_facts(model: &CompiledModel) -> Vec<(String, String)> {
+    let value = |(i, slot): (usize, &sim::effect::ParameterSlot)| {
+        (slot.name(), format!("{} {}", slot.unit.from_si(model.value(i)), slot.unit_text))
+    };
+    model.parameters().iter().enumerate().map(value).collect()
 }
 
 /// What a run left of the weld and took of the part, for people.
@@ -213,10 +257,12 @@ impl Ground {
             asset_sha256: self.asset_sha256.clone(),
             weld_id: self.weld.id,
             wheel: self.wheel,
-            settings: self.settings,
-            removed_mm3: each(|pass| pass.removed_volume * 1e9),
-            removed_by_law_mm3: each(|pass| pass.removed_volume_by_law * 1e9),
+            plan: self.plan,
+            model: model_facts(&self.model).into_iter().collect(),
+            removed_mm3: self.lost.iter().map(|volume| volume * 1e9).collect(),
+            removed_by_law_mm3: each(|pass| pass.removed_volume * 1e9),
             impulse_ns: each(|pass| pass.impulse),
+            load_impulse_ns: each(|pass| pass.load_impulse),
             force_rms_error_n: each(|pass| pass.force_rms_error),
             pressure_max_mpa: each(|pass| pass.pressure_max * 1e-6),
             duration_s: each(|pass| pass.duration),

@@ -45,12 +45,12 @@ pub fn grinding_page(asset: &Path, ground: &Ground, pictures: &GrindPictures) ->
 }
 
 fn lead(ground: &Ground) -> String {
-    let removed: f64 = ground.passes.iter().map(|pass| pass.removed_volume * 1e9).sum();
+    let removed: f64 = ground.lost.iter().map(|volume| volume * 1e9).sum();
     let passes =
         if ground.passes.len() == 1 { "one pass".to_owned() } else { format!("{} passes", ground.passes.len()) };
     format!(
         "A weld of {:.0} mm was laid on {}, and {passes} of a wheel at {:.0} N took {removed:.1} mm³ off it.",
-        ground.weld.length_mm, ground.source.file, ground.settings.force_setpoint
+        ground.weld.length_mm, ground.source.file, ground.plan.force_setpoint
     )
 }
 
@@ -75,8 +75,8 @@ fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
     let row = |(i, pass): (usize, &sim::PassRecord)| {
         vec![
             format!("{}", i + 1),
+            format!("{:.3}", ground.lost[i] * 1e9),
             format!("{:.3}", pass.removed_volume * 1e9),
-            format!("{:.3}", pass.removed_volume_by_law * 1e9),
             format!("{:.2e}", pass.force_rms_error),
             format!("{:.2}", pass.pressure_max * 1e-6),
             format!("{:.1}", pass.duration),
@@ -95,20 +95,21 @@ fn force_chart(ground: &Ground) -> String {
     Chart { x_label: "time in the pass [s]", y_label: "normal force [N]", series: &series }.to_svg()
 }
 
-fn process_facts(ground: &Ground) -> Vec<(&'static str, String)> {
-    let (wheel, settings) = (&ground.wheel, &ground.settings);
-    vec![
-        ("wheel", format!("radius {:.0} mm, width {:.0} mm", wheel.radius * 1e3, wheel.width * 1e3)),
-        ("contact stiffness K", format!("{:.2e} Pa/m", settings.stiffness)),
-        ("grinding coefficient k", format!("{:.2e} m/(Pa s)", settings.grind_rate)),
-        ("threshold pressure p_c", format!("{:.3} MPa", settings.threshold_pressure * 1e-6)),
-        ("force setpoint, feed", format!("{:.1} N, {:.1} mm/s", settings.force_setpoint, settings.feed * 1e3)),
+fn process_facts(ground: &Ground) -> Vec<(String, String)> {
+    let (wheel, plan) = (&ground.wheel, &ground.plan);
+    let mut facts = vec![
+        ("wheel".into(), format!("radius {:.0} mm, width {:.0} mm", wheel.radius * 1e3, wheel.width * 1e3)),
+        ("force setpoint, feed".into(), format!("{:.1} N, {:.1} mm/s", plan.force_setpoint, plan.feed * 1e3)),
+    ];
+    facts.extend(model_facts(&ground.model));
+    facts.extend([
         (
-            "weld metal left above the part",
+            "weld metal left above the part".into(),
             format!("{:.2} of {:.2} mm³", ground.weld_left * 1e9, ground.weld.volume_mm3),
         ),
-        ("base metal ground away", format!("{:.3} mm³", ground.base_removed * 1e9)),
-    ]
+        ("base metal ground away".into(), format!("{:.3} mm³", ground.base_removed * 1e9)),
+    ]);
+    facts
 }
 
 fn weld_facts(weld: &WeldTruth) -> Vec<(&'static str, String)> {

@@ -1,0 +1,82 @@
+//! Which model a run uses, and where a user's own effects are.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::Args;
+use sim::effect::{CompiledModel, Library, Model, Process, RowCounts};
+
+use crate::wrong_use;
+
+/// Laws and effects of a run.
+#[derive(Clone, Debug, Args)]
+pub(super) struct ModelFlags {
+    /// Model file: base law, effects and their parameters [default: the base law of the process].
+    #[arg(long, value_name = "FILE")]
+    pub(super) model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) own: OwnFlags,
+}
+
+/// Where a user's own effects are.
+#[derive(Clone, Debug, Args)]
+pub(super) struct OwnFlags {
+    /// Folder with effect files of your own (*.toml); they act after the built-in ones.
+    #[arg(long, value_name = "DIR")]
+    effects: Option<PathBuf>,
+}
+
+impl OwnFlags {
+    /// The built-in library with the user's own files.
+    pub(super) fn library(&self) -> Result<Library> {
+        let Some(folder) = &self.effects else { return Ok(Library::builtin().clone()) };
+        if !folder.is_dir() {
+            return Err(wrong_use(format!("--effects {}: no such folder", folder.display())));
+        }
+        let context = || folder.display().to_string();
+        let mut files = Vec::new();
+        for entry in fs::read_dir(folder).with_context(context)? {
+            let path = entry.with_context(context)?.path();
+            if path.extension().is_some_and(|extension| extension == "toml") {
+                files.push((path.display().to_string(), read_text(&path)?));
+            }
+        }
+        files.sort();
+        Ok(Library::builtin().with(&files)?)
+    }
+}
+
+impl ModelFlags {
+    /// The model file, or the text of the base law with its defaults.
+    fn read(&self, process: Process, law: &str, library: &Library) -> Result<Model> {
+        let Some(path) = &self.model else {
+            let text = format!("process = \"{}\"\n{law}", process.name());
+            return Ok(Model::parse("the base law", &text, library)?);
+        };
+        let model = Model::parse(&path.display().to_string(), &read_text(path)?, library)?;
+        if model.process != process {
+            return Err(wrong_use(format!(
+                "--model {}: it is for {}, and this is {}",
+                path.display(),
+                model.process.name(),
+                process.name()
+            )));
+        }
+        Ok(model)
+    }
+
+    /// The compiled model. `law` states values of the base law, as in a model file, for when no file is given.
+    pub(super) fn compile(&self, process: Process, law: &str, rows: RowCounts) -> Result<CompiledModel> {
+        let library = self.own.library()?;
+        Ok(CompiledModel::new(&self.read(process, law, &library)?, &library, rows)?)
+    }
+}
+
+/// Text of a file.
+pub(super) fn read_text(path: &Path) -> Result<String> {
+    if !path.exists() {
+        return Err(wrong_use(format!("{}: no such file", path.display())));
+    }
+    fs::read_to_string(path).with_context(|| format!("{}: cannot read this file as text", path.display()))
+}
