@@ -6,10 +6,10 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use super::cell::{NO_PIECE, Signs, edge_ends};
-use super::place::place;
+use super::place::{Shape, place};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, cell_corner, voxel_at, voxel_offset};
 use crate::halo::Halo;
-use crate::project::Tangent;
+use crate::tangent::Tangent;
 
 /// No cell in [`Brick::place`].
 const NO_CELL: u16 = u16::MAX;
@@ -39,8 +39,7 @@ pub(super) struct Brick {
 pub(super) struct Corner {
     /// Position [m].
     pub(super) at: DVec3,
-    /// Whether it is on a sharp edge or corner.
-    pub(super) sharp: bool,
+    pub(super) shape: Shape,
 }
 
 /// The crossed cells of a grid.
@@ -149,9 +148,13 @@ impl CellMap {
                 let (pieces, count) = cell.signs.pieces();
                 for piece in 0..count {
                     let edges: Vec<usize> = (0..12).filter(|&edge| pieces[edge] == piece).collect();
-                    let vertex = place(tangents(grid, &halo, low, &edges), middle(&halo, low, &edges));
+                    let is_crossed = |step: IVec3| {
+                        let values = corner_values(&halo, low + step.clamp(-IVec3::ONE, IVec3::ONE));
+                        values.iter().any(|&phi| phi < 0.0) && values.iter().any(|&phi| phi >= 0.0)
+                    };
+                    let vertex = place(tangents(grid, &halo, low, &edges), middle(&halo, low, &edges), is_crossed);
                     let at = ((corner + low).as_dvec3() + vertex.at) * grid.voxel;
-                    vertices.push(Corner { at, sharp: vertex.sharp });
+                    vertices.push(Corner { at, shape: vertex.shape });
                 }
             }
             vertices

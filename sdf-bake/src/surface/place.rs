@@ -4,12 +4,17 @@
 //! cell meet in the edge or corner of the surface that the cell holds, which is the point where the sum of the squared
 //! distances from them is least (Ju et al. 2002, "Dual contouring of Hermite data", whose data were at crossed edges).
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, IVec3};
 
-use crate::project::Tangent;
+use crate::tangent::Tangent;
 
 /// How far outside its cell an edge of the surface may be found, and a closest point used [voxels].
 const MARGIN: f64 = 0.1;
+/// As [`MARGIN`], where the surface does not cross the cell that holds the edge.
+const TIP: f64 = 0.7;
+/// Share of the tangents' own normals in the height of a smooth face, the rest is the mean normal's. A half would put
+/// vertices on the surface; a third more lifts them by a twelfth of the curvature, as much as the triangles sag between.
+const BALANCE: f64 = 5.0 / 6.0;
 /// Share of the largest eigenvalue above which planes count as facing another way: normals about 23° apart.
 const FACES: f64 = 0.04;
 /// Cosine of the angle within which planes belong to one smooth face.
@@ -20,20 +25,40 @@ const SAME_FACE: f64 = 0.7;
 pub(super) struct Vertex {
     /// Place in the cell, 0 to 1 on each axis.
     pub(super) at: DVec3,
-    /// Whether it is on a sharp edge or corner.
-    pub(super) sharp: bool,
+    pub(super) shape: Shape,
 }
 
-/// The vertex of a piece with these tangents whose crossed edges have their middle at `centre`.
-pub(super) fn place(mut tangents: Vec<Tangent>, centre: DVec3) -> Vertex {
-    for _ in 0..2 {
-        if let Some(at) = sharp_point(&tangents, centre).filter(|&at| outside_by(at) <= MARGIN) {
-            return Vertex { at: at.clamp(DVec3::ZERO, DVec3::ONE), sharp: true };
-        }
-        // Perhaps the edge is not in this cell, and a voxel's closest point is beyond it.
-        tangents.retain(|tangent| outside_by(tangent.foot) <= MARGIN);
+/// How the surface is bent at a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    Smooth,
+    /// On an edge or corner that stands out.
+    Outer,
+    /// On one that is a groove.
+    Inner,
+}
+
+/// The vertex of a piece with these tangents whose crossed edges have their middle at `centre`. `is_crossed` tells whether
+/// the surface crosses the cell at an offset from this one.
+pub(super) fn place(mut tangents: Vec<Tangent>, centre: DVec3, is_crossed: impl Fn(IVec3) -> bool) -> Vertex {
+    let found = sharp_point(&tangents, centre);
+    // A tip may lie in a cell whose corners are all on one side: then no other vertex stands for it.
+    let alone = |at: &DVec3| outside_by(*at) <= TIP && !is_crossed(at.floor().as_ivec3());
+    if let Some(at) = found.filter(|at| outside_by(*at) <= MARGIN || alone(at)) {
+        return Vertex { at, shape: bend(&tangents) };
     }
-    Vertex { at: smooth_point(&tangents, centre).clamp(DVec3::ZERO, DVec3::ONE), sharp: false }
+    // Perhaps the edge is not in this cell, and a voxel's closest point is beyond it.
+    tangents.retain(|tangent| outside_by(tangent.foot) <= MARGIN);
+    if let Some(at) = sharp_point(&tangents, centre).filter(|at| outside_by(*at) <= MARGIN) {
+        return Vertex { at, shape: bend(&tangents) };
+    }
+    Vertex { at: smooth_point(&tangents, centre).clamp(DVec3::ZERO, DVec3::ONE), shape: Shape::Smooth }
+}
+
+/// Outer where the feet lie below each other's planes.
+fn bend(tangents: &[Tangent]) -> Shape {
+    let pairs = tangents.iter().flat_map(|a| tangents.iter().map(move |b| a.normal.dot(b.foot - a.foot)));
+    if pairs.sum::<f64>() <= 0.0 { Shape::Outer } else { Shape::Inner }
 }
 
 /// Distance of a point from the unit cell on the axis where it is farthest.
@@ -61,8 +86,8 @@ fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<DVec3> {
     Some(centre + along(0) + along(1) + along(2))
 }
 
-/// A point of the smooth face that is nearest to `centre`, above it or below. On a curved face a tangent plane lies above
-/// the surface by as much as its foot lies below its top; between the two it is third order.
+/// A point of the smooth face above or below `centre`. On a curved face a tangent plane lies above the surface's top by
+/// as much as its foot lies below it.
 fn smooth_point(tangents: &[Tangent], centre: DVec3) -> DVec3 {
     let by_distance =
         |a: &&Tangent, b: &&Tangent| a.foot.distance_squared(centre).total_cmp(&b.foot.distance_squared(centre));
@@ -71,7 +96,7 @@ fn smooth_point(tangents: &[Tangent], centre: DVec3) -> DVec3 {
     };
     let face: Vec<&Tangent> = tangents.iter().filter(|t| t.normal.dot(nearest.normal) > SAME_FACE).collect();
     let normal = face.iter().map(|t| t.normal).sum::<DVec3>().normalize();
-    let height: f64 = face.iter().map(|t| 0.5 * (t.normal + normal).dot(t.foot - centre)).sum();
+    let height: f64 = face.iter().map(|t| normal.lerp(t.normal, BALANCE).dot(t.foot - centre)).sum();
     centre + normal * (height / face.len() as f64)
 }
 
@@ -112,11 +137,11 @@ mod tests {
         let corner = DVec3::new(0.3, 0.6, 0.45);
         let normals = [DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.1, 1.0, 0.0), DVec3::new(0.2, -0.3, 1.0)];
         let tangents: Vec<Tangent> = normals.iter().map(|&n| plane(n, corner, DVec3::splat(0.5))).collect();
-        let vertex = place(tangents.clone(), DVec3::splat(0.5));
-        assert!(vertex.sharp && vertex.at.distance(corner) < 1e-12, "{vertex:?}");
-        let vertex = place(tangents[..2].to_vec(), DVec3::splat(0.5));
+        let vertex = place(tangents.clone(), DVec3::splat(0.5), |_| true);
+        assert!(vertex.shape == Shape::Outer && vertex.at.distance(corner) < 1e-12, "{vertex:?}");
+        let vertex = place(tangents[..2].to_vec(), DVec3::splat(0.5), |_| true);
         let edge = normals[0].cross(normals[1]).normalize();
-        assert!(vertex.sharp && (vertex.at - corner).reject_from(edge).length() < 1e-12, "{vertex:?}");
+        assert!(vertex.shape == Shape::Outer && (vertex.at - corner).reject_from(edge).length() < 1e-12, "{vertex:?}");
     }
 
     #[test]
@@ -126,8 +151,13 @@ mod tests {
             plane(DVec3::X, DVec3::splat(0.4), DVec3::new(1.0, 1.0, 0.5)),
             plane(DVec3::Y, DVec3::splat(1.6), DVec3::new(0.0, 1.0, 0.5)),
         ];
-        let vertex = place(tangents, DVec3::new(0.3, 0.5, 0.5));
-        assert!(!vertex.sharp && vertex.at.distance(DVec3::new(0.4, 0.5, 0.5)) < 1e-12, "{vertex:?}");
+        let vertex = place(tangents.clone(), DVec3::new(0.3, 0.5, 0.5), |at| at == IVec3::Y);
+        assert!(vertex.shape == Shape::Smooth && vertex.at.distance(DVec3::new(0.4, 0.5, 0.5)) < 1e-12, "{vertex:?}");
+        let vertex = place(tangents, DVec3::new(0.3, 0.5, 0.5), |_| false);
+        assert!(
+            vertex.shape == Shape::Outer && vertex.at.distance(DVec3::new(0.4, 1.6, 0.5)) < 1e-12,
+            "the edge of a tip: {vertex:?}"
+        );
     }
 
     #[test]
@@ -138,7 +168,8 @@ mod tests {
             let normal = (DVec3::new(x, y, z) - centre).normalize();
             Tangent { foot: centre + normal * radius, normal }
         });
-        let vertex = place(tangents.collect(), DVec3::splat(0.5));
-        assert!((vertex.at.distance(centre) - radius).abs() < 2e-3, "{vertex:?}");
+        let vertex = place(tangents.collect(), DVec3::splat(0.5), |_| true);
+        let lift = vertex.at.distance(centre) - radius;
+        assert!(lift > 0.0 && lift < 0.02, "lifted by about a sixth of the curvature, not by {lift}");
     }
 }
