@@ -176,14 +176,6 @@ mod tests {
             }
             let on_edge = (foot.abs() - half).to_array().iter().filter(|d| d.abs() < 1e-12).count() > 1;
             let error = grid.closest_surface_point(p).unwrap().distance(foot) / voxel;
-            if error > 0.3 {
-                println!(
-                    "DEBUG {on_edge} p {:?} foot {:?} got {:?}",
-                    p / voxel,
-                    foot / voxel,
-                    grid.closest_surface_point(p).unwrap() / voxel
-                );
-            }
             worst[usize::from(on_edge)] = worst[usize::from(on_edge)].max(error);
         }
         println!("closest point of a box: {:.3} voxels on faces, {:.3} on edges and corners", worst[0], worst[1]);

@@ -6,15 +6,17 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use super::cell::{NO_PIECE, Signs, edge_ends};
-use super::place::{Shape, place};
+use super::place::{Shape, Site, Vertex};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, cell_corner, voxel_at, voxel_offset};
 use crate::halo::Halo;
 use crate::tangent::Tangent;
 
 /// No cell in [`Brick::place`].
 const NO_CELL: u16 = u16::MAX;
-/// Voxels around a brick that its cells and their slopes read.
-const REACH: usize = 3;
+/// Voxels around a brick that its cells, the voxels around those and their slopes read.
+const REACH: usize = 4;
+/// How far φ differs from the distance to one face where there is another [voxels].
+const OTHER_FACE: f64 = 0.25;
 
 /// A cell that the surface crosses.
 #[derive(Clone, Copy, Debug)]
@@ -148,11 +150,7 @@ impl CellMap {
                 let (pieces, count) = cell.signs.pieces();
                 for piece in 0..count {
                     let edges: Vec<usize> = (0..12).filter(|&edge| pieces[edge] == piece).collect();
-                    let is_crossed = |step: IVec3| {
-                        let values = corner_values(&halo, low + step.clamp(-IVec3::ONE, IVec3::ONE));
-                        values.iter().any(|&phi| phi < 0.0) && values.iter().any(|&phi| phi >= 0.0)
-                    };
-                    let vertex = place(tangents(grid, &halo, low, &edges), middle(&halo, low, &edges), is_crossed);
+                    let vertex = Around { grid, halo: &halo, low }.vertex(&edges);
                     let at = ((corner + low).as_dvec3() + vertex.at) * grid.voxel;
                     vertices.push(Corner { at, shape: vertex.shape });
                 }
@@ -163,24 +161,59 @@ impl CellMap {
     }
 }
 
-/// Mean of the points where φ vanishes along the edges [voxels from the cell's lowest corner].
-fn middle(halo: &Halo, low: IVec3, edges: &[usize]) -> DVec3 {
-    let values = corner_values(halo, low);
-    let crossing = |&edge: &usize| {
-        let (a, b) = edge_ends(edge);
-        let along = f64::from(values[a]) / (f64::from(values[a]) - f64::from(values[b]));
-        cell_corner(a).as_dvec3().lerp(cell_corner(b).as_dvec3(), along)
-    };
-    edges.iter().map(crossing).sum::<DVec3>() / edges.len() as f64
+/// A cell with the voxels around it.
+struct Around<'a> {
+    grid: &'a BrickGrid,
+    halo: &'a Halo,
+    /// Its lowest corner [voxels from the brick's first].
+    low: IVec3,
 }
 
-/// What the corners at the ends of the edges know of the surface [voxels from the cell's lowest corner].
-fn tangents(grid: &BrickGrid, halo: &Halo, low: IVec3, edges: &[usize]) -> Vec<Tangent> {
-    let corners = edges.iter().fold(0u8, |bits, &edge| bits | 1 << edge_ends(edge).0 | 1 << edge_ends(edge).1);
-    let tangent = |corner: usize| {
-        let at = low + cell_corner(corner);
-        let tangent = grid.tangent_of(|step| halo.phi[halo.at(at + step)])?;
-        Some(Tangent { foot: tangent.foot + cell_corner(corner).as_dvec3(), ..tangent })
-    };
-    (0..8).filter(|corner| corners >> corner & 1 != 0).filter_map(tangent).collect()
+impl Around<'_> {
+    /// The vertex of the piece with these crossed edges.
+    fn vertex(&self, edges: &[usize]) -> Vertex {
+        let ends = edges.iter().fold(0u8, |bits, &edge| bits | 1 << edge_ends(edge).0 | 1 << edge_ends(edge).1);
+        let corners = (0..8).filter(|corner| ends >> corner & 1 != 0).map(cell_corner);
+        let is_crossed = |step: IVec3| {
+            let values = corner_values(self.halo, self.low + step.clamp(-IVec3::ONE, IVec3::ONE));
+            values.iter().any(|&phi| phi < 0.0) && values.iter().any(|&phi| phi >= 0.0)
+        };
+        let tangents = corners.filter_map(|corner| self.tangent(corner)).collect();
+        let wider = |face: &Tangent| self.wider(face);
+        let phi = corner_values(self.halo, self.low).map(|phi| f64::from(phi) / self.grid.voxel);
+        Site { tangents, centre: self.middle(edges), phi, is_crossed: &is_crossed, wider: &wider }.vertex()
+    }
+
+    /// Mean of the points where φ vanishes along the edges [voxels from the cell's lowest corner].
+    fn middle(&self, edges: &[usize]) -> DVec3 {
+        let values = corner_values(self.halo, self.low);
+        let crossing = |&edge: &usize| {
+            let (a, b) = edge_ends(edge);
+            let along = f64::from(values[a]) / (f64::from(values[a]) - f64::from(values[b]));
+            cell_corner(a).as_dvec3().lerp(cell_corner(b).as_dvec3(), along)
+        };
+        edges.iter().map(crossing).sum::<DVec3>() / edges.len() as f64
+    }
+
+    /// What the voxel at an offset from the cell's lowest corner knows of the surface.
+    fn tangent(&self, corner: IVec3) -> Option<Tangent> {
+        let at = self.low + corner;
+        let tangent = self.grid.tangent_of(|step| self.halo.phi[self.halo.at(at + step)])?;
+        Some(Tangent { foot: tangent.foot + corner.as_dvec3(), ..tangent })
+    }
+
+    /// What the 4³ voxels around the cell know, if they know more than one face.
+    fn wider(&self, face: &Tangent) -> Vec<Tangent> {
+        let corners = || (0..64).map(|i| IVec3::new(i >> 4, i >> 2 & 3, i & 3) - 1);
+        let off_plane = |corner: IVec3| {
+            let phi = self.halo.phi[self.halo.at(self.low + corner)];
+            let height = face.normal.dot(corner.as_dvec3() - face.foot) * self.grid.voxel;
+            phi.abs() < self.grid.band && (f64::from(phi) - height).abs() > OTHER_FACE * self.grid.voxel
+        };
+        if corners().any(off_plane) {
+            corners().filter_map(|corner| self.tangent(corner)).collect()
+        } else {
+            Vec::new()
+        }
+    }
 }
