@@ -42,6 +42,7 @@ pub mod redistance;
 mod seam;
 mod share;
 mod surface;
+mod tangent;
 mod union;
 mod volume;
 

@@ -1,8 +1,9 @@
 //! The surface point closest to a point of the band, by steps along the gradient.
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3};
 
 use crate::grid::{BrickGrid, cell_corner};
+use crate::tangent::Tangent;
 
 /// Steps along the gradient at most.
 const STEPS: usize = 5;
@@ -10,17 +11,8 @@ const STEPS: usize = 5;
 const SETTLED: f64 = 1e-6;
 /// Slopes farther than this from 1 tell that an edge of the field crosses the stencil.
 const CLEAN: f64 = 0.05;
-/// As [`CLEAN`], for the one-sided slopes of a voxel, which are of lower order.
-const CLEAN_SIDE: f32 = 0.2;
-
-/// The tangent plane of the surface at the point closest to a voxel.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tangent {
-    /// Closest surface point [voxels].
-    pub(crate) foot: DVec3,
-    /// Outward unit normal there.
-    pub(crate) normal: DVec3,
-}
+/// As [`CLEAN`], for differences across two voxels.
+const CLEAN_ACROSS: f64 = 0.1;
 
 impl BrickGrid {
     /// The point of {φ = 0} closest to `point` [m], or `None` beyond the band.
@@ -35,8 +27,14 @@ impl BrickGrid {
             let (phi, gradient) = match self.sample_cubic(at) {
                 Some((phi, gradient)) if (gradient.length() - 1.0).abs() < CLEAN => (phi, gradient),
                 _ if taken > 0 => break,
-                _ => return self.closest_on_planes(point),
+                _ => match self.sample_across(at) {
+                    (phi, gradient) if (gradient.length() - 1.0).abs() < CLEAN_ACROSS => (phi, gradient),
+                    _ => return self.closest_on_planes(point),
+                },
             };
+            if phi.abs() >= f64::from(self.band) {
+                return None;
+            }
             let step = gradient * (phi / gradient.length_squared());
             at -= step;
             if step.length() < SETTLED * self.voxel {
@@ -46,21 +44,33 @@ impl BrickGrid {
         Some(at)
     }
 
+    /// φ [m] and its gradient at a point [m], from trilinear values a voxel away on both sides.
+    fn sample_across(&self, point: DVec3) -> (f64, DVec3) {
+        let slope = |axis: DVec3| {
+            let step = axis * self.voxel;
+            f64::from(self.sample(point + step) - self.sample(point - step)) / (2.0 * self.voxel)
+        };
+        (f64::from(self.sample(point)), DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)))
+    }
+
     /// The point closest to `point` [m] on the tangent planes of the voxels around it: of the body that they enclose
     /// together where they form an outer edge, of the one that any of them encloses where they form an inner edge.
     fn closest_on_planes(&self, point: DVec3) -> Option<DVec3> {
         let (corner, _) = self.cell(point);
-        let tangents: Vec<Tangent> = (0..8).filter_map(|i| self.tangent(corner + cell_corner(i))).collect();
-        let bend = |a: &Tangent| tangents.iter().map(|b| a.normal.dot(b.foot - a.foot)).sum::<f64>();
-        let outer = tangents.iter().map(bend).sum::<f64>() <= 0.0;
+        let corners = (0..8).map(|i| corner + cell_corner(i));
+        let tangents: Vec<Tangent> = corners.clone().filter_map(|voxel| self.tangent(voxel)).collect();
+        let heights = |at: DVec3| tangents.iter().map(move |t| (t.normal.dot(at - t.foot), t.normal));
+        let highest = |at| heights(at).max_by(|a, b| a.0.total_cmp(&b.0));
+        let lowest = |at| heights(at).min_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut outer, mut inner) = (0.0, 0.0);
+        for voxel in corners {
+            let phi = f64::from(self.phi_at(voxel)) / self.voxel;
+            outer += (highest(voxel.as_dvec3())?.0 - phi).abs();
+            inner += (lowest(voxel.as_dvec3())?.0 - phi).abs();
+        }
         let mut at = point / self.voxel;
         for _ in 0..STEPS {
-            let heights = tangents.iter().map(|t| (t.normal.dot(at - t.foot), t.normal));
-            let (height, normal) = if outer {
-                heights.max_by(|a, b| a.0.total_cmp(&b.0))?
-            } else {
-                heights.min_by(|a, b| a.0.total_cmp(&b.0))?
-            };
+            let (height, normal) = if outer <= inner { highest(at)? } else { lowest(at)? };
             at -= normal * height;
         }
         Some(at * self.voxel)
@@ -69,17 +79,6 @@ impl BrickGrid {
     fn tangent(&self, voxel: IVec3) -> Option<Tangent> {
         let tangent = self.tangent_of(|step| self.phi_at(voxel + step))?;
         Some(Tangent { foot: tangent.foot + voxel.as_dvec3(), ..tangent })
-    }
-
-    /// What a voxel knows of the surface, its foot relative to the voxel, or `None` where its slopes are not those of one
-    /// face. `phi` gives φ [m] at an offset [voxels] from the voxel, up to two along each axis.
-    pub(crate) fn tangent_of(&self, phi: impl Fn(IVec3) -> f32) -> Option<Tangent> {
-        let here = phi(IVec3::ZERO);
-        let gradient = self.one_sided_gradient(phi);
-        let slope = gradient.length();
-        let clean = here.abs() < self.band && (slope - 1.0).abs() < CLEAN_SIDE;
-        let normal = (gradient / slope).as_dvec3();
-        clean.then(|| Tangent { foot: -normal * f64::from(here / (self.voxel as f32 * slope)), normal })
     }
 
     /// φ [m] and its gradient at a point [m] by cubic convolution of 4³ voxels (Keys 1981, a = −1/2): third order, and
@@ -104,22 +103,6 @@ impl BrickGrid {
             }
         }
         Some((value, gradient / self.voxel))
-    }
-
-    /// Slope of φ at a voxel along each axis [1], each taken from the side on which the field is smoother (Harten et al.
-    /// 1987, essentially non-oscillatory), so that it is that of one face even a voxel away from an edge. `phi` gives φ [m]
-    /// at an offset [voxels] from the voxel.
-    fn one_sided_gradient(&self, phi: impl Fn(IVec3) -> f32) -> Vec3 {
-        let slope = |axis: IVec3| {
-            let [a, b, c, d, e] = [-2, -1, 0, 1, 2].map(|i| phi(axis * i));
-            let known = |value: f32, bend: f32| if value.abs() < self.band { bend } else { 0.0 };
-            let (before, here, after) = (known(a, a - 2.0 * b + c), b - 2.0 * c + d, known(e, c - 2.0 * d + e));
-            let smoother = |p: f32, q: f32| if p.abs() < q.abs() { p } else { q };
-            let (left, right) = (smoother(before, here), smoother(here, after));
-            let from_left = left.abs() < right.abs();
-            if from_left { c - b + 0.5 * left } else { d - c - 0.5 * right }
-        };
-        Vec3::new(slope(IVec3::X), slope(IVec3::Y), slope(IVec3::Z)) / self.voxel as f32
     }
 }
 

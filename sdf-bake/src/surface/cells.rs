@@ -5,17 +5,14 @@ use std::collections::HashMap;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::cell::{NO_PIECE, Signs, edge_ends};
-use super::place::place;
+use super::around::{Around, Known};
+use super::cell::{NO_PIECE, Pieces, Signs};
+use super::place::Shape;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, cell_corner, voxel_at, voxel_offset};
 use crate::halo::Halo;
-use crate::project::Tangent;
 
 /// No cell in [`Brick::place`].
 const NO_CELL: u16 = u16::MAX;
-/// Voxels around a brick that its cells and their slopes read.
-const REACH: usize = 3;
-
 /// A cell that the surface crosses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
@@ -24,6 +21,8 @@ pub(super) struct Cell {
     pub(super) signs: Signs,
     /// Number of the first of its vertices; its pieces follow each other.
     first_vertex: u32,
+    pieces: Pieces,
+    piece_count: u8,
 }
 
 /// The crossed cells whose lowest corners are in one brick.
@@ -39,8 +38,7 @@ pub(super) struct Brick {
 pub(super) struct Corner {
     /// Position [m].
     pub(super) at: DVec3,
-    /// Whether it is on a sharp edge or corner.
-    pub(super) sharp: bool,
+    pub(super) shape: Shape,
 }
 
 /// The crossed cells of a grid.
@@ -62,14 +60,20 @@ impl Brick {
             let signs = Signs::of(&corner_values(&halo, voxel_at(IVec3::ZERO, offset)));
             if signs.inside != 0 && signs.inside != 255 {
                 brick.place[offset] = brick.cells.len() as u16;
-                brick.cells.push(Cell { offset: offset as u16, signs, first_vertex: 0 });
+                brick.cells.push(Cell {
+                    offset: offset as u16,
+                    signs,
+                    first_vertex: 0,
+                    pieces: [NO_PIECE; 12],
+                    piece_count: 0,
+                });
             }
         }
         (!brick.cells.is_empty()).then_some(brick)
     }
 }
 
-fn corner_values(halo: &Halo, low: IVec3) -> [f32; 8] {
+pub(super) fn corner_values(halo: &Halo, low: IVec3) -> [f32; 8] {
     std::array::from_fn(|i| halo.phi[halo.at(low + cell_corner(i))])
 }
 
@@ -97,9 +101,8 @@ impl CellMap {
     pub(super) fn vertex(&self, voxel: IVec3, edge: usize) -> u32 {
         let (brick, cell) = self.find(voxel).expect("the four cells around a crossed edge are crossed");
         let cell = &self.bricks[brick].cells[cell];
-        let (pieces, _) = cell.signs.pieces();
-        debug_assert_ne!(pieces[edge], NO_PIECE);
-        cell.first_vertex + u32::from(pieces[edge])
+        debug_assert_ne!(cell.pieces[edge], NO_PIECE);
+        cell.first_vertex + u32::from(cell.pieces[edge])
     }
 
     fn find(&self, voxel: IVec3) -> Option<(usize, usize)> {
@@ -133,51 +136,29 @@ impl CellMap {
     fn number(&mut self) {
         let mut vertices = 0;
         for cell in self.bricks.iter_mut().flat_map(|brick| &mut brick.cells) {
+            (cell.pieces, cell.piece_count) = cell.signs.pieces();
             cell.first_vertex = vertices;
-            vertices += u32::from(cell.signs.pieces().1);
+            vertices += u32::from(cell.piece_count);
         }
     }
 
     /// All vertices in their order.
     pub(super) fn vertices(&self, grid: &BrickGrid) -> Vec<Corner> {
         let of_brick = |brick: &Brick| {
-            let halo = grid.halo(brick.at, REACH);
+            let known = Known::of(grid, brick.at);
             let corner = BRICK_SIDE as i32 * brick.at;
             let mut vertices = Vec::new();
             for cell in &brick.cells {
                 let low = voxel_at(IVec3::ZERO, usize::from(cell.offset));
-                let (pieces, count) = cell.signs.pieces();
-                for piece in 0..count {
-                    let edges: Vec<usize> = (0..12).filter(|&edge| pieces[edge] == piece).collect();
-                    let vertex = place(tangents(grid, &halo, low, &edges), middle(&halo, low, &edges));
+                for piece in 0..cell.piece_count {
+                    let edges: Vec<usize> = (0..12).filter(|&edge| cell.pieces[edge] == piece).collect();
+                    let vertex = Around { known: &known, low }.vertex(&edges);
                     let at = ((corner + low).as_dvec3() + vertex.at) * grid.voxel;
-                    vertices.push(Corner { at, sharp: vertex.sharp });
+                    vertices.push(Corner { at, shape: vertex.shape });
                 }
             }
             vertices
         };
         self.bricks.par_iter().map(of_brick).collect::<Vec<_>>().concat()
     }
-}
-
-/// Mean of the points where φ vanishes along the edges [voxels from the cell's lowest corner].
-fn middle(halo: &Halo, low: IVec3, edges: &[usize]) -> DVec3 {
-    let values = corner_values(halo, low);
-    let crossing = |&edge: &usize| {
-        let (a, b) = edge_ends(edge);
-        let along = f64::from(values[a]) / (f64::from(values[a]) - f64::from(values[b]));
-        cell_corner(a).as_dvec3().lerp(cell_corner(b).as_dvec3(), along)
-    };
-    edges.iter().map(crossing).sum::<DVec3>() / edges.len() as f64
-}
-
-/// What the corners at the ends of the edges know of the surface [voxels from the cell's lowest corner].
-fn tangents(grid: &BrickGrid, halo: &Halo, low: IVec3, edges: &[usize]) -> Vec<Tangent> {
-    let corners = edges.iter().fold(0u8, |bits, &edge| bits | 1 << edge_ends(edge).0 | 1 << edge_ends(edge).1);
-    let tangent = |corner: usize| {
-        let at = low + cell_corner(corner);
-        let tangent = grid.tangent_of(|step| halo.phi[halo.at(at + step)])?;
-        Some(Tangent { foot: tangent.foot + cell_corner(corner).as_dvec3(), ..tangent })
-    };
-    (0..8).filter(|corner| corners >> corner & 1 != 0).filter_map(tangent).collect()
 }

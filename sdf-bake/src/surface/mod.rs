@@ -6,6 +6,7 @@
 //! face into a piece that does the same would give an edge four; turning the pairs of that face splits both pieces
 //! (after Wenger 2013, "Isosurfaces", ch. 3). The mesh is a closed, oriented manifold whatever the values are.
 
+mod around;
 mod cell;
 mod cells;
 mod place;
@@ -17,6 +18,7 @@ use crate::grid::BrickGrid;
 use crate::mesh::Mesh;
 use cell::edge_ends;
 use cells::{CellMap, Corner};
+use place::Shape;
 
 impl BrickGrid {
     /// The surface {φ = 0} as a closed manifold mesh with outward triangles; sharp edges and corners are kept.
@@ -65,15 +67,16 @@ fn around(map: &CellMap, voxel: IVec3, axis: usize) -> [u32; 4] {
         .map(|(i, j)| map.vertex(voxel - u * i - v * j, 4 * axis + 2 * i as usize + j as usize))
 }
 
-/// Two triangles of a quad: along the sharp edge if it runs from corner to corner, else along the shorter diagonal.
+/// Two triangles of a quad. At an outer edge the diagonal that stands out is on the surface, at an inner one that which
+/// lies deeper; elsewhere the shorter is taken.
 fn split([a, b, c, d]: [u32; 4], vertices: &[Corner]) -> [[u32; 3]; 2] {
-    let at = |vertex: u32| vertices[vertex as usize];
-    let sharp = |p: u32, q: u32| at(p).sharp && at(q).sharp;
-    let length = |p: u32, q: u32| at(p).at.distance_squared(at(q).at);
-    let first = match (sharp(a, c), sharp(b, d)) {
-        (true, false) => true,
-        (false, true) => false,
-        _ => length(a, c) <= length(b, d),
+    let [p, q, r, s] = [a, b, c, d].map(|vertex| vertices[vertex as usize].at);
+    let shapes = [a, b, c, d].map(|vertex| vertices[vertex as usize].shape);
+    let first_stands_out = (r - p).cross(s - q).dot((p + r) - (q + s)) > 0.0;
+    let first = match (shapes.contains(&Shape::Outer), shapes.contains(&Shape::Inner)) {
+        (true, false) => first_stands_out,
+        (false, true) => !first_stands_out,
+        _ => p.distance_squared(r) <= q.distance_squared(s),
     };
     if first { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
 }
