@@ -307,7 +307,7 @@ pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Cons
 }
 
 /// A pass log in the columns of the trial format, with the approach axis.
-fn log_csv(rows: &[LogRow]) -> String {
+pub fn log_csv(rows: &[LogRow]) -> String {
     let mut text = String::from("t_s,x_mm,y_mm,z_mm,force_n,spindle_rpm,nx,ny,nz\n");
     for row in rows {
         let (p, n) = (row.position * 1e3, row.approach);

@@ -24,8 +24,10 @@ pub mod part;
 pub mod picture;
 pub mod plan;
 pub mod python;
+pub mod rehearsal;
 pub mod report;
 pub mod trial;
+pub mod twin;
 pub mod validate;
 pub mod workpiece;
 

@@ -139,7 +139,7 @@ impl Rehearsal {
         }
         let mut grids = vec![GridRef::LevelSet { name: "phi", grid: &self.part }];
         if !self.part.dose.is_empty() {
-            grids.push(GridRef::Scalar { name: "dose", grid: &self.part, channel: sdf_bake::Scalar::Dose });
+            grids.push(GridRef::Density { name: "dose", grid: &self.part, values: &self.part.dose });
         }
         fs::write(place("after.nvdb"), nvdb::write(&grids, Codec::Zip)?)?;
         write_json(&place(REHEARSAL_FILE), summary)?;

@@ -2,13 +2,13 @@
 //! instrument would see them.
 
 use glam::DVec3;
-use sdf_bake::heights::SlabOptions;
-use sdf_bake::{BrickGrid, HeightsError};
+use sdf_bake::heights::{HeightsError, SlabOptions};
+use sdf_bake::BrickGrid;
 use sim::effect::{CompiledModel, Reset, States, StepValues};
 use sim::{PassError, PassRecord, Path, PathError, PathSample, Process, Profilometer, Progress, TOOL_CELLS, run_pass};
 use thiserror::Error;
 
-use crate::trial::{Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, Trial};
+use crate::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, Trial};
 
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
@@ -52,7 +52,15 @@ pub struct Twin<'a> {
     /// The part before the first pass.
     pub part: BrickGrid,
     tool: sim::Tool,
-    passes: Vec<(Path, Process)>,
+    passes: Vec<Planned>,
+}
+
+/// A pass ready to be run.
+struct Planned {
+    path: Path,
+    process: Process,
+    /// Time at which the logged tool touched the part [s].
+    approach: f64,
 }
 
 /// What a simulated pass leaves.
@@ -84,8 +92,10 @@ impl<'a> Twin<'a> {
         let mut passes = Vec::new();
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = controller(trial, replay);
-            let path = path(pass, trial, &tool, controller).map_err(|error| TwinError::Path { pass: i + 1, error })?;
-            passes.push((path, process(pass, trial, controller)));
+            let logged = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
+            let path = path(&logged, trial, &tool, controller).map_err(|error| TwinError::Path { pass: i + 1, error })?;
+            let approach = logged.contact.map_or(0.0, |contact| contact.start);
+            passes.push(Planned { path, process: process(pass, trial, controller), approach });
         }
         Ok(Self { trial, part, tool, passes })
     }
@@ -97,7 +107,7 @@ impl<'a> Twin<'a> {
 
     /// Time simulated by all passes [s].
     pub fn duration(&self) -> f64 {
-        self.passes.iter().map(|(path, _)| path.duration()).sum()
+        self.passes.iter().map(|planned| planned.path.duration()).sum()
     }
 
     /// Simulates all passes. The tool carries its `states` from trial to trial unless this one begins with a fresh one.
@@ -120,11 +130,12 @@ impl<'a> Twin<'a> {
         states.reset(model, Reset::Trial);
         let mut part = self.part.clone();
         let (mut passes, mut trial_time) = (Vec::new(), 0.0);
-        for (i, (path, process)) in self.passes.iter().enumerate() {
+        for (i, Planned { path, process, approach }) in self.passes.iter().enumerate() {
             let pass = sim::Pass {
                 number: i + 1,
                 row: first_row + i,
                 trial_time,
+                approach: *approach,
                 ..sim::Pass::first(&self.tool, path, process, model)
             };
             let record = run_pass(&mut part, pass, states, &mut |at| progress(i, at))
@@ -197,20 +208,25 @@ fn process(pass: &Pass, trial: &Trial, controller: sim::Controller) -> Process {
     }
 }
 
-/// The logged path up to the end of contact. A controller finds its own height: its path stays at that of the first row.
-fn path(pass: &Pass, trial: &Trial, tool: &sim::Tool, controller: sim::Controller) -> Result<Path, PathError> {
-    let logged = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
-    let end = logged.contact.map_or(f64::INFINITY, |contact| contact.end);
-    let poses = logged.poses.iter().take_while(|pose| pose.time <= end);
-    let start = logged.poses.first().map_or(DVec3::ZERO, |pose| pose.centre);
+/// The logged path up to the end of contact. A controller finds its own height from the first contact on: its path stays
+/// at the height that the tool had then.
+fn path(
+    logged: &ToolPath,
+    trial: &Trial,
+    tool: &sim::Tool,
+    controller: sim::Controller,
+) -> Result<Path, PathError> {
+    let contact = logged.contact.unwrap_or(Contact { start: 0.0, end: f64::INFINITY });
+    let touch = logged.at(contact.start).centre;
+    let poses = logged.poses.iter().take_while(|pose| pose.time <= contact.end);
     let samples = poses.map(|pose| {
-        let height = (pose.centre - start).dot(pose.approach);
-        let lowered = if controller == sim::Controller::Replay { 0.0 } else { height };
+        let leads = controller == sim::Controller::Replay || pose.time <= contact.start;
+        let height = if leads { 0.0 } else { (pose.centre - touch).dot(pose.approach) };
         let across = match trial.tool {
             Tool::Wheel { .. } => pose.axis,
             Tool::Pad { .. } => DVec3::Y.reject_from_normalized(pose.approach).normalize(),
         };
-        PathSample::from_centre(pose.time, pose.centre - pose.approach * lowered, (pose.approach, across), tool)
+        PathSample::from_centre(pose.time, pose.centre - pose.approach * height, (pose.approach, across), tool)
     });
     Path::from_samples(samples.collect())
 }

@@ -27,10 +27,15 @@ const COMMIT_RECESSION: f64 = 0.4;
 const NEAR_BELOW: f64 = 4.0;
 /// Longest step [s].
 const LONGEST_STEP: f64 = 0.05;
+/// Longest step while the tool comes down [s].
+const APPROACH_STEP: f64 = 0.01;
 /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
 const INERTIA: f64 = 0.03;
 /// Relative difference between force and setpoint that is good enough.
 const FORCE_TOLERANCE: f64 = 1e-6;
+
+/// Share of the setpoint that counts as touching the part.
+pub const TOUCH: f64 = 0.15;
 
 /// How far a pass is.
 #[derive(Clone, Copy, Debug)]
@@ -60,12 +65,15 @@ pub struct Pass<'a> {
     pub row: usize,
     /// Time since the trial's first pass began, pauses included [s].
     pub trial_time: f64,
+    /// Until then the tool keeps to its path, unless the force exceeds [`TOUCH`] of the setpoint before [s]; then the
+    /// controller takes over.
+    pub approach: f64,
 }
 
 impl<'a> Pass<'a> {
     /// The first pass of a trial.
     pub fn first(tool: &'a Tool, path: &'a Path, process: &'a Process, model: &'a CompiledModel) -> Self {
-        Self { tool, path, process, model, number: 1, row: 0, trial_time: 0.0 }
+        Self { tool, path, process, model, number: 1, row: 0, trial_time: 0.0, approach: 0.0 }
     }
 }
 
@@ -110,6 +118,8 @@ struct Runner<'a> {
     step: Step,
     time: f64,
     motion: Motion,
+    /// Who leads: the path during the approach, then the controller.
+    controller: Controller,
     pose_change: PoseChange,
     moment: Moment,
     /// Length of the next step [s], where the controller limits it.
@@ -132,8 +142,10 @@ impl<'a> Runner<'a> {
         if physics.wants(Variable::RemovedDepth) {
             grid.scalar_or_zero(Scalar::Removed);
         }
-        let travel = if pass.process.controller == Controller::Ideal { pass.process.search_reach } else { 0.0 };
+        let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.process.controller };
+        let travel = if controller == Controller::Ideal { pass.process.search_reach } else { 0.0 };
         Self {
+            controller,
             extent: Extent::of(pass.tool, 2.0 * grid.voxel),
             grid,
             physics,
@@ -165,9 +177,13 @@ impl<'a> Runner<'a> {
     fn advance(&mut self, duration: f64) -> Result<f64, RunError> {
         let speed = self.pass.path.velocity(self.time).length();
         let by_way = if speed > 0.0 { self.pass.process.step_voxels * self.grid.voxel / speed } else { LONGEST_STEP };
+        self.take_over();
         let rest = duration - self.time;
         let mut dt = by_way.min(self.dt).min(LONGEST_STEP).min(rest);
-        let period = match self.pass.process.controller {
+        if self.time < self.pass.approach {
+            dt = dt.min(APPROACH_STEP).min(self.pass.approach - self.time);
+        }
+        let period = match self.controller {
             Controller::Admittance { period, .. } => period,
             _ => f64::INFINITY,
         };
@@ -189,8 +205,17 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// Ends the approach when its time is up or the tool touches.
+    fn take_over(&mut self) {
+        let Pass { process, approach, .. } = self.pass;
+        let touches = self.physics.step.get(Variable::Force) > TOUCH * process.force_setpoint;
+        if self.controller != process.controller && (touches || self.time >= approach) {
+            self.controller = process.controller;
+        }
+    }
+
     fn inertial_force(&self, motion: Motion, dt: f64) -> f64 {
-        match self.pass.process.controller {
+        match self.controller {
             Controller::Admittance { mass, .. } => (mass * (motion.speed - self.motion.speed) / dt).abs(),
             _ => 0.0,
         }
@@ -213,7 +238,7 @@ impl<'a> Runner<'a> {
                     continue;
                 }
             }
-            if motion.is_none() && !searched && self.pass.process.controller == Controller::Ideal {
+            if motion.is_none() && !searched && self.controller == Controller::Ideal {
                 self.write_back();
                 self.extent = Extent::of(self.pass.tool, 2.0 * self.grid.voxel);
                 searched = true;
@@ -224,7 +249,7 @@ impl<'a> Runner<'a> {
     }
 
     fn in_air(&self) -> bool {
-        self.pass.process.controller == Controller::Ideal && self.motion.travel >= self.pass.process.search_reach
+        self.controller == Controller::Ideal && self.motion.travel >= self.pass.process.search_reach
     }
 
     fn try_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
@@ -244,7 +269,7 @@ impl<'a> Runner<'a> {
         let sheet = self.sheet.as_ref().expect("a sheet was read");
         let (step, physics, from) = (&mut self.step, &mut self.physics, self.motion);
         step.begin((tool, &start), sheet, physics)?;
-        let (damping, mass) = match process.controller {
+        let (damping, mass) = match self.controller {
             Controller::Ideal => (0.0, 0.0),
             Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
                 let held = step.end_at((tool, &start), sheet, physics, 0.0)?;
@@ -301,7 +326,7 @@ impl<'a> Runner<'a> {
         self.receded += self.step.recession_max();
         let way = self.nominal(self.time + dt, 0.0).centre - self.nominal(self.time, 0.0).centre;
         self.travelled += way.length();
-        let ideal = self.pass.process.controller == Controller::Ideal;
+        let ideal = self.controller == Controller::Ideal;
         self.motion = if ideal { Motion { speed: 0.0, ..motion } } else { motion };
         self.time += dt;
         let row = self.log_row(contact.force);

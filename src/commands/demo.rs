@@ -7,11 +7,12 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use sim::{GrindSettings, Wheel};
+use sim::Wheel;
+use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
 use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
-use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, grind_asset};
+use crate::finishing::{self, Plan, GRIND_FILE, GrindSummary, PAGE_FILE, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
@@ -59,8 +60,10 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
     asset::write(&workpiece, &options, asset_folder, args.usd, console)?;
 
-    let wheel = Wheel { radius: 0.05, width: 0.02 };
-    let ground = grind_asset(&asset, wheel, GrindSettings::default(), console)?;
+    let wheel = Wheel::cylinder(0.05, 0.02);
+    let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
+    let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
+    let ground = grind_asset(&asset, wheel, Plan::default(), model, console)?;
     let grind_folder = StagedFolder::new(&folder.path().join("grind"), GRIND_FILE, false)?;
     let page = finishing::write(&ground, &asset, grind_folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
-use sim::effect::{Edit, Effect, Kind, Library, Model, Process, check_file};
+use sim::effect::{Edit, Effect, Kind, Model, Process, check_file};
 
+use super::model_flags::{OwnFlags, read_text};
 use crate::console::Console;
 use crate::effect_page::{EffectAnswer, describe};
 use crate::folder::write_file;
@@ -38,14 +39,6 @@ enum Action {
     /// Remove an effect from a model file.
     #[command(after_help = "Example:\n  robofin effects remove model.toml grit-dulling")]
     Remove(RemoveArgs),
-}
-
-/// Where a user's own effects are.
-#[derive(Debug, Args)]
-struct OwnFlags {
-    /// Folder with effect files of your own (*.toml); they act after the built-in ones.
-    #[arg(long, value_name = "DIR")]
-    effects: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -132,33 +125,6 @@ pub(super) fn run(args: &EffectsArgs, console: &Console) -> Result<()> {
         Action::Add(args) => add(args, console),
         Action::Remove(args) => remove(args, console),
     }
-}
-
-impl OwnFlags {
-    /// The built-in library with the user's own files.
-    fn library(&self) -> Result<Library> {
-        let Some(folder) = &self.effects else { return Ok(Library::builtin().clone()) };
-        if !folder.is_dir() {
-            return Err(wrong_use(format!("--effects {}: no such folder", folder.display())));
-        }
-        let context = || folder.display().to_string();
-        let mut files = Vec::new();
-        for entry in fs::read_dir(folder).with_context(context)? {
-            let path = entry.with_context(context)?.path();
-            if path.extension().is_some_and(|extension| extension == "toml") {
-                files.push((path.display().to_string(), read_text(&path)?));
-            }
-        }
-        files.sort();
-        Ok(Library::builtin().with(&files)?)
-    }
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    if !path.exists() {
-        return Err(wrong_use(format!("{}: no such file", path.display())));
-    }
-    fs::read_to_string(path).with_context(|| format!("{}: cannot read this file as text", path.display()))
 }
 
 fn list(args: &ListArgs, console: &Console) -> Result<()> {

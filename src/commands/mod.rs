@@ -5,6 +5,7 @@ mod bake;
 mod demo;
 mod effects;
 mod flags;
+mod model_flags;
 mod path;
 mod render;
 mod simulate;
@@ -44,7 +45,7 @@ enum Verb {
     Weld(weld::WeldArgs),
     /// Bake a mesh into a NanoVDB signed distance field.
     Bake(bake::BakeArgs),
-    /// Grind the weld of an asset.
+    /// Simulate a trial as it was run, or grind the weld of an asset.
     Simulate(simulate::SimulateArgs),
     /// Plan a tool path along a weld or over a patch of an asset.
     Path(path::PathArgs),

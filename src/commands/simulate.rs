@@ -1,16 +1,21 @@
-//! `robofin simulate`: grind the weld of an asset.
+//! `robofin simulate`: a trial as it was run, or passes along the weld of an asset.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use sim::{GrindSettings, Wheel};
+use sim::Wheel;
+use sim::effect::{Process, RowCounts};
 
 use super::flags::{OutFlags, within};
 use crate::console::Console;
-use crate::finishing::{self, GRIND_FILE, GrindSummary, grind_asset};
+use super::model_flags::ModelFlags;
+use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
+use crate::rehearsal::{REHEARSAL_FILE, Rehearsal, RehearsalSummary, is_trial};
+use crate::trial::{self, Trial};
+use crate::twin::Twin;
 use crate::wrong_use;
 
 /// More passes than any weld needs; each takes seconds.
@@ -18,17 +23,26 @@ const MOST_PASSES: u32 = 200;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin weld data/bracket.obj --out out/bracket --seed 7\n  \
-                  robofin simulate out/bracket --out out/ground --passes 2 --force-n 15")]
+                  robofin simulate out/bracket --out out/ground --passes 2 --force-n 15\n  \
+                  robofin simulate trials/plate-03 --model model.toml --out out/plate-03")]
 pub(super) struct SimulateArgs {
-    /// Asset folder made by `robofin weld`.
-    asset: PathBuf,
+    /// Trial folder (with a trial.toml), or asset folder made by `robofin weld`.
+    folder: PathBuf,
     #[command(flatten)]
     out: OutFlags,
+    #[command(flatten)]
+    model: ModelFlags,
+    /// Voxel of a trial's field [mm] [default: the scan's pitch].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    voxel_mm: Option<f64>,
+    /// Keep a trial's tool to the logged heights instead of simulating its controller.
+    #[arg(long)]
+    replay: bool,
     #[command(flatten)]
     process: ProcessFlags,
 }
 
-/// Wheel and process; the defaults grind a weld on steel.
+/// Wheel and passes along an asset's weld; the defaults grind a weld on steel.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ProcessFlags {
     /// Radius of the wheel [mm].
@@ -47,39 +61,44 @@ pub(super) struct ProcessFlags {
     #[arg(long, value_name = "MM_S", default_value_t = 5.0, allow_negative_numbers = true)]
     feed_mm_s: f64,
     /// Contact stiffness K: pressure per depth [Pa/m].
-    #[arg(long, value_name = "PA_M", default_value_t = 1e10, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PA_M", default_value_t = 1e10, conflicts_with = "model", allow_negative_numbers = true)]
     stiffness: f64,
     /// Preston's coefficient k [m/(Pa s)].
-    #[arg(long, value_name = "M_PA_S", default_value_t = 1e-9, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M_PA_S", default_value_t = 1e-9, conflicts_with = "model", allow_negative_numbers = true)]
     grind_rate: f64,
     /// Threshold pressure p_c, below which nothing is removed [MPa].
-    #[arg(long, value_name = "MPA", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MPA", default_value_t = 0.0, conflicts_with = "model", allow_negative_numbers = true)]
     threshold_mpa: f64,
 }
 
 impl ProcessFlags {
     /// The wheel asked for.
     pub(super) fn wheel(&self) -> Result<Wheel> {
-        Ok(Wheel {
-            radius: within("--wheel-radius-mm", self.wheel_radius_mm, (0.1, 1000.0))? * 1e-3,
-            width: within("--wheel-width-mm", self.wheel_width_mm, (0.1, 1000.0))? * 1e-3,
-        })
+        let radius = within("--wheel-radius-mm", self.wheel_radius_mm, (0.1, 1000.0))? * 1e-3;
+        Ok(Wheel::cylinder(radius, within("--wheel-width-mm", self.wheel_width_mm, (0.1, 1000.0))? * 1e-3))
     }
 
-    /// The process asked for.
-    pub(super) fn settings(&self) -> Result<GrindSettings> {
+    /// The passes asked for.
+    fn plan(&self) -> Result<Plan> {
         if !(1..=MOST_PASSES).contains(&self.passes) {
             return Err(wrong_use(format!("--passes {}: 1 to {MOST_PASSES} are accepted", self.passes)));
         }
-        Ok(GrindSettings {
+        Ok(Plan {
             passes: self.passes,
             force_setpoint: within("--force-n", self.force_n, (1e-3, 1e4))?,
             feed: within("--feed-mm-s", self.feed_mm_s, (1e-3, 1e4))? * 1e-3,
-            stiffness: within("--stiffness", self.stiffness, (1e6, 1e14))?,
-            grind_rate: within("--grind-rate", self.grind_rate, (1e-15, 1e-6))?,
-            threshold_pressure: within("--threshold-mpa", self.threshold_mpa, (0.0, 1e4))? * 1e6,
-            ..GrindSettings::default()
         })
+    }
+
+    /// The base law asked for, as in a model file.
+    fn law(&self) -> Result<String> {
+        let stiffness = within("--stiffness", self.stiffness, (1e6, 1e14))?;
+        let grind_rate = within("--grind-rate", self.grind_rate, (1e-15, 1e-6))?;
+        let threshold = within("--threshold-mpa", self.threshold_mpa, (0.0, 1e4))?;
+        Ok(format!(
+            "[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n[law.preston-threshold]\n\
+             grind_rate = \"{grind_rate:e} m/(Pa s)\"\nthreshold_pressure = \"{threshold:e} MPa\"\n"
+        ))
     }
 }
 
@@ -93,11 +112,51 @@ struct SimulateAnswer<'a> {
     summary: GrindSummary,
 }
 
+/// The answer of `simulate --json` for a trial.
+#[derive(Serialize)]
+struct TrialAnswer<'a> {
+    out: &'a Path,
+    real_time_factor: f64,
+    #[serde(flatten)]
+    summary: RehearsalSummary,
+}
+
 pub(super) fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
-    let (wheel, settings) = (args.process.wheel()?, args.process.settings()?);
+    if is_trial(&args.folder) { run_trial(args, console) } else { run_asset(args, console) }
+}
+
+fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
+    let folder = StagedFolder::new(&args.out.out, REHEARSAL_FILE, args.out.force)?;
+    let trial = Trial::read(&args.folder)?;
+    for note in &trial.notes {
+        console.step("trial", note);
+    }
+    let process = match trial.process {
+        trial::Process::Grinding => Process::Grinding,
+        trial::Process::Sanding => Process::Sanding,
+    };
+    let rows = RowCounts { passes: trial.passes.len(), scans: trial.passes.len() };
+    let model = args.model.compile(process, "", rows)?;
+    let voxel = match args.voxel_mm {
+        Some(voxel) => within("--voxel-mm", voxel, (1e-3, 1e2))? * 1e-3,
+        None => trial.scans.before.pixels.pitch,
+    };
+    let twin = Twin::new(&trial, voxel, args.replay)?;
+    let rehearsal = Rehearsal::run(&twin, &model, console)?;
+    let summary = rehearsal.summary(&trial, &model);
+    rehearsal.describe(&summary, console);
+    rehearsal.write(&summary, folder, console)?;
+    console.step("done", format!("{}", args.out.out.display()));
+    console.answer(&TrialAnswer { out: &args.out.out, real_time_factor: rehearsal.real_time_factor, summary })
+}
+
+fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
+    let (wheel, plan) = (args.process.wheel()?, args.process.plan()?);
+    let rows = RowCounts { passes: plan.passes as usize, scans: plan.passes as usize };
+    let model = args.model.compile(Process::Grinding, &args.process.law()?, rows)?;
     let folder = StagedFolder::new(&args.out.out, GRIND_FILE, args.out.force)?;
-    let ground = grind_asset(&args.asset, wheel, settings, console)?;
-    finishing::write(&ground, &args.asset, folder, console)?;
+    let ground = grind_asset(&args.folder, wheel, plan, model, console)?;
+    finishing::write(&ground, &args.folder, folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&SimulateAnswer {

@@ -10,7 +10,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use crate::asset::{FileRecord, MANIFEST_FILE, Manifest, PREVIEW_FILE, WeldTruth, record_files};
-use crate::finishing::Ground;
+use crate::finishing::{Ground, model_facts};
 use crate::picture::{GrindPictures, to_png};
 
 pub use chart::{Chart, Series};

@@ -55,10 +55,10 @@ impl Page {
     }
 
     /// A table of names and values.
-    pub fn facts(&mut self, rows: &[(&str, String)]) {
+    pub fn facts<N: AsRef<str>>(&mut self, rows: &[(N, String)]) {
         let rows: String = rows
             .iter()
-            .map(|(name, value)| format!("<tr><th>{}</th><td>{}</td></tr>\n", escape(name), escape(value)))
+            .map(|(name, value)| format!("<tr><th>{}</th><td>{}</td></tr>\n", escape(name.as_ref()), escape(value)))
             .collect();
         self.append(&format!("<table>\n{rows}</table>\n"));
     }
