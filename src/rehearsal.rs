@@ -80,7 +80,9 @@ impl Rehearsal {
     /// The figures of the run; they do not depend on the machine.
     pub fn summary(&self, trial: &Trial, model: &CompiledModel) -> RehearsalSummary {
         let each = |figure: fn(&SimulatedPass) -> f64| self.passes.iter().map(figure).collect();
-        let noise = trial.scans.repeats.first().and_then(|repeat| noise_floor(&trial.scans.before, repeat).ok());
+        let clean = |map| despiked(map).0;
+        let repeat = trial.scans.repeats.first().map(clean);
+        let noise = repeat.and_then(|repeat| noise_floor(&clean(&trial.scans.before), &repeat).ok());
         let measured = trial.passes.iter().filter_map(|pass| match &pass.scan {
             PassScan::Exposure(mask) => Some(exposed_share(mask)),
             PassScan::Heights(_) => None,

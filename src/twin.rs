@@ -100,6 +100,11 @@ impl<'a> Twin<'a> {
         Ok(Self { trial, part, tool, passes })
     }
 
+    /// Changes how every pass is controlled and stepped.
+    pub fn change_process(&mut self, change: impl Fn(&mut Process)) {
+        self.passes.iter_mut().for_each(|planned| change(&mut planned.process));
+    }
+
     /// The tool's states at the start of a campaign.
     pub fn fresh_states(model: &CompiledModel) -> States {
         States::new(model, TOOL_CELLS)

@@ -179,14 +179,17 @@ impl<'a> Runner<'a> {
         let by_way = if speed > 0.0 { self.pass.process.step_voxels * self.grid.voxel / speed } else { LONGEST_STEP };
         self.take_over();
         let rest = duration - self.time;
-        let mut dt = by_way.min(self.dt).min(LONGEST_STEP).min(rest);
-        if self.time < self.pass.approach {
-            dt = dt.min(APPROACH_STEP).min(self.pass.approach - self.time);
-        }
         let period = match self.controller {
             Controller::Admittance { period, .. } => period,
             _ => f64::INFINITY,
         };
+        let mut dt = by_way.min(self.dt).min(LONGEST_STEP).min(rest);
+        if !self.pass.process.quasi_static {
+            dt = dt.min(period);
+        }
+        if self.time < self.pass.approach {
+            dt = dt.min(APPROACH_STEP).min(self.pass.approach - self.time);
+        }
         self.moment.enter(&self.pass, self.nominal(self.time, 0.0), self.time, &mut self.physics.step);
         let spindle = self.physics.model.spindle_speed(&self.physics.step, self.physics.states)?;
         self.moment.set_spindle(spindle, &mut self.physics.step);

@@ -1,0 +1,79 @@
+//! How fast trials are simulated, in CPU seconds of one core: `cargo bench --bench simulate`.
+//!
+//! Reads the campaigns beside the project, or those of `ROBOFIN_SHARED`.
+
+use std::path::PathBuf;
+
+use robofin::trial::{Campaign, Trial};
+use robofin::twin::Twin;
+use sim::Controller;
+use sim::effect::{CompiledModel, Library, Model, RowCounts};
+
+/// Base laws near those of the campaigns.
+const GRINDING: &str = r#"process = "grinding"
+[law.winkler]
+stiffness = "30 MPa/mm"
+[law.preston-threshold]
+grind_rate = "1.4 mm/(MPa s)"
+threshold_pressure = "0.25 MPa"
+"#;
+const SANDING: &str = r#"process = "sanding"
+[law.winkler]
+stiffness = "0.012 MPa/mm"
+[law.preston-sanding]
+sanding_rate = "0.026 1/(MPa mm)"
+"#;
+
+fn main() {
+    let shared = std::env::var_os("ROBOFIN_SHARED").map_or_else(|| PathBuf::from("../shared"), PathBuf::from);
+    for (campaign, text) in [("open-a", GRINDING), ("open-d", SANDING)] {
+        let folder = shared.join("campaigns").join(campaign);
+        let Ok(campaign) = Campaign::read(&folder) else {
+            println!("{}: no campaign there, nothing measured", folder.display());
+            continue;
+        };
+        let model = Model::parse("the base law", text, Library::builtin()).expect("a model");
+        let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model");
+        for trial in &campaign.trials {
+            measure(trial, &model);
+        }
+    }
+}
+
+fn measure(trial: &Trial, model: &CompiledModel) {
+    let pitch = trial.scans.before.pixels.pitch;
+    let mut twin = Twin::new(trial, pitch, false).expect("a twin");
+    let start = cpu_seconds();
+    let part = Twin::new(trial, pitch, false).expect("a twin").part;
+    let baking = cpu_seconds() - start;
+    run(&format!("{}, quasi-static", trial.name), &twin, model);
+    twin.change_process(|process| {
+        process.quasi_static = false;
+        if let Controller::Admittance { period, .. } = &mut process.controller {
+            *period = 1e-3;
+        }
+    });
+    if matches!(trial.controller, Some(robofin::trial::Controller::Admittance { .. })) {
+        run(&format!("{}, admittance at 1 ms", trial.name), &twin, model);
+    }
+    println!("  part from the scan in {baking:.3} s, {:.1} MB", part.bytes() as f64 / 1e6);
+}
+
+fn run(name: &str, twin: &Twin, model: &CompiledModel) {
+    let start = cpu_seconds();
+    let (passes, _) = twin.run(model, &mut Twin::fresh_states(model), 0, &mut |_, _| {}).expect("a trial");
+    let seconds = cpu_seconds() - start;
+    let steps: usize = passes.iter().map(|pass| pass.record.steps).sum();
+    println!(
+        "{name}: {:.1} s in {seconds:.3} CPU s, {:.0} times real time, {steps} steps, {:.0} µs each",
+        twin.duration(),
+        twin.duration() / seconds,
+        seconds / steps as f64 * 1e6
+    );
+}
+
+/// CPU time of the calling thread [s]; the simulator runs on it alone.
+fn cpu_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux keeps a thread's CPU time");
+    stat.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).expect("nanoseconds") * 1e-9
+}
