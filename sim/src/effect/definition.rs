@@ -30,15 +30,11 @@ impl Process {
         Self::ALL.into_iter().find(|process| process.name() == name)
     }
 
-    /// Whether the process has this place: grinding has no dose, sanding no recession.
+    /// Whether the process has this place: grinding has no dose and no exposure, sanding no recession.
     pub fn has(self, place: Place) -> bool {
-        place != self.absent()
-    }
-
-    fn absent(self) -> Place {
         match self {
-            Self::Grinding => Place::Dose,
-            Self::Sanding => Place::Rate,
+            Self::Grinding => !matches!(place, Place::Dose | Place::Exposure),
+            Self::Sanding => place != Place::Rate,
         }
     }
 }
@@ -280,13 +276,9 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// Whether it acts in a process: an effect that changes only the other process's removal does not.
+    /// Whether it acts in a process.
     pub fn acts_in(&self, process: Process) -> bool {
-        let touches = |place| self.changes.iter().any(|change| change.hook == place);
-        let other = process.absent();
-        self.process.is_none_or(|only| only == process)
-            && self.changes.iter().any(|change| process.has(change.hook))
-            && (!touches(other) || touches(if other == Place::Dose { Place::Rate } else { Place::Dose }))
+        self.process.is_none_or(|only| only == process) && self.changes_in(process).next().is_some()
     }
 
     /// The formulas that act in a process.
