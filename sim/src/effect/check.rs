@@ -1,12 +1,14 @@
 //! What every file must satisfy before it may be used: known names, matching dimensions, no circles, and an effect that
 //! vanishes at its null value.
 
-use super::definition::{Effect, Formula, Kind};
+use super::definition::{Effect, Formula, Kind, Motion, State};
+use super::dimension::Dimension;
 use super::error::{EffectError, Problem};
 use super::interpret::lag;
 use super::null::check_null;
 use super::scope::{Scope, Symbol, motion_formulas};
 use super::toml_text::Source;
+use super::unit::Unit;
 use super::variable::{Place, Variable};
 
 /// Checks an effect against the base laws whose parameters it may use.
@@ -36,6 +38,29 @@ pub fn check(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
         }
         Kind::Effect => check_null(effect, laws),
     }
+}
+
+/// Gives each state without a unit the SI unit that follows from its motion.
+///
+/// # Errors
+/// A motion that needs the state itself, or whose dimension cannot be found.
+pub fn infer_units(effect: &mut Effect, laws: &[Effect]) -> Result<(), EffectError> {
+    let open = |state: &State| state.unit_text.is_empty();
+    while let Some(index) = effect.states.iter().position(open) {
+        let state = &effect.states[index];
+        let scope = Scope { effect, place: state.per.place(), laws };
+        let (formula, second) = match &state.motion {
+            Motion::Rate(rate) => (rate, Dimension::whole([0, 0, 1, 0])),
+            Motion::Relax { target, .. } => (target, Dimension::NONE),
+        };
+        if let Some((_, span)) = formula.tree.names().into_iter().find(|(name, _)| *name == state.name) {
+            return Err(scope.error(formula, &span, Problem::Missing(format!("state.{}.unit", state.name))));
+        }
+        let dimension = scope.dimension(formula)?.unwrap_or(Dimension::NONE) * second;
+        effect.states[index].unit = Unit::si(dimension);
+        effect.states[index].unit_text = dimension.to_string();
+    }
+    Ok(())
 }
 
 fn source(effect: &Effect) -> Source<'_> {

@@ -219,7 +219,7 @@ pub struct State {
     pub per: Holder,
     /// Its unit.
     pub unit: Unit,
-    /// The unit as written.
+    /// The unit as written; empty until it is inferred from how the state moves.
     pub unit_text: String,
     /// How it moves.
     pub motion: Motion,

@@ -28,10 +28,11 @@ pub fn read(source: Source) -> Result<Effect, EffectError> {
     };
     let parameters = root.tables("parameters")?;
     let states = root.tables("state")?;
+    let name = name(&root)?;
     Ok(Effect {
-        name: name(&root)?,
-        title: root.text("title")?,
-        source: root.text("source")?,
+        title: root.optional_text("title")?.unwrap_or_else(|| name.clone()),
+        name,
+        source: root.optional_text("source")?.unwrap_or_default(),
         kind,
         process: process(&root)?,
         signature: root.optional_text("signature")?.unwrap_or_default(),
@@ -163,7 +164,7 @@ fn definitions(root: &Section) -> Result<Vec<Definition>, EffectError> {
 
 fn state(name: &str, table: &Section) -> Result<State, EffectError> {
     table.accept(&STATE_KEYS)?;
-    let (unit, unit_text) = unit(table)?;
+    let (unit, unit_text) = if table.get("unit").is_some() { unit(table)? } else { (Unit::ONE, String::new()) };
     let holders = [Holder::Tool, Holder::ToolCell, Holder::WorkpieceCell].map(|holder| (holder.name(), holder));
     let resets =
         [("fresh_tool", Reset::FreshTool), ("trial", Reset::Trial), ("pass", Reset::Pass), ("never", Reset::Never)];

@@ -74,6 +74,11 @@ impl Unit {
     /// A plain number.
     pub const ONE: Self = Self { dimension: Dimension::NONE, scale: 1.0, decimals: 0 };
 
+    /// The SI unit of a dimension.
+    pub fn si(dimension: Dimension) -> Self {
+        Self { dimension, ..Self::ONE }
+    }
+
     /// Reads a unit: factors side by side or with `*`, powers with `^`, one or more `/`, round brackets.
     ///
     /// # Errors

@@ -59,6 +59,17 @@ fn wrong_dimensions_name_the_unit_found_and_the_place() {
 }
 
 #[test]
+fn a_state_without_a_unit_gets_that_of_its_motion() {
+    let state = "[state.ground]\nper = \"tool\"\nrate = \"removal_rate\"\n";
+    let effect =
+        check_file("trial.toml", &effect_file("rate = \"rate * exp(-amount * ground / 1 mm^3)\"", state)).unwrap();
+    assert_eq!(effect.states[0].unit_text, "m^3");
+    let circular = state.replace("removal_rate", "ground / 1 s");
+    let message = refusal(&effect_file("rate = \"rate * (1 + amount * ground)\"", &circular));
+    says(&message, &["state.ground.rate", "`state.ground.unit` is missing"]);
+}
+
+#[test]
 fn definitions_in_a_circle_are_followed_round() {
     let circle = "[let]\na = \"b + 1\"\nb = \"c * 2\"\nc = \"a - amount\"\n";
     let message = refusal(&effect_file("rate = \"rate * (1 + amount * a)\"", circle));
