@@ -57,7 +57,8 @@ fn a_model_is_changed_in_place_and_only_where_asked() {
 
     run(&mut robofin(["effects", "add", model_name, "my-effect"])).is_refused(1, &["model.toml", "`my-effect`"]);
     run(&mut robofin(["effects", "add", model_name, "my-effect", "--effects", own_name])).succeeds();
-    run(&mut robofin(["effects", "remove", model_name, "grit-dulling"])).is_refused(1, &["model.toml:10:", "my-effect"]);
+    run(&mut robofin(["effects", "remove", model_name, "grit-dulling"]))
+        .is_refused(1, &["model.toml:10:", "my-effect"]);
     run(&mut robofin(["effects", "remove", model_name, "my-effect", "--effects", own_name])).succeeds();
     run(&mut robofin(["effects", "remove", model_name, "grit-dulling"])).succeeds();
     assert_eq!(fs::read_to_string(&model).unwrap(), MODEL);

@@ -49,7 +49,7 @@ fn check_run(
     for step in 0..STEPS {
         let variables = probe(run * STEPS + step);
         let at = |place| Environment {
-            scope: Scope { effect, place, laws },
+            scope: Scope::new(effect, place, laws),
             parameters,
             law_parameters: &law_parameters,
             variables: &variables,

@@ -168,16 +168,6 @@ fn state(name: &str, table: &Section) -> Result<State, EffectError> {
     let holders = [Holder::Tool, Holder::ToolCell, Holder::WorkpieceCell].map(|holder| (holder.name(), holder));
     let resets =
         [("fresh_tool", Reset::FreshTool), ("trial", Reset::Trial), ("pass", Reset::Pass), ("never", Reset::Never)];
-    let motion = match (table.get("rate"), table.get("target")) {
-        (Some(rate), None) => Motion::Rate(rate.formula()?),
-        (None, Some(target)) => Motion::Relax { target: target.formula()?, time: table.need("time")?.formula()? },
-        _ => {
-            let expected = "either `rate`, or `target` and `time`".to_owned();
-            return Err(
-                table.error(Problem::Value { found: "neither or both of rate and target".to_owned(), expected })
-            );
-        }
-    };
     let bound = |key: &str, open: f64| match table.get(key) {
         Some(entry) => entry.quantity(unit, Bare::InUnit),
         None => Ok(open),
@@ -196,12 +186,23 @@ fn state(name: &str, table: &Section) -> Result<State, EffectError> {
         per: table.choice("per", &holders)?,
         unit,
         unit_text,
-        motion,
+        motion: motion(table)?,
         initial,
         reset: table.choice("reset", &resets)?,
         bounds,
         line: table.line(),
     })
+}
+
+fn motion(table: &Section) -> Result<Motion, EffectError> {
+    match (table.get("rate"), table.get("target")) {
+        (Some(rate), None) => Ok(Motion::Rate(rate.formula()?)),
+        (None, Some(target)) => Ok(Motion::Relax { target: target.formula()?, time: table.need("time")?.formula()? }),
+        _ => {
+            let expected = "either `rate`, or `target` and `time`".to_owned();
+            Err(table.error(Problem::Value { found: "neither or both of rate and target".to_owned(), expected }))
+        }
+    }
 }
 
 fn changes(root: &Section, key: &str) -> Result<Vec<Change>, EffectError> {

@@ -239,6 +239,15 @@ impl Variable {
         Unit::parse(self.row().unit).map(|unit| unit.dimension).unwrap_or(Dimension::NONE)
     }
 
+    /// For a value that formulas modify: what it is before any law or effect; nothing if the simulator hands it in.
+    pub(super) fn start(self) -> Option<f64> {
+        match self {
+            Self::SpindleSpeed | Self::ForceReading | Self::Height => None,
+            Self::ExposureThreshold => Some(1.0),
+            _ => Some(0.0),
+        }
+    }
+
     /// Whether it has one value per cell or pixel at `place`.
     pub fn is_lane_at(self, place: Place) -> bool {
         place.is_per_lane() && self.row().per != Per::Step

@@ -60,7 +60,7 @@ fn changed_values(effect: &Effect, process: Process) -> Vec<(f64, f64)> {
     for index in 2..60 {
         let variables = probe(index);
         let at = |place| {
-            let scope = Scope { effect, place, laws };
+            let scope = Scope::new(effect, place, laws);
             Environment {
                 scope,
                 parameters: &parameters,
