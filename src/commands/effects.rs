@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
-use sim::effect::{Edit, Effect, Kind, Model, Process, check_file};
+use sim::effect::{Edit, Effect, Kind, Model, ModelError, Process, check_file};
 
 use super::model_flags::{OwnFlags, read_text};
 use crate::console::Console;
@@ -179,18 +179,22 @@ fn add(args: &AddArgs, console: &Console) -> Result<()> {
         None => Err(wrong_use(format!("--set {set}: PARAMETER=VALUE is expected, such as dulling_volume=350 mm^3"))),
     });
     let given = given.collect::<Result<Vec<_>>>()?;
-    change(&args.model, console, |source| Model::add_to_text(source, &args.name, &given, &library).map_err(Into::into))
+    change(&args.model, console, |source| Model::add_to_text(source, &args.name, &given, &library))
 }
 
 fn remove(args: &RemoveArgs, console: &Console) -> Result<()> {
     let library = args.own.library()?;
-    change(&args.model, console, |source| Model::remove_from_text(source, &args.name, &library).map_err(Into::into))
+    change(&args.model, console, |source| Model::remove_from_text(source, &args.name, &library))
 }
 
 /// Changes a model file: the new one is written beside it and renamed.
-fn change(path: &Path, console: &Console, edit: impl Fn((&str, &str)) -> Result<Edit>) -> Result<()> {
+fn change(path: &Path, console: &Console, edit: impl Fn((&str, &str)) -> Result<Edit, ModelError>) -> Result<()> {
     let text = read_text(path)?;
-    let edit = edit((&path.display().to_string(), &text))?;
+    let file = path.display().to_string();
+    let edit = edit((&file, &text)).map_err(|error| match error {
+        ModelError::File(error) => error.into(),
+        other => anyhow::Error::from(other).context(file.clone()),
+    })?;
     // Through a link, so that the file behind it is replaced and not the link.
     let place = fs::canonicalize(path).with_context(|| path.display().to_string())?;
     write_file(&place, edit.text.as_bytes(), true)?;

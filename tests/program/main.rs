@@ -4,6 +4,7 @@
 //! standard error; with `ROBOFIN_REQUIRE_OUTSIDE=1` they fail instead.
 
 mod damage;
+mod effects;
 mod flags;
 mod hostile_files;
 mod interruption;

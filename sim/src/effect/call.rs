@@ -134,15 +134,14 @@ impl<'a> Call<'a> {
     fn diagnose_formulas(&self, mut variables: Vec<f64>, lanes: &Lanes, lane: usize) -> Option<RunError> {
         let structure = &self.model.structure;
         for value in self.place.values() {
-            let kept = matches!(value, Variable::SpindleSpeed | Variable::ForceReading | Variable::Height);
-            if !kept {
-                variables[*value as usize] = if *value == Variable::ExposureThreshold { 1.0 } else { 0.0 };
+            if let Some(start) = value.start() {
+                variables[*value as usize] = start;
             }
         }
         let laws = structure.law_parts.iter().map(|part| self.parameters(part)).collect::<Vec<_>>();
         for part in structure.law_parts.iter().chain(&structure.effect_parts) {
             let (parameters, states) = (self.parameters(part), self.states_of(part, lanes, lane));
-            let scope = Scope { effect: &part.effect, place: self.place, laws: &structure.laws };
+            let scope = Scope::new(&part.effect, self.place, &structure.laws).within(structure.process);
             let environment = Environment {
                 scope,
                 parameters: &parameters,

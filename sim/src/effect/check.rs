@@ -1,12 +1,14 @@
 //! What every file must satisfy before it may be used: known names, matching dimensions, no circles, and an effect that
 //! vanishes at its null value.
 
-use super::definition::{Effect, Formula, Kind};
+use super::definition::{Effect, Formula, Kind, Motion, Process, State};
+use super::dimension::Dimension;
 use super::error::{EffectError, Problem};
 use super::interpret::lag;
 use super::null::check_null;
 use super::scope::{Scope, Symbol, motion_formulas};
 use super::toml_text::Source;
+use super::unit::Unit;
 use super::variable::{Place, Variable};
 
 /// Checks an effect against the base laws whose parameters it may use.
@@ -16,18 +18,7 @@ use super::variable::{Place, Variable};
 pub fn check(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     check_names(effect, laws)?;
     check_circles(effect)?;
-    for change in &effect.changes {
-        let scope = Scope { effect, place: change.hook, laws };
-        let of = format!("the value `{}`", change.value.name());
-        scope.expect(&change.formula, change.value.dimension(), &of)?;
-    }
-    for state in &effect.states {
-        let scope = Scope { effect, place: state.per.place(), laws };
-        for (formula, dimension, of) in motion_formulas(state) {
-            scope.expect(formula, dimension, &of)?;
-        }
-    }
-    check_lags(effect, laws)?;
+    check_formulas(effect, &|place| Scope::new(effect, place, laws))?;
     match effect.kind {
         Kind::Law => check_law(effect, laws),
         Kind::Effect if effect.parameters.iter().all(|parameter| parameter.null.is_none()) => {
@@ -36,6 +27,52 @@ pub fn check(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
         }
         Kind::Effect => check_null(effect, laws),
     }
+}
+
+/// Checks an effect against the laws of a model.
+///
+/// # Errors
+/// A parameter of a base law that the model's laws do not have.
+pub fn check_in_model(effect: &Effect, laws: &[Effect], process: Process) -> Result<(), EffectError> {
+    check_formulas(effect, &|place| Scope::new(effect, place, laws).within(process))
+}
+
+/// Known names and matching dimensions, at every place where a process of the scope gets.
+fn check_formulas<'a>(effect: &'a Effect, scope: &dyn Fn(Place) -> Scope<'a>) -> Result<(), EffectError> {
+    for change in effect.changes.iter().filter(|change| scope(change.hook).is_reached()) {
+        let of = format!("the value `{}`", change.value.name());
+        scope(change.hook).expect(&change.formula, change.value.dimension(), &of)?;
+        check_lags(&scope(change.hook), &change.formula)?;
+    }
+    for state in &effect.states {
+        for (formula, dimension, of) in motion_formulas(state) {
+            scope(state.per.place()).expect(formula, dimension, &of)?;
+        }
+    }
+    Ok(())
+}
+
+/// Gives each state without a unit the SI unit that follows from its motion.
+///
+/// # Errors
+/// A motion that needs the state itself, or whose dimension cannot be found.
+pub fn infer_units(effect: &mut Effect, laws: &[Effect]) -> Result<(), EffectError> {
+    let open = |state: &State| state.unit_text.is_empty();
+    while let Some(index) = effect.states.iter().position(open) {
+        let state = &effect.states[index];
+        let scope = Scope::new(effect, state.per.place(), laws);
+        let (formula, second) = match &state.motion {
+            Motion::Rate(rate) => (rate, Dimension::whole([0, 0, 1, 0])),
+            Motion::Relax { target, .. } => (target, Dimension::NONE),
+        };
+        if let Some((_, span)) = formula.tree.names().into_iter().find(|(name, _)| *name == state.name) {
+            return Err(scope.error(formula, &span, Problem::Missing(format!("state.{}.unit", state.name))));
+        }
+        let dimension = scope.dimension(formula)?.unwrap_or(Dimension::NONE) * second;
+        effect.states[index].unit = Unit::si(dimension);
+        effect.states[index].unit_text = dimension.to_string();
+    }
+    Ok(())
 }
 
 fn source(effect: &Effect) -> Source<'_> {
@@ -93,7 +130,7 @@ fn follow<'a>(
         let circle = trail.iter().position(|before| *before == used);
         trail.push(used);
         if let Some(from) = circle {
-            let scope = Scope { effect, place: Place::ToolState, laws: &[] };
+            let scope = Scope::new(effect, Place::ToolState, &[]);
             return Err(scope.error(formula, &span, Problem::Cycle(trail[from..].join(" -> "))));
         }
         follow(effect, formulas, done, trail)?;
@@ -104,15 +141,12 @@ fn follow<'a>(
 }
 
 /// A lag reads as its target at null, so the target must make sense wherever the lag is read.
-fn check_lags(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
-    for change in &effect.changes {
-        let scope = Scope { effect, place: change.hook, laws };
-        for (name, _) in change.formula.tree.names() {
-            let Some(Symbol::State(index)) = scope.find(name) else { continue };
-            let state = &effect.states[index];
-            if let Some((_, target)) = lag(effect, state) {
-                scope.expect(target, state.unit.dimension, &format!("the state `{name}`"))?;
-            }
+fn check_lags(scope: &Scope, formula: &Formula) -> Result<(), EffectError> {
+    for (name, _) in formula.tree.names() {
+        let Some(Symbol::State(index)) = scope.find(name) else { continue };
+        let state = &scope.effect.states[index];
+        if let Some((_, target)) = lag(scope.effect, state) {
+            scope.expect(target, state.unit.dimension, &format!("the state `{name}`"))?;
         }
     }
     Ok(())
@@ -121,7 +155,7 @@ fn check_lags(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
 /// A law gives a value that nothing gave before.
 fn check_law(law: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     for change in &law.changes {
-        let scope = Scope { effect: law, place: change.hook, laws };
+        let scope = Scope::new(law, change.hook, laws);
         for (name, span) in change.formula.tree.names() {
             if name == change.value.name() {
                 let expected = "a formula without the value that the law gives".to_owned();

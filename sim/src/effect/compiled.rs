@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::call::Call;
+use super::check::check_in_model;
 use super::definition::{Effect, Holder, Process, Reset};
 use super::error::RunError;
 use super::graph::Id;
@@ -108,6 +109,7 @@ impl CompiledModel {
         let mut states = StateTable::default();
         let mut parts = Vec::new();
         for effect in laws.iter().chain(effects) {
+            check_in_model(effect, &laws, model.process)?;
             let parameters = slots.add(effect)?;
             let numbers = states.add(parts.len(), effect);
             parts.push(Part { effect: effect.clone(), parameters, states: numbers });
@@ -266,7 +268,7 @@ impl Structure {
     }
 
     fn compile(&self, place: Place) -> Result<Program, ModelError> {
-        let mut lowering = Lowering::new(place, &self.laws, &self.law_parts);
+        let mut lowering = Lowering::new(place, self.process, &self.laws, &self.law_parts);
         let outputs: Vec<Id> = match place {
             Place::ToolState => self.advance_all(&mut lowering, Holder::Tool),
             Place::ToolCell => self.advance_all(&mut lowering, Holder::ToolCell),

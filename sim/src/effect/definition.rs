@@ -30,15 +30,11 @@ impl Process {
         Self::ALL.into_iter().find(|process| process.name() == name)
     }
 
-    /// Whether the process has this place: grinding has no dose, sanding no recession.
+    /// Whether the process has this place: grinding has no dose and no exposure, sanding no recession.
     pub fn has(self, place: Place) -> bool {
-        place != self.absent()
-    }
-
-    fn absent(self) -> Place {
         match self {
-            Self::Grinding => Place::Dose,
-            Self::Sanding => Place::Rate,
+            Self::Grinding => !matches!(place, Place::Dose | Place::Exposure),
+            Self::Sanding => place != Place::Rate,
         }
     }
 }
@@ -223,7 +219,7 @@ pub struct State {
     pub per: Holder,
     /// Its unit.
     pub unit: Unit,
-    /// The unit as written.
+    /// The unit as written; empty until it is inferred from how the state moves.
     pub unit_text: String,
     /// How it moves.
     pub motion: Motion,
@@ -280,13 +276,9 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// Whether it acts in a process: an effect that changes only the other process's removal does not.
+    /// Whether it acts in a process.
     pub fn acts_in(&self, process: Process) -> bool {
-        let touches = |place| self.changes.iter().any(|change| change.hook == place);
-        let other = process.absent();
-        self.process.is_none_or(|only| only == process)
-            && self.changes.iter().any(|change| process.has(change.hook))
-            && (!touches(other) || touches(if other == Place::Dose { Place::Rate } else { Place::Dose }))
+        self.process.is_none_or(|only| only == process) && self.changes_in(process).next().is_some()
     }
 
     /// The formulas that act in a process.
@@ -307,7 +299,7 @@ impl Effect {
 
 /// Line and column, from 1, of a byte of a text.
 pub fn line_column(text: &str, byte: usize) -> (usize, usize) {
-    let before = &text[..byte.min(text.len())];
+    let before = &text[..text.floor_char_boundary(byte)];
     let line_start = before.rfind('\n').map_or(0, |at| at + 1);
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }

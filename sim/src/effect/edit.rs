@@ -208,8 +208,7 @@ fn written_values<'a>(
 }
 
 fn unfit(effect: &Effect, parameter: &Parameter, problem: Problem) -> ModelError {
-    let (file, key) = ("the value given".to_owned(), format!("{}.{}", effect.name, parameter.name));
-    EffectError { file, line: 1, column: 1, key, problem: Box::new(problem) }.into()
+    ModelError::BadValue { owner: effect.name.clone(), name: parameter.name.clone(), problem: Box::new(problem) }
 }
 
 fn find_parameter<'a>(effect: &'a Effect, name: &str) -> Result<&'a Parameter, ModelError> {

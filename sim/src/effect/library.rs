@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::check::check;
+use super::check::{check, infer_units};
 use super::definition::{Effect, Kind, Process};
 use super::error::{EffectError, Problem};
 use super::read::read;
@@ -80,11 +80,11 @@ impl Library {
     pub fn builtin() -> &'static Self {
         static BUILTIN: OnceLock<Library> = OnceLock::new();
         BUILTIN.get_or_init(|| {
-            let read_all = |files: &[(&str, &str)]| -> Result<Vec<Effect>, EffectError> {
-                files.iter().map(|&(file, text)| read(Source { file, text })).collect()
+            let load_all = |files: &[(&str, &str)], laws: &[Effect]| -> Result<Vec<Effect>, EffectError> {
+                files.iter().map(|&(file, text)| load(file, text, laws)).collect()
             };
-            let laws = read_all(LAWS).unwrap_or_else(|error| panic!("{error}"));
-            let effects = read_all(EFFECTS).unwrap_or_else(|error| panic!("{error}"));
+            let laws = load_all(LAWS, &[]).unwrap_or_else(|error| panic!("{error}"));
+            let effects = load_all(EFFECTS, &laws).unwrap_or_else(|error| panic!("{error}"));
             Self { laws, effects }
         })
     }
@@ -96,7 +96,7 @@ impl Library {
     pub fn with(&self, files: &[(String, String)]) -> Result<Self, EffectError> {
         let mut library = self.clone();
         for (file, text) in files {
-            let effect = read(Source { file, text })?;
+            let effect = load(file, text, &library.laws)?;
             if library.find(&effect.name).is_some() {
                 let owner = "another law or effect".to_owned();
                 let problem = Problem::Taken { name: effect.name.clone(), owner };
@@ -148,7 +148,14 @@ impl Library {
 /// # Errors
 /// The first fault, with its place.
 pub fn check_file(file: &str, text: &str) -> Result<Effect, EffectError> {
-    let effect = read(Source { file, text })?;
+    let effect = load(file, text, &Library::builtin().laws)?;
     check(&effect, &Library::builtin().laws)?;
+    Ok(effect)
+}
+
+/// Reads a file and infers what it leaves open.
+fn load(file: &str, text: &str, laws: &[Effect]) -> Result<Effect, EffectError> {
+    let mut effect = read(Source { file, text })?;
+    infer_units(&mut effect, laws)?;
     Ok(effect)
 }

@@ -1,6 +1,6 @@
 //! Formulas of a whole model to the graph of one place.
 
-use super::definition::{Effect, Formula, Motion, Rows};
+use super::definition::{Effect, Formula, Motion, Process, Rows};
 use super::graph::{Graph, Id, Load};
 use super::interpret::lag;
 use super::op::Op;
@@ -24,6 +24,7 @@ pub struct Lowering<'a> {
     /// The graph so far.
     pub graph: Graph,
     place: Place,
+    process: Process,
     laws: &'a [Effect],
     law_parts: &'a [Part],
     /// The values of the place as they are by now.
@@ -32,14 +33,13 @@ pub struct Lowering<'a> {
 
 impl<'a> Lowering<'a> {
     /// Starts with the values as the simulator hands them in; a law gives those that it makes.
-    pub fn new(place: Place, laws: &'a [Effect], law_parts: &'a [Part]) -> Self {
-        let mut lowering = Self { graph: Graph::default(), place, laws, law_parts, current: Vec::new() };
+    pub fn new(place: Place, process: Process, laws: &'a [Effect], law_parts: &'a [Part]) -> Self {
+        let mut lowering = Self { graph: Graph::default(), place, process, laws, law_parts, current: Vec::new() };
         for &value in place.values() {
-            let start = match value {
-                Variable::SpindleSpeed | Variable::ForceReading => lowering.graph.load(Load::Step(value)),
-                Variable::ExposureThreshold => lowering.graph.constant(1.0),
-                Variable::Height => lowering.graph.load(Load::Lane(value)),
-                _ => lowering.graph.constant(0.0),
+            let start = match value.start() {
+                Some(start) => lowering.graph.constant(start),
+                None if value.is_lane_at(place) => lowering.graph.load(Load::Lane(value)),
+                None => lowering.graph.load(Load::Step(value)),
             };
             lowering.current.push((value, start));
         }
@@ -112,7 +112,7 @@ impl<'a> Lowering<'a> {
         match &expr.node {
             Node::Number(value, _) => self.graph.constant(*value),
             Node::Name(name) => {
-                let scope = Scope { effect: &part.effect, place: self.place, laws: self.laws };
+                let scope = Scope::new(&part.effect, self.place, self.laws).within(self.process);
                 let symbol = scope.find(name).expect("names are checked before");
                 self.symbol(part, symbol)
             }

@@ -32,8 +32,9 @@ const EXP_SERIES: [f64; 12] = [
     0.5,
 ];
 
-/// 1/(2n + 1) for n = 11 down to 1, of the series of atanh.
-const ATANH_SERIES: [f64; 11] = [
+/// 1/(2n + 1) for n = 12 down to 1, of the series of atanh.
+const ATANH_SERIES: [f64; 12] = [
+    1.0 / 25.0,
     1.0 / 23.0,
     1.0 / 21.0,
     1.0 / 19.0,
@@ -82,16 +83,25 @@ fn power_of_two(n: f64) -> f64 {
     f64::from_bits(whole.wrapping_shl(FRACTION_BITS).wrapping_add(ONE_BITS))
 }
 
+/// A polynomial by its coefficients, the highest power first. Odd and even powers are summed apart, so that neither waits
+/// for the other.
+#[inline(always)]
+fn polynomial(coefficients: &[f64; 12], x: f64) -> f64 {
+    let square = x * x;
+    let [mut odd, mut even] = [coefficients[0], coefficients[1]];
+    for i in 1..6 {
+        odd = odd * square + coefficients[2 * i];
+        even = even * square + coefficients[2 * i + 1];
+    }
+    odd * x + even
+}
+
 /// `x = n ln 2 + r`, |r| ≤ ln 2 / 2: n, and e^r − 1.
 #[inline(always)]
 fn reduced_exp(x: f64) -> (f64, f64) {
     let n = (x * LOG2_E + ROUNDER) - ROUNDER;
     let r = (x - n * LN2_HIGH) - n * LN2_LOW;
-    let mut sum = EXP_SERIES[0];
-    for factor in &EXP_SERIES[1..] {
-        sum = sum * r + factor;
-    }
-    (n, r + r * r * sum)
+    (n, r + r * r * polynomial(&EXP_SERIES, r))
 }
 
 /// e to the power x.
@@ -137,11 +147,7 @@ pub fn log(x: f64) -> f64 {
     let f = m - 1.0;
     let s = f / (2.0 + f);
     let square = s * s;
-    let mut sum = ATANH_SERIES[0];
-    for factor in &ATANH_SERIES[1..] {
-        sum = sum * square + factor;
-    }
-    let log_m = f - s * (f - 2.0 * square * sum);
+    let log_m = f - s * (f - 2.0 * square * polynomial(&ATANH_SERIES, square));
     let result = n * LN2_HIGH + (log_m + n * LN2_LOW);
 
     let result = if x == f64::INFINITY { x } else { result };

@@ -1,4 +1,25 @@
-//! The effect language: laws and effects as files of formulas, read, checked, compiled and run.
+//! The effect language: base laws and effects as files of formulas, read, checked, compiled and run over lanes.
+//!
+//! Text becomes numbers in this order: `toml_text` and `read` take a file apart, `parse` makes trees of its formulas,
+//! `check` holds names and dimensions (`scope`) and the null value (`null`) against what they must be, `lower` puts all
+//! formulas of a [`Model`] at one place into one `graph`, `program` lays it out, `lanes` runs it. `interpret` evaluates
+//! a tree directly: it is what the programs are tested against, and what explains a result that is not finite.
+//!
+//! ```
+//! use sim::effect::{CompiledModel, Lanes, Library, Model, Place, Process, RowCounts, States, StepValues, Variable};
+//!
+//! let model = Model::new(Process::Grinding).with("pressure-exponent");
+//! let mut model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).unwrap();
+//! model.set(model.index("pressure-exponent.exponent").unwrap(), 0.5);
+//!
+//! let (step, states) = (StepValues::new(), States::new(&model, 0));
+//! let call = model.at(Place::Rate, &step, &states);
+//! let mut rate = [0.0; 2];
+//! call.run(&Lanes::new(2).with(Variable::Pressure, &[1e6, 4e6]), &mut rate).unwrap();
+//! assert!((rate[1] / rate[0] - 2.0).abs() < 1e-12);   // r ~ p^0.5
+//! ```
+//!
+//! Nothing here opens a file: texts come with a name for messages.
 
 mod call;
 mod check;

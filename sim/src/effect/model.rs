@@ -82,15 +82,15 @@ pub enum ModelError {
         /// Values given.
         found: usize,
     },
-    /// A value that is no number.
-    #[error("`{owner}.{name}` is {value}; a number is expected")]
+    /// A value that does not fit.
+    #[error("`{owner}.{name}`: {problem}")]
     BadValue {
         /// Law or effect.
         owner: String,
         /// The parameter.
         name: String,
-        /// Value given.
-        value: f64,
+        /// What is wrong with it.
+        problem: Box<Problem>,
     },
     /// A part that does nothing in this process.
     #[error("`{name}` does nothing when {process}", process = .process.name())]
@@ -291,7 +291,8 @@ impl Model {
                 return Err(ModelError::TooManyValues { owner, name, found: values.len() });
             }
             if let Some(value) = values.iter().find(|value| value.is_nan()) {
-                return Err(ModelError::BadValue { owner, name, value: *value });
+                let problem = Problem::Value { found: value.to_string(), expected: "a number".to_owned() };
+                return Err(ModelError::BadValue { owner, name, problem: Box::new(problem) });
             }
         }
         Ok(())

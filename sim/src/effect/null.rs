@@ -49,7 +49,7 @@ fn check_run(
     for step in 0..STEPS {
         let variables = probe(run * STEPS + step);
         let at = |place| Environment {
-            scope: Scope { effect, place, laws },
+            scope: Scope::new(effect, place, laws),
             parameters,
             law_parameters: &law_parameters,
             variables: &variables,
@@ -91,7 +91,7 @@ pub fn probe(index: u64) -> Vec<f64> {
         match index {
             0 => low,
             1 => high,
-            _ if random % 8 == 0 && low <= 0.0 && 0.0 <= high => 0.0,
+            _ if random.is_multiple_of(8) && low <= 0.0 && 0.0 <= high => 0.0,
             _ => low + (high - low) * ((random >> 11) as f64 / (1u64 << 53) as f64),
         }
     };

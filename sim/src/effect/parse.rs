@@ -316,7 +316,7 @@ fn raised(base: Expr, exponent: Expr) -> Expr {
     let span = base.span.start..exponent.span.end;
     let whole = |power: f64| power.abs() <= MOST_FACTORS && power == power.trunc() && power != 0.0;
     let formula = match exponent.literal() {
-        Some(power) if power == 0.5 => Expr { node: Node::Apply(Op::Sqrt, vec![base]), span: span.clone() },
+        Some(0.5) => Expr { node: Node::Apply(Op::Sqrt, vec![base]), span: span.clone() },
         Some(power) if whole(power) && base.size() * MOST_FACTORS as usize <= MOST_NODES => {
             let factors = (1..power.abs() as usize).map(|_| base.clone());
             let product = factors.fold(base.clone(), |product, factor| binary(Op::Mul, product, factor));

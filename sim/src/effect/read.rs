@@ -28,10 +28,11 @@ pub fn read(source: Source) -> Result<Effect, EffectError> {
     };
     let parameters = root.tables("parameters")?;
     let states = root.tables("state")?;
+    let name = name(&root)?;
     Ok(Effect {
-        name: name(&root)?,
-        title: root.text("title")?,
-        source: root.text("source")?,
+        title: root.optional_text("title")?.unwrap_or_else(|| name.clone()),
+        name,
+        source: root.optional_text("source")?.unwrap_or_default(),
         kind,
         process: process(&root)?,
         signature: root.optional_text("signature")?.unwrap_or_default(),
@@ -163,20 +164,10 @@ fn definitions(root: &Section) -> Result<Vec<Definition>, EffectError> {
 
 fn state(name: &str, table: &Section) -> Result<State, EffectError> {
     table.accept(&STATE_KEYS)?;
-    let (unit, unit_text) = unit(table)?;
+    let (unit, unit_text) = if table.get("unit").is_some() { unit(table)? } else { (Unit::ONE, String::new()) };
     let holders = [Holder::Tool, Holder::ToolCell, Holder::WorkpieceCell].map(|holder| (holder.name(), holder));
     let resets =
         [("fresh_tool", Reset::FreshTool), ("trial", Reset::Trial), ("pass", Reset::Pass), ("never", Reset::Never)];
-    let motion = match (table.get("rate"), table.get("target")) {
-        (Some(rate), None) => Motion::Rate(rate.formula()?),
-        (None, Some(target)) => Motion::Relax { target: target.formula()?, time: table.need("time")?.formula()? },
-        _ => {
-            let expected = "either `rate`, or `target` and `time`".to_owned();
-            return Err(
-                table.error(Problem::Value { found: "neither or both of rate and target".to_owned(), expected })
-            );
-        }
-    };
     let bound = |key: &str, open: f64| match table.get(key) {
         Some(entry) => entry.quantity(unit, Bare::InUnit),
         None => Ok(open),
@@ -195,12 +186,23 @@ fn state(name: &str, table: &Section) -> Result<State, EffectError> {
         per: table.choice("per", &holders)?,
         unit,
         unit_text,
-        motion,
+        motion: motion(table)?,
         initial,
         reset: table.choice("reset", &resets)?,
         bounds,
         line: table.line(),
     })
+}
+
+fn motion(table: &Section) -> Result<Motion, EffectError> {
+    match (table.get("rate"), table.get("target")) {
+        (Some(rate), None) => Ok(Motion::Rate(rate.formula()?)),
+        (None, Some(target)) => Ok(Motion::Relax { target: target.formula()?, time: table.need("time")?.formula()? }),
+        _ => {
+            let expected = "either `rate`, or `target` and `time`".to_owned();
+            Err(table.error(Problem::Value { found: "neither or both of rate and target".to_owned(), expected }))
+        }
+    }
 }
 
 fn changes(root: &Section, key: &str) -> Result<Vec<Change>, EffectError> {

@@ -33,11 +33,23 @@ pub struct Scope<'a> {
     pub place: Place,
     /// Base laws whose parameters are visible.
     pub laws: &'a [Effect],
+    /// The only process that gets here; nothing: every process in which the effect acts.
+    process: Option<Process>,
 }
 
 type Located<T> = Result<T, EffectError>;
 
 impl<'a> Scope<'a> {
+    /// The names for any process.
+    pub fn new(effect: &'a Effect, place: Place, laws: &'a [Effect]) -> Self {
+        Self { effect, place, laws, process: None }
+    }
+
+    /// The names for one process.
+    pub fn within(self, process: Process) -> Self {
+        Self { process: Some(process), ..self }
+    }
+
     /// What `name` stands for here.
     pub fn find(&self, name: &str) -> Option<Symbol> {
         let effect = self.effect;
@@ -49,6 +61,11 @@ impl<'a> Scope<'a> {
         parameter.or_else(definition).or_else(state).or_else(variable).or_else(|| self.find_in_laws(name))
     }
 
+    /// Whether the scope's process gets here at all.
+    pub fn is_reached(&self) -> bool {
+        self.process.is_none_or(|process| process.has(self.place))
+    }
+
     /// A law's parameter is visible if the laws of every process that gets here have it.
     fn find_in_laws(&self, name: &str) -> Option<Symbol> {
         let of = |process: Process| {
@@ -57,7 +74,8 @@ impl<'a> Scope<'a> {
                 Some(Symbol::Law(index, parameter))
             })
         };
-        let here = |process: &Process| self.effect.acts_in(*process) && process.has(self.place);
+        let gets_here = |process: &Process| self.process.is_none_or(|only| only == *process);
+        let here = |process: &Process| gets_here(process) && self.effect.acts_in(*process) && process.has(self.place);
         let mut found = Process::ALL.into_iter().filter(here).map(of);
         let first = found.next()??;
         found.all(|other| other.is_some()).then_some(first)

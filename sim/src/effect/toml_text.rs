@@ -95,11 +95,6 @@ impl<'a> Section<'a> {
             .ok_or_else(|| self.source.error(self.start, &self.dotted(name), Problem::Missing(name.to_owned())))
     }
 
-    /// A text that must be there.
-    pub fn text(&self, name: &str) -> Result<String, EffectError> {
-        self.need(name)?.text().map(str::to_owned)
-    }
-
     /// A text, or nothing.
     pub fn optional_text(&self, name: &str) -> Result<Option<String>, EffectError> {
         self.get(name).map(|entry| entry.text().map(str::to_owned)).transpose()

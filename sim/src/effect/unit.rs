@@ -65,6 +65,9 @@ const ALONE: [(&str, i32, f64); 8] = [
 const PREFIXES: [(&str, i32); 8] =
     [("n", -9), ("u", -6), ("µ", -6), ("m", -3), ("c", -2), ("k", 3), ("M", 6), ("G", 9)];
 
+/// Bytes that a unit may have; it bounds the nesting of brackets.
+const LONGEST: usize = 100;
+
 fn known() -> String {
     let alone = ALONE.iter().map(|unit| unit.0);
     PREFIXED.iter().map(|unit| unit.0).chain(alone).collect::<Vec<_>>().join(", ")
@@ -74,12 +77,20 @@ impl Unit {
     /// A plain number.
     pub const ONE: Self = Self { dimension: Dimension::NONE, scale: 1.0, decimals: 0 };
 
+    /// The SI unit of a dimension.
+    pub fn si(dimension: Dimension) -> Self {
+        Self { dimension, ..Self::ONE }
+    }
+
     /// Reads a unit: factors side by side or with `*`, powers with `^`, one or more `/`, round brackets.
     ///
     /// # Errors
     /// A name that is no unit, or what cannot be read.
     pub fn parse(text: &str) -> Result<Self, UnitError> {
         let mut reader = Reader { text, at: 0 };
+        if text.len() > LONGEST {
+            return Err(reader.malformed());
+        }
         let unit = reader.product()?;
         if reader.rest().is_empty() { Ok(unit) } else { Err(reader.malformed()) }
     }
@@ -264,6 +275,7 @@ mod tests {
     #[test]
     fn what_is_no_unit_is_named() {
         assert_eq!(Unit::parse("mm/furlong"), Err(UnitError::Unknown("furlong".to_owned())));
+        assert!(matches!(Unit::parse(&"(".repeat(100_000)), Err(UnitError::Malformed { .. })));
         for text in ["", "mm^", "mm^x", "(mm", "mm)", "/s", "mm//s", "mm^99"] {
             assert!(matches!(Unit::parse(text), Err(UnitError::Malformed { .. })), "{text}");
         }

@@ -172,8 +172,8 @@ variables! {
     PatchWidth "patch_width" ["m"] Step PROCESS, 0.0..0.02, "extent of the contact patch across the tool (y), as force";
     RemovalRate "removal_rate" ["m^3/s"] Step PROCESS, 0.0..5e-8, "ground volume per time, as force";
     DoseVolumeRate "dose_volume_rate" ["m^3/s"] Step PROCESS, 0.0..5e-8, "volume of coating removed per time, as force";
-    SpindleSetpoint "spindle_setpoint" ["rad/s"] Step PROCESS, 0.0..1000.0, "speed that the spindle shall hold, or was logged";
-    SpindleSpeed "spindle_speed" ["rad/s"] Step PROCESS, 0.0..1000.0, "speed of the spindle";
+    SpindleSetpoint "spindle_setpoint" ["rad/s"] Step PROCESS, -1000.0..1000.0, "speed that the spindle shall hold, or was logged";
+    SpindleSpeed "spindle_speed" ["rad/s"] Step PROCESS, -1000.0..1000.0, "speed of the spindle";
     SlidingSpeed "sliding_speed" ["m/s"] Step PROCESS, 0.0..60.0, "speed of the tool's rim, spindle_speed times tool_radius";
     ToolRadius "tool_radius" ["m"] Step PROCESS, 0.005..0.1, "radius of the wheel or the pad";
     ToolWidth "tool_width" ["m"] Step PROCESS, 0.005..0.1, "width of the wheel, diameter of the pad";
@@ -237,6 +237,15 @@ impl Variable {
     /// Physical dimension.
     pub fn dimension(self) -> Dimension {
         Unit::parse(self.row().unit).map(|unit| unit.dimension).unwrap_or(Dimension::NONE)
+    }
+
+    /// For a value that formulas modify: what it is before any law or effect; nothing if the simulator hands it in.
+    pub(super) fn start(self) -> Option<f64> {
+        match self {
+            Self::SpindleSpeed | Self::ForceReading | Self::Height => None,
+            Self::ExposureThreshold => Some(1.0),
+            _ => Some(0.0),
+        }
     }
 
     /// Whether it has one value per cell or pixel at `place`.

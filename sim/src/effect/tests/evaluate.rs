@@ -50,8 +50,8 @@ fn interpreted(model: &CompiledModel, hook: Place, mut variables: Vec<f64>, tool
     };
     let law_parameters: Vec<Vec<f64>> = laws.iter().map(defaults).collect();
     let value = hook.values()[0];
-    if !matches!(value, Variable::SpindleSpeed | Variable::ForceReading | Variable::Height) {
-        variables[value as usize] = 0.0;
+    if let Some(start) = value.start() {
+        variables[value as usize] = start;
     }
     let effects = library.effects().iter().filter(|effect| effect.acts_in(model.process()));
     for effect in laws.iter().chain(effects) {
@@ -61,7 +61,7 @@ fn interpreted(model: &CompiledModel, hook: Place, mut variables: Vec<f64>, tool
             tool.0.tool_state(model, &name).unwrap_or_else(cells)
         };
         let states: Vec<f64> = effect.states.iter().map(state).collect();
-        let (parameters, scope) = (defaults(effect), Scope { effect, place: hook, laws: &laws });
+        let (parameters, scope) = (defaults(effect), Scope::new(effect, hook, &laws));
         let environment = Environment {
             scope,
             parameters: &parameters,

@@ -29,6 +29,21 @@ fn a_model_file_gives_values_ranges_and_what_is_free() {
 }
 
 #[test]
+fn an_effect_that_needs_a_law_of_another_kind_is_refused() {
+    let law = "name = \"foam\"\n[parameters.softness]\nunit = \"mm\"\nrange = [0.1, 10.0]\n[law]\n\
+               pressure = \"1 MPa * (depth / softness)^1.5\"\n";
+    let library = Library::builtin().with(&[("foam.toml".to_owned(), law.to_owned())]).unwrap();
+    let text = "process = \"sanding\"\n[law.foam]\nsoftness = \"2 mm\"\n[effect.edge-pressure]\n";
+    let compile = |text: &str| {
+        let model = Model::parse("model.toml", text, &library).unwrap();
+        CompiledModel::new(&model, &library, RowCounts::default()).map(|compiled| compiled.law_value("softness"))
+    };
+    assert_eq!(compile(text).unwrap(), Some(2e-3));
+    let message = compile(&text.replace("edge-pressure", "viscoelastic-pad")).unwrap_err().to_string();
+    assert!(message.contains("viscoelastic-pad.toml:") && message.contains("`stiffness` is not known"), "{message}");
+}
+
+#[test]
 fn the_shortest_model_is_one_line() {
     for process in Process::ALL {
         assert_eq!(parse(&format!("process = \"{}\"", process.name())).unwrap(), Model::new(process));

@@ -11,7 +11,7 @@ fn value(text: &str) -> f64 {
     let mut variables = vec![0.0; Variable::COUNT];
     variables[Variable::Rate as usize] = 3.0;
     variables[Variable::Pressure as usize] = 2.0;
-    let scope = Scope { effect, place: Place::Rate, laws: &[] };
+    let scope = Scope::new(effect, Place::Rate, &[]);
     let environment =
         Environment { scope, parameters: &[1.0, 2.0], law_parameters: &[], variables: &variables, states: &[] };
     environment.evaluate(&parse(text).unwrap_or_else(|error| panic!("{text}: {error}")))

@@ -37,6 +37,7 @@ fn every_effect_says_what_it_leaves_and_with_what_it_is_confused() {
     let library = Library::builtin();
     for effect in library.effects() {
         assert!(!effect.signature.is_empty() && !effect.source.is_empty(), "{}", effect.name);
+        assert_ne!(effect.title, effect.name);
         assert!(!effect.confused_with.is_empty(), "{}", effect.name);
         for other in &effect.confused_with {
             assert!(library.find(other).is_some() && *other != effect.name, "{}: {other}", effect.name);
@@ -59,7 +60,7 @@ fn changed_values(effect: &Effect, process: Process) -> Vec<(f64, f64)> {
     for index in 2..60 {
         let variables = probe(index);
         let at = |place| {
-            let scope = Scope { effect, place, laws };
+            let scope = Scope::new(effect, place, laws);
             Environment {
                 scope,
                 parameters: &parameters,

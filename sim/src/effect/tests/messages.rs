@@ -2,7 +2,8 @@
 
 use crate::effect::tests::effect_file;
 use crate::effect::{
-    CompiledModel, Lanes, Library, Model, Place, Process, RowCounts, States, StepValues, Variable, check_file,
+    CompiledModel, EFFECTS, LAWS, Lanes, Library, Model, Place, Process, RowCounts, States, StepValues, Variable,
+    check_file,
 };
 
 /// The message for a file that must be refused.
@@ -56,6 +57,17 @@ fn wrong_dimensions_name_the_unit_found_and_the_place() {
     let state = "[state.heat]\nper = \"tool\"\nunit = \"K\"\nrate = \"force\"\n";
     let message = refusal(&effect_file("rate = \"rate * (1 + amount * heat / 1 K)\"", state));
     says(&message, &["trial.toml:12", "state.heat.rate", "has the unit N", "K/s (of the change of `heat` per second)"]);
+}
+
+#[test]
+fn a_state_without_a_unit_gets_that_of_its_motion() {
+    let state = "[state.ground]\nper = \"tool\"\nrate = \"removal_rate\"\n";
+    let effect =
+        check_file("trial.toml", &effect_file("rate = \"rate * exp(-amount * ground / 1 mm^3)\"", state)).unwrap();
+    assert_eq!(effect.states[0].unit_text, "m^3");
+    let circular = state.replace("removal_rate", "ground / 1 s");
+    let message = refusal(&effect_file("rate = \"rate * (1 + amount * ground)\"", &circular));
+    says(&message, &["state.ground.rate", "`state.ground.unit` is missing"]);
 }
 
 #[test]
@@ -124,6 +136,26 @@ fn files_with_wrong_keys_and_values_say_what_is_accepted() {
         assert_ne!(bad, good);
         says(&refusal(&bad), &words);
     }
+}
+
+#[test]
+fn damaged_files_are_refused_or_accepted_but_never_crash() {
+    let mut accepted = 0;
+    for (file, text) in EFFECTS.iter().chain(LAWS) {
+        let mut random = text.len() as u64;
+        for round in 0..60 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let at = text.floor_char_boundary((random >> 33) as usize % text.len());
+            let junk = ["\"", "^", "(", "é", "[", "0", "-1e999", " / 0", "\\u00e9", "\n", "inf", "="][round % 12];
+            let damaged = match round % 3 {
+                0 => text[..at].to_owned(),
+                1 => format!("{}{junk}{}", &text[..at], &text[at..]),
+                _ => format!("{}{junk}{}", &text[..at], text[at..].chars().skip(1).collect::<String>()),
+            };
+            accepted += usize::from(check_file(file, &damaged).is_ok());
+        }
+    }
+    assert!(accepted > 0 && accepted < 60 * EFFECTS.len() * 3 / 4, "{accepted} accepted");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The language, its checks, the library and the programs, each against something independent of it.
 
+mod documents;
 mod evaluate;
 mod files;
 mod formulas;
