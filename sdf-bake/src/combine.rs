@@ -172,7 +172,12 @@ impl<'a> Combination<'a> {
         }
         let whole_box = matches!(how, Combine::Union | Combine::SmoothUnion { .. });
         let [s, t, back] = how.signs();
-        Ok(Self { bodies: Bodies { grids: [first, second], signs: [s, t] }, back, radius: how.radius() as f32, whole_box })
+        Ok(Self {
+            bodies: Bodies { grids: [first, second], signs: [s, t] },
+            back,
+            radius: how.radius() as f32,
+            whole_box,
+        })
     }
 
     /// The combination, and for each of its bricks the voxels that are nearer to the second body's surface. The first's

@@ -199,12 +199,7 @@ impl BrickGrid {
         }
         let limit = self.band * (1.0 + 1e-6);
         match self.phi.iter().position(|&phi| phi.is_nan() || phi.abs() > limit) {
-            Some(at) => Err(format!(
-                "φ is {} at voxel {}, the band is {}",
-                self.phi[at],
-                self.voxel_of(at),
-                self.band
-            )),
+            Some(at) => Err(format!("φ is {} at voxel {}, the band is {}", self.phi[at], self.voxel_of(at), self.band)),
             None => Ok(()),
         }
     }

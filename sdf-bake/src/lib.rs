@@ -34,11 +34,14 @@ pub mod halo;
 mod implicit;
 pub mod mesh;
 pub mod nvdb;
+mod project;
 pub mod query;
 pub mod read;
 pub mod redistance;
 mod seam;
 mod share;
+mod surface;
+mod tangent;
 mod union;
 mod volume;
 

@@ -48,9 +48,8 @@ impl BrickGrid {
         // A pass carries distances one voxel further at least, and a diagonal takes two.
         let passes = (2.0 * f64::from(self.band) / self.voxel).ceil() as usize + 2;
         for _ in 0..passes {
-            let solve = |(nth, &slot): (usize, &u32)| {
-                self.solve_brick(slot, least, |offset, phi: f32| free(nth, offset, phi))
-            };
+            let solve =
+                |(nth, &slot): (usize, &u32)| self.solve_brick(slot, least, |offset, phi: f32| free(nth, offset, phi));
             let solved: Vec<(Vec<f32>, f32)> = slots.par_iter().enumerate().map(solve).collect();
             let mut largest = 0f32;
             for (&slot, (values, change)) in slots.iter().zip(&solved) {

@@ -72,9 +72,7 @@ impl Bodies<'_> {
                 return None;
             }
             // Way from `point` along each normal to its plane; then both at once.
-            let way = [0, 1].map(|body| {
-                -f64::from(self.sample(body, at)) + normals[body].dot(at - point)
-            });
+            let way = [0, 1].map(|body| -f64::from(self.sample(body, at)) + normals[body].dot(at - point));
             let both = 1.0 - cosine * cosine;
             let share = [(way[0] - cosine * way[1]) / both, (way[1] - cosine * way[0]) / both];
             at = point + normals[0] * share[0] + normals[1] * share[1];

@@ -95,7 +95,9 @@ fn a_union_is_exact_where_one_body_dominates_and_close_to_it_at_the_seam() {
             (worst_buried, buried) = (worst_buried.max(error), buried + 1);
         }
     }
-    println!("union: error {worst_clear:.1e} voxels, {worst_buried:.3} in {buried} voxels whose nearest surface is buried");
+    println!(
+        "union: error {worst_clear:.1e} voxels, {worst_buried:.3} in {buried} voxels whose nearest surface is buried"
+    );
     assert!(worst_clear < 0.02, "{worst_clear}");
     assert!(buried > 1000 && worst_buried < 0.25, "{worst_buried} in {buried}");
 }

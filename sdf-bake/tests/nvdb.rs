@@ -1,9 +1,9 @@
 //! NanoVDB files: round trips, the layout byte by byte, and statistics against a plain recount.
 
 use glam::{DVec3, IVec3};
-use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, voxel_at};
-use sdf_bake::nvdb::{BricksError, Checksum, Codec, GridClass, GridRef, Values, WriteError, read, write};
+use sdf_bake::nvdb::{BricksError, Checksum, Codec, GridClass, GridRef, Values, WriteError, read, write, write_field};
+use sdf_bake::{BrickGrid, Scalar};
 
 const VOXEL: f64 = 0.0005;
 
@@ -75,6 +75,29 @@ fn everything_comes_back_bit_for_bit() {
 fn everything_comes_back_bit_for_bit_from_zip() {
     assert_comes_back(5.0, Codec::Zip);
     assert_comes_back(40.0, Codec::Zip);
+}
+
+#[test]
+fn a_field_comes_back_with_the_channels_it_has() {
+    let (mut field, dose) = ball(40.0);
+    field.dose = dose;
+    let back = read(&write_field(&field, Codec::None).unwrap()).unwrap().to_field().unwrap();
+    assert_same_field(&field, &back);
+    assert_eq!((&back.label, &back.dose, back.removed.len()), (&field.label, &field.dose, 0));
+    assert_eq!(back.sanity_check(), Ok(()));
+    field.label.clear();
+    field.scalar_or_zero(Scalar::Removed)[7] = -1.5;
+    let file = read(&write_field(&field, Codec::Zip).unwrap()).unwrap();
+    let names: Vec<&str> = file.grids.iter().map(|grid| grid.name.as_str()).collect();
+    assert_eq!(names, ["phi", "dose", "removed"]);
+    let back = file.to_field().unwrap();
+    assert_eq!((back.label.len(), &back.dose, &back.removed), (0, &field.dose, &field.removed));
+    field.dose[5] = f32::INFINITY;
+    let error = read(&write_field(&field, Codec::None).unwrap()).unwrap().to_field().unwrap_err().to_string();
+    assert!(error.contains("dose inf; a finite number is needed"), "{error}");
+    let labels = write(&[GridRef::Labels { name: "weld", grid: &ball(5.0).0 }], Codec::None).unwrap();
+    let error = read(&labels).unwrap().to_field().unwrap_err().to_string();
+    assert!(error.contains("no grid \"phi\"; the file holds [\"weld\"]"), "{error}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use glam::{DVec3, I64Vec3, IVec3};
 
 use super::error::BricksError;
 use super::tree::{GridClass, NvdbGrid, Tile, Tree, Values};
+use crate::channels::Scalar;
 use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at};
 
 /// Index entries allowed for a tree: so many for each of its leaves and tiles, and some for a small one.
@@ -62,6 +63,20 @@ impl NvdbGrid {
             return Err(self.bad_value(voxel, format!("weld id {}; 0 to 65535 fit", labels[at])));
         }
         grid.label = labels.into_iter().map(|label| label as u16).collect();
+        Ok(())
+    }
+
+    /// Sets a channel of a grid from this Float grid; 0 where this grid has no leaf.
+    ///
+    /// # Errors
+    /// As [`NvdbGrid::channel`], and a value that is not finite.
+    pub fn attach_scalar(&self, channel: Scalar, grid: &mut BrickGrid) -> Result<(), BricksError> {
+        let values = self.channel(grid)?;
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            let what = format!("{} {}; a finite number is needed", channel.name(), values[at]);
+            return Err(self.bad_value(grid.voxel_of(at), what));
+        }
+        *grid.scalar_mut(channel) = values;
         Ok(())
     }
 

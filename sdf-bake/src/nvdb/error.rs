@@ -100,6 +100,14 @@ pub enum NvdbError {
 /// Why a grid that was read cannot become bricks or a channel of bricks.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BricksError {
+    /// The file lacks a grid.
+    #[error("no grid {wanted:?}; the file holds {found:?}")]
+    Missing {
+        /// The grid looked for.
+        wanted: &'static str,
+        /// Names of the grids there are.
+        found: Vec<String>,
+    },
     /// The grid holds something else.
     #[error("grid {grid:?} is a {found}; {expected} is needed")]
     Kind {

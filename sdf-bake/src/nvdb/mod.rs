@@ -6,6 +6,7 @@
 //! Where no brick is, a node holds one *tile* value for a whole cell: −band inside, +band outside, and
 //! any sampler knows inside from outside everywhere.
 //!
+//! [`write_field`] and [`NvdbFile::to_field`] keep a field with all its channels; [`write()`] takes any choice of grids.
 //! [`write()`] makes version 32.4 of the format; [`read()`] takes 32.x from any writer, Float and Int32, uncompressed or
 //! zip. `docs/nanovdb.md` says which programs were tried.
 //!
@@ -24,6 +25,7 @@
 
 mod bricks;
 mod bytes;
+mod channels;
 mod checksum;
 mod encode;
 mod error;
@@ -36,6 +38,7 @@ mod topology;
 mod tree;
 mod write;
 
+pub use channels::{PHI, WELD_ID, write_field};
 pub use error::{BricksError, NvdbError, WriteError};
 pub use read::read;
 pub use tree::{Checksum, GridClass, NvdbFile, NvdbGrid, Tile, Tree, Values};

@@ -69,3 +69,61 @@ pub(crate) fn sliver_plate(around: u32) -> Mesh {
     }
     mesh
 }
+
+/// A closed box [m] with outward triangles.
+pub(crate) fn plate(low: DVec3, high: DVec3) -> Mesh {
+    let corner = |i: usize| DVec3::from_array(std::array::from_fn(|a| if i >> a & 1 == 1 { high[a] } else { low[a] }));
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    Mesh {
+        positions: (0..8).map(corner).collect(),
+        triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    }
+}
+
+/// A straight bead of parabolic section with flat ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bead {
+    /// Sizes [m]: between the ends, between the toes, above z = 0, below it.
+    pub(crate) length: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) root: f64,
+    /// Chords of the outline between the toes.
+    pub(crate) chords: u32,
+    /// Angle of its length against x [rad].
+    pub(crate) turn: f64,
+}
+
+impl Bead {
+    /// Volume above z = 0 [m³]: the parabola's 2/3 w h l, less what its chords cut off.
+    pub(crate) fn volume_above(&self) -> f64 {
+        let chords = f64::from(self.chords);
+        2.0 / 3.0 * self.width * self.height * self.length * (1.0 - 1.0 / (chords * chords))
+    }
+
+    /// The closed bead around the origin [m].
+    pub(crate) fn mesh(&self) -> Mesh {
+        let base = 0.5 * self.width * (1.0 + self.root / self.height).sqrt();
+        let toes = (0..=self.chords).map(|i| self.width * (f64::from(i) / f64::from(self.chords) - 0.5));
+        let above = toes.map(|y| (y, self.height * (1.0 - (2.0 * y / self.width).powi(2))));
+        let outline: Vec<(f64, f64)> =
+            [(-base, -self.root)].into_iter().chain(above).chain([(base, -self.root)]).collect();
+        let (sine, cosine) = self.turn.sin_cos();
+        let section = |x: f64| {
+            let middle = (0.0, -self.root);
+            let place = move |&(y, z): &(f64, f64)| DVec3::new(cosine * x - sine * y, sine * x + cosine * y, z);
+            outline.iter().chain([&middle]).map(place).collect::<Vec<_>>()
+        };
+        let positions = [section(-0.5 * self.length), section(0.5 * self.length)].concat();
+        let count = outline.len() as u32 + 1;
+        let (middle, mut triangles) = (count - 1, Vec::new());
+        for i in 0..count {
+            let next = (i + 1) % count;
+            triangles.extend([[i, next, count + next], [i, count + next, count + i]]);
+            if i + 2 < count {
+                triangles.extend([[middle, next, i], [count + middle, count + i, count + next]]);
+            }
+        }
+        Mesh { positions, triangles }
+    }
+}

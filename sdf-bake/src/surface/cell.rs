@@ -1,0 +1,156 @@
+//! The surface's pieces in one cell: which crossed edges belong together.
+//!
+//! A cell is told by the signs of its eight corners and, for each face whose corners alternate, whether its two inside
+//! corners are joined across it. Each face then pairs its crossed edges, and the pairs close to loops. A loop is one
+//! piece of the surface: one vertex of the mesh (dual marching cubes, Nielson 2004).
+
+/// Bit of an axis in a corner's number, z fastest.
+const AXIS_BIT: [usize; 3] = [4, 2, 1];
+
+/// What tells the pieces of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Signs {
+    /// Bit i: corner i is inside.
+    pub(super) inside: u8,
+    /// Bit f: the inside corners of the alternating face f are joined.
+    pub(super) joined: u8,
+}
+
+/// Piece of each of a cell's twelve edges, [`NO_PIECE`] where it is not crossed.
+pub(super) type Pieces = [u8; 12];
+pub(super) const NO_PIECE: u8 = u8::MAX;
+
+/// Corners at the lower and upper end of an edge. Edge 4a + 2u + v runs along axis a; u and v are the places on the
+/// following two axes, in turn.
+pub(super) fn edge_ends(edge: usize) -> (usize, usize) {
+    let axis = edge / 4;
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let low = (edge >> 1 & 1) * AXIS_BIT[u] + (edge & 1) * AXIS_BIT[v];
+    (low, low | AXIS_BIT[axis])
+}
+
+/// The edge between two corners that differ on one axis.
+fn edge_between(a: usize, b: usize) -> usize {
+    let axis = AXIS_BIT.iter().position(|&bit| bit == a ^ b).expect("corners of an edge differ on one axis");
+    let bit = |along: usize| usize::from(a & AXIS_BIT[along] != 0);
+    4 * axis + 2 * bit((axis + 1) % 3) + bit((axis + 2) % 3)
+}
+
+/// Corners around face 2a + s, which has place s on axis a.
+pub(super) fn face_corners(face: usize) -> [usize; 4] {
+    let (axis, side) = (face / 2, face % 2);
+    let [base, u, v] = [side * AXIS_BIT[axis], AXIS_BIT[(axis + 1) % 3], AXIS_BIT[(axis + 2) % 3]];
+    [base, base | u, base | u | v, base | v]
+}
+
+impl Signs {
+    /// Signs of the corner values; alternating faces as the bilinear interpolant has them (Nielson & Hamann 1991).
+    pub(super) fn of(values: &[f32; 8]) -> Self {
+        let inside = (0..8).filter(|&i| values[i] < 0.0).fold(0, |bits, i| bits | 1 << i);
+        let signs = Self { inside, joined: 0 };
+        let joins = |&face: &usize| {
+            let [a, b, c, d] = face_corners(face).map(|corner| f64::from(values[corner]));
+            // The value at the saddle is this over a sum that has the sign of a and c.
+            (a < 0.0) == (a * c - b * d > 0.0)
+        };
+        let joined = (0..6).filter(|&face| signs.alternates(face)).filter(joins).fold(0, |bits, face| bits | 1 << face);
+        Self { inside, joined }
+    }
+
+    pub(super) fn is_inside(self, corner: usize) -> bool {
+        self.inside >> corner & 1 != 0
+    }
+
+    pub(super) fn is_crossed(self, edge: usize) -> bool {
+        let (low, high) = edge_ends(edge);
+        self.is_inside(low) != self.is_inside(high)
+    }
+
+    /// Whether the corners around a face are inside and outside in turn.
+    pub(super) fn alternates(self, face: usize) -> bool {
+        let [a, b, c, d] = face_corners(face).map(|corner| self.is_inside(corner));
+        a == c && b == d && a != b
+    }
+
+    /// Pairs of crossed edges of a face: each is where one piece passes through it.
+    fn pairs(self, face: usize) -> impl Iterator<Item = (usize, usize)> {
+        let corners = face_corners(face);
+        let edges: [usize; 4] = std::array::from_fn(|i| edge_between(corners[i], corners[(i + 1) % 4]));
+        let crossed: Vec<usize> = edges.into_iter().filter(|&edge| self.is_crossed(edge)).collect();
+        if crossed.len() < 4 {
+            return crossed.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>().into_iter();
+        }
+        // Corners that are cut off: outside ones if the inside is joined, else inside ones.
+        let joined = self.joined >> face & 1 != 0;
+        let first = usize::from(self.is_inside(corners[0]) == joined);
+        vec![(edges[(first + 3) % 4], edges[first]), (edges[first + 1], edges[first + 2])].into_iter()
+    }
+
+    /// The pieces, numbered by their first edge, and how many there are.
+    pub(super) fn pieces(self) -> (Pieces, u8) {
+        let mut root: [usize; 12] = std::array::from_fn(|edge| edge);
+        for face in 0..6 {
+            for (a, b) in self.pairs(face) {
+                let (a, b) = (root[a], root[b]);
+                root.iter_mut().filter(|r| **r == a.max(b)).for_each(|r| *r = a.min(b));
+            }
+        }
+        let mut pieces = [NO_PIECE; 12];
+        let mut count = 0;
+        for edge in (0..12).filter(|&edge| self.is_crossed(edge)) {
+            if root[edge] == edge {
+                pieces[edge] = count;
+                count += 1;
+            } else {
+                pieces[edge] = pieces[root[edge]];
+            }
+        }
+        (pieces, count)
+    }
+
+    /// Whether one piece passes twice through an alternating face.
+    pub(super) fn doubles_at(self, face: usize) -> bool {
+        let (pieces, _) = self.pieces();
+        let mut of_pairs = self.pairs(face).map(|(edge, _)| pieces[edge]);
+        of_pairs.next() == of_pairs.next()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_those_between_their_ends() {
+        for edge in 0..12 {
+            let (low, high) = edge_ends(edge);
+            assert_eq!((edge_between(low, high), edge_between(high, low)), (edge, edge));
+        }
+    }
+
+    #[test]
+    fn every_piece_is_a_loop_that_turning_a_doubled_face_splits() {
+        for inside in 0..=255u8 {
+            for joined in 0..64u8 {
+                let signs = Signs { inside, joined };
+                let (pieces, count) = signs.pieces();
+                for piece in 0..count {
+                    assert!(pieces.iter().filter(|&&p| p == piece).count() >= 3, "{signs:?}: a loop of two edges");
+                }
+                for face in (0..6).filter(|&face| signs.alternates(face) && signs.doubles_at(face)) {
+                    let turned = Signs { joined: joined ^ 1 << face, ..signs };
+                    assert_eq!(turned.pieces().1, count + 1, "{signs:?}, face {face}");
+                    assert!(!turned.doubles_at(face));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_saddle_decides_by_its_middle() {
+        // Inside at two opposite corners of the face x = 0, deep or shallow.
+        let face = |deep: f32| [-deep, 1.0, 1.0, -deep, 2.0, 2.0, 2.0, 2.0];
+        assert_eq!(Signs::of(&face(3.0)).pieces().1, 1, "a bridge");
+        assert_eq!(Signs::of(&face(0.5)).pieces().1, 2, "two tips");
+    }
+}

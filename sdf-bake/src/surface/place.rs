@@ -1,0 +1,250 @@
+//! Where a piece of the surface has its vertex.
+//!
+//! Every voxel knows a plane: through its closest surface point, across its gradient. The planes of the corners of a
+//! cell meet in the edge or corner of the surface that the cell holds, which is the point where the sum of the squared
+//! distances from them is least (Ju et al. 2002, "Dual contouring of Hermite data", whose data were at crossed edges).
+
+use glam::{DMat3, DVec3, IVec3};
+
+use crate::grid::cell_corner;
+use crate::tangent::Tangent;
+
+/// How far outside its cell an edge of the surface may be found, and a closest point used [voxels].
+const MARGIN: f64 = 0.1;
+/// As [`MARGIN`], where the surface does not cross the cell that holds the edge.
+const TIP: f64 = 0.7;
+/// How far outside the cell the closest points of voxels around it may be [voxels].
+const WIDER: f64 = 1.1;
+/// How far from all of their planes the point may be where they meet [voxels].
+const CONSISTENT: f64 = 0.02;
+/// Share of the tangents' own normals in the height of a smooth face, the rest is the mean normal's. A half would put
+/// vertices on the surface; a third more lifts them by a twelfth of the curvature, as much as the triangles sag between.
+const BALANCE: f64 = 5.0 / 6.0;
+/// Share of the largest eigenvalue above which planes count as facing another way: normals about 23° apart.
+const FACES: f64 = 0.04;
+/// Cosine of the angle within which planes belong to one smooth face.
+const SAME_FACE: f64 = 0.7;
+
+/// A vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    /// Place in the cell, 0 to 1 on each axis.
+    pub(super) at: DVec3,
+    pub(super) shape: Shape,
+}
+
+/// How the surface is bent at a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    Smooth,
+    /// On an edge or corner that stands out.
+    Outer,
+    /// On one that is a groove.
+    Inner,
+}
+
+/// What is known around a piece of the surface in a cell; places in voxels from the cell's lowest corner.
+pub(super) struct Site<'a> {
+    /// Tangents of the corners next to the piece.
+    pub(super) tangents: Vec<Tangent>,
+    /// Middle of the piece's crossed edges.
+    pub(super) centre: DVec3,
+    /// φ at the cell's corners [voxels].
+    pub(super) phi: [f64; 8],
+    /// Whether the surface crosses the cell at an offset from this one.
+    pub(super) is_crossed: &'a dyn Fn(IVec3) -> bool,
+    /// Tangents of more voxels around, given one of the face; empty if they all belong to that face.
+    pub(super) wider: &'a dyn Fn(&Tangent) -> Vec<Tangent>,
+}
+
+impl Site<'_> {
+    /// The piece's vertex.
+    pub(super) fn vertex(mut self) -> Vertex {
+        if let Some(vertex) = self.sharp_vertex(&self.tangents, MARGIN) {
+            return vertex;
+        }
+        // Perhaps the edge is not in this cell, and a voxel's closest point is beyond it. If both faces have points in
+        // this cell, the edge runs close by.
+        self.tangents.retain(|tangent| outside_by(tangent.foot) <= MARGIN);
+        if let Some(vertex) = self.sharp_vertex(&self.tangents, TIP) {
+            return vertex;
+        }
+        let by_distance = |a: &&Tangent, b: &&Tangent| {
+            a.foot.distance_squared(self.centre).total_cmp(&b.foot.distance_squared(self.centre))
+        };
+        let Some(nearest) = self.tangents.iter().min_by(by_distance) else {
+            return Vertex { at: self.centre, shape: Shape::Smooth };
+        };
+        // Perhaps it is, but no corner of this cell sees its other face.
+        let mut wider = (self.wider)(nearest);
+        wider.retain(|tangent| outside_by(tangent.foot) <= WIDER);
+        let before = wider.len();
+        make_consistent(&mut wider, self.centre);
+        // On a curved face hardly any planes meet.
+        let sharp = if 2 * wider.len() >= before { self.sharp_vertex(&wider, MARGIN) } else { None };
+        sharp.unwrap_or_else(|| Vertex {
+            at: smooth_point(&self.tangents, nearest, self.centre).clamp(DVec3::ZERO, DVec3::ONE),
+            shape: Shape::Smooth,
+        })
+    }
+
+    /// The vertex where the planes meet, if that is no farther outside the cell than `margin` or not another cell's to show.
+    fn sharp_vertex(&self, tangents: &[Tangent], margin: f64) -> Option<Vertex> {
+        let sharp = sharp_point(tangents, self.centre)?;
+        let at = sharp.along.and_then(|along| clipped(sharp.at, along)).unwrap_or(sharp.at);
+        // A tip may lie in a cell whose corners are all on one side: then no other vertex stands for it.
+        let alone = outside_by(at) <= TIP && !(self.is_crossed)(at.floor().as_ivec3());
+        (outside_by(at) <= margin || alone).then(|| Vertex { at, shape: self.bend(tangents) })
+    }
+
+    /// Outer if φ is rather the greatest height over the planes than the least.
+    fn bend(&self, tangents: &[Tangent]) -> Shape {
+        let (mut outer, mut inner) = (0.0, 0.0);
+        for (i, phi) in self.phi.iter().enumerate() {
+            let heights = tangents.iter().map(|t| t.normal.dot(cell_corner(i).as_dvec3() - t.foot));
+            outer += (heights.clone().fold(f64::NEG_INFINITY, f64::max) - phi).abs();
+            inner += (heights.fold(f64::INFINITY, f64::min) - phi).abs();
+        }
+        if outer <= inner { Shape::Outer } else { Shape::Inner }
+    }
+}
+
+/// Drops the planes that do not go through the point where the others meet, the farthest first.
+fn make_consistent(tangents: &mut Vec<Tangent>, centre: DVec3) {
+    while let Some(SharpPoint { at, .. }) = sharp_point(tangents, centre) {
+        let away = |t: &Tangent| t.normal.dot(at - t.foot).abs();
+        let farthest = (0..tangents.len()).max_by(|&a, &b| away(&tangents[a]).total_cmp(&away(&tangents[b])));
+        match farthest.filter(|&i| away(&tangents[i]) > CONSISTENT) {
+            Some(i) => tangents.remove(i),
+            None => return,
+        };
+    }
+}
+
+/// Distance of a point from the unit cell on the axis where it is farthest.
+fn outside_by(at: DVec3) -> f64 {
+    (-at).max(at - 1.0).max_element()
+}
+
+/// The point of a line nearest to `at` on it within the cell and its margin, or `None` if the line passes by.
+fn clipped(at: DVec3, along: DVec3) -> Option<DVec3> {
+    let (a, b) = ((-MARGIN - at) / along, (1.0 + MARGIN - at) / along);
+    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+    (enter <= leave).then(|| at + along * 0f64.clamp(enter, leave))
+}
+
+/// Where planes of different faces meet.
+struct SharpPoint {
+    at: DVec3,
+    /// Direction of the line that they share, where it is a line.
+    along: Option<DVec3>,
+}
+
+/// The point nearest to `centre` at which planes of different faces meet, or `None` if all face one way.
+fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<SharpPoint> {
+    let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for Tangent { foot, normal } in tangents {
+        matrix += DMat3::from_cols(*normal * normal.x, *normal * normal.y, *normal * normal.z);
+        right += *normal * normal.dot(*foot - centre);
+    }
+    let (values, axes) = eigen(matrix);
+    let largest = values.max_element();
+    let faces = values.to_array().map(|value| value > FACES * largest);
+    let count = faces.iter().filter(|&&faces| faces).count();
+    if !(largest > 0.0 && count >= 2) {
+        return None;
+    }
+    let step = |i: usize| {
+        let axis = axes.col(i);
+        if faces[i] { axis * (axis.dot(right) / values[i]) } else { DVec3::ZERO }
+    };
+    let along = (0..3).find(|&i| !faces[i]).map(|i| axes.col(i));
+    Some(SharpPoint { at: centre + step(0) + step(1) + step(2), along })
+}
+
+/// A point above or below `centre` of the smooth face that one of the tangents belongs to. On a curved face a tangent
+/// plane lies above the surface's top by as much as its foot lies below it.
+fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
+    let face: Vec<&Tangent> = tangents.iter().filter(|t| t.normal.dot(one.normal) > SAME_FACE).collect();
+    let normal = face.iter().map(|t| t.normal).sum::<DVec3>().normalize();
+    let height: f64 = face.iter().map(|t| normal.lerp(t.normal, BALANCE).dot(t.foot - centre)).sum();
+    centre + normal * (height / face.len() as f64)
+}
+
+/// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations.
+fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
+    let mut axes = DMat3::IDENTITY;
+    for _ in 0..8 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            let off = matrix.col(q)[p];
+            if off.abs() < 1e-15 {
+                continue;
+            }
+            let angle = 0.5 * (2.0 * off).atan2(matrix.col(q)[q] - matrix.col(p)[p]);
+            let (sin, cos) = angle.sin_cos();
+            let mut turn = DMat3::IDENTITY;
+            turn.col_mut(p)[p] = cos;
+            turn.col_mut(q)[q] = cos;
+            turn.col_mut(p)[q] = -sin;
+            turn.col_mut(q)[p] = sin;
+            matrix = turn.transpose() * matrix * turn;
+            axes *= turn;
+        }
+    }
+    (DVec3::new(matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z), axes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(normal: DVec3, through: DVec3, foot_of: DVec3) -> Tangent {
+        let normal = normal.normalize();
+        Tangent { foot: foot_of - normal * normal.dot(foot_of - through), normal }
+    }
+
+    fn vertex(tangents: &[Tangent], centre: DVec3, is_crossed: &dyn Fn(IVec3) -> bool) -> Vertex {
+        let heights = |at: DVec3| tangents.iter().map(move |t| t.normal.dot(at - t.foot));
+        let phi = std::array::from_fn(|i| heights(cell_corner(i).as_dvec3()).fold(f64::NEG_INFINITY, f64::max));
+        Site { tangents: tangents.to_vec(), centre, phi, is_crossed, wider: &|_| Vec::new() }.vertex()
+    }
+
+    #[test]
+    fn three_planes_meet_in_their_corner_and_two_in_their_edge() {
+        let (corner, within) = (DVec3::new(0.3, 0.6, 0.45), DVec3::new(0.1, 0.3, 0.2));
+        let normals = [DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.1, 1.0, 0.0), DVec3::new(0.2, -0.3, 1.0)];
+        let tangents: Vec<Tangent> = normals.iter().map(|&n| plane(n, corner, within)).collect();
+        let found = vertex(&tangents, DVec3::splat(0.5), &|_| true);
+        assert!(found.shape == Shape::Outer && found.at.distance(corner) < 1e-12, "{found:?}");
+        let found = vertex(&tangents[..2], DVec3::splat(0.5), &|_| true);
+        let edge = normals[0].cross(normals[1]).normalize();
+        assert!(found.shape == Shape::Outer && (found.at - corner).reject_from(edge).length() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn an_edge_beyond_the_cell_is_its_own_only_where_no_other_cell_has_it() {
+        let tangents = [
+            plane(DVec3::X, DVec3::splat(0.4), DVec3::new(1.0, 0.0, 0.5)),
+            plane(DVec3::X, DVec3::splat(0.4), DVec3::new(1.0, 1.0, 0.5)),
+            plane(DVec3::Y, DVec3::splat(1.6), DVec3::new(0.0, 1.0, 0.5)),
+        ];
+        let centre = DVec3::new(0.3, 0.5, 0.5);
+        let found = vertex(&tangents, centre, &|at| at == IVec3::Y);
+        assert!(found.shape == Shape::Smooth && found.at.distance(DVec3::new(0.4, 0.5, 0.5)) < 1e-12, "{found:?}");
+        let found = vertex(&tangents, centre, &|_| false);
+        assert!(found.shape == Shape::Outer && found.at.distance(DVec3::new(0.4, 1.6, 0.5)) < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn on_a_ball_the_vertex_is_lifted_by_what_the_triangles_sag() {
+        let (centre, radius) = (DVec3::new(0.5, 0.5, -9.5), 10.0);
+        let tangents = [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0)];
+        let tangents = tangents.map(|(x, y, z)| {
+            let normal = (DVec3::new(x, y, z) - centre).normalize();
+            Tangent { foot: centre + normal * radius, normal }
+        });
+        let found = vertex(&tangents, DVec3::splat(0.5), &|_| true);
+        let lift = found.at.distance(centre) - radius;
+        assert!(lift > 0.0 && lift < 0.02, "{lift} where a sixth of the curvature is wanted");
+    }
+}

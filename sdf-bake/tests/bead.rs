@@ -1,0 +1,50 @@
+//! A bead on a plate: the union's volume against its closed form, and what a thousand redistancings leave of it.
+
+mod common;
+
+use common::parts::{Bead, plate};
+use glam::DVec3;
+use sdf_bake::{BakeOptions, BrickGrid, bake};
+
+/// Plate and bead on one lattice; the plate's top is z = 0.
+fn fields(bead: &Bead, half: DVec3, voxel: f64) -> (BrickGrid, BrickGrid) {
+    let plate = plate(DVec3::new(-half.x, -half.y, -2.0 * half.z), half.with_z(0.0));
+    let field = |mesh| bake(mesh, &BakeOptions::with_voxel(voxel)).unwrap().0;
+    assert!((bead.mesh().volume() - bead.volume_above()) > 0.0, "the bead is closed and faces outwards");
+    (field(&plate), field(&bead.mesh()))
+}
+
+#[test]
+fn the_union_of_a_plate_and_a_bead_has_its_closed_form() {
+    let bead = Bead { length: 0.024, width: 0.006, height: 0.0017, root: 0.001, chords: 48, turn: 0.31 };
+    let half = DVec3::new(0.020, 0.010, 0.0025);
+    let exact = 8.0 * half.element_product() + bead.volume_above();
+    for across in [128.0, 256.0] {
+        let (plate, bead_field) = fields(&bead, half, 0.04 / across);
+        let union = plate.united_with(&bead_field, 1).unwrap();
+        let (whole, added) =
+            (union.volume() / exact - 1.0, union.difference_volume(&plate) / bead.volume_above() - 1.0);
+        println!(
+            "plate and bead, {across} voxels across: volume {:+.4} %, bead {:+.3} %",
+            100.0 * whole,
+            100.0 * added
+        );
+        assert!(whole.abs() < 1e-3, "{whole}");
+        assert!(added.abs() < 0.01, "{added}");
+    }
+}
+
+#[test]
+fn a_thousand_redistancings_leave_a_bead_its_volume() {
+    let bead = Bead { length: 0.009, width: 0.004, height: 0.0013, root: 0.001, chords: 32, turn: 0.31 };
+    let (plate, bead_field) = fields(&bead, DVec3::new(0.006, 0.004, 0.001), 0.0004);
+    let mut union = plate.united_with(&bead_field, 1).unwrap();
+    let slots: Vec<u32> = (0..union.brick_count() as u32).collect();
+    let before = union.difference_volume(&plate);
+    for _ in 0..1000 {
+        union.redistance(&slots);
+    }
+    let change = union.difference_volume(&plate) / before - 1.0;
+    println!("bead on a plate: volume {:+.1e} after 1000 redistancings of {} bricks", change, slots.len());
+    assert!(change.abs() < 5e-4, "{change}");
+}

@@ -1,0 +1,199 @@
+//! The extracted surface: closed manifold, volume, area and distance against closed forms, for any field.
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3, IVec3};
+use proptest::prelude::*;
+use sdf_bake::grid::BRICK_VOXELS;
+use sdf_bake::query::MeshQuery;
+use sdf_bake::{BrickGrid, Combine, Mesh};
+
+/// A box around the origin [m], turned out of the lattice's axes.
+fn turned_box(half: DVec3) -> impl Fn(DVec3) -> f64 + Sync {
+    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.7).normalize(), 0.6);
+    move |p| {
+        let q = (turn.transpose() * p).abs() - half;
+        q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+    }
+}
+
+fn straight_box(half: DVec3, centre: DVec3) -> impl Fn(DVec3) -> f64 + Sync {
+    move |p| {
+        let q = (p - centre).abs() - half;
+        q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+    }
+}
+
+/// Every edge is passed once each way, and the triangles around every vertex are one fan.
+fn assert_closed_manifold(mesh: &Mesh) {
+    let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut fans: Vec<Vec<(u32, u32)>> = vec![Vec::new(); mesh.positions.len()];
+    for &[a, b, c] in &mesh.triangles {
+        assert!(a != b && b != c && c != a, "a triangle with a corner twice");
+        for (a, b, c) in [(a, b, c), (b, c, a), (c, a, b)] {
+            *edges.entry((a, b)).or_default() += 1;
+            fans[a as usize].push((b, c));
+        }
+    }
+    for (&(a, b), &uses) in &edges {
+        assert_eq!((uses, edges.get(&(b, a))), (1, Some(&1)), "edge {a} to {b}");
+    }
+    for (vertex, fan) in fans.iter().enumerate() {
+        let next: HashMap<u32, u32> = fan.iter().copied().collect();
+        let mut at = fan[0].0;
+        let turns = (0..fan.len())
+            .take_while(|_| {
+                at = next[&at];
+                at != fan[0].0
+            })
+            .count()
+            + 1;
+        assert_eq!(turns, fan.len(), "the fan around vertex {vertex} is in pieces");
+    }
+}
+
+/// Largest |distance| [voxels] of points spread over the triangles from the exact surface.
+fn farthest(mesh: &Mesh, voxel: f64, distance: impl Fn(DVec3) -> f64) -> f64 {
+    let weights = [(1.0, 0.0), (0.5, 0.5), (1.0 / 3.0, 1.0 / 3.0), (0.2, 0.7)];
+    let of = |t: usize| {
+        let [a, b, c] = mesh.corners(t);
+        weights.iter().map(|&(u, v)| distance(a * u + b * v + c * (1.0 - u - v)).abs()).fold(0.0, f64::max)
+    };
+    (0..mesh.triangles.len()).map(of).fold(0.0, f64::max) / voxel
+}
+
+/// Largest distance [voxels] of points of the exact surface from the mesh.
+fn uncovered(mesh: &Mesh, voxel: f64, points: impl Iterator<Item = DVec3>) -> f64 {
+    let query = MeshQuery::new(mesh);
+    points.map(|p| query.closest(p).distance).fold(0.0, f64::max) / voxel
+}
+
+/// Points along the twelve edges of [`turned_box`], from corner to corner if `reach` is 1.
+fn edge_points(half: DVec3, reach: f64) -> impl Iterator<Item = DVec3> {
+    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.7).normalize(), 0.6);
+    (0..12 * 200).map(move |i| {
+        let (edge, along) = (i / 200, reach * (f64::from(i % 200) / 199.0 * 2.0 - 1.0));
+        let side = |bit: i32| if edge % 4 >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        let corner = match edge / 4 {
+            0 => DVec3::new(along, side(0), side(1)),
+            1 => DVec3::new(side(0), along, side(1)),
+            _ => DVec3::new(side(0), side(1), along),
+        };
+        turn * (corner * half)
+    })
+}
+
+#[test]
+fn a_turned_box_keeps_its_edges_and_corners() {
+    let half = DVec3::new(0.010, 0.0071, 0.0052);
+    let reach = DVec3::splat(half.length());
+    let distance = turned_box(half);
+    let grid = BrickGrid::from_distance(-reach, reach, 0.02 / 64.0, 3.0, &distance);
+    let mesh = grid.surface_mesh();
+    assert_closed_manifold(&mesh);
+    let area = 8.0 * (half.x * half.y + half.y * half.z + half.z * half.x);
+    let (volume, area) = (mesh.volume() / (8.0 * half.element_product()) - 1.0, mesh.area() / area - 1.0);
+    let far = farthest(&mesh, grid.voxel, distance);
+    let missed = uncovered(&mesh, grid.voxel, edge_points(half, 0.9));
+    let missed_corners = uncovered(&mesh, grid.voxel, edge_points(half, 1.0));
+    println!("turned box: volume {volume:+.1e}, area {area:+.1e}; off by {far:.3} voxels");
+    println!("turned box: edges missed by {missed:.3} voxels, corners by {missed_corners:.3}");
+    assert!(volume.abs() < 1e-3 && area.abs() < 1e-3, "{volume}, {area}");
+    assert!(far < 0.1 && missed < 0.1 && missed_corners < 0.2, "{far}, {missed}, {missed_corners}");
+}
+
+#[test]
+fn a_box_on_the_lattice_is_exact() {
+    for shift in [0.0, 0.37, 0.5, 0.93] {
+        let voxel = 0.02 / 64.0;
+        let (half, centre) = (DVec3::new(0.010, 0.0075, 0.005), DVec3::new(1.0, -0.7, 0.3) * shift * voxel);
+        let distance = straight_box(half, centre);
+        let grid = BrickGrid::from_distance(centre - half, centre + half, voxel, 3.0, &distance);
+        let mesh = grid.surface_mesh();
+        assert_closed_manifold(&mesh);
+        let area = mesh.area() / (8.0 * (half.x * half.y + half.y * half.z + half.z * half.x)) - 1.0;
+        let far = farthest(&mesh, voxel, distance);
+        println!("box shifted by {shift}: area {area:+.1e}, off by {far:.5} voxels");
+        assert!(area.abs() < 1e-3 && far < 0.1, "{area}, {far}");
+    }
+}
+
+#[test]
+fn balls_and_rings_converge_at_second_order() {
+    let ball = |p: DVec3| (p - DVec3::new(1.1e-5, 2.3e-5, -0.7e-5)).length() - 0.01;
+    let ring = |p: DVec3| (p.x.hypot(p.y) - 0.007).hypot(p.z) - 0.003;
+    let (ball_half, ring_half) = (DVec3::splat(0.0101), DVec3::new(0.0101, 0.0101, 0.0031));
+    type Case<'a> = (&'a str, &'a (dyn Fn(DVec3) -> f64 + Sync), DVec3, f64, f64);
+    let cases: [Case; 2] = [
+        ("ball", &ball, ball_half, 4.0 / 3.0 * PI * 1e-6, 4.0 * PI * 1e-4),
+        ("ring", &ring, ring_half, 2.0 * PI * PI * 0.007 * 9e-6, 4.0 * PI * PI * 0.007 * 0.003),
+    ];
+    for (name, distance, half, volume, area) in cases {
+        let errors = [32.0, 64.0].map(|across| {
+            let grid = BrickGrid::from_distance(-half, half, 0.02 / across, 3.0, distance);
+            let mesh = grid.surface_mesh();
+            assert_closed_manifold(&mesh);
+            let far = farthest(&mesh, grid.voxel, distance);
+            println!(
+                "{name}, {across} voxels across: mesh volume {:+.1e}, area {:+.1e}, off by {far:.4} voxels",
+                mesh.volume() / volume - 1.0,
+                mesh.area() / area - 1.0
+            );
+            [mesh.volume() / volume - 1.0, mesh.area() / area - 1.0, far].map(f64::abs)
+        });
+        let [coarse, fine] = errors;
+        assert!(fine[0] < 1e-3 && fine[1] < 1e-3 && fine[2] < 0.1, "{name}: {fine:?}");
+        assert!(coarse[1] > 3.0 * fine[1], "{name}: {errors:?}");
+    }
+}
+
+#[test]
+fn an_inner_edge_of_a_union_is_sharp() {
+    let voxel = 0.02 / 64.0;
+    let (low, high) = (straight_box(DVec3::new(0.010, 0.008, 0.003), DVec3::ZERO), DVec3::new(0.00333, 0.0041, 0.005));
+    let top = straight_box(high, DVec3::Z * 0.004);
+    let reach = DVec3::new(0.0101, 0.0081, 0.0091);
+    let plate = BrickGrid::from_distance(-reach, reach, voxel, 3.0, &low);
+    let block = BrickGrid::from_distance(-reach, reach, voxel, 3.0, &top);
+    let mesh = plate.combined_with(&block, Combine::Union).unwrap().surface_mesh();
+    assert_closed_manifold(&mesh);
+    let far = farthest(&mesh, voxel, |p| low(p).min(top(p)));
+    let exact = 8.0 * (0.010 * 0.008 + 0.010 * 0.003 + 0.008 * 0.003) + 4.0 * (high.x + high.y) * 0.006;
+    println!("block on a plate: area {:+.1e}, off by {far:.4} voxels", mesh.area() / exact - 1.0);
+    assert!((mesh.area() / exact - 1.0).abs() < 1e-3);
+    assert!(far < 0.1, "{far}");
+}
+
+#[test]
+fn the_mesh_does_not_depend_on_the_number_of_threads() {
+    let half = DVec3::new(0.004, 0.003, 0.005);
+    let grid = BrickGrid::from_distance(-half * 1.5, half * 1.5, 0.0002, 3.0, turned_box(half));
+    let on = |threads: usize| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| grid.surface_mesh())
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn nothing_has_an_empty_surface() {
+    assert_eq!(BrickGrid::empty(0.1, 0.3, IVec3::ZERO, IVec3::ONE).surface_mesh(), Mesh::default());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// No distance at all: any signs, so every case of a cell and every pair of neighbours.
+    #[test]
+    fn any_values_give_a_closed_manifold(seed in any::<u64>(), share in 0.05..0.95f32) {
+        let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::ZERO, IVec3::new(2, 1, 1));
+        grid.index = vec![0, 1];
+        grid.bricks = vec![IVec3::ZERO, IVec3::X];
+        let mut state = seed;
+        grid.phi = (0..2 * BRICK_VOXELS).map(|_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 40) as f32 / (1u64 << 24) as f32 - share) * 2.0
+        }).collect();
+        assert_closed_manifold(&grid.surface_mesh());
+    }
+}
