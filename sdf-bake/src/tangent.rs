@@ -5,7 +5,7 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::grid::BrickGrid;
 
 /// Slopes farther than this from 1 do not come from one face.
-const CLEAN: f32 = 0.2;
+const CLEAN: f32 = 0.1;
 /// The same for first differences, which are exact on a plane.
 const CLEAN_PLANE: f32 = 0.005;
 

@@ -1,9 +1,10 @@
 //! A bead on a plate: the union's volume against its closed form, and what a thousand redistancings leave of it.
 
-mod common;
+#[path = "common/parts.rs"]
+mod parts;
 
-use common::parts::{Bead, plate};
 use glam::DVec3;
+use parts::{Bead, plate};
 use sdf_bake::{BakeOptions, BrickGrid, bake};
 
 /// Plate and bead on one lattice; the plate's top is z = 0.

@@ -181,7 +181,7 @@ fn nothing_has_an_empty_surface() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(60))]
 
     /// No distance at all: any signs, so every case of a cell and every pair of neighbours.
     #[test]

@@ -119,9 +119,9 @@ impl Bead {
         let (middle, mut triangles) = (count - 1, Vec::new());
         for i in 0..count {
             let next = (i + 1) % count;
-            triangles.extend([[i, next, count + next], [i, count + next, count + i]]);
+            triangles.extend([[i, count + next, next], [i, count + i, count + next]]);
             if i + 2 < count {
-                triangles.extend([[middle, next, i], [count + middle, count + i, count + next]]);
+                triangles.extend([[middle, i, next], [count + middle, count + next, count + i]]);
             }
         }
         Mesh { positions, triangles }
