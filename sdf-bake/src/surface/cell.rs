@@ -76,14 +76,18 @@ impl Signs {
     fn pairs(self, face: usize) -> impl Iterator<Item = (usize, usize)> {
         let corners = face_corners(face);
         let edges: [usize; 4] = std::array::from_fn(|i| edge_between(corners[i], corners[(i + 1) % 4]));
-        let crossed: Vec<usize> = edges.into_iter().filter(|&edge| self.is_crossed(edge)).collect();
-        if crossed.len() < 4 {
-            return crossed.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>().into_iter();
-        }
-        // Corners that are cut off: outside ones if the inside is joined, else inside ones.
-        let joined = self.joined >> face & 1 != 0;
-        let first = usize::from(self.is_inside(corners[0]) == joined);
-        vec![(edges[(first + 3) % 4], edges[first]), (edges[first + 1], edges[first + 2])].into_iter()
+        let mut crossed = (0..4).filter(|&i| self.is_crossed(edges[i]));
+        let pairs = match [crossed.next(), crossed.next(), crossed.next()] {
+            [Some(a), Some(b), None] => [Some((a, b)), None],
+            [Some(_), Some(_), Some(_)] => {
+                // Corners that are cut off: outside ones if the inside is joined, else inside ones.
+                let joined = self.joined >> face & 1 != 0;
+                let first = usize::from(self.is_inside(corners[0]) == joined);
+                [Some(((first + 3) % 4, first)), Some((first + 1, first + 2))]
+            }
+            _ => [None, None],
+        };
+        pairs.into_iter().flatten().map(move |(a, b)| (edges[a], edges[b]))
     }
 
     /// The pieces, numbered by their first edge, and how many there are.

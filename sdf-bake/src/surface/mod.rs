@@ -6,6 +6,7 @@
 //! face into a piece that does the same would give an edge four; turning the pairs of that face splits both pieces
 //! (after Wenger 2013, "Isosurfaces", ch. 3). The mesh is a closed, oriented manifold whatever the values are.
 
+mod around;
 mod cell;
 mod cells;
 mod place;

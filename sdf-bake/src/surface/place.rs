@@ -53,8 +53,8 @@ pub(super) struct Site<'a> {
     pub(super) phi: [f64; 8],
     /// Whether the surface crosses the cell at an offset from this one.
     pub(super) is_crossed: &'a dyn Fn(IVec3) -> bool,
-    /// Tangents of more voxels around, given one of the face; empty if they all belong to that face.
-    pub(super) wider: &'a dyn Fn(&Tangent) -> Vec<Tangent>,
+    /// Tangents of more voxels around; empty if those of all corners are known.
+    pub(super) wider: &'a dyn Fn() -> Vec<Tangent>,
 }
 
 impl Site<'_> {
@@ -76,12 +76,9 @@ impl Site<'_> {
             return Vertex { at: self.centre, shape: Shape::Smooth };
         };
         // Perhaps it is, but no corner of this cell sees its other face.
-        let mut wider = (self.wider)(nearest);
+        let mut wider = (self.wider)();
         wider.retain(|tangent| outside_by(tangent.foot) <= WIDER);
-        let before = wider.len();
-        make_consistent(&mut wider, self.centre);
-        // On a curved face hardly any planes meet.
-        let sharp = if 2 * wider.len() >= before { self.sharp_vertex(&wider, MARGIN) } else { None };
+        let sharp = if make_consistent(&mut wider, self.centre) { self.sharp_vertex(&wider, MARGIN) } else { None };
         sharp.unwrap_or_else(|| Vertex {
             at: smooth_point(&self.tangents, nearest, self.centre).clamp(DVec3::ZERO, DVec3::ONE),
             shape: Shape::Smooth,
@@ -109,16 +106,20 @@ impl Site<'_> {
     }
 }
 
-/// Drops the planes that do not go through the point where the others meet, the farthest first.
-fn make_consistent(tangents: &mut Vec<Tangent>, centre: DVec3) {
+/// Drops the planes that do not go through the point where the others meet, the farthest first; whether half of them
+/// are left. On a curved face hardly any planes meet.
+fn make_consistent(tangents: &mut Vec<Tangent>, centre: DVec3) -> bool {
+    let least = tangents.len().div_ceil(2);
     while let Some(SharpPoint { at, .. }) = sharp_point(tangents, centre) {
         let away = |t: &Tangent| t.normal.dot(at - t.foot).abs();
         let farthest = (0..tangents.len()).max_by(|&a, &b| away(&tangents[a]).total_cmp(&away(&tangents[b])));
         match farthest.filter(|&i| away(&tangents[i]) > CONSISTENT) {
+            Some(_) if tangents.len() <= least => return false,
             Some(i) => tangents.remove(i),
-            None => return,
+            None => return true,
         };
     }
+    false
 }
 
 /// Distance of a point from the unit cell on the axis where it is farthest.
@@ -174,10 +175,11 @@ fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
 /// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations.
 fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
     let mut axes = DMat3::IDENTITY;
+    let small = 1e-14 * (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z);
     for _ in 0..8 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let off = matrix.col(q)[p];
-            if off.abs() < 1e-15 {
+            if off.abs() <= small {
                 continue;
             }
             let angle = 0.5 * (2.0 * off).atan2(matrix.col(q)[q] - matrix.col(p)[p]);
@@ -206,7 +208,7 @@ mod tests {
     fn vertex(tangents: &[Tangent], centre: DVec3, is_crossed: &dyn Fn(IVec3) -> bool) -> Vertex {
         let heights = |at: DVec3| tangents.iter().map(move |t| t.normal.dot(at - t.foot));
         let phi = std::array::from_fn(|i| heights(cell_corner(i).as_dvec3()).fold(f64::NEG_INFINITY, f64::max));
-        Site { tangents: tangents.to_vec(), centre, phi, is_crossed, wider: &|_| Vec::new() }.vertex()
+        Site { tangents: tangents.to_vec(), centre, phi, is_crossed, wider: &Vec::new }.vertex()
     }
 
     #[test]

@@ -1,0 +1,89 @@
+//! What the voxels around a cell know of the surface.
+
+use std::cell::RefCell;
+
+use glam::{DVec3, IVec3};
+
+use super::cell::edge_ends;
+use super::cells::corner_values;
+use super::place::{Site, Vertex};
+use crate::grid::{BrickGrid, cell_corner};
+use crate::halo::Halo;
+use crate::tangent::Tangent;
+
+/// Voxels around a brick that its cells, the voxels around those and their slopes read.
+const REACH: usize = 4;
+
+/// The voxels of a brick and around it, whose tangents are found when they are first asked for.
+pub(super) struct Known<'a> {
+    grid: &'a BrickGrid,
+    halo: Halo,
+    /// For each voxel of the halo one more than its place in `tangents`, or 0.
+    place: RefCell<Vec<u16>>,
+    tangents: RefCell<Vec<Option<Tangent>>>,
+}
+
+impl<'a> Known<'a> {
+    pub(super) fn of(grid: &'a BrickGrid, brick: IVec3) -> Self {
+        let halo = grid.halo(brick, REACH);
+        let place = RefCell::new(vec![0; halo.phi.len()]);
+        Self { grid, halo, place, tangents: RefCell::default() }
+    }
+
+    /// What a voxel knows, its foot relative to the voxel.
+    fn tangent(&self, local: IVec3) -> Option<Tangent> {
+        let at = self.halo.at(local);
+        let (mut place, mut tangents) = (self.place.borrow_mut(), self.tangents.borrow_mut());
+        if place[at] == 0 {
+            tangents.push(self.grid.tangent_of(|step| self.halo.phi[self.halo.at(local + step)]));
+            place[at] = tangents.len() as u16;
+        }
+        tangents[usize::from(place[at]) - 1]
+    }
+}
+
+/// A cell with the voxels around it.
+pub(super) struct Around<'a> {
+    pub(super) known: &'a Known<'a>,
+    /// Its lowest corner [voxels from the brick's first].
+    pub(super) low: IVec3,
+}
+
+impl Around<'_> {
+    /// The vertex of the piece with these crossed edges.
+    pub(super) fn vertex(&self, edges: &[usize]) -> Vertex {
+        let ends = edges.iter().fold(0u8, |bits, &edge| bits | 1 << edge_ends(edge).0 | 1 << edge_ends(edge).1);
+        let corners = (0..8).filter(|corner| ends >> corner & 1 != 0).map(cell_corner);
+        let is_crossed = |step: IVec3| {
+            let values = corner_values(&self.known.halo, self.low + step.clamp(-IVec3::ONE, IVec3::ONE));
+            values.iter().any(|&phi| phi < 0.0) && values.iter().any(|&phi| phi >= 0.0)
+        };
+        let tangents: Vec<Tangent> = corners.filter_map(|corner| self.tangent(corner)).collect();
+        let all_clear = tangents.len() == ends.count_ones() as usize;
+        let wider = || if all_clear { Vec::new() } else { self.wider() };
+        let phi = corner_values(&self.known.halo, self.low).map(|phi| f64::from(phi) / self.known.grid.voxel);
+        Site { tangents, centre: self.middle(edges), phi, is_crossed: &is_crossed, wider: &wider }.vertex()
+    }
+
+    /// Mean of the points where φ vanishes along the edges [voxels from the cell's lowest corner].
+    fn middle(&self, edges: &[usize]) -> DVec3 {
+        let values = corner_values(&self.known.halo, self.low);
+        let crossing = |&edge: &usize| {
+            let (a, b) = edge_ends(edge);
+            let along = f64::from(values[a]) / (f64::from(values[a]) - f64::from(values[b]));
+            cell_corner(a).as_dvec3().lerp(cell_corner(b).as_dvec3(), along)
+        };
+        edges.iter().map(crossing).sum::<DVec3>() / edges.len() as f64
+    }
+
+    /// What the voxel at an offset from the cell's lowest corner knows of the surface.
+    fn tangent(&self, corner: IVec3) -> Option<Tangent> {
+        let tangent = self.known.tangent(self.low + corner)?;
+        Some(Tangent { foot: tangent.foot + corner.as_dvec3(), ..tangent })
+    }
+
+    /// What the 4³ voxels around the cell know.
+    fn wider(&self) -> Vec<Tangent> {
+        (0..64).filter_map(|i| self.tangent(IVec3::new(i >> 4, i >> 2 & 3, i & 3) - 1)).collect()
+    }
+}
