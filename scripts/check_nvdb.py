@@ -4,11 +4,13 @@
     pip install warp-lang numpy
     python scripts/check_nvdb.py phi.nvdb [--points N] [--seed S] [--expect FILE]
 
-Prints one JSON line per grid. For a level set (float, negative somewhere) it checks that no value exceeds
+Prints one JSON line per grid. For a level set (float, negative somewhere, its background
+above 0) it checks that no value exceeds
 the band, at random voxels in and around the grid too, and that the gradient of the field as Warp samples it
 is 1 on average near the surface.
 
-FILE holds lines "grid i j k value": the value Warp must find at voxel (i, j, k), to the last bit.
+FILE holds lines "grid i j k value": the value Warp must find at voxel (i, j, k), to the last bit. With a decimal point in
+i, j and k it is a place between voxels, where Warp's trilinear sample must be within 1e-5 of the grid's range.
 
 Exit code 0: all checks hold; 1: one does not; 2: wrong use or Warp is missing.
 """
@@ -36,6 +38,12 @@ def lookup_float(volume: wp.uint64, voxels: wp.array2d(dtype=wp.int32), out: wp.
 def lookup_int(volume: wp.uint64, voxels: wp.array2d(dtype=wp.int32), out: wp.array(dtype=wp.int32)):
     i = wp.tid()
     out[i] = wp.volume_lookup_i(volume, voxels[i, 0], voxels[i, 1], voxels[i, 2])
+
+
+@wp.kernel
+def sample_float(volume: wp.uint64, at: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.float32)):
+    i = wp.tid()
+    out[i] = wp.volume_sample_f(volume, at[i], wp.Volume.LINEAR)
 
 
 @wp.kernel
@@ -86,25 +94,40 @@ def check_level_set(volume, stored, values, background, points, rng):
     return complaints, figures
 
 
-def check_expected(volume, rows):
-    """Complaints about values that differ from the expected ones, and figures."""
-    voxels = np.array([row[:3] for row in rows], dtype=np.int32)
-    found = lookup(volume, voxels)
-    expected = np.array([row[3] for row in rows], dtype=np.float64).astype(found.dtype)
-    differing = int((found != expected).sum())
-    largest = float(np.abs(found.astype(np.float64) - expected).max())
-    complaints = [f"{differing} values differ, by up to {largest}"] if differing else []
-    return complaints, {"expected": len(rows), "differing": differing, "largest_difference": largest}
+def check_expected(volume, rows, reach):
+    """Complaints about values that differ from the expected ones, and figures; reach is the grid's largest value."""
+    exact = [row for row in rows if row[4]]
+    between = [row for row in rows if not row[4]]
+    complaints, figures = [], {"expected": len(rows)}
+    if exact:
+        found = lookup(volume, np.array([row[:3] for row in exact], dtype=np.int32))
+        expected = np.array([row[3] for row in exact], dtype=np.float64).astype(found.dtype)
+        differing = int((found != expected).sum())
+        figures |= {"differing": differing, "largest_difference": largest_difference(found, expected)}
+        if differing:
+            complaints.append(f"{differing} values differ, by up to {figures['largest_difference']}")
+    if between:
+        places = wp.array([row[:3] for row in between], dtype=wp.vec3, device="cpu")
+        out = wp.zeros(len(between), dtype=wp.float32, device="cpu")
+        wp.launch(sample_float, len(between), inputs=[volume.id, places], outputs=[out], device="cpu")
+        figures["sampled_within"] = largest_difference(out.numpy(), np.array([row[3] for row in between]))
+        if not figures["sampled_within"] <= 1e-5 * reach:
+            complaints.append(f"samples between voxels differ by up to {figures['sampled_within']}")
+    return complaints, figures
+
+
+def largest_difference(found, expected):
+    return float(np.abs(found.astype(np.float64) - expected.astype(np.float64)).max())
 
 
 def read_expected(path):
-    """Rows (i, j, k, value) for each grid's name."""
+    """Rows (i, j, k, value, whether at a voxel) for each grid's name."""
     rows = defaultdict(list)
     if path:
         with open(path, encoding="utf-8") as file:
             for line in file:
                 name, i, j, k, value = line.split()
-                rows[name].append((int(i), int(j), int(k), float(value)))
+                rows[name].append((float(i), float(j), float(k), float(value), "." not in i))
     return rows
 
 
@@ -125,12 +148,12 @@ def check(name, volume, expected, points, rng):
     report["background"] = float(background)
     if len(values):
         report["range"] = [float(values.min()), float(values.max())]
-        if values.min() < 0:
+        if values.min() < 0 < background:
             more, figures = check_level_set(volume, stored, values, background, points, rng)
             complaints += more
             report |= figures
     if expected:
-        more, figures = check_expected(volume, expected)
+        more, figures = check_expected(volume, expected, float(np.abs(values).max()) if len(values) else 0.0)
         complaints += more
         report |= figures
     return complaints, report
