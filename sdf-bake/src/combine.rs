@@ -156,8 +156,25 @@ struct Mixed {
     phi: [f32; BRICK_VOXELS],
     /// Voxels whose nearer surface is the second body's.
     from_second: VoxelSet,
-    /// Voxels that φ is no distance at, with the distance [m] if it is known.
-    inexact: Vec<(usize, Option<f32>)>,
+    inexact: Vec<Inexact>,
+}
+
+/// A voxel at which φ is not the distance.
+struct Inexact {
+    /// Its place in the brick.
+    offset: usize,
+    truth: Truth,
+}
+
+/// What is known of the distance at a voxel.
+#[derive(Clone, Copy)]
+enum Truth {
+    /// It is φ.
+    Exact,
+    /// It is this [m].
+    Other(f32),
+    /// Only the voxels around tell it.
+    Unknown,
 }
 
 enum Part {
@@ -216,19 +233,22 @@ impl<'a> Combination<'a> {
     }
 
     /// Writes the distances that are known, and redistances the other voxels; those at the surface stay.
-    fn settle(&self, grid: &mut BrickGrid, inexact: Vec<(u32, Vec<(usize, Option<f32>)>)>) {
-        let settle = |(slot, voxels): (u32, Vec<(usize, Option<f32>)>)| {
+    fn settle(&self, grid: &mut BrickGrid, inexact: Vec<(u32, Vec<Inexact>)>) {
+        let off_surface = |(slot, mut voxels): (u32, Vec<Inexact>)| {
             let halo = grid.halo(grid.bricks[slot as usize], 1);
-            (slot, voxels.into_iter().filter(|&(offset, _)| !halo.at_surface(offset)).collect::<Vec<_>>())
+            voxels.retain(|voxel| !halo.at_surface(voxel.offset));
+            (slot, voxels)
         };
-        let free: Vec<(u32, Vec<(usize, Option<f32>)>)> = inexact.into_par_iter().map(settle).collect();
+        let free: Vec<(u32, Vec<Inexact>)> = inexact.into_par_iter().map(off_surface).collect();
         let (mut slots, mut unknown) = (Vec::new(), Vec::new());
         for (slot, voxels) in free {
             let mut set = VoxelSet::default();
-            for (offset, distance) in voxels {
+            for Inexact { offset, truth } in voxels {
                 let phi = &mut grid.phi[slot as usize * BRICK_VOXELS + offset];
-                *phi = distance.map_or(grid.band.copysign(*phi), |distance| self.back * distance);
-                if distance.is_none() {
+                if let Truth::Other(distance) = truth {
+                    *phi = self.back * distance;
+                } else {
+                    *phi = grid.band.copysign(*phi);
                     insert(&mut set, offset);
                 }
             }
@@ -268,25 +288,28 @@ impl<'a> Combination<'a> {
                 insert(&mut mixed.from_second, offset);
             }
             let point = grids[0].position(voxel_at(brick, offset));
-            let (value, exact) = self.value(values, point);
-            if let Some(distance) = exact {
-                mixed.inexact.push((offset, distance));
+            let (value, truth) = self.value(values, point);
+            if !matches!(truth, Truth::Exact) {
+                mixed.inexact.push(Inexact { offset, truth });
             }
             mixed.phi[offset] = self.back * value;
         }
         mixed
     }
 
-    /// φ of the union at a point [m] whose distances are `values` [m]; if that is no distance, also what is known of it.
-    fn value(&self, values: [f32; 2], point: DVec3) -> (f32, Option<Option<f32>>) {
+    /// φ of the union at a point [m] where the bodies' distances are `values` [m], and what is known of its distance.
+    fn value(&self, values: [f32; 2], point: DVec3) -> (f32, Truth) {
         let band = self.bodies.grids[0].band;
         let least = values[0].min(values[1]);
         if self.radius > 0.0 && self.bodies.feet_are_within(values, self.radius, point) {
-            return (self.bodies.blended(values, self.radius, point).clamp(-band, band), Some(None));
+            return (self.bodies.blended(values, self.radius, point).clamp(-band, band), Truth::Unknown);
         }
         if !self.bodies.is_buried(values, point) {
-            return (least, None);
+            return (least, Truth::Exact);
         }
-        (least, Some(self.bodies.depth(values, point).map(|depth| depth.clamp(-band, 0.0))))
+        match self.bodies.depth(values, point) {
+            Some(depth) => (least, Truth::Other(depth.clamp(-band, 0.0))),
+            None => (least, Truth::Unknown),
+        }
     }
 }

@@ -74,7 +74,7 @@ fn edge_points(half: DVec3, reach: f64) -> impl Iterator<Item = DVec3> {
     let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.7).normalize(), 0.6);
     (0..12 * 200).map(move |i| {
         let (edge, along) = (i / 200, reach * (f64::from(i % 200) / 199.0 * 2.0 - 1.0));
-        let side = |bit: i32| if edge % 4 >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        let side = |bit: i32| if (edge % 4) >> bit & 1 == 1 { 1.0 } else { -1.0 };
         let corner = match edge / 4 {
             0 => DVec3::new(along, side(0), side(1)),
             1 => DVec3::new(side(0), along, side(1)),
