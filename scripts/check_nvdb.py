@@ -4,10 +4,9 @@
     pip install warp-lang numpy
     python scripts/check_nvdb.py phi.nvdb [--points N] [--seed S] [--expect FILE]
 
-Prints one JSON line per grid. For a level set (float, negative somewhere, its background
-above 0) it checks that no value exceeds
-the band, at random voxels in and around the grid too, and that the gradient of the field as Warp samples it
-is 1 on average near the surface.
+Prints one JSON line per grid. For a level set (float, negative somewhere, its background above 0) it checks that no value
+exceeds the band, at random voxels in and around the grid too, and that the gradient of the field as Warp samples it is 1 on
+average near the surface.
 
 FILE holds lines "grid i j k value": the value Warp must find at voxel (i, j, k), to the last bit. With a decimal point in
 i, j and k it is a place between voxels, where Warp's trilinear sample must be within 1e-5 of the grid's range.

@@ -86,8 +86,9 @@ impl Combine {
 
 impl BrickGrid {
     /// This body combined with `other`: truncated distances, inside or outside known everywhere. Exact where the nearest
-    /// surface is that of one body, elsewhere redistanced without moving the surface. Each voxel keeps label, dose and
-    /// the like of the body whose surface it is nearer to; what was cut open keeps those of this body.
+    /// surface is that of one body, elsewhere the way to the seam; the surface is that of min or max of the two. Each
+    /// voxel keeps label, dose and the like of the body whose surface it is nearer to; what was cut open keeps those of
+    /// this body.
     ///
     /// # Errors
     /// [`CombineError`] when voxel or band differ, or a blend reaches beyond the band.

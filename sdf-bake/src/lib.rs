@@ -18,8 +18,9 @@
 //! ```
 //!
 //! The modules in the order in which data meets them: [`read`] and [`clean`] make a [`Mesh`], [`query`] finds closest
-//! points and ray hits on it, [`mod@bake`] makes a [`BrickGrid`] ([`grid`]), [`redistance`] keeps it a distance while it
-//! changes, [`nvdb`] stores it.
+//! points and ray hits on it, [`mod@bake`] makes a [`BrickGrid`] ([`grid`]) with its [`channels`],
+//! [`BrickGrid::combined_with`] unites and cuts such fields, [`redistance`] keeps one a distance while it changes,
+//! [`BrickGrid::surface_mesh`] takes the surface out of it, [`nvdb`] stores it.
 //!
 //! This crate shows no progress and never prints; it opens no file but the mesh that [`read`] is given.
 

@@ -20,7 +20,7 @@ fn the_union_of_a_plate_and_a_bead_has_its_closed_form() {
     let bead = Bead { length: 0.024, width: 0.006, height: 0.0017, root: 0.001, chords: 48, turn: 0.31 };
     let half = DVec3::new(0.020, 0.010, 0.0025);
     let exact = 8.0 * half.element_product() + bead.volume_above();
-    for across in [128.0, 256.0] {
+    for across in [192.0, 256.0] {
         let (plate, bead_field) = fields(&bead, half, 0.04 / across);
         let union = plate.united_with(&bead_field, 1).unwrap();
         let (whole, added) =

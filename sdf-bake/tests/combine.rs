@@ -102,6 +102,24 @@ fn a_union_is_exact_where_one_body_dominates_and_close_to_it_at_the_seam() {
     assert!(buried > 1000 && worst_buried < 0.25, "{worst_buried} in {buried}");
 }
 
+#[test]
+fn surfaces_that_cross_at_a_shallow_angle_give_distances_too() {
+    let other = Ball { centre: BIG.centre + DVec3::new(0.0004, 0.0002, -0.0003), radius: 0.0098 };
+    let union = BIG.field(4.0).combined_with(&other.field(4.0), Combine::Union).unwrap();
+    assert_eq!(union.sanity_check(), Ok(()));
+    let exact = BIG.volume() + other.volume() - lens(BIG, other);
+    assert!((union.volume() / exact - 1.0).abs() < 1e-4, "{}", union.volume() / exact - 1.0);
+    let error = |place: usize| {
+        let p = union.position(union.voxel_of(place));
+        let least = BIG.distance(p).min(other.distance(p));
+        let exact = if least > 0.0 { least } else { -depth_in_union(p, BIG, other) };
+        (f64::from(union.phi[place]) - exact.clamp(-f64::from(union.band), f64::from(union.band))).abs() / VOXEL
+    };
+    let worst = (0..union.phi.len()).map(error).fold(0.0, f64::max);
+    println!("union of spheres that cross at 3 degrees: error {worst:.3} voxels");
+    assert!(worst < 0.1, "{worst}");
+}
+
 /// The complement of a union is a difference with the complement: the same numbers with the other sign.
 #[test]
 fn a_difference_is_exact_outside_where_the_cut_is_clear() {

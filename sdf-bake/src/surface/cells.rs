@@ -13,6 +13,7 @@ use crate::halo::Halo;
 
 /// No cell in [`Brick::place`].
 const NO_CELL: u16 = u16::MAX;
+
 /// A cell that the surface crosses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
@@ -21,6 +22,7 @@ pub(super) struct Cell {
     pub(super) signs: Signs,
     /// Number of the first of its vertices; its pieces follow each other.
     first_vertex: u32,
+    /// Piece of each of its edges.
     pieces: Pieces,
     piece_count: u8,
 }

@@ -28,13 +28,13 @@ impl BrickGrid {
     pub fn surface_mesh(&self) -> Mesh {
         let map = CellMap::of(self);
         let vertices = map.vertices(self);
-        let quads: Vec<[u32; 3]> =
+        let triangles =
             map.bricks().par_iter().flat_map_iter(|brick| brick_triangles(&map, brick, &vertices)).collect();
-        Mesh { positions: vertices.into_iter().map(|vertex| vertex.at).collect(), triangles: quads }
+        Mesh { positions: vertices.into_iter().map(|vertex| vertex.at).collect(), triangles }
     }
 
-    /// Area of {φ = 0} [m²]: that of [`BrickGrid::surface_mesh`]. Second order in the voxel size; exact where the surface
-    /// is made of planes.
+    /// Area of {φ = 0} [m²]: that of [`BrickGrid::surface_mesh`]. Second order in the voxel size on smooth parts; next to
+    /// sharp edges thin triangles may fold and add to it (`docs/fields.md` has figures).
     pub fn area(&self) -> f64 {
         self.surface_mesh().area()
     }

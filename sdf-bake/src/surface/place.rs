@@ -11,7 +11,7 @@ use crate::tangent::Tangent;
 
 /// How far outside its cell an edge of the surface may be found, and a closest point used [voxels].
 const MARGIN: f64 = 0.1;
-/// As [`MARGIN`], where the surface does not cross the cell that holds the edge.
+/// As [`MARGIN`], where the surface does not cross the cell that holds the edge, or both faces have points in this one.
 const TIP: f64 = 0.7;
 /// How far outside the cell the closest points of voxels around it may be [voxels].
 const WIDER: f64 = 1.1;
