@@ -1,5 +1,6 @@
 //! One scan of a workpiece: the file is recognised by its content, not by its name.
 
+use std::fs;
 use std::path::Path;
 
 use glam::DVec2;
@@ -7,8 +8,8 @@ use sdf_bake::{HeightMap, PixelGrid};
 
 use super::error::{Place, TrialError};
 use super::height_csv::Grid;
-use super::keyence;
 use super::table::Table;
+use super::{keyence, x3p};
 use crate::measure::median;
 
 /// Slope between neighbouring pixels that most of no surface has [1].
@@ -54,19 +55,17 @@ pub struct Read<T> {
     pub notes: Vec<String>,
 }
 
-/// Reads a height map: a plain grid in millimetres or a Keyence VR export.
+/// Reads a height map: a plain grid in millimetres, a Keyence VR export or an X3P file.
 ///
 /// # Errors
 /// [`TrialError`] with the place in the file.
 pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
-    let table = Table::read(file)?;
-    let (pitch, grid) = if keyence::is_export(&table)? {
-        let export = keyence::read(&table)?;
-        (export.pitch, export.grid)
+    let bytes = fs::read(file).map_err(|source| TrialError::Unreadable { file: file.to_owned(), source })?;
+    let (pitch, grid) = if bytes.starts_with(x3p::MAGIC) {
+        let matrix = x3p::read(file, &bytes)?;
+        (matrix.pitch, matrix.grid)
     } else {
-        let mut grid = Grid::read(&table)?;
-        grid.values.iter_mut().for_each(|height| *height *= 1e-3);
-        (frame.pitch, grid)
+        heights_of_text(Table::parse(file, bytes)?, frame)?
     };
     let mut notes = grid.notes;
     if (pitch / frame.pitch - 1.0).abs() > PITCH_NOTE {
@@ -80,6 +79,17 @@ pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, Tr
     let map = HeightMap { pixels, heights: grid.values };
     check_heights(file, &map)?;
     Ok(Read { content: map, notes })
+}
+
+/// Pitch and heights [m] of a text: an export with its own pitch, or a plain grid in millimetres.
+fn heights_of_text(table: Table, frame: ScanFrame) -> Result<(f64, Grid), TrialError> {
+    if keyence::is_export(&table)? {
+        let export = keyence::read(&table)?;
+        return Ok((export.pitch, export.grid));
+    }
+    let mut grid = Grid::read(&table)?;
+    grid.values.iter_mut().for_each(|height| *height *= 1e-3);
+    Ok((frame.pitch, grid))
 }
 
 /// Refuses maps without heights, and those whose unit cannot be the one assumed.
