@@ -152,6 +152,9 @@ fn what_is_no_map_is_refused_with_the_reason() {
     assert!(matches!(made(&blind, fine), Err(HeightsError::TooFewPixels { seen: 0, .. })));
     let flat = HeightMap { pixels: PixelGrid { pitch: 0.0, ..map.pixels }, ..map.clone() };
     assert!(matches!(made(&flat, fine), Err(HeightsError::BadGrid { .. })));
+    for large in [SlabOptions::with_voxel(1e-7), SlabOptions { margin: 1.0, ..SlabOptions::with_voxel(1e-4) }] {
+        assert!(matches!(made(&map, large), Err(HeightsError::TooLarge { .. })));
+    }
     for bad in [SlabOptions { voxel: f64::NAN, ..fine }, SlabOptions { band_voxels: 1.0, ..fine }] {
         assert!(matches!(made(&map, bad), Err(HeightsError::BadOption { .. })));
     }

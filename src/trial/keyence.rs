@@ -61,8 +61,7 @@ pub(super) fn read(table: &Table) -> Result<Export, TrialError> {
     if keys.title.is_none() {
         return Err(place().bad("key lines without a line \"Height\" and heights below", ACCEPTED));
     }
-    let optical = keys.optical || keys.unit.is_none();
-    if optical {
+    if keys.optical || keys.unit.is_none() {
         return Err(place().bad("no unit of height: this looks like the optical image beside a height file", ACCEPTED));
     }
     let (Some(pitch), Some(unit)) = (keys.pitch, keys.unit) else {
@@ -98,7 +97,9 @@ impl Keys {
             return Ok(());
         }
         let (value, third) = (row.text(1), row.text(2));
-        self.optical |= value.to_lowercase().contains("optic") || value.to_lowercase().contains("optisch");
+        let key = row.text(0).to_lowercase();
+        let names_output = ["output", "ausgabe", "bild"].iter().any(|word| key.contains(word));
+        self.optical |= names_output && value.to_lowercase().contains("opti");
         let (number, attached) = number_and_unit(&value);
         let unit = unit_of(if attached.is_empty() { &third } else { attached });
         match (number, unit) {
@@ -130,7 +131,8 @@ fn unit_of(text: &str) -> Option<f64> {
     match text {
         "m" => Some(1.0),
         "mm" => Some(1e-3),
-        "um" | "µm" | "μm" => Some(1e-6),
+        // The last is the sign of micro in an encoding other than UTF-8.
+        "um" | "µm" | "μm" | "\u{fffd}m" => Some(1e-6),
         "nm" => Some(1e-9),
         _ => None,
     }

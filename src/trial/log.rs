@@ -92,6 +92,14 @@ pub fn read_log(file: &Path) -> Result<Read<Log>, TrialError> {
     reading.finish(&table)
 }
 
+/// The finite number in a cell.
+fn finite(row: &Row, column: usize) -> Result<f64, TrialError> {
+    match row.number(column)? {
+        Some(value) if value.is_finite() => Ok(value),
+        _ => Err(row.place(column).bad(format!("{:?}", row.text(column)), "a finite number is expected")),
+    }
+}
+
 impl Columns {
     fn of(header: &Row) -> Result<Self, TrialError> {
         let names: Vec<String> = (0..header.len()).map(|k| header.text(k).trim_matches('"').to_owned()).collect();
@@ -143,11 +151,7 @@ impl Reading {
             return Ok(());
         }
         let [time, x, y, z, force, rpm] = self.columns.required;
-        let finite = |column: usize| match row.number(column)? {
-            Some(value) if value.is_finite() => Ok(value),
-            _ => Err(row.place(column).bad(format!("{:?}", row.text(column)), "a finite number is expected")),
-        };
-        let time = finite(time)?;
+        let time = finite(row, time)?;
         if let Some(last) = self.log.rows.last() {
             if time == last.time {
                 self.repeated += 1;
@@ -158,21 +162,21 @@ impl Reading {
                 return Err(row.place(self.columns.required[0]).bad(found, "times that increase are expected"));
             }
         }
-        let approach = match self.columns.approach {
-            None => DVec3::Z,
-            Some([x, y, z]) => {
-                let axis = DVec3::new(finite(x)?, finite(y)?, finite(z)?);
-                // A tenth is far beyond rounding: these columns then hold something else.
-                if (axis.length() - 1.0).abs() > 0.1 {
-                    return Err(row.place(x).bad(format!("an approach axis {axis}"), "a unit vector is expected"));
-                }
-                axis.normalize()
-            }
-        };
-        let position = DVec3::new(finite(x)?, finite(y)?, finite(z)?) * 1e-3;
-        let (force, spindle_speed) = (finite(force)?, finite(rpm)? * RPM);
+        let approach = self.approach(row)?;
+        let position = DVec3::new(finite(row, x)?, finite(row, y)?, finite(row, z)?) * 1e-3;
+        let (force, spindle_speed) = (finite(row, force)?, finite(row, rpm)? * RPM);
         self.log.rows.push(LogRow { time, position, force, spindle_speed, approach });
         self.push_others(row)
+    }
+
+    fn approach(&self, row: &Row) -> Result<DVec3, TrialError> {
+        let Some([x, y, z]) = self.columns.approach else { return Ok(DVec3::Z) };
+        let axis = DVec3::new(finite(row, x)?, finite(row, y)?, finite(row, z)?);
+        // A tenth is far beyond rounding: these columns then hold something else.
+        if (axis.length() - 1.0).abs() > 0.1 {
+            return Err(row.place(x).bad(format!("an approach axis {axis}"), "a unit vector is expected"));
+        }
+        Ok(axis.normalize())
     }
 
     fn push_others(&mut self, row: &Row) -> Result<(), TrialError> {

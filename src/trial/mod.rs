@@ -1,7 +1,7 @@
 //! Trials: workpieces that were scanned, finished in passes, and scanned after each pass (`finishing-trial/1`).
 //!
 //! The road of the data: [`Campaign::read`] finds the trial folders, [`Trial::read`] reads `trial.toml` (`manifest`),
-//! each scan by its content (`scan`, `height_csv`, `keyence`) and each log (`log`), and checks that they fit
+//! each scan by its content (`scan`, `height_csv`, `keyence`, `x3p`) and each log (`log`), and checks that they fit
 //! each other (`plausible`). All is SI here; millimetres stay in the files.
 
 mod campaign;
@@ -16,6 +16,7 @@ mod read;
 mod scan;
 mod table;
 mod write;
+mod x3p;
 
 use std::path::PathBuf;
 

@@ -159,6 +159,7 @@ impl Reader<'_> {
         };
         self.same_shape(&table.scan, &found, pixels)?;
         self.notes.extend(log.notes.iter().cloned().chain(notes));
+        self.note_missing(table);
         let log = log.content;
         let motion = super::poses::Motion::of(&log);
         let optional =
@@ -175,6 +176,19 @@ impl Reader<'_> {
             direction: direction.unwrap_or(motion.direction),
             log,
         })
+    }
+
+    /// Says which numbers of a pass are taken from its log.
+    fn note_missing(&mut self, table: &PassTable) {
+        for (key, is_given) in [
+            ("feed_mm_s", table.feed_mm_s.is_some()),
+            ("spindle_rpm", table.spindle_rpm.is_some()),
+            ("direction", table.direction.is_some()),
+        ] {
+            if !is_given {
+                self.notes.push(format!("{}: {key} is not given and taken from here", table.log.get_ref().display()));
+            }
+        }
     }
 
     /// Reads a file that `trial.toml` names; notes begin with its name.

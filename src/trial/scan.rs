@@ -1,5 +1,6 @@
 //! One scan of a workpiece: the file is recognised by its content, not by its name.
 
+use std::fs;
 use std::path::Path;
 
 use glam::DVec2;
@@ -7,8 +8,8 @@ use sdf_bake::{HeightMap, PixelGrid};
 
 use super::error::{Place, TrialError};
 use super::height_csv::Grid;
-use super::keyence;
 use super::table::Table;
+use super::{keyence, x3p};
 use crate::measure::median;
 
 /// Slope between neighbouring pixels that most of no surface has [1].
@@ -54,19 +55,17 @@ pub struct Read<T> {
     pub notes: Vec<String>,
 }
 
-/// Reads a height map: a plain grid in millimetres or a Keyence VR export.
+/// Reads a height map: a plain grid in millimetres, a Keyence VR export or an X3P file.
 ///
 /// # Errors
 /// [`TrialError`] with the place in the file.
 pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
-    let table = Table::read(file)?;
-    let (pitch, grid) = if keyence::is_export(&table)? {
-        let export = keyence::read(&table)?;
-        (export.pitch, export.grid)
+    let bytes = fs::read(file).map_err(|source| TrialError::Unreadable { file: file.to_owned(), source })?;
+    let (pitch, grid) = if bytes.starts_with(x3p::MAGIC) {
+        let matrix = x3p::read(file, &bytes)?;
+        (matrix.pitch, matrix.grid)
     } else {
-        let mut grid = Grid::read(&table)?;
-        grid.values.iter_mut().for_each(|height| *height *= 1e-3);
-        (frame.pitch, grid)
+        heights_of_text(Table::parse(file, bytes)?, frame)?
     };
     let mut notes = grid.notes;
     if (pitch / frame.pitch - 1.0).abs() > PITCH_NOTE {
@@ -82,14 +81,31 @@ pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, Tr
     Ok(Read { content: map, notes })
 }
 
+/// Pitch and heights [m] of a text: an export with its own pitch, or a plain grid in millimetres.
+fn heights_of_text(table: Table, frame: ScanFrame) -> Result<(f64, Grid), TrialError> {
+    if keyence::is_export(&table)? {
+        let export = keyence::read(&table)?;
+        return Ok((export.pitch, export.grid));
+    }
+    let mut grid = Grid::read(&table)?;
+    grid.values.iter_mut().for_each(|height| *height *= 1e-3);
+    Ok((frame.pitch, grid))
+}
+
 /// Refuses maps without heights, and those whose unit cannot be the one assumed.
 fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     if map.missing() == map.heights.len() {
         return Err(Place::file(file).bad("every cell is empty", "heights in mm are expected"));
     }
     let nx = map.pixels.nx;
-    let steps = map.heights.chunks_exact(nx).flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
-    let slope = median(steps.filter(|step| step.is_finite()).collect()).unwrap_or(0.0) / map.pixels.pitch;
+    // A bead is level along itself, so that the steeper of the two directions counts.
+    let steps = |stride: usize| {
+        let pairs = map.heights.iter().zip(&map.heights[stride..]).enumerate();
+        let within = pairs.filter(|(at, _)| stride > 1 || at % nx + 1 < nx);
+        within.map(|(_, (a, b))| (b - a).abs()).filter(|step| step.is_finite()).collect::<Vec<f64>>()
+    };
+    let step = [1, nx].map(|stride| median(steps(stride)).unwrap_or(0.0)).into_iter().fold(0.0, f64::max);
+    let slope = step / map.pixels.pitch;
     if slope <= MOST_SLOPE + NOISE / map.pixels.pitch {
         return Ok(());
     }
@@ -97,7 +113,7 @@ fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
         format!(
             "half of all neighbouring pixels, {} mm apart, differ by {:.3} mm or more",
             map.pixels.pitch * 1e3,
-            slope * map.pixels.pitch * 1e3
+            step * 1e3
         ),
         "heights in mm are expected: these look like µm",
     ))

@@ -141,7 +141,8 @@ fn manifest_of(trial: &Trial) -> Manifest {
         process: trial.process,
         tool: tool_table(trial),
         scan: ScanTable {
-            pitch_mm: millimetres(pixels.pitch),
+            // Over thousands of pixels a nanometre of pitch would be a micrometre.
+            pitch_mm: plain((pixels.pitch * 1e12).round() / 1e9),
             origin_mm: plain([number(pixels.origin.x * 1e3), number(pixels.origin.y * 1e3)]),
             before: plain("before.csv".into()),
             repeat: (0..trial.scans.repeats.len()).map(|k| plain(repeat(k))).collect(),

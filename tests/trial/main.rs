@@ -10,3 +10,4 @@ mod keyence;
 mod poses;
 mod shared;
 mod written;
+mod x3p;

@@ -80,7 +80,7 @@ fn what_a_pass_does_not_say_is_taken_from_its_log() {
         let dropped = ["feed_mm_s", "spindle_rpm", "direction"];
         text.lines().filter(|line| !dropped.iter().any(|key| line.starts_with(key))).collect::<Vec<_>>().join("\n")
     });
-    let pass = &noted(folder.path(), &["current_a"]).passes[0];
+    let pass = &noted(folder.path(), &["pass1_log.csv", "feed_mm_s", "taken from here"]).passes[0];
     assert!((pass.feed - 0.005).abs() < 1e-6 && (pass.spindle_speed - 628.3185).abs() < 1e-3, "{}", pass.feed);
     assert_eq!(pass.direction, glam::DVec3::X);
 }

@@ -162,6 +162,14 @@ pub enum HeightsError {
         /// Pixels along y.
         ny: usize,
     },
+    /// The field, or the map with its margin, would not fit in memory.
+    #[error("{points:.1e} points: at most {accepted:.0e} are accepted; use a larger voxel or a smaller margin")]
+    TooLarge {
+        /// Lattice points, or pixels with the margin.
+        points: f64,
+        /// Points that are accepted.
+        accepted: f64,
+    },
     /// The options make no field.
     #[error("{name} is {found}, it must be {accepted}")]
     BadOption {

@@ -11,6 +11,9 @@ use crate::implicit::Filled;
 /// Where in a brick the sides and the bottom lie [voxels from its first voxel]: a band of three fits around them.
 const SIDE_PLACE: f64 = 3.5;
 
+/// Points that a map with its margin may have: 800 MB of heights.
+const MOST_POINTS: f64 = 1e8;
+
 /// How a height map becomes a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabOptions {
@@ -42,6 +45,18 @@ impl SlabOptions {
             if !good {
                 return Err(HeightsError::BadOption { name, found, accepted });
             }
+        }
+        Ok(())
+    }
+}
+
+impl SlabOptions {
+    /// Refuses more points than fit in memory: of the lattice over map and margin, or of the map's own pixels.
+    fn check_size(&self, pixels: &PixelGrid) -> Result<(), HeightsError> {
+        let extent = DVec2::new(pixels.nx as f64, pixels.ny as f64) * pixels.pitch + 2.0 * self.margin;
+        let points = (extent / self.voxel.min(pixels.pitch)).element_product();
+        if points > MOST_POINTS {
+            return Err(HeightsError::TooLarge { points, accepted: MOST_POINTS });
         }
         Ok(())
     }
@@ -82,6 +97,7 @@ impl BrickGrid {
         for &at in &report.spikes {
             clean.heights[at] = f64::NAN;
         }
+        options.check_size(&clean.pixels)?;
         let clean = without_empty_rim(&clean).filled()?;
         let slab = Slab::of(&clean, options);
         Ok((slab.bricks(options.voxel), report))
