@@ -146,7 +146,9 @@ impl SceneReader<'_> {
         let total = mesh.triangles.len() + triangles.len();
         if total > self.most_triangles || mesh.positions.len() + positions.len() > 3 * self.most_triangles {
             let most = self.most_triangles;
-            return Err(malformed(format!("instances make more than the {most} triangles that a file of its size may")));
+            return Err(malformed(format!(
+                "instances make more than the {most} triangles that a file of its size may"
+            )));
         }
         let offset = mesh.positions.len() as u32;
         mesh.positions.extend(positions.iter().map(|&p| world.transform_point3(p)));
