@@ -11,7 +11,7 @@ use parry3d::math::Vector;
 use parry3d::transformation::convex_hull;
 use proptest::prelude::*;
 use sdf_bake::grid::{BRICK_VOXELS, voxel_at};
-use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
+use sdf_bake::{BakeError, BakeOptions, BrickGrid, Mesh, bake};
 
 /// Error of |φ| in the band [voxels].
 const DISTANCE_TOLERANCE: f64 = 2e-5;
@@ -63,14 +63,17 @@ fn moved(mut mesh: Mesh, motion: impl Fn(DVec3) -> DVec3) -> Mesh {
     mesh
 }
 
-/// A body somewhere, and a voxel for it [m].
+/// A body somewhere, and a voxel [m] that it is not thinner than.
 fn body_and_voxel() -> impl Strategy<Value = (Mesh, f64)> {
     let place = (unit_vector(), 0.0..TAU, prop::array::uniform3(-0.2..0.2f64));
-    (body(), place, 6.0..40.0f64).prop_map(|(mesh, (axis, angle, shift), across)| {
+    let posed = (body(), place, 6.0..40.0f64).prop_map(|(mesh, (axis, angle, shift), across)| {
         let turn = DQuat::from_axis_angle(axis, angle);
         let mesh = moved(mesh, |p| turn * p + DVec3::from_array(shift));
         let (low, high) = mesh.bounds().expect("vertices");
         (mesh, (high - low).max_element() / across)
+    });
+    posed.prop_filter("it must hold a voxel", |(mesh, voxel)| {
+        !matches!(bake(mesh, &BakeOptions::with_voxel(*voxel)), Err(BakeError::NoInside { .. }))
     })
 }
 
