@@ -131,13 +131,8 @@ fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<
     let Tally { baked, cached, failed } = tally;
     let seconds = started.elapsed().as_secs_f64();
     let index = cache.folder().join(INDEX_FILE);
-    console.step(
-        "fields",
-        format!(
-            "{meshes} meshes in {seconds:.1} s: {baked} baked, {cached} cached, {failed} failed\nlisted in {}",
-            index.display()
-        ),
-    );
+    let counts = format!("{baked} baked, {cached} cached, {failed} failed in {seconds:.1} s");
+    console.step("fields", format!("{counts}\nlisted in {}", index.display()));
     if failed > 0 {
         bail!("{failed} of {meshes} meshes failed, for the reasons above; --resume tries only them again");
     }
