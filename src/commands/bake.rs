@@ -20,7 +20,9 @@ use crate::wrong_use;
 const MOST_JOBS: usize = 256;
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:
+#[command(after_help = "One mesh becomes the file --out. Several, or a folder, become a folder of fields named by content, with an index.
+
+Examples:
   robofin bake data/bracket.obj --resolution 256 --out out/bracket.nvdb
   robofin bake parts more/plate.stl --voxel-mm 0.5 --out out/fields
   robofin bake parts --voxel-mm 0.5 --out out/fields --resume --jobs 4 --json")]
@@ -30,7 +32,6 @@ pub(super) struct BakeArgs {
     meshes: Vec<PathBuf>,
     #[command(flatten)]
     mesh: MeshFlags,
-    /// File to make of one mesh; folder to make of several, one field each, named by content.
     #[command(flatten)]
     out: OutFlags,
     /// Go on with the folder of an earlier run: what is complete there is not baked again.
