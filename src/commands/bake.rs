@@ -20,12 +20,14 @@ use crate::wrong_use;
 const MOST_JOBS: usize = 256;
 
 #[derive(Debug, Args)]
-#[command(after_help = "One mesh becomes the file --out. Several, or a folder, become a folder of fields named by content, with an index.
+#[command(
+    after_help = "One mesh becomes the file --out. Several, or a folder, become a folder of fields named by content, with an index.
 
 Examples:
   robofin bake data/bracket.obj --resolution 256 --out out/bracket.nvdb
   robofin bake parts more/plate.stl --voxel-mm 0.5 --out out/fields
-  robofin bake parts --voxel-mm 0.5 --out out/fields --resume --jobs 4 --json")]
+  robofin bake parts --voxel-mm 0.5 --out out/fields --resume --jobs 4 --json"
+)]
 pub(super) struct BakeArgs {
     /// Mesh files (OBJ, STL, PLY, GLB or glTF), and folders with mesh files anywhere below.
     #[arg(required = true, value_name = "MESH|FOLDER")]
