@@ -27,8 +27,11 @@ pub fn find_meshes(places: &[PathBuf]) -> Result<Sources> {
         if place.is_dir() {
             let found = below(&place);
             if found.is_empty() {
-                let accepted = EXTENSIONS.map(|extension| format!(".{extension}")).join(", ");
-                return Err(wrong_use(format!("{}: no mesh file in this folder; {accepted} are", place.display())));
+                let endings = EXTENSIONS.map(|extension| format!(".{extension}")).join(", ");
+                return Err(wrong_use(format!(
+                    "{} is a folder without a mesh file (OBJ, STL, PLY, GLB or glTF); {endings} are looked for below it",
+                    place.display()
+                )));
             }
             sources.extend(found);
         } else if place.exists() {

@@ -278,7 +278,7 @@ fn places_and_flags_that_do_not_fit_are_wrong_use() {
 
     run(&mut bake(&at("absent"), &at("out"))).is_refused(2, &["absent", "no such file"]);
     run(bake(&parts, &at("out")).arg(at("absent"))).is_refused(2, &["absent", "no such file or folder"]);
-    run(&mut bake(&at("empty"), &at("out"))).is_refused(2, &["empty", "no mesh file", ".stl"]);
+    run(&mut bake(&at("empty"), &at("out"))).is_refused(2, &["empty", "without a mesh file", ".stl"]);
     run(&mut bake(&parts, &at("file"))).is_refused(2, &["file", "already exists", "folder"]);
     run(&mut bake(&parts, &at("thesis"))).is_refused(2, &["thesis", "already exists"]);
     run(&mut bake(&parts, &parts)).is_refused(2, &["parts", "already exists"]);
