@@ -5,7 +5,7 @@ use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS};
 use sdf_bake::{BakeOptions, Mesh};
 
 /// Bricks that a field may have: 1.6 GB of distances and labels, some times that while a workpiece is made.
-const MOST_BRICKS: f64 = 5e5;
+pub const MOST_BRICKS: f64 = 5e5;
 /// Bytes of distance and label in a brick.
 const BRICK_BYTES: f64 = 6.0 * BRICK_VOXELS as f64;
 
@@ -22,12 +22,12 @@ fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
     around_surface.min(box_of_band)
 }
 
-/// Refuses a grid that would not fit in memory.
+/// Refuses a grid that would not fit in memory; returns the number of bricks that are to be expected.
 ///
 /// # Errors
 /// When the voxel is larger than the part, or about half a million bricks or more would be needed; the message says
 /// which voxel would fit.
-pub fn check(mesh: &Mesh, options: &BakeOptions) -> Result<()> {
+pub fn check(mesh: &Mesh, options: &BakeOptions) -> Result<f64> {
     let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
     ensure!(
         options.voxel <= longest,
@@ -48,7 +48,7 @@ pub fn check(mesh: &Mesh, options: &BakeOptions) -> Result<()> {
         least_voxel * 1e3,
         (longest / least_voxel).floor()
     );
-    Ok(())
+    Ok(bricks)
 }
 
 #[cfg(test)]

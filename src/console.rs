@@ -1,4 +1,4 @@
-//! What people and machines see: sentences and bars on standard error, one JSON object on standard output.
+//! What people and machines see: sentences and bars on standard error, one JSON object on standard output, or one a line.
 
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
@@ -14,7 +14,7 @@ pub struct Console {
 }
 
 impl Console {
-    /// `json`: whether the answer is one JSON object on standard output.
+    /// `json`: whether the answer is one JSON object on standard output, or one a line.
     pub fn new(json: bool) -> Self {
         Self { json, bars: std::io::stderr().is_terminal() }
     }
@@ -42,6 +42,19 @@ impl Console {
         bar.set_prefix(about.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
         bar
+    }
+
+    /// One of several answers to the machine, as one line of JSON, if it was asked for.
+    ///
+    /// # Errors
+    /// When the value cannot be written as JSON or standard output is closed.
+    pub fn answer_line(&self, value: &impl Serialize) -> Result<()> {
+        if self.json {
+            let mut out = std::io::stdout().lock();
+            serde_json::to_writer(&mut out, value)?;
+            writeln!(out)?;
+        }
+        Ok(())
     }
 
     /// The machine's answer, if it was asked for.

@@ -4,6 +4,7 @@
 //!
 //! 1. [`part`] reads and cleans a mesh ([`sdf_bake::read`], [`sdf_bake::clean`]).
 //! 2. [`workpiece`] places a weld on it ([`weldgen`]) and bakes part and bead ([`sdf_bake::bake`]).
+//!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
 //! 5. [`plan`] makes tool paths; [`trial`] reads what was measured, and [`measure`] says what it is worth.
@@ -12,7 +13,9 @@
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
 
 pub mod asset;
+pub mod baking;
 pub mod budget;
+pub mod cache;
 pub mod commands;
 pub mod console;
 pub mod effect_page;

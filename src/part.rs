@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use sdf_bake::Mesh;
 use sdf_bake::clean::{CleanReport, clean};
-use sdf_bake::read::{Format, MeshFile, UnitChoice, parse_mesh, read_mesh};
+use sdf_bake::read::{Format, MeshBytes, MeshFile, UnitChoice, parse_mesh};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -67,10 +67,15 @@ impl Part {
             )));
         }
         let context = || path.display().to_string();
-        let bytes = std::fs::read(path).with_context(context)?;
-        let file = read_mesh(path, unit).with_context(context)?;
-        let name = path.file_name().map_or_else(context, |name| name.to_string_lossy().into_owned());
-        Self::from_file(file, &name, &bytes).with_context(context)
+        Self::from_bytes(&MeshBytes::load(path).with_context(context)?, unit).with_context(context)
+    }
+
+    /// Parses and cleans a mesh file in memory.
+    ///
+    /// # Errors
+    /// A damaged mesh, or a size that no part has; the message does not name the file.
+    pub fn from_bytes(bytes: &MeshBytes, unit: UnitChoice) -> Result<Self> {
+        Self::from_file(bytes.parse(unit)?, bytes.name(), bytes.bytes())
     }
 
     /// The part that comes with the program.

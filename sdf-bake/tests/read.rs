@@ -7,7 +7,7 @@ use base64::prelude::BASE64_STANDARD;
 use common::*;
 use glam::DVec3;
 use sdf_bake::clean::clean;
-use sdf_bake::read::{Format, MeshFile, ReadError, Unit, UnitChoice, parse_mesh, read_mesh};
+use sdf_bake::read::{Format, MeshBytes, MeshFile, ReadError, Unit, UnitChoice, parse_mesh, read_mesh};
 
 fn parse(bytes: impl AsRef<[u8]>, format: Format) -> Result<MeshFile, ReadError> {
     parse_mesh(bytes.as_ref(), format, UnitChoice::Metre, "part")
@@ -130,6 +130,42 @@ fn a_gltf_finds_its_buffer_in_a_data_uri_or_beside_it_and_nowhere_else() {
         let error = read_mesh(&path, UnitChoice::Auto).expect_err("outside").to_string();
         assert!(error.contains("beside the .gltf"), "{error}");
     }
+}
+
+#[test]
+fn instances_do_not_multiply_a_small_file_without_end() {
+    let corners: Vec<u32> = CUBE.iter().cycle().take(1000).flatten().copied().collect();
+    let buffer = gltf_buffer(&cube(DVec3::ZERO, 1.0).positions, &corners);
+    let json = gltf_json(8, corners.len(), "", r#","indices":1"#, "");
+    let with_instances = |count: usize| {
+        let children: Vec<String> = (1..=count).map(|node| node.to_string()).collect();
+        let nodes = vec![r#"{"mesh":0}"#; count].join(",");
+        let json = json.replace(r#""children":[1]"#, &format!(r#""children":[{}]"#, children.join(",")));
+        glb(&json.replace(r#"{"mesh":0}]"#, &format!("{nodes}]")), &buffer)
+    };
+    let few = parse(with_instances(50), Format::Gltf).expect("a part with repeated screws");
+    assert_eq!(few.mesh.triangles.len(), 50_000);
+    let many = with_instances(5000);
+    assert!(many.len() < 100_000);
+    let error = message(many, Format::Gltf);
+    assert!(error.contains("instances make more than"), "{error}");
+}
+
+#[test]
+fn bytes_that_were_loaded_are_all_that_is_parsed() {
+    let mesh = cube(DVec3::ZERO, 1.0);
+    let buffer = gltf_buffer(&mesh.positions, &mesh.triangles.concat());
+    let folder = tempfile::tempdir().expect("a folder");
+    let (json, bin) = (folder.path().join("part.gltf"), folder.path().join("part.bin"));
+    let text = gltf_json(8, 36, r#""uri":"part.bin","#, r#","indices":1"#, "");
+    std::fs::write(&json, &text).expect("written");
+    std::fs::write(&bin, &buffer).expect("written");
+    let bytes = MeshBytes::load(&json).expect("two files");
+    assert_eq!((bytes.bytes(), bytes.format(), bytes.name()), (text.as_bytes(), Format::Gltf, "part.gltf"));
+    assert_eq!(bytes.buffers().collect::<Vec<_>>(), [buffer.as_slice()]);
+    std::fs::remove_file(&bin).expect("removed");
+    assert_eq!(bytes.parse(UnitChoice::Auto).expect("a cube").mesh.triangles, CUBE);
+    assert!(matches!(MeshBytes::load(&json), Err(ReadError::Io { path, .. }) if path == bin));
 }
 
 #[test]

@@ -1,81 +1,177 @@
-//! `robofin bake`: from a mesh file to a NanoVDB signed distance field.
+//! `robofin bake`: from mesh files to NanoVDB signed distance fields.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
-use sdf_bake::nvdb::{self, Codec, GridRef};
-use sdf_bake::{BakeOptions, SignMethod, bake};
 use serde::Serialize;
 
 use super::flags::{MeshFlags, OutFlags};
+use crate::baking::{FieldFacts, FieldWishes, bake_part};
 use crate::budget;
+use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
 use crate::console::Console;
 use crate::folder::{refuse_occupied, write_file};
 use crate::part::Part;
-use crate::workpiece::describe_baking;
+use crate::wrong_use;
+
+/// More meshes at once than any machine for this can hold.
+const MOST_JOBS: usize = 256;
 
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  robofin bake data/bracket.obj --resolution 256 --out out/bracket.nvdb")]
+#[command(
+    after_help = "One mesh becomes the file --out. Several, or a folder, become a folder of fields named by content, with an index.
+
+Examples:
+  robofin bake data/bracket.obj --resolution 256 --out out/bracket.nvdb
+  robofin bake parts more/plate.stl --voxel-mm 0.5 --out out/fields
+  robofin bake parts --voxel-mm 0.5 --out out/fields --resume --jobs 4 --json"
+)]
 pub(super) struct BakeArgs {
-    /// Mesh file: OBJ, STL, PLY, GLB or glTF.
-    mesh_file: PathBuf,
+    /// Mesh files (OBJ, STL, PLY, GLB or glTF), and folders with mesh files anywhere below.
+    #[arg(required = true, value_name = "MESH|FOLDER")]
+    meshes: Vec<PathBuf>,
     #[command(flatten)]
     mesh: MeshFlags,
     #[command(flatten)]
     out: OutFlags,
+    /// Go on with the folder of an earlier run: what is complete there is not baked again.
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
+    /// Meshes at once in a folder; the results do not depend on it, and neither does the limit of memory for fields.
+    #[arg(long, value_name = "J", default_value_t = 1, allow_negative_numbers = true)]
+    jobs: usize,
 }
 
-/// The answer of `bake --json`.
+/// The answer of `bake --json`, one line for each mesh.
 #[derive(Serialize)]
 struct BakeAnswer<'a> {
-    mesh: &'a Path,
-    out: &'a Path,
-    voxel_mm: f64,
-    band_voxels: f64,
-    sign_method: SignMethod,
-    triangles: usize,
-    open_edges: usize,
-    non_manifold_edges: usize,
-    ambiguous_share: f64,
-    bricks: usize,
-    active_voxels: usize,
-    bytes: usize,
+    mesh: &'a str,
+    out: &'a str,
+    #[serde(flatten)]
+    facts: &'a FieldFacts,
+    bytes: u64,
     bake_s: f64,
     process_s: f64,
+    cached: bool,
+}
+
+/// The line of a mesh that failed.
+#[derive(Serialize)]
+struct Failure<'a> {
+    mesh: &'a str,
+    error: String,
 }
 
 pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
+    let wishes = FieldWishes {
+        unit: args.mesh.unit.into(),
+        fineness: args.mesh.fineness()?,
+        band_voxels: args.mesh.band_voxels()?,
+        sign: args.mesh.sign.into(),
+    };
+    if !(1..=MOST_JOBS).contains(&args.jobs) {
+        return Err(wrong_use(format!("--jobs {}: 1 to {MOST_JOBS} are accepted", args.jobs)));
+    }
+    match args.meshes.as_slice() {
+        [mesh] if !mesh.is_dir() && !args.resume => bake_one(mesh, &wishes, &args.out, console),
+        _ => bake_many(args, wishes, console),
+    }
+}
+
+/// One mesh to one file.
+fn bake_one(mesh: &Path, wishes: &FieldWishes, out: &OutFlags, console: &Console) -> Result<()> {
     let started = Instant::now();
-    let (fineness, band_voxels) = (args.mesh.fineness()?, args.mesh.band_voxels()?);
-    refuse_occupied(&args.out.out, "", args.out.force)?;
-    let part = Part::load(&args.mesh_file, args.mesh.unit.into())?;
+    refuse_occupied(&out.out, "", out.force)?;
+    let part = Part::load(mesh, wishes.unit)?;
     part.describe(console);
-    let options = BakeOptions { voxel: fineness.voxel(&part), band_voxels, sign: args.mesh.sign.into() };
-    let name = || args.mesh_file.display().to_string();
+    let name = || mesh.display().to_string();
+    let options = wishes.options(&part);
     budget::check(&part.mesh, &options).with_context(name)?;
-    let baking = Instant::now();
-    let (grid, report) = bake(&part.mesh, &options).with_context(name)?;
-    let bake_s = baking.elapsed().as_secs_f64();
-    console.step("bake", describe_baking(&report, &grid));
-    let bytes = nvdb::write(&[GridRef::LevelSet { name: "phi", grid: &grid }], Codec::None)?;
-    write_file(&args.out.out, &bytes, args.out.force)?;
-    console.step("field", format!("{:.1} MB in {}", bytes.len() as f64 / 1e6, args.out.out.display()));
-    console.answer(&BakeAnswer {
-        mesh: &args.mesh_file,
-        out: &args.out.out,
-        voxel_mm: report.voxel_m * 1e3,
-        band_voxels,
-        sign_method: report.sign_method,
-        triangles: part.mesh.triangles.len(),
-        open_edges: report.boundary_edges,
-        non_manifold_edges: part.cleaning.non_manifold_edges,
-        ambiguous_share: report.ambiguous_share,
-        bricks: report.bricks,
-        active_voxels: report.active_voxels,
-        bytes: bytes.len(),
-        bake_s,
+    let field = bake_part(&part, &options).with_context(name)?;
+    console.step("bake", &field.description);
+    write_file(&out.out, &field.bytes, out.force)?;
+    console.step("field", format!("{:.1} MB in {}", field.bytes.len() as f64 / 1e6, out.out.display()));
+    console.answer_line(&BakeAnswer {
+        mesh: &name(),
+        out: &out.out.to_string_lossy(),
+        facts: &field.facts,
+        bytes: field.bytes.len() as u64,
+        bake_s: field.bake_s,
         process_s: started.elapsed().as_secs_f64(),
+        cached: false,
+    })
+}
+
+/// How many of a folder's meshes ended in which way.
+#[derive(Default)]
+struct Tally {
+    baked: usize,
+    cached: usize,
+    failed: usize,
+}
+
+/// Many meshes to a cache.
+fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<()> {
+    let started = Instant::now();
+    let sources = find_meshes(&args.meshes)?;
+    let occupied = match (args.resume, args.out.force) {
+        (true, _) => Occupied::Resume,
+        (_, true) => Occupied::Replace,
+        _ => Occupied::Refuse,
+    };
+    let cache = Cache::open(&args.out.out, occupied)?;
+    let meshes = sources.len();
+    let bar = console.bar("bake", meshes as u64);
+    let mut tally = Tally::default();
+    Batch { cache: &cache, wishes, jobs: args.jobs }.run(sources, |outcome| {
+        bar.suspend(|| tell(outcome, &cache, &mut tally, console))?;
+        bar.inc(1);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    let Tally { baked, cached, failed } = tally;
+    let seconds = started.elapsed().as_secs_f64();
+    let index = cache.folder().join(INDEX_FILE);
+    let counts = format!("{baked} baked, {cached} cached, {failed} failed in {seconds:.1} s");
+    console.step("fields", format!("{counts}\nlisted in {}", index.display()));
+    if failed > 0 {
+        bail!("{failed} of {meshes} meshes failed, for the reasons above; --resume tries only them again");
+    }
+    Ok(())
+}
+
+/// One line for people and one for machines.
+fn tell(outcome: &Outcome, cache: &Cache, tally: &mut Tally, console: &Console) -> Result<()> {
+    let mesh = outcome.mesh.to_string_lossy();
+    let Entry { key, record, bake_s } = match &outcome.result {
+        Ok(entry) => entry,
+        Err(error) => {
+            tally.failed += 1;
+            console.step("failed", format!("{error:#}"));
+            return console.answer_line(&Failure { mesh: &mesh, error: format!("{error:#}") });
+        }
+    };
+    let facts = &record.facts;
+    let about = format!("{mesh}: {} bricks, voxel {:.4} mm", facts.bricks, facts.voxel_mm);
+    match bake_s {
+        Some(seconds) => {
+            tally.baked += 1;
+            console.step("bake", format!("{about}, {} in {seconds:.2} s", facts.sign_method));
+        }
+        None => {
+            tally.cached += 1;
+            console.step("cached", about);
+        }
+    }
+    console.answer_line(&BakeAnswer {
+        mesh: &mesh,
+        out: &cache.field_path(key).to_string_lossy(),
+        facts,
+        bytes: record.field.bytes,
+        bake_s: bake_s.unwrap_or(0.0),
+        process_s: outcome.process_s,
+        cached: bake_s.is_none(),
     })
 }

@@ -43,7 +43,7 @@ enum Verb {
     Demo(demo::DemoArgs),
     /// Weld a part: place a curve, sweep a bead, bake, write an asset folder.
     Weld(weld::WeldArgs),
-    /// Bake a mesh into a NanoVDB signed distance field.
+    /// Bake meshes, or folders of them, into NanoVDB signed distance fields.
     Bake(bake::BakeArgs),
     /// Simulate a trial as it was run, or grind the weld of an asset.
     Simulate(simulate::SimulateArgs),

@@ -111,6 +111,8 @@ impl EdgeMap {
     /// Returns a label for each triangle and the number of labels; labels are numbered by their first triangle.
     pub fn components(&self, joins: impl Fn(&[EdgeUse]) -> bool) -> (Vec<u32>, usize) {
         let mut labels = vec![u32::MAX; self.of_triangle.len()];
+        // Each edge once, or an edge of n triangles costs n².
+        let mut passed = vec![false; self.len()];
         let mut count = 0;
         let mut stack = Vec::new();
         for seed in 0..labels.len() {
@@ -120,8 +122,9 @@ impl EdgeMap {
             labels[seed] = count;
             stack.push(seed);
             while let Some(triangle) = stack.pop() {
-                let edges = self.of_triangle[triangle].into_iter().map(|edge| self.uses(edge as usize));
-                for neighbour in edges.filter(|uses| joins(uses)).flatten() {
+                let edges = self.of_triangle[triangle].map(|edge| edge as usize).into_iter();
+                let edges = edges.filter(|&edge| !std::mem::replace(&mut passed[edge], true));
+                for neighbour in edges.map(|edge| self.uses(edge)).filter(|uses| joins(uses)).flatten() {
                     let label = &mut labels[neighbour.triangle as usize];
                     if *label == u32::MAX {
                         *label = count;

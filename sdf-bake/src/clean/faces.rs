@@ -47,7 +47,10 @@ pub(super) fn drop_duplicates(mesh: &mut Mesh) -> usize {
 pub(super) fn coincident_pairs(mesh: &Mesh, edges: &EdgeMap) -> usize {
     let reverses = |t: usize| {
         let [a, b, c] = smallest_first(mesh.triangles[t]);
-        let others = edges.uses(edges.of_triangle(t)[0] as usize).iter().map(|u| u.triangle as usize);
+        let sides = edges.of_triangle(t).map(|edge| edges.uses(edge as usize));
+        // An edge can have very many triangles; seldom all three do.
+        let fewest = sides.into_iter().min_by_key(|uses| uses.len()).unwrap_or_default();
+        let others = fewest.iter().map(|u| u.triangle as usize);
         others.filter(|&other| other > t && smallest_first(mesh.triangles[other]) == [a, c, b]).count()
     };
     (0..mesh.triangles.len()).map(reverses).sum()

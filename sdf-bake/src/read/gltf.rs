@@ -2,6 +2,7 @@
 //!
 //! All triangle primitives of the default scene are put together under their nodes' transforms.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use ::gltf as gltf_crate;
@@ -9,6 +10,7 @@ use glam::{DMat4, DVec3, Vec4};
 use gltf_crate::mesh::Mode;
 use gltf_crate::{Document, Gltf, Node, Semantic};
 
+use super::bytes::Beside;
 use super::{Format, ReadError, Surface};
 
 mod accessor;
@@ -16,22 +18,33 @@ mod buffers;
 
 /// Deeper scenes than this are taken for a loop.
 const MAX_DEPTH: usize = 256;
-/// Instances can multiply a small file; no part needs more triangles than this.
-const MAX_TRIANGLES: usize = 50_000_000;
+/// Instances can multiply a small file: a scene may have so many triangles, and one more for each byte.
+const FREE_TRIANGLES: usize = 4_000_000;
 
-pub(super) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Surface, ReadError> {
+pub(super) fn read(bytes: &[u8], beside: &Beside) -> Result<Surface, ReadError> {
+    let Gltf { document, blob } = open(bytes)?;
+    let buffers = buffers::gather(&document, blob.as_deref(), beside)?;
+    let most_triangles = FREE_TRIANGLES + bytes.len() + buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
+    let seen = vec![false; document.nodes().len()];
+    let mut scene = SceneReader { buffers, surface: Surface::default(), seen, most_triangles };
+    for node in roots(&document) {
+        scene.visit(&node, DMat4::IDENTITY, 0)?;
+    }
+    Ok(scene.surface)
+}
+
+/// The files beside a glTF that it names as its buffers.
+pub(super) fn load_beside(bytes: &[u8], folder: &Path) -> Result<Beside, ReadError> {
+    buffers::load_beside(&open(bytes)?.document, folder)
+}
+
+fn open(bytes: &[u8]) -> Result<Gltf, ReadError> {
     check_glb_length(bytes)?;
     let invalid = |error| malformed(format!("not valid glTF 2.0: {}", describe(&error)));
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
     let root = document.into_json();
     check_position_accessors(&root)?;
-    let document = Document::from_json(root).map_err(invalid)?;
-    let buffers = buffers::load(&document, blob, folder)?;
-    let mut scene = SceneReader { buffers, surface: Surface::default(), seen: vec![false; document.nodes().len()] };
-    for node in roots(&document) {
-        scene.visit(&node, DMat4::IDENTITY, 0)?;
-    }
-    Ok(scene.surface)
+    Ok(Gltf { document: Document::from_json(root).map_err(invalid)?, blob })
 }
 
 pub(super) fn malformed(reason: impl Into<String>) -> ReadError {
@@ -87,13 +100,14 @@ fn roots(document: &Document) -> Vec<Node<'_>> {
     }
 }
 
-struct SceneReader {
-    buffers: Vec<Vec<u8>>,
+struct SceneReader<'a> {
+    buffers: Vec<Cow<'a, [u8]>>,
     surface: Surface,
     seen: Vec<bool>,
+    most_triangles: usize,
 }
 
-impl SceneReader {
+impl SceneReader<'_> {
     fn visit(&mut self, node: &Node, parent: DMat4, depth: usize) -> Result<(), ReadError> {
         if std::mem::replace(&mut self.seen[node.index()], true) || depth > MAX_DEPTH {
             return Err(malformed(format!("node {} has two parents, or nodes are nested too deeply", node.index())));
@@ -130,8 +144,11 @@ impl SceneReader {
     fn append(&mut self, positions: &[DVec3], triangles: &[[u32; 3]], world: DMat4) -> Result<(), ReadError> {
         let mesh = &mut self.surface.mesh;
         let total = mesh.triangles.len() + triangles.len();
-        if total > MAX_TRIANGLES || mesh.positions.len() + positions.len() > 3 * MAX_TRIANGLES {
-            return Err(malformed(format!("the scene has more than {MAX_TRIANGLES} triangles")));
+        if total > self.most_triangles || mesh.positions.len() + positions.len() > 3 * self.most_triangles {
+            let most = self.most_triangles;
+            return Err(malformed(format!(
+                "instances make more than the {most} triangles that a file of its size may"
+            )));
         }
         let offset = mesh.positions.len() as u32;
         mesh.positions.extend(positions.iter().map(|&p| world.transform_point3(p)));

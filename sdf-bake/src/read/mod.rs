@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use crate::Mesh;
 
+mod bytes;
 mod error;
 mod gltf;
 mod obj;
@@ -22,6 +23,8 @@ mod polygon;
 mod stl;
 mod unit;
 
+use bytes::Beside;
+pub use bytes::MeshBytes;
 pub use error::ReadError;
 pub use unit::{Unit, UnitChoice};
 
@@ -78,40 +81,40 @@ struct Surface {
 
 /// Reads a mesh file; buffers of a `.gltf` are looked for beside it.
 pub fn read_mesh(path: &Path, unit: UnitChoice) -> Result<MeshFile, ReadError> {
-    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
-    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let format = detect_format(&bytes, &name)?;
-    parse(&bytes, format, unit, &Place { name: &name, folder: path.parent() })
+    MeshBytes::load(path)?.parse(unit)
 }
 
 /// Reads a mesh from memory.
 ///
 /// `name` is the file name: it may name the unit. External buffers of a `.gltf` are refused.
 pub fn parse_mesh(bytes: &[u8], format: Format, unit: UnitChoice, name: &str) -> Result<MeshFile, ReadError> {
-    parse(bytes, format, unit, &Place { name, folder: None })
+    parse(bytes, format, unit, &Surroundings { name, beside: &Beside::new() })
 }
 
-struct Place<'a> {
+/// What decides on a mesh besides its file's content.
+struct Surroundings<'a> {
+    /// File name.
     name: &'a str,
-    folder: Option<&'a Path>,
+    /// Buffers of a `.gltf`.
+    beside: &'a Beside,
 }
 
-fn parse(bytes: &[u8], format: Format, choice: UnitChoice, place: &Place) -> Result<MeshFile, ReadError> {
+fn parse(bytes: &[u8], format: Format, choice: UnitChoice, around: &Surroundings) -> Result<MeshFile, ReadError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(ReadError::Empty { name: place.name.into() });
+        return Err(ReadError::Empty { name: around.name.into() });
     }
     let Surface { mut mesh, header, notes } = match format {
         Format::Obj => obj::read(bytes)?,
         Format::Stl => stl::read(bytes)?,
         Format::Ply => ply::read(bytes)?,
-        Format::Gltf => gltf::read(bytes, place.folder)?,
+        Format::Gltf => gltf::read(bytes, around.beside)?,
     };
     check_finite(&mesh)?;
     if mesh.triangles.is_empty() {
         return Err(ReadError::NoFaces { format, vertices: mesh.positions.len() });
     }
     let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
-    let decision = unit::decide(choice, &unit::Evidence { format, name: place.name, header: &header, longest });
+    let decision = unit::decide(choice, &unit::Evidence { format, name: around.name, header: &header, longest });
     let scale = decision.unit.metres();
     for (vertex, position) in mesh.positions.iter_mut().enumerate() {
         let axes = if format == Format::Gltf { y_up_to_z_up(*position) } else { *position };

@@ -8,8 +8,10 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use super::{Format, ReadError};
 use crate::Mesh;
 
-/// More corners than a face of any sensible file has; the cost grows with their square.
+/// More corners than a face of any sensible file has; the cost of a crooked one grows with their square.
 const MAX_CORNERS: usize = 10_000;
+
+type Triangulated = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// Adds a face's triangles to a mesh; `face` holds valid indices into its positions.
 pub(super) fn append_face(
@@ -46,7 +48,7 @@ fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
 /// Constrained Delaunay triangulation of the polygon in its own plane, where the polygon is simple.
 fn delaunay(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     let points = flatten(corners)?;
-    let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+    let mut mesh = Triangulated::new();
     let mut handles = Vec::with_capacity(points.len());
     for (corner, p) in points.iter().enumerate() {
         let handle = mesh.insert(Point2::new(p.x, p.y)).ok()?;
@@ -63,10 +65,11 @@ fn delaunay(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
         }
         mesh.add_constraint(from, to);
     }
+    let inside = inside_faces(&mesh);
     let triangles: Vec<[usize; 3]> = mesh
         .inner_faces()
+        .filter(|face| inside[face.index()])
         .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
-        .filter(|t| is_inside(&points, t.map(|i| points[i]).iter().sum::<DVec2>() / 3.0))
         .collect();
     (triangles.len() == corners.len() - 2).then_some(triangles)
 }
@@ -87,13 +90,27 @@ fn flatten(corners: &[DVec3]) -> Option<Vec<DVec2>> {
     Some(corners.iter().map(flat).collect())
 }
 
-/// Whether a point lies in a polygon, by the parity of the sides to its right.
-fn is_inside(polygon: &[DVec2], point: DVec2) -> bool {
-    let crosses = |(i, a): (usize, &DVec2)| {
-        let b = polygon[(i + 1) % polygon.len()];
-        (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
-    };
-    polygon.iter().enumerate().filter(|&side| crosses(side)).count() % 2 == 1
+/// Whether each face lies in the polygon: from the face around everything, each side of the polygon leads in or out.
+fn inside_faces(mesh: &Triangulated) -> Vec<bool> {
+    let mut neighbours = vec![Vec::new(); mesh.num_all_faces()];
+    for edge in mesh.undirected_edges() {
+        let (one, other) = (edge.as_directed().face().index(), edge.as_directed().rev().face().index());
+        neighbours[one].push((other, edge.is_constraint_edge()));
+        neighbours[other].push((one, edge.is_constraint_edge()));
+    }
+    let mut inside = vec![None; neighbours.len()];
+    let outer = mesh.outer_face().index();
+    inside[outer] = Some(false);
+    let mut stack = vec![(outer, false)];
+    while let Some((face, is_inside)) = stack.pop() {
+        for &(neighbour, crosses) in &neighbours[face] {
+            if inside[neighbour].is_none() {
+                inside[neighbour] = Some(is_inside != crosses);
+                stack.push((neighbour, is_inside != crosses));
+            }
+        }
+    }
+    inside.into_iter().map(|is_inside| is_inside == Some(true)).collect()
 }
 
 /// Normal of a polygon, also of a slightly bent one (Newell's method, Sutherland et al. 1974).

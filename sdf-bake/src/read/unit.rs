@@ -16,7 +16,8 @@ const OBJ_METRES_BELOW: f64 = 0.1;
 const SCAN_METRES_BELOW: f64 = 2.0;
 
 /// The unit a user asks for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum UnitChoice {
     /// Decide from format, names, comments and size.
     #[default]
@@ -136,7 +137,7 @@ fn decide_from(evidence: &Evidence) -> Decision {
 /// A unit named in a text: `mm` on its own, or any unit after the word `unit` or `units`.
 ///
 /// `inch` or `meter` alone do not count, since they name things too (`3_inch_flange`, `flow_meter`).
-fn stated(text: &str) -> Option<Unit> {
+pub(super) fn stated(text: &str) -> Option<Unit> {
     let lower = text.to_lowercase();
     let mut announced = false;
     for word in lower.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()) {

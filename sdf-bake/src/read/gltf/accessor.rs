@@ -2,6 +2,8 @@
 //!
 //! The `gltf` crate checks references between objects but not that a view lies inside its buffer, so these reads do.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 use gltf::Accessor;
 use gltf::accessor::{DataType, Dimensions};
@@ -11,7 +13,7 @@ use super::malformed;
 use crate::read::ReadError;
 
 /// Positions [m], sparse replacements included.
-pub(super) fn positions(accessor: &Accessor, buffers: &[Vec<u8>]) -> Result<Vec<DVec3>, ReadError> {
+pub(super) fn positions(accessor: &Accessor, buffers: &[Cow<[u8]>]) -> Result<Vec<DVec3>, ReadError> {
     if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
         return Err(malformed("POSITION is not made of three 32-bit floats"));
     }
@@ -37,7 +39,7 @@ pub(super) fn positions(accessor: &Accessor, buffers: &[Vec<u8>]) -> Result<Vec<
 }
 
 /// Vertex indices of any unsigned type.
-pub(super) fn indices(accessor: &Accessor, buffers: &[Vec<u8>]) -> Result<Vec<u32>, ReadError> {
+pub(super) fn indices(accessor: &Accessor, buffers: &[Cow<[u8]>]) -> Result<Vec<u32>, ReadError> {
     let size = match (accessor.data_type(), accessor.dimensions()) {
         (DataType::U8, Dimensions::Scalar) => 1,
         (DataType::U16, Dimensions::Scalar) => 2,
@@ -49,8 +51,8 @@ pub(super) fn indices(accessor: &Accessor, buffers: &[Vec<u8>]) -> Result<Vec<u3
 }
 
 /// Elements without data are zeros; their number must not exceed what a file of this size could hold.
-fn zeros(count: usize, buffers: &[Vec<u8>]) -> Result<usize, ReadError> {
-    let room: usize = buffers.iter().map(Vec::len).sum();
+fn zeros(count: usize, buffers: &[Cow<[u8]>]) -> Result<usize, ReadError> {
+    let room: usize = buffers.iter().map(|buffer| buffer.len()).sum();
     if count <= room { Ok(count) } else { Err(malformed(format!("an accessor has {count} elements and no data"))) }
 }
 
@@ -76,7 +78,7 @@ impl Rows {
         Ok(Self { buffer: view.buffer().index(), view: view.offset()..end, offset, stride, size, count })
     }
 
-    fn read<T>(&self, buffers: &[Vec<u8>], element: impl Fn(&[u8]) -> T) -> Result<Vec<T>, ReadError> {
+    fn read<T>(&self, buffers: &[Cow<[u8]>], element: impl Fn(&[u8]) -> T) -> Result<Vec<T>, ReadError> {
         if self.count == 0 {
             return Ok(Vec::new());
         }

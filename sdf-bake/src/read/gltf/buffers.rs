@@ -1,5 +1,6 @@
 //! The binary data of a glTF file: its own chunk, data URIs, or files beside it.
 
+use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
 
 use base64::Engine;
@@ -9,18 +10,42 @@ use gltf::buffer::Source;
 
 use super::malformed;
 use crate::read::ReadError;
+use crate::read::bytes::Beside;
+
+/// Reads the files that a document names as its buffers; each once, however often it is named.
+pub(super) fn load_beside(document: &Document, folder: &Path) -> Result<Beside, ReadError> {
+    let mut beside = Beside::new();
+    for buffer in document.buffers() {
+        let Source::Uri(uri) = buffer.source() else { continue };
+        if uri.starts_with("data:") || beside.contains_key(uri) {
+            continue;
+        }
+        let relative = PathBuf::from(percent_decoded(uri));
+        let stays = relative.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        if !stays || uri.contains(':') {
+            return Err(not_looked_for(uri));
+        }
+        let path = folder.join(relative);
+        let bytes = std::fs::read(&path).map_err(|source| ReadError::Io { path, source })?;
+        beside.insert(uri.to_owned(), bytes);
+    }
+    Ok(beside)
+}
 
 /// The bytes of each buffer, at least as many as announced.
-pub(super) fn load(
+pub(super) fn gather<'a>(
     document: &Document,
-    mut blob: Option<Vec<u8>>,
-    folder: Option<&Path>,
-) -> Result<Vec<Vec<u8>>, ReadError> {
+    mut blob: Option<&'a [u8]>,
+    beside: &'a Beside,
+) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
-        let data = match buffer.source() {
-            Source::Bin => blob.take().ok_or_else(|| malformed("the binary chunk is missing"))?,
-            Source::Uri(uri) => load_uri(uri, folder)?,
+        let data: Cow<[u8]> = match buffer.source() {
+            Source::Bin => blob.take().ok_or_else(|| malformed("the binary chunk is missing"))?.into(),
+            Source::Uri(uri) => match uri.strip_prefix("data:") {
+                Some(data) => from_data_uri(data)?.into(),
+                None => beside.get(uri).ok_or_else(|| not_looked_for(uri))?.into(),
+            },
         };
         if data.len() < buffer.length() {
             return Err(ReadError::Truncated {
@@ -34,20 +59,13 @@ pub(super) fn load(
     Ok(buffers)
 }
 
-fn load_uri(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, ReadError> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let (_, base64) = data.split_once(";base64,").ok_or_else(|| malformed("a data URI is not base64"))?;
-        return BASE64_STANDARD.decode(base64).map_err(|error| malformed(format!("a data URI: {error}")));
-    }
-    let relative = PathBuf::from(percent_decoded(uri));
-    let beside = relative.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    let Some(folder) = folder.filter(|_| beside && !uri.contains(':')) else {
-        return Err(malformed(format!(
-            "the buffer `{uri}` is not looked for; files beside the .gltf and data URIs are accepted"
-        )));
-    };
-    let path = folder.join(relative);
-    std::fs::read(&path).map_err(|source| ReadError::Io { path, source })
+fn from_data_uri(data: &str) -> Result<Vec<u8>, ReadError> {
+    let (_, base64) = data.split_once(";base64,").ok_or_else(|| malformed("a data URI is not base64"))?;
+    BASE64_STANDARD.decode(base64).map_err(|error| malformed(format!("a data URI: {error}")))
+}
+
+fn not_looked_for(uri: &str) -> ReadError {
+    malformed(format!("the buffer `{uri}` is not looked for; files beside the .gltf and data URIs are accepted"))
 }
 
 /// `%20` and its like as bytes; what is no escape stays.

@@ -1,0 +1,90 @@
+//! From a part to the bytes of its field, with what is worth telling of it.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use sdf_bake::nvdb::{self, Codec, GridRef};
+use sdf_bake::read::UnitChoice;
+use sdf_bake::{BakeOptions, SignChoice, SignMethod, bake};
+use serde::{Deserialize, Serialize};
+
+use crate::part::Part;
+use crate::workpiece::{Fineness, describe_baking};
+
+/// What a user asks of a field.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldWishes {
+    /// Unit of the file's coordinates.
+    pub unit: UnitChoice,
+    /// Voxel size.
+    pub fineness: Fineness,
+    /// Half width of the band [voxels].
+    pub band_voxels: f64,
+    /// Sign rule.
+    pub sign: SignChoice,
+}
+
+impl FieldWishes {
+    /// The options of baking a part.
+    pub fn options(&self, part: &Part) -> BakeOptions {
+        BakeOptions { voxel: self.fineness.voxel(part), band_voxels: self.band_voxels, sign: self.sign }
+    }
+}
+
+/// What is known of a field; nothing of it depends on the machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FieldFacts {
+    /// Distance between voxels [mm].
+    pub voxel_mm: f64,
+    /// Half width of the band [voxels].
+    pub band_voxels: f64,
+    /// Where inside and outside came from.
+    pub sign_method: SignMethod,
+    /// Triangles of the cleaned mesh.
+    pub triangles: usize,
+    /// Edges with one triangle only.
+    pub open_edges: usize,
+    /// Edges of more than two triangles.
+    pub non_manifold_edges: usize,
+    /// Share of the judged voxels without a clear side.
+    pub ambiguous_share: f64,
+    /// Bricks in the pool.
+    pub bricks: usize,
+    /// Voxels with |φ| < band.
+    pub active_voxels: usize,
+}
+
+/// A field in the form of its file.
+pub struct BakedField {
+    /// A `.nvdb` file with the level set `phi`.
+    pub bytes: Vec<u8>,
+    /// What is known of it.
+    pub facts: FieldFacts,
+    /// A sentence or two for people.
+    pub description: String,
+    /// Time that baking alone took [s].
+    pub bake_s: f64,
+}
+
+/// Bakes a part.
+///
+/// # Errors
+/// A surface that encloses nothing, or that is too open for the sign rule.
+pub fn bake_part(part: &Part, options: &BakeOptions) -> Result<BakedField> {
+    let started = Instant::now();
+    let (grid, report) = bake(&part.mesh, options)?;
+    let bake_s = started.elapsed().as_secs_f64();
+    let bytes = nvdb::write(&[GridRef::LevelSet { name: "phi", grid: &grid }], Codec::None)?;
+    let facts = FieldFacts {
+        voxel_mm: report.voxel_m * 1e3,
+        band_voxels: report.band_voxels,
+        sign_method: report.sign_method,
+        triangles: part.mesh.triangles.len(),
+        open_edges: report.boundary_edges,
+        non_manifold_edges: part.cleaning.non_manifold_edges,
+        ambiguous_share: report.ambiguous_share,
+        bricks: report.bricks,
+        active_voxels: report.active_voxels,
+    };
+    Ok(BakedField { bytes, facts, description: describe_baking(&report, &grid), bake_s })
+}

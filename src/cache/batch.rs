@@ -1,0 +1,184 @@
+//! Many meshes into a cache, several at once, each on its own account.
+
+use std::collections::{BTreeMap, HashMap};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use anyhow::{Context, Result, anyhow, bail};
+use sdf_bake::read::MeshBytes;
+
+use super::lock::Patience;
+use super::room::Room;
+use super::sources::Sources;
+use super::{Cache, Recipe, Record};
+use crate::baking::{FieldWishes, bake_part};
+use crate::budget;
+use crate::part::Part;
+
+/// Meshes to bake into a cache.
+pub struct Batch<'a> {
+    /// Where to.
+    pub cache: &'a Cache,
+    /// How.
+    pub wishes: FieldWishes,
+    /// Meshes at once.
+    pub jobs: usize,
+}
+
+/// What became of one mesh.
+pub struct Outcome {
+    /// The mesh file.
+    pub mesh: PathBuf,
+    /// Its entry, or why there is none.
+    pub result: Result<Entry>,
+    /// Time from opening the file to the end [s].
+    pub process_s: f64,
+}
+
+/// A mesh's entry in the cache.
+pub struct Entry {
+    /// Its name.
+    pub key: String,
+    /// What is known of it.
+    pub record: Record,
+    /// Time that this run spent baking it [s]; `None` when it was there already.
+    pub bake_s: Option<f64>,
+}
+
+/// What the jobs share.
+struct Work<'a> {
+    batch: &'a Batch<'a>,
+    meshes: Vec<(PathBuf, Option<String>)>,
+    next: AtomicUsize,
+    /// Meshes that someone else was baking when their turn came.
+    later: Mutex<Vec<usize>>,
+    /// Time spent on each entry that this run made [s].
+    baked: Mutex<HashMap<String, f64>>,
+    room: Room,
+}
+
+impl Batch<'_> {
+    /// Bakes what the cache does not hold yet, calls `done` for each mesh in the order of `sources`, updates the index.
+    ///
+    /// # Errors
+    /// When the index cannot be written, or `done` fails; a mesh that fails is an outcome.
+    pub fn run(&self, sources: Sources, mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
+        let work = Work {
+            batch: self,
+            meshes: sources.into_iter().collect(),
+            next: AtomicUsize::new(0),
+            later: Mutex::default(),
+            baked: Mutex::default(),
+            room: Room::new(budget::MOST_BRICKS),
+        };
+        let mut keys = BTreeMap::new();
+        let told = std::thread::scope(|scope| {
+            let (sender, receiver) = channel();
+            for _ in 0..self.jobs.min(work.meshes.len()) {
+                let (sender, work) = (sender.clone(), &work);
+                scope.spawn(move || work.take_turns(&sender));
+            }
+            drop(sender);
+            work.in_order(receiver, |outcome| {
+                let key = outcome.result.as_ref().ok().map(|entry| entry.key.clone());
+                keys.insert(outcome.mesh.to_string_lossy().into_owned(), key);
+                done(outcome)
+            })
+        });
+        self.cache.update_index(&keys)?;
+        told
+    }
+}
+
+impl Work<'_> {
+    /// Finds or makes the entry of one mesh; `None` when someone else is making it and there is no patience.
+    fn entry(&self, mesh: &Path, patience: Patience) -> Result<Option<Entry>> {
+        let Batch { cache, wishes, .. } = self.batch;
+        let bytes = MeshBytes::load(mesh)?;
+        let recipe = Recipe::new(&bytes, wishes)?;
+        let key = recipe.key()?;
+        let found = |record| Ok(Some(Entry { key: key.clone(), record, bake_s: None }));
+        if let Some(record) = cache.find(&key) {
+            return found(record);
+        }
+        let Some(claim) = cache.claim(&key, patience)? else { return Ok(None) };
+        // Whoever held the claim before may have finished it.
+        if let Some(record) = cache.find(&key) {
+            return found(record);
+        }
+        let part = Part::from_bytes(&bytes, wishes.unit)?;
+        drop(bytes);
+        let options = wishes.options(&part);
+        let _share = self.room.share(budget::check(&part.mesh, &options)?);
+        let baked = bake_part(&part, &options)?;
+        // Before the entry can be found by the other jobs, so that none takes it for an old one.
+        lock(&self.baked).insert(key.clone(), baked.bake_s);
+        found(cache.keep(&claim, &recipe, baked)?)
+    }
+
+    /// One job: mesh after mesh, and those of others at the end, when they probably are done.
+    fn take_turns(&self, outcomes: &Sender<(usize, Outcome)>) {
+        loop {
+            let turn = self.next.fetch_add(1, Ordering::Relaxed);
+            let (turn, patience) = if turn < self.meshes.len() {
+                (turn, Patience::None)
+            } else {
+                let Some(turn) = lock(&self.later).pop() else { return };
+                (turn, Patience::Endless)
+            };
+            let Some(outcome) = self.outcome(turn, patience) else {
+                lock(&self.later).push(turn);
+                continue;
+            };
+            // After an error of its own, nobody listens any more.
+            if outcomes.send((turn, outcome)).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn outcome(&self, turn: usize, patience: Patience) -> Option<Outcome> {
+        let started = Instant::now();
+        let (mesh, unreadable) = &self.meshes[turn];
+        let make = || match unreadable {
+            Some(reason) => bail!("{reason}"),
+            None => self.entry(mesh, patience),
+        };
+        // A bug that one mesh brings to light must not cost the others.
+        let result = catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|_| Err(anyhow!("a bug in this program")));
+        let result = result.with_context(|| mesh.display().to_string()).transpose()?;
+        Some(Outcome { mesh: mesh.clone(), result, process_s: started.elapsed().as_secs_f64() })
+    }
+
+    /// Hands on outcomes in the order of their turns, however they come in.
+    ///
+    /// Of meshes with the same entry the first one is said to have been baked, whichever job was faster.
+    fn in_order(
+        &self,
+        outcomes: Receiver<(usize, Outcome)>,
+        mut done: impl FnMut(&Outcome) -> Result<()>,
+    ) -> Result<()> {
+        let mut waiting = BTreeMap::new();
+        let mut next = 0;
+        for (turn, outcome) in outcomes {
+            waiting.insert(turn, outcome);
+            while let Some(mut outcome) = waiting.remove(&next) {
+                next += 1;
+                if let Ok(entry) = &mut outcome.result {
+                    entry.bake_s = lock(&self.baked).remove(&entry.key);
+                }
+                done(&outcome)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a job that panicked left behind is still whole: no lock is held while anything can fail.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

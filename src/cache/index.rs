@@ -1,0 +1,54 @@
+//! Which mesh file became which entry.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use anyhow::Result;
+use serde::{Deserialize, Serialize};
+
+use super::Cache;
+use super::lock::{Claim, Patience};
+use crate::folder::write_file;
+
+/// Name of the index in a cache.
+pub const INDEX_FILE: &str = "index.jsonl";
+
+#[derive(Serialize, Deserialize)]
+struct Line {
+    mesh: String,
+    field: String,
+}
+
+impl Cache {
+    /// Brings the index up to date: `keys` holds the meshes of this run, with `None` for those that failed.
+    ///
+    /// Lines of other meshes stay as long as their field does, so that several folders can share a cache.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub(super) fn update_index(&self, keys: &BTreeMap<String, Option<String>>) -> Result<()> {
+        let _claim = Claim::take(&self.folder.join(format!(".{INDEX_FILE}.lock")), Patience::Endless)?;
+        let path = self.folder.join(INDEX_FILE);
+        let mut fields = read(&path);
+        fields.retain(|mesh, field| !keys.contains_key(mesh) && self.folder.join(field).is_file());
+        for (mesh, key) in keys {
+            if let Some(key) = key {
+                fields.insert(mesh.clone(), format!("{key}.nvdb"));
+            }
+        }
+        let mut text = String::new();
+        for (mesh, field) in fields {
+            text += &serde_json::to_string(&Line { mesh, field })?;
+            text.push('\n');
+        }
+        write_file(&path, text.as_bytes(), true)
+    }
+}
+
+/// The lines that can be read; the entries are the truth, so a damaged line is only left out.
+fn read(path: &Path) -> BTreeMap<String, String> {
+    let text = fs::read(path).unwrap_or_default();
+    let lines = text.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Line>(line).ok());
+    lines.map(|line| (line.mesh, line.field)).collect()
+}

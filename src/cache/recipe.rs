@@ -1,0 +1,129 @@
+//! What decides a field, and the name that follows from it.
+
+use std::sync::OnceLock;
+
+use anyhow::Result;
+use sdf_bake::nvdb::{self, Codec, GridRef};
+use sdf_bake::read::{Format, MeshBytes, Unit, UnitChoice};
+use sdf_bake::{BakeOptions, SignChoice, bake};
+use serde::Serialize;
+
+use super::CACHE_FORMAT;
+use crate::baking::FieldWishes;
+use crate::part::{Part, sha256};
+use crate::workpiece::Fineness;
+
+/// Everything that decides the bytes of a field. Its JSON text, hashed, is the name of the entry.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Recipe {
+    format: &'static str,
+    baker: String,
+    mesh_sha256: String,
+    buffers_sha256: Vec<String>,
+    mesh_format: Format,
+    unit: UnitChoice,
+    unit_in_name: Option<Unit>,
+    fineness: Fineness,
+    band_voxels: f64,
+    sign: SignChoice,
+}
+
+impl Recipe {
+    /// The recipe of a mesh with wishes.
+    ///
+    /// # Errors
+    /// Never for the program as shipped: it bakes the bundled part to know itself.
+    pub fn new(mesh: &MeshBytes, wishes: &FieldWishes) -> Result<Self> {
+        // Every wish by name: one that is added has to find its place here.
+        let FieldWishes { unit, fineness, band_voxels, sign } = *wishes;
+        Ok(Self {
+            format: CACHE_FORMAT,
+            baker: baker()?,
+            mesh_sha256: sha256(mesh.bytes()),
+            buffers_sha256: mesh.buffers().map(sha256).collect(),
+            mesh_format: mesh.format(),
+            unit,
+            unit_in_name: mesh.unit_in_name().filter(|_| unit == UnitChoice::Auto),
+            fineness,
+            band_voxels,
+            sign,
+        })
+    }
+
+    /// Name of the entry: 64 hexadecimal digits.
+    ///
+    /// # Errors
+    /// Never: a recipe is plain data.
+    pub fn key(&self) -> Result<String> {
+        Ok(sha256(serde_json::to_string(self)?.as_bytes()))
+    }
+}
+
+/// The program's version and a hash of what its baker makes of the bundled part, whole and open.
+///
+/// So a change of the baker gives all entries new names, whether or not somebody thought of a version number.
+fn baker() -> Result<String> {
+    static BAKER: OnceLock<String> = OnceLock::new();
+    if let Some(known) = BAKER.get() {
+        return Ok(known.clone());
+    }
+    let mut part = Part::bundled()?;
+    let options = BakeOptions {
+        voxel: part.extent().max_element() / 24.0,
+        sign: SignChoice::Winding,
+        ..BakeOptions::with_voxel(1.0)
+    };
+    let mut fields = Vec::new();
+    for _ in 0..2 {
+        let (grid, _) = bake(&part.mesh, &options)?;
+        fields.extend(nvdb::write(&[GridRef::LevelSet { name: "phi", grid: &grid }], Codec::None)?);
+        part.mesh.triangles.truncate(part.mesh.triangles.len() * 9 / 10);
+    }
+    let name = format!("{}-{}", env!("CARGO_PKG_VERSION"), &sha256(&fields)[..16]);
+    Ok(BAKER.get_or_init(|| name).clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn mesh(folder: &Path, name: &str, text: &str) -> MeshBytes {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        MeshBytes::load(&path).unwrap()
+    }
+
+    #[test]
+    fn the_key_follows_all_that_decides_the_field_and_nothing_else() {
+        let place = tempfile::tempdir().unwrap();
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+        let wishes = FieldWishes {
+            unit: UnitChoice::Auto,
+            fineness: Fineness::Resolution(64),
+            band_voxels: 3.0,
+            sign: SignChoice::Auto,
+        };
+        let key = |name: &str, text: &str, wishes: &FieldWishes| {
+            Recipe::new(&mesh(place.path(), name, text), wishes).unwrap().key().unwrap()
+        };
+        let first = key("a.obj", text, &wishes);
+        assert_eq!(first.len(), 64);
+        assert_eq!(first, key("copy.obj", text, &wishes));
+        let others = [
+            key("a.obj", &format!("{text}#\n"), &wishes),
+            key("a_mm.obj", text, &wishes),
+            key("a.obj", text, &FieldWishes { unit: UnitChoice::Millimetre, ..wishes }),
+            key("a.obj", text, &FieldWishes { fineness: Fineness::Resolution(65), ..wishes }),
+            key("a.obj", text, &FieldWishes { fineness: Fineness::Voxel(64.0), ..wishes }),
+            key("a.obj", text, &FieldWishes { band_voxels: 4.0, ..wishes }),
+            key("a.obj", text, &FieldWishes { sign: SignChoice::Winding, ..wishes }),
+        ];
+        let distinct: std::collections::BTreeSet<&String> = others.iter().chain([&first]).collect();
+        assert_eq!(distinct.len(), 8);
+        // With the unit given, what the name says of it no longer counts.
+        let given = FieldWishes { unit: UnitChoice::Metre, ..wishes };
+        assert_eq!(key("a.obj", text, &given), key("a_mm.obj", text, &given));
+    }
+}
