@@ -10,6 +10,7 @@ mod distance;
 mod facet;
 mod scatter;
 mod sign;
+mod skin;
 mod winding;
 
 use glam::DVec3;
@@ -18,14 +19,14 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::clean::EdgeMap;
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE};
 use crate::implicit::entry_brick;
 use crate::mesh::Mesh;
-use columns::InsideMask;
-use distance::{Brick, Scratch};
-use facet::Facet;
+use columns::Insides;
+use distance::{Brick, Distances, Scratch};
 use scatter::BrickTriangles;
 use sign::Surface;
+use skin::Skin;
 
 pub use winding::WindingTree;
 
@@ -163,54 +164,68 @@ const AMBIGUOUS_LIMIT: f64 = 0.005;
 /// [`BakeError`] for an empty mesh, unusable options, a grid that cannot fit, or a surface without a clear inside.
 pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport), BakeError> {
     let mut grid = frame(mesh, options)?;
-    let facets: Vec<Facet> =
-        (0..mesh.triangles.len()).into_par_iter().map(|t| Facet::new(mesh.corners(t), grid.voxel)).collect();
-    let (near, edges) = rayon::join(|| scatter::scatter(&facets, &grid), || EdgeMap::new(mesh));
+    let skin = Skin::of(mesh, grid.voxel);
+    let (near, edges) = rayon::join(|| scatter::scatter(&skin, &grid), || EdgeMap::new(mesh));
     let side = if edges.indices().all(|edge| edges.is_balanced(edge)) {
-        Inside::Masks(columns::inside_masks(&near, &facets, &grid))
+        Inside::Masks(columns::insides(&near, &skin, &grid))
     } else {
         Inside::Judged(Surface::new(mesh, &edges))
     };
-    let judged: Vec<JudgedBrick> = (0..near.brick_count())
-        .into_par_iter()
-        .map_init(Scratch::default, |scratch, b| fill(b, &near, &facets, &side, &grid, scratch))
+    let mut phi = vec![0.0; near.brick_count() * BRICK_VOXELS];
+    let filled: Vec<Filled> = phi
+        .par_chunks_exact_mut(BRICK_VOXELS)
+        .enumerate()
+        .map_init(Scratch::default, |scratch, (b, phi)| fill(b, &near, &skin, &side, &grid, phi, scratch))
         .collect();
-    collect(&judged, &near, &mut grid);
-    sign::flood_empty(&mut grid);
+    collect(phi, &filled, &near, &mut grid);
+    match &side {
+        Inside::Masks(insides) => insides.gaps.iter().for_each(|gap| grid.index[gap.clone()].fill(INSIDE)),
+        Inside::Judged(_) => sign::flood_empty(&mut grid),
+    }
     let report = BakeReport {
         voxel_m: options.voxel,
         band_voxels: options.band_voxels,
         bricks: grid.brick_count(),
-        active_voxels: grid.phi.iter().filter(|phi| phi.abs() < grid.band).count(),
+        active_voxels: filled.iter().map(|brick| brick.in_band).sum(),
         sign_method: side.method(),
         boundary_edges: edges.boundary_count(),
-        ambiguous_share: ambiguous_share(&judged),
+        ambiguous_share: ambiguous_share(&filled),
     };
-    check(&report, &judged, options)?;
+    check(&report, &filled, options)?;
     Ok((grid, report))
 }
 
-/// Moves the bricks that hold a part of the band into the grid.
-fn collect(judged: &[JudgedBrick], near: &BrickTriangles, grid: &mut BrickGrid) {
-    for (b, brick) in judged.iter().enumerate().filter(|(_, brick)| brick.in_band) {
-        grid.index[near.entry(b)] = grid.bricks.len() as u32;
-        grid.bricks.push(grid.origin + entry_brick(near.entry(b), grid.dims));
-        grid.phi.extend_from_slice(brick.phi.as_slice());
+/// Moves the bricks that hold a part of the band, or both sides, into the grid, and says of the others where they are.
+fn collect(mut phi: Vec<f32>, filled: &[Filled], near: &BrickTriangles, grid: &mut BrickGrid) {
+    for (b, brick) in filled.iter().enumerate() {
+        let entry = near.entry(b);
+        if brick.in_band > 0 || (brick.inside > 0 && brick.inside < BRICK_VOXELS) {
+            let slot = grid.bricks.len();
+            grid.index[entry] = slot as u32;
+            grid.bricks.push(grid.origin + entry_brick(entry, grid.dims));
+            if slot < b {
+                phi.copy_within(b * BRICK_VOXELS..(b + 1) * BRICK_VOXELS, slot * BRICK_VOXELS);
+            }
+        } else if brick.inside > 0 {
+            grid.index[entry] = INSIDE;
+        }
     }
+    phi.truncate(grid.bricks.len() * BRICK_VOXELS);
+    grid.phi = phi;
 }
 
-fn ambiguous_share(judged: &[JudgedBrick]) -> f64 {
-    let ambiguous: usize = judged.iter().map(|brick| brick.ambiguous).sum();
-    ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64
+fn ambiguous_share(filled: &[Filled]) -> f64 {
+    let ambiguous: usize = filled.iter().map(|brick| brick.ambiguous).sum();
+    ambiguous as f64 / (filled.len() * BRICK_VOXELS).max(1) as f64
 }
 
 /// Refuses a surface without a clear inside.
-fn check(report: &BakeReport, judged: &[JudgedBrick], options: &BakeOptions) -> Result<(), BakeError> {
+fn check(report: &BakeReport, filled: &[Filled], options: &BakeOptions) -> Result<(), BakeError> {
     let BakeReport { boundary_edges, ambiguous_share: share, .. } = *report;
     if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
         return Err(BakeError::Open { boundary_edges, share });
     }
-    if judged.iter().all(|brick| brick.inside == 0) {
+    if filled.iter().all(|brick| brick.inside == 0) {
         return Err(BakeError::NoInside { voxel: options.voxel, boundary_edges });
     }
     Ok(())
@@ -237,16 +252,16 @@ fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
     Ok(BrickGrid::empty(voxel, band as f32, first.as_ivec3(), dims.as_ivec3()))
 }
 
-struct JudgedBrick {
-    phi: Box<[f32; BRICK_VOXELS]>,
-    in_band: bool,
+/// Counts of a brick's voxels.
+struct Filled {
+    in_band: usize,
     ambiguous: usize,
     inside: usize,
 }
 
 /// What tells inside from outside.
 enum Inside {
-    Masks(Vec<InsideMask>),
+    Masks(Insides),
     Judged(Surface),
 }
 
@@ -262,25 +277,22 @@ impl Inside {
 fn fill(
     b: usize,
     near: &BrickTriangles,
-    facets: &[Facet],
+    skin: &Skin,
     inside: &Inside,
     grid: &BrickGrid,
+    phi: &mut [f32],
     scratch: &mut Scratch,
-) -> JudgedBrick {
+) -> Filled {
     let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
     let centre = brick.as_dvec3() * BRICK_SIDE as f64 + 3.5;
     let band = (f64::from(grid.band) / grid.voxel) as f32;
-    let brick_triangles = Brick { centre, triangles: near.triangles(b), facets, band };
-    let mut phi = brick_triangles.distances(scratch);
-    for value in phi.iter_mut() {
-        *value = if *value < band { ((f64::from(*value) * grid.voxel) as f32).min(grid.band) } else { grid.band };
-    }
-    let in_band = phi.iter().any(|&phi| phi < grid.band);
+    let brick_triangles = Brick { centre, triangles: near.triangles(b), skin, band };
+    let in_band = pulp::Arch::new().dispatch(Distances { brick: brick_triangles, grid, scratch, phi });
     let (ambiguous, inside) = match inside {
-        Inside::Masks(masks) => (0, columns::apply(&masks[b], &mut phi)),
-        Inside::Judged(surface) => sign::judge(brick, &mut phi, surface, grid),
+        Inside::Masks(insides) => (0, columns::apply(&insides.masks[b], phi)),
+        Inside::Judged(surface) => sign::judge(brick, phi, surface, grid),
     };
-    JudgedBrick { phi, in_band, ambiguous, inside }
+    Filled { in_band, ambiguous, inside }
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ impl Surface {
 /// Turns a brick's distances into signed ones; returns its ambiguous and its inside voxels.
 pub(super) fn judge(
     brick: IVec3,
-    phi: &mut [f32; BRICK_VOXELS],
+    phi: &mut [f32],
     surface: &Surface,
     grid: &BrickGrid,
 ) -> (usize, usize) {
@@ -76,7 +76,7 @@ fn members(component: &[usize; BRICK_VOXELS]) -> Vec<Vec<usize>> {
 
 /// The voxel of a component farthest from the surface and, where holes may join two sides, also those outermost along
 /// the axes and diagonals.
-fn sampled(voxels: &[usize], distance: &[f32; BRICK_VOXELS], has_holes: bool) -> Vec<usize> {
+fn sampled(voxels: &[usize], distance: &[f32], has_holes: bool) -> Vec<usize> {
     let most = |measure: &dyn Fn(usize) -> f32| {
         let keep = |best: usize, &voxel: &usize| if measure(voxel) > measure(best) { voxel } else { best };
         voxels.iter().fold(voxels[0], keep)
@@ -97,7 +97,7 @@ const DIRECTIONS: [IVec3; 7] =
     [IVec3::X, IVec3::Y, IVec3::Z, IVec3::ONE, IVec3::new(1, 1, -1), IVec3::new(1, -1, 1), IVec3::new(-1, 1, 1)];
 
 /// Component of each voxel, named by one of its voxels.
-fn components(phi: &[f32; BRICK_VOXELS], step: f32) -> [usize; BRICK_VOXELS] {
+fn components(phi: &[f32], step: f32) -> [usize; BRICK_VOXELS] {
     let mut parent: [usize; BRICK_VOXELS] = std::array::from_fn(|i| i);
     fn root(parent: &mut [usize; BRICK_VOXELS], mut i: usize) -> usize {
         while parent[i] != i {
