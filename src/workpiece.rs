@@ -88,7 +88,7 @@ impl Fineness {
 /// When the part has no clear inside, or no weld fits it; the message says what would.
 pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Result<Workpiece> {
     let baking =
-        BakeOptions { voxel: options.fineness.voxel(&part), band_voxels: options.band_voxels, sign: options.sign };
+        BakeOptions { voxel: options.fineness.voxel(&part), band_voxels: options.band_voxels, sign: options.sign, shell: None };
     budget::check(&part.mesh, &baking)?;
     options.wishes.check_against(baking.voxel)?;
     let (target, report) = bake(&part.mesh, &baking)?;

@@ -49,7 +49,7 @@ impl Candidates {
         &self.of_child
     }
 
-    /// Squared distances from a child's centre within which triangles matter; `reach` is the band [voxels].
+    /// Squared distances from a child's centre within which triangles matter; `reach` in voxels.
     #[inline(always)]
     fn limits(&self, radius: f32, reach: f32) -> [f32; 8] {
         let mut least = [f32::INFINITY; 8];
@@ -70,7 +70,7 @@ pub(super) struct Brick<'a> {
     pub(super) triangles: &'a [NearTriangle],
     pub(super) skin: &'a Skin,
     /// Where distances end [voxels].
-    pub(super) band: f32,
+    pub(super) reach: f32,
 }
 
 /// Distances of a brick's voxels [m] into `phi`: a call that is compiled for each kind of lanes.
@@ -79,6 +79,8 @@ pub(super) struct Brick<'a> {
 pub(super) struct Distances<'a> {
     pub(super) brick: Brick<'a>,
     pub(super) grid: &'a BrickGrid,
+    /// What is taken off all distances [m].
+    pub(super) half_shell: f64,
     pub(super) scratch: &'a mut Scratch,
     pub(super) phi: &'a mut [f32],
 }
@@ -88,13 +90,13 @@ impl pulp::NullaryFnOnce for Distances<'_> {
 
     #[inline(always)]
     fn call(self) -> usize {
-        let Self { brick, grid, scratch, phi } = self;
+        let Self { brick, grid, half_shell, scratch, phi } = self;
         brick.distances(scratch, phi);
         let mut in_band = 0;
         for value in phi.iter_mut() {
-            let metres = (f64::from(*value) * grid.voxel) as f32;
-            *value = if *value < brick.band { smaller(metres, grid.band) } else { grid.band };
-            in_band += usize::from(*value < grid.band);
+            let metres = (f64::from(*value) * grid.voxel - half_shell) as f32;
+            *value = if *value < brick.reach { smaller(larger(metres, -grid.band), grid.band) } else { grid.band };
+            in_band += usize::from(value.abs() < grid.band);
         }
         in_band
     }
@@ -103,11 +105,11 @@ impl pulp::NullaryFnOnce for Distances<'_> {
 // All below is inlined into that call, or it would not be compiled for its lanes.
 
 impl Brick<'_> {
-    /// Distance [voxels] from each voxel to the nearest of the brick's triangles, at most `band`, into `distance`.
+    /// Distance [voxels] from each voxel to the nearest of the brick's triangles, at most `reach`, into `distance`.
     #[inline(always)]
     fn distances(&self, scratch: &mut Scratch, distance: &mut [f32]) {
-        let &Brick { centre, triangles, skin, band } = self;
-        distance.fill(band);
+        let &Brick { centre, triangles, skin, reach } = self;
+        distance.fill(reach);
         let Scratch { facets: local, parts, blocks } = scratch;
         local.clear();
         for near in triangles.iter().filter(|near| skin.serves_distance(**near)) {
@@ -118,7 +120,7 @@ impl Brick<'_> {
         for facet in local.iter() {
             parts.squared.push(facet.squared_distances(&octet));
         }
-        let part_limits = parts.limits(PART_RADIUS, band);
+        let part_limits = parts.limits(PART_RADIUS, reach);
         for part in 0..8 {
             let part_centre = corner(part) * 4.0 - 2.0;
             let octet = Octet::new(part_centre, 1.0);
@@ -129,7 +131,7 @@ impl Brick<'_> {
                     blocks.squared.push(local[i].squared_distances(&octet));
                 }
             }
-            let block_limits = blocks.limits(BLOCK_RADIUS, band);
+            let block_limits = blocks.limits(BLOCK_RADIUS, reach);
             for (block, limit) in block_limits.into_iter().enumerate() {
                 let block_centre = part_centre + corner(block) * 2.0 - 1.0;
                 let candidates = blocks.within(block, limit);
@@ -137,7 +139,7 @@ impl Brick<'_> {
                     let first = (corner(part) * 4.0 + corner(block) * 2.0).as_ivec3();
                     for (i, value) in values.iter().enumerate() {
                         let voxel = first + corner(i).as_ivec3();
-                        distance[crate::grid::voxel_offset(voxel)] = smaller(value.sqrt(), band);
+                        distance[crate::grid::voxel_offset(voxel)] = smaller(value.sqrt(), reach);
                     }
                 }
             }

@@ -68,12 +68,13 @@ const CHUNK: usize = 1024;
 /// A brick's index entry and a triangle near it.
 type Pair = (u32, NearTriangle);
 
-pub(super) fn scatter(skin: &Skin, grid: &BrickGrid) -> BrickTriangles {
+/// Brings each facet of a skin to the bricks within `reach` [voxels] of it.
+pub(super) fn scatter(skin: &Skin, grid: &BrickGrid, reach: f64) -> BrickTriangles {
     let scattered: Vec<Vec<Pair>> = skin
         .facets
         .par_chunks(CHUNK)
         .enumerate()
-        .map(|(chunk, facets)| pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid }))
+        .map(|(chunk, facets)| pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid, reach }))
         .collect();
     gather(&scattered, grid.index.len())
 }
@@ -85,6 +86,8 @@ struct ScatterChunk<'a> {
     facets: &'a [Facet],
     skin: &'a Skin,
     grid: &'a BrickGrid,
+    /// How far from those that serve the distance bricks matter [voxels].
+    reach: f64,
 }
 
 impl pulp::NullaryFnOnce for ScatterChunk<'_> {
@@ -92,11 +95,10 @@ impl pulp::NullaryFnOnce for ScatterChunk<'_> {
 
     #[inline(always)]
     fn call(self) -> Vec<Pair> {
-        let Self { first, facets, skin, grid } = self;
-        let band = f64::from(grid.band) / grid.voxel;
+        let Self { first, facets, skin, grid, reach } = self;
         let (mut pairs, mut pieces) = (Vec::with_capacity(8 * facets.len()), Vec::new());
         for (i, facet) in facets.iter().enumerate() {
-            let reach = skin.reach(first + i, band) * (1.0 + 1e-6);
+            let reach = skin.reach(first + i, reach) * (1.0 + 1e-6);
             let outline = Outline { bounds: facet.bounds(), slabs: facet.slabs(), reach };
             outline.touched_bricks(
                 &mut pieces,

@@ -8,11 +8,15 @@
 use std::collections::VecDeque;
 
 use glam::IVec3;
+use rayon::prelude::*;
 
+use super::normals::Normals;
+use super::scatter::BrickTriangles;
+use super::skin::Corners;
 use super::winding::WindingTree;
 use crate::Mesh;
 use crate::clean::EdgeMap;
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at, voxel_offset};
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, cell_corner, voxel_at, voxel_offset};
 use crate::implicit::entry_brick;
 
 /// Winding numbers farther than this from a whole number count as ambiguous.
@@ -62,6 +66,38 @@ pub(super) fn judge(
         }
     }
     (ambiguous, inside)
+}
+
+/// As [`judge`], by normals, for a surface without holes; returns the inside voxels.
+pub(super) fn judge_by_normals(brick: IVec3, phi: &mut [f32], normals: &Normals, grid: &BrickGrid) -> usize {
+    let mut inside = 0;
+    for voxels in members(&components(phi, grid.voxel as f32)) {
+        let farthest = sampled(&voxels, phi, false)[0];
+        if normals.is_inside(grid.position(voxel_at(brick, farthest))) {
+            inside += voxels.len();
+            voxels.iter().for_each(|&voxel| phi[voxel] = -phi[voxel]);
+        }
+    }
+    inside
+}
+
+/// Share of the voxels of the touched bricks at which patches leave the inside to a guess: without them the winding
+/// number would be farther than [`AMBIGUOUS`] from a whole number. One voxel of 64 is asked.
+pub(super) fn ambiguous_share(patches: &[Corners], near: &BrickTriangles, grid: &BrickGrid) -> f64 {
+    if patches.is_empty() {
+        return 0.0;
+    }
+    let tree = WindingTree::of(patches.to_vec());
+    let ambiguous: usize = (0..near.brick_count())
+        .into_par_iter()
+        .map(|b| {
+            let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
+            let corners = (0..8).map(|i| brick * BRICK_SIDE as i32 + 2 + 4 * cell_corner(i));
+            let windings = corners.map(|voxel| tree.winding_number(grid.position(voxel)));
+            windings.filter(|winding| (winding - winding.round()).abs() > AMBIGUOUS).count()
+        })
+        .sum();
+    ambiguous as f64 / (8 * near.brick_count()) as f64
 }
 
 /// The voxels of each component, in order.
