@@ -7,6 +7,7 @@
 //! [`WindingTree`]).
 
 mod columns;
+mod cuts;
 mod distance;
 mod error;
 mod facet;
