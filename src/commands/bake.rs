@@ -52,7 +52,8 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
     refuse_occupied(&args.out.out, "", args.out.force)?;
     let part = Part::load(&args.mesh_file, args.mesh.unit.into())?;
     part.describe(console);
-    let options = BakeOptions { voxel: fineness.voxel(&part), band_voxels, sign: args.mesh.sign.into() };
+    let shell = args.mesh.shell()?;
+    let options = BakeOptions { voxel: fineness.voxel(&part), band_voxels, sign: args.mesh.sign.into(), shell };
     let name = || args.mesh_file.display().to_string();
     budget::check(&part.mesh, &options).with_context(name)?;
     let baking = Instant::now();

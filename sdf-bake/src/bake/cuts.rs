@@ -1,15 +1,8 @@
 //! Cutting triangles where others meet them, so that every piece is wholly inside another body or wholly outside.
 
-use glam::{DVec2, DVec3};
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use glam::DVec3;
 
 use super::skin::Corners;
-
-/// Below this, spade takes no coordinate but zero.
-const LEAST_COORDINATE: f64 = 1e-140;
-
-/// Two corners of a piece closer than this many tolerances make it no piece.
-const LEAST_PIECE: f64 = 1e-3;
 
 /// Where one triangle meets another: segments that lie in both.
 ///
@@ -54,11 +47,11 @@ fn in_plane(corners: &Corners, heights: [f64; 3]) -> Option<[DVec3; 2]> {
     }
 }
 
-/// The part of a segment over a triangle of whose plane it is.
-fn within([a, b]: [DVec3; 2], corners: &Corners, normal: DVec3, tolerance: f64) -> Option<[DVec3; 2]> {
+/// The part of a segment over a convex polygon of whose plane it is.
+fn within([a, b]: [DVec3; 2], corners: &[DVec3], normal: DVec3, tolerance: f64) -> Option<[DVec3; 2]> {
     let (mut start, mut end) = (0.0f64, 1.0f64);
-    for i in 0..3 {
-        let outward = (corners[(i + 1) % 3] - corners[i]).cross(normal).normalize_or_zero();
+    for i in 0..corners.len() {
+        let outward = (corners[(i + 1) % corners.len()] - corners[i]).cross(normal).normalize_or_zero();
         let (from, to) = (outward.dot(a - corners[i]), outward.dot(b - corners[i]));
         if from > tolerance && to > tolerance {
             return None;
@@ -72,58 +65,46 @@ fn within([a, b]: [DVec3; 2], corners: &Corners, normal: DVec3, tolerance: f64) 
     ((end - start) * a.distance(b) > tolerance).then(|| [a.lerp(b, start), a.lerp(b, end)])
 }
 
-/// The pieces of a triangle between segments in it, turned as it is; `None` if it cannot be cut.
+/// The pieces of a triangle between segments in it, turned as it is; `None` if it has no plane to be cut in.
+///
+/// Each piece that a segment runs through is halved along the segment's line, so that all pieces stay convex.
 pub(super) fn pieces(corners: &Corners, segments: &[[DVec3; 2]], tolerance: f64) -> Option<Vec<Corners>> {
     let normal = normal(corners)?;
-    let along = (corners[1] - corners[0]).try_normalize()?;
-    let across = normal.cross(along);
-    let flat = |p: DVec3| DVec2::new(along.dot(p - corners[0]), across.dot(p - corners[0]));
-    let mut plane = Plane { triangulation: ConstrainedDelaunayTriangulation::new(), tolerance };
-    let outline = corners.map(flat);
-    for corner in outline {
-        plane.vertex(corner)?;
-    }
-    for segment in segments {
-        let [from, to] = segment.map(|p| snapped(flat(p), &outline, tolerance));
-        let (from, to) = (plane.vertex(from)?, plane.vertex(to)?);
-        if from != to {
-            plane.triangulation.add_constraint_and_split(from, to, |point| point);
+    let mut pieces = vec![corners.to_vec()];
+    for &segment in segments {
+        let aside = (segment[1] - segment[0]).cross(normal).normalize_or_zero();
+        let mut halved = Vec::with_capacity(pieces.len() + 1);
+        for piece in pieces {
+            let heights: Vec<f64> = piece.iter().map(|&p| aside.dot(p - segment[0])).collect();
+            let is_parted = heights.iter().any(|&h| h > tolerance) && heights.iter().any(|&h| h < -tolerance);
+            if is_parted && within(segment, &piece, normal, tolerance).is_some() {
+                halved.extend([half(&piece, &heights, 1.0), half(&piece, &heights, -1.0)]);
+            } else {
+                halved.push(piece);
+            }
         }
+        pieces = halved;
     }
-    let solid = |p: Point2<f64>| corners[0] + p.x * along + p.y * across;
-    let faces = plane.triangulation.inner_faces().map(|face| face.vertices().map(|vertex| solid(vertex.position())));
-    Some(faces.filter(|[a, b, c]| (b - a).cross(c - a).length() > LEAST_PIECE * tolerance * tolerance).collect())
+    Some(pieces.iter().flat_map(|piece| fan(piece)).collect())
 }
 
-/// A point drawn onto the outline if it is closer than the tolerance, so that pieces do not reach beyond it.
-fn snapped(point: DVec2, outline: &[DVec2; 3], tolerance: f64) -> DVec2 {
-    let mut nearest = (tolerance, point);
-    for i in 0..3 {
-        let (from, edge) = (outline[i], outline[(i + 1) % 3] - outline[i]);
-        let foot = from + edge * ((point - from).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
-        if foot.distance(point) < nearest.0 {
-            nearest = (foot.distance(point), foot);
+/// The part of a convex polygon on one side of a line, given its corners' heights over it.
+fn half(piece: &[DVec3], heights: &[f64], side: f64) -> Vec<DVec3> {
+    let mut half = Vec::with_capacity(piece.len() + 1);
+    for i in 0..piece.len() {
+        let next = (i + 1) % piece.len();
+        let (from, to) = (side * heights[i], side * heights[next]);
+        if from >= 0.0 {
+            half.push(piece[i]);
+        }
+        if from * to < 0.0 {
+            half.push(piece[i].lerp(piece[next], from / (from - to)));
         }
     }
-    nearest.1
+    half
 }
 
-struct Plane {
-    triangulation: ConstrainedDelaunayTriangulation<Point2<f64>>,
-    tolerance: f64,
-}
-
-impl Plane {
-    /// The vertex at a point; one within the tolerance serves. `None` if the point is no number.
-    fn vertex(&mut self, point: DVec2) -> Option<spade::handles::FixedVertexHandle> {
-        let near = self.triangulation.vertices().find(|vertex| {
-            let at = vertex.position();
-            DVec2::new(at.x, at.y).distance(point) < self.tolerance
-        });
-        if let Some(vertex) = near.map(|vertex| vertex.fix()) {
-            return Some(vertex);
-        }
-        let [x, y] = point.to_array().map(|number| if number.abs() < LEAST_COORDINATE { 0.0 } else { number });
-        self.triangulation.insert(Point2::new(x, y)).ok()
-    }
+fn fan(piece: &[DVec3]) -> Vec<Corners> {
+    let corners = |i: usize| [piece[0], piece[i], piece[i + 1]];
+    (1..piece.len().saturating_sub(1)).map(corners).filter(|corners| normal(corners).is_some()).collect()
 }

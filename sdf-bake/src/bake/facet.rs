@@ -90,7 +90,11 @@ impl Facet {
         let cross = edges[0].cross(c - a);
         let has_face = cross.length() > FLAT * lengths[0] * lengths[0];
         let normal = if has_face { cross.normalize() } else { longest.any_orthonormal_vector() };
-        let along = edges.map(|edge| edge.try_normalize().unwrap_or(longest));
+        // Without a plane, the direction of a short edge is rounding; all that there is lies along the longest.
+        let along = edges.map(|edge| match edge.try_normalize() {
+            Some(direction) if has_face => direction,
+            _ => longest * edge.dot(longest).signum(),
+        });
         Self { corners, normal, along, lengths, has_face }
     }
 
@@ -145,9 +149,8 @@ impl LocalFacet {
     pub(super) fn squared_distances(&self, at: &Octet) -> [f32; 8] {
         let mut squared = [0.0; 8];
         for i in 0..8 {
-            let linear = |[x, y, z]: [f32; 3], offset: f32| {
-                x.mul_add(at.x[i], y.mul_add(at.y[i], z.mul_add(at.z[i], offset)))
-            };
+            let linear =
+                |[x, y, z]: [f32; 3], offset: f32| x.mul_add(at.x[i], y.mul_add(at.y[i], z.mul_add(at.z[i], offset)));
             let height = linear(self.normal, self.height);
             let (u, v) = (linear(self.along, 0.0), linear(self.outward, 0.0));
             let past = |edge: &LocalEdge, t: f32| larger(larger(edge.start - t, t - edge.end), 0.0);

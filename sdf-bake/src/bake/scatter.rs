@@ -74,7 +74,9 @@ pub(super) fn scatter(skin: &Skin, grid: &BrickGrid, reach: f64) -> BrickTriangl
         .facets
         .par_chunks(CHUNK)
         .enumerate()
-        .map(|(chunk, facets)| pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid, reach }))
+        .map(|(chunk, facets)| {
+            pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid, reach })
+        })
         .collect();
     gather(&scattered, grid.index.len())
 }

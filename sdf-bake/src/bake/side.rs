@@ -86,7 +86,9 @@ impl<'a> Plan<'a> {
                 "{} boundary edges; {holes} holes patched and {turned} triangles turned, for the sign only",
                 edges.boundary_count()
             ),
-            Self::Normals(_) => "asked for; the surface is closed, has one orientation and no wall inside a body".into(),
+            Self::Normals(_) => {
+                "asked for; the surface is closed, has one orientation and no wall inside a body".into()
+            }
             Self::Winding(_) => {
                 format!("{} boundary edges: patches would be as large as the surface", edges.boundary_count())
             }

@@ -44,12 +44,7 @@ impl Surface {
 }
 
 /// Turns a brick's distances into signed ones; returns its ambiguous and its inside voxels.
-pub(super) fn judge(
-    brick: IVec3,
-    phi: &mut [f32],
-    surface: &Surface,
-    grid: &BrickGrid,
-) -> (usize, usize) {
+pub(super) fn judge(brick: IVec3, phi: &mut [f32], surface: &Surface, grid: &BrickGrid) -> (usize, usize) {
     let winding_at = |voxel: usize| surface.tree.winding_number(grid.position(voxel_at(brick, voxel)));
     let (mut ambiguous, mut inside) = (0, 0);
     for voxels in members(&components(phi, grid.voxel as f32)) {

@@ -247,7 +247,11 @@ fn overlapping_balls_have_the_distance_of_their_union() {
         // Of each ball the cap beyond the plane x = 0 is surface; its rim is the crease.
         let caps = [side - DVec3::X * apart, side + DVec3::X * apart].map(|from| {
             let foot = from / from.length() * radius;
-            if foot.x + apart * (side - from).x.signum() >= 0.0 { (from.length() - radius).abs() } else { f64::INFINITY }
+            if foot.x + apart * (side - from).x.signum() >= 0.0 {
+                (from.length() - radius).abs()
+            } else {
+                f64::INFINITY
+            }
         });
         let distance = caps[0].min((point.x).hypot(around - crease));
         let inside = side.distance(DVec3::X * apart) < radius;
@@ -263,7 +267,10 @@ fn normals_agree_with_crossings_and_refuse_what_they_cannot_judge() {
     let by_normals = BakeOptions { sign: SignChoice::Normal, ..BakeOptions::with_voxel(0.0004) };
     let (grid, report) = bake(&mesh, &by_normals).unwrap();
     assert_eq!(report.sign_method, SignMethod::Normals);
-    assert_eq!(grid, bake(&mesh, &BakeOptions::with_voxel(0.0004)).unwrap().0);
+    let crossings = bake(&mesh, &BakeOptions::with_voxel(0.0004)).unwrap().0;
+    assert_eq!((&grid.bricks, &grid.index), (&crossings.bricks, &crossings.index));
+    let differ = grid.phi.iter().zip(&crossings.phi).filter(|(a, b)| (*a - *b).abs() > 1e-4 * grid.voxel as f32);
+    assert_eq!(differ.count(), 0);
     let mut open = mesh.clone();
     open.triangles.truncate(700);
     let error = bake(&open, &by_normals).unwrap_err().to_string();

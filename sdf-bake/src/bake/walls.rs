@@ -59,9 +59,8 @@ impl Bodies {
             }
         }
         let margin = 1e-6 * mesh.diagonal();
-        let meets = |a: &(DVec3, DVec3), b: &(DVec3, DVec3)| {
-            (a.0 - margin).cmple(b.1).all() && (b.0 - margin).cmple(a.1).all()
-        };
+        let meets =
+            |a: &(DVec3, DVec3), b: &(DVec3, DVec3)| (a.0 - margin).cmple(b.1).all() && (b.0 - margin).cmple(a.1).all();
         let others = |label: usize| -> Vec<usize> {
             (0..count).filter(|&other| other != label && meets(&boxes[label], &boxes[other])).collect()
         };
@@ -103,10 +102,8 @@ pub(super) fn within(closed: &Closed, edges: &EdgeMap, bodies: &Bodies, voxel: f
     }
     let is_wall = &is_wall;
     let parted = |wall: bool| (0..is_wall.len()).filter(move |&t| is_wall[t] == wall);
-    let kept = Mesh {
-        positions: mesh.positions.clone(),
-        triangles: parted(false).map(|t| mesh.triangles[t]).collect(),
-    };
+    let kept =
+        Mesh { positions: mesh.positions.clone(), triangles: parted(false).map(|t| mesh.triangles[t]).collect() };
     let sign_only = parted(true).map(|t| mesh.corners(t)).collect();
     Some(Walls { kept, sign_only, distance_only: cut.into_iter().flat_map(|(_, surface)| surface).collect() })
 }
