@@ -59,20 +59,38 @@ impl Bodies {
             }
         }
         let margin = 1e-6 * mesh.diagonal();
-        let meets =
-            |a: &(DVec3, DVec3), b: &(DVec3, DVec3)| (a.0 - margin).cmple(b.1).all() && (b.0 - margin).cmple(a.1).all();
-        let others = |label: usize| -> Vec<usize> {
-            (0..count).filter(|&other| other != label && meets(&boxes[label], &boxes[other])).collect()
-        };
-        let neighbours: Vec<Vec<usize>> = (0..count).map(others).collect();
+        let neighbours = overlapping(&boxes, margin);
         let is_suspect = |t: &u32| {
             let [a, b, c] = mesh.corners(*t as usize);
             let bounds = (a.min(b).min(c), a.max(b).max(c));
-            overlaps || neighbours[labels[*t as usize] as usize].iter().any(|&other| meets(&bounds, &boxes[other]))
+            overlaps
+                || neighbours[labels[*t as usize] as usize].iter().any(|&other| overlap(&bounds, &boxes[other], margin))
         };
         let suspects: Vec<u32> = (0..labels.len() as u32).filter(is_suspect).collect();
         (!suspects.is_empty()).then_some(Self { labels, may_meet_itself: overlaps, suspects })
     }
+}
+
+/// Lowest and highest coordinates [m].
+type Bounds = (DVec3, DVec3);
+
+fn overlap(a: &Bounds, b: &Bounds, margin: f64) -> bool {
+    (a.0 - margin).cmple(b.1).all() && (b.0 - margin).cmple(a.1).all()
+}
+
+/// The boxes that each box overlaps, found by going through them along x.
+fn overlapping(boxes: &[Bounds], margin: f64) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
+    order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x));
+    let mut neighbours = vec![Vec::new(); boxes.len()];
+    for (at, &a) in order.iter().enumerate() {
+        let reached = order[at + 1..].iter().take_while(|&&b| boxes[b].0.x - margin <= boxes[a].1.x);
+        for &b in reached.filter(|&&b| overlap(&boxes[a], &boxes[b], margin)) {
+            neighbours[a].push(b);
+            neighbours[b].push(a);
+        }
+    }
+    neighbours
 }
 
 /// Parts the triangles of a closed surface; `None` without a wall.
