@@ -148,6 +148,7 @@ impl LocalFacet {
     #[inline(always)]
     pub(super) fn squared_distances(&self, at: &Octet) -> [f32; 8] {
         let mut squared = [0.0; 8];
+        #[expect(clippy::needless_range_loop, reason = "a lane is the same place in every array")]
         for i in 0..8 {
             let linear =
                 |[x, y, z]: [f32; 3], offset: f32| x.mul_add(at.x[i], y.mul_add(at.y[i], z.mul_add(at.z[i], offset)));
