@@ -22,12 +22,19 @@ pub struct FieldWishes {
     pub band_voxels: f64,
     /// Sign rule.
     pub sign: SignChoice,
+    /// Thickness of the shell that is baked instead of a solid [m].
+    pub shell: Option<f64>,
 }
 
 impl FieldWishes {
     /// The options of baking a part.
     pub fn options(&self, part: &Part) -> BakeOptions {
-        BakeOptions { voxel: self.fineness.voxel(part), band_voxels: self.band_voxels, sign: self.sign }
+        BakeOptions {
+            voxel: self.fineness.voxel(part),
+            band_voxels: self.band_voxels,
+            sign: self.sign,
+            shell: self.shell,
+        }
     }
 }
 
@@ -40,6 +47,10 @@ pub struct FieldFacts {
     pub band_voxels: f64,
     /// Where inside and outside came from.
     pub sign_method: SignMethod,
+    /// Why that was chosen.
+    pub sign_reason: String,
+    /// Triangles that lie inside another body, at least partly.
+    pub inner_triangles: usize,
     /// Triangles of the cleaned mesh.
     pub triangles: usize,
     /// Edges with one triangle only.
@@ -79,6 +90,8 @@ pub fn bake_part(part: &Part, options: &BakeOptions) -> Result<BakedField> {
         voxel_mm: report.voxel_m * 1e3,
         band_voxels: report.band_voxels,
         sign_method: report.sign_method,
+        sign_reason: report.sign_reason.to_string(),
+        inner_triangles: report.inner_triangles,
         triangles: part.mesh.triangles.len(),
         open_edges: report.boundary_edges,
         non_manifold_edges: part.cleaning.non_manifold_edges,

@@ -9,13 +9,13 @@ pub const MOST_BRICKS: f64 = 5e5;
 /// Bytes of distance and label in a brick.
 const BRICK_BYTES: f64 = 6.0 * BRICK_VOXELS as f64;
 
-/// Bricks that the band around a surface will need, about: `A (2 b + 1.5 s) / s³`.
+/// Bricks that the band around a surface, and half its shell, will need, about: `A (2 b + 1.5 s) / s³`.
 ///
 /// A slab of area A and thickness t meets `A (t + w) / s³` cubes of side s, where w is the cube's width across the
 /// slab, 1.5 s in the mean over all directions (Cauchy 1841). There are never more than the box around the band has.
 fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
     let side = BRICK_SIDE as f64 * options.voxel;
-    let band = options.band_voxels * options.voxel;
+    let band = options.band_voxels * options.voxel + options.half_shell();
     let around_surface = mesh.area() * (2.0 * band + 1.5 * side) / side.powi(3);
     let box_of_band =
         mesh.bounds().map_or(0.0, |(low, high)| ((high - low + 2.0 * band) / side + 1.0).element_product());

@@ -87,8 +87,12 @@ impl Fineness {
 /// # Errors
 /// When the part has no clear inside, or no weld fits it; the message says what would.
 pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Result<Workpiece> {
-    let baking =
-        BakeOptions { voxel: options.fineness.voxel(&part), band_voxels: options.band_voxels, sign: options.sign };
+    let baking = BakeOptions {
+        voxel: options.fineness.voxel(&part),
+        band_voxels: options.band_voxels,
+        sign: options.sign,
+        shell: None,
+    };
     budget::check(&part.mesh, &baking)?;
     options.wishes.check_against(baking.voxel)?;
     let (target, report) = bake(&part.mesh, &baking)?;
@@ -181,13 +185,20 @@ fn describe_volume(mesh: &Mesh, field: &BrickGrid) -> Option<String> {
 /// How a part was baked, for people.
 pub fn describe_baking(report: &BakeReport, grid: &BrickGrid) -> String {
     let mut line = format!(
-        "voxel {:.4} mm, {} bricks, {} active voxels, {:.1} MB\ninside by {}",
+        "voxel {:.4} mm, {} bricks, {} active voxels, {:.1} MB\ninside by {} ({})",
         report.voxel_m * 1e3,
         report.bricks,
         report.active_voxels,
         grid.bytes() as f64 / 1e6,
-        report.sign_method
+        report.sign_method,
+        report.sign_reason
     );
+    if report.inner_triangles > 0 {
+        line += &format!(
+            "\n{} triangles lie inside another body, or partly: the bodies are united",
+            report.inner_triangles
+        );
+    }
     if report.boundary_edges > 0 {
         line += &format!(
             "\nopen surface: {} boundary edges, {:.2} % of the band without a clear inside",

@@ -1,12 +1,16 @@
-//! Baking against parry3d on the same points in the same run: CPU seconds, on one thread, and their ratio.
+//! Baking against parry3d and OpenVDB's `vdb_tool` in the same run: CPU seconds and ratios.
 //!
-//! `cargo bench -p sdf-bake --bench bake [-- MESH...]` bakes the gear and the sliver plate, and meshes named;
-//! `--alone` leaves parry out.
+//! `cargo bench -p sdf-bake --bench bake [-- MESH...]` bakes the gear, the sliver plate, three parts of the shared folder
+//! (`ROBOFIN_SHARED`) and meshes named; `--alone` leaves the others out. Each figure is the least of five runs that
+//! take turns with `vdb_tool`; parry is asked once. All work for a mesh in memory is counted; of `vdb_tool`, whose process
+//! also reads the file, what a run that only reads takes is taken off.
 
 #[path = "../tests/common/parts.rs"]
 mod parts;
 
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -17,69 +21,124 @@ use sdf_bake::clean::clean;
 use sdf_bake::grid::{BRICK_VOXELS, voxel_at};
 use sdf_bake::read::{UnitChoice, read_mesh};
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, SignChoice, bake};
+use tempfile::NamedTempFile;
 
 /// Of the band's points, parry is asked about one in this many; its time is scaled up.
 const SAMPLED: usize = 16;
 
+/// Runs of which the fastest counts.
+const RUNS: usize = 5;
+
+/// Parts of the shared folder: a long bracket, a curved solid, an open surface of a real weldment.
+const SHARED: [&str; 3] = [
+    "00000125_e18c7feacfb54f3880659b43_trimesh_000.obj",
+    "00010009_d97409455fa543b3a224250f_trimesh_000.ply",
+    "other_cmu_WP_outerface.STL",
+];
+
 fn main() {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     let mut cases = vec![("gear".to_string(), parts::gear(500, 25)), ("slivers".into(), parts::sliver_plate(8208))];
-    for file in std::env::args().skip(1).filter(|argument| !argument.starts_with("--")) {
-        let read = read_mesh(Path::new(&file), UnitChoice::Auto).expect("a mesh file");
-        let name = Path::new(&file).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into());
-        cases.push((name, clean(read.mesh).expect("a usable mesh").0));
+    cases.extend(files().iter().map(|file| {
+        let read = read_mesh(file, UnitChoice::Auto).expect("a mesh file");
+        let name = file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into());
+        (name, clean(read.mesh).expect("a usable mesh").0)
+    }));
+    let alone = std::env::args().any(|argument| argument == "--alone");
+    let vdb_tool = !alone && Command::new("vdb_tool").arg("-version").output().is_ok();
+    if !alone && !vdb_tool {
+        println!("vdb_tool is not installed: no figures of OpenVDB");
     }
     println!(
-        "{:24} {:>9} {:>5} {:>9} {:>9} {:>8} {:>8} {:>6}",
-        "mesh", "triangles", "res", "bricks", "band", "bake s", "parry s", "ratio"
+        "{:24} {:>9} {:>5} {:>9} {:>7} {:>8} {:>6} {:>8} {:>6} {:>9} {:>6}",
+        "mesh", "triangles", "res", "band", "bake s", "parry s", "ratio", "vdb s", "ratio", "2 threads", "faster"
     );
     for (name, mesh) in &cases {
         for resolution in [256.0, 512.0] {
-            pool.install(|| row(name, mesh, resolution));
-            println!("{:24} on two threads {:.3} s by the clock", "", two_threads(mesh, resolution));
+            row(name, mesh, resolution, alone, vdb_tool);
         }
     }
 }
 
-fn row(name: &str, mesh: &Mesh, resolution: f64) {
+/// Meshes named, and those of the shared folder.
+fn files() -> Vec<PathBuf> {
+    let named = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).map(PathBuf::from);
+    let Some(shared) = std::env::var_os("ROBOFIN_SHARED") else {
+        println!("ROBOFIN_SHARED is not set: no parts of the shared folder");
+        return named.collect();
+    };
+    let folder = PathBuf::from(shared).join("data/abc");
+    SHARED.iter().map(|file| folder.join(file)).chain(named).collect()
+}
+
+fn row(name: &str, mesh: &Mesh, resolution: f64, alone: bool, vdb_tool: bool) {
     let (low, high) = mesh.bounds().expect("a mesh with vertices");
     let voxel = (high - low).max_element() / resolution;
     let options = BakeOptions { sign: SignChoice::Winding, ..BakeOptions::with_voxel(voxel) };
-    let mut fastest = f64::INFINITY;
+    let pools = [1, 2].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads"));
+    let file = vdb_tool.then(|| write_obj(mesh));
+    let (mut bake_s, mut clocks, mut vdb_s) = (f64::INFINITY, [f64::INFINITY; 2], f64::INFINITY);
     let mut baked = None;
-    for _ in 0..3 {
-        let started = cpu_seconds();
-        baked = Some(bake(mesh, &options));
-        fastest = fastest.min(cpu_seconds() - started);
+    for _ in 0..RUNS {
+        for (pool, clock) in pools.iter().zip(&mut clocks) {
+            let (seconds, wall) = pool.install(|| {
+                let (cpu, started) = (cpu_seconds(), Instant::now());
+                baked = Some(bake(mesh, &options));
+                (cpu_seconds() - cpu, started.elapsed().as_secs_f64())
+            });
+            if pool.current_num_threads() == 1 {
+                bake_s = bake_s.min(seconds);
+            }
+            *clock = clock.min(wall);
+        }
+        if let Some(file) = &file {
+            vdb_s = vdb_s.min(vdb_seconds(file.path(), voxel));
+        }
     }
     let Some(Ok((grid, report))) = baked else {
         println!("{name:24} is refused");
         return;
     };
-    let alone = std::env::args().any(|argument| argument == "--alone");
-    let parry = if alone { f64::NAN } else { parry_seconds(mesh, &grid) };
+    let parry = if alone { f64::NAN } else { pools[0].install(|| parry_seconds(mesh, &grid)) };
+    let vdb = if vdb_tool { vdb_s } else { f64::NAN };
     println!(
-        "{name:24.24} {:9} {resolution:5} {:9} {:9} {fastest:8.3} {parry:8.3} {:6.2}",
+        "{name:24.24} {:9} {resolution:5} {:9} {bake_s:7.3} {parry:8.3} {:6.2} {vdb:8.3} {:6.2} {:9.3} {:6.2}",
         mesh.triangles.len(),
-        report.bricks,
         report.active_voxels,
-        parry / fastest
+        parry / bake_s,
+        vdb / bake_s,
+        clocks[1],
+        clocks[0] / clocks[1]
     );
 }
 
-/// Seconds by the clock on two threads, the least of three.
-fn two_threads(mesh: &Mesh, resolution: f64) -> f64 {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
-    let (low, high) = mesh.bounds().expect("a mesh with vertices");
-    let options = BakeOptions::with_voxel((high - low).max_element() / resolution);
-    let run = |_| {
-        let started = Instant::now();
-        let baked = pool.install(|| bake(mesh, &options));
-        let seconds = started.elapsed().as_secs_f64();
-        drop(baked);
-        seconds
+fn write_obj(mesh: &Mesh) -> NamedTempFile {
+    let mut file = tempfile::Builder::new().suffix(".obj").tempfile().expect("a temporary file");
+    let vertices = mesh.positions.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
+    let faces = mesh.triangles.iter().map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1));
+    let text: String = vertices.chain(faces).collect();
+    file.write_all(text.as_bytes()).expect("a written file");
+    file
+}
+
+/// CPU seconds of `vdb_tool` on the same lattice, without those for reading.
+fn vdb_seconds(file: &Path, voxel: f64) -> f64 {
+    let run = |arguments: &[String]| {
+        let before = children_cpu_seconds();
+        let output =
+            Command::new("vdb_tool").args(["-read".into(), file.display().to_string()]).args(arguments).output();
+        assert!(output.is_ok_and(|output| output.status.success()), "vdb_tool failed");
+        children_cpu_seconds() - before
     };
-    (0..3).map(run).fold(f64::INFINITY, f64::min)
+    let reading = run(&[]);
+    run(&["-mesh2ls".into(), format!("voxel={voxel}"), "width=3".into()]) - reading
+}
+
+/// CPU seconds of all ended child processes, from Linux.
+fn children_cpu_seconds() -> f64 {
+    const TICKS_PER_SECOND: f64 = 100.0;
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = text.rsplit(") ").next().unwrap_or_default().split(' ');
+    fields.skip(13).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / TICKS_PER_SECOND
 }
 
 /// Seconds parry takes to build its tree and to project the points of the band, scaled up from a sample of rows.

@@ -15,9 +15,9 @@ fn gear() -> Mesh {
     mesh
 }
 
-fn field(mesh: &Mesh) -> BrickGrid {
+fn field(mesh: &Mesh, sign: SignChoice) -> BrickGrid {
     // The damage must not move the lattice, so the voxel is the gear's.
-    bake(mesh, &BakeOptions { sign: SignChoice::Winding, ..BakeOptions::with_voxel(0.08 / 128.0) }).unwrap().0
+    bake(mesh, &BakeOptions { sign, ..BakeOptions::with_voxel(0.08 / 128.0) }).unwrap().0
 }
 
 /// A number from 0 to 1 that looks random but is always the same (SplitMix64, Steele et al. 2014).
@@ -29,8 +29,8 @@ fn noise(seed: u64) -> f64 {
 }
 
 /// Share of the undamaged band whose sign the damaged mesh gets wrong.
-fn wrong_share(damage: &str, damaged: &Mesh) -> f64 {
-    let (right, other) = (field(&gear()), field(damaged));
+fn wrong_share(damage: &str, damaged: &Mesh, sign: SignChoice) -> f64 {
+    let (right, other) = (field(&gear(), SignChoice::Auto), field(damaged, sign));
     let (mut wrong, mut all) = (0, 0);
     for (at, &phi) in right.phi.iter().enumerate().filter(|(_, phi)| phi.abs() < right.band) {
         let voxel = voxel_at(right.bricks[at / BRICK_VOXELS], at % BRICK_VOXELS);
@@ -70,27 +70,28 @@ fn as_soup(mesh: &Mesh) -> Mesh {
     Mesh { positions, triangles }
 }
 
-/// A winding number of one half spans a hole with a skin of its own, which cuts edges off: wide holes are another shape.
+/// Patches continue the surface over edges of the gear too; where they do, nothing is a guess and nothing refused.
 #[test]
 fn holes_nearly_leave_the_sign_alone() {
-    for (radius, limit) in [(0.0008, 1e-3), (0.0025, 3e-3)] {
-        let share = wrong_share(&format!("5 % cut out, {} mm", 1e3 * radius), &with_holes(gear(), radius));
+    for (radius, limit) in [(0.0008, 1e-4), (0.0025, 5e-4)] {
+        let share =
+            wrong_share(&format!("5 % cut out, {} mm", 1e3 * radius), &with_holes(gear(), radius), SignChoice::Auto);
         assert!(share < limit, "{share}");
     }
 }
 
 #[test]
-fn turned_faces_are_harmless_after_cleaning_and_bounded_without() {
+fn turned_faces_are_harmless_with_and_without_cleaning() {
     let turned = with_turned_faces(gear());
     let (cleaned, report) = clean(turned.clone()).unwrap();
     assert!(report.flipped_triangles > 0);
-    assert_eq!(wrong_share("10 % turned, cleaned", &cleaned), 0.0);
-    let share = wrong_share("10 % turned, as they are", &turned);
-    assert!(share < 0.005, "{share}");
+    assert_eq!(wrong_share("10 % turned, cleaned", &cleaned, SignChoice::Auto), 0.0);
+    let share = wrong_share("10 % turned, as they are", &turned, SignChoice::Auto);
+    assert_eq!(share, 0.0);
 }
 
 #[test]
 fn a_jittered_soup_keeps_its_sign() {
-    let share = wrong_share("jittered soup", &as_soup(&gear()));
+    let share = wrong_share("jittered soup", &as_soup(&gear()), SignChoice::Winding);
     assert!(share < 0.01, "{share}");
 }

@@ -6,6 +6,7 @@ mod field;
 use std::path::{Path, PathBuf};
 
 use field::{band_points, summed_winding_number};
+use glam::DVec3;
 use rayon::prelude::*;
 use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;
@@ -45,20 +46,60 @@ fn shared_meshes() -> Vec<PathBuf> {
     paths
 }
 
-/// Wrong signs and the largest error of the distance [voxels].
-fn check(mesh: &Mesh) -> (usize, f64) {
+/// Balls within the union that are searched for a point outside, and directions for each.
+const BALLS: usize = 24;
+
+struct Findings {
+    wrong_signs: usize,
+    /// Largest error of the distance [voxels].
+    error: f64,
+    inner_triangles: usize,
+    /// Points outside within a ball that φ says is all inside.
+    holes_in_balls: usize,
+}
+
+fn check(mesh: &Mesh) -> Findings {
     let (low, high) = mesh.bounds().unwrap();
     let voxel = (high - low).max_element() / RESOLUTION;
-    let (grid, _) = bake(mesh, &BakeOptions::with_voxel(voxel)).unwrap();
+    let (grid, report) = bake(mesh, &BakeOptions::with_voxel(voxel)).unwrap();
+    let united = report.inner_triangles > 0;
     let points = band_points(&grid, 1);
     let sample = |count: usize| points.par_iter().step_by((points.len() / count).max(1));
     let query = MeshQuery::new(mesh);
-    let error = |(point, phi): &(glam::DVec3, f64)| (query.closest(*point).distance - phi.abs()).abs() / voxel;
-    let is_wrong = |(point, phi): &&(glam::DVec3, f64)| {
+    let error = |(point, phi): &(DVec3, f64)| {
+        let error = (query.closest(*point).distance - phi.abs()) / voxel;
+        // The surface of a union is at least as far as the nearest triangle, which may be a wall in it.
+        if united && *phi < 0.0 { error.max(0.0) } else { error.abs() }
+    };
+    let is_wrong = |(point, phi): &&(DVec3, f64)| {
         phi.abs() > ON_SURFACE * voxel && (summed_winding_number(mesh, *point) > 0.5) != (*phi < 0.0)
     };
-    (sample(SIGNS).filter(is_wrong).count(), sample(DISTANCES).map(error).reduce(|| 0.0, f64::max))
+    let beyond_a_wall = |(point, phi): &&(DVec3, f64)| *phi < -(query.closest(*point).distance + 0.01 * voxel);
+    let balls: Vec<(DVec3, f64)> = sample(if united { DISTANCES } else { 1 }).filter(beyond_a_wall).copied().collect();
+    let outside_in_ball = |(point, phi): &(DVec3, f64)| {
+        let is_outside =
+            |direction: &DVec3| summed_winding_number(mesh, *point + direction.normalize() * (0.999 * phi.abs())) < 0.5;
+        DIRECTIONS.iter().filter(|direction| is_outside(direction)).count()
+    };
+    let searched = balls.par_iter().step_by((balls.len() / BALLS).max(1));
+    Findings {
+        wrong_signs: sample(SIGNS).filter(is_wrong).count(),
+        error: sample(DISTANCES).map(error).reduce(|| 0.0, f64::max),
+        inner_triangles: report.inner_triangles,
+        holes_in_balls: searched.map(outside_in_ball).sum(),
+    }
 }
+
+const DIRECTIONS: [DVec3; 8] = [
+    DVec3::X,
+    DVec3::NEG_X,
+    DVec3::Y,
+    DVec3::NEG_Y,
+    DVec3::Z,
+    DVec3::NEG_Z,
+    DVec3::new(1.0, -2.0, 3.0),
+    DVec3::new(-3.0, 2.0, -1.0),
+];
 
 #[test]
 fn closed_shared_meshes_bake_exactly_and_without_a_wrong_sign() {
@@ -73,10 +114,11 @@ fn closed_shared_meshes_bake_exactly_and_without_a_wrong_sign() {
             continue;
         }
         closed += 1;
-        let (wrong, error) = check(&mesh);
-        println!("{name:75} {wrong} wrong signs, {error:.1e} voxels off at most");
-        assert_eq!(wrong, 0, "wrong signs on {name}");
+        let Findings { wrong_signs, error, inner_triangles, holes_in_balls } = check(&mesh);
+        println!("{name:75} {wrong_signs} wrong signs, {error:.1e} voxels off, {inner_triangles} triangles within");
+        assert_eq!(wrong_signs, 0, "wrong signs on {name}");
         assert!(error < 2e-5, "{name} is {error} voxels off");
+        assert_eq!(holes_in_balls, 0, "{name} has outside points nearer than φ says");
     }
     assert!(paths.is_empty() || closed >= 17, "only {closed} of {} meshes were closed", paths.len());
 }

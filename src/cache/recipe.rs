@@ -26,6 +26,7 @@ pub struct Recipe {
     fineness: Fineness,
     band_voxels: f64,
     sign: SignChoice,
+    shell: Option<f64>,
 }
 
 impl Recipe {
@@ -35,7 +36,7 @@ impl Recipe {
     /// Never for the program as shipped: it bakes the bundled part to know itself.
     pub fn new(mesh: &MeshBytes, wishes: &FieldWishes) -> Result<Self> {
         // Every wish by name: one that is added has to find its place here.
-        let FieldWishes { unit, fineness, band_voxels, sign } = *wishes;
+        let FieldWishes { unit, fineness, band_voxels, sign, shell } = *wishes;
         Ok(Self {
             format: CACHE_FORMAT,
             baker: baker()?,
@@ -47,6 +48,7 @@ impl Recipe {
             fineness,
             band_voxels,
             sign,
+            shell,
         })
     }
 
@@ -104,6 +106,7 @@ mod tests {
             fineness: Fineness::Resolution(64),
             band_voxels: 3.0,
             sign: SignChoice::Auto,
+            shell: None,
         };
         let key = |name: &str, text: &str, wishes: &FieldWishes| {
             Recipe::new(&mesh(place.path(), name, text), wishes).unwrap().key().unwrap()
@@ -119,6 +122,7 @@ mod tests {
             key("a.obj", text, &FieldWishes { fineness: Fineness::Voxel(64.0), ..wishes }),
             key("a.obj", text, &FieldWishes { band_voxels: 4.0, ..wishes }),
             key("a.obj", text, &FieldWishes { sign: SignChoice::Winding, ..wishes }),
+            key("a.obj", text, &FieldWishes { shell: Some(0.5), ..wishes }),
         ];
         let distinct: std::collections::BTreeSet<&String> = others.iter().chain([&first]).collect();
         assert_eq!(distinct.len(), 8);

@@ -70,6 +70,7 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
         fineness: args.mesh.fineness()?,
         band_voxels: args.mesh.band_voxels()?,
         sign: args.mesh.sign.into(),
+        shell: args.mesh.shell()?,
     };
     if !(1..=MOST_JOBS).contains(&args.jobs) {
         return Err(wrong_use(format!("--jobs {}: 1 to {MOST_JOBS} are accepted", args.jobs)));

@@ -41,10 +41,12 @@ impl From<UnitFlag> for UnitChoice {
 /// How inside and outside are told apart.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(super) enum SignFlag {
-    /// Winding number; refuses an open surface whose inside is unclear.
+    /// Whatever suits the surface; refuses an open one whose inside is unclear.
     #[default]
     Auto,
-    /// Winding number, also where an open surface leaves the inside to a guess.
+    /// Angle-weighted normals; refuses a surface on which they can err.
+    Normal,
+    /// As auto, also where an open surface leaves the inside to a guess.
     Winding,
 }
 
@@ -52,6 +54,7 @@ impl From<SignFlag> for SignChoice {
     fn from(flag: SignFlag) -> Self {
         match flag {
             SignFlag::Auto => Self::Auto,
+            SignFlag::Normal => Self::Normal,
             SignFlag::Winding => Self::Winding,
         }
     }
@@ -75,6 +78,9 @@ pub(super) struct MeshFlags {
     /// How inside and outside are told apart.
     #[arg(long, value_enum, default_value_t)]
     pub(super) sign: SignFlag,
+    /// Bake the surface itself as a shell of this thickness [mm], instead of what it encloses.
+    #[arg(long, value_name = "MM", conflicts_with = "sign", allow_negative_numbers = true)]
+    pub(super) shell_mm: Option<f64>,
 }
 
 impl MeshFlags {
@@ -90,6 +96,19 @@ impl MeshFlags {
             )));
         }
         Ok(Fineness::Resolution(across))
+    }
+
+    /// The thickness of the shell asked for [m].
+    pub(super) fn shell(&self) -> Result<Option<f64>> {
+        optional_mm("--shell-mm", self.shell_mm)
+    }
+
+    /// Refuses `--shell-mm` where the part must be solid.
+    pub(super) fn solid_only(&self, verb: &str) -> Result<()> {
+        match self.shell_mm {
+            Some(_) => Err(wrong_use(format!("--shell-mm: only `robofin bake` takes it; `{verb}` needs a solid part"))),
+            None => Ok(()),
+        }
     }
 
     /// The band asked for [voxels].

@@ -85,6 +85,7 @@ struct WeldAnswer<'a> {
 
 pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let started = std::time::Instant::now();
+    args.mesh.solid_only("robofin weld")?;
     let options = WeldingOptions {
         seed: args.seed,
         fineness: args.mesh.fineness()?,

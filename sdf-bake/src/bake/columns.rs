@@ -8,12 +8,15 @@
 //! in a closed surface all parts cancel pair by pair, whatever the rounding. No crossing is lost or counted twice at
 //! shared edges and vertices, and a voxel can be wrong only if it is on the surface to within the rounding of f64.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::facet::Facet;
 use super::scatter::BrickTriangles;
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
+use super::skin::Skin;
+use crate::grid::{BRICK_SIDE, BrickGrid};
 use crate::implicit::entry_brick;
 
 /// Inside voxels of a brick: bit z + 8 y of word x.
@@ -25,33 +28,70 @@ const COLUMNS: usize = BRICK_SIDE * BRICK_SIDE;
 /// Signed crossings of each of a brick's columns, sorted by how many of its voxels lie below them.
 type Crossings = [[i32; BRICK_SIDE + 1]; COLUMNS];
 
-/// Inside voxels of each touched brick.
-pub(super) fn inside_masks(near: &BrickTriangles, facets: &[Facet], grid: &BrickGrid) -> Vec<InsideMask> {
-    let stacks = near.stacks(grid.dims.z as usize);
-    let masks: Vec<Vec<InsideMask>> = stacks
-        .into_par_iter()
-        .map(|stack| {
-            let mut above = [0; COLUMNS];
-            let mut masks: Vec<InsideMask> = stack
-                .rev()
-                .map(|b| {
-                    let low = (grid.origin + entry_brick(near.entry(b), grid.dims)).as_dvec3() * BRICK_SIDE as f64;
-                    let mut crossings = [[0; BRICK_SIDE + 1]; COLUMNS];
-                    for &triangle in near.triangles(b) {
-                        add_crossings(&facets[triangle as usize], low, &mut crossings);
-                    }
-                    mask(&crossings, &mut above)
-                })
-                .collect();
-            masks.reverse();
-            masks
-        })
-        .collect();
-    masks.concat()
+/// Where inside is.
+#[derive(Default)]
+pub(super) struct Insides {
+    /// Inside voxels of each touched brick.
+    pub(super) masks: Vec<InsideMask>,
+    /// Runs of index entries between touched bricks that are wholly inside.
+    pub(super) gaps: Vec<Range<usize>>,
+    /// Most bodies around one voxel.
+    pub(super) deepest: i32,
+}
+
+/// Inside voxels of each touched brick, and the untouched bricks inside.
+pub(super) fn insides(near: &BrickTriangles, skin: &Skin, grid: &BrickGrid) -> Insides {
+    let of_stack = |stack: Range<usize>| pulp::Arch::new().dispatch(Stack { bricks: stack, near, skin, grid });
+    let stacks: Vec<Insides> = near.stacks(grid.dims.z as usize).into_par_iter().map(of_stack).collect();
+    let mut all = Insides { masks: Vec::with_capacity(near.brick_count()), ..Insides::default() };
+    for stack in stacks {
+        all.masks.extend(stack.masks);
+        all.gaps.extend(stack.gaps);
+        all.deepest = all.deepest.max(stack.deepest);
+    }
+    all
+}
+
+/// Going down the bricks above one another, from outside: a call that is compiled for each kind of lanes.
+struct Stack<'a> {
+    bricks: Range<usize>,
+    near: &'a BrickTriangles,
+    skin: &'a Skin,
+    grid: &'a BrickGrid,
+}
+
+impl pulp::NullaryFnOnce for Stack<'_> {
+    type Output = Insides;
+
+    #[inline(always)]
+    fn call(self) -> Insides {
+        let Self { bricks, near, skin, grid } = self;
+        let mut insides = Insides::default();
+        let mut above = [0; COLUMNS];
+        let mut entry_above = None;
+        for b in bricks.rev() {
+            let entry = near.entry(b);
+            // Where no surface is, all columns are alike.
+            if let Some(end) = entry_above.filter(|&end| end > entry + 1 && above[0] > 0) {
+                insides.gaps.push(entry + 1..end);
+            }
+            entry_above = Some(entry);
+            let low = (grid.origin + entry_brick(entry, grid.dims)).as_dvec3() * BRICK_SIDE as f64;
+            let mut crossings = [[0; BRICK_SIDE + 1]; COLUMNS];
+            for &near in near.triangles(b) {
+                if skin.serves_sign(near) {
+                    add_crossings(&skin.facets[near.index()], low, &mut crossings);
+                }
+            }
+            insides.masks.push(mask(&crossings, &mut above, &mut insides.deepest));
+        }
+        insides.masks.reverse();
+        insides
+    }
 }
 
 /// Makes the distances of inside voxels negative; returns how many there are.
-pub(super) fn apply(mask: &InsideMask, phi: &mut [f32; BRICK_VOXELS]) -> usize {
+pub(super) fn apply(mask: &InsideMask, phi: &mut [f32]) -> usize {
     for (offset, value) in phi.iter_mut().enumerate() {
         if mask[offset >> 6] >> (offset & 63) & 1 == 1 {
             *value = -*value;
@@ -61,11 +101,13 @@ pub(super) fn apply(mask: &InsideMask, phi: &mut [f32; BRICK_VOXELS]) -> usize {
 }
 
 /// Goes down a brick's columns; `above` holds the winding number over the brick, then that below it.
-fn mask(crossings: &Crossings, above: &mut [i32; COLUMNS]) -> InsideMask {
+#[inline(always)]
+fn mask(crossings: &Crossings, above: &mut [i32; COLUMNS], deepest: &mut i32) -> InsideMask {
     let mut mask = InsideMask::default();
     for (column, (crossings, winding)) in crossings.iter().zip(above).enumerate() {
         for z in (0..BRICK_SIDE).rev() {
             *winding += crossings[z + 1];
+            *deepest = (*deepest).max(*winding);
             mask[column / BRICK_SIDE] |= u64::from(*winding > 0) << (column % BRICK_SIDE * BRICK_SIDE + z);
         }
         *winding += crossings[0];
@@ -76,6 +118,7 @@ fn mask(crossings: &Crossings, above: &mut [i32; COLUMNS]) -> InsideMask {
 /// Adds where a triangle crosses the columns of the brick whose first voxel is at `low` [voxels].
 ///
 /// Heights are those of the whole lattice, not of the brick, so that two bricks agree whose a crossing is.
+#[inline(always)]
 fn add_crossings(facet: &Facet, low: DVec3, crossings: &mut Crossings) {
     let (least, most) = facet.bounds();
     let side = BRICK_SIDE as f64;
@@ -103,6 +146,7 @@ fn add_crossings(facet: &Facet, low: DVec3, crossings: &mut Crossings) {
 }
 
 /// Where the triangle's outline passes `y` upwards and where downwards.
+#[inline(always)]
 fn edges_at(facet: &Facet, y: f64) -> Option<[DVec3; 2]> {
     let (mut up, mut down) = (None, None);
     for i in 0..3 {

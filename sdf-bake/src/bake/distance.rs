@@ -6,8 +6,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::facet::{Facet, LocalFacet, larger, smaller};
-use crate::grid::BRICK_VOXELS;
+use super::facet::{LocalFacet, Octet, larger, smaller};
+use super::scatter::NearTriangle;
+use super::skin::Skin;
+use crate::BrickGrid;
 
 /// Half the diagonal of 4³ and of 2³ voxels [voxels].
 const PART_RADIUS: f32 = 2.598_077;
@@ -47,7 +49,7 @@ impl Candidates {
         &self.of_child
     }
 
-    /// Squared distances from a child's centre within which triangles matter; `reach` is the band [voxels].
+    /// Squared distances from a child's centre within which triangles matter; `reach` in voxels.
     #[inline(always)]
     fn limits(&self, radius: f32, reach: f32) -> [f32; 8] {
         let mut least = [f32::INFINITY; 8];
@@ -64,74 +66,85 @@ impl Candidates {
 pub(super) struct Brick<'a> {
     /// Centre of its voxels [voxels].
     pub(super) centre: DVec3,
-    /// Indices into `facets`.
-    pub(super) triangles: &'a [u32],
-    pub(super) facets: &'a [Facet],
+    /// Those near it.
+    pub(super) triangles: &'a [NearTriangle],
+    pub(super) skin: &'a Skin,
     /// Where distances end [voxels].
-    pub(super) band: f32,
+    pub(super) reach: f32,
 }
 
-impl Brick<'_> {
-    /// Distance [voxels] from each voxel to the nearest of the brick's triangles, at most `band`.
-    ///
-    /// Runs in the widest lanes the processor has; they change no bit of the result.
-    pub(super) fn distances(self, scratch: &mut Scratch) -> Box<[f32; BRICK_VOXELS]> {
-        pulp::Arch::new().dispatch(InLanes { brick: self, scratch })
-    }
+/// Distances of a brick's voxels [m] into `phi`: a call that is compiled for each kind of lanes.
+///
+/// The output is how many voxels are within the band. Lanes change no bit of it.
+pub(super) struct Distances<'a> {
+    pub(super) brick: Brick<'a>,
+    pub(super) grid: &'a BrickGrid,
+    /// What is taken off all distances [m].
+    pub(super) half_shell: f64,
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) phi: &'a mut [f32],
 }
 
-/// [`distances`] as a call that is compiled for each kind of lanes.
-struct InLanes<'a, 'b> {
-    brick: Brick<'a>,
-    scratch: &'b mut Scratch,
-}
-
-impl pulp::NullaryFnOnce for InLanes<'_, '_> {
-    type Output = Box<[f32; BRICK_VOXELS]>;
+impl pulp::NullaryFnOnce for Distances<'_> {
+    type Output = usize;
 
     #[inline(always)]
-    fn call(self) -> Self::Output {
-        distances(self.brick, self.scratch)
+    fn call(self) -> usize {
+        let Self { brick, grid, half_shell, scratch, phi } = self;
+        brick.distances(scratch, phi);
+        let mut in_band = 0;
+        for value in phi.iter_mut() {
+            let metres = (f64::from(*value) * grid.voxel - half_shell) as f32;
+            *value = if *value < brick.reach { smaller(larger(metres, -grid.band), grid.band) } else { grid.band };
+            in_band += usize::from(value.abs() < grid.band);
+        }
+        in_band
     }
 }
 
-// All below is inlined into the call above, or it would not be compiled for its lanes.
+// All below is inlined into that call, or it would not be compiled for its lanes.
 
-#[inline(always)]
-fn distances(brick: Brick, scratch: &mut Scratch) -> Box<[f32; BRICK_VOXELS]> {
-    let Brick { centre, triangles, facets, band } = brick;
-    let mut nearest = Box::new([band; BRICK_VOXELS]);
-    let Scratch { facets: local, parts, blocks } = scratch;
-    local.clear();
-    local.extend(triangles.iter().map(|&t| facets[t as usize].seen_from(centre)));
-    parts.squared.clear();
-    for facet in local.iter() {
-        parts.squared.push(facet.squared_distances(Vec3::ZERO, 2.0));
-    }
-    let part_limits = parts.limits(PART_RADIUS, band);
-    for part in 0..8 {
-        let part_centre = corner(part) * 4.0 - 2.0;
-        blocks.clear();
-        for (i, squared) in parts.squared.iter().enumerate() {
-            if squared[part] <= part_limits[part] {
-                blocks.facets.push(i as u32);
-                blocks.squared.push(local[i].squared_distances(part_centre, 1.0));
-            }
+impl Brick<'_> {
+    /// Distance [voxels] from each voxel to the nearest of the brick's triangles, at most `reach`, into `distance`.
+    #[inline(always)]
+    fn distances(&self, scratch: &mut Scratch, distance: &mut [f32]) {
+        let &Brick { centre, triangles, skin, reach } = self;
+        distance.fill(reach);
+        let Scratch { facets: local, parts, blocks } = scratch;
+        local.clear();
+        for near in triangles.iter().filter(|near| skin.serves_distance(**near)) {
+            local.push(skin.facets[near.index()].seen_from(centre));
         }
-        let block_limits = blocks.limits(BLOCK_RADIUS, band);
-        for (block, limit) in block_limits.into_iter().enumerate() {
-            let block_centre = part_centre + corner(block) * 2.0 - 1.0;
-            let candidates = blocks.within(block, limit);
-            if let Some(values) = block_distances(candidates, block_centre, local) {
-                let first = (corner(part) * 4.0 + corner(block) * 2.0).as_ivec3();
-                for (i, value) in values.iter().enumerate() {
-                    let voxel = first + corner(i).as_ivec3();
-                    nearest[crate::grid::voxel_offset(voxel)] = smaller(value.sqrt(), band);
+        parts.squared.clear();
+        let octet = Octet::new(Vec3::ZERO, 2.0);
+        for facet in local.iter() {
+            parts.squared.push(facet.squared_distances(&octet));
+        }
+        let part_limits = parts.limits(PART_RADIUS, reach);
+        for part in 0..8 {
+            let part_centre = corner(part) * 4.0 - 2.0;
+            let octet = Octet::new(part_centre, 1.0);
+            blocks.clear();
+            for (i, squared) in parts.squared.iter().enumerate() {
+                if squared[part] <= part_limits[part] {
+                    blocks.facets.push(i as u32);
+                    blocks.squared.push(local[i].squared_distances(&octet));
+                }
+            }
+            let block_limits = blocks.limits(BLOCK_RADIUS, reach);
+            for (block, limit) in block_limits.into_iter().enumerate() {
+                let block_centre = part_centre + corner(block) * 2.0 - 1.0;
+                let candidates = blocks.within(block, limit);
+                if let Some(values) = block_distances(candidates, block_centre, local) {
+                    let first = (corner(part) * 4.0 + corner(block) * 2.0).as_ivec3();
+                    for (i, value) in values.iter().enumerate() {
+                        let voxel = first + corner(i).as_ivec3();
+                        distance[crate::grid::voxel_offset(voxel)] = smaller(value.sqrt(), reach);
+                    }
                 }
             }
         }
     }
-    nearest
 }
 
 /// Squared distances [voxels²] of a block's voxels, or `None` without a candidate.
@@ -141,11 +154,12 @@ fn block_distances(candidates: &[(f32, u32)], centre: Vec3, local: &[LocalFacet]
         Some(best) if best.0 <= candidate.0 => Some(best),
         _ => Some(candidate),
     })?;
-    let mut nearest = local[closest.1 as usize].squared_distances(centre, 0.5);
+    let octet = Octet::new(centre, 0.5);
+    let mut nearest = local[closest.1 as usize].squared_distances(&octet);
     let farthest = nearest.iter().fold(0.0, |a, &b| larger(b, a)).sqrt() + BLOCK_RADIUS + MARGIN;
     for &(squared, facet) in candidates {
         if squared <= farthest * farthest && facet != closest.1 {
-            let squared = local[facet as usize].squared_distances(centre, 0.5);
+            let squared = local[facet as usize].squared_distances(&octet);
             for (nearest, squared) in nearest.iter_mut().zip(squared) {
                 *nearest = smaller(squared, *nearest);
             }

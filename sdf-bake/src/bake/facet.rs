@@ -29,22 +29,45 @@ pub(super) struct Facet {
 
 /// A facet as seen from one place, f32: exact to about 2e-6 voxels within a brick of it.
 pub(super) struct LocalFacet {
-    normal: Vec3,
+    normal: [f32; 3],
     height: f32,
+    /// Along the longest edge, and out of the triangle across it: the frame within the plane, `u` and `v`.
+    along: [f32; 3],
+    outward: [f32; 3],
     edges: [LocalEdge; 3],
     /// `s` up to which a point is above the face: 0, or −∞ for a triangle without height.
     face_limit: f32,
 }
 
+/// An edge within its triangle's plane; those but the longest are turned against it.
 #[derive(Clone, Copy)]
 struct LocalEdge {
-    /// Unit vector out of the triangle, within its plane and square to the edge.
-    outward: Vec3,
+    cosine: f32,
+    sine: f32,
     beyond: f32,
-    along: Vec3,
-    /// Where the edge starts and ends along `along`.
+    /// Where the edge starts and ends along its direction.
     start: f32,
     end: f32,
+}
+
+/// The eight corners of a cube, z fastest [voxels].
+pub(super) struct Octet {
+    x: [f32; 8],
+    y: [f32; 8],
+    z: [f32; 8],
+}
+
+/// Signs of the eight corners of a cube, z fastest.
+const X: [f32; 8] = [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
+const Y: [f32; 8] = [-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0];
+const Z: [f32; 8] = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+
+impl Octet {
+    /// Corners of the cube around `centre`; `half` is half its side.
+    #[inline(always)]
+    pub(super) fn new(centre: Vec3, half: f32) -> Self {
+        Self { x: X.map(|x| centre.x + half * x), y: Y.map(|y| centre.y + half * y), z: Z.map(|z| centre.z + half * z) }
+    }
 }
 
 impl Facet {
@@ -67,7 +90,11 @@ impl Facet {
         let cross = edges[0].cross(c - a);
         let has_face = cross.length() > FLAT * lengths[0] * lengths[0];
         let normal = if has_face { cross.normalize() } else { longest.any_orthonormal_vector() };
-        let along = edges.map(|edge| edge.try_normalize().unwrap_or(longest));
+        // Without a plane, the direction of a short edge is rounding; all that there is lies along the longest.
+        let along = edges.map(|edge| match edge.try_normalize() {
+            Some(direction) if has_face => direction,
+            _ => longest * edge.dot(longest).signum(),
+        });
         Self { corners, normal, along, lengths, has_face }
     }
 
@@ -77,81 +104,68 @@ impl Facet {
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    /// Squared distance [voxels²] from a point [voxels].
-    pub(super) fn squared_distance(&self, point: DVec3) -> f64 {
-        let height = self.normal.dot(point - self.corners[0]);
-        let (mut farthest, mut nearest, mut past_longest) = (f64::NEG_INFINITY, f64::INFINITY, false);
-        for i in 0..3 {
-            let (s, t) = self.in_plane(i, point);
-            let e = (-t).max(t - self.lengths[i]).max(0.0);
-            past_longest |= i == 0 && e > 0.0;
-            farthest = farthest.max(s);
-            nearest = nearest.min(s * s + e * e);
-        }
-        let above_face = self.has_face && farthest <= 0.0 && !past_longest;
-        height * height + if above_face { 0.0 } else { nearest }
-    }
-
-    /// How far a point is beyond edge `i` within the plane, and how far along it from its start.
-    #[inline(always)]
-    fn in_plane(&self, i: usize, point: DVec3) -> (f64, f64) {
-        let from = point - self.corners[i];
-        (self.along[i].cross(self.normal).dot(from), self.along[i].dot(from))
+    /// Half-spaces that hold the facet: unit normals, each with the middle and half the width of the facet along it
+    /// [voxels]; the plane's first, then one square to the plane and each edge.
+    pub(super) fn slabs(&self) -> [(DVec3, f64, f64); 4] {
+        let slab = |direction: DVec3| {
+            let [a, b, c] = self.corners.map(|corner| direction.dot(corner));
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            (direction, 0.5 * (low + high), 0.5 * (high - low))
+        };
+        let across = |i: usize| slab(self.along[i].cross(self.normal));
+        [slab(self.normal), across(0), across(1), across(2)]
     }
 
     /// The facet as seen from `centre` [voxels].
     #[inline(always)]
     pub(super) fn seen_from(&self, centre: DVec3) -> LocalFacet {
+        let (along, outward) = (self.along[0], self.along[0].cross(self.normal));
         let edge = |i: usize| {
-            let (s, t) = self.in_plane(i, centre);
+            let from = centre - self.corners[i];
+            let (cosine, sine) = (self.along[i].dot(along), self.along[i].dot(outward));
+            let t = self.along[i].dot(from);
             LocalEdge {
-                outward: self.along[i].cross(self.normal).as_vec3(),
-                beyond: s as f32,
-                along: self.along[i].as_vec3(),
+                cosine: cosine as f32,
+                sine: sine as f32,
+                beyond: (cosine * outward.dot(from) - sine * along.dot(from)) as f32,
                 start: -t as f32,
                 end: (self.lengths[i] - t) as f32,
             }
         };
         LocalFacet {
-            normal: self.normal.as_vec3(),
+            normal: self.normal.as_vec3().to_array(),
             height: self.normal.dot(centre - self.corners[0]) as f32,
+            along: along.as_vec3().to_array(),
+            outward: outward.as_vec3().to_array(),
             edges: [edge(0), edge(1), edge(2)],
             face_limit: if self.has_face { 0.0 } else { f32::NEG_INFINITY },
         }
     }
 }
 
-/// Signs of the eight corners of a cube, z fastest.
-const X: [f32; 8] = [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
-const Y: [f32; 8] = [-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0];
-const Z: [f32; 8] = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
-
 impl LocalFacet {
-    /// Squared distances [voxels²] from the eight corners of a cube, z fastest; `half` is half its side.
+    /// Squared distances [voxels²] from the corners of a cube.
     #[inline(always)]
-    pub(super) fn squared_distances(&self, centre: Vec3, half: f32) -> [f32; 8] {
-        let linear = |direction: Vec3, offset: f32| {
-            let (middle, step) = (direction.dot(centre) + offset, direction * half);
-            (middle, step)
-        };
-        let (h, dh) = linear(self.normal, self.height);
-        let s = self.edges.map(|edge| linear(edge.outward, edge.beyond));
-        let t = self.edges.map(|edge| linear(edge.along, 0.0));
+    pub(super) fn squared_distances(&self, at: &Octet) -> [f32; 8] {
         let mut squared = [0.0; 8];
+        #[expect(clippy::needless_range_loop, reason = "a lane is the same place in every array")]
         for i in 0..8 {
-            let at = |(middle, step): (f32, Vec3)| middle + step.x * X[i] + step.y * Y[i] + step.z * Z[i];
-            let height = at((h, dh));
-            let beyond = [at(s[0]), at(s[1]), at(s[2])];
-            let past = |k: usize| {
-                let along = at(t[k]);
-                larger(larger(self.edges[k].start - along, along - self.edges[k].end), 0.0)
+            let linear =
+                |[x, y, z]: [f32; 3], offset: f32| x.mul_add(at.x[i], y.mul_add(at.y[i], z.mul_add(at.z[i], offset)));
+            let height = linear(self.normal, self.height);
+            let (u, v) = (linear(self.along, 0.0), linear(self.outward, 0.0));
+            let past = |edge: &LocalEdge, t: f32| larger(larger(edge.start - t, t - edge.end), 0.0);
+            let turned = |edge: &LocalEdge| {
+                let beyond = edge.cosine.mul_add(v, edge.sine.mul_add(-u, edge.beyond));
+                (beyond, past(edge, edge.cosine.mul_add(u, edge.sine * v)))
             };
-            let past = [past(0), past(1), past(2)];
-            let to_edge = |k: usize| beyond[k] * beyond[k] + past[k] * past[k];
-            let nearest = smaller(smaller(to_edge(0), to_edge(1)), to_edge(2));
-            let farthest = larger(larger(beyond[0], beyond[1]), beyond[2]);
-            let above_face = (farthest <= self.face_limit) & (past[0] <= 0.0);
-            squared[i] = height * height + if above_face { 0.0 } else { nearest };
+            let [longest, second, third] = &self.edges;
+            let (first, second, third) = ((v + longest.beyond, past(longest, u)), turned(second), turned(third));
+            let to_edge = |(beyond, past): (f32, f32)| beyond.mul_add(beyond, past * past);
+            let nearest = smaller(smaller(to_edge(first), to_edge(second)), to_edge(third));
+            let farthest = larger(larger(first.0, second.0), third.0);
+            let above_face = (farthest <= self.face_limit) & (first.1 <= 0.0);
+            squared[i] = height.mul_add(height, if above_face { 0.0 } else { nearest });
         }
         squared
     }

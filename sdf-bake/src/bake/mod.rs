@@ -1,152 +1,40 @@
 //! Baking: triangles to an exact narrow band with inside and outside known everywhere.
 //!
-//! The road: each triangle is scattered to the bricks within one band of it (`scatter.rs`); each brick takes
-//! the exact distance to its own triangles (`distance.rs`); a closed surface is signed by counting crossings along the
-//! lattice's columns (`columns.rs`), any other by the generalised winding number (`sign.rs`, [`WindingTree`]); what has
-//! no brick is flooded.
+//! The road: the surface is closed for the sign (`holes.rs`, `patch.rs`) and walls inside other bodies are taken out of
+//! the distance (`walls.rs`); each triangle is scattered to the bricks within one band of it (`scatter.rs`); each brick
+//! takes the exact distance to its own triangles (`distance.rs`) and its signs from crossings counted along the
+//! lattice's columns (`columns.rs`). A soup is signed by the generalised winding number instead (`sign.rs`,
+//! [`WindingTree`]).
 
 mod columns;
+mod cuts;
 mod distance;
+mod error;
 mod facet;
+mod fill;
+mod holes;
+mod normals;
+mod options;
+mod patch;
 mod scatter;
+mod side;
 mod sign;
+mod skin;
+mod walls;
 mod winding;
 
 use glam::DVec3;
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::clean::EdgeMap;
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid};
-use crate::implicit::entry_brick;
+use crate::grid::{BRICK_SIDE, BrickGrid, INSIDE};
 use crate::mesh::Mesh;
-use columns::InsideMask;
-use distance::{Brick, Scratch};
-use facet::Facet;
-use scatter::BrickTriangles;
-use sign::Surface;
+use fill::{Counts, fill};
+use side::{Plan, Side};
+use skin::Skin;
 
+pub use error::BakeError;
+pub use options::{BakeOptions, BakeReport, SignChoice, SignMethod};
 pub use winding::WindingTree;
-
-/// How inside and outside are told apart.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum SignChoice {
-    /// Winding number; refuses an open surface whose inside is unclear.
-    #[default]
-    Auto,
-    /// Winding number, also where an open surface leaves the inside to a guess.
-    Winding,
-}
-
-/// What to bake.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BakeOptions {
-    /// Distance between voxels [m].
-    pub voxel: f64,
-    /// Half width of the band [voxels].
-    pub band_voxels: f64,
-    /// Sign rule.
-    pub sign: SignChoice,
-}
-
-impl BakeOptions {
-    /// A band of ±3 voxels with the automatic sign.
-    pub fn with_voxel(voxel: f64) -> Self {
-        Self { voxel, band_voxels: 3.0, sign: SignChoice::Auto }
-    }
-}
-
-/// Where inside and outside came from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum SignMethod {
-    /// Signed crossings along columns of voxels: exact, for surfaces whose edges are all passed equally often both ways.
-    #[default]
-    Crossings,
-    /// Generalised winding number, for open or inconsistently oriented surfaces.
-    Winding,
-}
-
-impl std::fmt::Display for SignMethod {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Crossings => "signed crossings (the surface is closed)",
-            Self::Winding => "winding number (the surface is open or inconsistently oriented)",
-        })
-    }
-}
-
-/// What baking did.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BakeReport {
-    /// Distance between voxels [m].
-    pub voxel_m: f64,
-    /// Half width of the band [voxels].
-    pub band_voxels: f64,
-    /// Bricks in the pool.
-    pub bricks: usize,
-    /// Voxels with |φ| < band.
-    pub active_voxels: usize,
-    /// Where inside and outside came from.
-    pub sign_method: SignMethod,
-    /// Edges with one triangle only.
-    pub boundary_edges: usize,
-    /// Share of the judged voxels whose winding number is farther than 0.25 from a whole number.
-    pub ambiguous_share: f64,
-}
-
-/// Why a mesh cannot be baked.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum BakeError {
-    /// The mesh has no triangles.
-    #[error("the mesh has no triangles: nothing to bake")]
-    Empty,
-    /// The voxel size or band is not usable.
-    #[error(
-        "a voxel of {voxel} m with a band of {band_voxels} voxels cannot be baked: both must be positive, the band at least 2"
-    )]
-    Options {
-        /// Asked voxel [m].
-        voxel: f64,
-        /// Asked band [voxels].
-        band_voxels: f64,
-    },
-    /// The grid would not fit.
-    #[error(
-        "{cells:.2e} index bricks are too many (limit {limit:.0e}): a voxel of at least {least_voxel:.3e} m would fit"
-    )]
-    TooFine {
-        /// Index entries needed.
-        cells: f64,
-        /// Index entries allowed.
-        limit: f64,
-        /// Smallest voxel that fits [m].
-        least_voxel: f64,
-    },
-    /// Open surface whose inside is a guess.
-    #[error(
-        "open surface: {boundary_edges} boundary edges leave {:.1} % of the band without a clear inside; \
-         use --sign winding to accept the guess, or close the mesh", 100.0 * share
-    )]
-    Open {
-        /// Edges with one triangle only.
-        boundary_edges: usize,
-        /// Ambiguous share of the band, 0 to 1.
-        share: f64,
-    },
-    /// No voxel is inside.
-    #[error(
-        "the surface encloses nothing at a voxel of {voxel} m: it is a sheet, or thinner than a voxel ({boundary_edges} boundary edges)"
-    )]
-    NoInside {
-        /// Voxel [m].
-        voxel: f64,
-        /// Edges with one triangle only.
-        boundary_edges: usize,
-    },
-}
 
 /// Largest top-level index [bricks]: 512 MiB of entries.
 const MAX_INDEX: f64 = 1.28e8;
@@ -154,79 +42,77 @@ const MAX_INDEX: f64 = 1.28e8;
 /// Largest ambiguous share of the band that the automatic sign accepts.
 const AMBIGUOUS_LIMIT: f64 = 0.005;
 
+/// Thinnest shell [voxels]: thinner ones slip between voxels.
+const LEAST_SHELL: f64 = 2.0;
+
 /// Bakes a mesh into a brick grid.
 ///
-/// Distances within the band are exact to about 1e-6 voxels. Overlapping and nested bodies are united:
-/// a point is inside where the winding number (Jacobson et al. 2013) exceeds one half.
+/// Distances within the band are exact to about 1e-6 voxels. Overlapping, nested and touching bodies are united: a point
+/// is inside where the winding number (Jacobson et al. 2013) exceeds one half, and φ is the distance to the surface of
+/// the whole. Holes are patched for the sign only.
 ///
 /// # Errors
 /// [`BakeError`] for an empty mesh, unusable options, a grid that cannot fit, or a surface without a clear inside.
 pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport), BakeError> {
     let mut grid = frame(mesh, options)?;
-    let facets: Vec<Facet> =
-        (0..mesh.triangles.len()).into_par_iter().map(|t| Facet::new(mesh.corners(t), grid.voxel)).collect();
-    let (near, edges) = rayon::join(|| scatter::scatter(&facets, &grid), || EdgeMap::new(mesh));
-    let side = if edges.indices().all(|edge| edges.is_balanced(edge)) {
-        Inside::Masks(columns::inside_masks(&near, &facets, &grid))
-    } else {
-        Inside::Judged(Surface::new(mesh, &edges))
-    };
-    let judged: Vec<JudgedBrick> = (0..near.brick_count())
-        .into_par_iter()
-        .map_init(Scratch::default, |scratch, b| fill(b, &near, &facets, &side, &grid, scratch))
-        .collect();
-    collect(&judged, &near, &mut grid);
-    sign::flood_empty(&mut grid);
+    let (edges, skin) = rayon::join(|| EdgeMap::new(mesh), || Skin::of(mesh, grid.voxel));
+    let plan = Plan::new(mesh, &edges, options)?;
+    let reach = options.band_voxels + options.half_shell() / options.voxel;
+    let scene = plan.scene(skin, &edges, &grid, reach);
+    if options.sign == SignChoice::Normal && scene.inner_triangles > 0 {
+        let reason = format!("{} triangles lie inside another body", scene.inner_triangles);
+        return Err(BakeError::NormalsUnsafe { reason });
+    }
+    let filled = fill(&scene, options, reach, &mut grid);
+    match &scene.side {
+        Side::Columns(insides) => insides.gaps.iter().for_each(|gap| grid.index[gap.clone()].fill(INSIDE)),
+        Side::Winding(_) | Side::Normals(_) => sign::flood_empty(&mut grid),
+        Side::Shell => {}
+    }
+    let guessed = sign::ambiguous_share(plan.guesses(), &scene.near, &grid);
     let report = BakeReport {
         voxel_m: options.voxel,
         band_voxels: options.band_voxels,
         bricks: grid.brick_count(),
-        active_voxels: grid.phi.iter().filter(|phi| phi.abs() < grid.band).count(),
-        sign_method: side.method(),
+        active_voxels: filled.in_band,
+        sign_method: plan.method(),
+        sign_reason: plan.reason(&edges),
         boundary_edges: edges.boundary_count(),
-        ambiguous_share: ambiguous_share(&judged),
+        ambiguous_share: filled.ambiguous_share().max(guessed),
+        inner_triangles: scene.inner_triangles,
     };
-    check(&report, &judged, options)?;
+    check(&report, &filled, options)?;
     Ok((grid, report))
 }
 
-/// Moves the bricks that hold a part of the band into the grid.
-fn collect(judged: &[JudgedBrick], near: &BrickTriangles, grid: &mut BrickGrid) {
-    for (b, brick) in judged.iter().enumerate().filter(|(_, brick)| brick.in_band) {
-        grid.index[near.entry(b)] = grid.bricks.len() as u32;
-        grid.bricks.push(grid.origin + entry_brick(near.entry(b), grid.dims));
-        grid.phi.extend_from_slice(brick.phi.as_slice());
-    }
-}
-
-fn ambiguous_share(judged: &[JudgedBrick]) -> f64 {
-    let ambiguous: usize = judged.iter().map(|brick| brick.ambiguous).sum();
-    ambiguous as f64 / (judged.len() * BRICK_VOXELS).max(1) as f64
-}
-
 /// Refuses a surface without a clear inside.
-fn check(report: &BakeReport, judged: &[JudgedBrick], options: &BakeOptions) -> Result<(), BakeError> {
+fn check(report: &BakeReport, filled: &Counts, options: &BakeOptions) -> Result<(), BakeError> {
     let BakeReport { boundary_edges, ambiguous_share: share, .. } = *report;
+    if filled.inside == 0 {
+        return Err(BakeError::NoInside { voxel: options.voxel, boundary_edges, share });
+    }
     if boundary_edges > 0 && share > AMBIGUOUS_LIMIT && options.sign == SignChoice::Auto {
         return Err(BakeError::Open { boundary_edges, share });
-    }
-    if judged.iter().all(|brick| brick.inside == 0) {
-        return Err(BakeError::NoInside { voxel: options.voxel, boundary_edges });
     }
     Ok(())
 }
 
 /// An empty grid whose index reaches one brick beyond the band on every side.
 fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
-    let BakeOptions { voxel, band_voxels, .. } = *options;
+    let BakeOptions { voxel, band_voxels, shell, .. } = *options;
     if !(voxel > 0.0 && voxel.is_finite() && band_voxels >= 2.0 && band_voxels.is_finite()) {
         return Err(BakeError::Options { voxel, band_voxels });
     }
+    let least = LEAST_SHELL * voxel;
+    // Written so that a thickness that is no number is refused too.
+    if let Some(thickness) = shell.filter(|&thickness| !(thickness >= least && thickness.is_finite())) {
+        return Err(BakeError::ThinShell { thickness, voxel, least });
+    }
     let (low, high) = mesh.bounds().filter(|_| !mesh.triangles.is_empty()).ok_or(BakeError::Empty)?;
-    let band = band_voxels * voxel;
+    let (band, reach) = (band_voxels * voxel, band_voxels * voxel + options.half_shell());
     let brick = BRICK_SIDE as f64 * voxel;
-    let first = ((low - band) / brick).floor() - 1.0;
-    let dims = ((high + band) / brick).floor() + 1.0 - first + 1.0;
+    let first = ((low - reach) / brick).floor() - 1.0;
+    let dims = ((high + reach) / brick).floor() + 1.0 - first + 1.0;
     let cells = dims.element_product();
     let farthest = first.abs().max((first + dims).abs());
     // Written so that a coordinate that is no number is refused too.
@@ -235,52 +121,6 @@ fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
         return Err(BakeError::TooFine { cells, limit: MAX_INDEX, least_voxel });
     }
     Ok(BrickGrid::empty(voxel, band as f32, first.as_ivec3(), dims.as_ivec3()))
-}
-
-struct JudgedBrick {
-    phi: Box<[f32; BRICK_VOXELS]>,
-    in_band: bool,
-    ambiguous: usize,
-    inside: usize,
-}
-
-/// What tells inside from outside.
-enum Inside {
-    Masks(Vec<InsideMask>),
-    Judged(Surface),
-}
-
-impl Inside {
-    fn method(&self) -> SignMethod {
-        match self {
-            Self::Masks(_) => SignMethod::Crossings,
-            Self::Judged(_) => SignMethod::Winding,
-        }
-    }
-}
-
-fn fill(
-    b: usize,
-    near: &BrickTriangles,
-    facets: &[Facet],
-    inside: &Inside,
-    grid: &BrickGrid,
-    scratch: &mut Scratch,
-) -> JudgedBrick {
-    let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
-    let centre = brick.as_dvec3() * BRICK_SIDE as f64 + 3.5;
-    let band = (f64::from(grid.band) / grid.voxel) as f32;
-    let brick_triangles = Brick { centre, triangles: near.triangles(b), facets, band };
-    let mut phi = brick_triangles.distances(scratch);
-    for value in phi.iter_mut() {
-        *value = if *value < band { ((f64::from(*value) * grid.voxel) as f32).min(grid.band) } else { grid.band };
-    }
-    let in_band = phi.iter().any(|&phi| phi < grid.band);
-    let (ambiguous, inside) = match inside {
-        Inside::Masks(masks) => (0, columns::apply(&masks[b], &mut phi)),
-        Inside::Judged(surface) => sign::judge(brick, &mut phi, surface, grid),
-    };
-    JudgedBrick { phi, in_band, ambiguous, inside }
 }
 
 #[cfg(test)]

@@ -5,17 +5,34 @@
 
 use std::ops::Range;
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use super::facet::Facet;
+use super::skin::Skin;
 use crate::grid::{BRICK_SIDE, BrickGrid};
 
-/// Triangles of each touched brick; bricks in index order, triangles in mesh order.
+/// Triangles of each touched brick; bricks in index order, triangles in the skin's order.
 pub(super) struct BrickTriangles {
     entries: Vec<u32>,
     first: Vec<usize>,
-    triangles: Vec<u32>,
+    triangles: Vec<NearTriangle>,
+}
+
+/// Index of a triangle, and in the highest bit whether it may cross columns within the brick.
+#[derive(Clone, Copy, Default)]
+pub(super) struct NearTriangle(u32);
+
+const CROSSES: u32 = 1 << 31;
+
+impl NearTriangle {
+    pub(super) fn index(self) -> usize {
+        (self.0 & !CROSSES) as usize
+    }
+
+    pub(super) fn crosses(self) -> bool {
+        self.0 & CROSSES != 0
+    }
 }
 
 impl BrickTriangles {
@@ -29,7 +46,7 @@ impl BrickTriangles {
     }
 
     /// Triangles within reach of touched brick `b`.
-    pub(super) fn triangles(&self, b: usize) -> &[u32] {
+    pub(super) fn triangles(&self, b: usize) -> &[NearTriangle] {
         &self.triangles[self.first[b]..self.first[b + 1]]
     }
 
@@ -48,77 +65,148 @@ impl BrickTriangles {
 /// Triangles handed to one task; any number gives the same result.
 const CHUNK: usize = 1024;
 
-pub(super) fn scatter(facets: &[Facet], grid: &BrickGrid) -> BrickTriangles {
-    let scattered: Vec<Vec<(u32, u32)>> = facets
+/// A brick's index entry and a triangle near it.
+type Pair = (u32, NearTriangle);
+
+/// Brings each facet of a skin to the bricks within `reach` [voxels] of it.
+pub(super) fn scatter(skin: &Skin, grid: &BrickGrid, reach: f64) -> BrickTriangles {
+    let scattered: Vec<Vec<Pair>> = skin
+        .facets
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(chunk, facets)| {
-            let mut pairs = Vec::new();
-            for (i, facet) in facets.iter().enumerate() {
-                let triangle = (chunk * CHUNK + i) as u32;
-                touched_bricks(facet, grid, |entry| pairs.push((entry as u32, triangle)));
-            }
-            pairs
+            pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid, reach })
         })
         .collect();
     gather(&scattered, grid.index.len())
 }
 
-/// Sorts (entry, triangle) pairs by counting; those of one entry keep their order.
-fn gather(scattered: &[Vec<(u32, u32)>], entries: usize) -> BrickTriangles {
+/// A call that is compiled for each kind of lanes; all that it calls is inlined into it.
+struct ScatterChunk<'a> {
+    /// Index of the first facet.
+    first: usize,
+    facets: &'a [Facet],
+    skin: &'a Skin,
+    grid: &'a BrickGrid,
+    /// How far from those that serve the distance bricks matter [voxels].
+    reach: f64,
+}
+
+impl pulp::NullaryFnOnce for ScatterChunk<'_> {
+    type Output = Vec<Pair>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<Pair> {
+        let Self { first, facets, skin, grid, reach } = self;
+        let (mut pairs, mut pieces) = (Vec::with_capacity(8 * facets.len()), Vec::new());
+        for (i, facet) in facets.iter().enumerate() {
+            let reach = skin.reach(first + i, reach) * (1.0 + 1e-6);
+            let outline = Outline { bounds: facet.bounds(), slabs: facet.slabs(), reach };
+            outline.touched_bricks(
+                &mut pieces,
+                #[inline(always)]
+                |brick, crosses| {
+                    if let Some(entry) = grid.entry(brick) {
+                        let mark = if crosses { CROSSES } else { 0 };
+                        pairs.push((entry as u32, NearTriangle((first + i) as u32 | mark)));
+                    }
+                },
+            );
+        }
+        pairs
+    }
+}
+
+/// Sorts pairs by entry, by counting; those of one entry keep their order.
+fn gather(scattered: &[Vec<Pair>], entries: usize) -> BrickTriangles {
     let mut count = vec![0u32; entries];
     scattered.iter().flatten().for_each(|&(entry, _)| count[entry as usize] += 1);
     let mut near = BrickTriangles { entries: Vec::new(), first: vec![0], triangles: Vec::new() };
-    // From here on, a touched entry's count is its brick.
+    // From here on, a touched entry's count is where its next triangle goes.
     let mut total = 0;
     for (entry, count) in count.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
-        total += *count as usize;
-        *count = near.entries.len() as u32;
+        let start = total;
+        total += *count;
+        *count = start;
         near.entries.push(entry as u32);
-        near.first.push(total);
+        near.first.push(total as usize);
     }
-    near.triangles = vec![0; total];
-    let mut next = near.first.clone();
+    near.triangles = vec![NearTriangle::default(); total as usize];
     for &(entry, triangle) in scattered.iter().flatten() {
-        let at = &mut next[count[entry as usize] as usize];
-        near.triangles[*at] = triangle;
+        let at = &mut count[entry as usize];
+        near.triangles[*at as usize] = triangle;
         *at += 1;
     }
     near
 }
 
-/// Calls `touch` with the index entry of every brick that may hold a voxel within the band of the facet.
-fn touched_bricks(facet: &Facet, grid: &BrickGrid, mut touch: impl FnMut(usize)) {
-    let size = BRICK_SIDE as f64;
-    let band = f64::from(grid.band) / grid.voxel * (1.0 + 1e-6);
-    let (low, high) = facet.bounds();
-    let first = ((low - band) / size).floor().as_ivec3();
-    let last = ((high + band) / size).floor().as_ivec3();
-    let mut pieces = vec![(first, last)];
-    while let Some((first, last)) = pieces.pop() {
-        let extent = last - first + 1;
-        // The voxels of a piece span one voxel less than its bricks.
-        let half = (extent.as_dvec3() * size - 1.0) * 0.5;
-        let reach = half.length() + band;
-        if facet.squared_distance(first.as_dvec3() * size + half) > reach * reach {
-            continue;
-        }
-        if extent == IVec3::ONE {
-            if let Some(entry) = grid.entry(first) {
-                touch(entry);
+/// A triangle from afar, with how far from it bricks matter [voxels].
+struct Outline {
+    bounds: (DVec3, DVec3),
+    slabs: [(DVec3, f64, f64); 4],
+    reach: f64,
+}
+
+impl Outline {
+    /// Calls `touch` with every brick that may hold a voxel within reach, and whether the triangle's box meets the
+    /// brick's, which reaches one voxel farther than its voxels. `pieces` is memory to use again.
+    #[inline(always)]
+    fn touched_bricks(&self, pieces: &mut Vec<Piece>, mut touch: impl FnMut(IVec3, bool)) {
+        let size = BRICK_SIDE as f64;
+        let (low, high) = self.bounds;
+        let first = ((low - self.reach - (size - 1.0)) / size).ceil().as_ivec3();
+        let last = ((high + self.reach) / size).floor().as_ivec3();
+        pieces.push((first, last));
+        while let Some((first, last)) = pieces.pop() {
+            let extent = last - first + 1;
+            // The voxels of a piece span one voxel less than its bricks.
+            let half = (extent.as_dvec3() * size - 1.0) * 0.5;
+            let corner = first.as_dvec3() * size;
+            if self.is_beyond(corner + half, half) {
+                continue;
             }
-            continue;
+            if extent == IVec3::ONE {
+                touch(first, low.cmplt(corner + size).all() && high.cmpge(corner).all());
+                continue;
+            }
+            let (left, right) = halves(first, last, extent);
+            pieces.push(right);
+            pieces.push(left);
         }
-        let (left, right) = halves(first, last, extent);
-        pieces.push(right);
-        pieces.push(left);
+    }
+
+    /// Whether a box around `centre` is surely out of reach: by the gaps between it and the triangle's box, or by
+    /// the gaps along the normal and one direction square to it.
+    #[inline(always)]
+    fn is_beyond(&self, centre: DVec3, half: DVec3) -> bool {
+        let (low, high) = self.bounds;
+        let apart = (low - (centre + half)).max((centre - half) - high).max(DVec3::ZERO);
+        let limit = self.reach * self.reach;
+        if apart.length_squared() > limit {
+            return true;
+        }
+        let gap = |&(direction, middle, width): &(DVec3, f64, f64)| {
+            let reach = width + direction.abs().dot(half);
+            ((direction.dot(centre) - middle).abs() - reach).max(0.0)
+        };
+        let [plane, edges @ ..] = &self.slabs;
+        let along = gap(plane);
+        let across = edges.iter().map(gap).fold(0.0, f64::max);
+        along * along + across * across > limit
     }
 }
 
 type Piece = (IVec3, IVec3);
 
+#[inline(always)]
 fn halves(first: IVec3, last: IVec3, extent: IVec3) -> (Piece, Piece) {
-    let axis = (0..3).max_by_key(|&a| extent[a]).unwrap_or(0);
+    let axis = if extent.x >= extent.y && extent.x >= extent.z {
+        0
+    } else if extent.y >= extent.z {
+        1
+    } else {
+        2
+    };
     let middle = first[axis] + extent[axis] / 2;
     let (mut left_last, mut right_first) = (last, first);
     left_last[axis] = middle - 1;

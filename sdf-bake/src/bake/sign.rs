@@ -8,11 +8,15 @@
 use std::collections::VecDeque;
 
 use glam::IVec3;
+use rayon::prelude::*;
 
+use super::normals::Normals;
+use super::scatter::BrickTriangles;
+use super::skin::Corners;
 use super::winding::WindingTree;
 use crate::Mesh;
 use crate::clean::EdgeMap;
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at, voxel_offset};
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, cell_corner, voxel_at, voxel_offset};
 use crate::implicit::entry_brick;
 
 /// Winding numbers farther than this from a whole number count as ambiguous.
@@ -40,12 +44,7 @@ impl Surface {
 }
 
 /// Turns a brick's distances into signed ones; returns its ambiguous and its inside voxels.
-pub(super) fn judge(
-    brick: IVec3,
-    phi: &mut [f32; BRICK_VOXELS],
-    surface: &Surface,
-    grid: &BrickGrid,
-) -> (usize, usize) {
+pub(super) fn judge(brick: IVec3, phi: &mut [f32], surface: &Surface, grid: &BrickGrid) -> (usize, usize) {
     let winding_at = |voxel: usize| surface.tree.winding_number(grid.position(voxel_at(brick, voxel)));
     let (mut ambiguous, mut inside) = (0, 0);
     for voxels in members(&components(phi, grid.voxel as f32)) {
@@ -64,6 +63,38 @@ pub(super) fn judge(
     (ambiguous, inside)
 }
 
+/// As [`judge`], by normals, for a surface without holes; returns the inside voxels.
+pub(super) fn judge_by_normals(brick: IVec3, phi: &mut [f32], normals: &Normals, grid: &BrickGrid) -> usize {
+    let mut inside = 0;
+    for voxels in members(&components(phi, grid.voxel as f32)) {
+        let farthest = sampled(&voxels, phi, false)[0];
+        if normals.is_inside(grid.position(voxel_at(brick, farthest))) {
+            inside += voxels.len();
+            voxels.iter().for_each(|&voxel| phi[voxel] = -phi[voxel]);
+        }
+    }
+    inside
+}
+
+/// Share of the voxels of the touched bricks at which patches leave the inside to a guess: without them the winding
+/// number would be farther than [`AMBIGUOUS`] from a whole number. One voxel of 64 is asked.
+pub(super) fn ambiguous_share(patches: &[Corners], near: &BrickTriangles, grid: &BrickGrid) -> f64 {
+    if patches.is_empty() {
+        return 0.0;
+    }
+    let tree = WindingTree::of(patches.to_vec());
+    let ambiguous: usize = (0..near.brick_count())
+        .into_par_iter()
+        .map(|b| {
+            let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
+            let corners = (0..8).map(|i| brick * BRICK_SIDE as i32 + 2 + 4 * cell_corner(i));
+            let windings = corners.map(|voxel| tree.winding_number(grid.position(voxel)));
+            windings.filter(|winding| (winding - winding.round()).abs() > AMBIGUOUS).count()
+        })
+        .sum();
+    ambiguous as f64 / (8 * near.brick_count()) as f64
+}
+
 /// The voxels of each component, in order.
 fn members(component: &[usize; BRICK_VOXELS]) -> Vec<Vec<usize>> {
     let mut members = vec![Vec::new(); BRICK_VOXELS];
@@ -76,7 +107,7 @@ fn members(component: &[usize; BRICK_VOXELS]) -> Vec<Vec<usize>> {
 
 /// The voxel of a component farthest from the surface and, where holes may join two sides, also those outermost along
 /// the axes and diagonals.
-fn sampled(voxels: &[usize], distance: &[f32; BRICK_VOXELS], has_holes: bool) -> Vec<usize> {
+fn sampled(voxels: &[usize], distance: &[f32], has_holes: bool) -> Vec<usize> {
     let most = |measure: &dyn Fn(usize) -> f32| {
         let keep = |best: usize, &voxel: &usize| if measure(voxel) > measure(best) { voxel } else { best };
         voxels.iter().fold(voxels[0], keep)
@@ -97,7 +128,7 @@ const DIRECTIONS: [IVec3; 7] =
     [IVec3::X, IVec3::Y, IVec3::Z, IVec3::ONE, IVec3::new(1, 1, -1), IVec3::new(1, -1, 1), IVec3::new(-1, 1, 1)];
 
 /// Component of each voxel, named by one of its voxels.
-fn components(phi: &[f32; BRICK_VOXELS], step: f32) -> [usize; BRICK_VOXELS] {
+fn components(phi: &[f32], step: f32) -> [usize; BRICK_VOXELS] {
     let mut parent: [usize; BRICK_VOXELS] = std::array::from_fn(|i| i);
     fn root(parent: &mut [usize; BRICK_VOXELS], mut i: usize) -> usize {
         while parent[i] != i {

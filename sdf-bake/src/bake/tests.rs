@@ -1,4 +1,5 @@
 use super::*;
+use crate::grid::BRICK_VOXELS;
 use crate::mesh::tests::{cuboid, uv_sphere};
 
 fn brute_distance(mesh: &Mesh, point: DVec3) -> f64 {
@@ -161,4 +162,149 @@ fn unusable_options_are_refused() {
         assert!(matches!(bake(&mesh, &BakeOptions::with_voxel(voxel)), Err(BakeError::Options { .. })));
     }
     assert_eq!(bake(&Mesh::default(), &BakeOptions::with_voxel(0.1)).unwrap_err(), BakeError::Empty);
+}
+
+/// Checks every voxel against the distance to the surface of a union, given as pieces of that surface.
+fn assert_is_distance(mesh: &Mesh, surface: &Mesh, is_inside: impl Fn(DVec3) -> bool, tolerance: f64) {
+    let (grid, report) = bake(mesh, &BakeOptions::with_voxel(0.0004)).unwrap();
+    assert!(report.inner_triangles > 0, "{report:?}");
+    let (mut checked, band) = (0, f64::from(grid.band));
+    for_each_voxel(&grid, |point, phi| {
+        checked += 1;
+        if checked % 7 == 0 {
+            let distance = brute_distance(surface, point).min(band);
+            let exact = if is_inside(point) { -distance } else { distance };
+            assert!((phi - exact).abs() < tolerance * grid.voxel, "φ is {phi}, exact {exact}, at {point}");
+        }
+    });
+    assert!(checked > 10_000, "{checked} voxels");
+}
+
+fn is_in(point: DVec3, low: DVec3, high: DVec3) -> bool {
+    point.cmpge(low).all() && point.cmple(high).all()
+}
+
+#[test]
+fn a_bar_through_a_block_leaves_no_wall_in_it() {
+    let block = (DVec3::ZERO, DVec3::splat(0.02));
+    let bar = (DVec3::new(-0.01, 0.00503, 0.00617), DVec3::new(0.03, 0.01511, 0.01207));
+    let mut mesh = cuboid(block.0, block.1);
+    mesh.append(&cuboid(bar.0, bar.1));
+    let inside = |p: DVec3| is_in(p, block.0, block.1) || is_in(p, bar.0, bar.1);
+    // The union's surface: of the bar the two ends beyond the block, of the block what the bar leaves of each side.
+    let mut surface = Mesh::default();
+    for (from, to) in [(bar.0.x, 0.0), (0.02, bar.1.x)] {
+        let mut end = cuboid(DVec3::new(from, bar.0.y, bar.0.z), DVec3::new(to, bar.1.y, bar.1.z));
+        let open = if from < 0.0 { to } else { from };
+        let positions = end.positions.clone();
+        end.triangles.retain(|t| t.iter().any(|&v| positions[v as usize].x != open));
+        surface.append(&end);
+    }
+    let mut sides = cuboid(block.0, block.1);
+    let positions = sides.positions.clone();
+    sides.triangles.retain(|t| t.iter().any(|&v| positions[v as usize].x != positions[t[0] as usize].x));
+    surface.append(&sides);
+    for x in [0.0, 0.02] {
+        let strips = [
+            (0.0, bar.0.y, 0.0, 0.02),
+            (bar.1.y, 0.02, 0.0, 0.02),
+            (bar.0.y, bar.1.y, 0.0, bar.0.z),
+            (bar.0.y, bar.1.y, bar.1.z, 0.02),
+        ];
+        for (y0, y1, z0, z1) in strips {
+            surface.append(&cuboid(DVec3::new(x, y0, z0), DVec3::new(x, y1, z1)));
+        }
+    }
+    assert_is_distance(&mesh, &surface, inside, 2e-5);
+}
+
+#[test]
+fn touching_and_nested_boxes_are_one_body() {
+    let (low, middle, high) = (DVec3::ZERO, 0.01, DVec3::new(0.025, 0.012, 0.009));
+    let whole = cuboid(low, high);
+    let mut touching = cuboid(low, DVec3::new(middle, high.y, high.z));
+    touching.append(&cuboid(DVec3::new(middle, low.y, low.z), high));
+    assert_is_distance(&touching, &whole, |p| is_in(p, low, high), 2e-5);
+    let mut nested = whole.clone();
+    nested.append(&cuboid(DVec3::splat(0.003), DVec3::splat(0.006)));
+    assert_is_distance(&nested, &whole, |p| is_in(p, low, high), 2e-5);
+}
+
+#[test]
+fn overlapping_balls_have_the_distance_of_their_union() {
+    let (radius, apart) = (0.008, 0.005);
+    let mut mesh = uv_sphere(radius, 200, 100);
+    let mut other = mesh.clone();
+    mesh.positions.iter_mut().for_each(|p| p.x -= apart);
+    other.positions.iter_mut().for_each(|p| p.x += apart);
+    mesh.append(&other);
+    let (grid, _) = bake(&mesh, &BakeOptions::with_voxel(0.0004)).unwrap();
+    let crease = (radius * radius - apart * apart).sqrt();
+    let band = f64::from(grid.band);
+    for_each_voxel(&grid, |point, phi| {
+        let side = DVec3::new(point.x.abs(), point.y, point.z);
+        let around = point.y.hypot(point.z);
+        // Of each ball the cap beyond the plane x = 0 is surface; its rim is the crease.
+        let caps = [side - DVec3::X * apart, side + DVec3::X * apart].map(|from| {
+            let foot = from / from.length() * radius;
+            if foot.x + apart * (side - from).x.signum() >= 0.0 {
+                (from.length() - radius).abs()
+            } else {
+                f64::INFINITY
+            }
+        });
+        let distance = caps[0].min((point.x).hypot(around - crease));
+        let inside = side.distance(DVec3::X * apart) < radius;
+        let exact = if inside { -distance } else { distance }.clamp(-band, band);
+        // The balls are polyhedra: their facets are 0.012 voxels inside at most.
+        assert!((phi - exact).abs() < 0.02 * grid.voxel, "φ is {phi}, exact {exact}, at {point}");
+    });
+}
+
+#[test]
+fn normals_agree_with_crossings_and_refuse_what_they_cannot_judge() {
+    let mesh = uv_sphere(0.01, 40, 20);
+    let by_normals = BakeOptions { sign: SignChoice::Normal, ..BakeOptions::with_voxel(0.0004) };
+    let (grid, report) = bake(&mesh, &by_normals).unwrap();
+    assert_eq!(report.sign_method, SignMethod::Normals);
+    let crossings = bake(&mesh, &BakeOptions::with_voxel(0.0004)).unwrap().0;
+    assert_eq!((&grid.bricks, &grid.index), (&crossings.bricks, &crossings.index));
+    let differ = grid.phi.iter().zip(&crossings.phi).filter(|(a, b)| (*a - *b).abs() > 1e-4 * grid.voxel as f32);
+    assert_eq!(differ.count(), 0);
+    let mut open = mesh.clone();
+    open.triangles.truncate(700);
+    let error = bake(&open, &by_normals).unwrap_err().to_string();
+    assert!(error.contains("boundary edges") && error.contains("--sign auto"), "{error}");
+    let mut overlapping = mesh.clone();
+    let mut other = mesh;
+    other.positions.iter_mut().for_each(|p| *p += DVec3::new(0.0051, 0.0013, 0.0007));
+    overlapping.append(&other);
+    let error = bake(&overlapping, &by_normals).unwrap_err().to_string();
+    assert!(error.contains("inside another body"), "{error}");
+}
+
+#[test]
+fn a_sheet_becomes_a_shell_of_the_thickness_asked_for() {
+    let (x, y) = (0.02, 0.013);
+    let mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X * x, DVec3::new(x, y, 0.0), DVec3::Y * y],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    };
+    let options = BakeOptions::with_voxel(0.0004);
+    let error = bake(&mesh, &options).unwrap_err().to_string();
+    assert!(error.contains("--shell-mm") && error.contains("% of the band"), "{error}");
+    for thickness in [0.0012, 0.006] {
+        let (grid, report) = bake(&mesh, &BakeOptions { shell: Some(thickness), ..options }).unwrap();
+        assert_eq!(report.sign_method, SignMethod::Shell);
+        assert_eq!(grid.sanity_check(), Ok(()));
+        let band = f64::from(grid.band);
+        for_each_voxel(&grid, |point, phi| {
+            let exact = (brute_distance(&mesh, point) - 0.5 * thickness).clamp(-band, band);
+            assert!((phi - exact).abs() < 2e-5 * grid.voxel, "φ is {phi}, exact {exact}, at {point}");
+        });
+        assert!(grid.sample(DVec3::new(0.01, 0.006, 0.0)) < 0.0);
+        assert!(grid.sample(DVec3::new(0.01, 0.006, 0.6 * thickness)) > 0.0);
+    }
+    let thin = bake(&mesh, &BakeOptions { shell: Some(0.0007), ..options }).unwrap_err().to_string();
+    assert!(thin.contains("0.8 mm or more"), "{thin}");
 }

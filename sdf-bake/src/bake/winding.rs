@@ -38,7 +38,11 @@ struct Node {
 impl WindingTree {
     /// Builds the tree: median split along the longest axis of the centroids.
     pub fn new(mesh: &Mesh) -> Self {
-        let mut triangles: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
+        Self::of((0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect())
+    }
+
+    /// The tree over triangles with the given corners [m].
+    pub(super) fn of(mut triangles: Vec<[DVec3; 3]>) -> Self {
         let mut nodes = Vec::with_capacity(triangles.len() / LEAF * 4 + 1);
         if !triangles.is_empty() {
             build(&mut nodes, &mut triangles, 0);

@@ -18,6 +18,7 @@ mod report;
 mod weld;
 
 pub use edges::{EdgeMap, EdgeUse};
+pub(crate) use orient::disagreeing;
 pub use report::CleanReport;
 
 /// Fewest triangles of a closed surface.

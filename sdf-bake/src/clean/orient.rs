@@ -20,7 +20,7 @@ pub(super) struct Turned {
 ///
 /// `edges` must be the mesh's; after the call its directions no longer hold if anything was turned.
 pub(super) fn orient(mesh: &mut Mesh, edges: &EdgeMap) -> Turned {
-    let flip = minority(mesh, edges);
+    let flip = disagreeing(mesh, edges);
     let triangles = flip.iter().filter(|&&f| f).count();
     turn(mesh, |t| flip[t]);
     let turned_edges;
@@ -45,7 +45,7 @@ fn turn(mesh: &mut Mesh, flip: impl Fn(usize) -> bool) {
 }
 
 /// The triangles to turn so that each patch is consistent, the smaller area of each.
-fn minority(mesh: &Mesh, edges: &EdgeMap) -> Vec<bool> {
+pub(crate) fn disagreeing(mesh: &Mesh, edges: &EdgeMap) -> Vec<bool> {
     let mut state = vec![None; mesh.triangles.len()];
     let mut flip = vec![false; mesh.triangles.len()];
     for seed in 0..state.len() {

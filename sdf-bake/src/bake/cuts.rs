@@ -1,0 +1,110 @@
+//! Cutting triangles where others meet them, so that every piece is wholly inside another body or wholly outside.
+
+use glam::DVec3;
+
+use super::skin::Corners;
+
+/// Where one triangle meets another: segments that lie in both.
+///
+/// - `tolerance`: points closer than this to a plane lie in it, in the unit of the corners
+pub(super) fn meeting(t: &Corners, u: &Corners, tolerance: f64) -> Vec<[DVec3; 2]> {
+    let (Some(normal), Some(other)) = (normal(t), normal(u)) else { return Vec::new() };
+    let heights = |of: &Corners, corner: DVec3, normal: DVec3| {
+        of.map(|p| Some(normal.dot(p - corner)).filter(|height| height.abs() > tolerance).unwrap_or(0.0))
+    };
+    let (u_over_t, t_over_u) = (heights(u, t[0], normal), heights(t, u[0], other));
+    if u_over_t == [0.0; 3] || t_over_u == [0.0; 3] {
+        return (0..3).map(|i| [u[i], u[(i + 1) % 3]]).filter_map(|edge| within(edge, t, normal, tolerance)).collect();
+    }
+    let (Some(in_t), Some(in_u)) = (in_plane(u, u_over_t), in_plane(t, t_over_u)) else { return Vec::new() };
+    let line = (in_t[1] - in_t[0]).normalize_or_zero();
+    let sorted = |[a, b]: [DVec3; 2]| if line.dot(a) <= line.dot(b) { [a, b] } else { [b, a] };
+    let ([a, b], [c, d]) = (sorted(in_t), sorted(in_u));
+    let first = if line.dot(a) >= line.dot(c) { a } else { c };
+    let last = if line.dot(b) <= line.dot(d) { b } else { d };
+    if line.dot(last - first) > tolerance { vec![[first, last]] } else { Vec::new() }
+}
+
+fn normal([a, b, c]: &Corners) -> Option<DVec3> {
+    (b - a).cross(c - a).try_normalize()
+}
+
+/// The segment of a triangle in a plane over which its corners have the given heights.
+fn in_plane(corners: &Corners, heights: [f64; 3]) -> Option<[DVec3; 2]> {
+    let mut points = Vec::with_capacity(3);
+    for i in 0..3 {
+        let (here, next) = (heights[i], heights[(i + 1) % 3]);
+        if here == 0.0 {
+            points.push(corners[i]);
+        }
+        if here * next < 0.0 {
+            points.push(corners[i].lerp(corners[(i + 1) % 3], here / (here - next)));
+        }
+    }
+    match points[..] {
+        [a, b] => Some([a, b]),
+        _ => None,
+    }
+}
+
+/// The part of a segment over a convex polygon of whose plane it is.
+fn within([a, b]: [DVec3; 2], corners: &[DVec3], normal: DVec3, tolerance: f64) -> Option<[DVec3; 2]> {
+    let (mut start, mut end) = (0.0f64, 1.0f64);
+    for i in 0..corners.len() {
+        let outward = (corners[(i + 1) % corners.len()] - corners[i]).cross(normal).normalize_or_zero();
+        let (from, to) = (outward.dot(a - corners[i]), outward.dot(b - corners[i]));
+        if from > tolerance && to > tolerance {
+            return None;
+        }
+        if from > tolerance {
+            start = start.max(from / (from - to));
+        } else if to > tolerance {
+            end = end.min(from / (from - to));
+        }
+    }
+    ((end - start) * a.distance(b) > tolerance).then(|| [a.lerp(b, start), a.lerp(b, end)])
+}
+
+/// The pieces of a triangle between segments in it, turned as it is; `None` if it has no plane to be cut in.
+///
+/// Each piece that a segment runs through is halved along the segment's line, so that all pieces stay convex.
+pub(super) fn pieces(corners: &Corners, segments: &[[DVec3; 2]], tolerance: f64) -> Option<Vec<Corners>> {
+    let normal = normal(corners)?;
+    let mut pieces = vec![corners.to_vec()];
+    for &segment in segments {
+        let aside = (segment[1] - segment[0]).cross(normal).normalize_or_zero();
+        let mut halved = Vec::with_capacity(pieces.len() + 1);
+        for piece in pieces {
+            let heights: Vec<f64> = piece.iter().map(|&p| aside.dot(p - segment[0])).collect();
+            let is_parted = heights.iter().any(|&h| h > tolerance) && heights.iter().any(|&h| h < -tolerance);
+            if is_parted && within(segment, &piece, normal, tolerance).is_some() {
+                halved.extend([half(&piece, &heights, 1.0), half(&piece, &heights, -1.0)]);
+            } else {
+                halved.push(piece);
+            }
+        }
+        pieces = halved;
+    }
+    Some(pieces.iter().flat_map(|piece| fan(piece)).collect())
+}
+
+/// The part of a convex polygon on one side of a line, given its corners' heights over it.
+fn half(piece: &[DVec3], heights: &[f64], side: f64) -> Vec<DVec3> {
+    let mut half = Vec::with_capacity(piece.len() + 1);
+    for i in 0..piece.len() {
+        let next = (i + 1) % piece.len();
+        let (from, to) = (side * heights[i], side * heights[next]);
+        if from >= 0.0 {
+            half.push(piece[i]);
+        }
+        if from * to < 0.0 {
+            half.push(piece[i].lerp(piece[next], from / (from - to)));
+        }
+    }
+    half
+}
+
+fn fan(piece: &[DVec3]) -> Vec<Corners> {
+    let corners = |i: usize| [piece[0], piece[i], piece[i + 1]];
+    (1..piece.len().saturating_sub(1)).map(corners).filter(|corners| normal(corners).is_some()).collect()
+}

@@ -1,0 +1,146 @@
+//! A patch over one hole: the triangulation of its rim that continues the surface best.
+//!
+//! Over all triangulations of the rim, Σ area · (1 + λ · lean) is least, where a triangle's lean is the mean over its
+//! corners of 1 − cos of the angle to the nearer of the two faces at the rim there. Area alone would span a hole in an
+//! edge of the part like a film of soap and cut the edge off; λ makes the flat pieces on either side, which meet in
+//! the edge, the cheaper way. The minimum is found by dynamic programming over the rim's chords (Barequet & Sharir 1995).
+
+use glam::DVec3;
+
+use super::skin::Corners;
+
+/// λ: how much more a triangle costs whose normal is square to the faces around it.
+const LEAN_COST: f64 = 10.0;
+
+/// Longest rim that is solved exactly, in O(n³); longer ones lose their cheapest corners first.
+const EXACT_LIMIT: usize = 96;
+
+/// Mean cosine between a patch and the surface at its rim from which on the patch counts as its continuation.
+const CONTINUES: f64 = 0.5;
+
+/// A corner of a rim.
+#[derive(Clone, Copy)]
+pub(super) struct RimCorner {
+    pub(super) position: DVec3,
+    /// Unit normal of the face at the rim's edge from here to the next corner.
+    pub(super) normal: DVec3,
+}
+
+/// Triangles over a hole.
+pub(super) struct Patch {
+    pub(super) triangles: Vec<Corners>,
+    /// Whether the patch goes on as the surface around it does, so that there is little doubt about it.
+    pub(super) continues: bool,
+}
+
+impl Patch {
+    /// Closes a rim, passed so that the patch's normals point out of the solid.
+    pub(super) fn over(mut rim: Vec<RimCorner>) -> Self {
+        let mut patch = Continuation::default();
+        while rim.len() > EXACT_LIMIT {
+            patch.cut_cheapest_corners(&mut rim);
+        }
+        patch.fill(&rim);
+        Self { triangles: patch.triangles, continues: patch.along > CONTINUES * patch.length }
+    }
+}
+
+/// A patch that grows, with how well it continues the rim: Σ length · cosine and Σ length.
+#[derive(Default)]
+struct Continuation {
+    triangles: Vec<Corners>,
+    along: f64,
+    length: f64,
+}
+
+impl Continuation {
+    fn meet(&mut self, from: RimCorner, to: RimCorner, normal: DVec3) {
+        let length = from.position.distance(to.position);
+        self.along += length * normal.dot(from.normal);
+        self.length += length;
+    }
+
+    /// Cuts off up to half of the corners, the cheapest, no two beside one another; what is cut off becomes surface.
+    fn cut_cheapest_corners(&mut self, rim: &mut Vec<RimCorner>) {
+        let n = rim.len();
+        let ear = |i: usize| [rim[(i + n - 1) % n], rim[i], rim[(i + 1) % n]];
+        let mut order: Vec<(f64, usize)> = (0..n).map(|i| (cost(rim, [(i + n - 1) % n, i, (i + 1) % n]), i)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut cut = vec![false; n];
+        let most = (n / 4).max(1).min(n - EXACT_LIMIT);
+        let mut done = 0;
+        for (_, i) in order {
+            if done < most && !cut[(i + n - 1) % n] && !cut[(i + 1) % n] {
+                cut[i] = true;
+                done += 1;
+            }
+        }
+        let mut shorter = Vec::with_capacity(n - done);
+        for i in 0..n {
+            let [before, corner, after] = ear((i + 1) % n);
+            if cut[i] {
+                continue;
+            }
+            if cut[(i + 1) % n] {
+                let normal = normal_of([before.position, corner.position, after.position]);
+                self.triangles.push([before.position, corner.position, after.position]);
+                self.meet(before, corner, normal);
+                self.meet(corner, after, normal);
+                let normal = if normal == DVec3::ZERO { before.normal } else { normal };
+                shorter.push(RimCorner { position: before.position, normal });
+            } else {
+                shorter.push(before);
+            }
+        }
+        *rim = shorter;
+    }
+
+    /// The best triangulation of a short rim.
+    fn fill(&mut self, rim: &[RimCorner]) {
+        let n = rim.len();
+        let mut least = vec![0.0; n * n];
+        let mut apex = vec![0; n * n];
+        for span in 2..n {
+            for i in 0..n - span {
+                let j = i + span;
+                let total = |k: usize| least[i * n + k] + least[k * n + j] + cost(rim, [i, k, j]);
+                let first = (total(i + 1), i + 1);
+                let best = (i + 2..j).map(|k| (total(k), k)).fold(first, |a, b| if b.0 < a.0 { b } else { a });
+                (least[i * n + j], apex[i * n + j]) = best;
+            }
+        }
+        let mut chords = vec![(0, n - 1)];
+        while let Some((i, j)) = chords.pop() {
+            if j < i + 2 {
+                continue;
+            }
+            let k = apex[i * n + j];
+            let corners = [i, k, j].map(|at| rim[at].position);
+            self.triangles.push(corners);
+            for (from, to) in [(i, k), (k, j), (j, i)] {
+                if to == (from + 1) % n {
+                    self.meet(rim[from], rim[to], normal_of(corners));
+                }
+            }
+            chords.extend([(i, k), (k, j)]);
+        }
+    }
+}
+
+fn normal_of([a, b, c]: Corners) -> DVec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// Area times one plus what the triangle's lean costs.
+fn cost(rim: &[RimCorner], corners: [usize; 3]) -> f64 {
+    let [a, b, c] = corners.map(|i| rim[i].position);
+    let doubled_area_normal = (b - a).cross(c - a);
+    let doubled_area = doubled_area_normal.length();
+    if doubled_area == 0.0 {
+        return 0.0;
+    }
+    let normal = doubled_area_normal / doubled_area;
+    let cosine = |i: usize| normal.dot(rim[i].normal).max(normal.dot(rim[(i + rim.len() - 1) % rim.len()].normal));
+    let lean = 1.0 - corners.map(cosine).iter().sum::<f64>() / 3.0;
+    0.5 * doubled_area * (1.0 + LEAN_COST * lean)
+}

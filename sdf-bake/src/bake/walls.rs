@@ -1,0 +1,211 @@
+//! Walls inside bodies: parts of the surface with material on both sides.
+//!
+//! Where bodies overlap, are nested or touch, the surface of the whole is what separates inside from outside; the rest
+//! must not draw φ to zero in the middle of metal. Triangles are cut where other bodies meet them (`cuts.rs`); what has a
+//! winding number above one half on both sides serves the sign only. From outside, nothing changes: the nearest
+//! point of all triangles is on the surface of the whole anyway.
+
+use std::time::Duration;
+
+use glam::{DVec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use rayon::prelude::*;
+
+use super::cuts;
+use super::holes::Closed;
+use super::skin::Corners;
+use super::winding::WindingTree;
+use crate::Mesh;
+use crate::clean::EdgeMap;
+
+/// How far off a piece its sides are looked at [voxels]: gaps below this between touching bodies count as closed.
+const ASIDE: f64 = 1e-3;
+
+/// Points closer than this to a plane lie in it [voxels].
+const TOLERANCE: f64 = 1e-5;
+
+/// Parts of a mesh that may meet.
+pub(super) struct Bodies {
+    /// Body of each triangle.
+    labels: Vec<u32>,
+    /// Whether bodies may also pass through themselves.
+    may_meet_itself: bool,
+    /// Triangles within the box of another body.
+    suspects: Vec<u32>,
+}
+
+/// The triangles of a mesh, parted by what they are for.
+pub(super) struct Walls {
+    /// For sign and distance.
+    pub(super) kept: Mesh,
+    /// Walls, and triangles that are partly walls.
+    pub(super) sign_only: Vec<Corners>,
+    /// The other parts of those.
+    pub(super) distance_only: Vec<Corners>,
+}
+
+impl Bodies {
+    /// Bodies are what hangs together across edges of two triangles; `None` if there is nothing to meet.
+    pub(super) fn of(mesh: &Mesh, edges: &EdgeMap, overlaps: bool) -> Option<Self> {
+        let (labels, count) = edges.components(|uses| uses.len() == 2);
+        let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); count];
+        for (t, &label) in labels.iter().enumerate() {
+            for corner in mesh.corners(t) {
+                let (low, high) = &mut boxes[label as usize];
+                (*low, *high) = (low.min(corner), high.max(corner));
+            }
+        }
+        let margin = 1e-6 * mesh.diagonal();
+        let neighbours = overlapping(&boxes, margin);
+        let is_suspect = |t: &u32| {
+            let [a, b, c] = mesh.corners(*t as usize);
+            let bounds = (a.min(b).min(c), a.max(b).max(c));
+            overlaps
+                || neighbours[labels[*t as usize] as usize].iter().any(|&other| overlap(&bounds, &boxes[other], margin))
+        };
+        let suspects: Vec<u32> = (0..labels.len() as u32).filter(is_suspect).collect();
+        (!suspects.is_empty()).then_some(Self { labels, may_meet_itself: overlaps, suspects })
+    }
+}
+
+/// Lowest and highest coordinates [m].
+type Bounds = (DVec3, DVec3);
+
+fn overlap(a: &Bounds, b: &Bounds, margin: f64) -> bool {
+    (a.0 - margin).cmple(b.1).all() && (b.0 - margin).cmple(a.1).all()
+}
+
+/// The boxes that each box overlaps, found by going through them along x.
+fn overlapping(boxes: &[Bounds], margin: f64) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
+    order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x));
+    let mut neighbours = vec![Vec::new(); boxes.len()];
+    for (at, &a) in order.iter().enumerate() {
+        let reached = order[at + 1..].iter().take_while(|&&b| boxes[b].0.x - margin <= boxes[a].1.x);
+        for &b in reached.filter(|&&b| overlap(&boxes[a], &boxes[b], margin)) {
+            neighbours[a].push(b);
+            neighbours[b].push(a);
+        }
+    }
+    neighbours
+}
+
+/// Parts the triangles of a closed surface; `None` without a wall.
+///
+/// - `edges`: of the closed surface's triangles or the same turned otherwise
+/// - `voxel`: distance between voxels [m]
+pub(super) fn within(closed: &Closed, edges: &EdgeMap, bodies: &Bodies, voxel: f64) -> Option<Walls> {
+    let mesh: &Mesh = &closed.mesh;
+    let segments = segments(mesh, bodies, TOLERANCE * voxel);
+    let mut corners: Vec<Corners> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
+    corners.extend_from_slice(&closed.patches);
+    let sides = Sides { tree: WindingTree::of(corners), aside: ASIDE * voxel };
+    let mut is_wall = whole_triangles(mesh, edges, bodies, &segments, &sides);
+    let cut: Vec<(usize, Vec<Corners>)> = (0..mesh.triangles.len())
+        .into_par_iter()
+        .filter(|&t| !segments[t].is_empty())
+        .filter_map(|t| {
+            let pieces = cuts::pieces(&mesh.corners(t), &segments[t], TOLERANCE * voxel)?;
+            let before = pieces.len();
+            let surface: Vec<Corners> = pieces.into_iter().filter(|piece| !sides.is_wall(piece)).collect();
+            (surface.len() < before).then_some((t, surface))
+        })
+        .collect();
+    cut.iter().for_each(|(t, _)| is_wall[*t] = true);
+    if !is_wall.contains(&true) {
+        return None;
+    }
+    let is_wall = &is_wall;
+    let parted = |wall: bool| (0..is_wall.len()).filter(move |&t| is_wall[t] == wall);
+    let kept =
+        Mesh { positions: mesh.positions.clone(), triangles: parted(false).map(|t| mesh.triangles[t]).collect() };
+    let sign_only = parted(true).map(|t| mesh.corners(t)).collect();
+    Some(Walls { kept, sign_only, distance_only: cut.into_iter().flat_map(|(_, surface)| surface).collect() })
+}
+
+/// What is on the two sides of a piece of surface.
+struct Sides {
+    tree: WindingTree,
+    /// How far off the piece to look [m].
+    aside: f64,
+}
+
+impl Sides {
+    fn is_wall(&self, [a, b, c]: &Corners) -> bool {
+        let step = self.aside * (b - a).cross(c - a).normalize_or_zero();
+        let middle = (a + b + c) / 3.0;
+        // The inner side is inside nearly always, so the outer one is asked first.
+        self.tree.winding_number(middle + step) > 0.5 && self.tree.winding_number(middle - step) > 0.5
+    }
+}
+
+/// Where other triangles meet each triangle.
+fn segments(mesh: &Mesh, bodies: &Bodies, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
+    let centre = mesh.bounds().map_or(DVec3::ZERO, |(low, high)| low.midpoint(high));
+    let margin = (tolerance + 1e-6 * mesh.diagonal()) as f32;
+    let outer_box = |&t: &u32| {
+        let [a, b, c] = mesh.corners(t as usize).map(|corner| (corner - centre).as_vec3());
+        Aabb::new(Vec3A::from(a.min(b).min(c)) - margin, Vec3A::from(a.max(b).max(c)) + margin)
+    };
+    let boxes: Vec<Aabb> = bodies.suspects.iter().map(outer_box).collect();
+    let tree: Bvh2 = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+    let of_suspect = |i: usize| {
+        let t = bodies.suspects[i] as usize;
+        let mut others = Vec::new();
+        tree.aabb_traverse(boxes[i], |tree, node| {
+            let node = &tree.nodes[node as usize];
+            let leaves = &tree.primitive_indices[node.first_index as usize..][..node.prim_count as usize];
+            others.extend(leaves.iter().map(|&leaf| bodies.suspects[leaf as usize] as usize));
+            true
+        });
+        others.retain(|&u| u != t && bodies.may_meet(mesh, t, u));
+        others.sort_unstable();
+        let corners = mesh.corners(t);
+        let met = others.iter().flat_map(|&u| cuts::meeting(&corners, &mesh.corners(u), tolerance));
+        (t, met.collect::<Vec<_>>())
+    };
+    let mut segments = vec![Vec::new(); mesh.triangles.len()];
+    for (t, met) in (0..boxes.len()).into_par_iter().map(of_suspect).collect::<Vec<_>>() {
+        segments[t] = met;
+    }
+    segments
+}
+
+impl Bodies {
+    /// Neighbours of one body share a corner and meet nowhere else, as far as cutting is concerned.
+    fn may_meet(&self, mesh: &Mesh, t: usize, u: usize) -> bool {
+        let shares_corner = || mesh.triangles[t].iter().any(|corner| mesh.triangles[u].contains(corner));
+        self.labels[t] != self.labels[u] || (self.may_meet_itself && !shares_corner())
+    }
+}
+
+/// Which triangles that nothing cuts are walls; one of each patch of them is asked.
+fn whole_triangles(
+    mesh: &Mesh,
+    edges: &EdgeMap,
+    bodies: &Bodies,
+    segments: &[Vec<[DVec3; 2]>],
+    sides: &Sides,
+) -> Vec<bool> {
+    let is_whole = |t: u32| segments[t as usize].is_empty();
+    let (patches, count) = edges.components(|uses| uses.len() == 2 && uses.iter().all(|u| is_whole(u.triangle)));
+    let area = |t: usize| mesh.doubled_area_normal(t).length_squared();
+    let mut largest = vec![None; count];
+    for t in (0..mesh.triangles.len()).filter(|&t| segments[t].is_empty()) {
+        let best: &mut Option<usize> = &mut largest[patches[t] as usize];
+        if best.is_none_or(|best| area(t) > area(best)) {
+            *best = Some(t);
+        }
+    }
+    let mut suspected = vec![false; count];
+    bodies.suspects.iter().for_each(|&t| suspected[patches[t as usize] as usize] = true);
+    let asked: Vec<bool> = largest
+        .par_iter()
+        .zip(&suspected)
+        .map(|(largest, suspected)| *suspected && largest.is_some_and(|t| sides.is_wall(&mesh.corners(t))))
+        .collect();
+    (0..mesh.triangles.len()).map(|t| segments[t].is_empty() && asked[patches[t] as usize]).collect()
+}
