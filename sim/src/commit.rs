@@ -1,8 +1,8 @@
 //! Writing what a sheet lost back into the field, Eq. (1): `∂φ/∂t = r |∇φ|`.
 //!
-//! A voxel rises by the recession of its closest surface point (extension velocities, Adalsteinsson and Sethian 1999),
-//! which is interpolated between columns, times the field's own steepness: so the zero set moves by exactly what its
-//! columns receded. Then voxels farther than [`KEPT_VOXELS`], which carry no zero set, take their distance anew from one
+//! A voxel rises with its closest surface point (extension velocities, Adalsteinsson and Sethian 1999): by how far the
+//! columns there have sunk, interpolated between them, times the field's own steepness along the column. So the zero set
+//! moves by exactly what its columns sank. Then voxels farther than [`KEPT_VOXELS`], which carry no zero set, take their distance anew from one
 //! voxel nearer to the surface along the normal, layer by layer.
 
 use glam::{DVec2, IVec3};
@@ -10,7 +10,7 @@ use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use sdf_bake::redistance::KEPT_VOXELS;
 
-use crate::sheet::{NO_SURFACE, Sheet};
+use crate::sheet::{LatticeLine, NO_SURFACE, Sheet};
 
 /// Area ratio up to which a column's whole band is written.
 const STEEPEST: f64 = 2.0;
@@ -45,7 +45,7 @@ pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
 /// Lines whose voxels may have a receded column as their closest surface point.
 fn lines_to_change(sheet: &Sheet) -> Option<Vec<usize>> {
     let [rows, across] = sheet.window.size;
-    let receded = |line: &usize| sheet.recession[*line] > 0.0;
+    let receded = |line: &usize| sheet.height[*line] < sheet.read_height[*line];
     let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
     for line in (0..sheet.window.lines()).filter(receded) {
         for (d, at) in [line / across, line % across].into_iter().enumerate() {
@@ -67,7 +67,7 @@ fn open_bricks(grid: &mut BrickGrid, sheet: &Sheet, lines: &[usize]) {
     let mut last = IVec3::MAX;
     for &line in lines {
         let (i, j) = sheet.window.place(line);
-        let below = (sheet.height[line] / sheet.pitch).floor() as i32 - reach(grid, sheet.area_ratio(line));
+        let below = floor(sheet.height[line] / sheet.pitch) - reach(grid, sheet.area_ratio(line));
         let brick = sheet.facing.voxel(i, j, below) >> 3;
         if brick != last {
             grid.open_inside_brick(brick);
@@ -82,7 +82,7 @@ fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar,
     if sheet.height[line] <= NO_SURFACE {
         return;
     }
-    let below = (sheet.height[line] / sheet.pitch).floor() as i32;
+    let below = floor(sheet.height[line] / sheet.pitch);
     for k in below - 1..=below + 2 {
         if let Some(at) = grid.place(sheet.facing.voxel(i, j, k)) {
             grid.scalar_mut(channel)[at] = value as f32;
@@ -93,10 +93,10 @@ fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar,
 /// Raises the band's voxels of a line.
 fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
     let (i, j) = sheet.window.place(line);
-    let below = (sheet.read_height[line] / sheet.pitch).floor() as i32;
+    let below = floor(sheet.read_height[line] / sheet.pitch);
     let area_ratio = sheet.area_ratio(line);
-    let phi_at = |grid: &BrickGrid, k: i32| f64::from(grid.phi_at(sheet.facing.voxel(i, j, k)));
-    let beside = [phi_at(grid, below), phi_at(grid, below + 1)];
+    let mut on_line = LatticeLine::new(grid, sheet.facing, i, j);
+    let beside = [below, below + 1].map(|k| f64::from(on_line.phi(k)));
     for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
         for step in 0..reach(grid, area_ratio) {
             let Some(at) = grid.place(sheet.facing.voxel(i, j, first + side * step)) else { break };
@@ -105,14 +105,20 @@ fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
             if grid.phi[at].abs() >= grid.band || rise <= 0.0 {
                 break;
             }
-            let recession = recession_at(sheet, line, phi);
-            if recession > 0.0 {
-                let steepness = (rise / sheet.pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1);
-                grid.phi[at] = ((phi + recession * steepness) as f32).min(grid.band);
+            let sunk = sunk_at(sheet, line, phi);
+            if sunk > 0.0 {
+                let steepness = (rise / sheet.pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1) / area_ratio;
+                grid.phi[at] = ((phi + sunk * steepness) as f32).min(grid.band);
             }
             nearer = phi;
         }
     }
+}
+
+/// The whole number at or below a value that fits an `i32`; the library's function is a call on plain x86-64.
+fn floor(value: f64) -> i32 {
+    let near = value as i32;
+    near - i32::from(f64::from(near) > value)
 }
 
 /// Voxels above or below the surface that a column's share of the band covers.
@@ -120,11 +126,12 @@ fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
     (f64::from(grid.band) / grid.voxel * area_ratio.min(STEEPEST)).ceil() as i32 + 1
 }
 
-/// Recession [m] of the closest surface point of a voxel on a line with the value `phi` [m].
-fn recession_at(sheet: &Sheet, line: usize, phi: f64) -> f64 {
+/// How far [m] the column has sunk on which the closest surface point of a voxel lies, which has the value `phi` [m] on
+/// a line.
+fn sunk_at(sheet: &Sheet, line: usize, phi: f64) -> f64 {
     let shift = phi / (sheet.area_ratio(line) * sheet.pitch);
     let at = DVec2::from(sheet.slope[line]) * shift;
-    bilinear(sheet, line, at, |near| Some(sheet.recession[near])).unwrap_or(0.0)
+    bilinear(sheet, line, at, |near| Some(sheet.read_height[near] - sheet.height[near])).unwrap_or(0.0)
 }
 
 /// Interpolates between the columns around a line, `at` [columns] away from it; `None` beyond the window, or where a
@@ -155,7 +162,7 @@ fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize) -> Opti
 /// Renews the distances of the voxels `layer` steps from the surface that carry no zero set.
 fn renew_far(grid: &mut BrickGrid, sheet: &Sheet, line: usize, layer: i32) {
     let (i, j) = sheet.window.place(line);
-    let below = (sheet.height[line] / sheet.pitch).floor() as i32;
+    let below = floor(sheet.height[line] / sheet.pitch);
     let kept = (KEPT_VOXELS * sheet.pitch) as f32;
     for side in [1, -1] {
         let k = if side > 0 { below + layer } else { below + 1 - layer };

@@ -46,8 +46,9 @@ pub struct Squares {
 
 impl Squares {
     /// Measures a tool over a sheet. `gap` [m], one per column or empty, is how much further away the tool's
-    /// surface is than its shape says. Squares on the window's border are left out.
-    pub fn measure(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, gap: &[f64]) {
+    /// surface is than its shape says. Squares on the window's border are left out. The border of the working surface
+    /// is taken as the mean over a `sweep` [m] of the tool about its pose.
+    pub fn measure(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, (gap, sweep): (&[f64], DVec3)) {
         self.measure_depths(tool, pose, sheet);
         for (depth, gap) in self.depth.iter_mut().zip(gap) {
             *depth -= gap;
@@ -62,7 +63,7 @@ impl Squares {
             for line in row * across + 1..(row + 1) * across - 1 {
                 // The depth changes by less than a pitch across a square.
                 if self.depth[line] > -sheet.pitch {
-                    self.measure_square(tool, pose, sheet, line);
+                    self.measure_square(tool, (pose, sweep), sheet, line);
                 }
             }
         }
@@ -87,14 +88,14 @@ impl Squares {
         }
     }
 
-    fn measure_square(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, line: usize) {
+    fn measure_square(&mut self, tool: &Tool, (pose, sweep): (&Pose, DVec3), sheet: &Sheet, line: usize) {
         let depth = self.depth[line];
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         let spans = (0.5 * along.mean.abs(), 0.5 * sideways.mean.abs());
         if depth <= -(spans.0 + spans.1) {
             return;
         }
-        let cover = cover(tool, pose, sheet, line);
+        let cover = cover(tool, (pose, sweep), sheet, line);
         if cover == 0.0 {
             return;
         }
@@ -131,7 +132,7 @@ impl Squares {
 
     /// Largest depth under the working surface [m], negative: the gap.
     pub fn deepest(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
-        let under = |&line: &usize| cover(tool, pose, sheet, line) > 0.0;
+        let under = |&line: &usize| cover(tool, (pose, DVec3::ZERO), sheet, line) > 0.0;
         (0..self.depth.len()).filter(under).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
 }
@@ -142,22 +143,27 @@ fn wet_square_mean(share: f64) -> f64 {
 }
 
 /// Share of a column's square that lies under the working surface.
-fn cover(tool: &Tool, pose: &Pose, sheet: &Sheet, line: usize) -> f64 {
+fn cover(tool: &Tool, (pose, sweep): (&Pose, DVec3), sheet: &Sheet, line: usize) -> f64 {
     let at = pose.local(sheet.facing.world(sheet.point(line)));
     let within = tool.within(at);
     // Half a square's diagonal, and what a slope of one adds.
-    if within.abs() >= sheet.pitch {
+    if within.abs() >= sheet.pitch + 0.5 * sweep.length() {
         return if within > 0.0 { 1.0 } else { 0.0 };
     }
     let inward = match tool {
         Tool::Wheel(_) => pose.frame.y * -at.y.signum(),
         _ => -(pose.frame.x * at.x + pose.frame.y * at.y).normalize_or_zero(),
     };
+    let swept = 0.5 * sweep.dot(inward).abs();
     let inward = sheet.facing.sheet(inward);
     let [slope_u, slope_v] = sheet.slope[line];
     let half = 0.5 * sheet.pitch;
     let spans = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
-    wet_share(within, spans)
+    if swept == 0.0 {
+        return wet_share(within, spans);
+    }
+    // Two boxes have the spread of the square's own; the sweep is the other.
+    wet_share(within, (spans.0.hypot(spans.1), swept))
 }
 
 /// First and second difference across a square; a neighbour beyond a wall does not count.

@@ -4,6 +4,7 @@
 //! lost is written back and the next sheet is read. Steps are as long as the tool needs for half a voxel, unless the
 //! controller's own dynamics matter: then they fall to its period.
 
+use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 
@@ -23,6 +24,8 @@ use crate::tool_cells::{CellSums, ToolCells};
 
 /// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
 const COMMIT_RECESSION: f64 = 0.4;
+/// Recession after which a sheet's slopes are taken anew [voxels].
+const BENT: f64 = 0.02;
 /// Surface sought below the tool while it is in contact [voxels].
 const NEAR_BELOW: f64 = 4.0;
 /// Longest step [s].
@@ -32,7 +35,9 @@ const APPROACH_STEP: f64 = 0.01;
 /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
 const INERTIA: f64 = 0.03;
 /// Relative difference between force and setpoint that is good enough.
-const FORCE_TOLERANCE: f64 = 1e-6;
+const FORCE_TOLERANCE: f64 = 1e-5;
+/// Way of a tool in one step that changes nothing but the coating [footprints].
+const SANDING_STEP: f64 = 0.04;
 
 /// Share of the setpoint that counts as touching the part.
 pub const TOUCH: f64 = 0.15;
@@ -130,6 +135,13 @@ struct Runner<'a> {
     travelled: f64,
     /// Recession since the sheet was read, at most [m].
     receded: f64,
+    /// Recession since the sheet's slopes were taken, at most [m].
+    bent: f64,
+    /// Whether `step` holds one that was applied to this sheet and ends where the next begins.
+    goes_on: bool,
+    /// Force at the end of the last step, and of the one that is tried [N].
+    end_force: f64,
+    step_force: f64,
     record: PassRecord,
 }
 
@@ -158,6 +170,10 @@ impl<'a> Runner<'a> {
             dt: LONGEST_STEP,
             travelled: 0.0,
             receded: 0.0,
+            bent: 0.0,
+            goes_on: false,
+            end_force: 0.0,
+            step_force: 0.0,
             record: PassRecord::default(),
             pass,
         }
@@ -176,7 +192,7 @@ impl<'a> Runner<'a> {
     /// One step. Returns the force [N].
     fn advance(&mut self, duration: f64) -> Result<f64, RunError> {
         let speed = self.pass.path.velocity(self.time).length();
-        let by_way = if speed > 0.0 { self.pass.process.step_voxels * self.grid.voxel / speed } else { LONGEST_STEP };
+        let by_way = if speed > 0.0 { self.step_way() / speed } else { LONGEST_STEP };
         self.take_over();
         let rest = duration - self.time;
         let period = match self.controller {
@@ -206,6 +222,15 @@ impl<'a> Runner<'a> {
             self.dt = 2.0 * dt;
             return self.accept(motion, if rest - dt < 1e-9 { rest } else { dt });
         }
+    }
+
+    /// Longest way of the tool in a step [m].
+    fn step_way(&self) -> f64 {
+        let way = self.pass.process.step_voxels * self.grid.voxel;
+        if self.physics.grinds() {
+            return way;
+        }
+        way.max(2.0 * SANDING_STEP * self.pass.tool.half_footprint(f64::INFINITY).0)
     }
 
     /// Ends the approach when its time is up or the tool touches.
@@ -268,22 +293,36 @@ impl<'a> Runner<'a> {
     fn try_step(&mut self, dt: f64, end: f64) -> Result<Option<Motion>, RunError> {
         let Pass { tool, process, .. } = self.pass;
         let start = self.pose(self.time, self.motion.travel);
-        let end = self.pose(end, 0.0);
+        let grinds = self.physics.grinds();
+        // Without recession the whole step is taken as its middle.
+        let whole = self.pose(end, 0.0).centre - self.pose(self.time, 0.0).centre;
+        let (end, sweep) = if grinds { (self.pose(end, 0.0), DVec3::ZERO) } else { (self.pose(0.5 * (self.time + end), 0.0), whole) };
         let sheet = self.sheet.as_ref().expect("a sheet was read");
         let (step, physics, from) = (&mut self.step, &mut self.physics, self.motion);
-        step.begin((tool, &start), sheet, physics)?;
+        if grinds && !std::mem::take(&mut self.goes_on) {
+            step.begin((tool, &start), sheet, physics)?;
+        }
+        let mut end_at = |physics: &mut Physics, travel: f64| {
+            let pose = end.lifted(travel);
+            let force = if grinds {
+                step.end_at((tool, &pose), sheet, physics, dt)
+            } else {
+                step.middle_at((tool, &pose, sweep), sheet, physics, dt)
+            }?;
+            let depth = if force.force > 0.0 { 0.0 } else { step.end_gap(tool, &pose, sheet) };
+            Ok((force, depth))
+        };
         let (damping, mass) = match self.controller {
             Controller::Ideal => (0.0, 0.0),
             Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
-                let held = step.end_at((tool, &start), sheet, physics, 0.0)?;
-                let reading = physics.force_reading(held.start_force)?;
+                let reading = physics.force_reading(self.end_force)?;
                 let motion = admittance_sample(from, reading, process.force_setpoint, (mass, damping), dt);
-                step.end_at((tool, &end.lifted(motion.travel)), sheet, physics, dt)?;
+                self.step_force = end_at(physics, motion.travel)?.0.force;
                 return Ok(Some(motion));
             }
             Controller::Admittance { mass, damping, .. } => (damping, mass),
             Controller::Replay => {
-                step.end_at((tool, &end), sheet, physics, dt)?;
+                self.step_force = end_at(physics, 0.0)?.0.force;
                 return Ok(Some(Motion::default()));
             }
         };
@@ -296,13 +335,13 @@ impl<'a> Runner<'a> {
             tolerance: FORCE_TOLERANCE * process.force_setpoint,
             bounds: (-process.search_reach, process.search_reach),
         };
+        let mut force = 0.0;
         let travel = balance.solve(from.travel + from.speed * dt, |travel| {
-            let pose = end.lifted(travel);
-            let end = step.end_at((tool, &pose), sheet, physics, dt)?;
-            let depth = if end.force > 0.0 { 0.0 } else { step.end_gap(tool, &pose, sheet) };
-            let force = physics.force_reading(end.force)?;
-            Ok(Response { force, stiffness: end.stiffness, depth })
+            let (end, depth) = end_at(physics, travel)?;
+            force = end.force;
+            Ok(Response { force: physics.force_reading(end.force)?, stiffness: end.stiffness, depth })
         })?;
+        self.step_force = force;
         let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }
@@ -320,17 +359,27 @@ impl<'a> Runner<'a> {
         };
         self.physics.advance_cells(&self.step, sheet, dt)?;
         let removal = self.step.apply(sheet, self.pass.process.coating);
+        let receded = self.step.recession_max();
+        self.receded += receded;
+        self.bent += receded;
+        if self.bent > BENT * self.grid.voxel {
+            sheet.set_slopes();
+            self.bent = 0.0;
+        }
         let extent = self.step.extent(&middle, sheet);
         let width = extent.map_or(0.0, |extent| extent.y.1 - extent.y.0);
         self.extent = extent.unwrap_or(self.extent);
         self.moment.leave((&contact, &removal), (motion, self.motion), width, dt);
         self.moment.publish(&mut self.physics.step);
         self.advance_states(&sums, dt)?;
-        self.receded += self.step.recession_max();
         let way = self.nominal(self.time + dt, 0.0).centre - self.nominal(self.time, 0.0).centre;
         self.travelled += way.length();
-        let ideal = self.controller == Controller::Ideal;
-        self.motion = if ideal { Motion { speed: 0.0, ..motion } } else { motion };
+        self.motion = motion;
+        self.end_force = self.step_force;
+        if self.physics.grinds() {
+            self.step.go_on();
+            self.goes_on = true;
+        }
         self.time += dt;
         let row = self.log_row(contact.force);
         self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
@@ -377,6 +426,8 @@ impl<'a> Runner<'a> {
         }
         self.travelled = 0.0;
         self.receded = 0.0;
+        self.bent = 0.0;
+        self.goes_on = false;
     }
 
     /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.

@@ -82,6 +82,15 @@ impl Window {
         self.size[0] * self.size[1]
     }
 
+    /// Places of all lines [m].
+    fn places(&self, voxel: f64) -> Vec<[f64; 2]> {
+        let place = |line: usize| {
+            let (i, j) = self.place(line);
+            [f64::from(i) * voxel, f64::from(j) * voxel]
+        };
+        (0..self.lines()).map(place).collect()
+    }
+
     /// Lattice place of a line.
     pub fn place(&self, line: usize) -> (i32, i32) {
         (self.low[0] + (line / self.size[1]) as i32, self.low[1] + (line % self.size[1]) as i32)
@@ -97,14 +106,14 @@ pub struct Sheet {
     pub pitch: f64,
     /// Which columns.
     pub window: Window,
+    /// Place of each line across the columns, u and v [m].
+    place: Vec<[f64; 2]>,
     /// Height of the surface when it was read [m], or [`NO_SURFACE`].
     pub read_height: Vec<f64>,
     /// Height of the surface now [m].
     pub height: Vec<f64>,
     /// Slopes of the surface along u and v [1].
     pub slope: Vec<[f64; 2]>,
-    /// How far the surface has receded along its normal since it was read [m].
-    pub recession: Vec<f64>,
     /// Coating dose D [1].
     pub dose: Vec<f64>,
     /// Depth removed so far [m]; 0 where the field does not keep it.
@@ -122,10 +131,10 @@ impl Sheet {
             facing,
             pitch: grid.voxel,
             window,
+            place: window.places(grid.voxel),
             read_height: Vec::new(),
             height: Vec::with_capacity(lines),
             slope: vec![[0.0; 2]; lines],
-            recession: vec![0.0; lines],
             dose: vec![0.0; lines],
             removed: vec![0.0; lines],
             label: vec![0; lines],
@@ -168,15 +177,14 @@ impl Sheet {
 
     /// Lets the surface of a line recede by `way` [m] along its normal.
     pub fn recede(&mut self, line: usize, way: f64) {
-        self.recession[line] += way;
         self.removed[line] += way;
         self.height[line] -= way * self.area_ratio(line);
     }
 
     /// A line's place on the surface as (u, v, up) [m].
     pub fn point(&self, line: usize) -> DVec3 {
-        let (i, j) = self.window.place(line);
-        DVec3::new(f64::from(i) * self.pitch, f64::from(j) * self.pitch, self.height[line])
+        let [u, v] = self.place[line];
+        DVec3::new(u, v, self.height[line])
     }
 
     /// Surface area per area of the lattice, 1/cos of the slope.

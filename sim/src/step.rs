@@ -18,6 +18,9 @@ use crate::tool_cells::{CellSums, ToolCells, Under};
 /// Relative change of depth over which the slope of the recession is taken.
 const PROBE: f64 = 1e-3;
 
+/// Relative difference up to which two lanes are integrated with the same weights.
+const SAME_DECAY: f64 = 1e-6;
+
 /// State of the squares in contact at one end of a step, one lane each.
 #[derive(Clone, Debug, Default)]
 struct End {
@@ -85,8 +88,22 @@ impl Step {
         physics: &mut Physics,
     ) -> Result<(), RunError> {
         physics.gap(tool, pose, sheet, &mut self.gap)?;
-        self.start_squares.measure(tool, pose, sheet, &self.gap);
+        self.start_squares.measure(tool, pose, sheet, (&self.gap, DVec3::ZERO));
         Ok(())
+    }
+
+    /// Starts a step where the one before, which was applied to the same sheet, ended.
+    pub fn go_on(&mut self) {
+        std::mem::swap(&mut self.start_squares, &mut self.end_squares);
+        for (lane, &line) in self.lines.iter().enumerate() {
+            let line = line as usize;
+            self.start_squares.depth[line] -= self.recession[lane];
+            let left = self.start_squares.mean_depth[line] - self.recession[lane];
+            self.start_squares.mean_depth[line] = left.max(0.0);
+            if left <= 0.0 {
+                self.start_squares.share[line] = 0.0;
+            }
+        }
     }
 
     /// Lets the tool end the step at `pose`, after `dt` [s].
@@ -98,19 +115,46 @@ impl Step {
         dt: f64,
     ) -> Result<EndForce, RunError> {
         physics.gap(tool, pose, sheet, &mut self.gap)?;
-        self.end_squares.measure(tool, pose, sheet, &self.gap);
+        self.end_squares.measure(tool, pose, sheet, (&self.gap, DVec3::ZERO));
+        self.evaluate((tool, pose), sheet, physics, dt)
+    }
+
+    /// Takes the whole step of `dt` [s] as its middle, where the tool is at `pose`, with the border of its working surface
+    /// swept by its way [m]: for what does not change the surface.
+    pub fn middle_at(
+        &mut self,
+        (tool, pose, sweep): (&Tool, &Pose, DVec3),
+        sheet: &Sheet,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<EndForce, RunError> {
+        physics.gap(tool, pose, sheet, &mut self.gap)?;
+        self.end_squares.measure(tool, pose, sheet, (&self.gap, sweep));
+        self.start_squares.clone_from(&self.end_squares);
+        self.evaluate((tool, pose), sheet, physics, dt)
+    }
+
+    /// Runs the model over the squares in contact.
+    fn evaluate(
+        &mut self,
+        (tool, pose): (&Tool, &Pose),
+        sheet: &Sheet,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<EndForce, RunError> {
         self.gather(dt);
         physics.place(tool, pose, sheet, Some(&self.end_squares), &self.lines);
-        self.start.evaluate(physics, &self.depth_rate)?;
         self.end.evaluate(physics, &self.depth_rate)?;
-        self.probe.depth.clear();
-        let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
-        self.probe.depth.extend(deeper);
+        self.probe.rate.clear();
         if physics.grinds() {
+            self.start.evaluate(physics, &self.depth_rate)?;
+            self.probe.depth.clear();
+            let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
+            self.probe.depth.extend(deeper);
             physics.pressure(&self.probe.depth, &self.depth_rate, &mut self.probe.pressure)?;
             physics.rate(&self.probe.depth, &self.probe.pressure, &mut self.probe.rate)?;
         } else {
-            self.probe.rate.clear();
+            self.start.clone_from(&self.end);
             self.probe.rate.resize(self.lines.len(), 0.0);
         }
         Ok(self.relax(pose, sheet, dt))
@@ -120,7 +164,7 @@ impl Step {
         let (a, b) = (&self.start_squares, &self.end_squares);
         self.lines.clear();
         let wet = |line: &u32| a.share[*line as usize] + b.share[*line as usize] > 0.0;
-        self.lines.extend((0..a.share.len() as u32).filter(wet));
+        self.lines.extend((0..b.share.len() as u32).filter(wet));
         for (end, squares) in [(&mut self.start, a), (&mut self.end, b)] {
             end.depth.clear();
             end.share.clear();
@@ -150,7 +194,7 @@ impl Step {
             let (a, b) = (Side::of(&self.start, lane), Side::of(&self.end, lane));
             let deeper = if a.depth > b.depth { &a } else { &b };
             let relaxation = ((self.probe.rate[lane] - deeper.rate) / (PROBE * deeper.depth)).max(0.0);
-            if relaxation * dt != decay.x {
+            if (relaxation * dt - decay.x).abs() > SAME_DECAY * decay.x {
                 decay = Decay::new(relaxation * dt);
             }
             let (rate_a, rate_b) = (a.rate * a.share, b.rate * b.share);
