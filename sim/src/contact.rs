@@ -49,7 +49,8 @@ impl Squares {
     /// surface is than its shape says. Squares on the window's border are left out. The border of the working surface
     /// is taken as the mean over a `sweep` [m] of the tool about its pose.
     pub fn measure(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, (gap, sweep): (&[f64], DVec3)) {
-        self.measure_depths(tool, pose, sheet);
+        let (frame, sweep) = (SheetFrame::new(pose, sheet), sheet.facing.sheet(sweep));
+        self.measure_depths(tool, &frame, sheet);
         for (depth, gap) in self.depth.iter_mut().zip(gap) {
             *depth -= gap;
         }
@@ -63,39 +64,34 @@ impl Squares {
             for line in row * across + 1..(row + 1) * across - 1 {
                 // The depth changes by less than a pitch across a square.
                 if self.depth[line] > -sheet.pitch {
-                    self.measure_square(tool, (pose, sweep), sheet, line);
+                    self.measure_square(tool, (&frame, sweep), sheet, line);
                 }
             }
         }
     }
 
-    fn measure_depths(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet) {
+    fn measure_depths(&mut self, tool: &Tool, frame: &SheetFrame, sheet: &Sheet) {
         self.depth.clear();
-        let [x, y, z] = [pose.frame.x, pose.frame.y, pose.frame.z].map(|axis| sheet.facing.sheet(axis));
-        let centre = sheet.facing.sheet(pose.centre);
-        let local = |line: usize| {
-            let from = sheet.point(line) - centre;
-            DVec3::new(x.dot(from), y.dot(from), z.dot(from))
-        };
+        let lines = 0..sheet.window.lines();
         // One loop for each kind of tool, so that each is a plain sum of products.
         match tool {
-            Tool::Wheel(wheel) => self.depth.extend((0..sheet.window.lines()).map(|line| {
-                let at = local(line);
+            Tool::Wheel(wheel) => self.depth.extend(lines.map(|line| {
+                let at = frame.local(sheet.point(line));
                 wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt()
             })),
-            Tool::Pad(_) => self.depth.extend((0..sheet.window.lines()).map(|line| local(line).z)),
-            _ => self.depth.extend((0..sheet.window.lines()).map(|line| tool.depth(local(line)))),
+            Tool::Pad(_) => self.depth.extend(lines.map(|line| frame.local(sheet.point(line)).z)),
+            _ => self.depth.extend(lines.map(|line| tool.depth(frame.local(sheet.point(line))))),
         }
     }
 
-    fn measure_square(&mut self, tool: &Tool, (pose, sweep): (&Pose, DVec3), sheet: &Sheet, line: usize) {
+    fn measure_square(&mut self, tool: &Tool, (frame, sweep): (&SheetFrame, DVec3), sheet: &Sheet, line: usize) {
         let depth = self.depth[line];
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         let spans = (0.5 * along.mean.abs(), 0.5 * sideways.mean.abs());
         if depth <= -(spans.0 + spans.1) {
             return;
         }
-        let cover = cover(tool, (pose, sweep), sheet, line);
+        let cover = cover(tool, (frame, sweep), sheet, line);
         if cover == 0.0 {
             return;
         }
@@ -132,7 +128,8 @@ impl Squares {
 
     /// Largest depth under the working surface [m], negative: the gap.
     pub fn deepest(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
-        let under = |&line: &usize| cover(tool, (pose, DVec3::ZERO), sheet, line) > 0.0;
+        let frame = SheetFrame::new(pose, sheet);
+        let under = |&line: &usize| cover(tool, (&frame, DVec3::ZERO), sheet, line) > 0.0;
         (0..self.depth.len()).filter(under).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
 }
@@ -142,20 +139,40 @@ fn wet_square_mean(share: f64) -> f64 {
     (0.125 - (0.5 - share).powi(3)) / 6.0
 }
 
-/// Share of a column's square that lies under the working surface.
-fn cover(tool: &Tool, (pose, sweep): (&Pose, DVec3), sheet: &Sheet, line: usize) -> f64 {
-    let at = pose.local(sheet.facing.world(sheet.point(line)));
+/// A tool's frame in the coordinates of a sheet (u, v, up).
+struct SheetFrame {
+    centre: DVec3,
+    x: DVec3,
+    y: DVec3,
+    z: DVec3,
+}
+
+impl SheetFrame {
+    fn new(pose: &Pose, sheet: &Sheet) -> Self {
+        let [centre, x, y, z] = [pose.centre, pose.frame.x, pose.frame.y, pose.frame.z].map(|v| sheet.facing.sheet(v));
+        Self { centre, x, y, z }
+    }
+
+    /// A point of the sheet in the tool's frame.
+    fn local(&self, point: DVec3) -> DVec3 {
+        let from = point - self.centre;
+        DVec3::new(self.x.dot(from), self.y.dot(from), self.z.dot(from))
+    }
+}
+
+/// Share of a column's square that lies under the working surface, as a mean over the tool's `sweep` [m, u v up].
+fn cover(tool: &Tool, (frame, sweep): (&SheetFrame, DVec3), sheet: &Sheet, line: usize) -> f64 {
+    let at = frame.local(sheet.point(line));
     let within = tool.within(at);
     // Half a square's diagonal, and what a slope of one adds.
     if within.abs() >= sheet.pitch + 0.5 * sweep.length() {
         return if within > 0.0 { 1.0 } else { 0.0 };
     }
     let inward = match tool {
-        Tool::Wheel(_) => pose.frame.y * -at.y.signum(),
-        _ => -(pose.frame.x * at.x + pose.frame.y * at.y).normalize_or_zero(),
+        Tool::Wheel(_) => frame.y * -at.y.signum(),
+        _ => -(frame.x * at.x + frame.y * at.y).normalize_or_zero(),
     };
     let swept = 0.5 * sweep.dot(inward).abs();
-    let inward = sheet.facing.sheet(inward);
     let [slope_u, slope_v] = sheet.slope[line];
     let half = 0.5 * sheet.pitch;
     let spans = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);

@@ -33,6 +33,9 @@ pub struct Motion {
 /// Evaluations of the force before the best travel so far is taken.
 const EVALUATIONS: usize = 40;
 
+/// Furthest that the tool is first sent into what it has just touched [m]; four times as far with each try.
+const FIRST_STRIDE: f64 = 5e-6;
+
 /// A balance to be found for the end of a step: `F(z) = F_set + B z' + M z''` with backward differences.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance {
@@ -76,6 +79,7 @@ impl Balance {
     ) -> Result<Option<f64>, E> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
+        let mut stride = FIRST_STRIDE;
         let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
         for _ in 0..EVALUATIONS {
             let response = respond(travel)?;
@@ -86,7 +90,10 @@ impl Balance {
             if excess > 0.0 { low = travel } else { high = travel }
             let slope = response.stiffness + drag;
             let step = if slope > 0.0 {
-                travel + excess / slope
+                // A first touch is far softer than the patch that it becomes.
+                let newton = travel + excess / slope;
+                stride *= 4.0;
+                if low.is_finite() { newton } else { newton.max(travel - stride) }
             } else if response.depth == f64::NEG_INFINITY {
                 return Ok(None);
             } else {
@@ -98,7 +105,7 @@ impl Balance {
                 _ if low.is_finite() && high.is_finite() => 0.5 * (low + high),
                 _ => step,
             };
-            if !(travel >= self.bounds.0) {
+            if travel < self.bounds.0 || travel.is_nan() {
                 return Ok(None);
             }
             if high - low < 1e-14 {

@@ -38,6 +38,8 @@ const INERTIA: f64 = 0.03;
 const FORCE_TOLERANCE: f64 = 1e-5;
 /// Way of a tool in one step that changes nothing but the coating [footprints].
 const SANDING_STEP: f64 = 0.04;
+/// Such steps on one sheet.
+const SANDING_SHEET: f64 = 4.0;
 
 /// Share of the setpoint that counts as touching the part.
 pub const TOUCH: f64 = 0.15;
@@ -233,6 +235,12 @@ impl<'a> Runner<'a> {
         way.max(2.0 * SANDING_STEP * self.pass.tool.half_footprint(f64::INFINITY).0)
     }
 
+    /// Way of the tool after which a sheet is written back [m].
+    fn commit_way(&self) -> f64 {
+        let way = self.pass.process.commit_voxels * self.grid.voxel;
+        if self.physics.grinds() { way } else { way.max(SANDING_SHEET * self.step_way()) }
+    }
+
     /// Ends the approach when its time is up or the tool touches.
     fn take_over(&mut self) {
         let Pass { process, approach, .. } = self.pass;
@@ -383,7 +391,7 @@ impl<'a> Runner<'a> {
         self.time += dt;
         let row = self.log_row(contact.force);
         self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
-        let far = self.travelled > self.pass.process.commit_voxels * self.grid.voxel;
+        let far = self.travelled > self.commit_way();
         if far || self.receded > COMMIT_RECESSION * self.grid.voxel {
             self.write_back();
         }
@@ -434,7 +442,7 @@ impl<'a> Runner<'a> {
     fn read_sheet(&mut self, dt: f64, far: bool) {
         let Pass { tool, path, process, .. } = self.pass;
         let speed = path.velocity(self.time).length();
-        let ahead = if speed > 0.0 { (process.commit_voxels + 1.0) * self.grid.voxel / speed } else { 0.0 };
+        let ahead = if speed > 0.0 { (self.commit_way() + self.step_way()) / speed } else { 0.0 };
         let poses = [self.time, self.time + dt, self.time + ahead.max(dt)].map(|t| self.pose(t, self.motion.travel));
         let facing = Facing::of(poses[0].approach);
         let (window, lowest) = self.extent.window(tool, &poses, facing, self.grid.voxel);

@@ -81,7 +81,7 @@ impl Tool {
     /// Depth [m] of a point of the tool's frame below the working surface, along that surface's normal.
     pub fn depth(&self, at: DVec3) -> f64 {
         match self {
-            Self::Wheel(wheel) => wheel.radius - 0.5 * wheel.crown * at.y * at.y - at.x.hypot(at.z),
+            Self::Wheel(wheel) => wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt(),
             Self::Pad(_) => at.z,
             Self::Sphere(radius) => radius - at.length(),
             Self::Field(tool) => -f64::from(tool.field.sample(at)),
@@ -92,7 +92,7 @@ impl Tool {
     pub fn within(&self, at: DVec3) -> f64 {
         match self {
             Self::Wheel(wheel) => 0.5 * wheel.width - at.y.abs(),
-            Self::Pad(pad) => pad.radius - at.x.hypot(at.y),
+            Self::Pad(pad) => pad.radius - (at.x * at.x + at.y * at.y).sqrt(),
             Self::Sphere(_) | Self::Field(_) => f64::INFINITY,
         }
     }
