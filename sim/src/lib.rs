@@ -33,6 +33,7 @@
 mod commit;
 pub mod contact;
 pub mod control;
+mod decay;
 pub mod effect;
 mod extent;
 pub mod pass;

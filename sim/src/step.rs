@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use crate::contact::{Contact, Squares};
+use crate::decay::Decay;
 use crate::effect::{RunError, Variable};
 use crate::extent::Extent;
 use crate::physics::Physics;
@@ -343,37 +344,6 @@ impl Side {
     }
 }
 
-/// Weights of an exponential step with `x = λ dt`.
-struct Decay {
-    x: f64,
-    /// (1 - e^-x)/x
-    phi1: f64,
-    /// (x - 1 + e^-x)/x²
-    phi2: f64,
-    /// (1 - φ1)/x
-    psi1: f64,
-    /// (1/2 - φ2)/x
-    psi2: f64,
-}
-
-impl Decay {
-    fn new(x: f64) -> Self {
-        if x < 1e-2 {
-            // Series, where the closed forms cancel.
-            return Self {
-                x,
-                phi1: 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0)),
-                phi2: 0.5 - x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)),
-                psi1: 0.5 - x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)),
-                psi2: 1.0 / 6.0 - x / 24.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0)),
-            };
-        }
-        let phi1 = -(-x).exp_m1() / x;
-        let phi2 = (1.0 - phi1) / x;
-        Self { x, phi1, phi2, psi1: phi2, psi2: (0.5 - phi2) / x }
-    }
-}
-
 /// Share of a square's lattice area that faces the approach axis, n·a / n·up.
 struct ApproachShare(DVec3);
 
@@ -385,38 +355,5 @@ impl ApproachShare {
     fn of(&self, sheet: &Sheet, line: usize) -> f64 {
         let [u, v] = sheet.slope[line];
         (self.0.z - u * self.0.x - v * self.0.y).max(0.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn series_and_closed_forms_of_the_weights_meet() {
-        let (low, high) = (Decay::new(1e-2 - 1e-9), Decay::new(1e-2 + 1e-9));
-        for (a, b) in [(low.phi1, high.phi1), (low.phi2, high.phi2), (low.psi1, high.psi1), (low.psi2, high.psi2)] {
-            assert!((a - b).abs() < 1e-8, "{a} {b}");
-        }
-    }
-
-    #[test]
-    fn the_weights_solve_the_linear_equation() {
-        // m' = s - λ m from m = a, without recession it would end at b: compare with many small steps.
-        let (a, b, lambda, dt) = (2.0, 3.0, 5.0, 0.3);
-        let n = 200_000;
-        let (mut m, mut removed, mut mean) = (a, 0.0, 0.0);
-        for _ in 0..n {
-            let h = dt / f64::from(n);
-            let rate = lambda * (m + 0.5 * h * ((b - a) / dt - lambda * m));
-            removed += h * rate;
-            m += h * ((b - a) / dt - rate);
-            mean += removed / f64::from(n);
-        }
-        let decay = Decay::new(lambda * dt);
-        let step = dt * lambda * (a * decay.phi1 + (b - a) * decay.phi2);
-        let step_mean = dt * lambda * (a * decay.psi1 + (b - a) * decay.psi2);
-        assert!((step / removed - 1.0).abs() < 1e-6, "{step} {removed}");
-        assert!((step_mean / mean - 1.0).abs() < 1e-5, "{step_mean} {mean}");
     }
 }
