@@ -53,7 +53,9 @@ fn measure(trial: &Trial, model: &CompiledModel) {
             *period = 1e-3;
         }
     });
-    if std::env::var_os("QUASI").is_none() && matches!(trial.controller, Some(robofin::trial::Controller::Admittance { .. })) {
+    if std::env::var_os("QUASI").is_none()
+        && matches!(trial.controller, Some(robofin::trial::Controller::Admittance { .. }))
+    {
         run(&format!("{}, admittance at 1 ms", trial.name), &twin, model);
     }
     println!("  part from the scan in {baking:.3} s, {:.1} MB", part.bytes() as f64 / 1e6);

@@ -11,7 +11,7 @@ use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
 use sim::effect::{CompiledModel, States};
-use sim::{CurvePoint, LogRow, Pass, PassRecord, Process, TOOL_CELLS, Tool, Wheel, run_pass};
+use sim::{CurvePoint, LONGEST_STEP, LogRow, Pass, PassRecord, Process, TOOL_CELLS, Tool, Wheel, run_pass};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
@@ -116,13 +116,7 @@ pub struct GrindSummary {
 ///
 /// # Errors
 /// When the asset cannot be read, or a setting does not fit it.
-pub fn grind_asset(
-    asset: &Path,
-    wheel: Wheel,
-    plan: Plan,
-    model: CompiledModel,
-    console: &Console,
-) -> Result<Ground> {
+pub fn grind_asset(asset: &Path, wheel: Wheel, plan: Plan, model: CompiledModel, console: &Console) -> Result<Ground> {
     let manifest = Manifest::read(asset)?;
     let asset_sha256 = sha256(&fs::read(asset.join(MANIFEST_FILE))?);
     let weld = Welds::read(asset)?.welds.into_iter().next().context("the asset has no weld to grind")?;
@@ -169,10 +163,12 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
 
 /// Refuses a pass that would take too long.
 fn check_steps(path: &sim::Path, process: &Process, voxel: f64) -> Result<()> {
-    let steps = path.length() / (process.step_voxels * voxel);
+    let steps = (path.length() / (process.step_voxels * voxel)).max(path.duration() / LONGEST_STEP);
     ensure!(
         steps <= MOST_STEPS,
-        "a pass of {:.3e} mm takes {steps:.1e} steps in a field of {:.3e} mm voxels, and {MOST_STEPS:.0e} are accepted",
+        "a pass of {:.3e} s over {:.3e} mm takes {steps:.1e} steps in a field of {:.3e} mm voxels, and {MOST_STEPS:.0e} are \
+         accepted: use a faster --feed-mm-s",
+        path.duration(),
         path.length() * 1e3,
         voxel * 1e3,
     );
@@ -199,7 +195,8 @@ fn run_passes(
         let bar = console.bar(&format!("pass {number}"), 100);
         let trial_time = (number - 1) as f64 * forth.duration();
         let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
-        let record = run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
+        let record =
+            run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
         bar.finish_and_clear();
         if record.steps_in_air == record.steps {
             bail!("pass {number}: the wheel never touched the part; is the weld within reach of the wheel?");

@@ -241,14 +241,16 @@ impl<'a> Combination<'a> {
             (slot, voxels)
         };
         let free: Vec<(u32, Vec<Inexact>)> = inexact.into_par_iter().map(off_surface).collect();
-        let (mut slots, mut unknown) = (Vec::new(), Vec::new());
+        let (mut slots, mut unknown, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
         for (slot, voxels) in free {
             let mut set = VoxelSet::default();
             for Inexact { offset, truth } in voxels {
-                let phi = &mut grid.phi[slot as usize * BRICK_VOXELS + offset];
+                let place = slot as usize * BRICK_VOXELS + offset;
+                let phi = &mut grid.phi[place];
                 if let Truth::Other(distance) = truth {
                     *phi = self.back * distance;
                 } else {
+                    bounds.push((place, *phi));
                     *phi = grid.band.copysign(*phi);
                     insert(&mut set, offset);
                 }
@@ -259,6 +261,12 @@ impl<'a> Combination<'a> {
             }
         }
         grid.redistance_voxels(&slots, &unknown);
+        if self.radius == 0.0 {
+            // No point of a union is nearer to its surface than to that of the body it lies in.
+            for (place, bound) in bounds {
+                grid.phi[place] = self.back * (self.back * grid.phi[place]).min(self.back * bound);
+            }
+        }
     }
 
     fn part(&self, brick: IVec3, keeps_core: bool) -> Part {
@@ -309,7 +317,7 @@ impl<'a> Combination<'a> {
             return (least, Truth::Exact);
         }
         match self.bodies.depth(values, point) {
-            Some(depth) => (least, Truth::Other(depth.clamp(-band, 0.0))),
+            Some(depth) => (least, Truth::Other(depth.clamp(-band, least))),
             None => (least, Truth::Unknown),
         }
     }

@@ -54,10 +54,10 @@ mod tool_cells;
 
 pub use contact::Contact;
 pub use control::Controller;
-pub use pass::{Pass, Progress, run_pass};
+pub use pass::{LONGEST_STEP, Pass, Progress, run_pass};
 pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use profilometer::Profilometer;
 pub use record::{LogRow, PassRecord};
 pub use settings::{PassError, Process};
-pub use tool_cells::COUNT as TOOL_CELLS;
 pub use tool::{FieldTool, Frame, Pad, Pose, Tool, Wheel};
+pub use tool_cells::COUNT as TOOL_CELLS;

@@ -29,7 +29,7 @@ const BENT: f64 = 0.02;
 /// Surface sought below the tool while it is in contact [voxels].
 const NEAR_BELOW: f64 = 4.0;
 /// Longest step [s].
-const LONGEST_STEP: f64 = 0.05;
+pub const LONGEST_STEP: f64 = 0.05;
 /// Longest step while the tool comes down [s].
 const APPROACH_STEP: f64 = 0.01;
 /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
@@ -304,7 +304,8 @@ impl<'a> Runner<'a> {
         let grinds = self.physics.grinds();
         // Without recession the whole step is taken as its middle.
         let whole = self.pose(end, 0.0).centre - self.pose(self.time, 0.0).centre;
-        let (end, sweep) = if grinds { (self.pose(end, 0.0), DVec3::ZERO) } else { (self.pose(0.5 * (self.time + end), 0.0), whole) };
+        let (end, sweep) =
+            if grinds { (self.pose(end, 0.0), DVec3::ZERO) } else { (self.pose(0.5 * (self.time + end), 0.0), whole) };
         let sheet = self.sheet.as_ref().expect("a sheet was read");
         let (step, physics, from) = (&mut self.step, &mut self.physics, self.motion);
         if grinds && !std::mem::take(&mut self.goes_on) {

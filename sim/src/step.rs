@@ -280,15 +280,18 @@ impl Step {
         for (lane, &line) in self.lines.iter().enumerate() {
             let line = line as usize;
             let at = pose.local(sheet.facing.world(sheet.point(line)));
-            sums.add(places.place(at), &Under {
-                share: 0.5 * (self.start.share[lane] + self.end.share[lane]),
-                load: self.mean_load[lane],
-                slip_speed: physics.slip_speed(tool, at),
-                recession: self.recession[lane] / dt,
-                dose: self.dose[lane] / dt,
-                surface: sheet.pitch * sheet.pitch * sheet.area_ratio(line),
-                coating: physics.coating,
-            });
+            sums.add(
+                places.place(at),
+                &Under {
+                    share: 0.5 * (self.start.share[lane] + self.end.share[lane]),
+                    load: self.mean_load[lane],
+                    slip_speed: physics.slip_speed(tool, at),
+                    recession: self.recession[lane] / dt,
+                    dose: self.dose[lane] / dt,
+                    surface: sheet.pitch * sheet.pitch * sheet.area_ratio(line),
+                    coating: physics.coating,
+                },
+            );
         }
         sums
     }

@@ -29,10 +29,8 @@ fn process_values_out_of_range_are_wrong_use_and_say_the_range() {
 fn a_process_that_takes_millions_of_steps_is_refused_by_name() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("ground");
-    for flags in [["--stiffness", "1e14"], ["--grind-rate", "1e-6"], ["--feed-mm-s", "0.001"]] {
-        let outcome = run(robofin(["simulate"]).args(flags).arg(asset()).arg("--out").arg(&out));
-        outcome.is_refused(1, &["steps", "--feed-mm-s", "--grind-rate", "--stiffness"]);
-    }
+    let outcome = run(robofin(["simulate", "--feed-mm-s", "0.001"]).arg(asset()).arg("--out").arg(&out));
+    outcome.is_refused(1, &["steps", "--feed-mm-s"]);
     assert_eq!(names(folder.path()), Vec::<String>::new());
 }
 
@@ -52,6 +50,8 @@ fn the_ends_of_the_accepted_ranges_finish() {
     for flags in [
         ["--force-n", "10000"],
         ["--force-n", "0.001"],
+        ["--stiffness", "1e14"],
+        ["--grind-rate", "1e-6"],
         ["--feed-mm-s", "10000"],
         ["--wheel-radius-mm", "1000"],
         ["--wheel-width-mm", "1000"],
