@@ -44,7 +44,7 @@ pub struct Progress {
     pub time: f64,
     /// Time of the whole pass [s].
     pub duration: f64,
-    /// Force in this step [N]; 0 in the air.
+    /// Force now [N]; 0 in the air.
     pub force: f64,
 }
 
@@ -173,7 +173,7 @@ impl<'a> Runner<'a> {
         self.nominal(time, travel).changed(&self.pose_change)
     }
 
-    /// One step. Returns the force [N].
+    /// One step. Returns the force at its end [N].
     fn advance(&mut self, duration: f64) -> Result<f64, RunError> {
         let speed = self.pass.path.velocity(self.time).length();
         let by_way = if speed > 0.0 { self.pass.process.step_voxels * self.grid.voxel / speed } else { LONGEST_STEP };
@@ -307,11 +307,12 @@ impl<'a> Runner<'a> {
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }
 
-    /// Takes the step that `find_motion` prepared. Returns the mean force [N].
+    /// Takes the step that `find_motion` prepared. Returns the force at its end [N].
     fn accept(&mut self, motion: Motion, dt: f64) -> Result<f64, RunError> {
         let middle = self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel));
         let sheet = self.sheet.as_mut().expect("a sheet was read");
         let contact = self.step.contact(&middle, sheet);
+        let end_force = self.step.end_force(&middle, sheet);
         let cells = self.physics.model.needs_tool_cells();
         let sums = if cells {
             self.step.cell_sums((self.pass.tool, &middle), sheet, &self.physics, dt).means()
@@ -332,13 +333,13 @@ impl<'a> Runner<'a> {
         let ideal = self.controller == Controller::Ideal;
         self.motion = if ideal { Motion { speed: 0.0, ..motion } } else { motion };
         self.time += dt;
-        let row = self.log_row(contact.force);
+        let row = self.log_row(end_force);
         self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
         let far = self.travelled > self.pass.process.commit_voxels * self.grid.voxel;
         if far || self.receded > COMMIT_RECESSION * self.grid.voxel {
             self.write_back();
         }
-        Ok(contact.force)
+        Ok(end_force)
     }
 
     fn advance_states(&mut self, sums: &CellSums, dt: f64) -> Result<(), RunError> {

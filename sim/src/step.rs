@@ -197,6 +197,13 @@ impl Step {
         contact
     }
 
+    /// Force at the end of the step, after what it takes off [N].
+    pub fn end_force(&self, pose: &Pose, sheet: &Sheet) -> f64 {
+        let normal = ApproachShare::new(pose, sheet);
+        let force = |(&line, load): (&u32, &f64)| load * normal.of(sheet, line as usize);
+        sheet.pitch * sheet.pitch * self.lines.iter().zip(&self.end_load).map(force).sum::<f64>()
+    }
+
     /// Applies the step to the sheet. Returns the volumes removed from the part and from a `coating` [m].
     pub fn apply(&self, sheet: &mut Sheet, coating: f64) -> Removal {
         let mut removal = Removal::default();
