@@ -134,6 +134,21 @@ impl Squares {
         let under = |&line: &usize| cover(tool, pose, sheet, line) > 0.0;
         (0..self.depth.len()).filter(under).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
+
+    /// As [`Squares::deepest`], with the peak of the parabola through a column and its neighbours if that is in the
+    /// column's square.
+    pub fn peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+        let [rows, across] = sheet.window.size;
+        let inner = |&line: &usize| {
+            let (row, place) = (line / across, line % across);
+            row > 0 && row + 1 < rows && place > 0 && place + 1 < across && cover(tool, pose, sheet, line) > 0.0
+        };
+        let at = |line: usize| {
+            let (along, sideways) = self.differences(line, across, sheet.pitch);
+            self.depth[line] + along.rise() + sideways.rise()
+        };
+        (0..self.depth.len()).filter(inner).map(at).fold(f64::NEG_INFINITY, f64::max)
+    }
 }
 
 /// Integral of x²/2 over the wet part of a unit square that is wet from x = 1/2 inwards over `share`: 1/24 when all is.
@@ -174,6 +189,15 @@ impl Difference {
             (true, false) => Self { mean: here - before, bend: 0.0 },
             (false, true) => Self { mean: after - here, bend: 0.0 },
             (false, false) => Self { mean: 0.0, bend: 0.0 },
+        }
+    }
+
+    /// Height of the parabola's peak above the column, if it is in the square.
+    fn rise(&self) -> f64 {
+        if self.bend < 0.0 && self.mean.abs() <= -0.5 * self.bend * (1.0 + 1e-9) {
+            -0.5 * self.mean * self.mean / self.bend
+        } else {
+            0.0
         }
     }
 }

@@ -41,6 +41,8 @@ impl End {
 /// What a step does to each square in contact; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]
 pub struct Step {
+    /// The tool's reference point at the start [m].
+    from: DVec3,
     start_squares: Squares,
     end_squares: Squares,
     /// How much further away the tool is than its shape says, by line; empty if it is not.
@@ -84,6 +86,7 @@ impl Step {
         sheet: &Sheet,
         physics: &mut Physics,
     ) -> Result<(), RunError> {
+        self.from = pose.centre;
         physics.gap(tool, pose, sheet, &mut self.gap)?;
         self.start_squares.measure(tool, pose, sheet, &self.gap);
         Ok(())
@@ -100,7 +103,9 @@ impl Step {
         physics.gap(tool, pose, sheet, &mut self.gap)?;
         self.end_squares.measure(tool, pose, sheet, &self.gap);
         self.gather(dt);
-        physics.place(tool, pose, sheet, Some(&self.end_squares), &self.lines);
+        // Slip and places are those of the middle of the step, for both of its ends: second order in its length.
+        let middle = Pose { centre: 0.5 * (self.from + pose.centre), ..*pose };
+        physics.place(tool, &middle, sheet, Some(&self.end_squares), &self.lines);
         self.start.evaluate(physics, &self.depth_rate)?;
         self.end.evaluate(physics, &self.depth_rate)?;
         self.probe.depth.clear();
@@ -258,6 +263,11 @@ impl Step {
     /// Largest depth under the working surface at the end of the step [m], negative: the gap.
     pub fn end_gap(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
         self.end_squares.deepest(tool, pose, sheet)
+    }
+
+    /// Largest depth under the working surface at the start of the step [m], also between columns; negative: the gap.
+    pub fn start_peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+        self.start_squares.peak(tool, pose, sheet)
     }
 
     /// Whether the patch may go on beyond the window.

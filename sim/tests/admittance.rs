@@ -1,7 +1,7 @@
 //! Admittance controllers on a pad that presses on flat work, against their closed forms.
 //!
 //! The forms know the pad by K A and k/A alone. The shared examples are of a pad with a radius of a few voxels; here they
-//! are of a hundred times its area, with K, k and p_c to match, so that force and travel stay the same.
+//! are of thirty times its area, with K, k and p_c to match, so that force and travel stay the same.
 
 mod common;
 
@@ -154,7 +154,7 @@ fn shared_examples_of_admittance_hold() {
             grind_rate: optional("k").unwrap_or(0.0),
             threshold: optional("pc").unwrap_or(0.0),
         };
-        pad.with_area(100.0 * area)
+        pad.with_area(30.0 * area)
     };
     for (kind, limit) in [("adm_first_order", 3e-3), ("adm_second_order", 3e-3), ("adm_plunge", 1e-2)] {
         for (inputs, outputs) in &shared_cases(kind) {
