@@ -16,6 +16,8 @@ const FORCE_TOLERANCE: f64 = 1e-9;
 /// Surface sought below the tool beyond its reach [voxels].
 const BELOW: f64 = 4.0;
 
+/// First guess of how deep a tool is pressed [m].
+const FIRST_PRESS: f64 = 1e-6;
 /// Gap at which a tool touches [m].
 const TOUCH_TOLERANCE: f64 = 1e-10;
 /// Steps of the search for the first touch.
@@ -79,6 +81,7 @@ impl<'a> Press<'a> {
     /// # Errors
     /// As [`Press::contact`].
     pub fn travel_for(&mut self, setpoint: f64, physics: &mut Physics) -> Result<Option<f64>, RunError> {
+        let Some(touch) = self.touch(physics)? else { return Ok(None) };
         let balance = Balance {
             from: Motion::default(),
             setpoint,
@@ -88,7 +91,7 @@ impl<'a> Press<'a> {
             tolerance: FORCE_TOLERANCE * setpoint,
             bounds: (-self.reach, self.reach),
         };
-        balance.solve(0.0, |travel| {
+        balance.solve(touch - FIRST_PRESS, |travel| {
             let pose = self.pose.lifted(travel);
             self.step.begin((self.tool, &pose), &self.sheet, physics)?;
             let end = self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;

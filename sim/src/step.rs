@@ -193,8 +193,8 @@ impl Step {
             contact.load += self.mean_load[lane] * area * sheet.area_ratio(line);
             contact.moment += arm.cross(pose.approach) * force;
             contact.area += 0.5 * (self.start.share[lane] + self.end.share[lane]) * facing;
-            // The pressure belongs to the square's mean depth; its column may be deeper.
-            let peak = (self.start_squares.depth[line] / self.start.depth[lane]).max(1.0);
+            // The pressure belongs to the square's mean depth; its middle may be deeper.
+            let peak = (self.start_squares.top(sheet, line) / self.start.depth[lane]).max(1.0);
             if self.start.share[lane] > 0.0 {
                 contact.pressure_max = contact.pressure_max.max(self.start.pressure[lane] * peak);
             }
@@ -247,15 +247,18 @@ impl Step {
         for (lane, &line) in self.lines.iter().enumerate() {
             let line = line as usize;
             let at = pose.local(sheet.facing.world(sheet.point(line)));
-            sums.add(places.place(at), &Under {
-                share: 0.5 * (self.start.share[lane] + self.end.share[lane]),
-                load: self.mean_load[lane],
-                slip_speed: physics.slip_speed(tool, at),
-                recession: self.recession[lane] / dt,
-                dose: self.dose[lane] / dt,
-                surface: sheet.pitch * sheet.pitch * sheet.area_ratio(line),
-                coating: physics.coating,
-            });
+            sums.add(
+                places.place(at),
+                &Under {
+                    share: 0.5 * (self.start.share[lane] + self.end.share[lane]),
+                    load: self.mean_load[lane],
+                    slip_speed: physics.slip_speed(tool, at),
+                    recession: self.recession[lane] / dt,
+                    dose: self.dose[lane] / dt,
+                    surface: sheet.pitch * sheet.pitch * sheet.area_ratio(line),
+                    coating: physics.coating,
+                },
+            );
         }
         sums
     }

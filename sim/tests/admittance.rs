@@ -73,7 +73,8 @@ impl Plunge {
     /// Force at a time after the touch, M = 0.
     fn force(&self, time: f64) -> f64 {
         let touch = self.threshold * self.area;
-        let grinds = if self.grind_rate > 0.0 { -self.tau() * (1.0 - touch / self.setpoint).ln() } else { f64::INFINITY };
+        let grinds =
+            if self.grind_rate > 0.0 { -self.tau() * (1.0 - touch / self.setpoint).ln() } else { f64::INFINITY };
         if time <= grinds {
             return self.setpoint * (1.0 - (-time / self.tau()).exp());
         }
@@ -82,15 +83,8 @@ impl Plunge {
     }
 }
 
-const PAD: Plunge = Plunge {
-    stiffness: 1e9,
-    area: 4e-4,
-    mass: 1e-9,
-    damping: 800.0,
-    setpoint: 20.0,
-    grind_rate: 0.0,
-    threshold: 0.0,
-};
+const PAD: Plunge =
+    Plunge { stiffness: 1e9, area: 4e-4, mass: 1e-9, damping: 800.0, setpoint: 20.0, grind_rate: 0.0, threshold: 0.0 };
 
 fn last(forces: &[(f64, f64)]) -> f64 {
     forces.last().expect("steps").1
@@ -185,7 +179,10 @@ fn long_steps_take_off_what_steps_at_the_controllers_period_do() {
     let ((long, lost_long), (short, lost_short)) = (run(true), run(false));
     println!(
         "quasi-static: {} steps, {:.4} mm³; at the period: {} steps, {:.4} mm³",
-        long.steps, lost_long * 1e9, short.steps, lost_short * 1e9
+        long.steps,
+        lost_long * 1e9,
+        short.steps,
+        lost_short * 1e9
     );
     assert!(short.steps >= 4000 && long.steps < short.steps / 5);
     assert!((lost_long / lost_short - 1.0).abs() < 5e-3);

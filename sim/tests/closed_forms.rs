@@ -86,7 +86,12 @@ impl Case {
             let lever = moment / (self.force * self.width);
             println!(
                 "{}: {:.2} mm voxels, patch of {voxels:.0}: force {:.4} N {:+.4} %, peak {:+.3} %, moment {:+.1e} of F times the patch's width",
-                self.name, voxel * 1e3, found.force, error * 100.0, peak * 100.0, lever
+                self.name,
+                voxel * 1e3,
+                found.force,
+                error * 100.0,
+                peak * 100.0,
+                lever
             );
             assert!(error.abs() < if voxels > 8.0 { limit } else { 5e-3 }, "{}", self.name);
             // The deepest column is up to half a voxel from the deepest point.

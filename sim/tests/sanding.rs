@@ -85,7 +85,12 @@ fn a_pad_tilted_by_an_effect_leaves_the_dose_of_the_closed_form() {
         let (_, found) = doses(radius, (&process, &model, depth), feed, &[-0.009, 0.0, 0.004]);
         for (y, dose) in found {
             let form = tilted_pad_dose(radius, (spin, feed), (depth, tilt), y);
-            report(&format!("tilted {tilt} rad, {:.0} µm", depth * 1e6), y, dose, SANDING_RATE * stiffness / feed * form);
+            report(
+                &format!("tilted {tilt} rad, {:.0} µm", depth * 1e6),
+                y,
+                dose,
+                SANDING_RATE * stiffness / feed * form,
+            );
         }
     }
 }

@@ -29,8 +29,10 @@ const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radiu
 const TOOL_BAND: f64 = 8.0;
 
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  robofin press plate.obj --tool wheel:radius=50mm,width=20mm --depth-mm 0.1 --voxel-mm 0.5\n  \
-                  robofin press out/bracket --tool pad:radius=25mm --force-n 15 --at 10,4")]
+#[command(
+    after_help = "Example:\n  robofin press plate.obj --tool wheel:radius=50mm,width=20mm --depth-mm 0.1 --voxel-mm 0.5\n  \
+                  robofin press out/bracket --tool pad:radius=25mm --force-n 15 --at 10,4"
+)]
 pub(super) struct PressArgs {
     /// Mesh file, asset folder made by `robofin weld`, or .nvdb file with a grid `phi`.
     part: PathBuf,
@@ -39,7 +41,7 @@ pub(super) struct PressArgs {
     #[arg(long, value_name = "TOOL")]
     tool: String,
     /// Depth below the first touch [mm].
-    #[arg(long, value_name = "MM", conflicts_with = "force_n", required_unless_present = "force_n", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", conflicts_with = "force_n", allow_negative_numbers = true)]
     depth_mm: Option<f64>,
     /// Force to press with [N].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -82,16 +84,24 @@ struct PressAnswer {
 
 pub(super) fn run(args: &PressArgs, console: &Console) -> Result<()> {
     let (x, y) = parse_place(&args.at)?;
-    let depth = args.depth_mm.map(|mm| Ok::<_, anyhow::Error>(within("--depth-mm", mm, (1e-6, 1e3))? * 1e-3)).transpose()?;
+    let depth =
+        args.depth_mm.map(|mm| Ok::<_, anyhow::Error>(within("--depth-mm", mm, (1e-6, 1e3))? * 1e-3)).transpose()?;
     let force = args.force_n.map(|force| within("--force-n", force, (1e-6, 1e9))).transpose()?;
+    let goal = match (depth, force) {
+        (Some(depth), None) => Goal::Depth(depth),
+        (None, Some(force)) => Goal::Force(force),
+        _ => return Err(wrong_use("one of --depth-mm and --force-n is expected".to_owned())),
+    };
     let voxel = positive("--voxel-mm", args.voxel_mm)? * 1e-3;
     let tool = args.tool(voxel)?;
     let stiffness = within("--stiffness", args.stiffness, (1e3, 1e16))?;
-    let model = args.model.compile_any(&format!("[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n"), RowCounts::default())?;
+    let model = args
+        .model
+        .compile_any(&format!("[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n"), RowCounts::default())?;
     let part = args.part(voxel)?;
 
     let place = Place::over(&part, (x, y), &tool)?;
-    let held = place.press(&part, &tool, &model, (depth, force))?;
+    let held = place.press(&part, &tool, &model, goal)?;
     let contact = &held.contact;
     console.step("contact", describe(&held));
     let point = |v: DVec3| (v * 1e3).to_array();
@@ -132,6 +142,15 @@ struct Place {
     words: String,
 }
 
+/// How hard to press.
+#[derive(Clone, Copy)]
+enum Goal {
+    /// Below the first touch [m].
+    Depth(f64),
+    /// [N]
+    Force(f64),
+}
+
 /// A tool held in a part.
 struct Held {
     contact: Contact,
@@ -145,7 +164,12 @@ impl Place {
         let (low, high) = surface_bounds(part).context("the field of the part has no surface")?;
         let words = format!(
             "--at {},{}: the part spans {:.3} to {:.3} mm in x and {:.3} to {:.3} mm in y",
-            x * 1e3, y * 1e3, low.x * 1e3, high.x * 1e3, low.y * 1e3, high.y * 1e3
+            x * 1e3,
+            y * 1e3,
+            low.x * 1e3,
+            high.x * 1e3,
+            low.y * 1e3,
+            high.y * 1e3
         );
         let frame = match tool {
             Tool::Wheel(_) => Frame::about(DVec3::Y, DVec3::Z),
@@ -156,29 +180,30 @@ impl Place {
         Ok(Self { pose, reach: 0.5 * (high.z - low.z) + 4.0 * part.voxel, words })
     }
 
-    /// Presses by a depth below the first touch [m], or with a force [N].
-    fn press(
-        &self,
-        part: &BrickGrid,
-        tool: &Tool,
-        model: &CompiledModel,
-        (depth, force): (Option<f64>, Option<f64>),
-    ) -> Result<Held> {
+    fn press(&self, part: &BrickGrid, tool: &Tool, model: &CompiledModel, goal: Goal) -> Result<Held> {
         let mut states = States::new(model, TOOL_CELLS);
         let mut physics = Physics::new(model, &mut states, sim::Process::default().coating);
         let mut press = Press::new(part, tool, self.pose, self.reach);
         let Some(touch) = press.touch(&mut physics)? else {
             return Err(wrong_use(format!("{}; the tool meets nothing there", self.words)));
         };
-        let travel = match (depth, force) {
-            (Some(depth), _) => touch - depth,
-            (None, Some(force)) => press.travel_for(force, &mut physics)?.with_context(|| {
+        let travel = match goal {
+            Goal::Depth(depth) => touch - depth,
+            Goal::Force(force) => press.travel_for(force, &mut physics)?.with_context(|| {
                 format!("--force-n {force}: the tool would go right through the part; less force or more stiffness is accepted")
             })?,
-            (None, None) => return Err(wrong_use("one of --depth-mm and --force-n is expected".to_owned())),
         };
         check_band(tool, touch - travel)?;
         let contact = press.contact(travel, &mut physics)?;
+        if let Goal::Force(force) = goal
+            && (contact.force / force - 1.0).abs() > 1e-3
+        {
+            bail!(
+                "--force-n {force}: no depth with this force was found; at {:.4} mm it is {:.4} N",
+                (touch - travel) * 1e3,
+                contact.force
+            );
+        }
         Ok(Held { contact, depth: touch - travel, position: self.pose.lifted(travel).centre })
     }
 }
@@ -241,7 +266,9 @@ impl PressArgs {
     fn tool(&self, voxel: f64) -> Result<Tool> {
         let text = &self.tool;
         let wrong = |why: String| wrong_use(format!("--tool {text}: {why}; {TOOLS} is expected"));
-        let Some((kind, rest)) = text.split_once(':') else { return Err(wrong("a kind and its sizes are missing".to_owned())) };
+        let Some((kind, rest)) = text.split_once(':') else {
+            return Err(wrong("a kind and its sizes are missing".to_owned()));
+        };
         match kind {
             "wheel" => {
                 let [radius, width] = sizes(rest, ["radius", "width"]).map_err(wrong)?;
@@ -269,12 +296,13 @@ impl PressArgs {
 fn sizes<const N: usize>(text: &str, names: [&str; N]) -> std::result::Result<[f64; N], String> {
     let mut found = [None; N];
     for part in text.split(',').filter(|part| !part.is_empty()) {
-        let (name, value) = part.split_once('=').ok_or_else(|| format!("`{part}` is no size such as {}=10mm", names[0]))?;
+        let (name, value) =
+            part.split_once('=').ok_or_else(|| format!("`{part}` is no size such as {}=10mm", names[0]))?;
         let index = names.iter().position(|known| *known == name.trim());
         let index = index.ok_or_else(|| format!("`{name}` is no size of it, it has {}", names.join(" and ")))?;
-        found[index] = Some(length(value.trim()).ok_or_else(|| {
-            format!("`{value}` is no length such as 20mm, from 0.01 mm to 10 m")
-        })?);
+        found[index] = Some(
+            length(value.trim()).ok_or_else(|| format!("`{value}` is no length such as 20mm, from 0.01 mm to 10 m"))?,
+        );
     }
     let mut sizes = [0.0; N];
     for ((size, found), name) in sizes.iter_mut().zip(found).zip(names) {

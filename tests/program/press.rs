@@ -53,12 +53,13 @@ fn tools_pressed_into_a_box_meet_their_closed_forms() {
         ("sphere:radius=10mm", "-7.13,2.2", ball, PI * (2.0 * 0.01 * depth - depth * depth)),
         ("pad:radius=12mm", "-4.4,1.3", K * pad * depth, pad),
     ] {
-        let held = press(&part, &["--tool", tool, "--depth-mm", "0.1", "--at", at, "--stiffness", "1e10"]).succeeds().answer();
+        let held =
+            press(&part, &["--tool", tool, "--depth-mm", "0.1", "--at", at, "--stiffness", "1e10"]).succeeds().answer();
         println!("{tool} at {at}: {held}");
         near(&held, "force_n", force, 5e-3);
-        near(&held, "area_mm2", area * 1e6, 1e-2);
-        near(&held, "pressure_max_pa", K * depth, 1e-2);
-        near(&held, "pressure_mean_pa", force / area, 1e-2);
+        near(&held, "area_mm2", area * 1e6, 2e-2);
+        near(&held, "pressure_max_pa", K * depth, 5e-3);
+        near(&held, "pressure_mean_pa", force / area, 2e-2);
         assert!((held["moment_nm"][0].as_f64().unwrap()).abs() < 2e-4 * force);
 
         let text = force.to_string();
@@ -73,8 +74,9 @@ fn a_tool_may_be_a_file_and_a_part_an_asset_with_effects() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let part = plate(folder.path());
     let tool = format!("mesh:{}", part.display());
-    let held = press(&part, &["--tool", &tool, "--depth-mm", "0.05"]).succeeds().answer();
-    near(&held, "force_n", K * 0.06 * 0.04 * 5e-5, 4e-2);
+    let held = press(&part, &["--tool", &tool, "--depth-mm", "0.1"]).succeeds().answer();
+    // Depths near the tool's walls are those to the walls, and its last half voxel is on the part's walls.
+    near(&held, "force_n", K * 0.06 * 0.04 * 1e-4, 4e-2);
 
     let model = folder.path().join("model.toml");
     fs::write(&model, "process = \"grinding\"\n[law.winkler]\nstiffness = \"20 MPa/mm\"\n").expect("it can be written");
@@ -82,7 +84,8 @@ fn a_tool_may_be_a_file_and_a_part_an_asset_with_effects() {
     let held = press(&part, &["--tool", "pad:radius=5mm", "--depth-mm", "0.05", "--model", name]).succeeds().answer();
     near(&held, "force_n", 2e10 * PI * 25e-6 * 5e-5, 1e-2);
 
-    let held = run(robofin(["press", "--json", "--tool", "sphere:radius=10mm", "--force-n", "15"]).arg(asset())).succeeds();
+    let held =
+        run(robofin(["press", "--json", "--tool", "sphere:radius=10mm", "--force-n", "15"]).arg(asset())).succeeds();
     near(&held.answer(), "force_n", 15.0, 1e-6);
 }
 
@@ -109,7 +112,7 @@ fn what_cannot_be_pressed_is_refused_with_what_would_be_accepted() {
     with(&["--depth-mm", "0"]).is_refused(2, &["--depth-mm"]);
     with(&["--force-n", "nan"]).is_refused(2, &["--force-n"]);
     with(&["--depth-mm", "0.1", "--at", "here"]).is_refused(2, &["--at", "here"]);
-    with(&["--depth-mm", "0.1", "--at", "100,0"]).is_refused(2, &["--at 100,0", "-30.0", "meets nothing"]);
+    with(&["--depth-mm", "0.1", "--at", "100,0"]).is_refused(2, &["--at 100,0", "spans -30", "meets nothing"]);
     with(&["--force-n", "1e9"]).is_refused(1, &["--force-n", "right through"]);
     with(&["--depth-mm", "0.1", "--voxel-mm", "0"]).is_refused(2, &["--voxel-mm"]);
     press(&folder.path().join("no.obj"), &["--tool", "pad:radius=5mm", "--depth-mm", "0.1"]).is_refused(2, &["no.obj"]);

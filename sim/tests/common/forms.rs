@@ -9,7 +9,8 @@ pub(crate) fn shared_cases(kind: &str) -> Vec<(Value, Value)> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let file = std::env::var_os("ROBOFIN_SHARED").map_or_else(beside, Into::into).join("reference/contact.json");
     if !file.is_file() {
-        let missing = format!("NOT TESTED against the shared forms: {} is not there; set ROBOFIN_SHARED", file.display());
+        let missing =
+            format!("NOT TESTED against the shared forms: {} is not there; set ROBOFIN_SHARED", file.display());
         assert!(std::env::var_os("ROBOFIN_REQUIRE_SHARED").is_none_or(|value| value != "1"), "{missing}");
         eprintln!("{missing}");
         return Vec::new();
