@@ -116,7 +116,13 @@ pub struct GrindSummary {
 ///
 /// # Errors
 /// When the asset cannot be read, or a setting does not fit it.
-pub fn grind_asset(asset: &Path, wheel: Wheel, plan: Plan, model: CompiledModel, console: &Console) -> Result<Ground> {
+pub fn grind_asset(
+    asset: &Path,
+    wheel: Wheel,
+    plan: Plan,
+    model: CompiledModel,
+    console: &Console,
+) -> Result<Ground> {
     let manifest = Manifest::read(asset)?;
     let asset_sha256 = sha256(&fs::read(asset.join(MANIFEST_FILE))?);
     let weld = Welds::read(asset)?.welds.into_iter().next().context("the asset has no weld to grind")?;
@@ -193,8 +199,7 @@ fn run_passes(
         let bar = console.bar(&format!("pass {number}"), 100);
         let trial_time = (number - 1) as f64 * forth.duration();
         let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
-        let record =
-            run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
+        let record = run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
         bar.finish_and_clear();
         if record.steps_in_air == record.steps {
             bail!("pass {number}: the wheel never touched the part; is the weld within reach of the wheel?");

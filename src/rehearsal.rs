@@ -99,10 +99,7 @@ impl Rehearsal {
             measured_exposed_share: measured.collect(),
             force_rms_error_n: each(|pass| pass.record.force_rms_error),
             impulse_ns: each(|pass| pass.record.impulse),
-            residual_rms_um: (0..self.passes.len())
-                .filter_map(|pass| self.residual(trial, pass))
-                .map(|r| r * 1e6)
-                .collect(),
+            residual_rms_um: (0..self.passes.len()).filter_map(|pass| self.residual(trial, pass)).map(|r| r * 1e6).collect(),
             noise_floor_um: noise.map(|noise| noise.rms * 1e6),
             steps: self.passes.iter().map(|pass| pass.record.steps).sum(),
         }

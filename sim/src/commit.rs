@@ -182,8 +182,7 @@ fn distance_from_nearer(grid: &BrickGrid, sheet: &Sheet, line: usize, k: i32, si
     let slope = DVec2::from(sheet.slope[line]);
     let area_ratio = sheet.area_ratio(line);
     let value = |near: usize| {
-        let (di, dj) =
-            ((near / across) as i32 - (line / across) as i32, (near % across) as i32 - (line % across) as i32);
+        let (di, dj) = ((near / across) as i32 - (line / across) as i32, (near % across) as i32 - (line % across) as i32);
         let phi = f64::from(grid.phi_at(sheet.facing.voxel(i + di, j + dj, k - side)));
         (phi.abs() < f64::from(grid.band)).then_some(phi)
     };

@@ -33,6 +33,9 @@ pub struct Motion {
 /// Evaluations of the force before the best travel so far is taken.
 const EVALUATIONS: usize = 40;
 
+/// Way into the surface at first [m].
+const FIRST_NUDGE: f64 = 1e-7;
+
 /// A balance to be found for the end of a step: `F(z) = F_set + B z' + M z''` with backward differences.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance {
@@ -70,7 +73,7 @@ impl Balance {
     /// # Errors
     /// The first of `respond`.
     pub fn solve<E>(&self, guess: f64, mut respond: impl FnMut(f64) -> Result<Response, E>) -> Result<Option<f64>, E> {
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let (mut low, mut high, mut nudge) = (f64::NEG_INFINITY, f64::INFINITY, 0.5 * FIRST_NUDGE);
         let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
         let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
         for _ in 0..EVALUATIONS {
@@ -90,15 +93,16 @@ impl Balance {
             } else if response.depth == f64::NEG_INFINITY {
                 return Ok(None);
             } else {
-                // Down to the surface, and a hundredth of the way into it.
-                travel + response.depth.min(0.0) * (1.0 + 1e-9) - 1e-7
+                // Down to the surface and a little into it, more each time: a patch far below a voxel has no force.
+                nudge *= 2.0;
+                travel + response.depth.min(0.0) * (1.0 + 1e-9) - nudge
             };
             travel = match (step > low, step < high) {
                 (true, true) => step,
                 _ if low.is_finite() && high.is_finite() => 0.5 * (low + high),
                 _ => step,
             };
-            if !(travel >= self.bounds.0) {
+            if travel.is_nan() || travel < self.bounds.0 {
                 return Ok(None);
             }
             if high - low < 1e-14 {

@@ -234,12 +234,13 @@ impl<'a> Runner<'a> {
             }
             let motion = self.try_motion(dt)?;
             let sheet = self.sheet.as_ref().expect("a sheet was read");
-            if motion.is_some() && self.step.reaches_border(sheet) {
-                if let Some(extent) = self.extent.grown(self.pass.tool, self.grid.voxel) {
-                    self.write_back();
-                    self.extent = extent;
-                    continue;
-                }
+            if motion.is_some()
+                && self.step.reaches_border(sheet)
+                && let Some(extent) = self.extent.grown(self.pass.tool, self.grid.voxel)
+            {
+                self.write_back();
+                self.extent = extent;
+                continue;
             }
             if motion.is_none() && !searched && self.controller == Controller::Ideal {
                 self.write_back();

@@ -46,17 +46,7 @@ impl<'a> Physics<'a> {
         wanted.dedup();
         let lanes = vec![Vec::new(); Variable::COUNT];
         let cell_lanes = vec![Vec::new(); model.cell_states().len()];
-        Self {
-            model,
-            states,
-            step: StepValues::new(),
-            coating,
-            lanes,
-            wanted,
-            tool_cell: Vec::new(),
-            cells: HashMap::new(),
-            cell_lanes,
-        }
+        Self { model, states, step: StepValues::new(), coating, lanes, wanted, tool_cell: Vec::new(), cells: HashMap::new(), cell_lanes }
     }
 
     /// Whether the surface recedes.

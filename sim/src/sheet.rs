@@ -224,8 +224,10 @@ impl Sheet {
             let (row, place) = (line / across, line % across);
             let at = |there: bool, i: usize| if there { self.height[i] } else { NO_SURFACE };
             let here = self.height[line];
-            let along =
-                [at(row > 0, line.wrapping_sub(across)), at(row + 1 < self.window.size[0], line.wrapping_add(across))];
+            let along = [
+                at(row > 0, line.wrapping_sub(across)),
+                at(row + 1 < self.window.size[0], line.wrapping_add(across)),
+            ];
             let sideways = [at(place > 0, line.wrapping_sub(1)), at(place + 1 < across, line + 1)];
             self.slope[line] = [along, sideways].map(|[before, after]| slope(before, here, after, self.pitch));
         }

@@ -50,8 +50,7 @@ impl Moment {
         step.pass_row = pass.row;
         let spindle = pass.process.spindle_speed;
         // A wheel's rim moves along -x under its centre.
-        let cutting =
-            if matches!(pass.tool, Tool::Wheel(_)) && along != 0.0 { -(along * spindle).signum() } else { 0.0 };
+        let cutting = if matches!(pass.tool, Tool::Wheel(_)) && along != 0.0 { -(along * spindle).signum() } else { 0.0 };
         for (variable, value) in [
             (Variable::Time, time),
             (Variable::TrialTime, pass.trial_time + time),

@@ -127,13 +127,7 @@ impl CellSums {
     ///
     /// # Errors
     /// A formula that gives no finite number.
-    pub fn advance(
-        &self,
-        cells: &ToolCells,
-        model: &CompiledModel,
-        states: &mut States,
-        at: (&StepValues, f64),
-    ) -> Result<(), RunError> {
+    pub fn advance(&self, cells: &ToolCells, model: &CompiledModel, states: &mut States, at: (&StepValues, f64)) -> Result<(), RunError> {
         let (middles, areas) = (cells.middles(), cells.face_areas());
         let lanes = Lanes::new(COUNT)
             .with(Variable::ToolY, &middles)

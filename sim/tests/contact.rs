@@ -5,7 +5,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{WHEEL, ball, bar, base, fresh, odd_turn, plate, pressed, turned};
+use common::{WHEEL, base, fresh, ball, bar, odd_turn, plate, pressed, turned};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sim::physics::Physics;

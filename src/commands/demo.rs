@@ -12,7 +12,7 @@ use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
 use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
-use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, Plan, grind_asset};
+use crate::finishing::{self, Plan, GRIND_FILE, GrindSummary, PAGE_FILE, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};

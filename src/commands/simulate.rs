@@ -9,8 +9,8 @@ use sim::Wheel;
 use sim::effect::{Process, RowCounts};
 
 use super::flags::{OutFlags, within};
-use super::model_flags::ModelFlags;
 use crate::console::Console;
+use super::model_flags::ModelFlags;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::rehearsal::{REHEARSAL_FILE, Rehearsal, RehearsalSummary, is_trial};
@@ -64,13 +64,7 @@ pub(super) struct ProcessFlags {
     #[arg(long, value_name = "PA_M", default_value_t = 1e10, conflicts_with = "model", allow_negative_numbers = true)]
     stiffness: f64,
     /// Preston's coefficient k [m/(Pa s)].
-    #[arg(
-        long,
-        value_name = "M_PA_S",
-        default_value_t = 1e-9,
-        conflicts_with = "model",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "M_PA_S", default_value_t = 1e-9, conflicts_with = "model", allow_negative_numbers = true)]
     grind_rate: f64,
     /// Threshold pressure p_c, below which nothing is removed [MPa].
     #[arg(long, value_name = "MPA", default_value_t = 0.0, conflicts_with = "model", allow_negative_numbers = true)]

@@ -180,9 +180,7 @@ mod tests {
     fn slip_is_the_sum_of_turning_and_feed() {
         // The lowest point of a wheel that turns about +y moves along -x.
         let wheel = Tool::from(Wheel::cylinder(0.05, 0.02));
-        assert!(
-            (wheel.slip_speed(DVec3::new(0.0, 0.0, -0.05), 600.0, DVec3::X * 0.005) - (30.0 - 0.005)).abs() < 1e-12
-        );
+        assert!((wheel.slip_speed(DVec3::new(0.0, 0.0, -0.05), 600.0, DVec3::X * 0.005) - (30.0 - 0.005)).abs() < 1e-12);
         let pad = Tool::from(Pad { radius: 0.025 });
         let slip = pad.slip_speed(DVec3::new(0.003, 0.02, 0.0), 300.0, DVec3::X * 0.04);
         assert!((slip - (0.04f64 - 6.0).hypot(0.9)).abs() < 1e-12);

@@ -105,7 +105,11 @@ pub(crate) fn line(from: f64, to: f64, height: f64) -> [CurvePoint; 2] {
 
 /// A wheel whose lowest point is `depth` below z = 0 at (x, y).
 pub(crate) fn pressed(wheel: &Wheel, x: f64, y: f64, depth: f64) -> Pose {
-    Pose { centre: DVec3::new(x, y, wheel.radius - depth), approach: DVec3::Z, frame: Frame::about(DVec3::Y, DVec3::Z) }
+    Pose {
+        centre: DVec3::new(x, y, wheel.radius - depth),
+        approach: DVec3::Z,
+        frame: Frame::about(DVec3::Y, DVec3::Z),
+    }
 }
 
 /// A pose turned about the origin.
