@@ -11,6 +11,9 @@ use crate::ramp::{ramp_mean, wet_share};
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
 
+/// How far the height of a column beside a wall may be off [voxels].
+const EDGE_ERROR: f64 = 0.05;
+
 /// What a tool meets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Contact {
@@ -132,6 +135,28 @@ impl Squares {
         let under = |&line: &usize| cover(tool, (&frame, DVec3::ZERO), sheet, line) > 0.0;
         (0..self.depth.len()).filter(under).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
+
+    /// As [`Squares::deepest`], between columns as well. Beside a wall a column's height is less sure than elsewhere, and
+    /// counts as that much deeper.
+    pub fn peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+        let [rows, across] = sheet.window.size;
+        let inner = |&line: &usize| {
+            let (row, place) = (line / across, line % across);
+            row > 0 && row + 1 < rows && place > 0 && place + 1 < across && cover(tool, pose, sheet, line) > 0.0
+        };
+        let at = |line: usize| {
+            let (along, sideways) = self.differences(line, across, sheet.pitch);
+            let unsure = if along.is_whole && sideways.is_whole { 0.0 } else { EDGE_ERROR * sheet.pitch };
+            self.top(sheet, line) - unsure
+        };
+        (0..self.depth.len()).filter(inner).map(at).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Depth [m] at the peak of the parabolas through a column and its neighbours, if it is in the column's square.
+    pub fn top(&self, sheet: &Sheet, line: usize) -> f64 {
+        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
+        self.depth[line] + along.rise() + sideways.rise()
+    }
 }
 
 /// Integral of x²/2 over the wet part of a unit square that is wet from x = 1/2 inwards over `share`: 1/24 when all is.
@@ -187,16 +212,27 @@ fn cover(tool: &Tool, (frame, sweep): (&SheetFrame, DVec3), sheet: &Sheet, line:
 struct Difference {
     mean: f64,
     bend: f64,
+    /// Whether both neighbours count.
+    is_whole: bool,
 }
 
 impl Difference {
     fn new(before: f64, here: f64, after: f64, pitch: f64) -> Self {
         let near = |other: f64| (other - here).abs() < 2.0 * pitch;
         match (near(before), near(after)) {
-            (true, true) => Self { mean: 0.5 * (after - before), bend: after - 2.0 * here + before },
-            (true, false) => Self { mean: here - before, bend: 0.0 },
-            (false, true) => Self { mean: after - here, bend: 0.0 },
-            (false, false) => Self { mean: 0.0, bend: 0.0 },
+            (true, true) => Self { mean: 0.5 * (after - before), bend: after - 2.0 * here + before, is_whole: true },
+            (true, false) => Self { mean: here - before, bend: 0.0, is_whole: false },
+            (false, true) => Self { mean: after - here, bend: 0.0, is_whole: false },
+            (false, false) => Self { mean: 0.0, bend: 0.0, is_whole: false },
+        }
+    }
+
+    /// Height of the parabola's peak above the column, if it is in the square.
+    fn rise(&self) -> f64 {
+        if self.bend < 0.0 && self.mean.abs() <= -0.5 * self.bend * (1.0 + 1e-9) {
+            -0.5 * self.mean * self.mean / self.bend
+        } else {
+            0.0
         }
     }
 }

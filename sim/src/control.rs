@@ -35,6 +35,8 @@ const EVALUATIONS: usize = 40;
 
 /// Furthest that the tool is first sent into what it has just touched [m]; four times as far with each try.
 const FIRST_STRIDE: f64 = 5e-6;
+/// Way into the surface at first [m].
+const FIRST_NUDGE: f64 = 1e-7;
 
 /// A balance to be found for the end of a step: `F(z) = F_set + B z' + M z''` with backward differences.
 #[derive(Clone, Copy, Debug)]
@@ -74,8 +76,8 @@ impl Balance {
     /// The first of `respond`.
     pub fn solve<E>(&self, guess: f64, mut respond: impl FnMut(f64) -> Result<Response, E>) -> Result<Option<f64>, E> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let (mut stride, mut nudge) = (FIRST_STRIDE, 0.5 * FIRST_NUDGE);
         let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
-        let mut stride = FIRST_STRIDE;
         let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
         for _ in 0..EVALUATIONS {
             let response = respond(travel)?;
@@ -97,8 +99,9 @@ impl Balance {
             } else if response.depth == f64::NEG_INFINITY {
                 return Ok(None);
             } else {
-                // Down to the surface, and a hundredth of the way into it.
-                travel + response.depth.min(0.0) * (1.0 + 1e-9) - 1e-7
+                // Down to the surface and a little into it, more each time: a patch far below a voxel has no force.
+                nudge *= 2.0;
+                travel + response.depth.min(0.0) * (1.0 + 1e-9) - nudge
             };
             travel = match (step > low, step < high) {
                 (true, true) => step,

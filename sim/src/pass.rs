@@ -51,7 +51,7 @@ pub struct Progress {
     pub time: f64,
     /// Time of the whole pass [s].
     pub duration: f64,
-    /// Force in this step [N]; 0 in the air.
+    /// Force now [N]; 0 in the air.
     pub force: f64,
 }
 
@@ -191,7 +191,7 @@ impl<'a> Runner<'a> {
         self.nominal(time, travel).changed(&self.pose_change)
     }
 
-    /// One step. Returns the force [N].
+    /// One step. Returns the force at its end [N].
     fn advance(&mut self, duration: f64) -> Result<f64, RunError> {
         let speed = self.pass.path.velocity(self.time).length();
         let by_way = if speed > 0.0 { self.step_way() / speed } else { LONGEST_STEP };
@@ -267,12 +267,13 @@ impl<'a> Runner<'a> {
             }
             let motion = self.try_motion(dt)?;
             let sheet = self.sheet.as_ref().expect("a sheet was read");
-            if motion.is_some() && self.step.reaches_border(sheet) {
-                if let Some(extent) = self.extent.grown(self.pass.tool, self.grid.voxel) {
-                    self.write_back();
-                    self.extent = extent;
-                    continue;
-                }
+            if motion.is_some()
+                && self.step.reaches_border(sheet)
+                && let Some(extent) = self.extent.grown(self.pass.tool, self.grid.voxel)
+            {
+                self.write_back();
+                self.extent = extent;
+                continue;
             }
             if motion.is_none() && !searched && self.controller == Controller::Ideal {
                 self.write_back();
@@ -355,11 +356,12 @@ impl<'a> Runner<'a> {
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }
 
-    /// Takes the step that `find_motion` prepared. Returns the mean force [N].
+    /// Takes the step that `find_motion` prepared. Returns the force at its end [N].
     fn accept(&mut self, motion: Motion, dt: f64) -> Result<f64, RunError> {
         let middle = self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel));
         let sheet = self.sheet.as_mut().expect("a sheet was read");
         let contact = self.step.contact(&middle, sheet);
+        let end_force = self.step.end_force(&middle, sheet);
         let cells = self.physics.model.needs_tool_cells();
         let sums = if cells {
             self.step.cell_sums((self.pass.tool, &middle), sheet, &self.physics, dt).means()
@@ -390,13 +392,13 @@ impl<'a> Runner<'a> {
             self.goes_on = true;
         }
         self.time += dt;
-        let row = self.log_row(contact.force);
+        let row = self.log_row(end_force);
         self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
         let far = self.travelled > self.commit_way();
         if far || self.receded > COMMIT_RECESSION * self.grid.voxel {
             self.write_back();
         }
-        Ok(contact.force)
+        Ok(end_force)
     }
 
     fn advance_states(&mut self, sums: &CellSums, dt: f64) -> Result<(), RunError> {

@@ -16,6 +16,13 @@ const FORCE_TOLERANCE: f64 = 1e-9;
 /// Surface sought below the tool beyond its reach [voxels].
 const BELOW: f64 = 4.0;
 
+/// First guess of how deep a tool is pressed [m].
+const FIRST_PRESS: f64 = 1e-6;
+/// Gap at which a tool touches [m].
+const TOUCH_TOLERANCE: f64 = 1e-10;
+/// Steps of the search for the first touch.
+const TOUCH_STEPS: usize = 500;
+
 /// A tool over the part's surface.
 pub struct Press<'a> {
     tool: &'a Tool,
@@ -47,11 +54,34 @@ impl<'a> Press<'a> {
         Ok(self.step.contact(&pose, &self.sheet))
     }
 
+    /// Travel [m] at which the tool first touches the surface, coming down; `None` where it meets none within reach.
+    ///
+    /// # Errors
+    /// As [`Press::contact`].
+    pub fn touch(&mut self, physics: &mut Physics) -> Result<Option<f64>, RunError> {
+        let mut travel = self.reach;
+        for _ in 0..TOUCH_STEPS {
+            let pose = self.pose.lifted(travel);
+            self.step.begin((self.tool, &pose), &self.sheet, physics)?;
+            let depth = self.step.start_peak(self.tool, &pose, &self.sheet);
+            if depth == f64::NEG_INFINITY || travel < -self.reach {
+                return Ok(None);
+            }
+            // The gap is the shortest way to the surface, so it is never too far down.
+            travel += depth;
+            if depth.abs() < TOUCH_TOLERANCE {
+                break;
+            }
+        }
+        Ok(Some(travel))
+    }
+
     /// Travel [m] at which the force is `setpoint` [N]; `None` where nothing is met within reach.
     ///
     /// # Errors
     /// As [`Press::contact`].
     pub fn travel_for(&mut self, setpoint: f64, physics: &mut Physics) -> Result<Option<f64>, RunError> {
+        let Some(touch) = self.touch(physics)? else { return Ok(None) };
         let balance = Balance {
             from: Motion::default(),
             setpoint,
@@ -61,7 +91,7 @@ impl<'a> Press<'a> {
             tolerance: FORCE_TOLERANCE * setpoint,
             bounds: (-self.reach, self.reach),
         };
-        balance.solve(0.0, |travel| {
+        balance.solve(touch - FIRST_PRESS, |travel| {
             let pose = self.pose.lifted(travel);
             self.step.begin((self.tool, &pose), &self.sheet, physics)?;
             let end = self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;

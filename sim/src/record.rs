@@ -20,7 +20,7 @@ pub struct LogRow {
     pub position: DVec3,
     /// Approach axis, unit, out of the part.
     pub approach: DVec3,
-    /// Normal force [N].
+    /// Normal force at this time [N].
     pub force: f64,
     /// Speed of the spindle [rad/s].
     pub spindle_speed: f64,
@@ -39,11 +39,12 @@ pub struct PassRecord {
     pub removed_volume: f64,
     /// Volume of coating taken off, Eq. (2) [m³].
     pub coating_volume: f64,
-    /// `∫ F dt` [N s].
+    /// `∫ F dt` with the mean force of each step [N s].
     pub impulse: f64,
     /// `∫∫ p dA dt` [N s]. For p_c = 0, k times this is the removed volume, for every shape.
     pub load_impulse: f64,
-    /// Root mean square of force minus setpoint, over the time in contact [N].
+    /// Root mean square of force minus setpoint at the ends of the steps, where the controller acts, over the time in
+    /// contact [N].
     pub force_rms_error: f64,
     /// Time in contact [s].
     pub contact_time: f64,
@@ -56,7 +57,7 @@ pub struct PassRecord {
 }
 
 impl PassRecord {
-    /// Adds a step of `dt` [s].
+    /// Adds a step of `dt` [s] that ends with `row`.
     pub(crate) fn push(&mut self, row: LogRow, (contact, removal): (&Contact, &Removal), dt: f64, setpoint: f64) {
         self.steps += 1;
         self.impulse += contact.force * dt;
@@ -66,7 +67,7 @@ impl PassRecord {
         self.pressure_max = self.pressure_max.max(contact.pressure_max);
         self.area_max = self.area_max.max(contact.area);
         if contact.force > 0.0 {
-            self.force_rms_error += (contact.force - setpoint).powi(2) * dt;
+            self.force_rms_error += (row.force - setpoint).powi(2) * dt;
             self.contact_time += dt;
         }
         self.log_row(row);

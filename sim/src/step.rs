@@ -45,6 +45,10 @@ impl End {
 /// What a step does to each square in contact; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]
 pub struct Step {
+    /// The tool's reference point at the start [m].
+    from: DVec3,
+    /// The same at the end.
+    to: DVec3,
     start_squares: Squares,
     end_squares: Squares,
     /// How much further away the tool is than its shape says, by line; empty if it is not.
@@ -88,6 +92,7 @@ impl Step {
         sheet: &Sheet,
         physics: &mut Physics,
     ) -> Result<(), RunError> {
+        self.from = pose.centre;
         physics.gap(tool, pose, sheet, &mut self.gap)?;
         self.start_squares.measure(tool, pose, sheet, (&self.gap, DVec3::ZERO));
         Ok(())
@@ -96,6 +101,7 @@ impl Step {
     /// Starts a step where the one before, which was applied to the same sheet, ended.
     pub fn go_on(&mut self) {
         std::mem::swap(&mut self.start_squares, &mut self.end_squares);
+        self.from = self.to;
         for (lane, &line) in self.lines.iter().enumerate() {
             let line = line as usize;
             self.start_squares.depth[line] -= self.recession[lane];
@@ -132,6 +138,7 @@ impl Step {
         physics.gap(tool, pose, sheet, &mut self.gap)?;
         self.end_squares.measure(tool, pose, sheet, (&self.gap, sweep));
         self.start_squares.clone_from(&self.end_squares);
+        self.from = pose.centre;
         self.evaluate((tool, pose), sheet, physics, dt)
     }
 
@@ -143,8 +150,11 @@ impl Step {
         physics: &mut Physics,
         dt: f64,
     ) -> Result<EndForce, RunError> {
+        self.to = pose.centre;
         self.gather(dt);
-        physics.place(tool, pose, sheet, Some(&self.end_squares), &self.lines);
+        // Slip and places are those of the middle of the step, for both of its ends: second order in its length.
+        let middle = Pose { centre: 0.5 * (self.from + pose.centre), ..*pose };
+        physics.place(tool, &middle, sheet, Some(&self.end_squares), &self.lines);
         self.end.evaluate(physics, &self.depth_rate)?;
         self.probe.rate.clear();
         if physics.grinds() {
@@ -233,13 +243,20 @@ impl Step {
             contact.load += self.mean_load[lane] * area * sheet.area_ratio(line);
             contact.moment += arm.cross(pose.approach) * force;
             contact.area += 0.5 * (self.start.share[lane] + self.end.share[lane]) * facing;
-            // The pressure belongs to the square's mean depth; its column may be deeper.
-            let peak = (self.start_squares.depth[line] / self.start.depth[lane]).max(1.0);
+            // The pressure belongs to the square's mean depth; its middle may be deeper.
+            let peak = (self.start_squares.top(sheet, line) / self.start.depth[lane]).max(1.0);
             if self.start.share[lane] > 0.0 {
                 contact.pressure_max = contact.pressure_max.max(self.start.pressure[lane] * peak);
             }
         }
         contact
+    }
+
+    /// Force at the end of the step, after what it takes off [N].
+    pub fn end_force(&self, pose: &Pose, sheet: &Sheet) -> f64 {
+        let normal = ApproachShare::new(pose, sheet);
+        let force = |(&line, load): (&u32, &f64)| load * normal.of(sheet, line as usize);
+        sheet.pitch * sheet.pitch * self.lines.iter().zip(&self.end_load).map(force).sum::<f64>()
     }
 
     /// Applies the step to the sheet. Returns the volumes removed from the part and from a `coating` [m].
@@ -299,6 +316,11 @@ impl Step {
     /// Largest depth under the working surface at the end of the step [m], negative: the gap.
     pub fn end_gap(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
         self.end_squares.deepest(tool, pose, sheet)
+    }
+
+    /// Largest depth under the working surface at the start of the step [m], also between columns; negative: the gap.
+    pub fn start_peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+        self.start_squares.peak(tool, pose, sheet)
     }
 
     /// Whether the patch may go on beyond the window.

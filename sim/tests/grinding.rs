@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use sdf_bake::BrickGrid;
 use sim::effect::CompiledModel;
-use sim::{Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
+use sim::{Controller, CurvePoint, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
 
 /// Feed of the tests [m/s].
 const FEED: f64 = 5e-3;
@@ -53,8 +53,40 @@ fn a_flat_plate_loses_k_times_impulse_and_keeps_a_groove_of_the_closed_form() {
     let depth = GRIND_RATE * 15.0 / (WHEEL.width * FEED);
     let depth_error = f64::from(grid.sample(DVec3::new(0.01, 0.0, 0.1e-3 - depth))) / depth;
     println!("groove: section {:+.3} %, depth {:+.3} %", section_error * 100.0, depth_error * 100.0);
-    assert!(section_error.abs() < 5e-3);
+    // The force is the setpoint at the ends of a step, and a little more between them: second order in its length.
+    assert!(section_error.abs() < 1e-2);
     assert!(depth_error.abs() < 3e-2, "each side wall is smeared over a voxel: h/b = 2.5 %");
+}
+
+#[test]
+fn finer_voxels_lose_k_times_impulse_as_well() {
+    let mut grid = plate(0.25e-3, 0.1e-3);
+    let record = pass(&mut grid, &Path::along(&line(-0.01, 0.01, 0.1e-3), FEED).unwrap(), &base());
+    let (by_load, by_law) = volume_errors("flat, 0.25 mm voxels", &record);
+    assert!(by_load < 3e-3 && by_law < 3e-3);
+}
+
+#[test]
+fn the_force_does_not_ripple_while_a_pass_slides_without_removal() {
+    let (turn, half, voxel) = (odd_turn(), DVec3::splat(0.02), 0.5e-3);
+    let flat = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| (turn.transpose() * p).z);
+    let bar = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| {
+        let q = turn.transpose() * p;
+        q.y.hypot(q.z + 0.02) - 0.02
+    });
+    let model = threshold(1e9);
+    let process = Process { controller: Controller::Replay, ..Process::default() };
+    for (name, mut grid, depth) in [("flat", flat, 32e-6), ("bar", bar, 150e-6)] {
+        let curve = line(-3e-3, 3e-3, -depth)
+            .map(|point| CurvePoint { position: turn * point.position, normal: turn * point.normal });
+        let (tool, path, mut forces) = (Tool::from(WHEEL), Path::along(&curve, FEED).unwrap(), Vec::new());
+        let pass = Pass::first(&tool, &path, &process, &model);
+        run_pass(&mut grid, pass, &mut fresh(&model), &mut |now| forces.push(now.force)).expect("a pass");
+        let mean = forces.iter().sum::<f64>() / forces.len() as f64;
+        let ripple = forces.iter().map(|force| (force / mean - 1.0).abs()).fold(0.0, f64::max);
+        println!("ripple in a pass without removal, {name}: {ripple:.1e} of {mean:.3} N in {} steps", forces.len());
+        assert!(forces.len() >= 24 && mean > 10.0 && ripple < 5e-3);
+    }
 }
 
 #[test]
@@ -104,17 +136,17 @@ fn a_bead_loses_what_the_law_says_in_each_of_two_passes() {
 fn a_part_that_lies_askew_to_the_lattice_loses_the_same() {
     let turn = odd_turn();
     let half = DVec3::splat(0.022);
-    let mut grid = BrickGrid::from_distance(-half, half, 0.4e-3, 3.0, |p| (turn.transpose() * p).length() - 0.022);
-    let arc: Vec<sim::CurvePoint> = (-20..=20)
+    let mut grid = BrickGrid::from_distance(-half, half, 0.25e-3, 3.0, |p| (turn.transpose() * p).length() - 0.022);
+    let arc: Vec<CurvePoint> = (-20..=20)
         .map(|i| {
             let (sin, cos) = (0.02 * f64::from(i)).sin_cos();
             let normal = turn * DVec3::new(sin, 0.0, cos);
-            sim::CurvePoint { position: normal * 0.022, normal }
+            CurvePoint { position: normal * 0.022, normal }
         })
         .collect();
     let record = pass(&mut grid, &Path::along(&arc, FEED).unwrap(), &base());
-    let (_, by_law) = volume_errors("great circle on a ball, askew", &record);
-    assert!(by_law < 3e-3);
+    let (by_load, by_law) = volume_errors("great circle on a ball, askew", &record);
+    assert!(by_load < 3e-3 && by_law < 3e-3);
 }
 
 /// No value that shapes the surface has fallen: material only recedes.

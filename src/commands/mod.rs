@@ -7,6 +7,7 @@ mod effects;
 mod flags;
 mod model_flags;
 mod path;
+mod press;
 mod render;
 mod simulate;
 mod validate;
@@ -49,6 +50,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Plan a tool path along a weld or over a patch of an asset.
     Path(path::PathArgs),
+    /// Press a tool into a part and print the force, the patch and the pressures.
+    Press(press::PressArgs),
     /// Draw an asset or a field from its distance field.
     Render(render::RenderArgs),
     /// Open every file of an asset and hold it against the others.
@@ -85,6 +88,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Bake(args) => bake::run(&args, console),
         Verb::Simulate(args) => simulate::run(&args, console),
         Verb::Path(args) => path::run(&args, console),
+        Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),

@@ -66,6 +66,16 @@ impl ModelFlags {
         Ok(model)
     }
 
+    /// As [`ModelFlags::compile`], for whichever process the file is for; without a file, for grinding.
+    pub(super) fn compile_any(&self, law: &str, rows: RowCounts) -> Result<CompiledModel> {
+        let library = self.own.library()?;
+        let model = match &self.model {
+            Some(path) => Model::parse(&path.display().to_string(), &read_text(path)?, &library)?,
+            None => self.read(Process::Grinding, law, &library)?,
+        };
+        Ok(CompiledModel::new(&model, &library, rows)?)
+    }
+
     /// The compiled model. `law` states values of the base law, as in a model file, for when no file is given.
     pub(super) fn compile(&self, process: Process, law: &str, rows: RowCounts) -> Result<CompiledModel> {
         let library = self.own.library()?;

@@ -14,6 +14,7 @@ mod memory;
 mod outside;
 mod paths;
 mod places;
+mod press;
 mod process;
 mod program;
 mod repeatability;

@@ -1,6 +1,8 @@
 //! Parts with known surfaces.
 #![allow(dead_code, reason = "each test file uses its own share of the parts")]
 
+pub(crate) mod forms;
+
 use glam::{DMat3, DVec3};
 use sdf_bake::BrickGrid;
 use sim::effect::{CompiledModel, Library, Model, RowCounts, States};

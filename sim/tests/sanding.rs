@@ -1,0 +1,117 @@
+//! Dose of a spinning pad against its closed forms, level and tilted by an effect.
+
+mod common;
+
+use std::f64::consts::PI;
+
+use common::forms::{number, pad_dose, shared_cases, tilted_pad_dose};
+use common::{fresh, line};
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use sim::sheet::{Facing, Sheet, Window};
+use sim::{Controller, Pad, Pass, PassRecord, Path, Process, Tool, run_pass};
+
+const VOXEL: f64 = 0.5e-3;
+/// K_P/h_c [1/(Pa m)].
+const SANDING_RATE: f64 = 2e-5;
+
+fn sanding(stiffness: f64, sanding_rate: f64, tilt: f64) -> CompiledModel {
+    let mut model = Model::new(Kind::Sanding);
+    if tilt != 0.0 {
+        model = model.with("tool-tilt");
+        model.set("tool-tilt", "roll_angle", &[0.0]);
+        model.set("tool-tilt", "pitch_angle", &[tilt]);
+    }
+    model.set("winkler", "stiffness", &[stiffness]);
+    model.set("preston-sanding", "sanding_rate", &[sanding_rate]);
+    CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model")
+}
+
+/// Sends a pad over flat work along +x with its face at z = -`depth`, and returns the dose at x = 0 and each of `places`,
+/// rounded to whole voxels.
+fn doses(
+    radius: f64,
+    (process, model, depth): (&Process, &CompiledModel, f64),
+    feed: f64,
+    places: &[f64],
+) -> (PassRecord, Vec<(f64, f64)>) {
+    // The pad is on the work from its first step to its last.
+    let reach = radius + 2e-3;
+    let half = DVec3::new(2.0 * reach + 2e-3, reach + 2e-3, 1e-3);
+    let mut grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, |p| p.z);
+    let path = Path::along(&line(-reach, reach, -depth), feed).expect("a path");
+    let tool = Tool::from(Pad { radius });
+    let pass = Pass::first(&tool, &path, process, model);
+    let record = run_pass(&mut grid, pass, &mut fresh(model), &mut |_| {}).expect("a pass");
+    let across = (reach / VOXEL) as i32;
+    let window = Window { low: [-1, -across], size: [3, 2 * across as usize + 1] };
+    let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 1e-3, -1e-3);
+    let at = |y: &f64| {
+        let column = (y / VOXEL).round() as i32;
+        (f64::from(column) * VOXEL, sheet.dose[window.size[1] + (column + across) as usize])
+    };
+    (record, places.iter().map(at).collect())
+}
+
+fn report(what: &str, y: f64, found: f64, exact: f64) {
+    let error = found / exact - 1.0;
+    println!("{what}, y = {:+.1} mm: dose {found:.5}, exact {exact:.5}, {:+.3} %", y * 1e3, error * 100.0);
+    assert!(error.abs() < 5e-3);
+}
+
+#[test]
+fn a_level_pad_leaves_the_dose_of_the_closed_form() {
+    let (radius, feed, force) = (0.0125, 0.03, 10.0);
+    for spin in [400.0, 3.0] {
+        let process = Process { force_setpoint: force, spindle_speed: spin, ..Process::default() };
+        let model = sanding(1e8, SANDING_RATE, 0.0);
+        let (record, found) = doses(radius, (&process, &model, 0.0), feed, &[-0.011, -0.007, 0.0, 0.004, 0.009]);
+        assert!(record.coating_volume > 0.0 && record.removed_volume == 0.0);
+        for (y, dose) in found {
+            let pressure = force / (PI * radius * radius);
+            let exact = SANDING_RATE * pressure / feed * pad_dose(radius, (spin, feed), y);
+            report(&format!("level, {spin} rad/s"), y, dose, exact);
+        }
+    }
+}
+
+#[test]
+fn a_pad_tilted_by_an_effect_leaves_the_dose_of_the_closed_form() {
+    let (radius, feed, spin, stiffness) = (0.0125, 0.03, 400.0, 1e8);
+    for (depth, tilt) in [(2e-4, 0.01), (5e-5, 0.02), (-5e-5, -0.02)] {
+        let process = Process { controller: Controller::Replay, spindle_speed: spin, ..Process::default() };
+        let model = sanding(stiffness, SANDING_RATE, tilt);
+        let (_, found) = doses(radius, (&process, &model, depth), feed, &[-0.009, 0.0, 0.004]);
+        for (y, dose) in found {
+            let form = tilted_pad_dose(radius, (spin, feed), (depth, tilt), y);
+            report(
+                &format!("tilted {tilt} rad, {:.0} µm", depth * 1e6),
+                y,
+                dose,
+                SANDING_RATE * stiffness / feed * form,
+            );
+        }
+    }
+}
+
+#[test]
+fn shared_examples_of_doses_hold() {
+    for (inputs, outputs) in &shared_cases("dose_pad") {
+        let [rate, force, radius, spin, feed, y] = ["C", "F", "rho", "om", "v", "y"].map(|name| number(inputs, name));
+        let per = rate * force / (PI * radius * radius) / feed;
+        assert!((per * pad_dose(radius, (spin, feed), y) / number(outputs, "value") - 1.0).abs() < 1e-9);
+        let process = Process { force_setpoint: force, spindle_speed: spin, ..Process::default() };
+        let (_, found) = doses(radius, (&process, &sanding(1e7, rate, 0.0), 0.0), feed, &[y]);
+        report("shared", found[0].0, found[0].1, per * pad_dose(radius, (spin, feed), found[0].0));
+    }
+    for (inputs, outputs) in &shared_cases("dose_pad_tilted") {
+        let names = ["C", "K", "rho", "h", "th", "om", "v", "y"];
+        let [rate, stiffness, radius, depth, tilt, spin, feed, y] = names.map(|name| number(inputs, name));
+        let form = |y: f64| rate * stiffness / feed * tilted_pad_dose(radius, (spin, feed), (depth, tilt), y);
+        assert!((form(y) / number(outputs, "value") - 1.0).abs() < 1e-6);
+        let process = Process { controller: Controller::Replay, spindle_speed: spin, ..Process::default() };
+        let (_, found) = doses(radius, (&process, &sanding(stiffness, rate, tilt), depth), feed, &[y]);
+        report("shared, tilted", found[0].0, found[0].1, form(found[0].0));
+    }
+}

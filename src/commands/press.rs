@@ -1,0 +1,329 @@
+//! `robofin press`: a tool is pressed into a part and held still; what does it meet?
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use glam::DVec3;
+use sdf_bake::nvdb;
+use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
+use serde::Serialize;
+use sim::effect::{CompiledModel, RowCounts, States};
+use sim::physics::Physics;
+use sim::press::Press;
+use sim::{Contact, FieldTool, Frame, Pad, Pose, TOOL_CELLS, Tool, Wheel};
+
+use super::flags::{SignFlag, UnitFlag, positive, within};
+use super::model_flags::ModelFlags;
+use crate::asset::{AssetFields, Manifest};
+use crate::budget;
+use crate::console::Console;
+use crate::part::Part;
+use crate::workpiece::DEFAULT_BAND;
+use crate::wrong_use;
+
+/// Kinds of tools, as `--tool` takes them.
+const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
+/// Half width of the band of a tool from a file [voxels]; no deeper can it be pressed.
+const TOOL_BAND: f64 = 8.0;
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  robofin press plate.obj --tool wheel:radius=50mm,width=20mm --depth-mm 0.1 --voxel-mm 0.5\n  \
+                  robofin press out/bracket --tool pad:radius=25mm --force-n 15 --at 10,4"
+)]
+pub(super) struct PressArgs {
+    /// Mesh file, asset folder made by `robofin weld`, or .nvdb file with a grid `phi`.
+    part: PathBuf,
+    /// wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE, which comes down as it is in its
+    /// file; a wheel turns about y.
+    #[arg(long, value_name = "TOOL")]
+    tool: String,
+    /// Depth below the first touch [mm].
+    #[arg(long, value_name = "MM", conflicts_with = "force_n", allow_negative_numbers = true)]
+    depth_mm: Option<f64>,
+    /// Force to press with [N].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    force_n: Option<f64>,
+    /// Where the tool comes down along -z: x and y of the part's frame [mm].
+    #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true)]
+    at: String,
+    /// Contact stiffness K: pressure per depth [Pa/m].
+    #[arg(long, value_name = "PA_M", default_value_t = 1e10, conflicts_with = "model", allow_negative_numbers = true)]
+    stiffness: f64,
+    /// Voxel of parts and tools that are meshes [mm].
+    #[arg(long, value_name = "MM", default_value_t = 0.5, allow_negative_numbers = true)]
+    voxel_mm: f64,
+    /// Unit of the coordinates in mesh files.
+    #[arg(long, value_enum, default_value_t)]
+    unit: UnitFlag,
+    /// How inside and outside of a mesh are told apart.
+    #[arg(long, value_enum, default_value_t)]
+    sign: SignFlag,
+    #[command(flatten)]
+    model: ModelFlags,
+}
+
+/// The answer of `press --json`.
+#[derive(Serialize)]
+struct PressAnswer {
+    force_n: f64,
+    /// Depth below the first touch.
+    depth_mm: f64,
+    /// Projected along z.
+    area_mm2: f64,
+    pressure_max_pa: f64,
+    pressure_mean_pa: f64,
+    /// About the tool's reference point.
+    moment_nm: [f64; 3],
+    /// The tool's reference point.
+    position_mm: [f64; 3],
+    voxel_mm: f64,
+}
+
+pub(super) fn run(args: &PressArgs, console: &Console) -> Result<()> {
+    let (x, y) = parse_place(&args.at)?;
+    let depth =
+        args.depth_mm.map(|mm| Ok::<_, anyhow::Error>(within("--depth-mm", mm, (1e-6, 1e3))? * 1e-3)).transpose()?;
+    let force = args.force_n.map(|force| within("--force-n", force, (1e-6, 1e9))).transpose()?;
+    let goal = match (depth, force) {
+        (Some(depth), None) => Goal::Depth(depth),
+        (None, Some(force)) => Goal::Force(force),
+        _ => return Err(wrong_use("one of --depth-mm and --force-n is expected".to_owned())),
+    };
+    let voxel = positive("--voxel-mm", args.voxel_mm)? * 1e-3;
+    let tool = args.tool(voxel)?;
+    let stiffness = within("--stiffness", args.stiffness, (1e3, 1e16))?;
+    let model = args
+        .model
+        .compile_any(&format!("[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n"), RowCounts::default())?;
+    let part = args.part(voxel)?;
+
+    let place = Place::over(&part, (x, y), &tool)?;
+    let held = place.press(&part, &tool, &model, goal)?;
+    let contact = &held.contact;
+    console.step("contact", describe(&held));
+    let point = |v: DVec3| (v * 1e3).to_array();
+    console.answer(&PressAnswer {
+        force_n: contact.force,
+        depth_mm: held.depth * 1e3,
+        area_mm2: contact.area * 1e6,
+        pressure_max_pa: contact.pressure_max,
+        pressure_mean_pa: contact.pressure_mean(),
+        moment_nm: contact.moment.to_array(),
+        position_mm: point(held.position),
+        voxel_mm: part.voxel * 1e3,
+    })
+}
+
+fn describe(held: &Held) -> String {
+    let contact = &held.contact;
+    format!(
+        "{:.4} N at {:.5} mm below the first touch\npatch of {:.4} mm², pressure {:.4e} Pa at most, {:.4e} Pa in the mean\n\
+         moment {:.3e}, {:.3e}, {:.3e} N m about the tool's reference point",
+        contact.force,
+        held.depth * 1e3,
+        contact.area * 1e6,
+        contact.pressure_max,
+        contact.pressure_mean(),
+        contact.moment.x,
+        contact.moment.y,
+        contact.moment.z
+    )
+}
+
+/// Where a tool comes down, and how far it may go.
+struct Place {
+    pose: Pose,
+    /// Way up and down from the pose within which the part lies [m].
+    reach: f64,
+    /// For messages: place and extent of the part.
+    words: String,
+}
+
+/// How hard to press.
+#[derive(Clone, Copy)]
+enum Goal {
+    /// Below the first touch [m].
+    Depth(f64),
+    /// [N]
+    Force(f64),
+}
+
+/// A tool held in a part.
+struct Held {
+    contact: Contact,
+    depth: f64,
+    position: DVec3,
+}
+
+impl Place {
+    /// Over the part at (x, y) [m].
+    fn over(part: &BrickGrid, (x, y): (f64, f64), tool: &Tool) -> Result<Self> {
+        let (low, high) = surface_bounds(part).context("the field of the part has no surface")?;
+        let words = format!(
+            "--at {},{}: the part spans {:.3} to {:.3} mm in x and {:.3} to {:.3} mm in y",
+            x * 1e3,
+            y * 1e3,
+            low.x * 1e3,
+            high.x * 1e3,
+            low.y * 1e3,
+            high.y * 1e3
+        );
+        let frame = match tool {
+            Tool::Wheel(_) => Frame::about(DVec3::Y, DVec3::Z),
+            _ => Frame::facing(DVec3::Z, DVec3::X),
+        };
+        let middle = 0.5 * (low.z + high.z);
+        let pose = Pose { centre: DVec3::new(x, y, middle + tool.drop()), approach: DVec3::Z, frame };
+        Ok(Self { pose, reach: 0.5 * (high.z - low.z) + 4.0 * part.voxel, words })
+    }
+
+    fn press(&self, part: &BrickGrid, tool: &Tool, model: &CompiledModel, goal: Goal) -> Result<Held> {
+        let mut states = States::new(model, TOOL_CELLS);
+        let mut physics = Physics::new(model, &mut states, sim::Process::default().coating);
+        let mut press = Press::new(part, tool, self.pose, self.reach);
+        let Some(touch) = press.touch(&mut physics)? else {
+            return Err(wrong_use(format!("{}; the tool meets nothing there", self.words)));
+        };
+        let travel = match goal {
+            Goal::Depth(depth) => touch - depth,
+            Goal::Force(force) => press.travel_for(force, &mut physics)?.with_context(|| {
+                format!("--force-n {force}: the tool would go right through the part; less force or more stiffness is accepted")
+            })?,
+        };
+        check_band(tool, touch - travel)?;
+        let contact = press.contact(travel, &mut physics)?;
+        if let Goal::Force(force) = goal
+            && (contact.force / force - 1.0).abs() > 1e-3
+        {
+            bail!(
+                "--force-n {force}: no depth with this force was found; at {:.4} mm it is {:.4} N",
+                (touch - travel) * 1e3,
+                contact.force
+            );
+        }
+        Ok(Held { contact, depth: touch - travel, position: self.pose.lifted(travel).centre })
+    }
+}
+
+/// A tool from a file knows depths as far as its band.
+fn check_band(tool: &Tool, depth: f64) -> Result<()> {
+    match tool {
+        Tool::Field(field) if depth > 0.9 * f64::from(field.field.band) => bail!(
+            "the tool is {:.4} mm deep, and a tool from a file is known to {:.4} mm: a larger --voxel-mm or a shallower press \
+             is accepted",
+            depth * 1e3,
+            0.9e3 * f64::from(field.field.band)
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Corners of a box around the zero set, to a voxel [m].
+fn surface_bounds(grid: &BrickGrid) -> Option<(DVec3, DVec3)> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (slot, &brick) in grid.bricks.iter().enumerate() {
+        let values = &grid.phi[slot * sdf_bake::grid::BRICK_VOXELS..][..sdf_bake::grid::BRICK_VOXELS];
+        for (offset, _) in values.iter().enumerate().filter(|(_, phi)| phi.abs() <= grid.voxel as f32) {
+            let at = sdf_bake::grid::voxel_at(brick, offset).as_dvec3() * grid.voxel;
+            (low, high) = (low.min(at), high.max(at));
+        }
+    }
+    (low.x <= high.x).then_some((low, high))
+}
+
+impl PressArgs {
+    fn mesh(&self, path: &Path, (voxel, band_voxels): (f64, f64)) -> Result<(Mesh, BakeOptions)> {
+        let mesh = Part::load(path, self.unit.into())?.mesh;
+        let options = BakeOptions { voxel, band_voxels, sign: self.sign.into(), shell: None };
+        budget::check(&mesh, &options).with_context(|| path.display().to_string())?;
+        Ok((mesh, options))
+    }
+
+    /// The part's field.
+    fn part(&self, voxel: f64) -> Result<BrickGrid> {
+        let path = &self.part;
+        if path.is_dir() {
+            Manifest::read(path)?;
+            return Ok(AssetFields::open(path)?.welded);
+        }
+        let context = || path.display().to_string();
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("nvdb")) {
+            if !path.exists() {
+                return Err(wrong_use(format!("{}: no such file", path.display())));
+            }
+            let file = nvdb::read(&std::fs::read(path).with_context(context)?).with_context(context)?;
+            let phi = file.grid("phi").with_context(|| format!("{}: no grid `phi`", path.display()))?;
+            return phi.to_bricks().with_context(context);
+        }
+        let (mesh, options) = self.mesh(path, (voxel, DEFAULT_BAND))?;
+        Ok(bake(&mesh, &options).with_context(context)?.0)
+    }
+
+    /// The tool asked for.
+    fn tool(&self, voxel: f64) -> Result<Tool> {
+        let text = &self.tool;
+        let wrong = |why: String| wrong_use(format!("--tool {text}: {why}; {TOOLS} is expected"));
+        let Some((kind, rest)) = text.split_once(':') else {
+            return Err(wrong("a kind and its sizes are missing".to_owned()));
+        };
+        match kind {
+            "wheel" => {
+                let [radius, width] = sizes(rest, ["radius", "width"]).map_err(wrong)?;
+                Ok(Wheel::cylinder(radius, width).into())
+            }
+            "pad" => Ok(Pad { radius: sizes(rest, ["radius"]).map_err(wrong)?[0] }.into()),
+            "sphere" => Ok(Tool::Sphere(sizes(rest, ["radius"]).map_err(wrong)?[0])),
+            "mesh" => self.tool_of_mesh(Path::new(rest), voxel),
+            _ => Err(wrong(format!("no tool is called `{kind}`"))),
+        }
+    }
+
+    /// A tool from a file, lowered until its lowest point is at z = 0.
+    fn tool_of_mesh(&self, path: &Path, voxel: f64) -> Result<Tool> {
+        let (mut mesh, options) = self.mesh(path, (voxel, TOOL_BAND))?;
+        let lowest = mesh.bounds().map_or(0.0, |(low, _)| low.z);
+        mesh.positions.iter_mut().for_each(|position| position.z -= lowest);
+        let (low, high) = mesh.bounds().unwrap_or_default();
+        let (field, _) = bake(&mesh, &options).with_context(|| path.display().to_string())?;
+        Ok(Tool::Field(FieldTool { field: Arc::new(field), low, high }))
+    }
+}
+
+/// Sizes [m] of a text such as `radius=50mm,width=20mm`.
+fn sizes<const N: usize>(text: &str, names: [&str; N]) -> std::result::Result<[f64; N], String> {
+    let mut found = [None; N];
+    for part in text.split(',').filter(|part| !part.is_empty()) {
+        let (name, value) =
+            part.split_once('=').ok_or_else(|| format!("`{part}` is no size such as {}=10mm", names[0]))?;
+        let index = names.iter().position(|known| *known == name.trim());
+        let index = index.ok_or_else(|| format!("`{name}` is no size of it, it has {}", names.join(" and ")))?;
+        found[index] = Some(
+            length(value.trim()).ok_or_else(|| format!("`{value}` is no length such as 20mm, from 0.01 mm to 10 m"))?,
+        );
+    }
+    let mut sizes = [0.0; N];
+    for ((size, found), name) in sizes.iter_mut().zip(found).zip(names) {
+        *size = found.ok_or_else(|| format!("the size `{name}` is missing"))?;
+    }
+    Ok(sizes)
+}
+
+/// A length [m] with its unit.
+fn length(text: &str) -> Option<f64> {
+    let (number, unit) = [("mm", 1e-3), ("um", 1e-6), ("m", 1.0)]
+        .into_iter()
+        .find_map(|(unit, size)| text.strip_suffix(unit).map(|number| (number, size)))?;
+    let length = number.trim().parse::<f64>().ok()? * unit;
+    (1e-5..=10.0).contains(&length).then_some(length)
+}
+
+fn parse_place(text: &str) -> Result<(f64, f64)> {
+    let place = text.split_once(',').and_then(|(x, y)| {
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|mm| mm.abs() < 1e6);
+        Some((number(x)? * 1e-3, number(y)? * 1e-3))
+    });
+    place.ok_or_else(|| wrong_use(format!("--at {text}: x and y [mm] are expected, for example 12.5,-4")))
+}
