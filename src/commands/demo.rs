@@ -12,6 +12,7 @@ use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
 use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
+use crate::snapshot::Keeping;
 use crate::finishing::{self, Plan, GRIND_FILE, GrindSummary, PAGE_FILE, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
@@ -63,8 +64,9 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let wheel = Wheel::cylinder(0.05, 0.02);
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
-    let ground = grind_asset(&asset, wheel, Plan::default(), model, console)?;
     let grind_folder = StagedFolder::new(&folder.path().join("grind"), GRIND_FILE, false)?;
+    let keeping = (&Keeping::default(), grind_folder.path());
+    let ground = grind_asset(&asset, (wheel, Plan::default()), model, keeping, console)?;
     let page = finishing::write(&ground, &asset, grind_folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
 
