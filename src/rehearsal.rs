@@ -153,31 +153,11 @@ impl Rehearsal {
             measured_exposed_share: measured.collect(),
             force_rms_error_n: each(|pass| pass.record.force_rms_error),
             impulse_ns: each(|pass| pass.record.impulse),
-            residual_rms_um: (0..self.passes.len()).filter_map(|pass| self.residual(trial, pass)).map(|r| r * 1e6).collect(),
+            residual_rms_um: (0..self.passes.len()).filter_map(|pass| residual(trial, &self.passes, pass)).map(|r| r * 1e6).collect(),
             noise_floor_um: noise.map(|noise| noise.rms * 1e6),
             steps: self.passes.iter().map(|pass| pass.record.steps).sum(),
             stopped: self.stopped.as_ref().map(ToString::to_string),
         }
-    }
-
-    /// Root mean square of measured minus simulated heights after a pass [m], the scans laid on each other where no
-    /// pass so far touched the part; `None` for exposure masks and where too little is untouched.
-    pub fn residual(&self, trial: &Trial, pass: usize) -> Option<f64> {
-        let (PassScan::Heights(measured), PassScan::Heights(simulated)) =
-            (&trial.passes[pass].scan, &self.passes[pass].scan)
-        else {
-            return None;
-        };
-        let (measured, _) = despiked(measured);
-        let mut free = vec![true; measured.heights.len()];
-        for before in &trial.passes[..=pass] {
-            let path = ToolPath::of(&before.log, &trial.tool, before.force_setpoint);
-            let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
-            free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
-        }
-        let laid = register(&measured, simulated, Freedom::PlaneAndShift, |at| free[at]).ok()?;
-        let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
-        Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())
     }
 
     /// Writes logs and scans in the trial's form, the field and the figures.
@@ -234,6 +214,26 @@ impl Rehearsal {
         }
         console.step("speed", format!("{:.0} times real time", self.real_time_factor));
     }
+}
+
+/// Root mean square of measured minus simulated heights after a pass [m], the scans laid on each other where no
+/// pass so far touched the part; `None` for exposure masks and where too little is untouched.
+pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Option<f64> {
+    let (PassScan::Heights(measured), PassScan::Heights(simulated)) =
+        (&trial.passes[pass].scan, &simulated[pass].scan)
+    else {
+        return None;
+    };
+    let (measured, _) = despiked(measured);
+    let mut free = vec![true; measured.heights.len()];
+    for before in &trial.passes[..=pass] {
+        let path = ToolPath::of(&before.log, &trial.tool, before.force_setpoint);
+        let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
+        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
+    }
+    let laid = register(&measured, simulated, Freedom::PlaneAndShift, |at| free[at]).ok()?;
+    let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
+    Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())
 }
 
 /// All that the state after so many passes of a trial depends on.
