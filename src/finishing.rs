@@ -249,7 +249,8 @@ fn run_passes(
         let bar = console.bar(&format!("pass {number}"), 100);
         let trial_time = (number - 1) as f64 * forth.duration();
         let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
-        let record = run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
+        let record =
+            run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
         bar.finish_and_clear();
         if record.steps_in_air == record.steps {
             bail!("pass {number}: the wheel never touched the part; is the weld within reach of the wheel?");

@@ -153,7 +153,10 @@ impl Rehearsal {
             measured_exposed_share: measured.collect(),
             force_rms_error_n: each(|pass| pass.record.force_rms_error),
             impulse_ns: each(|pass| pass.record.impulse),
-            residual_rms_um: (0..self.passes.len()).filter_map(|pass| residual(trial, &self.passes, pass)).map(|r| r * 1e6).collect(),
+            residual_rms_um: (0..self.passes.len())
+                .filter_map(|pass| residual(trial, &self.passes, pass))
+                .map(|r| r * 1e6)
+                .collect(),
             noise_floor_um: noise.map(|noise| noise.rms * 1e6),
             steps: self.passes.iter().map(|pass| pass.record.steps).sum(),
             stopped: self.stopped.as_ref().map(ToString::to_string),
@@ -219,8 +222,7 @@ impl Rehearsal {
 /// Root mean square of measured minus simulated heights after a pass [m], the scans laid on each other where no
 /// pass so far touched the part; `None` for exposure masks and where too little is untouched.
 pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Option<f64> {
-    let (PassScan::Heights(measured), PassScan::Heights(simulated)) =
-        (&trial.passes[pass].scan, &simulated[pass].scan)
+    let (PassScan::Heights(measured), PassScan::Heights(simulated)) = (&trial.passes[pass].scan, &simulated[pass].scan)
     else {
         return None;
     };

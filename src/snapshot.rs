@@ -139,17 +139,20 @@ pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Re
     let file = place(folder, pass, "nvdb");
     fs::write(&file, &field).with_context(|| format!("{}: cannot write this file", file.display()))?;
     let (tool, tool_cells) = state.tool.values();
-    write_json(&place(folder, pass, "json"), &StateFile {
-        format: STATE_FORMAT.to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        passes: pass,
-        trial_time_s: state.trial_time,
-        field_sha256: sha256(&field),
-        origin,
-        tool: tool.to_vec(),
-        tool_cells: tool_cells.to_vec(),
-        record: state.record.clone(),
-    })
+    write_json(
+        &place(folder, pass, "json"),
+        &StateFile {
+            format: STATE_FORMAT.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            passes: pass,
+            trial_time_s: state.trial_time,
+            field_sha256: sha256(&field),
+            origin,
+            tool: tool.to_vec(),
+            tool_cells: tool_cells.to_vec(),
+            record: state.record.clone(),
+        },
+    )
 }
 
 /// Reads the state after a pass.

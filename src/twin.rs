@@ -4,10 +4,13 @@
 use std::cell::RefCell;
 
 use glam::DVec3;
-use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::BrickGrid;
+use sdf_bake::heights::{HeightsError, SlabOptions};
 use sim::effect::{CompiledModel, Reset, States, StepValues};
-use sim::{Covariates, PassError, PassRecord, Path, PathError, PathSample, Process, Profilometer, Progress, TOOL_CELLS, run_pass};
+use sim::{
+    Covariates, PassError, PassRecord, Path, PathError, PathSample, Process, Profilometer, Progress, TOOL_CELLS,
+    run_pass,
+};
 use thiserror::Error;
 
 use crate::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, Trial};
@@ -116,7 +119,8 @@ impl<'a> Twin<'a> {
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = controller(trial, replay);
             let logged = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
-            let path = path(&logged, trial, &tool, controller).map_err(|error| TwinError::Path { pass: i + 1, error })?;
+            let path =
+                path(&logged, trial, &tool, controller).map_err(|error| TwinError::Path { pass: i + 1, error })?;
             let approach = logged.contact.map_or(0.0, |contact| contact.start);
             passes.push(Planned { path, process: process(pass, trial, controller), approach });
         }
@@ -279,12 +283,7 @@ fn process(pass: &Pass, trial: &Trial, controller: sim::Controller) -> Process {
 
 /// The logged path up to the end of contact. A controller finds its own height from the first contact on: its path stays
 /// at the height that the tool had then.
-fn path(
-    logged: &ToolPath,
-    trial: &Trial,
-    tool: &sim::Tool,
-    controller: sim::Controller,
-) -> Result<Path, PathError> {
+fn path(logged: &ToolPath, trial: &Trial, tool: &sim::Tool, controller: sim::Controller) -> Result<Path, PathError> {
     let contact = logged.contact.unwrap_or(Contact { start: 0.0, end: f64::INFINITY });
     let touch = logged.at(contact.start).centre;
     let poses = logged.poses.iter().take_while(|pose| pose.time <= contact.end);

@@ -69,11 +69,7 @@ impl Balance {
     ///
     /// # Errors
     /// The first of `respond`.
-    pub fn solve<E>(
-        &self,
-        guess: f64,
-        mut respond: impl FnMut(f64) -> Result<Response, E>,
-    ) -> Result<Option<f64>, E> {
+    pub fn solve<E>(&self, guess: f64, mut respond: impl FnMut(f64) -> Result<Response, E>) -> Result<Option<f64>, E> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
         let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
@@ -83,7 +79,11 @@ impl Balance {
             if excess.abs() <= self.tolerance {
                 return Ok(Some(travel));
             }
-            if excess > 0.0 { low = travel } else { high = travel }
+            if excess > 0.0 {
+                low = travel
+            } else {
+                high = travel
+            }
             let slope = response.stiffness + drag;
             let step = if slope > 0.0 {
                 travel + excess / slope

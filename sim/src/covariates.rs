@@ -153,7 +153,8 @@ mod tests {
         assert_eq!(covariates.first, [3, -6]);
         let plane = |p: DVec2| 3.0 * p.x - 2.0 * p.y + 1.0;
         let pixels = covariates.pixels;
-        covariates.removed = (0..pixels.nx * pixels.ny).map(|n| plane(pixels.position(n % pixels.nx, n / pixels.nx))).collect();
+        covariates.removed =
+            (0..pixels.nx * pixels.ny).map(|n| plane(pixels.position(n % pixels.nx, n / pixels.nx))).collect();
         for (n, value) in covariates.at(&map, &covariates.removed).into_iter().enumerate() {
             assert!((value - plane(map.position(n % map.nx, n / map.nx))).abs() < 1e-12, "{n}: {value}");
         }

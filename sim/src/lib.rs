@@ -60,5 +60,5 @@ pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use profilometer::Profilometer;
 pub use record::{LogRow, PassRecord};
 pub use settings::{PassError, Process};
-pub use tool_cells::COUNT as TOOL_CELLS;
 pub use tool::{FieldTool, Frame, Pad, Pose, Tool, Wheel};
+pub use tool_cells::COUNT as TOOL_CELLS;

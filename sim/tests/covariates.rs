@@ -24,7 +24,12 @@ fn pass(length: f64, laws: &str) -> (PassRecord, Covariates) {
     let curve = [-0.5, 0.5].map(|x| CurvePoint { position: DVec3::X * x * length, normal: DVec3::Z });
     let path = Path::along(&curve, FEED).unwrap();
     let tool = Tool::from(Wheel::cylinder(RADIUS, WIDTH));
-    let model = Model::parse("model", &format!("process = \"grinding\"\n[law.winkler]\nstiffness = \"{STIFFNESS:e} Pa/m\"\n{laws}"), Library::builtin()).unwrap();
+    let model = Model::parse(
+        "model",
+        &format!("process = \"grinding\"\n[law.winkler]\nstiffness = \"{STIFFNESS:e} Pa/m\"\n{laws}"),
+        Library::builtin(),
+    )
+    .unwrap();
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).unwrap();
     let map = PixelGrid { origin: DVec2::new(-0.015, -0.006), pitch: VOXEL, nx: 121, ny: 49 };
     let covariates = RefCell::new(Covariates::over(&map, VOXEL));
@@ -59,7 +64,11 @@ fn a_place_is_touched_for_patch_length_over_feed() {
     let at = |values: &[f64], x: f64| values[covariates.pixels.nearest(DVec2::new(x, 0.0)).unwrap()];
     let time = at(&covariates.contact_time, 0.0);
     let pressure_time = at(&covariates.pressure_time, 0.0);
-    println!("{:.2e} off in time, {:.2e} in pressure", time * FEED / length - 1.0, pressure_time * FEED * WIDTH / FORCE - 1.0);
+    println!(
+        "{:.2e} off in time, {:.2e} in pressure",
+        time * FEED / length - 1.0,
+        pressure_time * FEED * WIDTH / FORCE - 1.0
+    );
     assert!((time * FEED / length - 1.0).abs() < 0.01);
     assert!((pressure_time * FEED * WIDTH / FORCE - 1.0).abs() < 0.01);
     assert!((at(&covariates.mean_pressure(), 0.0) - pressure_time / time).abs() < 1.0);

@@ -12,10 +12,10 @@ use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
 use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
-use crate::snapshot::Keeping;
-use crate::finishing::{self, Plan, GRIND_FILE, GrindSummary, PAGE_FILE, grind_asset};
+use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
+use crate::snapshot::Keeping;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 
 /// Name of the figures file in a demo folder.

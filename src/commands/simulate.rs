@@ -9,13 +9,13 @@ use sim::Wheel;
 use sim::effect::{Process, RowCounts};
 
 use super::flags::{OutFlags, within};
-use crate::console::Console;
 use super::model_flags::ModelFlags;
+use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::rehearsal::{REHEARSAL_FILE, Rehearsal, RehearsalSummary, is_trial};
-use crate::trial::{self, Trial};
 use crate::snapshot::{Keeping, Resume};
+use crate::trial::{self, Trial};
 use crate::twin::Twin;
 use crate::wrong_use;
 
@@ -92,7 +92,13 @@ pub(super) struct ProcessFlags {
     #[arg(long, value_name = "PA_M", default_value_t = 1e10, conflicts_with = "model", allow_negative_numbers = true)]
     stiffness: f64,
     /// Preston's coefficient k [m/(Pa s)].
-    #[arg(long, value_name = "M_PA_S", default_value_t = 1e-9, conflicts_with = "model", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "M_PA_S",
+        default_value_t = 1e-9,
+        conflicts_with = "model",
+        allow_negative_numbers = true
+    )]
     grind_rate: f64,
     /// Threshold pressure p_c, below which nothing is removed [MPa].
     #[arg(long, value_name = "MPA", default_value_t = 0.0, conflicts_with = "model", allow_negative_numbers = true)]
@@ -177,7 +183,9 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     rehearsal.describe(&summary, console);
     rehearsal.write(&summary, &trial, folder, console)?;
     if let Some(error) = rehearsal.stopped {
-        return Err(anyhow::Error::new(error).context(format!("{} keeps what was good until then", args.out.out.display())));
+        return Err(
+            anyhow::Error::new(error).context(format!("{} keeps what was good until then", args.out.out.display()))
+        );
     }
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&TrialAnswer { out: &args.out.out, real_time_factor: rehearsal.real_time_factor, summary })

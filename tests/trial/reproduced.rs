@@ -46,7 +46,13 @@ fn grinding_comes_out(name: &str, effects: &str) {
         for (i, pass) in passes.iter().enumerate() {
             removed += pass.record.removed_volume * 1e9;
             let off = removed / answers[&trial.name]["removed_mm3"][i].as_f64().unwrap() - 1.0;
-            println!("{name} {} pass {}: {:+.2} % volume, {:.3} of two scans' noise", trial.name, i + 1, 100.0 * off, residuals[i]);
+            println!(
+                "{name} {} pass {}: {:+.2} % volume, {:.3} of two scans' noise",
+                trial.name,
+                i + 1,
+                100.0 * off,
+                residuals[i]
+            );
             assert!(off.abs() < 0.015, "{name} {}: {removed} mm³", trial.name);
             assert!(residuals[i] < 1.4, "{name} {}: {residuals:?}", trial.name);
         }
