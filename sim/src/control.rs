@@ -98,9 +98,9 @@ impl Balance {
                 _ if low.is_finite() && high.is_finite() => 0.5 * (low + high),
                 _ => step,
             };
-            if !(travel >= self.bounds.0) {
+            if travel.is_nan() || travel < self.bounds.0 {
                 // The first touch of a wide tool is so soft that Newton's step leads far below the balance.
-                if !(high > self.bounds.0) {
+                if travel.is_nan() || high <= self.bounds.0 {
                     return Ok(None);
                 }
                 travel = self.bounds.0;
