@@ -68,7 +68,7 @@ fn run(name: &str, twin: &Twin, model: &CompiledModel) {
     let steps: usize = passes.iter().map(|pass| pass.record.steps).sum();
     println!(
         "{name}: {:.1} s in {seconds:.3} CPU s, {:.0} times real time, {steps} steps, {:.0} µs each",
-        twin.duration(),
+        twin.duration(0),
         twin.duration() / seconds,
         seconds / steps as f64 * 1e6
     );

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail, ensure};
@@ -19,6 +19,7 @@ use crate::folder::StagedFolder;
 use crate::part::{Source, sha256};
 use crate::picture::{grinding, to_png};
 use crate::report::grinding_page;
+use crate::snapshot::{self, Keeping, Origin, Resume, Snapshot, model_origin};
 
 /// Name of the result file in a grinding folder.
 pub const GRIND_FILE: &str = "grind.json";
@@ -114,9 +115,17 @@ pub struct GrindSummary {
 
 /// Grinds the first weld of an asset along its centreline, pass after pass to and fro.
 ///
+/// - `keeping`, `folder`: which states are kept, and where; see [`crate::snapshot`]
+///
 /// # Errors
-/// When the asset cannot be read, or a setting does not fit it.
-pub fn grind_asset(asset: &Path, wheel: Wheel, plan: Plan, model: CompiledModel, console: &Console) -> Result<Ground> {
+/// When the asset or a state cannot be read, or a setting does not fit it.
+pub fn grind_asset(
+    asset: &Path,
+    (wheel, plan): (Wheel, Plan),
+    model: CompiledModel,
+    (keeping, folder): (&Keeping, &Path),
+    console: &Console,
+) -> Result<Ground> {
     let manifest = Manifest::read(asset)?;
     let asset_sha256 = sha256(&fs::read(asset.join(MANIFEST_FILE))?);
     let weld = Welds::read(asset)?.welds.into_iter().next().context("the asset has no weld to grind")?;
@@ -127,7 +136,17 @@ pub fn grind_asset(asset: &Path, wheel: Wheel, plan: Plan, model: CompiledModel,
     check_wheel(&wheel, before.voxel)?;
     let started = Instant::now();
     let mut after = before.clone();
-    let (passes, lost) = run_passes(&mut after, &weld, (&Tool::from(wheel), plan, &model), console)?;
+    let origin = origin(&asset_sha256, (&wheel, plan), &model);
+    let mut done = Done::default();
+    if let Some(resume) = &keeping.resume {
+        done = Done::read(resume, &mut after, &model, &origin)?;
+        console.step("resumed", format!("after pass {} of {}", resume.passes, resume.folder.display()));
+    }
+    keeping.copy_earlier(folder)?;
+    if keeping.snapshots {
+        done.folder = Some((folder.to_owned(), origin));
+    }
+    let Done { passes, lost, .. } = run_passes((&mut after, done), &weld, (&Tool::from(wheel), plan, &model), console)?;
     let seconds = started.elapsed().as_secs_f64();
     let removed: f64 = lost.iter().sum();
     let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));
@@ -175,22 +194,59 @@ fn check_steps(path: &sim::Path, process: &Process, voxel: f64) -> Result<()> {
     Ok(())
 }
 
-/// Runs the passes of a plan. Returns their records, and the volume that the field lost in each [m³].
+/// All that a state of a ground weld depends on.
+fn origin(asset_sha256: &str, (wheel, plan): (&Wheel, Plan), model: &CompiledModel) -> Origin {
+    let mut origin = model_origin(model);
+    origin.insert("asset".into(), asset_sha256.to_owned());
+    origin.insert("wheel".into(), format!("{wheel:?}"));
+    origin.insert("force setpoint".into(), format!("{:?} N", plan.force_setpoint));
+    origin.insert("feed".into(), format!("{:?} m/s", plan.feed));
+    origin
+}
+
+/// Passes that are done.
+#[derive(Default)]
+struct Done {
+    passes: Vec<PassRecord>,
+    /// Volume that the field lost in each [m³].
+    lost: Vec<f64>,
+    /// What the wheel remembers; `None`: it is fresh.
+    tool: Option<States>,
+    /// Where the states of further passes are written, and what they come from.
+    folder: Option<(PathBuf, Origin)>,
+}
+
+impl Done {
+    /// Reads the passes up to a state of an earlier run; `grid` is left as it was then.
+    fn read(resume: &Resume, grid: &mut BrickGrid, model: &CompiledModel, origin: &Origin) -> Result<Self> {
+        let mut done = Self::default();
+        for pass in 1..=resume.passes {
+            let state = snapshot::read(&resume.folder, pass, model, origin)?;
+            done.lost.push(grid.volume() - state.part.volume());
+            done.passes.push(state.record);
+            done.tool = Some(state.tool);
+            *grid = state.part;
+        }
+        Ok(done)
+    }
+}
+
+/// Runs the passes of a plan that are not done yet.
 fn run_passes(
-    grid: &mut BrickGrid,
+    (grid, mut done): (&mut BrickGrid, Done),
     weld: &WeldTruth,
     (tool, plan, model): (&Tool, Plan, &CompiledModel),
     console: &Console,
-) -> Result<(Vec<PassRecord>, Vec<f64>)> {
+) -> Result<Done> {
     let points = weld.curve.position.iter().zip(&weld.curve.normal);
     let curve: Vec<CurvePoint> = points.map(|(&position, &normal)| CurvePoint { position, normal }).collect();
     let forth = sim::Path::along(&curve, plan.feed)?;
     let process = Process { force_setpoint: plan.force_setpoint, ..Process::default() };
     check_steps(&forth, &process, grid.voxel)?;
     let back = forth.reversed();
-    let mut states = States::new(model, TOOL_CELLS);
-    let (mut passes, mut lost, mut volume) = (Vec::new(), Vec::new(), grid.volume());
-    for number in 1..=plan.passes as usize {
+    let mut states = done.tool.take().unwrap_or_else(|| States::new(model, TOOL_CELLS));
+    let mut volume = grid.volume();
+    for number in done.passes.len() + 1..=plan.passes as usize {
         let path = if number % 2 == 1 { &forth } else { &back };
         let bar = console.bar(&format!("pass {number}"), 100);
         let trial_time = (number - 1) as f64 * forth.duration();
@@ -202,11 +258,16 @@ fn run_passes(
             bail!("pass {number}: the wheel never touched the part; is the weld within reach of the wheel?");
         }
         console.step(&format!("pass {number}"), describe(&record));
-        lost.push(volume - grid.volume());
+        if let Some((folder, origin)) = &done.folder {
+            let trial_time = number as f64 * forth.duration();
+            let state = Snapshot { part: grid.clone(), tool: states.clone(), trial_time, record: record.clone() };
+            snapshot::write(folder, number, &state, origin.clone())?;
+        }
+        done.lost.push(volume - grid.volume());
         volume = grid.volume();
-        passes.push(record);
+        done.passes.push(record);
     }
-    Ok((passes, lost))
+    Ok(done)
 }
 
 fn describe(record: &PassRecord) -> String {

@@ -1,22 +1,25 @@
 //! A rehearsed trial on disk: logs and scans in the trial's own form, the field, and how far it is from the measurement.
+//! Where a pass fails, what was good until then is kept.
 
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use sdf_bake::BrickGrid;
-use sdf_bake::nvdb::{self, Codec, GridRef};
+use sdf_bake::nvdb::{self, Codec};
 use serde::Serialize;
 use sim::effect::CompiledModel;
 
 use crate::asset::write_json;
 use crate::console::Console;
+use crate::covariate_maps;
 use crate::finishing::{log_csv, model_facts};
 use crate::folder::StagedFolder;
 use crate::measure::{Freedom, despiked, noise_floor, register, untouched};
+use crate::part::sha256;
+use crate::snapshot::{self, Keeping, Origin, Resume, Snapshot, model_origin};
 use crate::trial::{PassScan, ToolPath, Trial, exposure_csv, heights_csv};
-use crate::twin::{SimulatedPass, Twin, exposed_share};
+use crate::twin::{SimulatedPass, TrialState, Twin, TwinError, exposed_share};
 
 /// Name of the result file.
 pub const REHEARSAL_FILE: &str = "simulation.json";
@@ -28,7 +31,9 @@ const CLEARANCE: f64 = 0.1e-3;
 /// A simulated trial.
 pub struct Rehearsal {
     passes: Vec<SimulatedPass>,
-    part: BrickGrid,
+    state: TrialState,
+    /// Why it ended before its last pass.
+    pub stopped: Option<TwinError>,
     /// Time simulated over time taken.
     pub real_time_factor: f64,
 }
@@ -59,22 +64,71 @@ pub struct RehearsalSummary {
     noise_floor_um: Option<f64>,
     /// Steps of all passes.
     steps: usize,
+    /// Why the run ended before its last pass; absent where it did not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped: Option<String>,
 }
 
 impl Rehearsal {
-    /// Simulates a trial with a fresh tool.
+    /// Simulates a trial with a fresh tool, or what is left of it after an earlier state.
+    ///
+    /// - `folder`: where the states are written that `keeping` asks for
     ///
     /// # Errors
-    /// When a pass fails.
-    pub fn run(twin: &Twin, model: &CompiledModel, console: &Console) -> Result<Self> {
+    /// When a state cannot be read or written, or was made by another trial or model. A pass that fails is no error:
+    /// [`Rehearsal::stopped`] tells of it.
+    pub fn run(
+        twin: &Twin,
+        model: &CompiledModel,
+        (keeping, folder): (&Keeping, &Path),
+        console: &Console,
+    ) -> Result<Self> {
+        let state = twin.start(model, Twin::fresh_states(model), 0);
+        let mut rehearsal = Self { passes: Vec::new(), state, stopped: None, real_time_factor: 0.0 };
+        if let Some(resume) = &keeping.resume {
+            rehearsal.put_back(twin, model, resume)?;
+            console.step("resumed", format!("after pass {} of {}", resume.passes, resume.folder.display()));
+        }
+        let first = rehearsal.passes.len();
+        keeping.copy_earlier(folder)?;
         let started = Instant::now();
-        let mut states = Twin::fresh_states(model);
-        let bar = console.bar(&twin.trial.name, 100 * twin.trial.passes.len() as u64);
-        let (passes, part) = twin.run(model, &mut states, 0, &mut |pass, at| {
-            bar.set_position(100 * pass as u64 + (100.0 * at.time / at.duration) as u64);
-        })?;
-        bar.finish_and_clear();
-        Ok(Self { passes, part, real_time_factor: twin.duration() / started.elapsed().as_secs_f64() })
+        for pass in first..twin.trial.passes.len() {
+            let bar = console.bar(&format!("pass {}", pass + 1), 100);
+            let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
+            let ran = twin.run_pass(model, &mut rehearsal.state, &mut show);
+            bar.finish_and_clear();
+            match ran {
+                Ok(ran) => rehearsal.passes.push(ran),
+                Err(error) => {
+                    rehearsal.stopped = Some(error);
+                    break;
+                }
+            }
+            if keeping.snapshots {
+                rehearsal.keep(twin, model, folder)?;
+            }
+        }
+        rehearsal.real_time_factor = twin.duration(first) / started.elapsed().as_secs_f64();
+        Ok(rehearsal)
+    }
+
+    /// Reads all passes up to a state of an earlier run.
+    fn put_back(&mut self, twin: &Twin, model: &CompiledModel, resume: &Resume) -> Result<()> {
+        for pass in 1..=resume.passes {
+            let Snapshot { part, tool, trial_time, record } =
+                snapshot::read(&resume.folder, pass, model, &origin(twin, model, pass))?;
+            self.state = TrialState { part, tool, passes: pass, trial_time, first_row: self.state.first_row };
+            self.passes.push(twin.seen(model, &self.state, record)?);
+        }
+        Ok(())
+    }
+
+    /// Writes the state after the last pass.
+    fn keep(&self, twin: &Twin, model: &CompiledModel, folder: &Path) -> Result<()> {
+        let TrialState { part, tool, passes, trial_time, .. } = self.state.clone();
+        let record = self.passes[passes - 1].record.clone();
+        let state = Snapshot { part, tool, trial_time, record };
+        snapshot::write(folder, passes, &state, origin(twin, model, passes))
     }
 
     /// The figures of the run; they do not depend on the machine.
@@ -91,7 +145,7 @@ impl Rehearsal {
             format: REHEARSAL_FORMAT,
             version: env!("CARGO_PKG_VERSION"),
             trial: trial.name.clone(),
-            voxel_mm: self.part.voxel * 1e3,
+            voxel_mm: self.state.part.voxel * 1e3,
             model: model_facts(model).into_iter().collect(),
             removed_mm3: each(|pass| pass.record.removed_volume * 1e9),
             coating_mm3: each(|pass| pass.record.coating_volume * 1e9),
@@ -100,41 +154,33 @@ impl Rehearsal {
             force_rms_error_n: each(|pass| pass.record.force_rms_error),
             impulse_ns: each(|pass| pass.record.impulse),
             residual_rms_um: (0..self.passes.len())
-                .filter_map(|pass| self.residual(trial, pass))
+                .filter_map(|pass| residual(trial, &self.passes, pass))
                 .map(|r| r * 1e6)
                 .collect(),
             noise_floor_um: noise.map(|noise| noise.rms * 1e6),
             steps: self.passes.iter().map(|pass| pass.record.steps).sum(),
+            stopped: self.stopped.as_ref().map(ToString::to_string),
         }
-    }
-
-    /// Root mean square of measured minus simulated heights after a pass [m], the scans laid on each other where no
-    /// pass so far touched the part; `None` for exposure masks and where too little is untouched.
-    pub fn residual(&self, trial: &Trial, pass: usize) -> Option<f64> {
-        let (PassScan::Heights(measured), PassScan::Heights(simulated)) =
-            (&trial.passes[pass].scan, &self.passes[pass].scan)
-        else {
-            return None;
-        };
-        let (measured, _) = despiked(measured);
-        let mut free = vec![true; measured.heights.len()];
-        for before in &trial.passes[..=pass] {
-            let path = ToolPath::of(&before.log, &trial.tool, before.force_setpoint);
-            let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
-            free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
-        }
-        let laid = register(&measured, simulated, Freedom::PlaneAndShift, |at| free[at]).ok()?;
-        let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
-        Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())
     }
 
     /// Writes logs and scans in the trial's form, the field and the figures.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn write(&self, summary: &RehearsalSummary, staged: StagedFolder, console: &Console) -> Result<()> {
+    pub fn write(
+        &self,
+        summary: &RehearsalSummary,
+        trial: &Trial,
+        staged: StagedFolder,
+        console: &Console,
+    ) -> Result<()> {
         let place = |name: &str| staged.path().join(name);
         for (i, pass) in self.passes.iter().enumerate() {
+            if let Some(covariates) = &pass.covariates {
+                let folder = place("covariates");
+                fs::create_dir_all(&folder)?;
+                covariate_maps::write(&folder, i + 1, covariates, &trial.scans.before.pixels)?;
+            }
             fs::write(place(&format!("pass{}_log.csv", i + 1)), log_csv(&pass.record.log))?;
             let (name, text) = match &pass.scan {
                 PassScan::Heights(map) => ("after", heights_csv(map)),
@@ -142,11 +188,7 @@ impl Rehearsal {
             };
             fs::write(place(&format!("pass{}_{name}.csv", i + 1)), text)?;
         }
-        let mut grids = vec![GridRef::LevelSet { name: "phi", grid: &self.part }];
-        if !self.part.dose.is_empty() {
-            grids.push(GridRef::Density { name: "dose", grid: &self.part, values: &self.part.dose });
-        }
-        fs::write(place("after.nvdb"), nvdb::write(&grids, Codec::Zip)?)?;
+        fs::write(place("after.nvdb"), nvdb::write_field(&self.state.part, Codec::Zip)?)?;
         write_json(&place(REHEARSAL_FILE), summary)?;
         staged.commit()?;
         console.step("written", "logs, scans, field and figures");
@@ -175,6 +217,48 @@ impl Rehearsal {
         }
         console.step("speed", format!("{:.0} times real time", self.real_time_factor));
     }
+}
+
+/// Root mean square of measured minus simulated heights after a pass [m], the scans laid on each other where no
+/// pass so far touched the part; `None` for exposure masks and where too little is untouched.
+pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Option<f64> {
+    let (PassScan::Heights(measured), PassScan::Heights(simulated)) = (&trial.passes[pass].scan, &simulated[pass].scan)
+    else {
+        return None;
+    };
+    let (measured, _) = despiked(measured);
+    let mut free = vec![true; measured.heights.len()];
+    for before in &trial.passes[..=pass] {
+        let path = ToolPath::of(&before.log, &trial.tool, before.force_setpoint);
+        let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
+        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
+    }
+    let laid = register(&measured, simulated, Freedom::PlaneAndShift, |at| free[at]).ok()?;
+    let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
+    Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())
+}
+
+/// All that the state after so many passes of a trial depends on.
+fn origin(twin: &Twin, model: &CompiledModel, passes: usize) -> Origin {
+    let trial = twin.trial;
+    // The shortest text that reads back as the same number stands for every number.
+    let content = |value: &dyn std::fmt::Debug| sha256(format!("{value:?}").as_bytes());
+    let mut origin = model_origin(model);
+    let mut add = |name: String, value: String| origin.insert(name, value);
+    add("trial".into(), trial.name.clone());
+    add("tool".into(), format!("{:?}, fresh: {}", trial.tool, trial.fresh));
+    add("controller".into(), format!("{:?}", trial.controller));
+    add("replay".into(), twin.replay.to_string());
+    add("coating".into(), format!("{:?}", trial.coating));
+    add("voxel".into(), format!("{:?} m", twin.part.voxel));
+    add("scan before".into(), content(&trial.scans.before));
+    add("material map".into(), content(&trial.scans.material));
+    for (i, pass) in trial.passes[..passes].iter().enumerate() {
+        add(format!("log of pass {}", i + 1), content(&pass.log));
+        add(format!("force setpoint of pass {}", i + 1), format!("{:?} N", pass.force_setpoint));
+        add(format!("spindle speed of pass {}", i + 1), format!("{:?} rad/s", pass.spindle_speed));
+    }
+    origin
 }
 
 /// Whether a folder is a trial.

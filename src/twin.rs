@@ -1,11 +1,16 @@
 //! A trial simulated: its part made from the scan before, its passes along the logged paths, its scans as the same
 //! instrument would see them.
 
+use std::cell::RefCell;
+
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sim::effect::{CompiledModel, Reset, States, StepValues};
-use sim::{PassError, PassRecord, Path, PathError, PathSample, Process, Profilometer, Progress, TOOL_CELLS, run_pass};
+use sim::{
+    Covariates, PassError, PassRecord, Path, PathError, PathSample, Process, Profilometer, Progress, TOOL_CELLS,
+    run_pass,
+};
 use thiserror::Error;
 
 use crate::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, Trial};
@@ -51,6 +56,10 @@ pub struct Twin<'a> {
     pub trial: &'a Trial,
     /// The part before the first pass.
     pub part: BrickGrid,
+    /// Whether passes also tell what each place of the scanned surface went through.
+    pub covariates: bool,
+    /// Whether the tool keeps to the logged heights.
+    pub replay: bool,
     tool: sim::Tool,
     passes: Vec<Planned>,
 }
@@ -72,6 +81,23 @@ pub struct SimulatedPass {
     pub scan: PassScan,
     /// Share of the scanned area whose coating is gone; `None` when grinding.
     pub exposed_share: Option<f64>,
+    /// What each place of the surface went through in this pass, where [`Twin::covariates`] asks for it.
+    pub covariates: Option<Covariates>,
+}
+
+/// A workpiece and its tool between two passes of a trial.
+#[derive(Clone, Debug)]
+pub struct TrialState {
+    /// The workpiece.
+    pub part: BrickGrid,
+    /// What the tool remembers.
+    pub tool: States,
+    /// Passes done.
+    pub passes: usize,
+    /// Time since the first pass began [s].
+    pub trial_time: f64,
+    /// Passes of the campaign before this trial's first: the row of its per-pass parameters.
+    pub first_row: usize,
 }
 
 impl<'a> Twin<'a> {
@@ -98,7 +124,7 @@ impl<'a> Twin<'a> {
             let approach = logged.contact.map_or(0.0, |contact| contact.start);
             passes.push(Planned { path, process: process(pass, trial, controller), approach });
         }
-        Ok(Self { trial, part, tool, passes })
+        Ok(Self { trial, part, covariates: false, replay, tool, passes })
     }
 
     /// Changes how every pass is controlled and stepped.
@@ -111,15 +137,24 @@ impl<'a> Twin<'a> {
         States::new(model, TOOL_CELLS)
     }
 
-    /// Time simulated by all passes [s].
-    pub fn duration(&self) -> f64 {
-        self.passes.iter().map(|planned| planned.path.duration()).sum()
+    /// Time simulated by all passes after the first `done` [s].
+    pub fn duration(&self, done: usize) -> f64 {
+        self.passes[done..].iter().map(|planned| planned.path.duration()).sum()
     }
 
-    /// Simulates all passes. The tool carries its `states` from trial to trial unless this one begins with a fresh one.
-    /// Returns the passes and the part after them.
+    /// The trial before its first pass. The tool carries its states from trial to trial unless this one begins with a
+    /// fresh one.
     ///
-    /// - `first_row`: passes of the campaign before this trial's first: the row of its per-pass parameters
+    /// - `first_row`: see [`TrialState::first_row`]
+    pub fn start(&self, model: &CompiledModel, mut tool: States, first_row: usize) -> TrialState {
+        if self.trial.fresh {
+            tool.reset(model, Reset::FreshTool);
+        }
+        tool.reset(model, Reset::Trial);
+        TrialState { part: self.part.clone(), tool, passes: 0, trial_time: 0.0, first_row }
+    }
+
+    /// Simulates all passes with a tool that remembers `states`. Returns the passes and the part after them.
     ///
     /// # Errors
     /// [`TwinError`] when a pass fails.
@@ -130,31 +165,64 @@ impl<'a> Twin<'a> {
         first_row: usize,
         progress: &mut dyn FnMut(usize, Progress),
     ) -> Result<(Vec<SimulatedPass>, BrickGrid), TwinError> {
-        if self.trial.fresh {
-            states.reset(model, Reset::FreshTool);
-        }
-        states.reset(model, Reset::Trial);
-        let mut part = self.part.clone();
-        let (mut passes, mut trial_time) = (Vec::new(), 0.0);
-        for (i, Planned { path, process, approach }) in self.passes.iter().enumerate() {
-            let pass = sim::Pass {
-                number: i + 1,
-                row: first_row + i,
-                trial_time,
-                approach: *approach,
-                ..sim::Pass::first(&self.tool, path, process, model)
-            };
-            let record = run_pass(&mut part, pass, states, &mut |at| progress(i, at))
-                .map_err(|error| TwinError::Pass { pass: i + 1, error })?;
-            trial_time += path.duration();
-            let scan = self.see(&part, model, i, first_row).map_err(|error| TwinError::Scan { pass: i + 1, error })?;
-            let exposed_share = match &scan {
-                PassScan::Exposure(mask) => Some(exposed_share(mask)),
-                PassScan::Heights(_) => None,
-            };
-            passes.push(SimulatedPass { record, scan, exposed_share });
-        }
-        Ok((passes, part))
+        let mut state = self.start(model, states.clone(), first_row);
+        let each = (0..self.passes.len()).map(|pass| self.run_pass(model, &mut state, &mut |at| progress(pass, at)));
+        let passes = each.collect::<Result<_, _>>();
+        *states = state.tool;
+        Ok((passes?, state.part))
+    }
+
+    /// Simulates the next pass of a trial.
+    ///
+    /// # Errors
+    /// [`TwinError`] when it fails; `state` then holds the last good one.
+    ///
+    /// # Panics
+    /// If all passes are done.
+    pub fn run_pass(
+        &self,
+        model: &CompiledModel,
+        state: &mut TrialState,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<SimulatedPass, TwinError> {
+        let Planned { path, process, approach } = &self.passes[state.passes];
+        let number = state.passes + 1;
+        let pixels = &self.trial.scans.before.pixels;
+        let covariates = self.covariates.then(|| RefCell::new(Covariates::over(pixels, state.part.voxel)));
+        let pass = sim::Pass {
+            number,
+            row: state.first_row + state.passes,
+            trial_time: state.trial_time,
+            approach: *approach,
+            covariates: covariates.as_ref(),
+            ..sim::Pass::first(&self.tool, path, process, model)
+        };
+        let record = run_pass(&mut state.part, pass, &mut state.tool, progress)
+            .map_err(|error| TwinError::Pass { pass: number, error })?;
+        state.trial_time += path.duration();
+        state.passes = number;
+        let seen = self.seen(model, state, record)?;
+        Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
+    }
+
+    /// The last pass of a state, with its scan.
+    ///
+    /// # Errors
+    /// [`TwinError::Scan`] when a formula of the scanner fails.
+    pub fn seen(
+        &self,
+        model: &CompiledModel,
+        state: &TrialState,
+        record: PassRecord,
+    ) -> Result<SimulatedPass, TwinError> {
+        let scan = self
+            .see(&state.part, model, state.passes - 1, state.first_row)
+            .map_err(|error| TwinError::Scan { pass: state.passes, error })?;
+        let exposed_share = match &scan {
+            PassScan::Exposure(mask) => Some(exposed_share(mask)),
+            PassScan::Heights(_) => None,
+        };
+        Ok(SimulatedPass { record, scan, exposed_share, covariates: None })
     }
 
     /// The part as the instrument sees it after a pass.

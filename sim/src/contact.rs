@@ -140,9 +140,14 @@ impl Squares {
     /// counts as that much deeper.
     pub fn peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
         let [rows, across] = sheet.window.size;
+        let frame = SheetFrame::new(pose, sheet);
         let inner = |&line: &usize| {
             let (row, place) = (line / across, line % across);
-            row > 0 && row + 1 < rows && place > 0 && place + 1 < across && cover(tool, pose, sheet, line) > 0.0
+            row > 0
+                && row + 1 < rows
+                && place > 0
+                && place + 1 < across
+                && cover(tool, (&frame, DVec3::ZERO), sheet, line) > 0.0
         };
         let at = |line: usize| {
             let (along, sideways) = self.differences(line, across, sheet.pitch);

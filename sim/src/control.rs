@@ -108,8 +108,12 @@ impl Balance {
                 _ if low.is_finite() && high.is_finite() => 0.5 * (low + high),
                 _ => step,
             };
-            if travel < self.bounds.0 || travel.is_nan() {
-                return Ok(None);
+            if travel.is_nan() || travel < self.bounds.0 {
+                // The first touch of a wide tool is so soft that Newton's step leads far below the balance.
+                if travel.is_nan() || high <= self.bounds.0 {
+                    return Ok(None);
+                }
+                travel = self.bounds.0;
             }
             if high - low < 1e-14 {
                 return Ok(Some(low));
@@ -158,6 +162,14 @@ mod tests {
             let travel = balance.solve(guess, spring).unwrap().expect("a balance");
             assert!((travel + 15e-6).abs() < 1e-12, "{travel}");
         }
+        // A disc on a dome meets 20 N/m at first, and 3e4 N/m in the end.
+        let dome = |z: f64| {
+            let depth = (-z - 1e-3).max(0.0);
+            let stiffness = 20.0 * f64::from(depth > 0.0) + 6e7 * depth;
+            Ok::<_, ()>(Response { force: 20.0 * depth + 3e7 * depth * depth, stiffness, depth: -z - 1e-3 })
+        };
+        let travel = balance.solve(0.01, dome).unwrap().expect("a balance");
+        assert!((dome(travel).unwrap().force - 15.0).abs() < 1e-6, "{travel}");
         let nothing = |_| Ok::<_, ()>(Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY });
         assert_eq!(balance.solve(0.0, nothing), Ok(None));
     }

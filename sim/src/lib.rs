@@ -33,6 +33,7 @@
 mod commit;
 pub mod contact;
 pub mod control;
+pub mod covariates;
 mod decay;
 pub mod effect;
 mod extent;
@@ -54,6 +55,7 @@ mod tool_cells;
 
 pub use contact::Contact;
 pub use control::Controller;
+pub use covariates::Covariates;
 pub use pass::{LONGEST_STEP, Pass, Progress, run_pass};
 pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use profilometer::Profilometer;

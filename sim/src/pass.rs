@@ -4,12 +4,15 @@
 //! lost is written back and the next sheet is read. Steps are as long as the tool needs for half a voxel, unless the
 //! controller's own dynamics matter: then they fall to its period.
 
+use std::cell::RefCell;
+
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 
 use crate::commit::commit;
 use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
+use crate::covariates::Covariates;
 use crate::effect::{CompiledModel, PoseChange, Reset, RunError, States, Variable};
 use crate::extent::Extent;
 use crate::path::Path;
@@ -75,12 +78,14 @@ pub struct Pass<'a> {
     /// Until then the tool keeps to its path, unless the force exceeds [`TOUCH`] of the setpoint before [s]; then the
     /// controller takes over.
     pub approach: f64,
+    /// Where to add up what each place of the surface goes through; `None` costs nothing.
+    pub covariates: Option<&'a RefCell<Covariates>>,
 }
 
 impl<'a> Pass<'a> {
     /// The first pass of a trial.
     pub fn first(tool: &'a Tool, path: &'a Path, process: &'a Process, model: &'a CompiledModel) -> Self {
-        Self { tool, path, process, model, number: 1, row: 0, trial_time: 0.0, approach: 0.0 }
+        Self { tool, path, process, model, number: 1, row: 0, trial_time: 0.0, approach: 0.0, covariates: None }
     }
 }
 
@@ -369,6 +374,11 @@ impl<'a> Runner<'a> {
             CellSums::default()
         };
         self.physics.advance_cells(&self.step, sheet, dt)?;
+        if let Some(covariates) = self.pass.covariates {
+            let slip_speed = |point| self.physics.slip_speed(self.pass.tool, middle.local(point));
+            let begun = self.pass.trial_time + self.time;
+            covariates.borrow_mut().add(sheet, self.step.squares(), slip_speed, (begun, dt));
+        }
         let removal = self.step.apply(sheet, self.pass.process.coating);
         let receded = self.step.recession_max();
         self.receded += receded;

@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use crate::contact::{Contact, Squares};
+use crate::covariates::Square;
 use crate::decay::Decay;
 use crate::effect::{RunError, Variable};
 use crate::extent::Extent;
@@ -288,6 +289,17 @@ impl Step {
     /// Lines in contact at either end of the step.
     pub fn lines(&self) -> &[u32] {
         &self.lines
+    }
+
+    /// What happened to each square in contact.
+    pub(crate) fn squares(&self) -> impl Iterator<Item = Square> {
+        self.lines.iter().enumerate().map(|(lane, &line)| Square {
+            line: line as usize,
+            share: 0.5 * (self.start.share[lane] + self.end.share[lane]),
+            load: self.mean_load[lane],
+            recession: self.recession[lane],
+            dose: self.dose[lane],
+        })
     }
 
     /// What happened under each cell of the tool: means over its contact, and what was taken under it.

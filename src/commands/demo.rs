@@ -15,6 +15,7 @@ use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
+use crate::snapshot::Keeping;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 
 /// Name of the figures file in a demo folder.
@@ -63,8 +64,9 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let wheel = Wheel::cylinder(0.05, 0.02);
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
-    let ground = grind_asset(&asset, wheel, Plan::default(), model, console)?;
     let grind_folder = StagedFolder::new(&folder.path().join("grind"), GRIND_FILE, false)?;
+    let keeping = (&Keeping::default(), grind_folder.path());
+    let ground = grind_asset(&asset, (wheel, Plan::default()), model, keeping, console)?;
     let page = finishing::write(&ground, &asset, grind_folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
 

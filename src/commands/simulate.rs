@@ -14,6 +14,7 @@ use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::rehearsal::{REHEARSAL_FILE, Rehearsal, RehearsalSummary, is_trial};
+use crate::snapshot::{Keeping, Resume};
 use crate::trial::{self, Trial};
 use crate::twin::Twin;
 use crate::wrong_use;
@@ -38,8 +39,35 @@ pub(super) struct SimulateArgs {
     /// Keep a trial's tool to the logged heights instead of simulating its controller.
     #[arg(long)]
     replay: bool,
+    /// Write what each pixel of a trial's scan went through: pressure, time, sliding, removal, as CSV maps.
+    #[arg(long)]
+    covariates: bool,
+    #[command(flatten)]
+    state: StateFlags,
     #[command(flatten)]
     process: ProcessFlags,
+}
+
+/// States between passes.
+#[derive(Clone, Debug, Args)]
+pub(super) struct StateFlags {
+    /// Keep the state of workpiece and tool after every pass, to begin from it later.
+    #[arg(long)]
+    snapshot: bool,
+    /// Begin from a state in the result folder of an earlier run with --snapshot.
+    #[arg(long, value_name = "DIR")]
+    resume: Option<PathBuf>,
+    /// Pass after which to begin [default: the last one kept].
+    #[arg(long, value_name = "N", requires = "resume", allow_negative_numbers = true)]
+    after_pass: Option<usize>,
+}
+
+impl StateFlags {
+    /// What to keep of a run of so many passes, and where it begins.
+    fn keeping(&self, passes: usize) -> Result<Keeping> {
+        let resume = self.resume.as_ref().map(|folder| Resume::new(folder, self.after_pass, passes)).transpose()?;
+        Ok(Keeping { snapshots: self.snapshot, resume })
+    }
 }
 
 /// Wheel and passes along an asset's weld; the defaults grind a weld on steel.
@@ -147,21 +175,36 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
         Some(voxel) => within("--voxel-mm", voxel, (1e-3, 1e2))? * 1e-3,
         None => trial.scans.before.pixels.pitch,
     };
-    let twin = Twin::new(&trial, voxel, args.replay)?;
-    let rehearsal = Rehearsal::run(&twin, &model, console)?;
+    let keeping = args.state.keeping(trial.passes.len())?;
+    let mut twin = Twin::new(&trial, voxel, args.replay)?;
+    twin.covariates = args.covariates;
+    let rehearsal = Rehearsal::run(&twin, &model, (&keeping, folder.path()), console)?;
     let summary = rehearsal.summary(&trial, &model);
     rehearsal.describe(&summary, console);
-    rehearsal.write(&summary, folder, console)?;
+    rehearsal.write(&summary, &trial, folder, console)?;
+    if let Some(error) = rehearsal.stopped {
+        return Err(
+            anyhow::Error::new(error).context(format!("{} keeps what was good until then", args.out.out.display()))
+        );
+    }
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&TrialAnswer { out: &args.out.out, real_time_factor: rehearsal.real_time_factor, summary })
 }
 
 fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
+    for (flag, given) in
+        [("--voxel-mm", args.voxel_mm.is_some()), ("--replay", args.replay), ("--covariates", args.covariates)]
+    {
+        if given {
+            return Err(wrong_use(format!("{flag}: only a trial has it, and {} is none", args.folder.display())));
+        }
+    }
     let (wheel, plan) = (args.process.wheel()?, args.process.plan()?);
     let rows = RowCounts { passes: plan.passes as usize, scans: plan.passes as usize };
     let model = args.model.compile(Process::Grinding, &args.process.law()?, rows)?;
     let folder = StagedFolder::new(&args.out.out, GRIND_FILE, args.out.force)?;
-    let ground = grind_asset(&args.folder, wheel, plan, model, console)?;
+    let keeping = args.state.keeping(plan.passes as usize)?;
+    let ground = grind_asset(&args.folder, (wheel, plan), model, (&keeping, folder.path()), console)?;
     finishing::write(&ground, &args.folder, folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     console.step("done", format!("{}", args.out.out.display()));

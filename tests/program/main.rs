@@ -20,4 +20,5 @@ mod program;
 mod repeatability;
 mod road;
 mod shared_parts;
+mod trial_road;
 mod units;

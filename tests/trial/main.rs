@@ -8,6 +8,7 @@ mod hostile;
 mod instrument;
 mod keyence;
 mod poses;
+mod reproduced;
 mod shared;
 mod written;
 mod x3p;

@@ -138,6 +138,12 @@ impl CompiledModel {
         self.structure.process
     }
 
+    /// Its laws, then its effects in the order in which they act.
+    pub fn effects(&self) -> impl Iterator<Item = &Effect> {
+        let Structure { law_parts, effect_parts, .. } = &*self.structure;
+        law_parts.iter().chain(effect_parts).map(|part| &part.effect)
+    }
+
     /// Whether an effect acts at a hook. Where none does, only the base law is at work, or nothing.
     pub fn has(&self, hook: Place) -> bool {
         self.structure.process.has(hook)

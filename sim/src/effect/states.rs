@@ -28,6 +28,19 @@ impl States {
         Self { tool: initial(Holder::Tool), scratch: cells.clone(), tool_cells: cells }
     }
 
+    /// A tool as [`States::values`] told of it; `None` where the numbers of states and cells are not the model's.
+    pub fn restored(model: &CompiledModel, (tool, tool_cells): (Vec<f64>, Vec<Vec<f64>>)) -> Option<Self> {
+        let of = |holder| model.structure.states.of(holder).len();
+        let fits = tool.len() == of(Holder::Tool) && tool_cells.len() == of(Holder::ToolCell);
+        let even = tool_cells.windows(2).all(|pair| pair[0].len() == pair[1].len());
+        (fits && even).then(|| Self { tool, scratch: tool_cells.clone(), tool_cells })
+    }
+
+    /// States of the tool, and for each state of its cells a list over them [SI], in the order of the model.
+    pub fn values(&self) -> (&[f64], &[Vec<f64>]) {
+        (&self.tool, &self.tool_cells)
+    }
+
     /// Returns the states to their initial values that an event resets. A new trial is also a new pass; dressing the
     /// tool is neither.
     pub fn reset(&mut self, model: &CompiledModel, event: Reset) {

@@ -1,0 +1,201 @@
+//! The state between two passes on disk: the workpiece, what the tool remembers, and what both came from.
+//!
+//! After pass N a folder holds `state-N.nvdb` (the field with all its channels) and `state-N.json`. A run that begins
+//! from there gives the same bytes as one that was never interrupted.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use sdf_bake::BrickGrid;
+use sdf_bake::nvdb::{self, Codec};
+use serde::{Deserialize, Serialize};
+use sim::PassRecord;
+use sim::effect::{CompiledModel, States};
+
+use crate::asset::write_json;
+use crate::part::sha256;
+use crate::wrong_use;
+
+/// Value of the `format` key.
+const STATE_FORMAT: &str = "robofin-state/1";
+
+/// All that a state depends on: each input by name, with its value or its SHA-256.
+pub type Origin = BTreeMap<String, String>;
+
+/// A workpiece and a tool after a pass.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The workpiece.
+    pub part: BrickGrid,
+    /// What the tool remembers.
+    pub tool: States,
+    /// Time since the first pass began [s].
+    pub trial_time: f64,
+    /// Figures and log of the pass.
+    pub record: PassRecord,
+}
+
+/// Which states a run keeps, and where it begins.
+#[derive(Clone, Debug, Default)]
+pub struct Keeping {
+    /// Whether the state after every pass is written.
+    pub snapshots: bool,
+    /// The state to begin from; `None`: from the beginning.
+    pub resume: Option<Resume>,
+}
+
+/// A state of an earlier run.
+#[derive(Clone, Debug)]
+pub struct Resume {
+    /// Result folder of that run.
+    pub folder: PathBuf,
+    /// Passes that were done by then.
+    pub passes: usize,
+}
+
+/// `state-N.json`.
+#[derive(Serialize, Deserialize)]
+struct StateFile {
+    format: String,
+    version: String,
+    passes: usize,
+    trial_time_s: f64,
+    /// SHA-256 of `state-N.nvdb`.
+    field_sha256: String,
+    origin: Origin,
+    /// States of the tool in the order of the model [SI].
+    tool: Vec<f64>,
+    /// For each state of the tool's cells, a list over them [SI].
+    tool_cells: Vec<Vec<f64>>,
+    record: PassRecord,
+}
+
+impl Resume {
+    /// The state after `passes`, or the last one that the folder holds.
+    ///
+    /// # Errors
+    /// Wrong use when the folder has no such state, or the run has only `most` passes.
+    pub fn new(folder: &Path, passes: Option<usize>, most: usize) -> Result<Self> {
+        let kept: Vec<usize> = (1..=most).filter(|&n| place(folder, n, "json").is_file()).collect();
+        let found = || match kept.as_slice() {
+            [] => "none that fits; `simulate --snapshot` keeps them".to_owned(),
+            kept => kept.iter().map(|n| format!("{n}")).collect::<Vec<_>>().join(", "),
+        };
+        let passes = match passes {
+            Some(n) if kept.contains(&n) => n,
+            Some(n) => {
+                return Err(wrong_use(format!("--after-pass {n}: states in {}: {}", folder.display(), found())));
+            }
+            None => match kept.last() {
+                Some(&n) => n,
+                None => return Err(wrong_use(format!("--resume {}: states there: {}", folder.display(), found()))),
+            },
+        };
+        Ok(Self { folder: folder.to_owned(), passes })
+    }
+}
+
+impl Keeping {
+    /// Copies the states up to the one that a run begins from into its own `folder`, where states are kept: so it can
+    /// be resumed in its turn.
+    ///
+    /// # Errors
+    /// When a file cannot be read or written.
+    pub fn copy_earlier(&self, folder: &Path) -> Result<()> {
+        let Some(resume) = self.resume.as_ref().filter(|_| self.snapshots) else { return Ok(()) };
+        for (pass, extension) in (1..=resume.passes).flat_map(|pass| [(pass, "nvdb"), (pass, "json")]) {
+            let source = place(&resume.folder, pass, extension);
+            let copied = fs::copy(&source, place(folder, pass, extension));
+            copied.with_context(|| format!("{}: cannot copy this state", source.display()))?;
+        }
+        Ok(())
+    }
+}
+
+fn place(folder: &Path, pass: usize, extension: &str) -> PathBuf {
+    folder.join(format!("state-{pass}.{extension}"))
+}
+
+/// What a model contributes to an [`Origin`]: its process, every parameter, and the formulas of every law and effect.
+pub fn model_origin(model: &CompiledModel) -> Origin {
+    let mut origin = Origin::from([("process".to_owned(), model.process().name().to_owned())]);
+    for (slot, value) in model.parameters().iter().zip(model.values()) {
+        origin.insert(format!("model parameter {}", slot.name()), format!("{value:?} (SI)"));
+    }
+    for effect in model.effects() {
+        origin.insert(format!("formulas of {}", effect.name), sha256(format!("{effect:?}").as_bytes()));
+    }
+    origin
+}
+
+/// Writes the state after a pass.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Result<()> {
+    let field = nvdb::write_field(&state.part, Codec::Zip)?;
+    let file = place(folder, pass, "nvdb");
+    fs::write(&file, &field).with_context(|| format!("{}: cannot write this file", file.display()))?;
+    let (tool, tool_cells) = state.tool.values();
+    write_json(
+        &place(folder, pass, "json"),
+        &StateFile {
+            format: STATE_FORMAT.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            passes: pass,
+            trial_time_s: state.trial_time,
+            field_sha256: sha256(&field),
+            origin,
+            tool: tool.to_vec(),
+            tool_cells: tool_cells.to_vec(),
+            record: state.record.clone(),
+        },
+    )
+}
+
+/// Reads the state after a pass.
+///
+/// # Errors
+/// A file that is absent or damaged, or a state with another `origin`: the message names what differs.
+pub fn read(folder: &Path, pass: usize, model: &CompiledModel, origin: &Origin) -> Result<Snapshot> {
+    let (json, nvdb) = (place(folder, pass, "json"), place(folder, pass, "nvdb"));
+    let text = fs::read_to_string(&json).with_context(|| format!("{}: cannot read this state", json.display()))?;
+    let state: StateFile = serde_json::from_str(&text).with_context(|| format!("{}: no state", json.display()))?;
+    let shown = json.display();
+    ensure!(state.format == STATE_FORMAT, "{shown}: format {}; {STATE_FORMAT} is expected", state.format);
+    ensure!(state.passes == pass, "{shown}: the state after pass {}; pass {pass} is expected", state.passes);
+    let differing = differences(&state.origin, origin);
+    ensure!(
+        differing.is_empty(),
+        "{shown}: this state cannot be continued here, because these differ: {}",
+        differing.join("; ")
+    );
+    let bytes = fs::read(&nvdb).with_context(|| format!("{}: cannot read this field", nvdb.display()))?;
+    ensure!(sha256(&bytes) == state.field_sha256, "{}: not the field that {shown} was written with", nvdb.display());
+    let field = || -> Result<BrickGrid> { Ok(nvdb::read(&bytes)?.to_field()?) };
+    let tool = States::restored(model, (state.tool, state.tool_cells));
+    Ok(Snapshot {
+        part: field().with_context(|| nvdb.display().to_string())?,
+        tool: tool.with_context(|| format!("{shown}: another number of tool states than the model has"))?,
+        trial_time: state.trial_time_s,
+        record: state.record,
+    })
+}
+
+/// Names that differ between two origins, with both values where they are short.
+fn differences(then: &Origin, now: &Origin) -> Vec<String> {
+    let names: std::collections::BTreeSet<&String> = then.keys().chain(now.keys()).collect();
+    let shown = |value: Option<&String>| match value {
+        None => "absent".to_owned(),
+        Some(text) if text.len() < 60 => text.clone(),
+        Some(_) => "other content".to_owned(),
+    };
+    let differs = |name: &&String| then.get(*name) != now.get(*name);
+    let tell = |name: &String| match (then.get(name), now.get(name)) {
+        (Some(a), Some(b)) if a.len() >= 60 && b.len() >= 60 => name.clone(),
+        (a, b) => format!("{name} (then {}, now {})", shown(a), shown(b)),
+    };
+    names.into_iter().filter(differs).map(tell).collect()
+}

@@ -1,0 +1,90 @@
+//! The shared campaigns simulated with their true laws: another laboratory's simulation must come out again.
+//!
+//! `residual` compares a scan with a simulation that began from the scan before: untouched pixels differ by the noise of
+//! both scans, √2 times that of one. The measure is that of two scans.
+
+use robofin::campaign_twin::CampaignTwin;
+use robofin::measure::{despiked, noise_floor};
+use robofin::rehearsal::residual;
+use robofin::trial::{Campaign, Trial};
+use robofin::twin::SimulatedPass;
+use serde_json::Value;
+use sim::effect::{CompiledModel, Library, Model};
+
+use crate::shared::campaigns;
+
+const GRINDING: &str = "process = \"grinding\"\n[law.winkler]\nstiffness = \"30 MPa/mm\"\n[law.preston-threshold]\n\
+                        grind_rate = \"1.4 mm/(MPa s)\"\nthreshold_pressure = \"0.25 MPa\"\n";
+const SANDING: &str = "process = \"sanding\"\n[law.winkler]\nstiffness = \"0.012 MPa/mm\"\n[law.preston-sanding]\n\
+                       sanding_rate = \"0.026 1/(MPa mm)\"\n[effect.pad-loading]\nloading_volume = \"260 mm^3\"\n";
+
+/// The trials of a campaign, their passes simulated by a model, and its answers; `None` where they are not there.
+fn simulated(name: &str, first: usize, model: &str) -> Option<(Vec<Trial>, Vec<Vec<SimulatedPass>>, Value)> {
+    let place = campaigns()?;
+    let mut trials = Campaign::read(&place.join(name)).unwrap().trials;
+    trials.truncate(first);
+    let answers: Value = serde_json::from_slice(&std::fs::read(place.join("answers.json")).unwrap()).unwrap();
+    let twin = CampaignTwin::new(&trials, None, false).unwrap();
+    let model = Model::parse("model", model, Library::builtin()).unwrap();
+    let passes = twin.run(&CompiledModel::new(&model, Library::builtin(), twin.rows()).unwrap()).unwrap();
+    Some((trials, passes, answers[name]["trials"].clone()))
+}
+
+/// Residuals of each pass over the noise of two scans.
+fn residuals(trial: &Trial, passes: &[SimulatedPass]) -> Vec<f64> {
+    let (before, repeat) = (despiked(&trial.scans.before).0, despiked(&trial.scans.repeats[0]).0);
+    let noise = 2f64.sqrt() * noise_floor(&before, &repeat).unwrap().rms;
+    (0..passes.len()).map(|pass| residual(trial, passes, pass).unwrap() / noise).collect()
+}
+
+/// Holds removed volumes, which the answers add up over the passes, and residuals against their bars.
+fn grinding_comes_out(name: &str, effects: &str) {
+    let Some((trials, passes, answers)) = simulated(name, usize::MAX, &format!("{GRINDING}{effects}")) else { return };
+    for (trial, passes) in trials.iter().zip(&passes) {
+        let mut removed = 0.0;
+        let residuals = residuals(trial, passes);
+        for (i, pass) in passes.iter().enumerate() {
+            removed += pass.record.removed_volume * 1e9;
+            let off = removed / answers[&trial.name]["removed_mm3"][i].as_f64().unwrap() - 1.0;
+            println!(
+                "{name} {} pass {}: {:+.2} % volume, {:.3} of two scans' noise",
+                trial.name,
+                i + 1,
+                100.0 * off,
+                residuals[i]
+            );
+            assert!(off.abs() < 0.015, "{name} {}: {removed} mm³", trial.name);
+            assert!(residuals[i] < 1.4, "{name} {}: {residuals:?}", trial.name);
+        }
+    }
+}
+
+#[test]
+fn a_campaign_without_effects_comes_out() {
+    grinding_comes_out("open-a", "");
+}
+
+#[test]
+fn a_wheel_that_dulls_comes_out() {
+    grinding_comes_out("open-b", "[effect.grit-dulling]\ndulling_volume = \"350 mm^3\"\n");
+}
+
+#[test]
+fn a_tilted_wheel_comes_out_and_only_with_its_sign() {
+    grinding_comes_out("open-c", "[effect.tool-tilt]\nroll_angle = \"12 mrad\"\n");
+    let wrong = format!("{GRINDING}[effect.tool-tilt]\nroll_angle = \"-12 mrad\"\n");
+    let Some((trials, passes, _)) = simulated("open-c", 1, &wrong) else { return };
+    let residuals = residuals(&trials[0], &passes[0]);
+    assert!(residuals.iter().all(|residual| *residual > 3.0), "{residuals:?}");
+}
+
+#[test]
+fn a_sheet_that_loads_comes_out() {
+    let Some((trials, passes, answers)) = simulated("open-d", 1, SANDING) else { return };
+    for (i, pass) in passes[0].iter().enumerate() {
+        let share = pass.exposed_share.unwrap();
+        let expected = answers[&trials[0].name]["exposed_fraction"][i].as_f64().unwrap();
+        println!("open-d pass {}: {share:.4} exposed, {expected:.4} in truth", i + 1);
+        assert!((share - expected).abs() < 0.01);
+    }
+}
