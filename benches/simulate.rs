@@ -69,7 +69,7 @@ fn run(name: &str, twin: &Twin, model: &CompiledModel) {
     println!(
         "{name}: {:.1} s in {seconds:.3} CPU s, {:.0} times real time, {steps} steps, {:.0} µs each",
         twin.duration(0),
-        twin.duration() / seconds,
+        twin.duration(0) / seconds,
         seconds / steps as f64 * 1e6
     );
 }

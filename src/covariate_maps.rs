@@ -37,7 +37,7 @@ fn map_csv(nx: usize, values: &[f64], scale: f64) -> String {
             let comma = if i > 0 { "," } else { "" };
             let written = match value * scale {
                 value if value.is_nan() => write!(text, "{comma}"),
-                value if value == 0.0 => write!(text, "{comma}0"),
+                0.0 => write!(text, "{comma}0"),
                 value => write!(text, "{comma}{value:.6e}"),
             };
             written.expect("a string takes all");
