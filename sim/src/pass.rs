@@ -37,12 +37,14 @@ pub const LONGEST_STEP: f64 = 0.05;
 const APPROACH_STEP: f64 = 0.01;
 /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
 const INERTIA: f64 = 0.03;
+/// Change of the force in a step [setpoints] beyond which it is shortened, too.
+const FORCE_JUMP: f64 = 0.1;
 /// Relative difference between force and setpoint that is good enough.
 const FORCE_TOLERANCE: f64 = 1e-5;
 /// Way of a tool in one step that changes nothing but the coating [footprints].
-const SANDING_STEP: f64 = 0.04;
+const SANDING_STEP: f64 = 0.02;
 /// Such steps on one sheet.
-const SANDING_SHEET: f64 = 4.0;
+const SANDING_SHEET: f64 = 8.0;
 
 /// Share of the setpoint that counts as touching the part.
 pub const TOUCH: f64 = 0.15;
@@ -222,7 +224,7 @@ impl<'a> Runner<'a> {
                 self.stay_in_air(dt)?;
                 return Ok(0.0);
             };
-            if dt > period && self.inertial_force(motion, dt) > INERTIA * self.pass.process.force_setpoint {
+            if dt > period && self.is_fast(motion, dt) {
                 dt = (0.25 * dt).max(period);
                 continue;
             }
@@ -255,11 +257,12 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn inertial_force(&self, motion: Motion, dt: f64) -> f64 {
-        match self.controller {
-            Controller::Admittance { mass, .. } => (mass * (motion.speed - self.motion.speed) / dt).abs(),
-            _ => 0.0,
-        }
+    /// Whether an admittance moves too fast for a step of `dt` [s] to follow it.
+    fn is_fast(&self, motion: Motion, dt: f64) -> bool {
+        let Controller::Admittance { mass, .. } = self.controller else { return false };
+        let setpoint = self.pass.process.force_setpoint;
+        let inertial_force = (mass * (motion.speed - self.motion.speed) / dt).abs();
+        inertial_force > INERTIA * setpoint || (self.step_force - self.end_force).abs() > FORCE_JUMP * setpoint
     }
 
     /// Where the controller brings the tool in a step of `dt` [s]; `None` where it finds nothing to press on.
