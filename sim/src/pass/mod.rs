@@ -4,14 +4,15 @@
 //! lost is written back and the next sheet is read. Steps are as long as the tool needs for half a voxel, unless the
 //! controller's own dynamics matter: then they fall to its period.
 
+mod seek;
+
 use std::cell::RefCell;
 
-use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 
 use crate::commit::commit;
-use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
+use crate::control::{Controller, Motion};
 use crate::covariates::Covariates;
 use crate::effect::{CompiledModel, PoseChange, Reset, RunError, States, Variable};
 use crate::extent::Extent;
@@ -19,7 +20,7 @@ use crate::path::Path;
 use crate::physics::Physics;
 use crate::record::{LogRow, PassRecord};
 use crate::settings::{PassError, Process};
-use crate::sheet::{Facing, Sheet};
+use crate::sheet::Sheet;
 use crate::step::Step;
 use crate::step_values::Moment;
 use crate::tool::{Pose, Tool};
@@ -29,8 +30,6 @@ use crate::tool_cells::{CellSums, ToolCells};
 const COMMIT_RECESSION: f64 = 0.4;
 /// Recession after which a sheet's slopes are taken anew [voxels].
 const BENT: f64 = 0.02;
-/// Surface sought below the tool while it is in contact [voxels].
-const NEAR_BELOW: f64 = 4.0;
 /// Longest step [s].
 pub const LONGEST_STEP: f64 = 0.05;
 /// Longest step while the tool comes down [s].
@@ -39,8 +38,6 @@ const APPROACH_STEP: f64 = 0.01;
 const INERTIA: f64 = 0.03;
 /// Change of the force in a step [setpoints] beyond which it is shortened, too.
 const FORCE_JUMP: f64 = 0.1;
-/// Relative difference between force and setpoint that is good enough.
-const FORCE_TOLERANCE: f64 = 1e-5;
 /// Way of a tool in one step that changes nothing but the coating [footprints].
 const SANDING_STEP: f64 = 0.02;
 /// Such steps on one sheet.
@@ -265,105 +262,6 @@ impl<'a> Runner<'a> {
         inertial_force > INERTIA * setpoint || (self.step_force - self.end_force).abs() > FORCE_JUMP * setpoint
     }
 
-    /// Where the controller brings the tool in a step of `dt` [s]; `None` where it finds nothing to press on.
-    /// Afterwards `step` holds the step to that motion on a sheet that is large enough.
-    fn find_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
-        let mut searched = false;
-        loop {
-            if self.sheet.is_none() {
-                self.read_sheet(dt, searched);
-            }
-            let motion = self.try_motion(dt)?;
-            let sheet = self.sheet.as_ref().expect("a sheet was read");
-            if motion.is_some()
-                && self.step.reaches_border(sheet)
-                && let Some(extent) = self.extent.grown(self.pass.tool, self.grid.voxel)
-            {
-                self.write_back();
-                self.extent = extent;
-                continue;
-            }
-            if motion.is_none() && !searched && self.controller == Controller::Ideal {
-                self.write_back();
-                self.extent = Extent::of(self.pass.tool, 2.0 * self.grid.voxel);
-                searched = true;
-                continue;
-            }
-            return Ok(motion);
-        }
-    }
-
-    fn in_air(&self) -> bool {
-        self.controller == Controller::Ideal && self.motion.travel >= self.pass.process.search_reach
-    }
-
-    fn try_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
-        if self.in_air() {
-            // An ideal controller is in balance from the first touch on.
-            let Some(motion) = self.try_step(0.0, self.time)? else { return Ok(None) };
-            self.motion = motion;
-        }
-        self.try_step(dt, self.time + dt)
-    }
-
-    /// Seeks the end of a step of `dt` [s] that ends at the path's place at `end` [s].
-    fn try_step(&mut self, dt: f64, end: f64) -> Result<Option<Motion>, RunError> {
-        let Pass { tool, process, .. } = self.pass;
-        let start = self.pose(self.time, self.motion.travel);
-        let grinds = self.physics.grinds();
-        // Without recession the whole step is taken as its middle.
-        let whole = self.pose(end, 0.0).centre - self.pose(self.time, 0.0).centre;
-        let (end, sweep) =
-            if grinds { (self.pose(end, 0.0), DVec3::ZERO) } else { (self.pose(0.5 * (self.time + end), 0.0), whole) };
-        let sheet = self.sheet.as_ref().expect("a sheet was read");
-        let (step, physics, from) = (&mut self.step, &mut self.physics, self.motion);
-        if grinds && !std::mem::take(&mut self.goes_on) {
-            step.begin((tool, &start), sheet, physics)?;
-        }
-        let mut end_at = |physics: &mut Physics, travel: f64| {
-            let pose = end.lifted(travel);
-            let force = if grinds {
-                step.end_at((tool, &pose), sheet, physics, dt)
-            } else {
-                step.middle_at((tool, &pose, sweep), sheet, physics, dt)
-            }?;
-            let depth = if force.force > 0.0 { 0.0 } else { step.end_gap(tool, &pose, sheet) };
-            Ok((force, depth))
-        };
-        let (damping, mass) = match self.controller {
-            Controller::Ideal => (0.0, 0.0),
-            Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
-                let reading = physics.force_reading(self.end_force)?;
-                let motion = admittance_sample(from, reading, process.force_setpoint, (mass, damping), dt);
-                self.step_force = end_at(physics, motion.travel)?.0.force;
-                return Ok(Some(motion));
-            }
-            Controller::Admittance { mass, damping, .. } => (damping, mass),
-            Controller::Replay => {
-                self.step_force = end_at(physics, 0.0)?.0.force;
-                return Ok(Some(Motion::default()));
-            }
-        };
-        let balance = Balance {
-            from,
-            setpoint: process.force_setpoint,
-            damping,
-            mass,
-            dt,
-            tolerance: FORCE_TOLERANCE * process.force_setpoint,
-            bounds: (-process.search_reach, process.search_reach),
-        };
-        let mut force = 0.0;
-        let travel = balance.solve(from.travel + from.speed * dt, |travel| {
-            let (end, depth) = end_at(physics, travel)?;
-            force = end.force;
-            Ok(Response { force: physics.force_reading(end.force)?, stiffness: end.stiffness, depth })
-        })?;
-        self.step_force = force;
-        let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
-        Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
-    }
-
     /// Takes the step that `find_motion` prepared. Returns the force at its end [N].
     fn accept(&mut self, motion: Motion, dt: f64) -> Result<f64, RunError> {
         let middle = self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel));
@@ -452,19 +350,5 @@ impl<'a> Runner<'a> {
         self.receded = 0.0;
         self.bent = 0.0;
         self.goes_on = false;
-    }
-
-    /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
-    fn read_sheet(&mut self, dt: f64, far: bool) {
-        let Pass { tool, path, process, .. } = self.pass;
-        let speed = path.velocity(self.time).length();
-        let ahead = if speed > 0.0 { (self.commit_way() + self.step_way()) / speed } else { 0.0 };
-        let poses = [self.time, self.time + dt, self.time + ahead.max(dt)].map(|t| self.pose(t, self.motion.travel));
-        let facing = Facing::of(poses[0].approach);
-        let (window, lowest) = self.extent.window(tool, &poses, facing, self.grid.voxel);
-        let level = facing.sheet(poses[0].centre - poses[0].frame.z * tool.drop()).z;
-        let below = if far || self.in_air() { 2.0 * process.search_reach } else { NEAR_BELOW * self.grid.voxel };
-        let falling = (-self.motion.speed).max(0.0) * LONGEST_STEP.max(dt);
-        self.sheet = Some(Sheet::read(self.grid, facing, window, level, lowest.min(level) - below - falling));
     }
 }
