@@ -1,5 +1,7 @@
 //! All trials of a campaign simulated in order, with a tool that wears from one to the next unless it is renewed.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use sim::effect::{CompiledModel, Reset, RowCounts};
 use thiserror::Error;
@@ -50,12 +52,23 @@ impl<'a> CampaignTwin<'a> {
     /// # Errors
     /// The first trial that fails.
     pub fn run(&self, model: &CompiledModel) -> Result<Vec<Vec<SimulatedPass>>, CampaignError> {
+        let all: Vec<usize> = self.trials.iter().map(|twin| twin.trial.passes.len()).collect();
+        self.run_first(model, &all)
+    }
+
+    /// As [`CampaignTwin::run`], but only the first passes of each trial.
+    ///
+    /// - `passes`: how many of each trial
+    ///
+    /// # Errors
+    /// The first trial that fails.
+    pub fn run_first(&self, model: &CompiledModel, passes: &[usize]) -> Result<Vec<Vec<SimulatedPass>>, CampaignError> {
         let lasting = model.effects().flat_map(|effect| &effect.states).any(|state| state.reset == Reset::Never);
         let begins = |&k: &usize| k == 0 || (self.trials[k].trial.fresh && !lasting);
         let starts: Vec<usize> = (0..self.trials.len()).filter(begins).collect();
         let ends = starts.iter().skip(1).copied().chain([self.trials.len()]);
         let groups: Vec<(usize, usize)> = starts.iter().copied().zip(ends).collect();
-        let run = |&(start, end): &(usize, usize)| self.run_group(model, start, end);
+        let run = |&(start, end): &(usize, usize)| self.run_group(model, passes, start..end);
         let groups: Vec<_> = groups.par_iter().map(run).collect::<Result<_, _>>()?;
         Ok(groups.into_iter().flatten().collect())
     }
@@ -63,16 +76,16 @@ impl<'a> CampaignTwin<'a> {
     fn run_group(
         &self,
         model: &CompiledModel,
-        start: usize,
-        end: usize,
+        passes: &[usize],
+        group: Range<usize>,
     ) -> Result<Vec<Vec<SimulatedPass>>, CampaignError> {
         let mut tool = Twin::fresh_states(model);
-        let mut row = self.trials[..start].iter().map(|twin| twin.trial.passes.len()).sum();
-        let run = |twin: &Twin| {
-            let ran = twin.run(model, &mut tool, row, &mut |_, _| {});
+        let mut row = self.trials[..group.start].iter().map(|twin| twin.trial.passes.len()).sum();
+        let run = |(twin, passes): (&Twin, &usize)| {
+            let ran = twin.run_first(*passes, model, (&mut tool, row), &mut |_, _| {});
             row += twin.trial.passes.len();
             ran.map(|(passes, _)| passes).map_err(|error| CampaignError { trial: twin.trial.name.clone(), error })
         };
-        self.trials[start..end].iter().map(run).collect()
+        self.trials[group.clone()].iter().zip(&passes[group]).map(run).collect()
     }
 }

@@ -24,6 +24,7 @@ pub mod effect_page;
 pub mod export;
 pub mod finishing;
 pub mod folder;
+pub mod laboratory;
 pub mod measure;
 pub mod part;
 pub mod picture;

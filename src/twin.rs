@@ -165,8 +165,22 @@ impl<'a> Twin<'a> {
         first_row: usize,
         progress: &mut dyn FnMut(usize, Progress),
     ) -> Result<(Vec<SimulatedPass>, BrickGrid), TwinError> {
+        self.run_first(self.passes.len(), model, (states, first_row), progress)
+    }
+
+    /// As [`Twin::run`], but only the first passes.
+    ///
+    /// # Errors
+    /// [`TwinError`] when a pass fails.
+    pub fn run_first(
+        &self,
+        passes: usize,
+        model: &CompiledModel,
+        (states, first_row): (&mut States, usize),
+        progress: &mut dyn FnMut(usize, Progress),
+    ) -> Result<(Vec<SimulatedPass>, BrickGrid), TwinError> {
         let mut state = self.start(model, states.clone(), first_row);
-        let each = (0..self.passes.len()).map(|pass| self.run_pass(model, &mut state, &mut |at| progress(pass, at)));
+        let each = (0..passes).map(|pass| self.run_pass(model, &mut state, &mut |at| progress(pass, at)));
         let passes = each.collect::<Result<_, _>>();
         *states = state.tool;
         Ok((passes?, state.part))

@@ -1,0 +1,117 @@
+//! What tiles of a scan may differ by without any physics: noise that neighbours share, and the scan's own pose.
+
+use glam::DVec2;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use crate::measure::NoiseFloor;
+
+/// Noise of a tile's mean, one scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileNoise {
+    /// Standard deviation of the part that each tile has alone [m].
+    pub alone: f64,
+    /// Standard deviation of the part that neighbours share [m].
+    pub shared: f64,
+    /// Distance at which that has fallen to 1/e [m].
+    pub length: f64,
+}
+
+impl From<&NoiseFloor> for TileNoise {
+    fn from(floor: &NoiseFloor) -> Self {
+        // Tails count for the part of a tile alone.
+        let alone = (floor.rms * floor.rms - floor.correlated * floor.correlated).max(floor.white * floor.white).sqrt();
+        Self { alone, shared: floor.correlated, length: floor.correlation_length }
+    }
+}
+
+impl TileNoise {
+    /// Standard deviation of a tile's mean [m].
+    pub fn sigma(&self) -> f64 {
+        self.alone.hypot(self.shared)
+    }
+
+    /// Covariance of the means of two tiles of one scan [m²].
+    fn between(&self, a: DVec2, b: DVec2) -> f64 {
+        let lag = a.distance(b);
+        let alone = if lag == 0.0 { self.alone * self.alone } else { 0.0 };
+        let shared = if self.length > 0.0 { (-lag / self.length).exp() } else { 0.0 };
+        alone + self.shared * self.shared * shared
+    }
+
+    /// Covariance of a scan's tiles. `before`, one value per tile, is how much of the noise of the scan before is still
+    /// in the simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone.
+    pub fn covariance(&self, centres: &[DVec2], before: &[f64]) -> DMatrix<f64> {
+        DMatrix::from_fn(centres.len(), centres.len(), |i, j| {
+            self.between(centres[i], centres[j]) * (1.0 + before[i] * before[j])
+        })
+    }
+}
+
+/// A change that data may show for a reason that is no physics, such as a tilt of the scan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freedom {
+    /// What one unit of it adds to each datum, shape [data, freedoms].
+    pub columns: DMatrix<f64>,
+    /// Values expected.
+    pub mean: DVector<f64>,
+    /// Covariance of the values.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Freedom {
+    /// Independent freedoms around zero with their standard deviations.
+    pub fn around_zero(columns: DMatrix<f64>, sigmas: &[f64]) -> Self {
+        let variances: Vec<f64> = sigmas.iter().map(|sigma| sigma * sigma).collect();
+        let covariance = DMatrix::from_diagonal(&DVector::from_vec(variances));
+        Self { columns, mean: DVector::zeros(sigmas.len()), covariance }
+    }
+}
+
+/// Turns differences into numbers that are independent and of variance one when only noise and freedoms are at work.
+///
+/// Freedoms with a normal law are noise with covariance `E S Eᵀ` (Kennedy and O'Hagan 2001, section 4): a fit to whitened
+/// data is a joint fit of physics and freedoms.
+#[derive(Clone, Debug)]
+pub struct Whitener {
+    factor: Cholesky<f64, Dyn>,
+    /// Expected difference.
+    offset: DVector<f64>,
+    freedom: Freedom,
+}
+
+impl Whitener {
+    /// - `noise`: covariance of the data, shape [data, data]
+    ///
+    /// `None` where the noise is not positive definite.
+    pub fn new(noise: DMatrix<f64>, freedom: Freedom) -> Option<Self> {
+        let total = noise + &freedom.columns * &freedom.covariance * freedom.columns.transpose();
+        let offset = &freedom.columns * &freedom.mean;
+        Some(Self { factor: Cholesky::new(total)?, offset, freedom })
+    }
+
+    /// Number of data.
+    pub fn len(&self) -> usize {
+        self.offset.len()
+    }
+
+    /// Whether there are no data.
+    pub fn is_empty(&self) -> bool {
+        self.offset.is_empty()
+    }
+
+    /// Measured minus simulated, whitened.
+    pub fn whiten(&self, difference: &[f64]) -> Vec<f64> {
+        let mut left = DVector::from_column_slice(difference) - &self.offset;
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut left);
+        left.as_slice().to_vec()
+    }
+
+    /// The freedoms given the data (mean and covariance): what a joint fit gives them.
+    pub fn freedoms(&self, difference: &[f64]) -> Freedom {
+        let left = DVector::from_column_slice(difference) - &self.offset;
+        let gain = &self.freedom.covariance * self.freedom.columns.transpose();
+        let mean = &self.freedom.mean + &gain * self.factor.solve(&left);
+        let covariance = &self.freedom.covariance - &gain * self.factor.solve(&gain.transpose());
+        Freedom { columns: self.freedom.columns.clone(), mean, covariance }
+    }
+}

@@ -1,0 +1,223 @@
+//! Fits a model to data by Levenberg and Marquardt's method within bounds. Measurement freedoms are part of the
+//! whitened data, so every fit is joint.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
+use sim::effect::CompiledModel;
+
+use super::coordinates::{Bound, Coordinate, moved};
+use super::evidence::{Evidence, EvidenceError, Split};
+
+/// Change of the whitened data that a finite difference aims at [standard deviations, all data together].
+const AIM: f64 = 3.0;
+/// A step that changes the data less is made anew with a length that does, and one that changes them more.
+const SOUND: [f64; 2] = [0.5, 30.0];
+/// Longest finite difference [coordinates].
+const LONGEST_STEP: f64 = 0.5;
+/// A step that promises less is the last [χ²].
+const CONVERGED: f64 = 0.01;
+/// Damping: first, and factors after good and bad steps.
+const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
+/// Longest step of one round [coordinates].
+const LONGEST_MOVE: f64 = 1.5;
+/// Huber's constant [standard deviations].
+const HUBER: f64 = 2.5;
+
+/// How a fit is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// Rounds at most, each with new derivatives.
+    pub rounds: usize,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self { rounds: 12 }
+    }
+}
+
+/// A fitted model.
+#[derive(Clone)]
+pub struct Fit {
+    /// The model at the best values.
+    pub model: CompiledModel,
+    /// What was varied.
+    pub coordinates: Vec<Coordinate>,
+    /// Best values [coordinates].
+    pub at: Vec<f64>,
+    /// Whitened residuals there.
+    pub residuals: Vec<f64>,
+    /// Derivatives of the whitened residuals, shape [data, coordinates].
+    pub jacobian: DMatrix<f64>,
+    /// Robust sum of squares.
+    pub chi2: f64,
+    /// Whether the last step promised nothing more.
+    pub converged: bool,
+    /// Simulations of the data.
+    pub runs: usize,
+}
+
+/// What a fit says about one parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// The parameter.
+    pub coordinate: Coordinate,
+    /// Best value [SI].
+    pub value: f64,
+    /// Standard deviation [coordinates]; infinite where the data do not tell.
+    pub sigma: f64,
+    /// The bound it lies on.
+    pub bound: Option<Bound>,
+}
+
+/// Sum of squares in which outliers count linearly (Huber 1964).
+pub fn robust_sum(residuals: &[f64]) -> f64 {
+    let rho = |r: &f64| if r.abs() <= HUBER { r * r } else { HUBER * (2.0 * r.abs() - HUBER) };
+    residuals.iter().map(rho).sum()
+}
+
+/// Weights that turn least squares into the robust sum.
+fn weights(residuals: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(residuals.len(), residuals.iter().map(|r| (HUBER / r.abs()).min(1.0).sqrt()))
+}
+
+impl Fit {
+    /// Fits the calibration data, beginning from the model's values.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated at its first values.
+    pub fn new(
+        evidence: &dyn Evidence,
+        model: &CompiledModel,
+        coordinates: Vec<Coordinate>,
+        options: FitOptions,
+    ) -> Result<Self, EvidenceError> {
+        let at: Vec<f64> = coordinates.iter().map(|c| c.clamped(c.from_value(model.value(c.index)))).collect();
+        let model = moved(model, &coordinates, &at);
+        let residuals = evidence.residuals(&model, Split::Calibration)?;
+        let chi2 = robust_sum(&residuals);
+        let jacobian = DMatrix::zeros(residuals.len(), coordinates.len());
+        let mut fit = Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1 };
+        let mut damping = DAMPING.0;
+        for _ in 0..options.rounds {
+            fit.differentiate(evidence);
+            fit.converged = !fit.improve(evidence, &mut damping);
+            if fit.converged {
+                break;
+            }
+        }
+        Ok(fit)
+    }
+
+    /// Renews the derivatives.
+    fn differentiate(&mut self, evidence: &dyn Evidence) {
+        let columns: Vec<(Vec<f64>, usize)> =
+            (0..self.at.len()).into_par_iter().map(|k| self.derivative(evidence, k)).collect();
+        for (k, (column, runs)) in columns.into_iter().enumerate() {
+            self.jacobian.set_column(k, &DVector::from_vec(column));
+            self.runs += runs;
+        }
+    }
+
+    /// Derivative of the residuals along a coordinate, over a way that changes them by more than the simulation's own
+    /// unevenness; zero where no way does.
+    fn derivative(&self, evidence: &dyn Evidence, k: usize) -> (Vec<f64>, usize) {
+        let (coordinate, here) = (&self.coordinates[k], self.at[k]);
+        let mut step = coordinate.step();
+        let mut runs = 0;
+        let mut best = vec![0.0; self.residuals.len()];
+        for _ in 0..3 {
+            let forward = coordinate.clamped(here + step);
+            let there = if (forward - here).abs() > 0.5 * step { forward } else { coordinate.clamped(here - step) };
+            let mut at = self.at.clone();
+            at[k] = there;
+            runs += 1;
+            let Ok(moved) = evidence.residuals(&moved(&self.model, &self.coordinates, &at), Split::Calibration) else {
+                step *= 0.3;
+                continue;
+            };
+            best = moved.iter().zip(&self.residuals).map(|(b, a)| (b - a) / (there - here)).collect();
+            let change = best.iter().map(|d| d * d).sum::<f64>().sqrt() * (there - here).abs();
+            if (SOUND[0]..SOUND[1]).contains(&change) || (step >= LONGEST_STEP && change < SOUND[0]) {
+                break;
+            }
+            step = (step * (AIM / change.max(1e-3)).clamp(0.03, 30.0)).min(LONGEST_STEP);
+        }
+        (best, runs)
+    }
+
+    /// Makes one step that lowers the sum of squares; `false` where none is worth it.
+    fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> bool {
+        for _ in 0..6 {
+            let Some((at, promise)) = self.step(*damping) else { return false };
+            if promise < CONVERGED {
+                return false;
+            }
+            self.runs += 1;
+            let model = moved(&self.model, &self.coordinates, &at);
+            if let Ok(residuals) = evidence.residuals(&model, Split::Calibration) {
+                let chi2 = robust_sum(&residuals);
+                if chi2 < self.chi2 {
+                    let gain = self.chi2 - chi2;
+                    *self = Self { model, at, residuals, chi2, ..self.clone() };
+                    *damping *= if gain > 0.25 * promise { DAMPING.1 } else { 1.0 };
+                    return true;
+                }
+            }
+            *damping *= DAMPING.2;
+        }
+        false
+    }
+
+    /// Where a damped step leads, kept within the bounds, and what it promises.
+    fn step(&self, damping: f64) -> Option<(Vec<f64>, f64)> {
+        let weights = weights(&self.residuals);
+        let mut jacobian = self.jacobian.clone();
+        jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        let residuals = DVector::from_column_slice(&self.residuals).component_mul(&weights);
+        let mut held = vec![false; self.at.len()];
+        loop {
+            let free: Vec<usize> =
+                (0..self.at.len()).filter(|&k| !held[k] && jacobian.column(k).norm() > 0.0).collect();
+            if free.is_empty() {
+                return None;
+            }
+            let active = jacobian.select_columns(&free);
+            let mut normal = active.tr_mul(&active);
+            (0..free.len()).for_each(|k| normal[(k, k)] *= 1.0 + damping);
+            let way = Cholesky::new(normal)?.solve(&active.tr_mul(&residuals));
+            let shorten = (LONGEST_MOVE / way.amax()).min(1.0);
+            let mut at = self.at.clone();
+            let mut outward = None;
+            for (i, &k) in free.iter().enumerate() {
+                at[k] = self.coordinates[k].clamped(self.at[k] - shorten * way[i]);
+                if at[k] == self.at[k] && way[i] != 0.0 {
+                    outward = Some(k);
+                }
+            }
+            if let Some(k) = outward {
+                held[k] = true;
+                continue;
+            }
+            let moved = DVector::from_iterator(at.len(), at.iter().zip(&self.at).map(|(b, a)| b - a));
+            let promise = residuals.norm_squared() - (&residuals + &jacobian * moved).norm_squared();
+            return Some((at, promise));
+        }
+    }
+
+    /// What the fit says about each parameter; `spread` widens the intervals where the residuals are larger than noise.
+    pub fn estimates(&self, spread: f64) -> Vec<Estimate> {
+        let covariance = self.covariance();
+        let estimate = |(k, coordinate): (usize, &Coordinate)| {
+            let sigma = covariance.as_ref().map_or(f64::INFINITY, |c| spread * c[(k, k)].max(0.0).sqrt());
+            let bound = coordinate.bound(self.at[k]);
+            Estimate { coordinate: coordinate.clone(), value: coordinate.value(self.at[k]), sigma, bound }
+        };
+        self.coordinates.iter().enumerate().map(estimate).collect()
+    }
+
+    /// Covariance of the coordinates; `None` where the data do not fix all of them.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        Cholesky::new(self.jacobian.tr_mul(&self.jacobian)).map(|factor| factor.inverse())
+    }
+}

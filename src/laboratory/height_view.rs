@@ -1,0 +1,143 @@
+//! One scan of a ground surface as data: laid on the untouched area, cut into tiles, with the covariance of what is no
+//! physics.
+
+use glam::DVec2;
+use nalgebra::DMatrix;
+use sdf_bake::HeightMap;
+
+use super::covariance::{Freedom, TileNoise, Whitener};
+use super::tiles::{TileGrid, Tiles};
+
+/// Freedoms of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
+const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
+/// Removed depth at which the noise of the scan before has fallen to 1/e of its share in the surface [tile sigmas].
+const NOISE_GONE: f64 = 3.0;
+
+/// A scan as data.
+#[derive(Clone, Debug)]
+pub struct HeightView {
+    /// The scan without spikes.
+    pub measured: HeightMap,
+    /// Tiles that the tool may have touched.
+    pub tiles: Tiles,
+    /// Noise of a tile.
+    pub noise: TileNoise,
+    slopes: Vec<DVec2>,
+    whitener: Whitener,
+    /// Share of the noise of the scan before in each tile.
+    pub before_share: Vec<f64>,
+}
+
+impl HeightView {
+    /// Makes data of a scan.
+    ///
+    /// - `measured`, `before`: scans without spikes
+    /// - `free`: for each pixel, whether no tool came near it before this scan
+    ///
+    /// `None` where no tile was touched.
+    pub fn new(
+        measured: HeightMap,
+        before: &HeightMap,
+        free: &[bool],
+        (side, noise): (usize, TileNoise),
+    ) -> Option<Self> {
+        let pixels = measured.pixels;
+        let change: Vec<f64> = measured.heights.iter().zip(&before.heights).map(|(a, b)| a - b).collect();
+        let slopes = slopes(&measured);
+        let known = |at: usize| change[at].is_finite() && slopes[at].is_finite();
+        let alone = TileGrid { pixels, side: 2 * side }.tiles(|at| known(at) && free[at]);
+        let coarse = TileNoise { alone: 0.5 * noise.alone, ..noise };
+        let untouched = Whitener::new(
+            coarse.covariance(&alone.centres, &vec![1.0; alone.len()]),
+            Freedom::around_zero(pose_columns(&alone, &slopes), &POSE_SIGMAS),
+        )?;
+        let pose = untouched.freedoms(&alone.means(|at| change[at]));
+        let tiles = TileGrid { pixels, side }.tiles(|at| known(at) && !free[at]);
+        let columns = pose_columns(&tiles, &slopes);
+        let planes = &columns * &pose.mean;
+        let removed =
+            tiles.means(|at| -change[at]).into_iter().zip(planes.iter()).map(|(removed, lift)| removed + lift);
+        let depth = NOISE_GONE * noise.sigma();
+        let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
+        let covariance = noise.covariance(&tiles.centres, &before_share);
+        let whitener = Whitener::new(covariance, Freedom { columns, ..pose })?;
+        (!tiles.is_empty()).then_some(Self { measured, tiles, noise, slopes, whitener, before_share })
+    }
+
+    /// Measured minus simulated height of each tile [m].
+    pub fn difference(&self, simulated: &HeightMap) -> Vec<f64> {
+        self.tiles.means(|at| {
+            let difference = self.measured.heights[at] - simulated.heights[at];
+            if difference.is_finite() { difference } else { 0.0 }
+        })
+    }
+
+    /// The difference, whitened.
+    pub fn whitened(&self, simulated: &HeightMap) -> Vec<f64> {
+        self.whitener.whiten(&self.difference(simulated))
+    }
+
+    /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
+    pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
+        let pose = self.whitener.freedoms(&self.difference(simulated)).mean;
+        let frame = Frame::of(self.measured.pixels);
+        let lift = |at: usize| {
+            let column = pose_column(frame, self.measured.pixels, at, self.slopes[at]);
+            column.iter().zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
+        };
+        let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
+        (0..self.measured.heights.len()).map(left).collect()
+    }
+}
+
+/// Middle of a map and half of its diagonal [m].
+#[derive(Clone, Copy)]
+struct Frame {
+    middle: DVec2,
+    reach: f64,
+}
+
+impl Frame {
+    fn of(pixels: sdf_bake::PixelGrid) -> Self {
+        let end = pixels.position(pixels.nx - 1, pixels.ny - 1);
+        Self { middle: 0.5 * (pixels.origin + end), reach: 0.5 * pixels.origin.distance(end) }
+    }
+}
+
+/// What each freedom of a scan's pose adds to the height of a pixel.
+fn pose_column(frame: Frame, pixels: sdf_bake::PixelGrid, at: usize, slope: DVec2) -> [f64; 5] {
+    let place = (pixels.position(at % pixels.nx, at / pixels.nx) - frame.middle) / frame.reach;
+    [1.0, place.x, place.y, -slope.x, -slope.y]
+}
+
+fn pose_columns(tiles: &Tiles, slopes: &[DVec2]) -> DMatrix<f64> {
+    let pixels = tiles.grid.pixels;
+    let frame = Frame::of(pixels);
+    let column = |k: usize| tiles.means(|at| pose_column(frame, pixels, at, slopes[at])[k]);
+    DMatrix::from_fn(tiles.len(), 5, {
+        let columns: Vec<Vec<f64>> = (0..5).map(column).collect();
+        move |row, k| columns[k][row]
+    })
+}
+
+/// Slope at each pixel from a plane through its neighbours two pixels around, NaN where too few are known.
+fn slopes(map: &HeightMap) -> Vec<DVec2> {
+    let (nx, ny) = (map.pixels.nx as i64, map.pixels.ny as i64);
+    let slope = |at: usize| {
+        let (i, j) = (at as i64 % nx, at as i64 / nx);
+        let height = |di: i64, dj: i64| {
+            let inside = (0..nx).contains(&(i + di)) && (0..ny).contains(&(j + dj));
+            if inside { map.heights[((j + dj) * nx + i + di) as usize] } else { f64::NAN }
+        };
+        DVec2::new(along(|d| height(d, 0)), along(|d| height(0, d))) / map.pixels.pitch
+    };
+    (0..map.heights.len()).map(slope).collect()
+}
+
+/// Slope of the straight line through five values [per pixel], from those that are known on both sides.
+fn along(height: impl Fn(i64) -> f64) -> f64 {
+    let pairs = [1i64, 2].map(|d| (d as f64, height(d) - height(-d)));
+    let known = pairs.into_iter().filter(|(_, rise)| rise.is_finite());
+    let (rise, weight) = known.fold((0.0, 0.0), |(rise, weight), (d, step)| (rise + d * step, weight + 2.0 * d * d));
+    rise / weight
+}

@@ -1,0 +1,215 @@
+//! The scans of a campaign as data, and their prediction with the twins of its trials.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use sdf_bake::HeightMap;
+use sim::effect::{CompiledModel, Process, RowCounts};
+
+use super::blur::blurred;
+use super::covariance::TileNoise;
+use super::evidence::{Evidence, EvidenceError, Split};
+use super::fit::robust_sum;
+use super::height_view::HeightView;
+use super::tiles::TileGrid;
+use crate::campaign_twin::CampaignTwin;
+use crate::measure::{NoiseFloor, despiked, noise_floor, untouched};
+use crate::trial::{PassScan, Role, ToolPath, Trial};
+use crate::twin::SimulatedPass;
+
+/// Distance [m] that counts as touched: errors of pose and scan, and dust.
+const CLEARANCE: f64 = 0.1e-3;
+/// Fewest pixels along a tile, and most tiles of a scan: their covariance is a dense matrix.
+const LEAST_SIDE: usize = 3;
+const MOST_TILES: usize = 1000;
+/// Tiles along and across that share a block.
+const BLOCK: usize = 4;
+/// Widest blur that is looked for [pixels], and values tried.
+const MOST_BLUR: f64 = 2.0;
+const BLUR_STEPS: usize = 40;
+
+/// One scan and where it belongs.
+pub struct ScanView {
+    /// Trial and pass, from 0.
+    pub trial: usize,
+    /// Pass of it.
+    pub pass: usize,
+    /// Whether fits may see it.
+    pub split: Split,
+    /// The scan as data.
+    pub heights: HeightView,
+}
+
+/// All scans of a campaign.
+pub struct ScanEvidence<'a> {
+    /// The trials, ready to be simulated.
+    pub twin: CampaignTwin<'a>,
+    /// Scans in order of time.
+    pub views: Vec<ScanView>,
+    /// Noise of one scan by trial.
+    pub noise: Vec<NoiseFloor>,
+    /// Standard deviation of the instrument's lateral blur [m].
+    pub blur: f64,
+}
+
+impl<'a> ScanEvidence<'a> {
+    /// Prepares all scans.
+    ///
+    /// - `voxel`: of the simulation [m]; `None` takes the scan's pitch
+    ///
+    /// # Errors
+    /// When a trial makes no part, or has no scan that can be used.
+    pub fn new(trials: &'a [Trial], voxel: Option<f64>) -> Result<Self, EvidenceError> {
+        let twin = CampaignTwin::new(trials, voxel, false)?;
+        let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
+        let (views, noise): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();
+        Ok(Self { twin, views: views.into_iter().flatten().collect(), noise, blur: 0.0 })
+    }
+
+    /// The scans of a split.
+    pub fn of(&self, split: Split) -> impl Iterator<Item = &ScanView> {
+        self.views.iter().filter(move |view| view.split == split)
+    }
+
+    /// Passes of each trial that must be simulated to predict a split.
+    fn needed(&self, split: Split) -> Vec<usize> {
+        let trials = &self.twin.trials;
+        let mut needed = vec![0; trials.len()];
+        for view in self.of(split) {
+            needed[view.trial] = needed[view.trial].max(view.pass + 1);
+        }
+        for k in (1..trials.len()).rev() {
+            if needed[k] > 0 && !trials[k].trial.fresh {
+                needed[k - 1] = trials[k - 1].trial.passes.len();
+            }
+        }
+        needed
+    }
+
+    /// Simulates what a split needs.
+    ///
+    /// # Errors
+    /// The first trial that fails.
+    pub fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {
+        Ok(self.twin.run_first(model, &self.needed(split))?)
+    }
+
+    /// A simulated pass as the instrument sees it.
+    pub fn seen(&self, view: &ScanView, passes: &[Vec<SimulatedPass>]) -> HeightMap {
+        let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else {
+            unreachable!("a ground surface")
+        };
+        blurred(simulated, &self.twin.trials[view.trial].trial.scans.before, self.blur)
+    }
+
+    /// Finds the instrument's blur from the rims of what the tool cut, which physics leaves sharp.
+    pub fn find_blur(&mut self, passes: &[Vec<SimulatedPass>]) {
+        let pitch = self.twin.trials[0].trial.scans.before.pixels.pitch;
+        let cost = |blur: f64| -> f64 {
+            let scans: Vec<&ScanView> = self.of(Split::Calibration).collect();
+            let one = |view: &&ScanView| {
+                let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else { return 0.0 };
+                let before = &self.twin.trials[view.trial].trial.scans.before;
+                robust_sum(&view.heights.whitened(&blurred(simulated, before, blur)))
+            };
+            scans.par_iter().map(one).collect::<Vec<_>>().iter().sum()
+        };
+        let steps = (0..=BLUR_STEPS).map(|k| MOST_BLUR * pitch * k as f64 / BLUR_STEPS as f64);
+        let costs: Vec<(f64, f64)> = steps.map(|blur| (blur, cost(blur))).collect();
+        let best = (0..costs.len()).min_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1)).unwrap_or(0);
+        self.blur = vertex(&costs, best);
+    }
+
+    /// Ranges of the residuals of each scan of a split.
+    pub fn ranges(&self, split: Split) -> Vec<Range<usize>> {
+        let mut start = 0;
+        let range = |view: &ScanView| {
+            let range = start..start + view.heights.tiles.len();
+            start = range.end;
+            range
+        };
+        self.of(split).map(range).collect()
+    }
+}
+
+impl Evidence for ScanEvidence<'_> {
+    fn process(&self) -> Process {
+        Process::Grinding
+    }
+
+    fn rows(&self) -> RowCounts {
+        self.twin.rows()
+    }
+
+    fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
+        let passes = self.simulate(model, split)?;
+        let residuals = |view: &ScanView| view.heights.whitened(&self.seen(view, &passes));
+        Ok(self.of(split).flat_map(residuals).collect())
+    }
+
+    fn blocks(&self, split: Split) -> Vec<usize> {
+        let mut first = 0;
+        let mut all = Vec::new();
+        for view in self.of(split) {
+            let (nx, ny) = view.heights.tiles.grid.shape();
+            let along = nx.div_ceil(BLOCK);
+            let block = |cell: &usize| first + cell / nx / BLOCK * along + cell % nx / BLOCK;
+            all.extend(view.heights.tiles.cells.iter().map(block));
+            first += along * ny.div_ceil(BLOCK);
+        }
+        all
+    }
+}
+
+/// Where the parabola through a least value and its neighbours at even distances is lowest; the least value itself at the ends.
+fn vertex(points: &[(f64, f64)], least: usize) -> f64 {
+    let (x, y) = points[least];
+    if least == 0 || least + 1 == points.len() {
+        return x;
+    }
+    let ((x0, y0), (_, y1)) = (points[least - 1], points[least + 1]);
+    x + 0.5 * (x - x0) * (y0 - y1) / (y0 - 2.0 * y + y1)
+}
+
+/// The scans of a trial as data, and the noise of one.
+fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloor), EvidenceError> {
+    let bad = |what: String| EvidenceError::NoData(format!("{}: {what}", trial.name));
+    let (before, _) = despiked(&trial.scans.before);
+    let repeat = trial.scans.repeats.first().ok_or_else(|| bad("no repeated scan".into()))?;
+    let (repeat, _) = despiked(repeat);
+    let floor = noise_floor(&before, &repeat).map_err(|error| bad(format!("the repeated scan: {error}")))?;
+    let mut free = vec![true; before.heights.len()];
+    let mut views = Vec::new();
+    for (number, pass) in trial.passes.iter().enumerate() {
+        let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
+        let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
+        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
+        let PassScan::Heights(scan) = &pass.scan else { continue };
+        let (measured, _) = despiked(scan);
+        let side = tile_side(&free, &before);
+        let noise = tile_noise(&before, &repeat, &floor, side).map_err(&bad)?;
+        let split = match pass.role {
+            Role::Calibration => Split::Calibration,
+            Role::Evaluation => Split::Evaluation,
+        };
+        let heights = HeightView::new(measured, &before, &free, (side, noise))
+            .ok_or_else(|| bad(format!("pass {}: the tool touched no scanned surface", number + 1)))?;
+        views.push(ScanView { trial: index, pass: number, split, heights });
+    }
+    Ok((views, floor))
+}
+
+/// Smallest tile with which the touched area does not have too many.
+fn tile_side(free: &[bool], map: &HeightMap) -> usize {
+    let touched = free.iter().filter(|free| !**free).count() as f64;
+    ((touched / MOST_TILES as f64).sqrt().ceil() as usize).clamp(LEAST_SIDE, map.pixels.nx.min(map.pixels.ny) / 4)
+}
+
+/// Noise of a tile's mean, from two scans of one surface.
+fn tile_noise(before: &HeightMap, repeat: &HeightMap, floor: &NoiseFloor, side: usize) -> Result<TileNoise, String> {
+    let difference = floor.registration.left(repeat, before);
+    let tiles = TileGrid { pixels: before.pixels, side };
+    let coarse = tiles.coarsened(&difference);
+    let none = HeightMap { pixels: coarse.pixels, heights: vec![0.0; coarse.heights.len()] };
+    noise_floor(&coarse, &none).map(|floor| TileNoise::from(&floor)).map_err(|error| error.to_string())
+}

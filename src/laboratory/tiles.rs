@@ -1,0 +1,99 @@
+//! Square groups of pixels: the data of a fit. Their means keep what physics does to a surface, and are few enough that
+//! the covariance of all of them can be written down.
+
+use glam::DVec2;
+use sdf_bake::{HeightMap, PixelGrid};
+
+/// Share of a tile's pixels that must be known.
+const LEAST_KNOWN: f64 = 0.5;
+
+/// A regular grid of tiles over a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileGrid {
+    /// The map's pixels.
+    pub pixels: PixelGrid,
+    /// Pixels along each side of a tile.
+    pub side: usize,
+}
+
+/// Tiles of a map that are data, with the pixels that count in each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tiles {
+    /// The grid they are part of.
+    pub grid: TileGrid,
+    /// Mean place of the pixels of each [m].
+    pub centres: Vec<DVec2>,
+    /// Number of each in the grid, x running fastest.
+    pub cells: Vec<usize>,
+    members: Vec<Vec<u32>>,
+}
+
+impl TileGrid {
+    /// Tiles along x and y; a rest that fills no tile is left out.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.pixels.nx / self.side, self.pixels.ny / self.side)
+    }
+
+    /// Pixels of a cell.
+    fn pixels_of(&self, cell: usize) -> impl Iterator<Item = usize> + use<'_> {
+        let (nx, _) = self.shape();
+        let (i, j) = (cell % nx * self.side, cell / nx * self.side);
+        (0..self.side * self.side).map(move |k| self.pixels.at(i + k % self.side, j + k / self.side))
+    }
+
+    /// The tiles whose pixels `takes` mostly accepts.
+    pub fn tiles(self, takes: impl Fn(usize) -> bool) -> Tiles {
+        let mut tiles = Tiles { grid: self, centres: Vec::new(), cells: Vec::new(), members: Vec::new() };
+        let (nx, ny) = self.shape();
+        let least = (LEAST_KNOWN * (self.side * self.side) as f64).ceil() as usize;
+        for cell in 0..nx * ny {
+            let kept: Vec<u32> = self.pixels_of(cell).filter(|&at| takes(at)).map(|at| at as u32).collect();
+            if kept.len() < least.max(1) {
+                continue;
+            }
+            let place = |at: &u32| self.pixels.position(*at as usize % self.pixels.nx, *at as usize / self.pixels.nx);
+            tiles.centres.push(kept.iter().map(place).sum::<DVec2>() / kept.len() as f64);
+            tiles.cells.push(cell);
+            tiles.members.push(kept);
+        }
+        tiles
+    }
+
+    /// A map of the means of all tiles, NaN where too little is known: a scan through a coarser instrument.
+    pub fn coarsened(self, values: &[f64]) -> HeightMap {
+        let tiles = self.tiles(|at| values[at].is_finite());
+        let ((nx, ny), pitch) = (self.shape(), self.pixels.pitch * self.side as f64);
+        let origin = self.pixels.origin + DVec2::splat(0.5 * (pitch - self.pixels.pitch));
+        let mut heights = vec![f64::NAN; nx * ny];
+        for (cell, mean) in tiles.cells.iter().zip(tiles.means(|at| values[at])) {
+            heights[*cell] = mean;
+        }
+        HeightMap { pixels: PixelGrid { origin, pitch, nx, ny }, heights }
+    }
+}
+
+impl Tiles {
+    /// Number of tiles.
+    pub fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// Mean of a value over the pixels of each tile.
+    pub fn means(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mean = |of: &Vec<u32>| of.iter().map(|&at| value(at as usize)).sum::<f64>() / of.len() as f64;
+        self.members.iter().map(mean).collect()
+    }
+
+    /// Pixels of all tiles with the tile of each.
+    pub fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let of = |(tile, members): (usize, &'_ Vec<u32>)| {
+            members.iter().map(move |&at| (tile, at as usize)).collect::<Vec<_>>()
+        };
+        self.members.iter().enumerate().flat_map(of)
+    }
+}
