@@ -98,12 +98,15 @@ impl Squares {
         if cover == 0.0 {
             return;
         }
-        let share = wet_share(depth, spans);
+        let flat_share = wet_share(depth, spans);
+        let is_crossed = flat_share > 0.0 && flat_share < 1.0;
+        let share =
+            if is_crossed { wet_share(depth + bend_at_rim(depth, &along, &sideways), spans) } else { flat_share };
         let steep_along = spans.0 > spans.1;
         let (crossed, other) = if steep_along { (along.bend, sideways.bend) } else { (sideways.bend, along.bend) };
-        let bent = crossed * wet_square_mean(share) + other * share / 24.0;
+        let bent = crossed * wet_square_mean(flat_share) + other * flat_share / 24.0;
         let mean = ramp_mean(depth, spans) + bent;
-        if mean > 0.0 {
+        if mean > 0.0 && share > 0.0 {
             self.mean_depth[line] = cover * mean;
             self.share[line] = cover * share;
         }
@@ -162,6 +165,16 @@ impl Squares {
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         self.depth[line] + along.rise() + sideways.rise()
     }
+}
+
+/// Mean along the rim of what the depth's curvature adds to the linear depth across a square [m]. The rim is the line on
+/// which the linear depth is zero; it is taken from border to border about its point nearest to the square's middle.
+fn bend_at_rim(depth: f64, along: &Difference, sideways: &Difference) -> f64 {
+    let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
+    let off = (depth * depth / (steepness * steepness)).min(0.5 / steepness);
+    let spread = 1.0 / (12.0 * along.mean.abs().max(sideways.mean.abs()).powi(2));
+    let across = |mean: f64, other: f64| mean * mean * off + other * other * spread;
+    0.5 * (along.bend * across(along.mean, sideways.mean) + sideways.bend * across(sideways.mean, along.mean))
 }
 
 /// Integral of x²/2 over the wet part of a unit square that is wet from x = 1/2 inwards over `share`: 1/24 when all is.
