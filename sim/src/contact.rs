@@ -43,8 +43,10 @@ pub struct Squares {
     pub depth: Vec<f64>,
     /// Mean over the square of the depth where it is positive, 0 elsewhere [m].
     pub mean_depth: Vec<f64>,
-    /// Share of the square that is under the working surface and in contact.
+    /// Share of the square that is under the working surface and in contact where the depth is linear.
     pub share: Vec<f64>,
+    /// The same with the depth's curvature along the rim: the patch's area.
+    pub area: Vec<f64>,
 }
 
 impl Squares {
@@ -62,6 +64,8 @@ impl Squares {
         self.mean_depth.resize(lines, 0.0);
         self.share.clear();
         self.share.resize(lines, 0.0);
+        self.area.clear();
+        self.area.resize(lines, 0.0);
         let (rows, across) = (sheet.window.size[0], sheet.window.size[1]);
         for row in 1..rows - 1 {
             for line in row * across + 1..(row + 1) * across - 1 {
@@ -98,17 +102,16 @@ impl Squares {
         if cover == 0.0 {
             return;
         }
-        let flat_share = wet_share(depth, spans);
-        let is_crossed = flat_share > 0.0 && flat_share < 1.0;
-        let share =
-            if is_crossed { wet_share(depth + bend_at_rim(depth, &along, &sideways), spans) } else { flat_share };
+        let share = wet_share(depth, spans);
         let steep_along = spans.0 > spans.1;
         let (crossed, other) = if steep_along { (along.bend, sideways.bend) } else { (sideways.bend, along.bend) };
-        let bent = crossed * wet_square_mean(flat_share) + other * flat_share / 24.0;
+        let bent = crossed * wet_square_mean(share) + other * share / 24.0;
         let mean = ramp_mean(depth, spans) + bent;
-        if mean > 0.0 && share > 0.0 {
+        if mean > 0.0 {
             self.mean_depth[line] = cover * mean;
             self.share[line] = cover * share;
+            let rim = if share < 1.0 { bend_at_rim(depth, &along, &sideways) } else { 0.0 };
+            self.area[line] = if rim == 0.0 { cover * share } else { cover * wet_share(depth + rim, spans) };
         }
     }
 
