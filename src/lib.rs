@@ -32,6 +32,7 @@ pub mod plan;
 pub mod python;
 pub mod rehearsal;
 pub mod report;
+pub mod scanner;
 pub mod snapshot;
 pub mod trial;
 pub mod twin;

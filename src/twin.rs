@@ -6,13 +6,11 @@ use std::cell::RefCell;
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::heights::{HeightsError, SlabOptions};
-use sim::effect::{CompiledModel, Reset, States, StepValues};
-use sim::{
-    Covariates, PassError, PassRecord, Path, PathError, PathSample, Process, Profilometer, Progress, TOOL_CELLS,
-    run_pass,
-};
+use sim::effect::{CompiledModel, Reset, States};
+use sim::{Covariates, PassError, PassRecord, Path, PathError, PathSample, Process, Progress, TOOL_CELLS, run_pass};
 use thiserror::Error;
 
+use crate::scanner::SeenSurface;
 use crate::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, Trial};
 
 /// Coating that is assumed where a trial does not say [m].
@@ -77,7 +75,10 @@ struct Planned {
 pub struct SimulatedPass {
     /// Log and figures.
     pub record: PassRecord,
-    /// What the instrument sees afterwards.
+    /// What the instrument's pixels show of the part afterwards: its scan under other parameter values of the scanner
+    /// comes from here.
+    pub surface: SeenSurface,
+    /// What the instrument reports of it.
     pub scan: PassScan,
     /// Share of the scanned area whose coating is gone; `None` when grinding.
     pub exposed_share: Option<f64>,
@@ -229,36 +230,15 @@ impl<'a> Twin<'a> {
         state: &TrialState,
         record: PassRecord,
     ) -> Result<SimulatedPass, TwinError> {
-        let scan = self
-            .see(&state.part, model, state.passes - 1, state.first_row)
-            .map_err(|error| TwinError::Scan { pass: state.passes, error })?;
+        let like = &self.trial.passes[state.passes - 1].scan;
+        let rows = (state.passes, state.first_row + state.passes - 1);
+        let surface = SeenSurface::of(&state.part, (self.trial.scans.before.pixels, like), model, rows);
+        let scan = surface.reported(model).map_err(|error| TwinError::Scan { pass: state.passes, error })?;
         let exposed_share = match &scan {
             PassScan::Exposure(mask) => Some(exposed_share(mask)),
             PassScan::Heights(_) => None,
         };
-        Ok(SimulatedPass { record, scan, exposed_share, covariates: None })
-    }
-
-    /// The part as the instrument sees it after a pass.
-    fn see(
-        &self,
-        part: &BrickGrid,
-        model: &CompiledModel,
-        pass: usize,
-        first_row: usize,
-    ) -> Result<PassScan, sim::effect::RunError> {
-        let instrument = Profilometer::sharp(self.trial.scans.before.pixels);
-        Ok(match &self.trial.passes[pass].scan {
-            PassScan::Heights(_) => PassScan::Heights(instrument.heights(part)),
-            PassScan::Exposure(_) => {
-                let mut step = StepValues::new();
-                step.scan_row = first_row + pass;
-                let threshold = model.exposure_threshold(&step)?;
-                let doses = instrument.channel(part, &part.dose);
-                let exposed = doses.iter().map(|dose| dose.is_finite().then_some(*dose >= threshold)).collect();
-                PassScan::Exposure(ExposureMask { pixels: instrument.pixels, exposed })
-            }
-        })
+        Ok(SimulatedPass { record, surface, scan, exposed_share, covariates: None })
     }
 }
 

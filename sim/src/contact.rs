@@ -43,8 +43,10 @@ pub struct Squares {
     pub depth: Vec<f64>,
     /// Mean over the square of the depth where it is positive, 0 elsewhere [m].
     pub mean_depth: Vec<f64>,
-    /// Share of the square that is under the working surface and in contact.
+    /// Share of the square that is under the working surface and in contact where the depth is linear.
     pub share: Vec<f64>,
+    /// The same with the depth's curvature along the rim: the patch's area.
+    pub area: Vec<f64>,
 }
 
 impl Squares {
@@ -62,6 +64,8 @@ impl Squares {
         self.mean_depth.resize(lines, 0.0);
         self.share.clear();
         self.share.resize(lines, 0.0);
+        self.area.clear();
+        self.area.resize(lines, 0.0);
         let (rows, across) = (sheet.window.size[0], sheet.window.size[1]);
         for row in 1..rows - 1 {
             for line in row * across + 1..(row + 1) * across - 1 {
@@ -106,6 +110,8 @@ impl Squares {
         if mean > 0.0 {
             self.mean_depth[line] = cover * mean;
             self.share[line] = cover * share;
+            let rim = if share < 1.0 { bend_at_rim(depth, &along, &sideways) } else { 0.0 };
+            self.area[line] = if rim == 0.0 { cover * share } else { cover * wet_share(depth + rim, spans) };
         }
     }
 
@@ -162,6 +168,16 @@ impl Squares {
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         self.depth[line] + along.rise() + sideways.rise()
     }
+}
+
+/// Mean along the rim of what the depth's curvature adds to the linear depth across a square [m]. The rim is the line on
+/// which the linear depth is zero; it is taken from border to border about its point nearest to the square's middle.
+fn bend_at_rim(depth: f64, along: &Difference, sideways: &Difference) -> f64 {
+    let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
+    let off = (depth * depth / (steepness * steepness)).min(0.5 / steepness);
+    let spread = 1.0 / (12.0 * along.mean.abs().max(sideways.mean.abs()).powi(2));
+    let across = |mean: f64, other: f64| mean * mean * off + other * other * spread;
+    0.5 * (along.bend * across(along.mean, sideways.mean) + sideways.bend * across(sideways.mean, along.mean))
 }
 
 /// Integral of x²/2 over the wet part of a unit square that is wet from x = 1/2 inwards over `share`: 1/24 when all is.

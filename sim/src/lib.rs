@@ -52,6 +52,7 @@ mod step_values;
 pub mod surface;
 pub mod tool;
 mod tool_cells;
+pub mod topography;
 
 pub use contact::Contact;
 pub use control::Controller;
@@ -63,3 +64,4 @@ pub use record::{LogRow, PassRecord};
 pub use settings::{PassError, Process};
 pub use tool::{FieldTool, Frame, Pad, Pose, Tool, Wheel};
 pub use tool_cells::COUNT as TOOL_CELLS;
+pub use topography::Topography;

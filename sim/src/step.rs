@@ -109,7 +109,7 @@ impl Step {
             let left = self.start_squares.mean_depth[line] - self.recession[lane];
             self.start_squares.mean_depth[line] = left.max(0.0);
             if left <= 0.0 {
-                self.start_squares.share[line] = 0.0;
+                (self.start_squares.share[line], self.start_squares.area[line]) = (0.0, 0.0);
             }
         }
     }
@@ -243,7 +243,7 @@ impl Step {
             contact.force += force;
             contact.load += self.mean_load[lane] * area * sheet.area_ratio(line);
             contact.moment += arm.cross(pose.approach) * force;
-            contact.area += 0.5 * (self.start.share[lane] + self.end.share[lane]) * facing;
+            contact.area += 0.5 * (self.start_squares.area[line] + self.end_squares.area[line]) * facing;
             // The pressure belongs to the square's mean depth; its middle may be deeper.
             let peak = (self.start_squares.top(sheet, line) / self.start.depth[lane]).max(1.0);
             if self.start.share[lane] > 0.0 {

@@ -98,7 +98,10 @@ impl Case {
             let beside = 0.5 * voxel * (self.tilt.0.abs() + self.tilt.1.abs()) * self.stiffness / self.peak;
             assert!(peak.abs() < 2.0 * limit + beside && lever < 2.0 * limit, "{}", self.name);
             if let Some(area) = self.area {
-                assert!((found.area / area - 1.0).abs() < 4.0 * limit, "{}: {} m², {area} m²", self.name, found.area);
+                let error = found.area / area - 1.0;
+                println!("    patch {:.4} mm², {:+.3} %", found.area * 1e6, error * 100.0);
+                // The parabolic forms of beads are 0.13 % larger than the patch.
+                assert!(error.abs() < 2e-3, "{}: {} m², {area} m²", self.name, found.area);
             }
         }
     }

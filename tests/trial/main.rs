@@ -9,6 +9,7 @@ mod instrument;
 mod keyence;
 mod poses;
 mod reproduced;
+mod scanner;
 mod shared;
 mod written;
 mod x3p;

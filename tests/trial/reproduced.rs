@@ -37,8 +37,9 @@ fn residuals(trial: &Trial, passes: &[SimulatedPass]) -> Vec<f64> {
     (0..passes.len()).map(|pass| residual(trial, passes, pass).unwrap() / noise).collect()
 }
 
-/// Holds removed volumes, which the answers add up over the passes, and residuals against their bars.
-fn grinding_comes_out(name: &str, effects: &str) {
+/// Holds removed volumes, which the answers add up over the passes, and residuals against their bars: half a per cent, and
+/// `most` times the noise of two scans.
+fn grinding_comes_out(name: &str, effects: &str, most: f64) {
     let Some((trials, passes, answers)) = simulated(name, usize::MAX, &format!("{GRINDING}{effects}")) else { return };
     for (trial, passes) in trials.iter().zip(&passes) {
         let mut removed = 0.0;
@@ -53,25 +54,25 @@ fn grinding_comes_out(name: &str, effects: &str) {
                 100.0 * off,
                 residuals[i]
             );
-            assert!(off.abs() < 0.015, "{name} {}: {removed} mm³", trial.name);
-            assert!(residuals[i] < 1.4, "{name} {}: {residuals:?}", trial.name);
+            assert!(off.abs() < 0.005, "{name} {}: {removed} mm³", trial.name);
+            assert!(residuals[i] < most, "{name} {}: {residuals:?}", trial.name);
         }
     }
 }
 
 #[test]
 fn a_campaign_without_effects_comes_out() {
-    grinding_comes_out("open-a", "");
+    grinding_comes_out("open-a", "", 1.3);
 }
 
 #[test]
 fn a_wheel_that_dulls_comes_out() {
-    grinding_comes_out("open-b", "[effect.grit-dulling]\ndulling_volume = \"350 mm^3\"\n");
+    grinding_comes_out("open-b", "[effect.grit-dulling]\ndulling_volume = \"350 mm^3\"\n", 1.32);
 }
 
 #[test]
 fn a_tilted_wheel_comes_out_and_only_with_its_sign() {
-    grinding_comes_out("open-c", "[effect.tool-tilt]\nroll_angle = \"12 mrad\"\n");
+    grinding_comes_out("open-c", "[effect.tool-tilt]\nroll_angle = \"12 mrad\"\n", 1.2);
     let wrong = format!("{GRINDING}[effect.tool-tilt]\nroll_angle = \"-12 mrad\"\n");
     let Some((trials, passes, _)) = simulated("open-c", 1, &wrong) else { return };
     let residuals = residuals(&trials[0], &passes[0]);

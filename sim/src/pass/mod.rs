@@ -14,7 +14,7 @@ use sdf_bake::channels::Scalar;
 use crate::commit::commit;
 use crate::control::{Controller, Motion};
 use crate::covariates::Covariates;
-use crate::effect::{CompiledModel, PoseChange, Reset, RunError, States, Variable};
+use crate::effect::{CompiledModel, Place, PoseChange, Reset, RunError, States, Variable};
 use crate::extent::Extent;
 use crate::path::Path;
 use crate::physics::Physics;
@@ -157,7 +157,8 @@ impl<'a> Runner<'a> {
         if physics.sands() {
             grid.scalar_or_zero(Scalar::Dose);
         }
-        if physics.wants(Variable::RemovedDepth) {
+        let scanner = pass.model.needs(Place::Height);
+        if physics.wants(Variable::RemovedDepth) || scanner.contains(&Variable::RemovedDepth) {
             grid.scalar_or_zero(Scalar::Removed);
         }
         let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.process.controller };
