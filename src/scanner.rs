@@ -43,6 +43,25 @@ impl SeenSurface {
         Self { pass, row, shown }
     }
 
+    /// How far the dose at each pixel is beyond the one from which the model's scanner sees substrate, NaN where there
+    /// is no surface; `None` when grinding.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn dose_margin(&self, model: &CompiledModel) -> Result<Option<Vec<f64>>, RunError> {
+        let Shown::Doses(_, doses) = &self.shown else { return Ok(None) };
+        let threshold = model.exposure_threshold(&self.step())?;
+        Ok(Some(doses.iter().map(|dose| dose - threshold).collect()))
+    }
+
+    /// What the scanner's formulas know of the scan.
+    fn step(&self) -> StepValues {
+        let mut step = StepValues::new();
+        (step.pass_row, step.scan_row) = (self.row, self.row);
+        step.set(Variable::PassNumber, self.pass as f64);
+        step
+    }
+
     /// What the model's scanner reports. Nothing is simulated again, so other values of the scanner's parameters cost
     /// one run of its formulas over the pixels.
     ///
@@ -51,9 +70,7 @@ impl SeenSurface {
     /// # Errors
     /// A formula that gives no finite number.
     pub fn reported(&self, model: &CompiledModel) -> Result<PassScan, RunError> {
-        let mut step = StepValues::new();
-        (step.pass_row, step.scan_row) = (self.row, self.row);
-        step.set(Variable::PassNumber, self.pass as f64);
+        let step = self.step();
         Ok(match &self.shown {
             Shown::Heights(surface) => PassScan::Heights(surface.reported(model, &step)?),
             Shown::Doses(pixels, doses) => {

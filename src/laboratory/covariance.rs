@@ -65,6 +65,24 @@ impl Freedom {
         let covariance = DMatrix::from_diagonal(&DVector::from_vec(variances));
         Self { columns, mean: DVector::zeros(sigmas.len()), covariance }
     }
+
+    /// These freedoms and others around zero, independent of them.
+    pub fn and(self, columns: DMatrix<f64>, sigmas: &[f64]) -> Self {
+        let other = Self::around_zero(columns, sigmas);
+        let (few, all) = (self.mean.len(), self.mean.len() + sigmas.len());
+        let mut joint = Self {
+            columns: DMatrix::zeros(self.columns.nrows(), all),
+            mean: DVector::zeros(all),
+            covariance: DMatrix::zeros(all, all),
+        };
+        for (first, part) in [(0, &self), (few, &other)] {
+            let count = part.mean.len();
+            joint.columns.columns_mut(first, count).copy_from(&part.columns);
+            joint.mean.rows_mut(first, count).copy_from(&part.mean);
+            joint.covariance.view_mut((first, first), (count, count)).copy_from(&part.covariance);
+        }
+        joint
+    }
 }
 
 /// Turns differences into numbers that are independent and of variance one when only noise and freedoms are at work.

@@ -1,6 +1,6 @@
 //! What a model is held against, whatever the data are.
 
-use sim::effect::{CompiledModel, Process, RowCounts};
+use sim::effect::{CompiledModel, Process, RowCounts, RunError};
 use thiserror::Error;
 
 use crate::campaign_twin::CampaignError;
@@ -20,6 +20,9 @@ pub enum EvidenceError {
     /// The model cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] CampaignError),
+    /// A formula of the scanner.
+    #[error("a simulated scan: {0}")]
+    Scan(#[from] RunError),
     /// There is nothing to compare with.
     #[error("{0}")]
     NoData(String),

@@ -14,25 +14,29 @@ const AIM: f64 = 3.0;
 const SOUND: [f64; 2] = [0.5, 30.0];
 /// Longest finite difference [coordinates].
 const LONGEST_STEP: f64 = 0.5;
-/// A step that promises less is the last [χ²].
-const CONVERGED: f64 = 0.01;
+/// A step that promises less is the last [χ² per datum of the best value so far, then χ²].
+const CONVERGED: f64 = 0.1;
 /// Damping: first, and factors after good and bad steps.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
 /// Longest step of one round [coordinates].
 const LONGEST_MOVE: f64 = 1.5;
+/// Lengths tried for one step.
+const TRIES: usize = 4;
 /// Huber's constant [standard deviations].
 const HUBER: f64 = 2.5;
 
-/// How a fit is made.
+/// How much a fit may cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// Rounds at most, each with new derivatives.
-    pub rounds: usize,
+    /// How often derivatives may be made anew; between, they are updated from the steps (Broyden 1965).
+    pub derivatives: usize,
+    /// Steps at most.
+    pub steps: usize,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { rounds: 12 }
+        Self { derivatives: 4, steps: 25 }
     }
 }
 
@@ -57,6 +61,17 @@ pub struct Fit {
     pub runs: usize,
 }
 
+/// How an attempt to improve a fit ended.
+enum Step {
+    /// With a lower sum of squares.
+    Better {
+        /// What the derivatives promised.
+        promised: f64,
+    },
+    /// With none worth its cost.
+    None,
+}
+
 /// What a fit says about one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
@@ -77,7 +92,7 @@ pub fn robust_sum(residuals: &[f64]) -> f64 {
 }
 
 /// Weights that turn least squares into the robust sum.
-fn weights(residuals: &[f64]) -> DVector<f64> {
+pub(super) fn weights(residuals: &[f64]) -> DVector<f64> {
     DVector::from_iterator(residuals.len(), residuals.iter().map(|r| (HUBER / r.abs()).min(1.0).sqrt()))
 }
 
@@ -92,25 +107,67 @@ impl Fit {
         coordinates: Vec<Coordinate>,
         options: FitOptions,
     ) -> Result<Self, EvidenceError> {
+        Ok(Self::unfitted(evidence, model, coordinates)?.refined(evidence, options))
+    }
+
+    /// The model as it is, with derivatives still to be made.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub fn unfitted(
+        evidence: &dyn Evidence,
+        model: &CompiledModel,
+        coordinates: Vec<Coordinate>,
+    ) -> Result<Self, EvidenceError> {
         let at: Vec<f64> = coordinates.iter().map(|c| c.clamped(c.from_value(model.value(c.index)))).collect();
         let model = moved(model, &coordinates, &at);
         let residuals = evidence.residuals(&model, Split::Calibration)?;
         let chi2 = robust_sum(&residuals);
         let jacobian = DMatrix::zeros(residuals.len(), coordinates.len());
-        let mut fit = Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1 };
+        Ok(Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1 })
+    }
+
+    /// Goes on from here; derivatives that are there already are used first.
+    pub fn refined(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let mut damping = DAMPING.0;
-        for _ in 0..options.rounds {
-            fit.differentiate(evidence);
-            fit.converged = !fit.improve(evidence, &mut damping);
-            if fit.converged {
-                break;
+        let mut left = options.derivatives;
+        let mut fresh = false;
+        let mut known = self.jacobian.column_iter().all(|column| column.amax() > 0.0);
+        for _ in 0..options.steps {
+            if !known {
+                if left == 0 {
+                    break;
+                }
+                self.differentiate(evidence);
+                (left, fresh) = (left - 1, true);
+            }
+            let before = (self.at.clone(), self.residuals.clone(), self.chi2);
+            match self.improve(evidence, &mut damping) {
+                Step::Better { promised } => {
+                    let kept = before.2 - self.chi2;
+                    self.update_jacobian(&before.0, &before.1);
+                    (known, fresh) = (kept > 0.1 * promised, false);
+                }
+                Step::None if fresh => {
+                    self.converged = true;
+                    break;
+                }
+                Step::None => known = false,
             }
         }
-        Ok(fit)
+        self
+    }
+
+    /// Broyden's update: the derivatives along the last step are those that were seen.
+    fn update_jacobian(&mut self, at: &[f64], residuals: &[f64]) {
+        let way = DVector::from_iterator(at.len(), self.at.iter().zip(at).map(|(b, a)| b - a));
+        let seen = DVector::from_iterator(residuals.len(), self.residuals.iter().zip(residuals).map(|(b, a)| b - a));
+        let missing = (seen - &self.jacobian * &way) / way.norm_squared();
+        self.jacobian += missing * way.transpose();
     }
 
     /// Renews the derivatives.
-    fn differentiate(&mut self, evidence: &dyn Evidence) {
+    pub fn differentiate(&mut self, evidence: &dyn Evidence) {
         let columns: Vec<(Vec<f64>, usize)> =
             (0..self.at.len()).into_par_iter().map(|k| self.derivative(evidence, k)).collect();
         for (k, (column, runs)) in columns.into_iter().enumerate() {
@@ -146,27 +203,27 @@ impl Fit {
         (best, runs)
     }
 
-    /// Makes one step that lowers the sum of squares; `false` where none is worth it.
-    fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> bool {
-        for _ in 0..6 {
-            let Some((at, promise)) = self.step(*damping) else { return false };
-            if promise < CONVERGED {
-                return false;
+    /// Makes one step that lowers the sum of squares.
+    fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
+        let worth = CONVERGED * (self.chi2 / self.residuals.len() as f64).max(1.0);
+        for _ in 0..TRIES {
+            let Some((at, promised)) = self.step(*damping) else { return Step::None };
+            if promised < worth {
+                return Step::None;
             }
             self.runs += 1;
             let model = moved(&self.model, &self.coordinates, &at);
             if let Ok(residuals) = evidence.residuals(&model, Split::Calibration) {
                 let chi2 = robust_sum(&residuals);
                 if chi2 < self.chi2 {
-                    let gain = self.chi2 - chi2;
-                    *self = Self { model, at, residuals, chi2, ..self.clone() };
-                    *damping *= if gain > 0.25 * promise { DAMPING.1 } else { 1.0 };
-                    return true;
+                    *damping *= if self.chi2 - chi2 > 0.25 * promised { DAMPING.1 } else { 1.0 };
+                    (self.model, self.at, self.residuals, self.chi2) = (model, at, residuals, chi2);
+                    return Step::Better { promised };
                 }
             }
             *damping *= DAMPING.2;
         }
-        false
+        Step::None
     }
 
     /// Where a damped step leads, kept within the bounds, and what it promises.

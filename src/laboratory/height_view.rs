@@ -10,6 +10,8 @@ use super::tiles::{TileGrid, Tiles};
 
 /// Freedoms of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
 const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
+/// How far tool and scan may disagree about where along x and y the part lies [m]: the cut is shifted on the surface.
+const CUT_SIGMA: f64 = 50e-6;
 /// Removed depth at which the noise of the scan before has fallen to 1/e of its share in the surface [tile sigmas].
 const NOISE_GONE: f64 = 3.0;
 
@@ -23,6 +25,7 @@ pub struct HeightView {
     /// Noise of a tile.
     pub noise: TileNoise,
     slopes: Vec<DVec2>,
+    cut: Vec<DVec2>,
     whitener: Whitener,
     /// Share of the noise of the scan before in each tile.
     pub before_share: Vec<f64>,
@@ -43,6 +46,7 @@ impl HeightView {
     ) -> Option<Self> {
         let pixels = measured.pixels;
         let change: Vec<f64> = measured.heights.iter().zip(&before.heights).map(|(a, b)| a - b).collect();
+        let cut = slopes(&HeightMap { pixels, heights: change.clone() });
         let slopes = slopes(&measured);
         let known = |at: usize| change[at].is_finite() && slopes[at].is_finite();
         let alone = TileGrid { pixels, side: 2 * side }.tiles(|at| known(at) && free[at]);
@@ -60,8 +64,9 @@ impl HeightView {
         let depth = NOISE_GONE * noise.sigma();
         let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
         let covariance = noise.covariance(&tiles.centres, &before_share);
-        let whitener = Whitener::new(covariance, Freedom { columns, ..pose })?;
-        (!tiles.is_empty()).then_some(Self { measured, tiles, noise, slopes, whitener, before_share })
+        let shift = cut_columns(&tiles, &cut);
+        let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift, &[CUT_SIGMA; 2]))?;
+        (!tiles.is_empty()).then_some(Self { measured, tiles, noise, slopes, cut, whitener, before_share })
     }
 
     /// Measured minus simulated height of each tile [m].
@@ -82,8 +87,9 @@ impl HeightView {
         let pose = self.whitener.freedoms(&self.difference(simulated)).mean;
         let frame = Frame::of(self.measured.pixels);
         let lift = |at: usize| {
+            let cut = if self.cut[at].is_finite() { self.cut[at] } else { DVec2::ZERO };
             let column = pose_column(frame, self.measured.pixels, at, self.slopes[at]);
-            column.iter().zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
+            column.into_iter().chain([-cut.x, -cut.y]).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
         };
         let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
         (0..self.measured.heights.len()).map(left).collect()
@@ -118,6 +124,13 @@ fn pose_columns(tiles: &Tiles, slopes: &[DVec2]) -> DMatrix<f64> {
         let columns: Vec<Vec<f64>> = (0..5).map(column).collect();
         move |row, k| columns[k][row]
     })
+}
+
+/// What shifts of the cut along x and y add to the height of each tile.
+fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
+    let known = |slope: f64| if slope.is_finite() { -slope } else { 0.0 };
+    let (x, y) = (tiles.means(|at| known(cut[at].x)), tiles.means(|at| known(cut[at].y)));
+    DMatrix::from_fn(tiles.len(), 2, move |row, k| if k == 0 { x[row] } else { y[row] })
 }
 
 /// Slope at each pixel from a plane through its neighbours two pixels around, NaN where too few are known.

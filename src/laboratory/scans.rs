@@ -9,9 +9,10 @@ use sim::effect::{CompiledModel, Process, RowCounts};
 use super::blur::blurred;
 use super::covariance::TileNoise;
 use super::evidence::{Evidence, EvidenceError, Split};
+use super::exposure_view::ExposureView;
 use super::fit::robust_sum;
 use super::height_view::HeightView;
-use super::tiles::TileGrid;
+use super::tiles::{TileGrid, Tiles};
 use crate::campaign_twin::CampaignTwin;
 use crate::measure::{NoiseFloor, despiked, noise_floor, untouched};
 use crate::trial::{PassScan, Role, ToolPath, Trial};
@@ -37,7 +38,25 @@ pub struct ScanView {
     /// Whether fits may see it.
     pub split: Split,
     /// The scan as data.
-    pub heights: HeightView,
+    pub data: ScanData,
+}
+
+/// What a scan shows.
+pub enum ScanData {
+    /// A ground surface.
+    Heights(HeightView),
+    /// Where sanding went through the coating.
+    Exposure(ExposureView),
+}
+
+impl ScanData {
+    /// The tiles that the tool may have touched.
+    pub fn tiles(&self) -> &Tiles {
+        match self {
+            Self::Heights(view) => &view.tiles,
+            Self::Exposure(view) => &view.tiles,
+        }
+    }
 }
 
 /// All scans of a campaign.
@@ -94,37 +113,59 @@ impl<'a> ScanEvidence<'a> {
         Ok(self.twin.run_first(model, &self.needed(split))?)
     }
 
-    /// A simulated pass as the instrument sees it.
-    pub fn seen(&self, view: &ScanView, passes: &[Vec<SimulatedPass>]) -> HeightMap {
-        let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else {
-            unreachable!("a ground surface")
-        };
+    /// A simulated surface as the instrument sees it.
+    pub fn seen(&self, view: &ScanView, simulated: &HeightMap) -> HeightMap {
         blurred(simulated, &self.twin.trials[view.trial].trial.scans.before, self.blur)
     }
 
+    /// Measured minus simulated tiles of a scan, whitened, through an instrument of so much blur.
+    fn whitened(
+        &self,
+        view: &ScanView,
+        (passes, model): (&[Vec<SimulatedPass>], &CompiledModel),
+        blur: f64,
+    ) -> Result<Vec<f64>, EvidenceError> {
+        let pass = &passes[view.trial][view.pass];
+        Ok(match (&view.data, &pass.scan) {
+            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
+                data.whitened(&blurred(simulated, &self.twin.trials[view.trial].trial.scans.before, blur))
+            }
+            (ScanData::Exposure(data), _) => match pass.surface.dose_margin(model)? {
+                Some(margin) => data.whitened(&margin),
+                None => unreachable!("a sanded surface has doses"),
+            },
+            (ScanData::Heights(_), PassScan::Exposure(_)) => unreachable!("a simulated scan is like the real one"),
+        })
+    }
+
     /// Finds the instrument's blur from the rims of what the tool cut, which physics leaves sharp.
-    pub fn find_blur(&mut self, passes: &[Vec<SimulatedPass>]) {
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn find_blur(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        if self.process() == Process::Sanding {
+            return Ok(());
+        }
+        let passes = self.simulate(model, Split::Calibration)?;
         let pitch = self.twin.trials[0].trial.scans.before.pixels.pitch;
-        let cost = |blur: f64| -> f64 {
-            let scans: Vec<&ScanView> = self.of(Split::Calibration).collect();
-            let one = |view: &&ScanView| {
-                let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else { return 0.0 };
-                let before = &self.twin.trials[view.trial].trial.scans.before;
-                robust_sum(&view.heights.whitened(&blurred(simulated, before, blur)))
-            };
-            scans.par_iter().map(one).collect::<Vec<_>>().iter().sum()
+        let scans: Vec<&ScanView> = self.of(Split::Calibration).collect();
+        let cost = |blur: f64| -> Result<f64, EvidenceError> {
+            let one = |view: &&ScanView| Ok(robust_sum(&self.whitened(view, (&passes, model), blur)?));
+            let costs: Result<Vec<f64>, EvidenceError> = scans.par_iter().map(one).collect();
+            Ok(costs?.iter().sum())
         };
         let steps = (0..=BLUR_STEPS).map(|k| MOST_BLUR * pitch * k as f64 / BLUR_STEPS as f64);
-        let costs: Vec<(f64, f64)> = steps.map(|blur| (blur, cost(blur))).collect();
+        let costs: Vec<(f64, f64)> = steps.map(|blur| Ok((blur, cost(blur)?))).collect::<Result<_, EvidenceError>>()?;
         let best = (0..costs.len()).min_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1)).unwrap_or(0);
         self.blur = vertex(&costs, best);
+        Ok(())
     }
 
     /// Ranges of the residuals of each scan of a split.
     pub fn ranges(&self, split: Split) -> Vec<Range<usize>> {
         let mut start = 0;
         let range = |view: &ScanView| {
-            let range = start..start + view.heights.tiles.len();
+            let range = start..start + view.data.tiles().len();
             start = range.end;
             range
         };
@@ -134,7 +175,10 @@ impl<'a> ScanEvidence<'a> {
 
 impl Evidence for ScanEvidence<'_> {
     fn process(&self) -> Process {
-        Process::Grinding
+        match self.twin.trials[0].trial.process {
+            crate::trial::Process::Grinding => Process::Grinding,
+            crate::trial::Process::Sanding => Process::Sanding,
+        }
     }
 
     fn rows(&self) -> RowCounts {
@@ -143,18 +187,18 @@ impl Evidence for ScanEvidence<'_> {
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let residuals = |view: &ScanView| view.heights.whitened(&self.seen(view, &passes));
-        Ok(self.of(split).flat_map(residuals).collect())
+        let scans = self.of(split).map(|view| self.whitened(view, (&passes, model), self.blur));
+        Ok(scans.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {
         let mut first = 0;
         let mut all = Vec::new();
         for view in self.of(split) {
-            let (nx, ny) = view.heights.tiles.grid.shape();
+            let (nx, ny) = view.data.tiles().grid.shape();
             let along = nx.div_ceil(BLOCK);
             let block = |cell: &usize| first + cell / nx / BLOCK * along + cell % nx / BLOCK;
-            all.extend(view.heights.tiles.cells.iter().map(block));
+            all.extend(view.data.tiles().cells.iter().map(block));
             first += along * ny.div_ceil(BLOCK);
         }
         all
@@ -184,17 +228,20 @@ fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloo
         let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
         let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
         free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
-        let PassScan::Heights(scan) = &pass.scan else { continue };
-        let (measured, _) = despiked(scan);
         let side = tile_side(&free, &before);
-        let noise = tile_noise(&before, &repeat, &floor, side).map_err(&bad)?;
+        let data = match &pass.scan {
+            PassScan::Heights(scan) => {
+                let noise = tile_noise(&before, &repeat, &floor, side).map_err(&bad)?;
+                HeightView::new(despiked(scan).0, &before, &free, (side, noise)).map(ScanData::Heights)
+            }
+            PassScan::Exposure(mask) => ExposureView::new(mask.clone(), &free, side).map(ScanData::Exposure),
+        };
         let split = match pass.role {
             Role::Calibration => Split::Calibration,
             Role::Evaluation => Split::Evaluation,
         };
-        let heights = HeightView::new(measured, &before, &free, (side, noise))
-            .ok_or_else(|| bad(format!("pass {}: the tool touched no scanned surface", number + 1)))?;
-        views.push(ScanView { trial: index, pass: number, split, heights });
+        let data = data.ok_or_else(|| bad(format!("pass {}: the tool touched no scanned surface", number + 1)))?;
+        views.push(ScanView { trial: index, pass: number, split, data });
     }
     Ok((views, floor))
 }

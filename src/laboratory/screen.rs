@@ -1,0 +1,161 @@
+//! A first look at every effect of the library: what it would change, beside what the base parameters can change
+//! already.
+
+use nalgebra::{DMatrix, DVector, QR};
+use rayon::prelude::*;
+
+use super::evidence::{Evidence, Split};
+use super::fit::{Fit, weights};
+use super::probe::{Candidate, Probe};
+
+/// Longest extrapolation of a secant beyond the probe that it was taken at.
+const FARTHEST: f64 = 1.5;
+/// Share of a change that must be left beside the base parameters' changes: less is rounding.
+const LEAST_LEFT: f64 = 1e-3;
+
+/// Takes out of data what the base parameters can explain.
+pub struct Projector {
+    weights: DVector<f64>,
+    base: Option<DMatrix<f64>>,
+    /// The base fit's residuals without what the base parameters can explain.
+    pub residuals: DVector<f64>,
+}
+
+/// What an effect changes at one probe.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// Where.
+    pub probe: Probe,
+    /// Change of the whitened residuals from null to probe, without what the base parameters can do.
+    pub change: DVector<f64>,
+    /// The whole change.
+    pub raw: Vec<f64>,
+}
+
+/// The first look at an effect.
+#[derive(Clone)]
+pub struct Screened {
+    /// The effect.
+    pub candidate: Candidate,
+    /// All probes that could be simulated, group by group.
+    pub responses: Vec<Vec<Response>>,
+    /// Expected fall of the sum of squares.
+    pub gain: f64,
+    /// The values at which it is expected [SI].
+    pub best: Vec<f64>,
+}
+
+impl Projector {
+    /// From a base fit with its derivatives.
+    pub fn new(base: &Fit) -> Self {
+        let weights = weights(&base.residuals);
+        let mut jacobian = base.jacobian.clone();
+        jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        let kept: Vec<usize> = (0..jacobian.ncols()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();
+        let base_space = (!kept.is_empty()).then(|| QR::new(jacobian.select_columns(&kept)).q());
+        let mut projector = Self { weights, base: base_space, residuals: DVector::zeros(0) };
+        projector.residuals = projector.project(&base.residuals);
+        projector
+    }
+
+    /// Weighted data without what the base parameters can explain.
+    pub fn project(&self, data: &[f64]) -> DVector<f64> {
+        self.strip(DVector::from_column_slice(data).component_mul(&self.weights))
+    }
+
+    /// As [`Projector::project`], for data that are weighted already.
+    pub fn strip(&self, mut left: DVector<f64>) -> DVector<f64> {
+        if let Some(base) = &self.base {
+            left -= base * base.tr_mul(&left);
+        }
+        left
+    }
+}
+
+impl Response {
+    /// Whether anything is left of the change beside the base parameters' changes.
+    pub fn is_distinct(&self) -> bool {
+        let raw = self.raw.iter().map(|x| x * x).sum::<f64>().sqrt();
+        self.change.norm() > LEAST_LEFT * raw && self.change.norm() > 0.0
+    }
+
+    /// Share of the way from null to probe at which the sum of squares is least, and its fall.
+    pub fn optimum(&self, residuals: &DVector<f64>) -> (f64, f64) {
+        let square = self.change.norm_squared();
+        if square == 0.0 {
+            return (0.0, 0.0);
+        }
+        let share = (-self.change.dot(residuals) / square).clamp(0.0, FARTHEST);
+        (share, -2.0 * share * self.change.dot(residuals) - share * share * square)
+    }
+}
+
+impl Screened {
+    /// Simulates a candidate's probes around a base fit.
+    pub fn new(evidence: &dyn Evidence, base: &Fit, projector: &Projector, candidate: Candidate) -> Self {
+        let respond = |probe: &Probe| {
+            let residuals = evidence.residuals(&candidate.at(&probe.values), Split::Calibration).ok()?;
+            let raw: Vec<f64> = residuals.iter().zip(&base.residuals).map(|(b, a)| b - a).collect();
+            Some(Response { probe: probe.clone(), change: projector.project(&raw), raw })
+        };
+        let group = |probes: &Vec<Probe>| -> Vec<Response> { probes.par_iter().filter_map(respond).collect() };
+        let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
+        let nulls: Vec<f64> = candidate.coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
+        let mut screened = Self { candidate, responses, gain: 0.0, best: nulls };
+        screened.choose(&projector.residuals);
+        screened
+    }
+
+    /// Finds the expected best values: the best single probe, or all amplitudes of one shape together.
+    fn choose(&mut self, residuals: &DVector<f64>) {
+        for response in self.responses.iter().flatten().filter(|response| response.is_distinct()) {
+            let (share, gain) = response.optimum(residuals);
+            if gain > self.gain {
+                self.gain = gain;
+                self.best = self.along(response, share);
+            }
+        }
+        if let Some((values, gain)) = self.together(residuals).filter(|(_, gain)| *gain > self.gain) {
+            (self.best, self.gain) = (values, gain);
+        }
+    }
+
+    /// Values at a share of the way from null to a probe. An amplitude in ratios with an infinite null is a rate turned
+    /// upside down: its reciprocal goes the way.
+    fn along(&self, response: &Response, share: f64) -> Vec<f64> {
+        let mut values = response.probe.values.clone();
+        let k = response.probe.amplitude;
+        let coordinate = &self.candidate.coordinates[k];
+        let null = coordinate.slot.null.unwrap_or(0.0);
+        let value = if null.is_infinite() { values[k] / share.max(1e-3) } else { null + share * (values[k] - null) };
+        values[k] = coordinate.value(coordinate.clamped(coordinate.from_value(value)));
+        values
+    }
+
+    /// All amplitudes of the typical shape at once, by least squares over the better probe of each.
+    fn together(&self, residuals: &DVector<f64>) -> Option<(Vec<f64>, f64)> {
+        let typical = self.responses.iter().zip(&self.candidate.probes).filter(|(_, probes)| {
+            let first = &self.candidate.probes[0][0].values;
+            let shape = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
+            (0..first.len()).filter(shape).all(|k| probes[0].values[k] == first[k])
+        });
+        let better = |group: &Vec<Response>| {
+            let gain = |response: &&Response| response.optimum(residuals).1;
+            group.iter().filter(|response| response.is_distinct()).max_by(|a, b| gain(a).total_cmp(&gain(b))).cloned()
+        };
+        let columns: Vec<Response> = typical.filter_map(|(group, _)| better(group)).collect();
+        if columns.len() < 2 {
+            return None;
+        }
+        let matrix = DMatrix::from_columns(&columns.iter().map(|response| response.change.clone()).collect::<Vec<_>>());
+        let shares = matrix.clone().svd(true, true).solve(&(-residuals), 1e-6).ok()?;
+        let shares: Vec<f64> = shares.iter().map(|share| share.clamp(-FARTHEST, FARTHEST)).collect();
+        let left = residuals + &matrix * DVector::from_column_slice(&shares);
+        let mut values = columns[0].probe.values.clone();
+        for (response, share) in columns.iter().zip(&shares) {
+            let k = response.probe.amplitude;
+            values[k] = self.along(response, *share)[k];
+        }
+        Some((values, residuals.norm_squared() - left.norm_squared()))
+    }
+}
