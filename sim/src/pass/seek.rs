@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
-use super::{LONGEST_STEP, Pass, Runner};
+use super::{Pass, Runner};
 use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
 use crate::effect::RunError;
 use crate::extent::Extent;
 use crate::physics::Physics;
+use crate::settings::LONGEST_STEP;
 use crate::sheet::{Facing, Sheet};
 
 /// Surface sought below the tool while it is in contact [voxels].
