@@ -34,6 +34,7 @@ mod commit;
 pub mod contact;
 pub mod control;
 pub mod covariates;
+mod crossing;
 mod decay;
 pub mod effect;
 mod extent;

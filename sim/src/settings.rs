@@ -80,6 +80,17 @@ pub enum PassError {
         /// Name of the effect.
         effect: String,
     },
+    /// The tool touched, but met the setpoint nowhere on its path.
+    #[error(
+        "the tool touches but does not meet {setpoint} N within {} mm below its path: a stiffer contact, a smaller force \
+         or a larger search_reach is accepted", .reach * 1e3
+    )]
+    TooSoft {
+        /// Force wanted [N].
+        setpoint: f64,
+        /// Way below the path that was tried [m].
+        reach: f64,
+    },
     /// A formula of the model gave no finite number.
     #[error("at {time:.4} s of the pass: {error}; the part holds the last good state")]
     Formula {

@@ -80,3 +80,15 @@ fn states_recover_in_a_pause() {
     rest(&pass, &mut none, 0.0).expect("no pause");
     assert_eq!(none, states);
 }
+
+#[test]
+fn a_contact_too_soft_for_its_setpoint_is_no_air() {
+    let soft = model("process = \"sanding\"\n[law.winkler]\nstiffness = \"1e5 Pa/m\"\n");
+    let (tool, mut grid) = (Tool::from(sim::Pad { radius: 0.01 }), plate(1e-3, 0.0));
+    let path = Path::along(&line(-0.005, 0.005, 0.0), 5e-3).expect("a path");
+    let process = Process { search_reach: 2e-3, ..Process::default() };
+    let pass = Pass::first(&tool, &path, &process, &soft);
+    let refused = run_pass(&mut grid, pass, &mut fresh(&soft), &mut |_| {}).expect_err("π r² K 2 mm = 0.06 N");
+    assert_eq!(refused, PassError::TooSoft { setpoint: 15.0, reach: 2e-3 });
+    assert!(refused.to_string().contains("15 N within 2 mm"), "{refused}");
+}

@@ -92,8 +92,8 @@ impl<'a> Pass<'a> {
 /// Runs one pass: changes `grid` and the tool's `states`, returns the log and what was removed.
 ///
 /// # Errors
-/// A setting out of range, a band that is too thin, or a formula that gives no finite number: then the field holds the
-/// last good state.
+/// A setting out of range, a band that is too thin, a contact too soft for the setpoint from beginning to end, or a
+/// formula that gives no finite number: then the field holds the last good state.
 pub fn run_pass(
     grid: &mut BrickGrid,
     pass: Pass,
@@ -116,6 +116,10 @@ pub fn run_pass(
         }
     }
     runner.write_back();
+    if runner.is_too_soft && runner.record.contact_time == 0.0 {
+        let Process { force_setpoint: setpoint, search_reach: reach, .. } = *pass.process;
+        return Err(PassError::TooSoft { setpoint, reach });
+    }
     let mut record = runner.record;
     grid.release_uniform_bricks();
     record.finish(duration);
@@ -152,6 +156,8 @@ struct Runner<'a> {
     /// Force at the end of the last step, and of the one that is tried [N].
     end_force: f64,
     step_force: f64,
+    /// Whether the tool touched and went as deep as it may without meeting the setpoint.
+    is_too_soft: bool,
     record: PassRecord,
 }
 
@@ -186,6 +192,7 @@ impl<'a> Runner<'a> {
             goes_on: false,
             end_force: 0.0,
             step_force: 0.0,
+            is_too_soft: false,
             record: PassRecord::default(),
             pass,
         }

@@ -113,6 +113,7 @@ impl Runner<'_> {
             Ok(Response { force: physics.force_reading(end.force)?, stiffness: end.stiffness, depth })
         })?;
         self.step_force = force;
+        self.is_too_soft |= travel.is_none() && force > 0.0;
         let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }
