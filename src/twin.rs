@@ -38,6 +38,14 @@ pub enum TwinError {
         /// Why.
         error: PassError,
     },
+    /// A formula of the tool's states in a pause.
+    #[error("the pause before pass {pass}: {error}")]
+    Rest {
+        /// From 1.
+        pass: usize,
+        /// Which formula.
+        error: sim::effect::RunError,
+    },
     /// A formula of the scanner.
     #[error("the scan after pass {pass}: {error}")]
     Scan {
@@ -68,6 +76,8 @@ struct Planned {
     process: Process,
     /// Time at which the logged tool touched the part [s].
     approach: f64,
+    /// Time in the air since the end of the path before [s].
+    rest: f64,
 }
 
 /// What a simulated pass leaves.
@@ -116,14 +126,15 @@ impl<'a> Twin<'a> {
             part.label_columns(&material.pixels, &material.labels);
         }
         let tool = simulated_tool(&trial.tool);
-        let mut passes = Vec::new();
+        let mut passes: Vec<Planned> = Vec::new();
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = controller(trial, replay);
             let logged = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
             let path =
                 path(&logged, trial, &tool, controller).map_err(|error| TwinError::Path { pass: i + 1, error })?;
             let approach = logged.contact.map_or(0.0, |contact| contact.start);
-            passes.push(Planned { path, process: process(pass, trial, controller), approach });
+            let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
+            passes.push(Planned { path, process: process(pass, trial, controller), approach, rest });
         }
         Ok(Self { trial, part, covariates: false, replay, tool, passes })
     }
@@ -200,21 +211,22 @@ impl<'a> Twin<'a> {
         state: &mut TrialState,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<SimulatedPass, TwinError> {
-        let Planned { path, process, approach } = &self.passes[state.passes];
+        let Planned { path, process, approach, rest } = &self.passes[state.passes];
         let number = state.passes + 1;
         let pixels = &self.trial.scans.before.pixels;
         let covariates = self.covariates.then(|| RefCell::new(Covariates::over(pixels, state.part.voxel)));
         let pass = sim::Pass {
             number,
             row: state.first_row + state.passes,
-            trial_time: state.trial_time,
+            trial_time: state.trial_time + rest,
             approach: *approach,
             covariates: covariates.as_ref(),
             ..sim::Pass::first(&self.tool, path, process, model)
         };
+        sim::rest(&pass, &mut state.tool, *rest).map_err(|error| TwinError::Rest { pass: number, error })?;
         let record = run_pass(&mut state.part, pass, &mut state.tool, progress)
             .map_err(|error| TwinError::Pass { pass: number, error })?;
-        state.trial_time += path.duration();
+        state.trial_time += rest + path.duration();
         state.passes = number;
         let seen = self.seen(model, state, record)?;
         Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
@@ -273,6 +285,15 @@ fn process(pass: &Pass, trial: &Trial, controller: sim::Controller) -> Process {
         coating: trial.coating.unwrap_or(COATING),
         ..Process::default()
     }
+}
+
+/// Time [s] from the end of a pass's path, `simulated` [s] after its first row, to the first row of the pass after it. A log
+/// whose clock starts again does not tell of the pause between them.
+fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
+    let times =
+        |pass: &Pass| pass.log.rows.first().zip(pass.log.rows.last()).map(|(first, last)| (first.time, last.time));
+    let (Some((first, last)), Some((next, _))) = (times(pass), times(after)) else { return 0.0 };
+    (next - last).max(0.0) + (last - first - simulated).max(0.0)
 }
 
 /// The logged path up to the end of contact. A controller finds its own height from the first contact on: its path stays

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::contact::Squares;
+use crate::contact::{Contact, Squares};
 use crate::effect::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
 use crate::sheet::Sheet;
 use crate::step::Step;
@@ -57,6 +57,25 @@ impl<'a> Physics<'a> {
             cells: HashMap::new(),
             cell_lanes,
         }
+    }
+
+    /// Tells the formulas of a tool that is held still and pressed on with `setpoint` [N].
+    pub fn hold(&mut self, tool: &Tool, setpoint: f64) {
+        let face_area = ToolCells::of(tool).face_areas().iter().sum();
+        self.step
+            .set(Variable::ToolRadius, tool.rim_radius())
+            .set(Variable::ToolWidth, tool.width())
+            .set(Variable::ToolFaceArea, face_area)
+            .set(Variable::ForceSetpoint, setpoint);
+    }
+
+    /// Tells the formulas what such a tool has met, in a patch so wide [m] along its y.
+    pub fn has_met(&mut self, contact: &Contact, patch_width: f64) {
+        self.step
+            .set(Variable::Force, contact.force)
+            .set(Variable::ContactArea, contact.area)
+            .set(Variable::PressureMean, contact.pressure_mean())
+            .set(Variable::PatchWidth, patch_width);
     }
 
     /// Whether the surface recedes.

@@ -43,15 +43,24 @@ impl<'a> Press<'a> {
         Self { tool, pose, reach, sheet, step: Step::default() }
     }
 
-    /// What the tool meets, lifted by `travel` [m].
+    /// What the tool meets, lifted by `travel` [m]. Formulas that ask for the force, area or pressure of the step before are
+    /// told those of this one the next time.
     ///
     /// # Errors
     /// A formula of the model that gives no finite number.
     pub fn contact(&mut self, travel: f64, physics: &mut Physics) -> Result<Contact, RunError> {
-        let pose = self.pose.lifted(travel);
+        let pose = self.at(travel, physics)?;
         self.step.begin((self.tool, &pose), &self.sheet, physics)?;
         self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
-        Ok(self.step.contact(&pose, &self.sheet))
+        let contact = self.step.contact(&pose, &self.sheet);
+        let width = self.step.extent(&pose, &self.sheet).map_or(0.0, |extent| extent.y.1 - extent.y.0);
+        physics.has_met(&contact, width);
+        Ok(contact)
+    }
+
+    /// The tool as the model's effects have it, lifted by `travel` [m].
+    fn at(&self, travel: f64, physics: &Physics) -> Result<Pose, RunError> {
+        Ok(self.pose.lifted(travel).changed(&physics.pose_change()?))
     }
 
     /// Travel [m] at which the tool first touches the surface, coming down; `None` where it meets none within reach.
@@ -61,7 +70,7 @@ impl<'a> Press<'a> {
     pub fn touch(&mut self, physics: &mut Physics) -> Result<Option<f64>, RunError> {
         let mut travel = self.reach;
         for _ in 0..TOUCH_STEPS {
-            let pose = self.pose.lifted(travel);
+            let pose = self.at(travel, physics)?;
             self.step.begin((self.tool, &pose), &self.sheet, physics)?;
             let depth = self.step.start_peak(self.tool, &pose, &self.sheet);
             if depth == f64::NEG_INFINITY || travel < -self.reach {
@@ -92,7 +101,7 @@ impl<'a> Press<'a> {
             bounds: (-self.reach, self.reach),
         };
         balance.solve(touch - FIRST_PRESS, |travel| {
-            let pose = self.pose.lifted(travel);
+            let pose = self.at(travel, physics)?;
             self.step.begin((self.tool, &pose), &self.sheet, physics)?;
             let end = self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
             let depth = self.step.end_gap(self.tool, &pose, &self.sheet);

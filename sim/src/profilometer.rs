@@ -10,6 +10,8 @@ use rayon::prelude::*;
 use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 
+use crate::crossing::way_to_zero;
+
 /// How far a pixel may lie off a lattice line and still be on it [voxels].
 const ON_LINE: f64 = 1e-6;
 
@@ -111,7 +113,7 @@ fn topmost(grid: &BrickGrid, line: IVec2) -> Option<Crossing> {
                 slot => grid.phi[slot as usize * BRICK_VOXELS + voxel_offset(voxel)],
             };
             if phi < 0.0 {
-                return above.map(|above| Crossing { below: voxel, way: way_to_zero(grid, voxel, phi, above) });
+                return above.map(|above| Crossing { below: voxel, way: way_up(grid, voxel, phi, above) });
             }
             above = Some(phi);
         }
@@ -119,44 +121,10 @@ fn topmost(grid: &BrickGrid, line: IVec2) -> Option<Crossing> {
     None
 }
 
-/// Way [voxels] from a voxel below the surface to the zero of the cubic through the four voxels around it; of the
-/// chord where the band ends next to it.
-fn way_to_zero(grid: &BrickGrid, below: IVec3, low: f32, high: f32) -> f64 {
+/// Way [voxels] from a voxel below the surface to the surface on its line.
+fn way_up(grid: &BrickGrid, below: IVec3, low: f32, high: f32) -> f64 {
     let (before, after) = (grid.phi_at(below - IVec3::Z), grid.phi_at(below + 2 * IVec3::Z));
-    let [a, b, c, d] = [before, low, high, after].map(f64::from);
-    let chord = b / (b - c);
-    if a <= -f64::from(grid.band) || d >= f64::from(grid.band) {
-        return chord;
-    }
-    let (second_low, second_high) = (a - 2.0 * b + c, b - 2.0 * c + d);
-    // Newton's form of the cubic: chord, second difference, third difference.
-    let cubic = |t: f64| {
-        let bend = 0.5 * t * (t - 1.0);
-        b + (c - b) * t + bend * (second_low + (second_high - second_low) * (t + 1.0) / 3.0)
-    };
-    bracketed_root(cubic, chord)
-}
-
-/// The root in 0 to 1 of a function that is negative at 0 and not at 1, near `guess`: regula falsi (Illinois).
-fn bracketed_root(f: impl Fn(f64) -> f64, guess: f64) -> f64 {
-    let (mut low, mut high) = ((0.0, f(0.0)), (1.0, f(1.0)));
-    let mut at = guess;
-    for _ in 0..40 {
-        let value = f(at);
-        if value < 0.0 {
-            high.1 *= if low.0 > 0.0 { 0.5 } else { 1.0 };
-            low = (at, value);
-        } else {
-            low.1 *= if high.0 < 1.0 { 0.5 } else { 1.0 };
-            high = (at, value);
-        }
-        let next = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-        if (next - at).abs() < 1e-9 {
-            return next;
-        }
-        at = next;
-    }
-    at
+    way_to_zero([before, low, high, after].map(f64::from), grid.band.into())
 }
 
 impl Lines {

@@ -5,11 +5,16 @@ use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Controller;
-use crate::effect::RunError;
+use crate::effect::{CompiledModel, Place, RunError, Variable};
 use crate::tool::Tool;
 
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
+
+/// Longest step [s].
+pub const LONGEST_STEP: f64 = 0.05;
+/// Longest step under an effect that lets the controller's reading follow the clock [s]: ten for a swing at 20 Hz.
+const CLOCKED_STEP: f64 = 5e-3;
 
 /// Controller and numerics of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,6 +71,26 @@ pub enum PassError {
         /// Band of the field [voxels].
         found: f64,
     },
+    /// An effect that acts through the dynamics of a controller which has none.
+    #[error(
+        "`{effect}` lets the controller read a past force, and an ideal controller would undo that: an admittance \
+         controller, or the effect at its null value, is accepted"
+    )]
+    NoDynamics {
+        /// Name of the effect.
+        effect: String,
+    },
+    /// The tool touched, but met the setpoint nowhere on its path.
+    #[error(
+        "the tool touches but does not meet {setpoint} N within {} mm below its path: a stiffer contact, a smaller force \
+         or a larger search_reach is accepted", .reach * 1e3
+    )]
+    TooSoft {
+        /// Force wanted [N].
+        setpoint: f64,
+        /// Way below the path that was tried [m].
+        reach: f64,
+    },
     /// A formula of the model gave no finite number.
     #[error("at {time:.4} s of the pass: {error}; the part holds the last good state")]
     Formula {
@@ -77,6 +102,27 @@ pub enum PassError {
 }
 
 impl Process {
+    /// Longest step [s] in which the controller sees what a model's effects do to its reading: an admittance that reads a
+    /// past force is stepped at its own period.
+    ///
+    /// # Errors
+    /// [`PassError::NoDynamics`] where an ideal controller would read a past force.
+    pub fn longest_step(&self, model: &CompiledModel) -> Result<f64, PassError> {
+        let mut longest = LONGEST_STEP;
+        for effect in model.acting(Place::Force) {
+            match self.controller {
+                Controller::Replay => {}
+                Controller::Ideal if !effect.states.is_empty() => {
+                    return Err(PassError::NoDynamics { effect: effect.name.clone() });
+                }
+                Controller::Admittance { period, .. } if !effect.states.is_empty() => longest = longest.min(period),
+                _ if effect.reads(&[Variable::Time, Variable::ContactTime]) => longest = longest.min(CLOCKED_STEP),
+                _ => {}
+            }
+        }
+        Ok(longest)
+    }
+
     /// Checks all that a pass reads.
     ///
     /// # Errors

@@ -8,6 +8,8 @@ use glam::{DVec3, IVec3};
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 
+use crate::crossing::way_to_zero;
+
 /// Height of a column that meets no surface [m]: finite, so that sums over columns stay numbers.
 pub const NO_SURFACE: f64 = -1e6;
 
@@ -318,30 +320,8 @@ impl<'a> LatticeLine<'a> {
             below += 1;
         }
         let values = [-1, 0, 1, 2].map(|step| f64::from(self.phi(below + step)));
-        let band = 0.999 * f64::from(self.grid.band);
-        f64::from(below) + if values.iter().all(|v| v.abs() < band) { cubic_root(values) } else { linear_root(values) }
+        f64::from(below) + way_to_zero(values, self.grid.band.into())
     }
-}
-
-fn linear_root([_, a, b, _]: [f64; 4]) -> f64 {
-    a / (a - b)
-}
-
-/// Root in 0..1 of the cubic through values at -1, 0, 1 and 2, of which the middle two differ in sign.
-fn cubic_root(values: [f64; 4]) -> f64 {
-    let [before, a, b, after] = values;
-    // Newton's divided differences about 0 and 1.
-    let (second, last) = (0.5 * (before - 2.0 * a + b), 0.5 * (a - 2.0 * b + after));
-    let third = (last - second) / 3.0;
-    let mut t = linear_root(values);
-    for _ in 0..3 {
-        // a + (b-a) t + (second + third (t + 1)) t (t-1)
-        let bend = second + third * (t + 1.0);
-        let value = a + (b - a) * t + bend * t * (t - 1.0);
-        let slope = (b - a) + bend * (2.0 * t - 1.0) + third * t * (t - 1.0);
-        t = (t - value / slope).clamp(0.0, 1.0);
-    }
-    if t.is_finite() { t } else { linear_root(values) }
 }
 
 #[cfg(test)]

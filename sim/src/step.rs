@@ -71,13 +71,11 @@ pub struct Step {
     dose: Vec<f64>,
 }
 
-/// Forces of a step, and how the one at its end depends on the travel.
+/// Force at the end of a step, and how it depends on the travel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EndForce {
     /// At the end [N].
     pub force: f64,
-    /// At the start [N].
-    pub start_force: f64,
     /// -dF/dz [N/m].
     pub stiffness: f64,
 }
@@ -122,8 +120,7 @@ impl Step {
         physics: &mut Physics,
         dt: f64,
     ) -> Result<EndForce, RunError> {
-        physics.gap(tool, pose, sheet, &mut self.gap)?;
-        self.end_squares.measure(tool, pose, sheet, (&self.gap, DVec3::ZERO));
+        self.measure_end((tool, pose, DVec3::ZERO), sheet, physics)?;
         self.evaluate((tool, pose), sheet, physics, dt)
     }
 
@@ -136,11 +133,21 @@ impl Step {
         physics: &mut Physics,
         dt: f64,
     ) -> Result<EndForce, RunError> {
-        physics.gap(tool, pose, sheet, &mut self.gap)?;
-        self.end_squares.measure(tool, pose, sheet, (&self.gap, sweep));
+        self.measure_end((tool, pose, sweep), sheet, physics)?;
         self.start_squares.clone_from(&self.end_squares);
         self.from = pose.centre;
         self.evaluate((tool, pose), sheet, physics, dt)
+    }
+
+    fn measure_end(
+        &mut self,
+        (tool, pose, sweep): (&Tool, &Pose, DVec3),
+        sheet: &Sheet,
+        physics: &mut Physics,
+    ) -> Result<(), RunError> {
+        physics.gap(tool, pose, sheet, &mut self.gap)?;
+        self.end_squares.measure(tool, pose, sheet, (&self.gap, sweep));
+        Ok(())
     }
 
     /// Runs the model over the squares in contact.
@@ -224,7 +231,6 @@ impl Step {
             self.mean_load.push((0.5 * (load_a + load_b) - stiffness * mean_recession).max(0.0));
             let facing = area * normal.of(sheet, self.lines[lane] as usize);
             result.force += load_b * left * facing;
-            result.start_force += load_a * facing;
             result.stiffness += stiffness * b.share * (1.0 - decay.x * decay.phi2) * facing;
         }
         result

@@ -25,6 +25,8 @@ use crate::wrong_use;
 
 /// Kinds of tools, as `--tool` takes them.
 const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
+/// Times that a contact is sought anew under effects that follow its own force.
+const SETTLING: usize = 30;
 /// Half width of the band of a tool from a file [voxels]; no deeper can it be pressed.
 const TOOL_BAND: f64 = 8.0;
 
@@ -183,18 +185,32 @@ impl Place {
     fn press(&self, part: &BrickGrid, tool: &Tool, model: &CompiledModel, goal: Goal) -> Result<Held> {
         let mut states = States::new(model, TOOL_CELLS);
         let mut physics = Physics::new(model, &mut states, sim::Process::default().coating);
+        let setpoint = if let Goal::Force(force) = goal { force } else { 0.0 };
+        physics.hold(tool, setpoint);
         let mut press = Press::new(part, tool, self.pose, self.reach);
         let Some(touch) = press.touch(&mut physics)? else {
             return Err(wrong_use(format!("{}; the tool meets nothing there", self.words)));
         };
-        let travel = match goal {
-            Goal::Depth(depth) => touch - depth,
-            Goal::Force(force) => press.travel_for(force, &mut physics)?.with_context(|| {
-                format!("--force-n {force}: the tool would go right through the part; less force or more stiffness is accepted")
-            })?,
+        // Effects may follow the force that they change.
+        let mut last = f64::NAN;
+        let mut settle = || -> Result<(f64, Contact)> {
+            let travel = match goal {
+                Goal::Depth(depth) => touch - depth,
+                Goal::Force(force) => press.travel_for(force, &mut physics)?.with_context(|| {
+                    format!("--force-n {force}: the tool would go right through the part; less force or more stiffness is accepted")
+                })?,
+            };
+            check_band(tool, touch - travel)?;
+            Ok((travel, press.contact(travel, &mut physics)?))
         };
-        check_band(tool, touch - travel)?;
-        let contact = press.contact(travel, &mut physics)?;
+        let (mut travel, mut contact) = settle()?;
+        for _ in 0..SETTLING {
+            if (contact.force - last).abs() <= 1e-9 * contact.force {
+                break;
+            }
+            last = contact.force;
+            (travel, contact) = settle()?;
+        }
         if let Goal::Force(force) = goal
             && (contact.force / force - 1.0).abs() > 1e-3
         {

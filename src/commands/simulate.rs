@@ -70,65 +70,82 @@ impl StateFlags {
     }
 }
 
-/// Wheel and passes along an asset's weld; the defaults grind a weld on steel.
+/// Wheel and passes along an asset's weld; the defaults grind a weld on steel. A trial states its own.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ProcessFlags {
-    /// Radius of the wheel [mm].
-    #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true)]
-    wheel_radius_mm: f64,
-    /// Width of the wheel [mm].
-    #[arg(long, value_name = "MM", default_value_t = 20.0, allow_negative_numbers = true)]
-    wheel_width_mm: f64,
-    /// Passes along the weld, to and fro.
-    #[arg(long, value_name = "N", default_value_t = 2, allow_negative_numbers = true)]
-    passes: u32,
-    /// Normal force that the controller holds [N].
-    #[arg(long, value_name = "N", default_value_t = 15.0, allow_negative_numbers = true)]
-    force_n: f64,
-    /// Speed along the weld [mm/s].
-    #[arg(long, value_name = "MM_S", default_value_t = 5.0, allow_negative_numbers = true)]
-    feed_mm_s: f64,
-    /// Contact stiffness K: pressure per depth [Pa/m].
-    #[arg(long, value_name = "PA_M", default_value_t = 1e10, conflicts_with = "model", allow_negative_numbers = true)]
-    stiffness: f64,
-    /// Preston's coefficient k [m/(Pa s)].
-    #[arg(
-        long,
-        value_name = "M_PA_S",
-        default_value_t = 1e-9,
-        conflicts_with = "model",
-        allow_negative_numbers = true
-    )]
-    grind_rate: f64,
-    /// Threshold pressure p_c, below which nothing is removed [MPa].
-    #[arg(long, value_name = "MPA", default_value_t = 0.0, conflicts_with = "model", allow_negative_numbers = true)]
-    threshold_mpa: f64,
+    /// Radius of the wheel [mm] [default: 50].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    wheel_radius_mm: Option<f64>,
+    /// Width of the wheel [mm] [default: 20].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    wheel_width_mm: Option<f64>,
+    /// Passes along the weld, to and fro [default: 2].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    passes: Option<u32>,
+    /// Normal force that the controller holds [N] [default: 15].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    force_n: Option<f64>,
+    /// Speed along the weld [mm/s] [default: 5].
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true)]
+    feed_mm_s: Option<f64>,
+    /// Contact stiffness K: pressure per depth [Pa/m] [default: 1e10].
+    #[arg(long, value_name = "PA_M", conflicts_with = "model", allow_negative_numbers = true)]
+    stiffness: Option<f64>,
+    /// Preston's coefficient k [m/(Pa s)] [default: 1e-9].
+    #[arg(long, value_name = "M_PA_S", conflicts_with = "model", allow_negative_numbers = true)]
+    grind_rate: Option<f64>,
+    /// Threshold pressure p_c, below which nothing is removed [MPa] [default: 0].
+    #[arg(long, value_name = "MPA", conflicts_with = "model", allow_negative_numbers = true)]
+    threshold_mpa: Option<f64>,
 }
 
 impl ProcessFlags {
+    /// Refuses what a trial states itself.
+    fn refuse_for_trial(&self, trial: &Path) -> Result<()> {
+        let by_trial = "the trial states it";
+        let by_model = "a trial takes it from --model";
+        for (flag, given, why) in [
+            ("--wheel-radius-mm", self.wheel_radius_mm.is_some(), by_trial),
+            ("--wheel-width-mm", self.wheel_width_mm.is_some(), by_trial),
+            ("--passes", self.passes.is_some(), by_trial),
+            ("--force-n", self.force_n.is_some(), by_trial),
+            ("--feed-mm-s", self.feed_mm_s.is_some(), by_trial),
+            ("--stiffness", self.stiffness.is_some(), by_model),
+            ("--grind-rate", self.grind_rate.is_some(), by_model),
+            ("--threshold-mpa", self.threshold_mpa.is_some(), by_model),
+        ] {
+            if given {
+                return Err(wrong_use(format!("{flag}: only for an asset; {} is a trial, and {why}", trial.display())));
+            }
+        }
+        Ok(())
+    }
+
     /// The wheel asked for.
     pub(super) fn wheel(&self) -> Result<Wheel> {
-        let radius = within("--wheel-radius-mm", self.wheel_radius_mm, (0.1, 1000.0))? * 1e-3;
-        Ok(Wheel::cylinder(radius, within("--wheel-width-mm", self.wheel_width_mm, (0.1, 1000.0))? * 1e-3))
+        let radius = within("--wheel-radius-mm", self.wheel_radius_mm.unwrap_or(50.0), (0.1, 1000.0))? * 1e-3;
+        let width = within("--wheel-width-mm", self.wheel_width_mm.unwrap_or(20.0), (0.1, 1000.0))? * 1e-3;
+        Ok(Wheel::cylinder(radius, width))
     }
 
     /// The passes asked for.
     fn plan(&self) -> Result<Plan> {
-        if !(1..=MOST_PASSES).contains(&self.passes) {
-            return Err(wrong_use(format!("--passes {}: 1 to {MOST_PASSES} are accepted", self.passes)));
+        let passes = self.passes.unwrap_or(2);
+        if !(1..=MOST_PASSES).contains(&passes) {
+            return Err(wrong_use(format!("--passes {passes}: 1 to {MOST_PASSES} are accepted")));
         }
         Ok(Plan {
-            passes: self.passes,
-            force_setpoint: within("--force-n", self.force_n, (1e-3, 1e4))?,
-            feed: within("--feed-mm-s", self.feed_mm_s, (1e-3, 1e4))? * 1e-3,
+            passes,
+            force_setpoint: within("--force-n", self.force_n.unwrap_or(15.0), (1e-3, 1e4))?,
+            feed: within("--feed-mm-s", self.feed_mm_s.unwrap_or(5.0), (1e-3, 1e4))? * 1e-3,
         })
     }
 
     /// The base law asked for, as in a model file.
     fn law(&self) -> Result<String> {
-        let stiffness = within("--stiffness", self.stiffness, (1e6, 1e14))?;
-        let grind_rate = within("--grind-rate", self.grind_rate, (1e-15, 1e-6))?;
-        let threshold = within("--threshold-mpa", self.threshold_mpa, (0.0, 1e4))?;
+        let stiffness = within("--stiffness", self.stiffness.unwrap_or(1e10), (1e6, 1e14))?;
+        let grind_rate = within("--grind-rate", self.grind_rate.unwrap_or(1e-9), (1e-15, 1e-6))?;
+        let threshold = within("--threshold-mpa", self.threshold_mpa.unwrap_or(0.0), (0.0, 1e4))?;
         Ok(format!(
             "[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n[law.preston-threshold]\n\
              grind_rate = \"{grind_rate:e} m/(Pa s)\"\nthreshold_pressure = \"{threshold:e} MPa\"\n"
@@ -160,6 +177,7 @@ pub(super) fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
 }
 
 fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
+    args.process.refuse_for_trial(&args.folder)?;
     let folder = StagedFolder::new(&args.out.out, REHEARSAL_FILE, args.out.force)?;
     let trial = Trial::read(&args.folder)?;
     for note in &trial.notes {

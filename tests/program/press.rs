@@ -90,6 +90,27 @@ fn a_tool_may_be_a_file_and_a_part_an_asset_with_effects() {
 }
 
 #[test]
+fn effects_follow_the_force_and_the_size_of_a_tool_that_is_held() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let part = plate(folder.path());
+    let model = folder.path().join("model.toml");
+    let text = "process = \"grinding\"\n[law.winkler]\nstiffness = \"0.1 MPa/mm\"\n[effect.robot-compliance]\n\
+                roll_compliance = \"0 mrad/N\"\npitch_compliance = \"0.1 mrad/N\"\n";
+    fs::write(&model, text).expect("it can be written");
+    let name = model.to_str().expect("a name");
+    let (tool, radius, force) = ("pad:radius=12mm", 0.012f64, 15.0);
+    // A pad that leans by θ in full contact: K sin θ π ρ⁴/4.
+    for (goal, value) in [("--force-n", force), ("--depth-mm", force / (1e8 * PI * radius * radius) * 1e3)] {
+        let held = press(&part, &["--tool", tool, goal, &value.to_string(), "--model", name]).succeeds().answer();
+        let force = number(&held, "force_n");
+        let moment: Vec<f64> = (0..3).map(|i| held["moment_nm"][i].as_f64().expect("a number")).collect();
+        let exact = 1e8 * (1e-4 * force).sin() * PI * radius.powi(4) / 4.0;
+        println!("{goal}: {force:.4} N, moment {moment:?}, exact {exact:.4e} N m");
+        assert!((force - 15.0).abs() < 0.6 && (moment[1].abs() / exact - 1.0).abs() < 5e-3);
+    }
+}
+
+#[test]
 fn what_cannot_be_pressed_is_refused_with_what_would_be_accepted() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let part = plate(folder.path());

@@ -101,6 +101,10 @@ fn a_trial_gives_its_figures_and_the_same_bytes_on_any_number_of_threads() {
     assert_eq!(files(&out("one")), files(&out("replay")));
     run(&mut simulate(&place, &out("fine"), &["--voxel-mm", "1e-9"])).is_refused(2, &["--voxel-mm", "accepted"]);
     run(&mut simulate(asset(), &out("asset"), &["--replay"])).is_refused(2, &["--replay", "only a trial"]);
+    for (flag, value) in [("--force-n", "20"), ("--passes", "2"), ("--wheel-width-mm", "20"), ("--grind-rate", "1e-9")]
+    {
+        run(&mut simulate(&place, &out("flags"), &[flag, value])).is_refused(2, &[flag, "only for an asset"]);
+    }
 }
 
 #[test]

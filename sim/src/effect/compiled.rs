@@ -154,6 +154,17 @@ impl CompiledModel {
                 .any(|part| part.effect.changes.iter().any(|change| change.hook == hook))
     }
 
+    /// The effects that act at a hook and are not at their null value.
+    pub fn acting(&self, hook: Place) -> impl Iterator<Item = &Effect> {
+        let Structure { process, effect_parts, slots, .. } = &*self.structure;
+        let is_null = |effect: &Effect| {
+            let mut own = slots.iter().zip(&self.values).filter(|(slot, _)| slot.owner == effect.name);
+            own.all(|(slot, value)| slot.null.is_none_or(|null| null == *value))
+        };
+        let changes = move |effect: &&Effect| effect.changes_in(*process).any(|change| change.hook == hook);
+        effect_parts.iter().map(|part| &part.effect).filter(changes).filter(move |effect| !is_null(effect))
+    }
+
     /// The variables that formulas read at a place: what the simulator must supply.
     pub fn needs(&self, place: Place) -> &[Variable] {
         &self.structure.needs[place as usize]

@@ -286,6 +286,14 @@ impl Effect {
         self.changes.iter().filter(move |change| process.has(change.hook))
     }
 
+    /// Whether its changes or their named parts read one of some variables.
+    pub fn reads(&self, variables: &[Variable]) -> bool {
+        let formulas = self.changes.iter().map(|change| &change.formula);
+        let mut all = formulas.chain(self.definitions.iter().map(|definition| &definition.formula));
+        let is_one = |name: &str| variables.iter().any(|variable| variable.name() == name);
+        all.any(|formula| formula.tree.names().iter().any(|(name, _)| is_one(name)))
+    }
+
     /// The parameter of this name.
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)

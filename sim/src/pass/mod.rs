@@ -4,7 +4,10 @@
 //! lost is written back and the next sheet is read. Steps are as long as the tool needs for half a voxel, unless the
 //! controller's own dynamics matter: then they fall to its period.
 
+mod rest;
 mod seek;
+
+pub use rest::rest;
 
 use std::cell::RefCell;
 
@@ -19,7 +22,7 @@ use crate::extent::Extent;
 use crate::path::Path;
 use crate::physics::Physics;
 use crate::record::{LogRow, PassRecord};
-use crate::settings::{PassError, Process};
+use crate::settings::{LONGEST_STEP, PassError, Process};
 use crate::sheet::Sheet;
 use crate::step::Step;
 use crate::step_values::Moment;
@@ -30,8 +33,6 @@ use crate::tool_cells::{CellSums, ToolCells};
 const COMMIT_RECESSION: f64 = 0.4;
 /// Recession after which a sheet's slopes are taken anew [voxels].
 const BENT: f64 = 0.02;
-/// Longest step [s].
-pub const LONGEST_STEP: f64 = 0.05;
 /// Longest step while the tool comes down [s].
 const APPROACH_STEP: f64 = 0.01;
 /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
@@ -91,8 +92,8 @@ impl<'a> Pass<'a> {
 /// Runs one pass: changes `grid` and the tool's `states`, returns the log and what was removed.
 ///
 /// # Errors
-/// A setting out of range, a band that is too thin, or a formula that gives no finite number: then the field holds the
-/// last good state.
+/// A setting out of range, a band that is too thin, a contact too soft for the setpoint from beginning to end, or a
+/// formula that gives no finite number: then the field holds the last good state.
 pub fn run_pass(
     grid: &mut BrickGrid,
     pass: Pass,
@@ -100,9 +101,10 @@ pub fn run_pass(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<PassRecord, PassError> {
     pass.process.check(grid, pass.tool)?;
+    let longest_step = pass.process.longest_step(pass.model)?;
     states.reset(pass.model, Reset::Pass);
     let duration = pass.path.duration();
-    let mut runner = Runner::new(grid, pass, states);
+    let mut runner = Runner { longest_step, ..Runner::new(grid, pass, states) };
     while runner.time < duration {
         let time = runner.time;
         match runner.advance(duration) {
@@ -114,6 +116,10 @@ pub fn run_pass(
         }
     }
     runner.write_back();
+    if runner.is_too_soft && runner.record.contact_time == 0.0 {
+        let Process { force_setpoint: setpoint, search_reach: reach, .. } = *pass.process;
+        return Err(PassError::TooSoft { setpoint, reach });
+    }
     let mut record = runner.record;
     grid.release_uniform_bricks();
     record.finish(duration);
@@ -135,6 +141,8 @@ struct Runner<'a> {
     moment: Moment,
     /// Length of the next step [s], where the controller limits it.
     dt: f64,
+    /// Longest step that the effects on the controller stand [s].
+    longest_step: f64,
     /// Surface that sheets are read for.
     extent: Extent,
     /// Way of the tool since the sheet was read [m].
@@ -148,6 +156,8 @@ struct Runner<'a> {
     /// Force at the end of the last step, and of the one that is tried [N].
     end_force: f64,
     step_force: f64,
+    /// Whether the tool touched and went as deep as it may without meeting the setpoint.
+    is_too_soft: bool,
     record: PassRecord,
 }
 
@@ -175,12 +185,14 @@ impl<'a> Runner<'a> {
             pose_change: PoseChange { offset: [0.0; 3], roll: 0.0, pitch: 0.0 },
             moment: Moment::new(&pass),
             dt: LONGEST_STEP,
+            longest_step: LONGEST_STEP,
             travelled: 0.0,
             receded: 0.0,
             bent: 0.0,
             goes_on: false,
             end_force: 0.0,
             step_force: 0.0,
+            is_too_soft: false,
             record: PassRecord::default(),
             pass,
         }
@@ -206,7 +218,7 @@ impl<'a> Runner<'a> {
             Controller::Admittance { period, .. } => period,
             _ => f64::INFINITY,
         };
-        let mut dt = by_way.min(self.dt).min(LONGEST_STEP).min(rest);
+        let mut dt = by_way.min(self.dt).min(self.longest_step).min(rest);
         if !self.pass.process.quasi_static {
             dt = dt.min(period);
         }

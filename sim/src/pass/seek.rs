@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
-use super::{LONGEST_STEP, Pass, Runner};
+use super::{Pass, Runner};
 use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
 use crate::effect::RunError;
 use crate::extent::Extent;
 use crate::physics::Physics;
+use crate::settings::LONGEST_STEP;
 use crate::sheet::{Facing, Sheet};
 
 /// Surface sought below the tool while it is in contact [voxels].
@@ -112,6 +113,7 @@ impl Runner<'_> {
             Ok(Response { force: physics.force_reading(end.force)?, stiffness: end.stiffness, depth })
         })?;
         self.step_force = force;
+        self.is_too_soft |= travel.is_none() && force > 0.0;
         let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }

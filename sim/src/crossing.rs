@@ -1,0 +1,48 @@
+//! Where a lattice line crosses the surface: the one root that contact, channels and profilometer share.
+
+/// Share of the band up to which a value is a distance and no bound.
+const WITHIN_BAND: f64 = 0.999;
+
+/// Way [voxels, 0 to 1] to the zero of φ on a lattice line, from `values` [m] at -1, 0, 1 and 2 voxels of which the middle
+/// two differ in sign: on the cubic through the four, fourth order where φ is smooth; on the chord where the `band` [m]
+/// ends among them.
+pub(crate) fn way_to_zero(values: [f64; 4], band: f64) -> f64 {
+    if values.iter().all(|value| value.abs() < WITHIN_BAND * band) { cubic_root(values) } else { linear_root(values) }
+}
+
+fn linear_root([_, a, b, _]: [f64; 4]) -> f64 {
+    a / (a - b)
+}
+
+/// Root in 0 to 1 of the cubic through values at -1, 0, 1 and 2, of which the middle two differ in sign.
+fn cubic_root(values: [f64; 4]) -> f64 {
+    let [before, a, b, after] = values;
+    // Newton's divided differences about 0 and 1.
+    let (second, last) = (0.5 * (before - 2.0 * a + b), 0.5 * (a - 2.0 * b + after));
+    let third = (last - second) / 3.0;
+    let mut t = linear_root(values);
+    for _ in 0..3 {
+        // a + (b-a) t + (second + third (t + 1)) t (t-1)
+        let bend = second + third * (t + 1.0);
+        let value = a + (b - a) * t + bend * t * (t - 1.0);
+        let slope = (b - a) + bend * (2.0 * t - 1.0) + third * t * (t - 1.0);
+        t = (t - value / slope).clamp(0.0, 1.0);
+    }
+    if t.is_finite() { t } else { linear_root(values) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_is_met_exactly_and_the_bands_end_by_its_chord() {
+        for root in [0.02, 0.37, 0.5, 0.81, 0.99] {
+            let cubic = |t: f64| (t - root) * (1.0 + 0.2 * t + 0.1 * t * t);
+            let values = [-1.0, 0.0, 1.0, 2.0].map(cubic);
+            assert!((way_to_zero(values, 10.0) - root).abs() < 1e-9, "{}", way_to_zero(values, 10.0) - root);
+            let chord = values[1] / (values[1] - values[2]);
+            assert_eq!(way_to_zero(values, values[3]), chord);
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! The pause before a pass: what the tool remembers goes on while it stands in the air.
+
+use super::Pass;
+use crate::effect::{RunError, States, StepValues, Variable};
+use crate::settings::LONGEST_STEP;
+use crate::step_values::Moment;
+use crate::tool_cells::{CellSums, ToolCells};
+
+/// Moves a tool's states on by `duration` [s] before `pass` begins, all speeds, forces and rates at zero: what recovers
+/// in time recovers.
+///
+/// # Errors
+/// A formula that gives no finite number.
+pub fn rest(pass: &Pass, states: &mut States, duration: f64) -> Result<(), RunError> {
+    let (tool, cells) = states.values();
+    if tool.is_empty() && cells.is_empty() {
+        return Ok(());
+    }
+    let mut step = StepValues::new();
+    Moment::new(pass).enter(pass, pass.path.at(0.0).pose(pass.tool), 0.0, &mut step);
+    let mut step = step.at_rest();
+    let (cells, nothing) = (ToolCells::of(pass.tool), CellSums::default());
+    let count = (duration / LONGEST_STEP).ceil();
+    for number in 0..count as usize {
+        let left = duration * (1.0 - number as f64 / count);
+        step.set(Variable::TrialTime, pass.trial_time - left);
+        nothing.advance(&cells, pass.model, states, (&step, duration / count))?;
+    }
+    Ok(())
+}
