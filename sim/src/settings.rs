@@ -35,6 +35,10 @@ pub struct Process {
     pub coating: f64,
     /// The tool is sought this far above and below its path [m]. Default 20e-3.
     pub search_reach: f64,
+    /// Steps after which a pass is given up: some effects at some values make the contact too restless to be worth
+    /// following. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_steps: Option<usize>,
 }
 
 impl Default for Process {
@@ -48,6 +52,7 @@ impl Default for Process {
             commit_voxels: 3.0,
             coating: 50e-6,
             search_reach: 20e-3,
+            most_steps: None,
         }
     }
 }
@@ -90,6 +95,14 @@ pub enum PassError {
         setpoint: f64,
         /// Way below the path that was tried [m].
         reach: f64,
+    },
+    /// More steps than the settings allow.
+    #[error("given up at {time:.4} s of the pass: {most} steps are allowed")]
+    TooManySteps {
+        /// Time in the pass [s].
+        time: f64,
+        /// Steps allowed.
+        most: usize,
     },
     /// A formula of the model gave no finite number.
     #[error("at {time:.4} s of the pass: {error}; the part holds the last good state")]

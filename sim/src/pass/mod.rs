@@ -92,8 +92,8 @@ impl<'a> Pass<'a> {
 /// Runs one pass: changes `grid` and the tool's `states`, returns the log and what was removed.
 ///
 /// # Errors
-/// A setting out of range, a band that is too thin, a contact too soft for the setpoint from beginning to end, or a
-/// formula that gives no finite number: then the field holds the last good state.
+/// A setting out of range, a band that is too thin, a contact too soft for the setpoint from beginning to end, more
+/// steps than allowed, or a formula that gives no finite number: then the field holds the last good state.
 pub fn run_pass(
     grid: &mut BrickGrid,
     pass: Pass,
@@ -107,6 +107,10 @@ pub fn run_pass(
     let mut runner = Runner { longest_step, ..Runner::new(grid, pass, states) };
     while runner.time < duration {
         let time = runner.time;
+        if let Some(most) = pass.process.most_steps.filter(|most| runner.record.steps >= *most) {
+            runner.write_back();
+            return Err(PassError::TooManySteps { time, most });
+        }
         match runner.advance(duration) {
             Ok(force) => progress(Progress { time: runner.time, duration, force }),
             Err(error) => {
