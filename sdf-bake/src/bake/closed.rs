@@ -20,8 +20,8 @@ pub(super) struct BoxTree {
     pub(super) triangles: Vec<Corners>,
     /// What is taken off all coordinates before they become f32 [m].
     centre: DVec3,
-    /// How much wider than their triangles boxes are [m]: more than the rounding to f32.
-    margin: f64,
+    /// Each triangle's box, in f32 wider than the rounding.
+    boxes: Vec<Aabb>,
     tree: Bvh2,
 }
 
@@ -32,23 +32,21 @@ impl BoxTree {
         let (low, high) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
         let centre = if triangles.is_empty() { DVec3::ZERO } else { low.midpoint(high) };
         let margin = tolerance + 1e-6 * (high - low).length();
-        let mut boxes = Self { triangles, centre, margin, tree: Bvh2::default() };
-        let bounds: Vec<Aabb> = boxes.triangles.iter().map(|&corners| boxes.outer_box(corners)).collect();
-        if !bounds.is_empty() {
-            boxes.tree = build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default());
-        }
-        boxes
-    }
-
-    fn outer_box(&self, corners: Corners) -> Aabb {
-        let [a, b, c] = corners.map(|corner| (corner - self.centre).as_vec3());
-        let margin = self.margin as f32;
-        Aabb::new(Vec3A::from(a.min(b).min(c)) - margin, Vec3A::from(a.max(b).max(c)) + margin)
+        let outer_box = |corners: &Corners| {
+            let [a, b, c] = corners.map(|corner| (corner - centre).as_vec3());
+            Aabb::new(Vec3A::from(a.min(b).min(c)) - margin as f32, Vec3A::from(a.max(b).max(c)) + margin as f32)
+        };
+        let boxes: Vec<Aabb> = triangles.iter().map(outer_box).collect();
+        let tree = match boxes.is_empty() {
+            true => Bvh2::default(),
+            false => build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default()),
+        };
+        Self { triangles, centre, boxes, tree }
     }
 
     /// Calls `visit` with every triangle whose box meets that of triangle `t`, itself too.
     pub(super) fn near(&self, t: usize, visit: impl FnMut(usize)) {
-        self.within(self.outer_box(self.triangles[t]), visit);
+        self.within(self.boxes[t], visit);
     }
 
     /// Winding number at a point [m] that is not on the surface, if the triangles form a closed surface.
@@ -65,7 +63,8 @@ impl BoxTree {
         self.tree.aabb_traverse(bounds, |tree, node| {
             let node = &tree.nodes[node as usize];
             let leaves = &tree.primitive_indices[node.first_index as usize..][..node.prim_count as usize];
-            leaves.iter().for_each(|&leaf| visit(leaf as usize));
+            let met = leaves.iter().map(|&leaf| leaf as usize).filter(|&t| self.boxes[t].intersect_aabb(&bounds));
+            met.for_each(&mut visit);
             true
         });
     }
