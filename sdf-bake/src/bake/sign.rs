@@ -109,7 +109,8 @@ pub(super) fn ambiguous_share(patches: &[Corners], near: &BrickTriangles, grid: 
         return 0.0;
     }
     let tree = WindingTree::of(patches.to_vec());
-    let asked: Vec<usize> = (0..near.brick_count()).step_by((LANES * near.brick_count()).div_ceil(MOST_ASKED)).collect();
+    let step = (LANES * near.brick_count()).div_ceil(MOST_ASKED);
+    let asked: Vec<usize> = (0..near.brick_count()).step_by(step).collect();
     let of_brick = |&b: &usize| {
         let brick = grid.origin + entry_brick(near.entry(b), grid.dims);
         let point = |i: usize| grid.position(brick * BRICK_SIDE as i32 + 2 + 4 * cell_corner(i));
