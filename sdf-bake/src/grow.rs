@@ -2,26 +2,9 @@
 
 use glam::IVec3;
 
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
+use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
 
 impl BrickGrid {
-    /// Gives pool bricks to all wholly inside neighbours that the band of one of `slots` reaches.
-    ///
-    /// New bricks hold -band everywhere: [`BrickGrid::redistance`] fills them. Returns their slots.
-    pub fn grow_inwards(&mut self, slots: &[u32]) -> Vec<u32> {
-        let mut added = Vec::new();
-        for &slot in slots {
-            let brick = self.bricks[slot as usize];
-            for i in (0..27).filter(|&i| i != 13) {
-                let step = IVec3::new(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
-                if self.slot(brick + step) == INSIDE && self.band_reaches(slot, step) {
-                    added.push(self.add_inside_brick(brick + step));
-                }
-            }
-        }
-        added
-    }
-
     /// Returns bricks that are wholly beyond the band to the index. Slots change; the order of bricks stays. Inside
     /// bricks with a weld label are kept: it says what an opened surface would show.
     pub fn release_uniform_bricks(&mut self) -> usize {
@@ -49,7 +32,8 @@ impl BrickGrid {
         before - kept
     }
 
-    /// Slot of the brick at `brick` [bricks], which is given one if it is wholly inside; `None` outside.
+    /// Slot of the brick at `brick` [bricks], which is given one if it is wholly inside; `None` outside. A new brick holds
+    /// -band everywhere.
     pub fn open_inside_brick(&mut self, brick: IVec3) -> Option<u32> {
         match self.slot(brick) {
             OUTSIDE => None,
@@ -68,19 +52,6 @@ impl BrickGrid {
         self.extend_channels();
         slot
     }
-
-    /// Whether a voxel on the side of `slot` that faces `step` is nearer to the surface than the band
-    /// less the way to the neighbour's first voxel.
-    fn band_reaches(&self, slot: u32, step: IVec3) -> bool {
-        let reach = -self.band + (step.as_vec3().length() * self.voxel as f32).min(self.band);
-        let range = |s: i32| match s {
-            -1 => 0..1,
-            0 => 0..BRICK_SIDE,
-            _ => BRICK_SIDE - 1..BRICK_SIDE,
-        };
-        let values = &self.phi[slot as usize * BRICK_VOXELS..(slot as usize + 1) * BRICK_VOXELS];
-        range(step.x).any(|x| range(step.y).any(|y| range(step.z).any(|z| values[x << 6 | y << 3 | z] > reach)))
-    }
 }
 
 #[cfg(test)]
@@ -93,10 +64,6 @@ mod tests {
         BrickGrid::from_distance(-half, half, 0.0005, 3.0, move |p| p.z - height)
     }
 
-    fn all_slots(grid: &BrickGrid) -> Vec<u32> {
-        (0..grid.brick_count() as u32).collect()
-    }
-
     #[test]
     fn a_surface_that_sank_gets_bricks_below_it_filled_with_distances() {
         let mut grid = slab(0.001);
@@ -105,10 +72,11 @@ mod tests {
         for phi in &mut grid.phi {
             *phi = if phi.abs() < grid.band { (*phi + sunk as f32).min(grid.band) } else { *phi };
         }
-        let added = grid.grow_inwards(&all_slots(&grid));
-        assert_eq!(added.len(), (grid.dims.x * grid.dims.y) as usize, "one layer below z = 0");
-        assert_eq!(grid.brick_count(), before + added.len());
-        grid.redistance(&all_slots(&grid));
+        for brick in grid.bricks.clone().into_iter().filter(|brick| brick.z == 0) {
+            assert_eq!(grid.open_inside_brick(brick - IVec3::Z), Some(grid.brick_count() as u32 - 1));
+        }
+        assert_eq!(grid.brick_count(), before + (grid.dims.x * grid.dims.y) as usize, "one layer below z = 0");
+        grid.redistance(&(0..grid.brick_count() as u32).collect::<Vec<_>>());
         assert_eq!(grid.sanity_check(), Ok(()));
         let expected = slab(0.001 - sunk);
         for z in -8..10 {

@@ -128,7 +128,7 @@ fn add_crossings(facet: &Facet, low: DVec3, crossings: &mut Crossings) {
     let first_row = (least.y - low.y).ceil().max(0.0) as usize;
     let rows = ((most.y - low.y).floor() as usize + 1).min(BRICK_SIDE);
     for row in first_row..rows {
-        let Some([up, down]) = edges_at(facet, low.y + row as f64) else { continue };
+        let Some([up, down]) = edges_at(&facet.corners, low.y + row as f64) else { continue };
         let (left, right, sign) = if up.x > down.x { (down, up, 1) } else { (up, down, -1) };
         let first_column = (left.x - low.x).ceil().max(0.0) as usize;
         for column in first_column..BRICK_SIDE {
@@ -145,12 +145,12 @@ fn add_crossings(facet: &Facet, low: DVec3, crossings: &mut Crossings) {
     }
 }
 
-/// Where the triangle's outline passes `y` upwards and where downwards.
+/// Where a triangle's outline passes `y` upwards and where downwards.
 #[inline(always)]
-fn edges_at(facet: &Facet, y: f64) -> Option<[DVec3; 2]> {
+pub(super) fn edges_at(corners: &[DVec3; 3], y: f64) -> Option<[DVec3; 2]> {
     let (mut up, mut down) = (None, None);
     for i in 0..3 {
-        let (from, to) = (facet.corners[i], facet.corners[(i + 1) % 3]);
+        let (from, to) = (corners[i], corners[(i + 1) % 3]);
         if (from.y <= y) != (to.y <= y) {
             // From the lower end, so that both triangles at an edge compute the same.
             let (low, high) = if from.y < to.y { (from, to) } else { (to, from) };

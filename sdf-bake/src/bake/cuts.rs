@@ -8,11 +8,13 @@ use super::skin::Corners;
 ///
 /// - `tolerance`: points closer than this to a plane lie in it, in the unit of the corners
 pub(super) fn meeting(t: &Corners, u: &Corners, tolerance: f64) -> Vec<[DVec3; 2]> {
-    let (Some(normal), Some(other)) = (normal(t), normal(u)) else { return Vec::new() };
-    let heights = |of: &Corners, corner: DVec3, normal: DVec3| {
-        of.map(|p| Some(normal.dot(p - corner)).filter(|height| height.abs() > tolerance).unwrap_or(0.0))
+    let over = |of: &Corners, base: &Corners| {
+        let normal = normal(base)?;
+        let height = |p: DVec3| Some(normal.dot(p - base[0])).filter(|h| h.abs() > tolerance).unwrap_or(0.0);
+        Some((of.map(height), normal)).filter(|(heights, _)| !is_on_one_side(heights))
     };
-    let (u_over_t, t_over_u) = (heights(u, t[0], normal), heights(t, u[0], other));
+    let Some((u_over_t, normal)) = over(u, t) else { return Vec::new() };
+    let Some((t_over_u, _)) = over(t, u) else { return Vec::new() };
     if u_over_t == [0.0; 3] || t_over_u == [0.0; 3] {
         return (0..3).map(|i| [u[i], u[(i + 1) % 3]]).filter_map(|edge| within(edge, t, normal, tolerance)).collect();
     }
@@ -25,26 +27,23 @@ pub(super) fn meeting(t: &Corners, u: &Corners, tolerance: f64) -> Vec<[DVec3; 2
     if line.dot(last - first) > tolerance { vec![[first, last]] } else { Vec::new() }
 }
 
+fn is_on_one_side(heights: &[f64; 3]) -> bool {
+    heights.iter().all(|&height| height > 0.0) || heights.iter().all(|&height| height < 0.0)
+}
+
 fn normal([a, b, c]: &Corners) -> Option<DVec3> {
     (b - a).cross(c - a).try_normalize()
 }
 
-/// The segment of a triangle in a plane over which its corners have the given heights.
+/// The segment of a triangle in a plane over which its corners have the given heights, not all 0.
 fn in_plane(corners: &Corners, heights: [f64; 3]) -> Option<[DVec3; 2]> {
-    let mut points = Vec::with_capacity(3);
-    for i in 0..3 {
+    let mut points = (0..3).flat_map(|i| {
         let (here, next) = (heights[i], heights[(i + 1) % 3]);
-        if here == 0.0 {
-            points.push(corners[i]);
-        }
-        if here * next < 0.0 {
-            points.push(corners[i].lerp(corners[(i + 1) % 3], here / (here - next)));
-        }
-    }
-    match points[..] {
-        [a, b] => Some([a, b]),
-        _ => None,
-    }
+        let corner = (here == 0.0).then_some(corners[i]);
+        let crossing = (here * next < 0.0).then(|| corners[i].lerp(corners[(i + 1) % 3], here / (here - next)));
+        corner.into_iter().chain(crossing)
+    });
+    Some([points.next()?, points.next()?])
 }
 
 /// The part of a segment over a convex polygon of whose plane it is.

@@ -6,6 +6,7 @@
 //! lattice's columns (`columns.rs`). A soup is signed by the generalised winding number instead (`sign.rs`,
 //! [`WindingTree`]).
 
+mod closed;
 mod columns;
 mod cuts;
 mod distance;

@@ -5,19 +5,13 @@
 //! winding number above one half on both sides serves the sign only. From outside, nothing changes: the nearest
 //! point of all triangles is on the surface of the whole anyway.
 
-use std::time::Duration;
-
-use glam::{DVec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
+use glam::DVec3;
 use rayon::prelude::*;
 
+use super::closed::BoxTree;
 use super::cuts;
 use super::holes::Closed;
 use super::skin::Corners;
-use super::winding::WindingTree;
 use crate::Mesh;
 use crate::clean::EdgeMap;
 
@@ -99,10 +93,10 @@ fn overlapping(boxes: &[Bounds], margin: f64) -> Vec<Vec<usize>> {
 /// - `voxel`: distance between voxels [m]
 pub(super) fn within(closed: &Closed, edges: &EdgeMap, bodies: &Bodies, voxel: f64) -> Option<Walls> {
     let mesh: &Mesh = &closed.mesh;
-    let segments = segments(mesh, bodies, TOLERANCE * voxel);
     let mut corners: Vec<Corners> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
     corners.extend_from_slice(&closed.patches);
-    let sides = Sides { tree: WindingTree::of(corners), aside: ASIDE * voxel };
+    let sides = Sides { boxes: BoxTree::new(corners, TOLERANCE * voxel), aside: ASIDE * voxel };
+    let segments = segments(mesh, bodies, &sides.boxes, TOLERANCE * voxel);
     let mut is_wall = whole_triangles(mesh, edges, bodies, &segments, &sides);
     let cut: Vec<(usize, Vec<Corners>)> = (0..mesh.triangles.len())
         .into_par_iter()
@@ -128,7 +122,8 @@ pub(super) fn within(closed: &Closed, edges: &EdgeMap, bodies: &Bodies, voxel: f
 
 /// What is on the two sides of a piece of surface.
 struct Sides {
-    tree: WindingTree,
+    /// The closed surface.
+    boxes: BoxTree,
     /// How far off the piece to look [m].
     aside: f64,
 }
@@ -138,37 +133,30 @@ impl Sides {
         let step = self.aside * (b - a).cross(c - a).normalize_or_zero();
         let middle = (a + b + c) / 3.0;
         // The inner side is inside nearly always, so the outer one is asked first.
-        self.tree.winding_number(middle + step) > 0.5 && self.tree.winding_number(middle - step) > 0.5
+        self.boxes.winding_number(middle + step) > 0 && self.boxes.winding_number(middle - step) > 0
     }
 }
 
 /// Where other triangles meet each triangle.
-fn segments(mesh: &Mesh, bodies: &Bodies, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
-    let centre = mesh.bounds().map_or(DVec3::ZERO, |(low, high)| low.midpoint(high));
-    let margin = (tolerance + 1e-6 * mesh.diagonal()) as f32;
-    let outer_box = |&t: &u32| {
-        let [a, b, c] = mesh.corners(t as usize).map(|corner| (corner - centre).as_vec3());
-        Aabb::new(Vec3A::from(a.min(b).min(c)) - margin, Vec3A::from(a.max(b).max(c)) + margin)
-    };
-    let boxes: Vec<Aabb> = bodies.suspects.iter().map(outer_box).collect();
-    let tree: Bvh2 = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
-    let of_suspect = |i: usize| {
-        let t = bodies.suspects[i] as usize;
+///
+/// - `boxes`: the mesh's triangles first
+fn segments(mesh: &Mesh, bodies: &Bodies, boxes: &BoxTree, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
+    let mut is_suspect = vec![false; boxes.triangles.len()];
+    bodies.suspects.iter().for_each(|&t| is_suspect[t as usize] = true);
+    let of_suspect = |&t: &u32| {
+        let t = t as usize;
         let mut others = Vec::new();
-        tree.aabb_traverse(boxes[i], |tree, node| {
-            let node = &tree.nodes[node as usize];
-            let leaves = &tree.primitive_indices[node.first_index as usize..][..node.prim_count as usize];
-            others.extend(leaves.iter().map(|&leaf| bodies.suspects[leaf as usize] as usize));
-            true
+        boxes.near(t, |u| {
+            if u != t && is_suspect[u] && bodies.may_meet(mesh, t, u) {
+                others.push(u);
+            }
         });
-        others.retain(|&u| u != t && bodies.may_meet(mesh, t, u));
         others.sort_unstable();
-        let corners = mesh.corners(t);
-        let met = others.iter().flat_map(|&u| cuts::meeting(&corners, &mesh.corners(u), tolerance));
+        let met = others.iter().flat_map(|&u| cuts::meeting(&boxes.triangles[t], &boxes.triangles[u], tolerance));
         (t, met.collect::<Vec<_>>())
     };
     let mut segments = vec![Vec::new(); mesh.triangles.len()];
-    for (t, met) in (0..boxes.len()).into_par_iter().map(of_suspect).collect::<Vec<_>>() {
+    for (t, met) in bodies.suspects.par_iter().map(of_suspect).collect::<Vec<_>>() {
         segments[t] = met;
     }
     segments

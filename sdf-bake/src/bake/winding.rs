@@ -1,7 +1,8 @@
 //! Generalised winding number by a tree of dipoles.
 //!
 //! Jacobson, Kavan & Sorkine-Hornung 2013 define it; Barill et al. 2018 replace far clusters by their area-weighted
-//! dipole. Near triangles use the exact solid angle (van Oosterom & Strackee 1983).
+//! dipole. Near triangles use the exact solid angle (van Oosterom & Strackee 1983). Points are asked about in groups, a
+//! lane each: one walk through the tree serves all, and what is far must be far from each of them.
 
 use std::f64::consts::PI;
 
@@ -52,28 +53,56 @@ impl WindingTree {
 
     /// Winding number at a point [m]: 1 inside a closed outward-oriented surface, 0 outside.
     pub fn winding_number(&self, point: DVec3) -> f64 {
-        let mut far_angle = 0.0;
+        self.winding_numbers(&[point])[0]
+    }
+
+    /// Winding numbers at points [m], which cost less the closer together they are.
+    pub fn winding_numbers<const N: usize>(&self, points: &[DVec3; N]) -> [f64; N] {
+        pulp::Arch::new().dispatch(Walk { tree: self, points })
+    }
+}
+
+/// A call that is compiled for each kind of lanes; all that it calls is inlined into it.
+struct Walk<'a, const N: usize> {
+    tree: &'a WindingTree,
+    points: &'a [DVec3; N],
+}
+
+impl<const N: usize> pulp::NullaryFnOnce for Walk<'_, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn call(self) -> [f64; N] {
+        let WindingTree { nodes, triangles } = self.tree;
+        let points = [0, 1, 2].map(|axis| self.points.map(|point| point[axis]));
+        let mut far_angle = [0.0; N];
         let mut near_angle = AngleSum::ZERO;
         let mut stack = [0u32; 64];
-        let mut depth = usize::from(!self.nodes.is_empty());
+        let mut depth = usize::from(!nodes.is_empty());
         while depth > 0 {
             depth -= 1;
             let at = stack[depth];
-            let node = &self.nodes[at as usize];
-            let away = node.centre - point;
-            let squared = away.length_squared();
-            if squared > (FAR * node.radius).powi(2) {
-                far_angle += node.dipole.dot(away) / (squared * squared.sqrt());
+            let node = &nodes[at as usize];
+            let away = from_points(node.centre, &points);
+            let squared: [f64; N] = std::array::from_fn(|i| dot(&away, &away, i));
+            if squared.iter().fold(f64::INFINITY, |least, &squared| least.min(squared)) > (FAR * node.radius).powi(2) {
+                let [x, y, z] = node.dipole.to_array();
+                for i in 0..N {
+                    let along = x * away[0][i] + y * away[1][i] + z * away[2][i];
+                    far_angle[i] += along / (squared[i] * squared[i].sqrt());
+                }
             } else if node.second_child == 0 {
-                let leaf = &self.triangles[node.first as usize..][..node.count as usize];
-                leaf.iter().for_each(|corners| near_angle.add(half_solid_angle(corners, point)));
+                let leaf = &triangles[node.first as usize..][..node.count as usize];
+                for corners in leaf {
+                    near_angle.add(half_solid_angle(corners, &points));
+                }
             } else {
                 stack[depth] = node.second_child;
                 stack[depth + 1] = at + 1;
                 depth += 2;
             }
         }
-        (far_angle + 2.0 * near_angle.angle()) / (4.0 * PI)
+        std::array::from_fn(|i| (far_angle[i] + 2.0 * near_angle.angle(i)) / (4.0 * PI))
     }
 }
 
@@ -109,45 +138,64 @@ fn summarise(triangles: &[[DVec3; 3]], first: u32) -> Node {
     Node { centre, dipole, radius, first, count: triangles.len() as u32, second_child: 0 }
 }
 
-/// A sum of angles between −π and π, kept as a product of complex numbers and a count of full turns: one arc tangent
-/// for the whole sum.
-struct AngleSum {
-    /// Real and imaginary part of the product, of any magnitude.
-    product: [f64; 2],
-    turns: i32,
+/// A number for each axis and lane.
+type Lanes<const N: usize> = [[f64; N]; 3];
+
+#[inline(always)]
+fn from_points<const N: usize>(to: DVec3, points: &Lanes<N>) -> Lanes<N> {
+    let [x, y, z] = points;
+    [x.map(|x| to.x - x), y.map(|y| to.y - y), z.map(|z| to.z - z)]
 }
 
-impl AngleSum {
-    const ZERO: Self = Self { product: [1.0, 0.0], turns: 0 };
+#[inline(always)]
+fn dot<const N: usize>(a: &Lanes<N>, b: &Lanes<N>, i: usize) -> f64 {
+    a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i]
+}
 
-    /// Adds the angle of the complex number `[x, y]`; zero adds nothing.
-    fn add(&mut self, [x, y]: [f64; 2]) {
-        let size = x.abs() + y.abs();
-        if size == 0.0 {
-            return;
+/// Sums of angles between −π and π, kept as a product of complex numbers and a count of full turns: one arc tangent
+/// for the whole sum of a lane.
+struct AngleSum<const N: usize> {
+    /// Real and imaginary parts of the products, |re| + |im| = 1.
+    product: [[f64; N]; 2],
+    turns: [f64; N],
+}
+
+impl<const N: usize> AngleSum<N> {
+    const ZERO: Self = Self { product: [[1.0; N], [0.0; N]], turns: [0.0; N] };
+
+    /// Adds the angles of complex numbers `[x, y]`; zero adds nothing.
+    #[inline(always)]
+    fn add(&mut self, [x, y]: [[f64; N]; 2]) {
+        let [re, im] = &mut self.product;
+        for i in 0..N {
+            let (a, b) = (re[i], im[i]);
+            let (c, d) = (a * x[i] - b * y[i], a * y[i] + b * x[i]);
+            let size = c.abs() + d.abs();
+            let over = (b > 0.0) & (y[i] > 0.0) & (d < 0.0);
+            let under = (b < 0.0) & (y[i] < 0.0) & (d > 0.0);
+            self.turns[i] += f64::from(u8::from(over)) - f64::from(u8::from(under));
+            let scale = 1.0 / size;
+            re[i] = if size > 0.0 { c * scale } else { a };
+            im[i] = if size > 0.0 { d * scale } else { b };
         }
-        let (x, y) = (x / size, y / size);
-        let [a, b] = self.product;
-        let [re, im] = [a * x - b * y, a * y + b * x];
-        if b > 0.0 && y > 0.0 && im < 0.0 {
-            self.turns += 1;
-        } else if b < 0.0 && y < 0.0 && im > 0.0 {
-            self.turns -= 1;
-        }
-        // Each factor is at least 1/√2 long; this keeps long products from fading away.
-        let scale = if re.abs() + im.abs() < 1e-100 { 1e100 } else { 1.0 };
-        self.product = [re * scale, im * scale];
     }
 
-    fn angle(&self) -> f64 {
-        self.product[1].atan2(self.product[0]) + 2.0 * PI * f64::from(self.turns)
+    fn angle(&self, i: usize) -> f64 {
+        self.product[1][i].atan2(self.product[0][i]) + 2.0 * PI * self.turns[i]
     }
 }
 
-/// A complex number whose angle is half the signed solid angle of a triangle (van Oosterom & Strackee 1983, Eq. 8).
-fn half_solid_angle(corners: &[DVec3; 3], point: DVec3) -> [f64; 2] {
-    let [a, b, c] = corners.map(|p| p - point);
-    let (la, lb, lc) = (a.length(), b.length(), c.length());
-    let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    [denominator, a.dot(b.cross(c))]
+/// Complex numbers whose angles are half the signed solid angles of a triangle (van Oosterom & Strackee 1983, Eq. 8).
+#[inline(always)]
+fn half_solid_angle<const N: usize>(corners: &[DVec3; 3], points: &Lanes<N>) -> [[f64; N]; 2] {
+    let [a, b, c] = corners.map(|corner| from_points(corner, points));
+    let mut angle = [[0.0; N]; 2];
+    for i in 0..N {
+        let [la, lb, lc] = [&a, &b, &c].map(|corner| dot(corner, corner, i).sqrt());
+        angle[0][i] = la * lb * lc + dot(&a, &b, i) * lc + dot(&b, &c, i) * la + dot(&c, &a, i) * lb;
+        angle[1][i] = a[0][i] * (b[1][i] * c[2][i] - b[2][i] * c[1][i])
+            + a[1][i] * (b[2][i] * c[0][i] - b[0][i] * c[2][i])
+            + a[2][i] * (b[0][i] * c[1][i] - b[1][i] * c[0][i]);
+    }
+    angle
 }
