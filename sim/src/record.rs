@@ -4,12 +4,20 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Contact;
-use crate::step::Removal;
 
 /// Height above the first and last contact at which a log that starts in contact is begun and ended [m].
 const CLEARANCE: f64 = 5e-3;
 /// Least time between two rows of the log [s].
 const LOG_PERIOD: f64 = 0.01;
+
+/// What a step took off.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Removal {
+    /// By Eq. (1) [m³].
+    pub volume: f64,
+    /// Of the coating, by Eq. (2) [m³].
+    pub coating_volume: f64,
+}
 
 /// One row of the log, as robot and force sensor would report it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -13,6 +13,7 @@ use crate::decay::Decay;
 use crate::effect::{RunError, Variable};
 use crate::extent::Extent;
 use crate::physics::Physics;
+use crate::record::Removal;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells, Under};
@@ -362,15 +363,6 @@ impl Step {
     pub fn recession_max(&self) -> f64 {
         self.recession.iter().copied().fold(0.0, f64::max)
     }
-}
-
-/// What a step took off.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Removal {
-    /// By Eq. (1) [m³].
-    pub volume: f64,
-    /// Of the coating, by Eq. (2) [m³].
-    pub coating_volume: f64,
 }
 
 /// One lane at one end.

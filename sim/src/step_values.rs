@@ -4,7 +4,7 @@ use crate::contact::Contact;
 use crate::control::Motion;
 use crate::effect::{StepValues, Variable};
 use crate::pass::Pass;
-use crate::step::Removal;
+use crate::record::Removal;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
 
