@@ -3,6 +3,7 @@
 mod backends;
 mod bake;
 mod demo;
+mod diagnose;
 mod effects;
 mod flags;
 mod model_flags;
@@ -56,6 +57,8 @@ enum Verb {
     Render(render::RenderArgs),
     /// Open every file of an asset and hold it against the others.
     Validate(validate::ValidateArgs),
+    /// Find out which effect a model lacks, from the scans of a campaign.
+    Diagnose(diagnose::DiagnoseArgs),
     /// List, show and check laws and effects; add them to a model or remove them.
     Effects(effects::EffectsArgs),
     /// List the devices that can compute, and check them against the CPU.
@@ -91,6 +94,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
+        Verb::Diagnose(args) => diagnose::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),
     }

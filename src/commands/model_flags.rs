@@ -66,6 +66,11 @@ impl ModelFlags {
         Ok(model)
     }
 
+    /// The model file, or the base law of the process with its defaults.
+    pub(super) fn model(&self, process: Process, library: &Library) -> Result<Model> {
+        self.read(process, "", library)
+    }
+
     /// As [`ModelFlags::compile`], for whichever process the file is for; without a file, for grinding.
     pub(super) fn compile_any(&self, law: &str, rows: RowCounts) -> Result<CompiledModel> {
         let library = self.own.library()?;

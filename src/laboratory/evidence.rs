@@ -1,6 +1,6 @@
 //! What a model is held against, whatever the data are.
 
-use sim::effect::{CompiledModel, Process, RowCounts, RunError};
+use sim::effect::{CompiledModel, Effect, Process, RowCounts, RunError};
 use thiserror::Error;
 
 use crate::campaign_twin::CampaignError;
@@ -28,6 +28,20 @@ pub enum EvidenceError {
     NoData(String),
 }
 
+/// How well a model describes one scan, or one table.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Agreement {
+    /// Which data, for people.
+    pub about: String,
+    /// Root mean square of measured minus simulated over what the tool may have touched: heights [m], distances of the
+    /// border of what is exposed [m], or logarithms of removal [1].
+    pub rms: f64,
+    /// What a perfect model would leave.
+    pub floor: f64,
+    /// Mean of what was removed, in the same unit; what small errors are small against.
+    pub scale: f64,
+}
+
 /// Data of a campaign, which can be predicted with a model again and again.
 pub trait Evidence: Sync {
     /// What the tool does.
@@ -41,6 +55,15 @@ pub trait Evidence: Sync {
     /// # Errors
     /// When the model cannot be simulated.
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError>;
+
+    /// How well a model describes each scan of a split.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError>;
+
+    /// Why an effect cannot show in these data, if so.
+    fn is_blind_to(&self, effect: &Effect) -> Option<String>;
 
     /// For each residual the number of its block: neighbours that may still depend on each other.
     fn blocks(&self, split: Split) -> Vec<usize>;

@@ -138,7 +138,7 @@ impl Fit {
                 if left == 0 {
                     break;
                 }
-                self.differentiate(evidence);
+                self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
                 (left, fresh) = (left - 1, true);
             }
             let before = (self.at.clone(), self.residuals.clone(), self.chi2);
@@ -166,11 +166,21 @@ impl Fit {
         self.jacobian += missing * way.transpose();
     }
 
-    /// Renews the derivatives.
-    pub fn differentiate(&mut self, evidence: &dyn Evidence) {
-        let columns: Vec<(Vec<f64>, usize)> =
-            (0..self.at.len()).into_par_iter().map(|k| self.derivative(evidence, k)).collect();
-        for (k, (column, runs)) in columns.into_iter().enumerate() {
+    /// As a start, the derivatives that another fit found for its own coordinates; the others are made here.
+    pub fn borrow_derivatives(&mut self, evidence: &dyn Evidence, other: &Self) {
+        let known = |k: usize| other.coordinates.iter().position(|c| c.slot.name() == self.coordinates[k].slot.name());
+        let (lent, missing): (Vec<usize>, Vec<usize>) = (0..self.at.len()).partition(|&k| known(k).is_some());
+        for k in lent {
+            let column = known(k).map(|from| other.jacobian.column(from).into_owned());
+            column.iter().for_each(|column| self.jacobian.set_column(k, column));
+        }
+        self.differentiate(evidence, &missing);
+    }
+
+    /// Renews the derivatives along some coordinates.
+    fn differentiate(&mut self, evidence: &dyn Evidence, along: &[usize]) {
+        let columns: Vec<(Vec<f64>, usize)> = along.par_iter().map(|&k| self.derivative(evidence, k)).collect();
+        for (&k, (column, runs)) in along.iter().zip(columns) {
             self.jacobian.set_column(k, &DVector::from_vec(column));
             self.runs += runs;
         }

@@ -94,6 +94,22 @@ impl HeightView {
         let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
         (0..self.measured.heights.len()).map(left).collect()
     }
+
+    /// Root mean square of what is left over the tiles' pixels, what the scans' noise alone would leave, and the mean
+    /// depth that was removed [m].
+    ///
+    /// - `noise`: root mean square of one scan's noise [m]
+    pub fn agreement(&self, simulated: &HeightMap, before: &HeightMap, noise: f64) -> [f64; 3] {
+        let left = self.left(simulated);
+        let (mut squares, mut floor, mut removed, mut count) = (0.0, 0.0, 0.0, 0.0);
+        for (tile, at) in self.tiles.pixels().filter(|(_, at)| left[*at].is_finite()) {
+            squares += left[at] * left[at];
+            floor += noise * noise * (1.0 + self.before_share[tile].powi(2));
+            removed += before.heights[at] - simulated.heights[at];
+            count += 1.0;
+        }
+        [(squares / count).sqrt(), (floor / count).sqrt(), removed / count]
+    }
 }
 
 /// Middle of a map and half of its diagonal [m].

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
-use sim::effect::{CompiledModel, Process, RowCounts};
+use sim::effect::{CompiledModel, Effect, Process, RowCounts};
 
 use super::blur::blurred;
 use super::covariance::TileNoise;
-use super::evidence::{Evidence, EvidenceError, Split};
+use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::fit::robust_sum;
 use super::height_view::HeightView;
@@ -25,6 +25,8 @@ const LEAST_SIDE: usize = 3;
 const MOST_TILES: usize = 1000;
 /// Tiles along and across that share a block.
 const BLOCK: usize = 4;
+/// Steps of a simulation beyond which it is given up, times those of the base model's longest pass.
+const MOST_STEPS: usize = 12;
 /// Widest blur that is looked for [pixels], and values tried.
 const MOST_BLUR: f64 = 2.0;
 const BLUR_STEPS: usize = 40;
@@ -138,15 +140,24 @@ impl<'a> ScanEvidence<'a> {
         })
     }
 
+    /// Gives up simulations that take far longer than this one.
+    fn limit_steps(&mut self, passes: &[Vec<SimulatedPass>]) {
+        let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
+        for twin in &mut self.twin.trials {
+            twin.change_process(|process| process.most_steps = Some(MOST_STEPS * most.max(1000)));
+        }
+    }
+
     /// Finds the instrument's blur from the rims of what the tool cut, which physics leaves sharp.
     ///
     /// # Errors
     /// When the model cannot be simulated.
     pub fn find_blur(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        let passes = self.simulate(model, Split::Calibration)?;
+        self.limit_steps(&passes);
         if self.process() == Process::Sanding {
             return Ok(());
         }
-        let passes = self.simulate(model, Split::Calibration)?;
         let pitch = self.twin.trials[0].trial.scans.before.pixels.pitch;
         let scans: Vec<&ScanView> = self.of(Split::Calibration).collect();
         let cost = |blur: f64| -> Result<f64, EvidenceError> {
@@ -189,6 +200,33 @@ impl Evidence for ScanEvidence<'_> {
         let passes = self.simulate(model, split)?;
         let scans = self.of(split).map(|view| self.whitened(view, (&passes, model), self.blur));
         Ok(scans.collect::<Result<Vec<_>, _>>()?.concat())
+    }
+
+    fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
+        let passes = self.simulate(model, split)?;
+        let agreement = |view: &ScanView| {
+            let pass = &passes[view.trial][view.pass];
+            let about = format!("{} pass {}", self.twin.trials[view.trial].trial.name, view.pass + 1);
+            Ok(match (&view.data, &pass.scan, pass.surface.dose_margin(model)?) {
+                (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
+                    let before = &self.twin.trials[view.trial].trial.scans.before;
+                    let [rms, floor, scale] =
+                        data.agreement(&self.seen(view, simulated), before, self.noise[view.trial].rms);
+                    Agreement { about, rms, floor, scale }
+                }
+                (ScanData::Exposure(data), _, Some(margin)) => {
+                    let scale = 0.5 * self.twin.trials[view.trial].trial.tool.half_width();
+                    Agreement { about, rms: data.border_distance(&margin), floor: data.scatter, scale }
+                }
+                _ => unreachable!("a simulated scan is like the real one"),
+            })
+        };
+        self.of(split).map(agreement).collect()
+    }
+
+    fn is_blind_to(&self, effect: &Effect) -> Option<String> {
+        let free = ["scan-tilt", "scan-shift"];
+        free.contains(&effect.name.as_str()).then(|| "every fit leaves each scan's pose free".to_owned())
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {

@@ -1,0 +1,93 @@
+//! `robofin diagnose`: what a model lacks, from the scans of a campaign.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use sim::effect::{Library, Model};
+
+use super::flags::OutFlags;
+use super::model_flags::ModelFlags;
+use crate::console::Console;
+use crate::folder::StagedFolder;
+use crate::laboratory::{Diagnosis, DiagnosisSummary, Evidence, ScanEvidence, calibrate};
+use crate::trial::Campaign;
+
+/// The file by which a result folder is known.
+const DIAGNOSIS_FILE: &str = "diagnosis.json";
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  robofin diagnose trials --out out/diagnosis\n  \
+                  robofin diagnose trials --model model.toml --effects my-effects --out out/diagnosis --json")]
+pub(super) struct DiagnoseArgs {
+    /// Folder of trial folders, or one trial folder.
+    campaign: PathBuf,
+    #[command(flatten)]
+    out: OutFlags,
+    #[command(flatten)]
+    model: ModelFlags,
+    /// Seed of the draws that tell chance from effect.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
+    let campaign = Campaign::read(&args.campaign)?;
+    let folder = StagedFolder::new(&args.out.out, DIAGNOSIS_FILE, args.out.force)?;
+    let library = args.model.own.library()?;
+    let started = Instant::now();
+    let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
+    let model = args.model.model(evidence.process(), &library)?;
+    console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
+    let fit = first_fit(&mut evidence, &model, &library)?;
+    console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
+    let bar = console.bar("effects", 100);
+    let told = |_: &str, done: usize, all: usize| bar.set_position((100 * done / all.max(1)) as u64);
+    let diagnosis = Diagnosis::new(&evidence, (&model, fit), &library, (args.seed, &told))?;
+    bar.finish_and_clear();
+    let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
+    let summary = DiagnosisSummary::new(&evidence, &diagnosis, &title)?;
+    let write = |name: &str, text: String| {
+        std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
+    };
+    write(DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
+    write("model.toml", diagnosis.model.to_text(&library))?;
+    describe(&summary, console);
+    let place = folder.commit()?;
+    console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
+    console.answer(&summary)
+}
+
+/// Fits the model, with the instrument's blur found in between.
+fn first_fit(evidence: &mut ScanEvidence, model: &Model, library: &Library) -> Result<crate::laboratory::Fit> {
+    let first = calibrate(evidence, model, library)?;
+    evidence.find_blur(&first.model)?;
+    let second = calibrate(evidence, &crate::laboratory::with_values(model, &first), library)?;
+    Ok(second)
+}
+
+fn describe(summary: &DiagnosisSummary, console: &Console) {
+    console.step("verdict", &summary.sentence);
+    for step in &summary.waterfall {
+        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} µm held out"));
+        console.step("error", format!("{}: {:.2} µm{held_out}", step.step, step.calibration_rms_um));
+    }
+    console.step("floor", format!("{:.2} µm", summary.noise_floor_um));
+    for effect in &summary.suspects {
+        let values: Vec<String> =
+            effect.parameters.iter().map(|(name, p)| format!("{name} = {:.4} {}", p.value, p.unit)).collect();
+        console.step(
+            "suspect",
+            format!(
+                "{}: {:.3}, gain {:.1}, chance {:.3}; {}",
+                effect.name,
+                effect.probability,
+                effect.gain,
+                effect.chance,
+                values.join(", ")
+            ),
+        );
+    }
+}

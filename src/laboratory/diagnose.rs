@@ -1,0 +1,274 @@
+//! What a model lacks: every effect of the library tried beside the base parameters, the best fitted, chance and
+//! look-alikes weighed, and one verdict.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use sim::effect::{Library, Model, candidates};
+
+use super::coordinates::Coordinate;
+use super::detectable::{Detectable, detectable};
+use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::fit::{Fit, FitOptions};
+use super::probe::Candidate;
+use super::screen::{Projector, Screened};
+use super::significance::{chance, chance_gains};
+use super::suspect::{Suspect, suspects};
+
+/// Chance below which an effect is no accident.
+const CHANCE: f64 = 0.05;
+/// Least size of an effect: shares of the noise floor and of the mean removal, what the simulation itself may err by.
+const SIZE: (f64, f64) = (0.3, 0.005);
+/// Share of the mean removal that may stay unexplained before something unknown is said to be at work, and of the floor.
+const UNEXPLAINED: (f64, f64) = (0.01, 0.6);
+/// Probability from which an effect is named alone.
+const CERTAIN: f64 = 0.9;
+/// Difference of two effects' sums of squares from which data tell them apart: 5 % level, 80 % power.
+const SEPARABLE: f64 = 7.85;
+/// Flattens probabilities: residuals are not quite normal.
+const TEMPERATURE: f64 = 2.0;
+/// Effects that may be found one after the other.
+const MOST_EFFECTS: usize = 3;
+
+/// What the data say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Effects that nothing else can stand for.
+    Identified,
+    /// One of a class of effects that these data cannot tell apart.
+    Ambiguous,
+    /// Effects were found, and more is missing.
+    Partly,
+    /// Something is missing that no effect of the library describes.
+    Unknown,
+    /// Nothing is missing that these data could show.
+    NothingMissing,
+    /// These data cannot show most effects.
+    NotTestable,
+}
+
+/// An effect that was found, or might be.
+#[derive(Clone)]
+pub struct Finding {
+    /// The effect fitted.
+    pub suspect: Suspect,
+    /// Fall of the sum of squares, over the spread of what is left.
+    pub gain: f64,
+    /// Chance that the luckiest effect gains as much without being there.
+    pub chance: f64,
+    /// Root mean square of what it explains, in the data's unit.
+    pub size: f64,
+    /// Probability among all effects that were fitted.
+    pub probability: f64,
+    /// How well it describes the calibration data.
+    pub calibration: Vec<Agreement>,
+    /// Whether it is large and sure enough to be named.
+    pub is_sound: bool,
+}
+
+/// One search for a missing effect.
+pub struct Round {
+    /// The model searched from, fitted.
+    pub base: Fit,
+    /// How well it describes the calibration data.
+    pub calibration: Vec<Agreement>,
+    /// All effects, by name.
+    pub screened: Vec<Screened>,
+    /// The effects that were fitted, most probable first.
+    pub findings: Vec<Finding>,
+    /// Standard deviation of what the best model leaves, whitened.
+    pub spread: f64,
+}
+
+/// A diagnosis.
+pub struct Diagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The searches, each with the effect of the one before.
+    pub rounds: Vec<Round>,
+    /// The model with all effects that were found.
+    pub model: Model,
+    /// Its fit.
+    pub fit: Fit,
+    /// What each effect must be to be seen.
+    pub detectable: Vec<Detectable>,
+    /// Effects that these data are blind to, and why.
+    pub blind: BTreeMap<String, String>,
+}
+
+/// Tells how far the work is: what is done, and of how many parts.
+pub type Told<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
+
+/// A model with the values of a fit.
+pub fn with_values(model: &Model, fit: &Fit) -> Model {
+    let mut values: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
+    for (slot, value) in fit.model.parameters().iter().zip(fit.model.values()) {
+        values.entry((&slot.owner, &slot.parameter)).or_default().push(*value);
+    }
+    let mut model = model.clone();
+    for ((owner, parameter), values) in values {
+        model.set(owner, parameter, &values);
+    }
+    model
+}
+
+/// Root mean square over scans.
+fn rms(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
+    (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt()
+}
+
+/// What the scans' noise does not explain.
+pub fn unexplained(of: &[Agreement]) -> f64 {
+    (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.floor).powi(2)).max(0.0).sqrt()
+}
+
+impl Round {
+    /// Whether more is left than noise and the simulation's own errors explain.
+    fn is_open(of: &[Agreement]) -> bool {
+        let tolerance = (UNEXPLAINED.0 * rms(of, |a| a.scale)).max(UNEXPLAINED.1 * rms(of, |a| a.floor));
+        unexplained(of) > tolerance
+    }
+
+    fn new(
+        evidence: &dyn Evidence,
+        (model, base): (&Model, Fit),
+        library: &Library,
+        (seed, told): (u64, Told),
+    ) -> Result<Self, EvidenceError> {
+        let projector = Projector::new(&base);
+        let model = with_values(model, &base);
+        let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
+        let tried: Vec<Candidate> =
+            tried.filter_map(|effect| Candidate::new(&model, effect, library, evidence.rows()).ok()).collect();
+        let (count, done) = (tried.len(), std::sync::atomic::AtomicUsize::new(0));
+        let screen = |candidate: Candidate| {
+            let name = candidate.name.clone();
+            let screened = Screened::new(evidence, &base, &projector, candidate);
+            told(&name, 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed), count);
+            screened
+        };
+        let screened: Vec<Screened> = tried.into_par_iter().map(screen).collect();
+        let fitted = suspects(evidence, &base, &screened, &|name| told(name, count, count));
+        let left = fitted.first().map_or(&base.residuals, |best| &best.fit.residuals);
+        let spread = (left.iter().map(|r| r * r).sum::<f64>() / left.len() as f64).sqrt().max(1.0);
+        let chances = chance_gains(&projector, &screened, left, &evidence.blocks(Split::Calibration), seed);
+        let calibration = evidence.agreement(&base.model, Split::Calibration)?;
+        let finding = |suspect: Suspect| Finding::new(evidence, suspect, (&base, &calibration), (&chances, spread));
+        let findings: Result<Vec<Finding>, EvidenceError> = fitted.into_par_iter().map(finding).collect();
+        let mut round = Self { calibration, screened, findings: findings?, spread, base };
+        round.weigh();
+        Ok(round)
+    }
+
+    /// Probabilities of the effects that gain more than chance (Schwarz 1978, tempered).
+    fn weigh(&mut self) {
+        let data = (self.base.residuals.len() as f64).ln();
+        let cost = |finding: &Finding| -finding.gain + finding.suspect.freedoms() as f64 * data;
+        let best = self.findings.iter().filter(|f| f.is_sound).map(cost).fold(f64::INFINITY, f64::min);
+        let weight = |finding: &Finding| {
+            if finding.is_sound { (-(cost(finding) - best) / (2.0 * TEMPERATURE)).exp() } else { 0.0 }
+        };
+        let weights: Vec<f64> = self.findings.iter().map(weight).collect();
+        let total: f64 = weights.iter().sum();
+        for (finding, weight) in self.findings.iter_mut().zip(weights) {
+            finding.probability = if total > 0.0 { weight / total } else { 0.0 };
+        }
+        self.findings.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
+    }
+
+    /// The most probable effect that is sound.
+    pub fn best(&self) -> Option<&Finding> {
+        self.findings.first().filter(|finding| finding.is_sound)
+    }
+
+    /// Effects that the data cannot tell from the best.
+    pub fn look_alikes(&self) -> Vec<&Finding> {
+        let Some(best) = self.best() else { return Vec::new() };
+        let near = |finding: &&Finding| finding.is_sound && best.gain - finding.gain < SEPARABLE;
+        self.findings[1..].iter().filter(near).collect()
+    }
+}
+
+impl Finding {
+    fn new(
+        evidence: &dyn Evidence,
+        suspect: Suspect,
+        (base, before): (&Fit, &[Agreement]),
+        (chances, spread): (&[f64], f64),
+    ) -> Result<Self, EvidenceError> {
+        let calibration = evidence.agreement(&suspect.fit.model, Split::Calibration)?;
+        let gain = base.chi2 - suspect.fit.chi2;
+        let size = (rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2)).max(0.0).sqrt();
+        let least = (SIZE.0 * rms(before, |a| a.floor)).max(SIZE.1 * rms(before, |a| a.scale));
+        let chance = chance(chances, gain);
+        let is_sound = chance < CHANCE && size > least && !suspect.is_null();
+        Ok(Self { suspect, gain: gain / (spread * spread), chance, size, probability: 0.0, calibration, is_sound })
+    }
+}
+
+impl Diagnosis {
+    /// Fits a model to the calibration data and searches for what it lacks.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn new(
+        evidence: &dyn Evidence,
+        (model, base): (&Model, Fit),
+        library: &Library,
+        (seed, told): (u64, Told),
+    ) -> Result<Self, EvidenceError> {
+        let (mut model, mut fit) = (model.clone(), base);
+        let mut rounds: Vec<Round> = Vec::new();
+        let mut sure = true;
+        while rounds.len() < MOST_EFFECTS {
+            let round = Round::new(evidence, (&model, fit.clone()), library, (seed, told))?;
+            let best = round.best().cloned();
+            sure = best.as_ref().is_none_or(|best| best.probability >= CERTAIN);
+            let goes_on = best.as_ref().is_some_and(|best| sure && Round::is_open(&best.calibration));
+            rounds.push(round);
+            let Some(best) = best else { break };
+            if sure {
+                model = with_values(&model.with(best.suspect.name()), &best.suspect.fit);
+                fit = best.suspect.fit;
+            }
+            if !goes_on {
+                break;
+            }
+        }
+        let seen = |round: &Round| round.screened.iter().flat_map(|s| detectable(s, round.spread)).collect::<Vec<_>>();
+        let detectable = rounds.first().map(seen).unwrap_or_default();
+        let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?))).collect();
+        let verdict = verdict(&rounds, sure, &evidence.agreement(&fit.model, Split::Calibration)?, &detectable);
+        Ok(Self { verdict, rounds, model, fit, detectable, blind })
+    }
+
+    /// The effects that were found, in order.
+    pub fn found(&self) -> Vec<&Finding> {
+        self.rounds.iter().filter_map(Round::best).collect()
+    }
+}
+
+fn verdict(rounds: &[Round], sure: bool, left: &[Agreement], detectable: &[Detectable]) -> Verdict {
+    let found = rounds.iter().filter(|round| round.best().is_some()).count();
+    match (found, Round::is_open(left)) {
+        (0, true) => Verdict::Unknown,
+        (0, false) if detectable.iter().filter(|d| d.testable).count() * 2 < detectable.len() => Verdict::NotTestable,
+        (0, false) => Verdict::NothingMissing,
+        (1, _) if !sure => Verdict::Ambiguous,
+        (_, true) => Verdict::Partly,
+        (_, _) if !sure => Verdict::Partly,
+        (_, false) => Verdict::Identified,
+    }
+}
+
+/// Fits the free parameters of a model to the calibration data.
+///
+/// # Errors
+/// When it cannot be simulated or compiled.
+pub fn calibrate(evidence: &dyn Evidence, model: &Model, library: &Library) -> anyhow::Result<Fit> {
+    let compiled = sim::effect::CompiledModel::new(model, library, evidence.rows())?;
+    let coordinates = Coordinate::of(&compiled, |_| true);
+    Ok(Fit::new(evidence, &compiled, coordinates, FitOptions::default())?)
+}

@@ -1,0 +1,229 @@
+//! A diagnosis in numbers for people and machines: units of the library, lengths in µm.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::detectable::Detectable;
+use super::diagnose::{Diagnosis, Finding, Round, Verdict};
+use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::fit::{Estimate, Fit};
+
+/// Standard deviations of a 95 % interval.
+const INTERVAL: f64 = 1.96;
+
+/// A parameter with its interval, in the library's unit.
+#[derive(Clone, Debug, Serialize)]
+pub struct ParameterSummary {
+    /// `effect.parameter`.
+    pub name: String,
+    /// Best value.
+    pub value: f64,
+    /// 95 % interval; absent where the data do not tell.
+    pub interval: Option<[f64; 2]>,
+    /// Unit.
+    pub unit: String,
+    /// What is to be known of it: on a bound, not identifiable.
+    pub note: Option<String>,
+}
+
+/// An effect that was found, or may stand for it.
+#[derive(Clone, Debug, Serialize)]
+pub struct EffectSummary {
+    /// Name in the library.
+    pub name: String,
+    /// Title in the library.
+    pub title: String,
+    /// Probability among all that were fitted.
+    pub probability: f64,
+    /// Effects that these data cannot tell from it.
+    pub indistinguishable_from: Vec<String>,
+    /// Its parameters by name.
+    pub parameters: BTreeMap<String, ParameterSummary>,
+    /// Fall of the sum of squares over the spread of what is left.
+    pub gain: f64,
+    /// Chance that the luckiest effect gains as much without being there.
+    pub chance: f64,
+    /// Held-out passes without and with it [µm]; absent where none is held out.
+    pub evaluation_rms_um_before: Option<f64>,
+    /// With it.
+    pub evaluation_rms_um_after: Option<f64>,
+}
+
+/// A step of the waterfall.
+#[derive(Clone, Debug, Serialize)]
+pub struct WaterfallStep {
+    /// What was done.
+    pub step: String,
+    /// Root mean square over the calibration scans [µm].
+    pub calibration_rms_um: f64,
+    /// Over the evaluation scans [µm]; absent where there are none.
+    pub evaluation_rms_um: Option<f64>,
+}
+
+/// The whole diagnosis.
+#[derive(Clone, Debug, Serialize)]
+pub struct DiagnosisSummary {
+    /// One word.
+    pub verdict: Verdict,
+    /// One sentence.
+    pub sentence: String,
+    /// What was found; the first is the most probable.
+    pub effects: Vec<EffectSummary>,
+    /// What the scans' noise alone would leave [µm].
+    pub noise_floor_um: f64,
+    /// What the base model leaves [µm].
+    pub base_rms_um: f64,
+    /// What is left in the end [µm].
+    pub final_rms_um: f64,
+    /// From the base model to the noise floor.
+    pub waterfall: Vec<WaterfallStep>,
+    /// All parameters of the final model.
+    pub parameters: Vec<ParameterSummary>,
+    /// Every effect that was fitted.
+    pub suspects: Vec<EffectSummary>,
+    /// The next trial; absent where no rivals are left.
+    pub next_trial: Option<serde_json::Value>,
+    /// An effect file to begin with where something unknown is at work.
+    pub suggested_effect_file: Option<String>,
+    /// What each effect must be to be seen.
+    pub detectable: Vec<Detectable>,
+    /// Effects that were not tried, and why.
+    pub blind: BTreeMap<String, String>,
+}
+
+fn rms_um(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
+    (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * 1e6
+}
+
+/// An estimate in the library's unit.
+pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
+    let (coordinate, slot) = (&estimate.coordinate, &estimate.coordinate.slot);
+    let at = coordinate.from_value(estimate.value);
+    let [least, greatest] = coordinate.bounds();
+    let wide = !estimate.sigma.is_finite() || estimate.sigma * INTERVAL > 0.5 * (greatest - least);
+    let end =
+        |sign: f64| slot.unit.from_si(coordinate.value(coordinate.clamped(at + sign * INTERVAL * estimate.sigma)));
+    let note = match (wide, estimate.bound) {
+        (true, _) => Some("not identifiable from these data".to_owned()),
+        (false, Some(bound)) => {
+            Some(format!("on its {} value", if bound == super::Bound::Least { "least" } else { "greatest" }))
+        }
+        (false, None) => None,
+    };
+    ParameterSummary {
+        name: slot.name(),
+        value: slot.unit.from_si(estimate.value),
+        interval: (!wide).then(|| [end(-1.0), end(1.0)]),
+        unit: slot.unit_text.clone(),
+        note,
+    }
+}
+
+impl EffectSummary {
+    fn new(
+        evidence: &dyn Evidence,
+        (round, finding): (&Round, &Finding),
+        title: &str,
+        before: &[Agreement],
+    ) -> Result<Self, EvidenceError> {
+        let after = evidence.agreement(&finding.suspect.fit.model, Split::Evaluation)?;
+        let own = |e: &Estimate| e.coordinate.slot.owner == finding.suspect.name();
+        let estimates = finding.suspect.fit.estimates(round.spread);
+        let row = |e: &Estimate| e.coordinate.slot.row.map_or(String::new(), |row| format!("[{}]", row + 1));
+        let parameters = estimates
+            .iter()
+            .filter(|e| own(e))
+            .map(|e| (format!("{}{}", e.coordinate.slot.parameter, row(e)), parameter_summary(e)));
+        let rms = |of: &[Agreement]| (!of.is_empty()).then(|| rms_um(of, |a| a.rms));
+        let alike = round.look_alikes().into_iter().map(|other| other.suspect.name().to_owned());
+        let is_best = round.best().is_some_and(|best| best.suspect.name() == finding.suspect.name());
+        Ok(Self {
+            name: finding.suspect.name().to_owned(),
+            title: title.to_owned(),
+            probability: finding.probability,
+            indistinguishable_from: if is_best { alike.collect() } else { Vec::new() },
+            parameters: parameters.collect(),
+            gain: finding.gain,
+            chance: finding.chance,
+            evaluation_rms_um_before: rms(before),
+            evaluation_rms_um_after: rms(&after),
+        })
+    }
+}
+
+impl DiagnosisSummary {
+    /// Sums up a diagnosis; here, and nowhere before, the evaluation data are looked at.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated.
+    pub fn new(
+        evidence: &dyn Evidence,
+        diagnosis: &Diagnosis,
+        title: &dyn Fn(&str) -> String,
+    ) -> Result<Self, EvidenceError> {
+        let (mut effects, mut suspects, mut waterfall) = (Vec::new(), Vec::new(), Vec::new());
+        let mut floor = 0.0;
+        for (number, round) in diagnosis.rounds.iter().enumerate() {
+            let before = evidence.agreement(&round.base.model, Split::Evaluation)?;
+            if number == 0 {
+                floor = rms_um(&round.calibration, |a| a.floor);
+                waterfall.push(step("base model".into(), &round.calibration, &before));
+            }
+            for (place, finding) in round.findings.iter().enumerate() {
+                let summary = EffectSummary::new(evidence, (round, finding), &title(finding.suspect.name()), &before)?;
+                if place == 0 && finding.is_sound {
+                    let after = evidence.agreement(&finding.suspect.fit.model, Split::Evaluation)?;
+                    waterfall.push(step(format!("+ {}", summary.name), &finding.calibration, &after));
+                    effects.push(summary.clone());
+                }
+                suspects.push(summary);
+            }
+        }
+        let last = evidence.agreement(&diagnosis.fit.model, Split::Calibration)?;
+        let spread = diagnosis.rounds.last().map_or(1.0, |round| round.spread);
+        Ok(Self {
+            verdict: diagnosis.verdict,
+            sentence: sentence(diagnosis.verdict, &effects),
+            effects,
+            noise_floor_um: floor,
+            base_rms_um: diagnosis.rounds.first().map_or(0.0, |round| rms_um(&round.calibration, |a| a.rms)),
+            final_rms_um: rms_um(&last, |a| a.rms),
+            waterfall,
+            parameters: parameters(&diagnosis.fit, spread),
+            suspects,
+            next_trial: None,
+            suggested_effect_file: None,
+            detectable: diagnosis.detectable.clone(),
+            blind: diagnosis.blind.clone(),
+        })
+    }
+}
+
+/// All parameters of a fit.
+pub fn parameters(fit: &Fit, spread: f64) -> Vec<ParameterSummary> {
+    fit.estimates(spread).iter().map(parameter_summary).collect()
+}
+
+fn step(step: String, calibration: &[Agreement], evaluation: &[Agreement]) -> WaterfallStep {
+    let evaluation_rms_um = (!evaluation.is_empty()).then(|| rms_um(evaluation, |a| a.rms));
+    WaterfallStep { step, calibration_rms_um: rms_um(calibration, |a| a.rms), evaluation_rms_um }
+}
+
+fn sentence(verdict: Verdict, effects: &[EffectSummary]) -> String {
+    let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_str()).collect();
+    let first = effects.first();
+    let alike = first.map_or(String::new(), |effect| effect.indistinguishable_from.join(", "));
+    match verdict {
+        Verdict::Identified => format!("The model lacks {}.", names.join(" and ")),
+        Verdict::Ambiguous => format!(
+            "The model lacks {} or an effect that these data cannot tell from it{}.",
+            names.first().unwrap_or(&"an effect"),
+            if alike.is_empty() { String::new() } else { format!(" ({alike})") }
+        ),
+        Verdict::Partly => format!("The model lacks {}, and more that was not found.", names.join(" and ")),
+        Verdict::Unknown => "Something is missing that no effect of the library describes.".to_owned(),
+        Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
+        Verdict::NotTestable => "These data cannot show most effects: nothing can be said.".to_owned(),
+    }
+}

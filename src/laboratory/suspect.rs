@@ -1,0 +1,98 @@
+//! Effects fitted together with the base parameters, and how they compare.
+
+use rayon::prelude::*;
+use sim::effect::Scale;
+
+use super::coordinates::Coordinate;
+use super::evidence::{Evidence, EvidenceError};
+use super::fit::{Fit, FitOptions};
+use super::screen::Screened;
+
+/// Effects that are fitted quickly, and those that are fitted to the end.
+const QUICK: usize = 9;
+const THOROUGH: usize = 4;
+/// Fall of the sum of squares below which an effect is not fitted.
+const LEAST_GAIN: f64 = 4.0;
+/// What the two fits may cost.
+const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
+const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 3, steps: 15 };
+
+/// An effect at its best values.
+#[derive(Clone)]
+pub struct Suspect {
+    /// The first look at it.
+    pub screened: Screened,
+    /// The fit of base and effect together.
+    pub fit: Fit,
+}
+
+impl Suspect {
+    /// Name of the effect.
+    pub fn name(&self) -> &str {
+        &self.screened.candidate.name
+    }
+
+    /// Free parameters of the effect.
+    pub fn freedoms(&self) -> usize {
+        self.screened.candidate.coordinates.len()
+    }
+
+    /// Whether the effect ended at its null, where it does nothing.
+    pub fn is_null(&self) -> bool {
+        let amplitudes = self.screened.candidate.coordinates.iter().filter(|c| c.slot.null.is_some());
+        amplitudes.clone().all(|c| {
+            let value = self.fit.model.value(c.index);
+            let [least, greatest] = c.slot.range;
+            match (c.slot.null, c.slot.scale) {
+                (Some(null), _) if value == null => true,
+                (Some(null), Scale::Log) if null.is_infinite() => value >= 0.99 * greatest,
+                (Some(null), Scale::Log) => null <= least && value <= 1.01 * least,
+                (Some(null), Scale::Linear) => (value - null).abs() < 1e-6 * (greatest - least),
+                (None, _) => true,
+            }
+        })
+    }
+
+    fn quick(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
+        let model = screened.candidate.at(&screened.best);
+        let own = |name: &str| base.coordinates.iter().any(|c| c.slot.name() == name);
+        let effect = &screened.candidate.name;
+        let coordinates = Coordinate::of(&model, |slot| own(&slot.name()) || slot.owner == *effect);
+        let mut fit = Fit::unfitted(evidence, &model, coordinates)?;
+        fit.borrow_derivatives(evidence, base);
+        Ok(Self { screened, fit: fit.refined(evidence, QUICK_FIT) })
+    }
+}
+
+/// Fits the most promising effects, the best of them thoroughly. Best first.
+pub fn suspects(
+    evidence: &dyn Evidence,
+    base: &Fit,
+    screened: &[Screened],
+    told: &(dyn Fn(&str) + Sync),
+) -> Vec<Suspect> {
+    let mut order: Vec<&Screened> = screened.iter().filter(|screened| screened.gain > LEAST_GAIN).collect();
+    order.sort_by(|a, b| b.gain.total_cmp(&a.gain).then_with(|| a.candidate.name.cmp(&b.candidate.name)));
+    order.truncate(QUICK);
+    let quick = |screened: &&Screened| {
+        let suspect = Suspect::quick(evidence, base, (*screened).clone()).ok();
+        told(&screened.candidate.name);
+        suspect
+    };
+    let mut suspects: Vec<Suspect> = order.par_iter().filter_map(quick).collect();
+    sort(&mut suspects);
+    let rest = suspects.split_off(suspects.len().min(THOROUGH));
+    let thorough = |mut suspect: Suspect| {
+        suspect.fit = suspect.fit.refined(evidence, THOROUGH_FIT);
+        told(&suspect.screened.candidate.name);
+        suspect
+    };
+    let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
+    suspects.extend(rest);
+    sort(&mut suspects);
+    suspects
+}
+
+fn sort(suspects: &mut [Suspect]) {
+    suspects.sort_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2).then_with(|| a.name().cmp(b.name())));
+}
