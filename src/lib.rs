@@ -35,6 +35,7 @@ pub mod snapshot;
 pub mod trial;
 pub mod twin;
 pub mod validate;
+pub mod virtual_lab;
 pub mod workpiece;
 
 use thiserror::Error;
