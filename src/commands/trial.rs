@@ -21,9 +21,11 @@ use crate::wrong_use;
 const MOST_TRIALS: usize = 64;
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  robofin trial synth --out out/dull --effect \"grit-dulling:dulling_volume=150 mm^3\" --size small\n  \
+#[command(
+    after_help = "Examples:\n  robofin trial synth --out out/dull --effect \"grit-dulling:dulling_volume=150 mm^3\" --size small\n  \
                         robofin trial synth --out out/riddle --random --sealed\n  \
-                        robofin trial unseal out/riddle --key out/riddle.key")]
+                        robofin trial unseal out/riddle --key out/riddle.key"
+)]
 pub(super) struct TrialArgs {
     #[command(subcommand)]
     action: Action,
@@ -101,7 +103,7 @@ enum PlanFlag {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum SizeFlag {
-    /// A bead of 40 mm, a panel of 60 by 50 mm.
+    /// A bead of 30 mm, a panel of 60 by 50 mm.
     Small,
     /// A bead of 100 to 140 mm, a panel of 120 by 90 mm.
     #[default]
@@ -265,8 +267,7 @@ fn open(args: &UnsealArgs, console: &Console) -> Result<()> {
 /// An effect with its parameters in one line.
 fn shown(effect: &Value) -> String {
     let parameter = |(name, quantity): (&String, &Value)| {
-        let values: Vec<&str> =
-            quantity["values"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let values: Vec<&str> = quantity["values"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
         format!("{name} = {} {}", values.join(" "), quantity["unit"].as_str().unwrap_or_default())
     };
     let parameters: Vec<String> = effect["parameters"].as_object().into_iter().flatten().map(parameter).collect();

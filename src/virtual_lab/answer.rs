@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use sim::effect::{CompiledModel, EFFECTS, ParameterSlot};
+use sim::effect::{CompiledModel, Kind, Library, ParameterSlot};
 
 /// Value of the answer's `format` key.
 pub const ANSWER_FORMAT: &str = "robofin-answer/1";
@@ -61,27 +61,32 @@ pub struct Answer {
 impl Answer {
     /// The answer that a true model gives.
     pub(super) fn of(model: &CompiledModel, seed: u64, trials: BTreeMap<String, TrueTrial>) -> Self {
-        let is_effect = |name: &str| model.parameters().iter().any(|slot| slot.owner == name && !slot.is_law);
         let laws = model.parameters().iter().filter(|slot| slot.is_law);
         let base = laws.map(|slot| (format!("{}.{}", slot.owner, slot.parameter), quantity(model, slot))).collect();
-        let hidden = model.effects().filter(|effect| is_effect(&effect.name)).map(|effect| {
-            let own = model.parameters().iter().filter(|slot| slot.owner == effect.name);
-            HiddenEffect {
-                name: effect.name.clone(),
-                in_library: EFFECTS.iter().any(|(file, _)| file.strip_suffix(".toml") == Some(effect.name.as_str())),
-                parameters: own.map(|slot| (slot.parameter.clone(), quantity(model, slot))).collect(),
-            }
-        });
         Self {
             format: ANSWER_FORMAT.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed,
             base,
-            effects: hidden.collect(),
+            effects: hidden(model),
             model: model_text(model),
             trials,
         }
     }
+}
+
+/// The effects of a model in the order in which they act.
+pub(super) fn hidden(model: &CompiledModel) -> Vec<HiddenEffect> {
+    let effects = model.effects().filter(|effect| effect.kind == Kind::Effect);
+    let hidden = effects.map(|effect| {
+        let own = model.parameters().iter().filter(|slot| slot.owner == effect.name);
+        HiddenEffect {
+            name: effect.name.clone(),
+            in_library: Library::builtin().find(&effect.name).is_some(),
+            parameters: own.map(|slot| (slot.parameter.clone(), quantity(model, slot))).collect(),
+        }
+    });
+    hidden.collect()
 }
 
 /// All values of a parameter, given by any of its slots.

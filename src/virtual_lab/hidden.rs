@@ -1,8 +1,6 @@
 //! What is hidden: base laws drawn from their priors, and effects of the user's choice or drawn.
 
-use sim::effect::{
-    CompiledModel, Effect, Library, Model, ModelError, Parameter, Process, RowCounts, Rows, Scale,
-};
+use sim::effect::{CompiledModel, Effect, Library, Model, ModelError, Parameter, Process, RowCounts, Rows, Scale};
 
 use super::chance::Chance;
 use super::plan::Size;
@@ -22,6 +20,7 @@ const VISIBLE: &[(&str, &str, f64, f64)] = &[
     ("break-in", "excess", 0.7, 0.7),
     ("break-in", "distance", 120.0, 30.0),
     ("chatter", "sine", 0.25, 0.25),
+    ("chatter", "frequency", 1.5, 1.5),
     ("clock-offset", "delay", 0.15, 0.15),
     ("coating-thickness", "gradient_x", 5.0, 5.0),
     ("coating-thickness", "gradient_y", 5.0, 5.0),
@@ -39,12 +38,12 @@ const VISIBLE: &[(&str, &str, f64, f64)] = &[
     ("force-lag", "lag", 0.2, 0.2),
     ("height-gain", "gain", 1.5, 1.5),
     ("lateral-blur", "blur", 250.0, 250.0),
-    ("lateral-coupling", "coupling_length", 0.6, 4.0),
+    ("lateral-coupling", "coupling_length", 0.15, 4.0),
     ("material-grindability", "weld_ratio", 0.7, 0.7),
     ("pass-gain", "gain", 0.15, 0.15),
     ("path-offset", "lateral_offset", 0.8, 0.8),
     ("pressure-exponent", "exponent", 0.6, 0.6),
-    ("robot-compliance", "roll_compliance", 0.4, 0.4),
+    ("robot-compliance", "roll_compliance", 0.5, 0.5),
     ("scan-shift", "shift_x", 0.1, 0.1),
     ("scan-shift", "shift_y", 0.1, 0.1),
     ("scan-shift", "yaw", 1.0, 1.0),
@@ -61,8 +60,8 @@ const VISIBLE: &[(&str, &str, f64, f64)] = &[
     ("thermal-softening", "sensitivity", 2.5e-3, 2.5e-3),
     ("threshold-variant", "line_force", 0.6, 0.05),
     ("tool-tilt", "roll_angle", 12.0, 12.0),
-    ("viscoelastic-pad", "retardation_time", 50.0, 50.0),
-    ("wheel-crown", "crown", 5.0, 5.0),
+    ("viscoelastic-pad", "retardation_time", 10.0, 50.0),
+    ("wheel-crown", "crown", 12.0, 12.0),
 ];
 
 /// The same for memories whose size goes with what a campaign removes: small, then full.
@@ -70,7 +69,7 @@ const VISIBLE_BY_SIZE: &[(&str, &str, f64, f64)] = &[
     ("grit-dulling", "dulling_volume", 100.0, 300.0),
     ("pad-loading", "loading_volume", 60.0, 250.0),
     ("self-sharpening", "dulling_depth", 0.02, 0.06),
-    ("wheel-wear", "grinding_ratio", 1.5, 4.0),
+    ("wheel-wear", "grinding_ratio", 1.2, 4.0),
     ("grit-loss", "spacing", 25.0, 90.0),
 ];
 

@@ -192,7 +192,7 @@ impl Instrument {
             for j in low.y as usize..=high.y.max(0.0) as usize {
                 for i in low.x as usize..=high.x.max(0.0) as usize {
                     let within = i < nx && j < ny && DVec2::new(i as f64, j as f64).distance(centre) <= radius;
-                    if within && !std::mem::replace(&mut missing[pixels.at(i, j)], true) {
+                    if within && count < goal && !std::mem::replace(&mut missing[pixels.at(i, j)], true) {
                         count += 1;
                     }
                 }

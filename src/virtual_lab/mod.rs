@@ -140,6 +140,15 @@ impl Experiment {
         self.plan.settings(self.trials).iter().map(Vec::len).sum()
     }
 
+    /// Names of the effects that are at work, in the order in which they act.
+    ///
+    /// # Errors
+    /// Effects that do not exist or act.
+    pub fn hidden_effects(&self) -> Result<Vec<String>, ModelError> {
+        let model = self.true_model()?;
+        Ok(answer::hidden(&model).iter().map(|effect| effect.name.clone()).collect())
+    }
+
     /// The model that is at work.
     fn true_model(&self) -> Result<CompiledModel, ModelError> {
         let process = match self.process {

@@ -23,7 +23,6 @@ pub const EFFECTS: &[(&str, &str)] = files![
 /// # Errors
 /// A name that one of the library's own effects has.
 pub fn with_outside(library: &Library) -> Result<Library, EffectError> {
-    let files: Vec<(String, String)> =
-        EFFECTS.iter().map(|&(file, text)| (file.to_owned(), text.to_owned())).collect();
+    let files: Vec<(String, String)> = EFFECTS.iter().map(|&(file, text)| (file.to_owned(), text.to_owned())).collect();
     library.with(&files)
 }

@@ -90,7 +90,7 @@ pub(super) fn role((trial, trials): (usize, usize), (pass, passes): (usize, usiz
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Size {
-    /// Seconds to make and to fit: a bead of 40 mm, a panel of 60 by 50 mm.
+    /// Seconds to make and to fit: a bead of 30 mm, a panel of 60 by 50 mm.
     Small,
     /// As laboratories have them: a bead of 100 to 140 mm, a panel of 120 by 90 mm.
     #[default]
@@ -138,18 +138,11 @@ impl Bench {
         };
         match (process, size) {
             (Process::Grinding, Size::Full) => grinding,
-            (Process::Grinding, Size::Small) => {
-                Self { pitch: 0.4e-3, length: [40e-3; 2], width: 16e-3, ..grinding }
-            }
+            (Process::Grinding, Size::Small) => Self { pitch: 0.3e-3, length: [30e-3; 2], width: 14.4e-3, ..grinding },
             (Process::Sanding, Size::Full) => sanding,
-            (Process::Sanding, Size::Small) => Self {
-                length: [60e-3; 2],
-                width: 50e-3,
-                tool_radius: 12e-3,
-                force: 6.0,
-                feed: 20e-3,
-                ..sanding
-            },
+            (Process::Sanding, Size::Small) => {
+                Self { length: [60e-3; 2], width: 50e-3, tool_radius: 12e-3, force: 6.0, feed: 20e-3, ..sanding }
+            }
         }
     }
 }

@@ -96,7 +96,9 @@ pub(super) struct Ran<'a> {
 impl Ran<'_> {
     /// The two logged values around a time, and how far between them it is.
     fn around(&self, time: f64) -> (&sim::LogRow, &sim::LogRow, f64) {
-        let log = &self.record.log;
+        // The record ends with a row in the air that no robot would have at this time.
+        let end = self.record.log.iter().rposition(|row| row.force > 0.0).map_or(0, |last| last + 1);
+        let log = &self.record.log[..end.max(2)];
         let after = log.partition_point(|row| row.time < time).clamp(1, log.len() - 1);
         let (a, b) = (&log[after - 1], &log[after]);
         (a, b, ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0))
@@ -119,7 +121,8 @@ impl Ran<'_> {
             let (a, b, t) = self.around(time);
             return a.force + (b.force - a.force) * t;
         }
-        let speed = |from: f64, to: f64| if to > from { (self.level(to) - self.level(from)) / (to - from) } else { 0.0 };
+        let speed =
+            |from: f64, to: f64| if to > from { (self.level(to) - self.level(from)) / (to - from) } else { 0.0 };
         let (now, before) = (speed(since, time), speed((since - PERIOD).max(self.touch), since));
         (self.force_setpoint + damping * now + mass * (now - before) / (time - since)).max(0.0)
     }

@@ -129,8 +129,7 @@ impl Seal {
             from_hex(&self.nonce).and_then(|bytes| bytes.try_into().ok()).ok_or(SealError::WrongKey)?;
         let ciphertext = BASE64_STANDARD.decode(&self.ciphertext).map_err(|_| SealError::WrongKey)?;
         let cipher = XChaCha20Poly1305::new(&key.0.into());
-        let padded =
-            cipher.decrypt(&XNonce::from(nonce), ciphertext.as_slice()).map_err(|_| SealError::WrongKey)?;
+        let padded = cipher.decrypt(&XNonce::from(nonce), ciphertext.as_slice()).map_err(|_| SealError::WrongKey)?;
         let found = sha256(&padded);
         if found != self.sha256 {
             return Err(SealError::WrongHash { found, expected: self.sha256.clone() });

@@ -22,16 +22,14 @@ use crate::trial::{Controller, LabelMap, Pass, PassScan, Process, RPM, Scans, To
 /// Voxel of the true part [scan pitches]: finer than half a pixel, and no whole share of it, so that lattice lines and
 /// pixels fall apart.
 const VOXEL: f64 = 0.44;
-/// Way of the tool in a step [voxels]: half as long as usual.
+/// Way of the tool in a step [voxels]: half as long as usual, besides the smaller voxel.
 const STEP_VOXELS: f64 = 0.25;
-/// Way of the tool after which the field is written [voxels]: half as long as usual.
-const COMMIT_VOXELS: f64 = 1.5;
 /// Width of the wheel [m].
 const WHEEL_WIDTH: f64 = 20e-3;
 /// Part beyond the scan, past half the tool's width [m].
 const BEYOND: f64 = 1e-3;
 /// Virtual mass [kg], damping [N s/m] and period [s] of the controllers. The true one is stepped at its period.
-const GRINDING_CONTROLLER: (f64, f64, f64) = (2.0, 1500.0, 1e-3);
+const GRINDING_CONTROLLER: (f64, f64, f64) = (2.0, 1500.0, 2e-3);
 const SANDING_CONTROLLER: (f64, f64, f64) = (1.0, 400.0, 5e-3);
 /// Coating [m].
 const COATING: f64 = 60e-6;
@@ -58,7 +56,9 @@ pub enum TruthError {
         error: PathError,
     },
     /// The tool comes down and meets nothing.
-    #[error("{trial}, pass {pass}: the tool does not meet the part: an effect holds it more than half a millimetre off")]
+    #[error(
+        "{trial}, pass {pass}: the tool does not meet the part: an effect holds it more than half a millimetre off"
+    )]
     NoTouch {
         /// Name of the trial.
         trial: String,
@@ -118,9 +118,7 @@ impl<'a> Bout<'a> {
                 let start = 0.5 * (plate - length);
                 (Workpiece::bead(length, &mut chance), plate, [start, start + length])
             }
-            Process::Sanding => {
-                (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut chance), length, [0.0, length])
-            }
+            Process::Sanding => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut chance), length, [0.0, length]),
         };
         let (tool, (mass, damping, period)) = match experiment.process {
             Process::Grinding => (
@@ -136,9 +134,23 @@ impl<'a> Bout<'a> {
             nx: count(extent),
             ny: count(bench.width),
         };
-        let part = true_part(&piece, &pixels, &tool).map_err(|error| TruthError::Part { trial: name.clone(), error })?;
+        let part =
+            true_part(&piece, &pixels, &tool).map_err(|error| TruthError::Part { trial: name.clone(), error })?;
         let controller = Controller::Admittance { mass, damping, period };
-        Ok(Self { experiment, model, bench, name, number, pixels, ends, piece, tool, controller, part, trial_time: 0.0 })
+        Ok(Self {
+            experiment,
+            model,
+            bench,
+            name,
+            number,
+            pixels,
+            ends,
+            piece,
+            tool,
+            controller,
+            part,
+            trial_time: 0.0,
+        })
     }
 
     /// Scans, runs all passes with a tool that remembers `states`, and scans again.
@@ -210,8 +222,7 @@ impl<'a> Bout<'a> {
     /// The scan before and its repetition, by a scanner without faults.
     fn scans(&self) -> Result<Scans, TruthError> {
         let scan = |purpose: &str| {
-            let scanned =
-                self.experiment.instrument.heights(&self.part, self.pixels, None, &mut self.chance(purpose));
+            let scanned = self.experiment.instrument.heights(&self.part, self.pixels, None, &mut self.chance(purpose));
             scanned.map_err(|error| self.scan_error(0, error))
         };
         let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx);
@@ -275,7 +286,7 @@ impl<'a> Bout<'a> {
             ..sim::Pass::first(&tool, &descent, &process, self.model)
         };
         let seeking = sim::Process { controller: sim::Controller::Replay, ..process };
-        let trying = sim::Pass { process: &seeking, ..base };
+        let trying = sim::Pass { process: &seeking, approach: descent.duration(), ..base };
         let sought = run_pass(&mut self.part.clone(), trying, &mut states.clone(), &mut |_| {}).map_err(failed)?;
         let meets = |row: &&sim::LogRow| row.force > TOUCH * process.force_setpoint && row.time > 0.0;
         let touch = sought.log.iter().find(meets).map(|row| row.time);
@@ -304,7 +315,6 @@ impl<'a> Bout<'a> {
             force_setpoint,
             spindle_speed,
             step_voxels: STEP_VOXELS,
-            commit_voxels: COMMIT_VOXELS,
             quasi_static: false,
             coating: COATING,
             ..sim::Process::default()

@@ -126,7 +126,8 @@ pub fn unseal(folder: &Path, key_file: &Path) -> Result<Unsealed> {
     let text = |path: &Path| {
         fs::read_to_string(path).with_context(|| format!("{}: cannot read this file as text", path.display()))
     };
-    let key = Key::parse(&text(key_file)?).map_err(|error| wrong_use(format!("--key {}: {error}", key_file.display())))?;
+    let key =
+        Key::parse(&text(key_file)?).map_err(|error| wrong_use(format!("--key {}: {error}", key_file.display())))?;
     let name = || place.display().to_string();
     let seal: Seal = serde_json::from_str(&text(&place)?).with_context(name)?;
     let answer: Value = serde_json::from_str(&seal.open(key).with_context(name)?).with_context(name)?;
