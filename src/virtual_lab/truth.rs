@@ -1,6 +1,6 @@
 //! What truly happens in a trial: another lattice, shorter steps and another quadrature in time than a fit has.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use sdf_bake::channels::Scalar;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
@@ -120,13 +120,7 @@ impl<'a> Bout<'a> {
             }
             Process::Sanding => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut chance), length, [0.0, length]),
         };
-        let (tool, (mass, damping, period)) = match experiment.process {
-            Process::Grinding => (
-                Tool::Wheel { radius: bench.tool_radius, width: WHEEL_WIDTH, axis: glam::DVec3::Y },
-                GRINDING_CONTROLLER,
-            ),
-            Process::Sanding => (Tool::Pad { radius: bench.tool_radius }, SANDING_CONTROLLER),
-        };
+        let (tool, controller) = tooling(experiment.process, &bench);
         let count = |extent: f64| (extent / bench.pitch).round() as usize + 1;
         let pixels = PixelGrid {
             origin: DVec2::new(0.0, -0.5 * bench.width),
@@ -136,7 +130,6 @@ impl<'a> Bout<'a> {
         };
         let part =
             true_part(&piece, &pixels, &tool).map_err(|error| TruthError::Part { trial: name.clone(), error })?;
-        let controller = Controller::Admittance { mass, damping, period };
         Ok(Self {
             experiment,
             model,
@@ -320,6 +313,16 @@ impl<'a> Bout<'a> {
             ..sim::Process::default()
         }
     }
+}
+
+/// The tool and who holds the force.
+fn tooling(process: Process, bench: &Bench) -> (Tool, Controller) {
+    let radius = bench.tool_radius;
+    let (tool, (mass, damping, period)) = match process {
+        Process::Grinding => (Tool::Wheel { radius, width: WHEEL_WIDTH, axis: DVec3::Y }, GRINDING_CONTROLLER),
+        Process::Sanding => (Tool::Pad { radius }, SANDING_CONTROLLER),
+    };
+    (tool, Controller::Admittance { mass, damping, period })
 }
 
 fn simulated(tool: &Tool) -> sim::Tool {
