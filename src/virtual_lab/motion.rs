@@ -137,7 +137,7 @@ fn lines(bench: &Bench, ends: [f64; 2]) -> Vec<DVec2> {
     let line = |k: usize| {
         let y = -reach + 2.0 * reach * k as f64 / (count as f64 - 1.0);
         let [low, high] = [DVec2::new(ends[0] + border, y), DVec2::new(ends[1] - border, y)];
-        if k % 2 == 0 { [low, high] } else { [high, low] }
+        if k.is_multiple_of(2) { [low, high] } else { [high, low] }
     };
     (0..count).flat_map(line).collect()
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use robofin::trial::Campaign;
 use serde_json::Value;
 
 fn robofin(arguments: &[&str], out: &Path) -> Output {
@@ -112,4 +113,15 @@ fn what_cannot_be_hidden_is_refused_with_what_could() {
     is_refused(&robofin(&SMALL, &out), 2, &["already exists", "--force"]);
     is_refused(&robofin(&["--force"], &out), 2, &["laboratory.json", "--force does not replace it"]);
     assert_eq!(fs::read_to_string(out.join("thesis.txt")).unwrap(), "years of work");
+}
+
+#[test]
+fn the_bundled_campaign_can_be_read_and_is_the_one_that_was_sealed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look");
+    let campaign = Campaign::read(&folder).unwrap();
+    assert!(campaign.trials.len() == 3 && campaign.trials.iter().all(|trial| trial.notes.is_empty()));
+    let opened = unseal(&folder, &folder.with_extension("key"));
+    let answer: Value = serde_json::from_slice(&opened.stdout).unwrap();
+    assert_eq!(answer["measurements_unchanged"], true);
+    assert_eq!(answer["answer"]["effects"].as_array().unwrap().len(), 1);
 }
