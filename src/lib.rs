@@ -8,7 +8,8 @@
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
 //! 5. [`plan`] makes tool paths; [`trial`] reads what was measured, and [`measure`] says what it is worth.
-//! 6. [`validate`] opens what was written and holds it against itself.
+//! 6. [`virtual_lab`] makes trials in which effects are hidden, with the answer.
+//! 7. [`validate`] opens what was written and holds it against itself.
 //!
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
 
@@ -37,6 +38,7 @@ pub mod snapshot;
 pub mod trial;
 pub mod twin;
 pub mod validate;
+pub mod virtual_lab;
 pub mod workpiece;
 
 use thiserror::Error;

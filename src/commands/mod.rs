@@ -11,6 +11,7 @@ mod path;
 mod press;
 mod render;
 mod simulate;
+mod trial;
 mod validate;
 mod weld;
 
@@ -51,6 +52,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Plan a tool path along a weld or over a patch of an asset.
     Path(path::PathArgs),
+    /// Make synthetic trials in which effects are hidden, and open their answers.
+    Trial(trial::TrialArgs),
     /// Press a tool into a part and print the force, the patch and the pressures.
     Press(press::PressArgs),
     /// Draw an asset or a field from its distance field.
@@ -91,6 +94,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Bake(args) => bake::run(&args, console),
         Verb::Simulate(args) => simulate::run(&args, console),
         Verb::Path(args) => path::run(&args, console),
+        Verb::Trial(args) => trial::run(&args, console),
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),

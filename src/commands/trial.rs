@@ -1,0 +1,275 @@
+//! `robofin trial`: synthetic campaigns with hidden effects, and their answers.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, anyhow};
+use clap::{Args, Subcommand, ValueEnum};
+use rand::TryRng;
+use rand::rngs::SysRng;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::flags::OutFlags;
+use super::model_flags::OwnFlags;
+use crate::console::Console;
+use crate::trial::Process;
+use crate::virtual_lab::write::{ANSWER_FILE, SEAL_FILE, check_place, key_place, unseal, write};
+use crate::virtual_lab::{Choice, Experiment, Hidden, Instrument, Key, Made, MakeError, Plan, Robot, Size};
+use crate::wrong_use;
+
+/// More trials than any campaign needs; each takes seconds.
+const MOST_TRIALS: usize = 64;
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  robofin trial synth --out out/dull --effect \"grit-dulling:dulling_volume=150 mm^3\" --size small\n  \
+                        robofin trial synth --out out/riddle --random --sealed\n  \
+                        robofin trial unseal out/riddle --key out/riddle.key"
+)]
+pub(super) struct TrialArgs {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    /// Make a campaign of synthetic measurements in which effects are hidden.
+    #[command(after_help = "Examples:\n  robofin trial synth --out out/clean\n  \
+                            robofin trial synth --out out/tilt --plan paper --effect \"tool-tilt:roll_angle=12 mrad\"\n  \
+                            robofin trial synth --out out/riddle --random --sealed --size small")]
+    Synth(SynthArgs),
+    /// Open the sealed answer of a synthetic campaign.
+    #[command(after_help = "Example:\n  robofin trial unseal out/riddle --key out/riddle.key")]
+    Unseal(UnsealArgs),
+}
+
+#[derive(Debug, Args)]
+struct SynthArgs {
+    #[command(flatten)]
+    out: OutFlags,
+    /// What the tool does.
+    #[arg(long, value_enum, default_value_t)]
+    process: ProcessFlag,
+    /// Effect to hide; may be given several times. Parameters that are not given get a visible size; of one per pass or scan the value
+    /// is the standard deviation [default: none].
+    #[arg(long = "effect", value_name = "NAME[:PARAMETER=VALUE,...]")]
+    effect: Vec<String>,
+    /// Draw what is hidden: nothing, an effect of the library, or one that it lacks.
+    #[arg(long, conflicts_with = "effect")]
+    random: bool,
+    /// Encrypt the answer; the key goes to a file beside the folder.
+    #[arg(long)]
+    sealed: bool,
+    /// How the passes differ.
+    #[arg(long, value_enum, default_value_t)]
+    plan: PlanFlag,
+    /// Number of trials [default: 1 for the plan paper, else 4].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    trials: Option<usize>,
+    /// How large workpieces and scans are.
+    #[arg(long, value_enum, default_value_t)]
+    size: SizeFlag,
+    /// How good scanner and robot are.
+    #[arg(long, value_enum, default_value_t)]
+    instrument: InstrumentFlag,
+    /// Same seed, same bytes [default: 0; sealed: one that no one knows].
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
+    #[command(flatten)]
+    own: OwnFlags,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum ProcessFlag {
+    /// A weld bead, ground with a wheel.
+    #[default]
+    Grinding,
+    /// A coated panel, sanded with a pad.
+    Sanding,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum PlanFlag {
+    /// One trial of two equal passes.
+    Paper,
+    /// Force, feed, speed and direction differ from pass to pass.
+    #[default]
+    Varied,
+    /// Equal but for their directions.
+    Reversed,
+    /// The feed steps within each pass, the force between them.
+    Steps,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum SizeFlag {
+    /// A bead of 30 mm, a panel of 60 by 50 mm.
+    Small,
+    /// A bead of 100 to 140 mm, a panel of 120 by 90 mm.
+    #[default]
+    Full,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum InstrumentFlag {
+    /// A careful laboratory.
+    #[default]
+    Clean,
+    /// More of every error: drop-outs, spikes, shifts, noise.
+    Hard,
+}
+
+#[derive(Debug, Args)]
+struct UnsealArgs {
+    /// Folder of the campaign.
+    folder: PathBuf,
+    /// The key's file.
+    #[arg(long, value_name = "FILE")]
+    key: PathBuf,
+}
+
+/// The answer of `trial synth --json`; it does not tell what is hidden.
+#[derive(Serialize)]
+struct SynthAnswer<'a> {
+    out: &'a Path,
+    trials: usize,
+    passes: usize,
+    sealed: bool,
+    answer: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    key: Option<PathBuf>,
+}
+
+/// The answer of `trial unseal --json`.
+#[derive(Serialize)]
+struct UnsealAnswer {
+    measurements_unchanged: bool,
+    answer: Value,
+}
+
+pub(super) fn run(args: &TrialArgs, console: &Console) -> Result<()> {
+    match &args.action {
+        Action::Synth(args) => synth(args, console),
+        Action::Unseal(args) => open(args, console),
+    }
+}
+
+impl SynthArgs {
+    fn experiment(&self) -> Result<Experiment> {
+        let process = match self.process {
+            ProcessFlag::Grinding => Process::Grinding,
+            ProcessFlag::Sanding => Process::Sanding,
+        };
+        let plan = match self.plan {
+            PlanFlag::Paper => Plan::Paper,
+            PlanFlag::Varied => Plan::Varied,
+            PlanFlag::Reversed => Plan::Reversed,
+            PlanFlag::Steps => Plan::Steps,
+        };
+        let trials = self.trials.unwrap_or(plan.usual_trials());
+        if !(1..=MOST_TRIALS).contains(&trials) {
+            return Err(wrong_use(format!("--trials {trials}: 1 to {MOST_TRIALS} are accepted")));
+        }
+        let size = match self.size {
+            SizeFlag::Small => Size::Small,
+            SizeFlag::Full => Size::Full,
+        };
+        let (instrument, robot) = match self.instrument {
+            InstrumentFlag::Clean => (Instrument::clean(), Robot::clean()),
+            InstrumentFlag::Hard => (Instrument::hard(), Robot::hard()),
+        };
+        let choice = self.choice()?;
+        let seed = self.seed()?;
+        let base = Experiment::new(process, &self.own.library()?, seed)?;
+        Ok(Experiment { plan, trials, size, choice, instrument, robot, ..base })
+    }
+
+    fn choice(&self) -> Result<Choice> {
+        if self.random {
+            return Ok(Choice::Drawn);
+        }
+        let hidden = self.effect.iter().map(|text| {
+            Hidden::parse(text).map_err(|found| {
+                wrong_use(format!(
+                    "--effect {text}: {found} is no PARAMETER=VALUE; NAME or NAME:PARAMETER=VALUE,... is expected, such \
+                     as \"tool-tilt:roll_angle=12 mrad\""
+                ))
+            })
+        });
+        Ok(Choice::These(hidden.collect::<Result<_>>()?))
+    }
+
+    fn seed(&self) -> Result<u64> {
+        match self.seed {
+            Some(seed) => Ok(seed),
+            None if self.sealed => SysRng.try_next_u64().map_err(|error| anyhow!("no random seed: {error}")),
+            None => Ok(0),
+        }
+    }
+
+    fn key(&self) -> Option<Key> {
+        self.sealed.then(|| self.seed.map_or_else(Key::random, Key::of_seed))
+    }
+}
+
+fn synth(args: &SynthArgs, console: &Console) -> Result<()> {
+    let out = &args.out.out;
+    check_place(out, args.sealed, args.out.force)?;
+    let experiment = args.experiment()?;
+    let bar = console.bar("passes", experiment.passes() as u64);
+    let made = experiment.make_reporting(&|| bar.inc(1));
+    bar.finish_and_clear();
+    let made = made.map_err(|error| match error {
+        MakeError::Model(error) => wrong_use(error.to_string()),
+        MakeError::Truth(error) => error.into(),
+    })?;
+    write(&made, &experiment, out, args.key(), args.out.force)?;
+    describe(args, &made, console);
+    let (file, key) = if args.sealed { (SEAL_FILE, Some(key_place(out))) } else { (ANSWER_FILE, None) };
+    console.answer(&SynthAnswer {
+        out,
+        trials: made.trials.len(),
+        passes: experiment.passes(),
+        sealed: args.sealed,
+        answer: out.join(file),
+        key,
+    })
+}
+
+fn describe(args: &SynthArgs, made: &Made, console: &Console) {
+    let out = &args.out.out;
+    let passes: usize = made.trials.iter().map(|trial| trial.passes.len()).sum();
+    console.step("measured", format!("{} trials, {passes} passes", made.trials.len()));
+    if args.sealed {
+        console.step("sealed", format!("the answer; its key is {}", key_place(out).display()));
+    } else {
+        let names: Vec<&str> = made.answer.effects.iter().map(|effect| effect.name.as_str()).collect();
+        console.step("hidden", if names.is_empty() { "nothing".to_owned() } else { names.join(", ") });
+    }
+    console.step("done", format!("{}", out.display()));
+}
+
+fn open(args: &UnsealArgs, console: &Console) -> Result<()> {
+    let unsealed = unseal(&args.folder, &args.key)?;
+    let effects = unsealed.answer["effects"].as_array().cloned().unwrap_or_default();
+    let texts: Vec<String> = effects.iter().map(shown).collect();
+    console.step("hidden", if texts.is_empty() { "nothing".to_owned() } else { texts.join("\n") });
+    console.step("model", unsealed.answer["model"].as_str().unwrap_or_default());
+    let measurements_unchanged = unsealed.measurements_unchanged;
+    let seal = match measurements_unchanged {
+        true => "whole; the measurements are those that it was made with",
+        false => "whole; the measurements were CHANGED since it was made",
+    };
+    console.step("seal", seal);
+    console.answer(&UnsealAnswer { measurements_unchanged, answer: unsealed.answer })
+}
+
+/// An effect with its parameters in one line.
+fn shown(effect: &Value) -> String {
+    let parameter = |(name, quantity): (&String, &Value)| {
+        let values: Vec<&str> = quantity["values"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        format!("{name} = {} {}", values.join(" "), quantity["unit"].as_str().unwrap_or_default())
+    };
+    let parameters: Vec<String> = effect["parameters"].as_object().into_iter().flatten().map(parameter).collect();
+    format!("{}: {}", effect["name"].as_str().unwrap_or_default(), parameters.join(", "))
+}

@@ -1,0 +1,157 @@
+//! A virtual campaign on disk, with its answer open or sealed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::answer::Answer;
+use super::seal::{Key, Seal};
+use super::{Experiment, Made};
+use crate::asset::write_json;
+use crate::folder::{StagedFolder, refuse_occupied, write_file};
+use crate::part::sha256;
+use crate::trial::write_trial;
+use crate::wrong_use;
+
+/// File that says that a campaign was made here, and how, without what is hidden.
+pub const LABORATORY_FILE: &str = "laboratory.json";
+/// The open answer.
+pub const ANSWER_FILE: &str = "answers.json";
+/// The sealed answer.
+pub const SEAL_FILE: &str = "sealed.json";
+
+/// An answer and the measurements that it belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeptAnswer {
+    /// SHA-256 of all names and contents of the trials' files in order.
+    pub measurements_sha256: String,
+    /// The answer.
+    #[serde(flatten)]
+    pub answer: Answer,
+}
+
+/// How a campaign was made: all that a visitor may know.
+#[derive(Serialize)]
+struct Laboratory<'a> {
+    format: &'static str,
+    version: &'static str,
+    process: crate::trial::Process,
+    plan: super::Plan,
+    size: super::Size,
+    trials: usize,
+    answer: &'a str,
+}
+
+/// Name of the key's file beside a campaign's folder.
+pub fn key_place(folder: &Path) -> PathBuf {
+    let mut name = folder.file_name().unwrap_or_default().to_owned();
+    name.push(".key");
+    folder.with_file_name(name)
+}
+
+/// Writes a campaign.
+///
+/// - `key`: seals the answer; the key goes to [`key_place`]
+///
+/// # Errors
+/// Wrong use when a place is taken and `force` is not set; otherwise when a file cannot be written.
+pub fn write(made: &Made, experiment: &Experiment, folder: &Path, key: Option<Key>, force: bool) -> Result<()> {
+    check_place(folder, key.is_some(), force)?;
+    let staged = StagedFolder::new(folder, LABORATORY_FILE, force)?;
+    let place = staged.path();
+    for trial in &made.trials {
+        let folder = place.join(&trial.name);
+        fs::create_dir(&folder).with_context(|| format!("{}: cannot make this folder", folder.display()))?;
+        write_trial(trial, &folder)?;
+    }
+    let kept = KeptAnswer { measurements_sha256: measurements(place)?, answer: made.answer.clone() };
+    let answer_file = if key.is_some() { SEAL_FILE } else { ANSWER_FILE };
+    match key {
+        Some(key) => {
+            write_json(&place.join(SEAL_FILE), &Seal::new(&serde_json::to_string_pretty(&kept)?, key))?;
+            write_file(&key_place(folder), key.text().as_bytes(), force)?;
+        }
+        None => write_json(&place.join(ANSWER_FILE), &kept)?,
+    }
+    let laboratory = Laboratory {
+        format: "robofin-virtual-laboratory/1",
+        version: env!("CARGO_PKG_VERSION"),
+        process: experiment.process,
+        plan: experiment.plan,
+        size: experiment.size,
+        trials: made.trials.len(),
+        answer: answer_file,
+    };
+    write_json(&place.join(LABORATORY_FILE), &laboratory)?;
+    staged.commit().map(|_| ())
+}
+
+/// Refuses a place that is taken before any work is done.
+///
+/// # Errors
+/// Wrong use.
+pub fn check_place(folder: &Path, sealed: bool, force: bool) -> Result<()> {
+    refuse_occupied(folder, LABORATORY_FILE, force)?;
+    if sealed { refuse_occupied(&key_place(folder), "", force) } else { Ok(()) }
+}
+
+/// A seal opened.
+pub struct Unsealed {
+    /// The answer as it was sealed.
+    pub answer: Value,
+    /// Whether the measurements are those that it was sealed with.
+    pub measurements_unchanged: bool,
+}
+
+/// Opens the sealed answer of a campaign and holds the measurements against it.
+///
+/// # Errors
+/// Wrong use when the folder or the key file holds something else; otherwise when the key does not open the seal.
+pub fn unseal(folder: &Path, key_file: &Path) -> Result<Unsealed> {
+    let place = folder.join(SEAL_FILE);
+    if !place.is_file() {
+        let open = folder.join(ANSWER_FILE).is_file();
+        let hint = if open { format!("; its answer lies open in {ANSWER_FILE}") } else { String::new() };
+        return Err(wrong_use(format!(
+            "{}: no {SEAL_FILE} here{hint}; a folder made by `robofin trial synth --sealed` is expected",
+            folder.display()
+        )));
+    }
+    if !key_file.is_file() {
+        return Err(wrong_use(format!("--key {}: no such file", key_file.display())));
+    }
+    let text = |path: &Path| {
+        fs::read_to_string(path).with_context(|| format!("{}: cannot read this file as text", path.display()))
+    };
+    let key =
+        Key::parse(&text(key_file)?).map_err(|error| wrong_use(format!("--key {}: {error}", key_file.display())))?;
+    let name = || place.display().to_string();
+    let seal: Seal = serde_json::from_str(&text(&place)?).with_context(name)?;
+    let answer: Value = serde_json::from_str(&seal.open(key).with_context(name)?).with_context(name)?;
+    let measurements_unchanged = answer["measurements_sha256"] == measurements(folder)?.as_str();
+    Ok(Unsealed { answer, measurements_unchanged })
+}
+
+/// SHA-256 over names and contents of all files in the folders of a campaign, in the order of their names.
+fn measurements(folder: &Path) -> Result<String> {
+    let list = |folder: &Path| -> Result<Vec<PathBuf>> {
+        let context = || folder.display().to_string();
+        let entries = fs::read_dir(folder).with_context(context)?;
+        let mut places: Vec<PathBuf> =
+            entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>().with_context(context)?;
+        places.sort();
+        Ok(places)
+    };
+    let mut lines = String::new();
+    for trial in list(folder)?.into_iter().filter(|place| place.is_dir()) {
+        for file in list(&trial)? {
+            let name = file.strip_prefix(folder).unwrap_or(&file).display().to_string().replace('\\', "/");
+            let bytes = fs::read(&file).with_context(|| file.display().to_string())?;
+            lines += &format!("{} {name}\n", sha256(&bytes));
+        }
+    }
+    Ok(sha256(lines.as_bytes()))
+}
