@@ -7,7 +7,7 @@
 //!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
-//! 5. [`plan`] makes tool paths; [`trial`] reads what was measured, and [`measure`] says what it is worth.
+//! 5. [`plan`] makes tool paths; [`trial`] and [`table`] read what was measured, [`measure`] says what scans are worth.
 //! 6. [`validate`] opens what was written and holds it against itself.
 //!
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
@@ -33,6 +33,7 @@ pub mod python;
 pub mod rehearsal;
 pub mod report;
 pub mod snapshot;
+pub mod table;
 pub mod trial;
 pub mod twin;
 pub mod validate;

@@ -6,7 +6,11 @@ mod covariance;
 mod evidence;
 mod fit;
 mod height_view;
+mod rows;
 mod scans;
+mod table_noise;
+mod table_reach;
+mod table_steps;
 mod tiles;
 
 pub use blur::blurred;
@@ -15,5 +19,6 @@ pub use covariance::{Freedom, TileNoise, Whitener};
 pub use evidence::{Evidence, EvidenceError, Split};
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
 pub use height_view::HeightView;
+pub use rows::{Outlier, RowEvidence};
 pub use scans::{ScanEvidence, ScanView};
 pub use tiles::{TileGrid, Tiles};
