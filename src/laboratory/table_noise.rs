@@ -8,11 +8,13 @@ use crate::table::{Row, Table};
 /// Settings that differ by less are the same [logarithm].
 const SAME: f64 = 0.01;
 /// Pairs of repeats that are enough.
-const LEAST_REPEATS: usize = 8;
+const LEAST_REPEATS: usize = 20;
 /// No table repeats better [logarithm].
 const FINEST: f64 = 1e-3;
-/// Rounds of a robust regression.
+/// Rounds of a robust regression and of a robust scale.
 const ROUNDS: usize = 20;
+/// Deviations count up to this [standard deviations], and the mean square of a normal law that is left then.
+const CUT: (f64, f64) = (2.5, 0.977_56);
 
 /// What two rows that follow each other in time differ by.
 struct Pair {
@@ -37,10 +39,17 @@ pub(super) fn row_noise(table: &Table, rows: &[usize]) -> (f64, String) {
             format!("{} pairs of rows that follow each other, less what powers of their settings explain", all.len());
         (all, how)
     };
-    let left = unexplained(&pairs);
-    let spread = median(left.iter().map(|left| left.abs()).collect()).unwrap_or(0.0);
-    let sigma = (MAD_TO_SIGMA * spread / std::f64::consts::SQRT_2).max(FINEST);
+    let sigma = (scale(&unexplained(&pairs)) / std::f64::consts::SQRT_2).max(FINEST);
     (sigma, format!("noise of a row: {:.2} %, from {how}", 100.0 * sigma))
+}
+
+/// Standard deviation with outliers cut (Huber 1964, proposal 2), beginning from the median deviation.
+fn scale(deviations: &[f64]) -> f64 {
+    let first = median(deviations.iter().map(|deviation| deviation.abs()).collect()).unwrap_or(0.0);
+    (0..ROUNDS).fold(MAD_TO_SIGMA * first, |sigma, _| {
+        let square = |deviation: &f64| deviation.abs().min(CUT.0 * sigma).powi(2);
+        (deviations.iter().map(square).sum::<f64>() / (CUT.1 * deviations.len().max(1) as f64)).sqrt()
+    })
 }
 
 fn logarithms(row: &Row) -> [f64; 3] {

@@ -23,6 +23,8 @@ const ROOT: [&str; 6] = ["format", "name", "process", "csv", "order", "columns"]
 const TEXTS: [&str; 4] = ["group", "role", "tool", "fresh"];
 /// Columns of numbers; any other key below `columns` is a state that the column measures.
 const NUMBERS: [&str; 6] = ["force", "pressure", "speed", "spindle_rpm", "duration", "removed"];
+/// Letters by which a mistyped key differs from one that is meant.
+const SLIPS: usize = 1;
 /// Zero of the Celsius scale [K].
 const CELSIUS: f64 = 273.15;
 
@@ -236,7 +238,8 @@ impl<'a> Section<'a> {
         for (key, _) in self.table {
             let name = key.get_ref().as_ref();
             // A state may have any name, but a slip of the pen is none.
-            if !known.contains(&name) && nearest(name, known.iter().copied()).is_some() {
+            let slips = |known: &&str| strsim::osa_distance(known, name) <= SLIPS;
+            if !known.contains(&name) && known.iter().any(slips) {
                 return Err(self.unknown(name, key.span(), &known));
             }
             for section in self.sections(name)? {
@@ -260,7 +263,11 @@ impl<'a> Section<'a> {
         let unit = match self.text("unit")? {
             None if key == "spindle_rpm" => Spanned::new(self.at.clone(), "rpm".to_owned()),
             None => {
-                return Err(self.source.bad(self.at.clone(), format!("no unit in {key}"), "unit = \"...\" is expected"));
+                return Err(self.source.bad(
+                    self.at.clone(),
+                    format!("no unit in {key}"),
+                    "unit = \"...\" is expected",
+                ));
             }
             Some(unit) => unit,
         };

@@ -2,11 +2,12 @@
 //! (`finishing-table/1`).
 //!
 //! The road of the data: [`Table::read`] reads `table.toml` (`manifest`), finds its columns in the CSV (`columns`), reads
-//! the cells (`read`) and puts the rows in order (`order`). All is SI here; other units stay in the files.
+//! the cells (`read`), puts the rows in order (`order`) and checks their units (`plausible`). All is SI here; other units stay in the files.
 
 mod columns;
 mod manifest;
 mod order;
+mod plausible;
 mod read;
 
 use std::path::{Path, PathBuf};

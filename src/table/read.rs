@@ -5,7 +5,7 @@ use std::path::Path;
 use super::columns::{Columns, Load, Motion, Numbers};
 use super::manifest::Manifest;
 use super::order::Order;
-use super::{Removed, Row, Table, Usage};
+use super::{Row, Table, Usage, plausible};
 use crate::trial::{Covariate, Place, Role, TextRow, TextTable, TrialError};
 
 /// Rows with a removal that calibrate, at least.
@@ -14,17 +14,6 @@ const LEAST_ROWS: usize = 4;
 const EVALUATES: usize = 3;
 /// Lines that a note names at most.
 const NAMED_LINES: usize = 8;
-/// Medians beyond these look like another unit: key, least and greatest value [SI].
-const PLAUSIBLE: [(&str, f64, f64); 5] = [
-    ("force", 1e-2, 1e5),
-    ("pressure", 1e1, 1e9),
-    ("speed", 1e-3, 300.0),
-    ("spindle_rpm", 1e-2, 2e4),
-    ("duration", 1e-3, 1e7),
-];
-/// The same for the mean removal rate, as depth [m/s] and as volume [m³/s].
-const PLAUSIBLE_REMOVAL: [(Removed, f64, f64); 2] = [(Removed::Depth, 1e-13, 1e-2), (Removed::Volume, 1e-17, 1e-4)];
-
 /// Rows as they are read, with what the order is made from.
 struct Reading<'a> {
     manifest: &'a Manifest,
@@ -196,7 +185,7 @@ impl<'a> Reading<'a> {
         let mut notes = text.notes.clone();
         notes.extend(self.short_row(text)?);
         self.check_losses(text.file())?;
-        self.check_units(text.file())?;
+        plausible::check(&self.columns, &self.rows, self.manifest.radius, text.file())?;
         notes.extend(self.sort(text.file())?);
         notes.extend(self.set_roles(text.file())?);
         for (bad, what) in [
@@ -251,41 +240,6 @@ impl<'a> Reading<'a> {
                 .bad(format!("{known} rows with a removal"), format!("at least {LEAST_ROWS} are expected"))),
             _ => Ok(()),
         }
-    }
-
-    /// Refuses quantities that look like another unit.
-    fn check_units(&self, file: &Path) -> Result<(), TrialError> {
-        let middle = |value: &dyn Fn(&Row) -> Option<f64>| {
-            crate::measure::median(self.rows.iter().filter_map(value).map(f64::abs).collect())
-        };
-        let radius = self.manifest.radius.unwrap_or(1.0);
-        let columns = &self.columns;
-        let load: &dyn Fn(&Row) -> Option<f64> = match columns.load.0 {
-            Load::Force => &|row| row.force,
-            Load::Pressure => &|row| row.pressure,
-        };
-        let motion: &dyn Fn(&Row) -> Option<f64> = match &columns.motion {
-            Some((Motion::Spindle, _)) => &|row| row.speed.map(|speed| speed / radius),
-            _ => &|row| row.speed,
-        };
-        let mut checks = vec![(&columns.load.1, middle(load))];
-        checks.extend(columns.motion.iter().map(|(_, numbers)| (numbers, middle(motion))));
-        checks.extend(columns.duration.iter().map(|numbers| (numbers, middle(&|row| row.duration))));
-        let ranges = checks.iter().map(|(numbers, median)| {
-            let range = PLAUSIBLE.iter().find(|(key, ..)| *key == numbers.key);
-            (*numbers, *median, range.map_or((0.0, f64::INFINITY), |(_, low, high)| (*low, *high)))
-        });
-        let removal = PLAUSIBLE_REMOVAL.iter().find(|(what, ..)| *what == columns.removal.0);
-        let removal = removal.map_or((0.0, f64::INFINITY), |(_, low, high)| (*low, *high));
-        let all = ranges.chain([(&columns.removed, middle(&|row| row.removal_rate), removal)]);
-        for (numbers, median, (low, high)) in all {
-            if let Some(median) = median.filter(|median| !(low..=high).contains(median)) {
-                let found = format!("the median of {} is {median:.3e} in SI units", numbers.name);
-                let accepted = format!("{low:.0e} to {high:.0e} is expected; is the unit right?");
-                return Err(Place::cell(file, 1, numbers.at + 1).bad(found, accepted));
-            }
-        }
-        Ok(())
     }
 
     /// Puts all rows in the order of time.

@@ -86,11 +86,20 @@ impl Table {
             if !more {
                 return Ok(());
             }
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = record.position().map_or(0, |position| self.line_of(position));
             if !each(&Row { table: self, record: &record, line })? {
                 return Ok(());
             }
         }
+    }
+}
+
+impl Table {
+    /// The line of a row: a reader that was left between CR and LF stands before the ends of lines that come first.
+    fn line_of(&self, position: &csv::Position) -> u64 {
+        let rest = &self.text[(position.byte() as usize).min(self.text.len())..];
+        let ends = rest.iter().take_while(|c| b"\r\n".contains(c)).filter(|&&c| c == b'\n').count();
+        position.line() + ends as u64
     }
 }
 

@@ -26,9 +26,7 @@ pub(crate) fn model(evidence: &RowEvidence, effect: Option<&str>) -> CompiledMod
 pub(crate) fn fit(evidence: &RowEvidence, effect: Option<&str>) -> Fit {
     let model = model(evidence, effect);
     let (coordinates, _) = evidence.coordinates(&model).unwrap();
-    let fit = Fit::new(evidence, &model, coordinates, FitOptions::default()).unwrap();
-    assert!(fit.converged, "{effect:?}");
-    fit
+    Fit::new(evidence, &model, coordinates, FitOptions { rounds: 40 }).unwrap()
 }
 
 fn estimate(fit: &Fit, name: &str) -> Estimate {
@@ -38,6 +36,7 @@ fn estimate(fit: &Fit, name: &str) -> Estimate {
 
 /// Asserts that a parameter is found within its interval, which must be narrow.
 fn recovers(fit: &Fit, name: &str, truth: f64, narrow: f64) {
+    assert!(fit.converged, "{name}");
     let found = estimate(fit, name);
     let off = found.coordinate.from_value(found.value) - found.coordinate.from_value(truth);
     println!(
