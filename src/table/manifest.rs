@@ -28,6 +28,9 @@ const SLIPS: usize = 1;
 /// Zero of the Celsius scale [K].
 const CELSIUS: f64 = 273.15;
 
+/// A constant by its key [SI].
+type Constant = (&'static str, f64);
+
 /// A unit of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ColumnUnit {
@@ -126,7 +129,7 @@ impl Manifest {
         };
         let (columns, constants) = columns_section.columns()?;
         let constant = |name: &str| -> Result<Option<f64>, TrialError> {
-            let inner = constants.iter().find(|(key, _)| key == name).map(|(_, value)| *value);
+            let inner = constants.iter().find(|(key, _)| *key == name).map(|(_, value)| *value);
             Ok(root.constant(name)?.or(inner))
         };
         Ok(Self {
@@ -232,7 +235,7 @@ impl<'a> Section<'a> {
     }
 
     /// The entries below `columns`, in the order of their keys, and the constants that stand in them.
-    fn columns(&self) -> Result<(Vec<Column>, Vec<(String, f64)>), TrialError> {
+    fn columns(&self) -> Result<(Vec<Column>, Vec<Constant>), TrialError> {
         let known: Vec<&str> = NUMBERS.iter().chain(&TEXTS).chain(&["usage"]).copied().collect();
         let (mut columns, mut constants) = (Vec::new(), Vec::new());
         for (key, _) in self.table {
@@ -245,7 +248,7 @@ impl<'a> Section<'a> {
             for section in self.sections(name)? {
                 columns.push(section.column(name)?);
                 for (constant, _) in CONSTANTS {
-                    constants.extend(section.constant(constant)?.map(|value| (constant.to_owned(), value)));
+                    constants.extend(section.constant(constant)?.map(|value| (constant, value)));
                 }
             }
         }

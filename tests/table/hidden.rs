@@ -217,3 +217,27 @@ fn the_table_of_the_project_tells_its_exponent_and_its_wrong_row() {
     assert_eq!(wrong, [42]);
     assert!(fit(&evidence, None).chi2 > with.chi2 + 30.0);
 }
+
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_say() {
+    const SEEDS: u64 = 24;
+    let (mut inside, mut false_gains, mut noise) = (0, 0, Vec::new());
+    for seed in 100..100 + SEEDS {
+        let hidden = table(MANIFEST, &csv(&work(Hidden::Pressure, NOISE, seed)));
+        let evidence = RowEvidence::new(&hidden).unwrap();
+        let found = estimate(&fit(&evidence, Some("pressure-exponent")), "pressure-exponent.exponent");
+        let off = found.coordinate.from_value(found.value) - found.coordinate.from_value(PRESSURE_EXPONENT);
+        inside += usize::from(off.abs() < 2.0 * found.sigma);
+        noise.push(evidence.noise / NOISE);
+        let nothing = table(MANIFEST, &csv(&work(Hidden::Nothing, NOISE, seed)));
+        let evidence = RowEvidence::new(&nothing).unwrap();
+        let gain = fit(&evidence, None).chi2 - fit(&evidence, Some("speed-exponent")).chi2;
+        false_gains += usize::from(gain > 6.63);
+    }
+    noise.sort_by(f64::total_cmp);
+    let (least, most) = (noise[0], noise[noise.len() - 1]);
+    println!("{inside} of {SEEDS} inside, {false_gains} false gains, noise {least:.2} to {most:.2} of the true one");
+    assert!(inside >= 20, "{inside}");
+    assert!(false_gains <= 3, "{false_gains}");
+    assert!(least > 0.6 && most < 1.5, "{least} {most}");
+}
