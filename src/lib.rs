@@ -10,6 +10,8 @@
 //! 5. [`plan`] makes tool paths; [`trial`] reads what was measured, and [`measure`] says what it is worth.
 //! 6. [`virtual_lab`] makes trials in which effects are hidden, with the answer.
 //! 7. [`validate`] opens what was written and holds it against itself.
+//! 5. [`plan`] makes tool paths; [`trial`] and [`table`] read what was measured, [`measure`] says what scans are worth.
+//! 6. [`validate`] opens what was written and holds it against itself.
 //!
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
 
@@ -35,6 +37,7 @@ pub mod rehearsal;
 pub mod report;
 pub mod scanner;
 pub mod snapshot;
+pub mod table;
 pub mod trial;
 pub mod twin;
 pub mod validate;

@@ -11,7 +11,10 @@ use super::flags::OutFlags;
 use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
-use crate::laboratory::{Diagnosis, DiagnosisSummary, Evidence, ScanEvidence, calibrate};
+use crate::laboratory::{
+    Diagnosis, DiagnosisSummary, Evidence, Fit, RowEvidence, ScanEvidence, calibrate, with_values,
+};
+use crate::table::{TABLE_FILE, Table};
 use crate::trial::Campaign;
 
 /// The file by which a result folder is known.
@@ -21,7 +24,7 @@ const DIAGNOSIS_FILE: &str = "diagnosis.json";
 #[command(after_help = "Example:\n  robofin diagnose trials --out out/diagnosis\n  \
                   robofin diagnose trials --model model.toml --effects my-effects --out out/diagnosis --json")]
 pub(super) struct DiagnoseArgs {
-    /// Folder of trial folders, or one trial folder.
+    /// Folder of trial folders, one trial folder, or a folder with a table.toml.
     campaign: PathBuf,
     #[command(flatten)]
     out: OutFlags,
@@ -34,26 +37,39 @@ pub(super) struct DiagnoseArgs {
 
 /// Runs the verb.
 pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
-    let campaign = Campaign::read(&args.campaign)?;
     let folder = StagedFolder::new(&args.out.out, DIAGNOSIS_FILE, args.out.force)?;
     let library = args.model.own.library()?;
     let started = Instant::now();
-    let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
-    let model = args.model.model(evidence.process(), &library)?;
-    console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
-    let fit = first_fit(&mut evidence, &model, &library)?;
-    console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
-    let bar = console.bar("effects", 100);
-    let told = |_: &str, done: usize, all: usize| bar.set_position((100 * done / all.max(1)) as u64);
-    let diagnosis = Diagnosis::new(&evidence, (&model, fit), &library, (args.seed, &told))?;
-    bar.finish_and_clear();
-    let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
-    let summary = DiagnosisSummary::new(&evidence, &diagnosis, &title)?;
+    let search = |evidence: &dyn Evidence, model: &Model, fit: Fit| -> Result<(DiagnosisSummary, Model)> {
+        console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
+        let bar = console.bar("effects", 100);
+        let told = |_: &str, done: usize, all: usize| bar.set_position((100 * done / all.max(1)) as u64);
+        let diagnosis = Diagnosis::new(evidence, (model, fit), &library, (args.seed, &told))?;
+        bar.finish_and_clear();
+        let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
+        Ok((DiagnosisSummary::new(evidence, &diagnosis, &title)?, diagnosis.model))
+    };
+    let (summary, model) = if args.campaign.join(TABLE_FILE).is_file() {
+        let table = Table::read(&args.campaign)?;
+        let evidence = RowEvidence::new(&table)?;
+        table.notes.iter().chain(&evidence.notes).for_each(|note| console.step("note", note));
+        let model = args.model.model(evidence.process(), &library)?;
+        let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;
+        let fit = calibrate(&evidence, &model, &library)?;
+        search(&evidence, &model, fit)?
+    } else {
+        let campaign = Campaign::read(&args.campaign)?;
+        let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
+        console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
+        let model = args.model.model(evidence.process(), &library)?;
+        let fit = first_fit(&mut evidence, &model, &library)?;
+        search(&evidence, &model, fit)?
+    };
     let write = |name: &str, text: String| {
         std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
     };
     write(DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
-    write("model.toml", diagnosis.model.to_text(&library))?;
+    write("model.toml", model.to_text(&library))?;
     describe(&summary, console);
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
@@ -61,10 +77,10 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
 }
 
 /// Fits the model, with the instrument's blur found in between.
-fn first_fit(evidence: &mut ScanEvidence, model: &Model, library: &Library) -> Result<crate::laboratory::Fit> {
+fn first_fit(evidence: &mut ScanEvidence, model: &Model, library: &Library) -> Result<Fit> {
     let first = calibrate(evidence, model, library)?;
     evidence.find_blur(&first.model)?;
-    let second = calibrate(evidence, &crate::laboratory::with_values(model, &first), library)?;
+    let second = calibrate(evidence, &with_values(model, &first), library)?;
     Ok(second)
 }
 
@@ -72,9 +88,12 @@ fn describe(summary: &DiagnosisSummary, console: &Console) {
     console.step("verdict", &summary.sentence);
     for step in &summary.waterfall {
         let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} µm held out"));
-        console.step("error", format!("{}: {:.2} µm{held_out}", step.step, step.calibration_rms_um));
+        console.step(
+            "error",
+            format!("{}: {:.2} {}{held_out}", step.step, step.calibration_rms_um, summary.error_unit.symbol()),
+        );
     }
-    console.step("floor", format!("{:.2} µm", summary.noise_floor_um));
+    console.step("floor", format!("{:.2} {}", summary.noise_floor_um, summary.error_unit.symbol()));
     for effect in &summary.suspects {
         let values: Vec<String> =
             effect.parameters.iter().map(|(name, p)| format!("{name} = {:.4} {}", p.value, p.unit)).collect();

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sim::effect::{Library, Model, candidates};
 
-use super::coordinates::Coordinate;
 use super::detectable::{Detectable, detectable};
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::fit::{Fit, FitOptions};
@@ -269,6 +268,6 @@ fn verdict(rounds: &[Round], sure: bool, left: &[Agreement], detectable: &[Detec
 /// When it cannot be simulated or compiled.
 pub fn calibrate(evidence: &dyn Evidence, model: &Model, library: &Library) -> anyhow::Result<Fit> {
     let compiled = sim::effect::CompiledModel::new(model, library, evidence.rows())?;
-    let coordinates = Coordinate::of(&compiled, |_| true);
+    let coordinates = evidence.coordinates(&compiled);
     Ok(Fit::new(evidence, &compiled, coordinates, FitOptions::default())?)
 }

@@ -3,6 +3,7 @@
 use sim::effect::{CompiledModel, Effect, Process, RowCounts, RunError};
 use thiserror::Error;
 
+use super::coordinates::Coordinate;
 use crate::campaign_twin::CampaignError;
 
 /// Which data.
@@ -26,6 +27,35 @@ pub enum EvidenceError {
     /// There is nothing to compare with.
     #[error("{0}")]
     NoData(String),
+}
+
+/// In what the errors of data are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub enum ErrorUnit {
+    /// Micrometres.
+    #[serde(rename = "um")]
+    Micrometre,
+    /// Hundredths of what was removed.
+    #[serde(rename = "percent")]
+    Percent,
+}
+
+impl ErrorUnit {
+    /// Its size in the data's own unit, turned upside down.
+    pub fn per_one(self) -> f64 {
+        match self {
+            Self::Micrometre => 1e6,
+            Self::Percent => 100.0,
+        }
+    }
+
+    /// For people.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Micrometre => "µm",
+            Self::Percent => "%",
+        }
+    }
 }
 
 /// How well a model describes one scan, or one table.
@@ -61,6 +91,16 @@ pub trait Evidence: Sync {
     /// # Errors
     /// When the model cannot be simulated.
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError>;
+
+    /// In what errors are told.
+    fn unit(&self) -> ErrorUnit {
+        ErrorUnit::Micrometre
+    }
+
+    /// The parameters of a model that a fit to these data varies.
+    fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
+        Coordinate::of(model, |_| true)
+    }
 
     /// Why an effect cannot show in these data, if so.
     fn is_blind_to(&self, effect: &Effect) -> Option<String>;

@@ -26,7 +26,7 @@ const MOST_TILES: usize = 1000;
 /// Tiles along and across that share a block.
 const BLOCK: usize = 4;
 /// Steps of a simulation beyond which it is given up, times those of the base model's longest pass.
-const MOST_STEPS: usize = 12;
+const MOST_STEPS: usize = 3;
 /// Widest blur that is looked for [pixels], and values tried.
 const MOST_BLUR: f64 = 2.0;
 const BLUR_STEPS: usize = 40;

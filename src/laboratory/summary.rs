@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::detectable::Detectable;
 use super::diagnose::{Diagnosis, Finding, Round, Verdict};
-use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::fit::{Estimate, Fit};
 
 /// Standard deviations of a 95 % interval.
@@ -70,6 +70,8 @@ pub struct DiagnosisSummary {
     pub sentence: String,
     /// What was found; the first is the most probable.
     pub effects: Vec<EffectSummary>,
+    /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
+    pub error_unit: ErrorUnit,
     /// What the scans' noise alone would leave [µm].
     pub noise_floor_um: f64,
     /// What the base model leaves [µm].
@@ -92,8 +94,9 @@ pub struct DiagnosisSummary {
     pub blind: BTreeMap<String, String>,
 }
 
-fn rms_um(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
-    (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * 1e6
+/// Root mean square over scans, in the unit in which errors are told.
+fn rms(of: &[Agreement], unit: ErrorUnit, value: impl Fn(&Agreement) -> f64) -> f64 {
+    (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * unit.per_one()
 }
 
 /// An estimate in the library's unit.
@@ -135,7 +138,8 @@ impl EffectSummary {
             .iter()
             .filter(|e| own(e))
             .map(|e| (format!("{}{}", e.coordinate.slot.parameter, row(e)), parameter_summary(e)));
-        let rms = |of: &[Agreement]| (!of.is_empty()).then(|| rms_um(of, |a| a.rms));
+        let unit = evidence.unit();
+        let error = |of: &[Agreement]| (!of.is_empty()).then(|| rms(of, unit, |a| a.rms));
         let alike = round.look_alikes().into_iter().map(|other| other.suspect.name().to_owned());
         let is_best = round.best().is_some_and(|best| best.suspect.name() == finding.suspect.name());
         Ok(Self {
@@ -146,8 +150,8 @@ impl EffectSummary {
             parameters: parameters.collect(),
             gain: finding.gain,
             chance: finding.chance,
-            evaluation_rms_um_before: rms(before),
-            evaluation_rms_um_after: rms(&after),
+            evaluation_rms_um_before: error(before),
+            evaluation_rms_um_after: error(&after),
         })
     }
 }
@@ -163,18 +167,18 @@ impl DiagnosisSummary {
         title: &dyn Fn(&str) -> String,
     ) -> Result<Self, EvidenceError> {
         let (mut effects, mut suspects, mut waterfall) = (Vec::new(), Vec::new(), Vec::new());
-        let mut floor = 0.0;
+        let (unit, mut floor) = (evidence.unit(), 0.0);
         for (number, round) in diagnosis.rounds.iter().enumerate() {
             let before = evidence.agreement(&round.base.model, Split::Evaluation)?;
             if number == 0 {
-                floor = rms_um(&round.calibration, |a| a.floor);
-                waterfall.push(step("base model".into(), &round.calibration, &before));
+                floor = rms(&round.calibration, unit, |a| a.floor);
+                waterfall.push(step("base model".into(), unit, &round.calibration, &before));
             }
             for (place, finding) in round.findings.iter().enumerate() {
                 let summary = EffectSummary::new(evidence, (round, finding), &title(finding.suspect.name()), &before)?;
                 if place == 0 && finding.is_sound {
                     let after = evidence.agreement(&finding.suspect.fit.model, Split::Evaluation)?;
-                    waterfall.push(step(format!("+ {}", summary.name), &finding.calibration, &after));
+                    waterfall.push(step(format!("+ {}", summary.name), unit, &finding.calibration, &after));
                     effects.push(summary.clone());
                 }
                 suspects.push(summary);
@@ -186,9 +190,10 @@ impl DiagnosisSummary {
             verdict: diagnosis.verdict,
             sentence: sentence(diagnosis.verdict, &effects),
             effects,
+            error_unit: unit,
             noise_floor_um: floor,
-            base_rms_um: diagnosis.rounds.first().map_or(0.0, |round| rms_um(&round.calibration, |a| a.rms)),
-            final_rms_um: rms_um(&last, |a| a.rms),
+            base_rms_um: diagnosis.rounds.first().map_or(0.0, |round| rms(&round.calibration, unit, |a| a.rms)),
+            final_rms_um: rms(&last, unit, |a| a.rms),
             waterfall,
             parameters: parameters(&diagnosis.fit, spread),
             suspects,
@@ -205,9 +210,9 @@ pub fn parameters(fit: &Fit, spread: f64) -> Vec<ParameterSummary> {
     fit.estimates(spread).iter().map(parameter_summary).collect()
 }
 
-fn step(step: String, calibration: &[Agreement], evaluation: &[Agreement]) -> WaterfallStep {
-    let evaluation_rms_um = (!evaluation.is_empty()).then(|| rms_um(evaluation, |a| a.rms));
-    WaterfallStep { step, calibration_rms_um: rms_um(calibration, |a| a.rms), evaluation_rms_um }
+fn step(step: String, unit: ErrorUnit, calibration: &[Agreement], evaluation: &[Agreement]) -> WaterfallStep {
+    let evaluation_rms_um = (!evaluation.is_empty()).then(|| rms(evaluation, unit, |a| a.rms));
+    WaterfallStep { step, calibration_rms_um: rms(calibration, unit, |a| a.rms), evaluation_rms_um }
 }
 
 fn sentence(verdict: Verdict, effects: &[EffectSummary]) -> String {

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
@@ -133,16 +133,15 @@ pub(super) struct PassTable {
     pub(super) direction: Option<Spanned<[f64; 3]>>,
 }
 
-/// The text of a `trial.toml`, for errors that name a place in it.
-pub(super) struct Source {
-    pub(super) file: PathBuf,
-    text: String,
+/// The text of a `trial.toml` or `table.toml`, for errors that name a place in it.
+pub(crate) struct Source {
+    pub(crate) file: PathBuf,
+    pub(crate) text: String,
 }
 
 impl Source {
-    /// Reads the file; a folder stands for the `trial.toml` in it.
-    pub(super) fn read(folder: &Path) -> Result<Self, TrialError> {
-        let file = folder.join(TRIAL_FILE);
+    /// Reads a file.
+    pub(crate) fn read(file: PathBuf) -> Result<Self, TrialError> {
         let bytes = fs::read(&file).map_err(|source| TrialError::Unreadable { file: file.clone(), source })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             Place::file(&file)
@@ -164,7 +163,7 @@ impl Source {
     }
 
     /// The error that something else was expected at a span of the text.
-    pub(super) fn bad(&self, at: Range<usize>, found: impl Into<String>, accepted: impl Into<String>) -> TrialError {
+    pub(crate) fn bad(&self, at: Range<usize>, found: impl Into<String>, accepted: impl Into<String>) -> TrialError {
         Place::of_byte(&self.file, &self.text, at.start).bad(found, accepted)
     }
 
@@ -213,7 +212,7 @@ impl Source {
 }
 
 /// The candidate that a mistyped word most likely means, if any is near.
-pub(super) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let likeness = |candidate: &str| {
         let (a, b) = (word.to_lowercase(), candidate.to_lowercase());
         let contained = !b.is_empty() && (a.starts_with(&b) || b.starts_with(&a));

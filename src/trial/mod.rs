@@ -27,8 +27,10 @@ pub use campaign::Campaign;
 pub use error::{Place, TrialError};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
 pub use manifest::{Process, Role, TRIAL_FILE, TRIAL_FORMAT};
+pub(crate) use manifest::{Source, nearest};
 pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
 pub use scan::{ExposureMask, LabelMap, Read, ScanFrame, read_exposure, read_heights, read_labels};
+pub(crate) use table::{Row as TextRow, Table as TextTable};
 pub use write::{exposure_csv, heights_csv, labels_csv, log_csv, write_trial};
 
 /// The tool's shape.

@@ -9,7 +9,9 @@ use toml::Spanned;
 
 use super::error::{Place, TrialError};
 use super::log::{RPM, read_log};
-use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Process, Source, ToolKind, ToolTable};
+use super::manifest::{
+    ControllerKind, ControllerTable, Manifest, PassTable, Process, Source, TRIAL_FILE, ToolKind, ToolTable,
+};
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
 use super::{Controller, Pass, PassScan, Scans, Tool, Trial, plausible};
 
@@ -19,7 +21,7 @@ impl Trial {
     /// # Errors
     /// [`TrialError`] with file, line and column, what was found and what would be accepted.
     pub fn read(folder: &Path) -> Result<Self, TrialError> {
-        let source = Source::read(folder)?;
+        let source = Source::read(folder.join(TRIAL_FILE))?;
         let manifest = source.manifest()?;
         let mut reader = Reader { folder, source: &source, notes: Vec::new() };
         let mut trial = reader.trial(&manifest)?;

@@ -9,32 +9,32 @@ use super::error::{Place, TrialError};
 const SNIFFED_LINES: usize = 50;
 
 /// A table's text and what was understood of it.
-pub(super) struct Table {
+pub(crate) struct Table {
     file: PathBuf,
     text: Vec<u8>,
     separator: u8,
     decimal_comma: bool,
     /// What was understood, in sentences, where it is not the plain case.
-    pub(super) notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 /// One row of cells.
-pub(super) struct Row<'a> {
+pub(crate) struct Row<'a> {
     table: &'a Table,
     record: &'a csv::ByteRecord,
     /// Line in the file, from 1.
-    pub(super) line: u64,
+    pub(crate) line: u64,
 }
 
 impl Table {
     /// Reads a file that must hold text.
-    pub(super) fn read(file: &Path) -> Result<Self, TrialError> {
+    pub(crate) fn read(file: &Path) -> Result<Self, TrialError> {
         let bytes = fs::read(file).map_err(|source| TrialError::Unreadable { file: file.to_owned(), source })?;
         Self::parse(file, bytes)
     }
 
     /// Understands the bytes of a file.
-    pub(super) fn parse(file: &Path, mut text: Vec<u8>) -> Result<Self, TrialError> {
+    pub(crate) fn parse(file: &Path, mut text: Vec<u8>) -> Result<Self, TrialError> {
         const ACCEPTED: &str = "a table in UTF-8 or ASCII is expected";
         if text.starts_with(&[0xff, 0xfe]) || text.starts_with(&[0xfe, 0xff]) {
             return Err(Place::file(file).bad("the text is UTF-16", ACCEPTED));
@@ -62,17 +62,17 @@ impl Table {
     }
 
     /// The file it came from.
-    pub(super) fn file(&self) -> &Path {
+    pub(crate) fn file(&self) -> &Path {
         &self.file
     }
 
     /// Whether the last line is not ended, as where writing was cut short.
-    pub(super) fn ends_within_a_line(&self) -> bool {
+    pub(crate) fn ends_within_a_line(&self) -> bool {
         !self.text.ends_with(b"\n") && !self.text.ends_with(b"\r")
     }
 
     /// Calls `each` with every row that is not empty, in order, until it answers false.
-    pub(super) fn rows(&self, mut each: impl FnMut(&Row) -> Result<bool, TrialError>) -> Result<(), TrialError> {
+    pub(crate) fn rows(&self, mut each: impl FnMut(&Row) -> Result<bool, TrialError>) -> Result<(), TrialError> {
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(self.separator)
             .has_headers(false)
@@ -86,11 +86,20 @@ impl Table {
             if !more {
                 return Ok(());
             }
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = record.position().map_or(0, |position| self.line_of(position));
             if !each(&Row { table: self, record: &record, line })? {
                 return Ok(());
             }
         }
+    }
+}
+
+impl Table {
+    /// The line of a row: a reader that was left between CR and LF stands before the ends of lines that come first.
+    fn line_of(&self, position: &csv::Position) -> u64 {
+        let rest = &self.text[(position.byte() as usize).min(self.text.len())..];
+        let ends = rest.iter().take_while(|c| b"\r\n".contains(c)).filter(|&&c| c == b'\n').count();
+        position.line() + ends as u64
     }
 }
 
@@ -120,22 +129,22 @@ fn sniff(text: &[u8]) -> (u8, bool) {
 
 impl Row<'_> {
     /// Number of cells.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.record.len()
     }
 
     /// A cell's bytes without blanks around them; empty beyond the row.
-    pub(super) fn cell(&self, column: usize) -> &[u8] {
+    pub(crate) fn cell(&self, column: usize) -> &[u8] {
         self.record.get(column).unwrap_or_default().trim_ascii()
     }
 
     /// A cell as text for people, shortened.
-    pub(super) fn text(&self, column: usize) -> String {
+    pub(crate) fn text(&self, column: usize) -> String {
         String::from_utf8_lossy(self.cell(column)).chars().take(40).collect()
     }
 
     /// The number in a cell, `None` if the cell is empty. Words for "not a number" give NaN.
-    pub(super) fn number(&self, column: usize) -> Result<Option<f64>, TrialError> {
+    pub(crate) fn number(&self, column: usize) -> Result<Option<f64>, TrialError> {
         let cell = self.cell(column);
         if cell.is_empty() {
             return Ok(None);
@@ -152,7 +161,7 @@ impl Row<'_> {
     }
 
     /// Place of a cell.
-    pub(super) fn place(&self, column: usize) -> Place {
+    pub(crate) fn place(&self, column: usize) -> Place {
         Place::cell(&self.table.file, self.line, column + 1)
     }
 }

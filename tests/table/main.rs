@@ -1,0 +1,8 @@
+//! Tables as users bring them: read, damaged, predicted and fitted.
+
+mod evaluation;
+mod hidden;
+mod hostile;
+mod reach;
+mod reading;
+mod synthetic;
