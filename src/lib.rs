@@ -33,6 +33,7 @@ pub mod python;
 pub mod rehearsal;
 pub mod report;
 pub mod snapshot;
+pub mod study_report;
 pub mod trial;
 pub mod twin;
 pub mod validate;
