@@ -62,9 +62,9 @@ const BOTTOM: f64 = 42.0;
 /// Points a line is thinned to.
 const MOST_POINTS: usize = 600;
 /// Places along the axis that say their values under the pointer.
-const MOST_STRIPS: usize = 120;
+const MOST_STRIPS: usize = 80;
 /// Mean width of a letter of the legend [px].
-const LETTER: f64 = 6.2;
+const LETTER: f64 = 7.0;
 /// Okabe & Ito 2008: told apart by colour-blind readers.
 const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 

@@ -84,7 +84,7 @@ mod tests {
         assert_eq!(significant(1.2345e-13, 3), "1.23 × 10⁻¹³");
         assert_eq!(significant(-0.012345, 3), "−0.0123");
         assert_eq!(significant(123.45, 3), "123");
-        assert_eq!(significant(9.999, 2), "10.0");
+        assert_eq!(significant(9.999, 2), "10");
         assert_eq!(significant(0.0, 3), "0");
         assert_eq!(significant(f64::NAN, 3), "–");
         assert_eq!(fixed(-0.001, 1), "0.0");

@@ -53,7 +53,7 @@ mod tests {
     #[test]
     fn figures_of_a_ramp_are_those_of_the_formula() {
         let ramp = (0..=100).map(|k| f64::from(k) * 1e-6 - 40e-6).chain([f64::NAN]);
-        let found = Statistics::new(ramp, 20e-6).unwrap();
+        let found = Statistics::new(ramp, 20.5e-6).unwrap();
         assert_eq!(found.count, 101);
         assert!((found.mean - 10e-6).abs() < 1e-12);
         // Discrete uniform: variance (n² - 1) / 12.

@@ -13,8 +13,8 @@ const TOP: f64 = 30.0;
 /// Height of a step, and of each of its two bars [px].
 const STEP: f64 = 40.0;
 const BAR: f64 = 13.0;
-/// A bar longer than this many times the third longest is cut, so that the last steps stay readable.
-const MOST_RATIO: f64 = 1.6;
+/// The longest bar is cut at this many times the second longest, so that the last steps stay readable.
+const MOST_RATIO: f64 = 1.15;
 const CALIBRATION: &str = "#1f5f99";
 const EVALUATION: &str = "#e08a2e";
 
@@ -26,6 +26,9 @@ pub(super) fn add(page: &mut Page, waterfall: &Waterfall) {
     }
     page.drawing(&picture(waterfall), &caption(waterfall));
     page.block(&table(waterfall).to_html());
+    if let Some(volumes) = volumes(waterfall) {
+        page.block(&volumes.to_html());
+    }
 }
 
 fn caption(waterfall: &Waterfall) -> String {
@@ -41,8 +44,8 @@ fn longest(waterfall: &Waterfall) -> (f64, bool) {
     let of = |step: &WaterfallStep| step.calibration.unwrap_or(0.0).max(step.evaluation.unwrap_or(0.0));
     let mut lengths: Vec<f64> = waterfall.steps.iter().map(of).collect();
     lengths.sort_by(|a, b| b.total_cmp(a));
-    let third = lengths.get(2).copied().unwrap_or(lengths[0]);
-    let end = if third > 0.0 { lengths[0].min(MOST_RATIO * third) } else { lengths[0] };
+    let second = lengths.get(1).copied().unwrap_or(lengths[0]);
+    let end = if second > 0.0 { lengths[0].min(MOST_RATIO * second) } else { lengths[0] };
     (if end > 0.0 { end } else { waterfall.misfit.unit.si_per_unit }, lengths[0] > end)
 }
 
@@ -112,23 +115,32 @@ fn draw_floor(svg: &mut String, waterfall: &Waterfall, end: f64, height: f64) {
 
 fn table(waterfall: &Waterfall) -> Table {
     let unit = &waterfall.misfit.unit;
-    let mut headings: Vec<String> =
-        ["step".into(), format!("calibration [{}]", unit.unit), format!("evaluation [{}]", unit.unit)].into();
-    headings.push("still unexplained".into());
-    headings.extend(waterfall.passes.iter().map(|pass| format!("volume error, {pass}")));
+    let (calibration, evaluation) = (format!("calibration [{}]", unit.unit), format!("evaluation [{}]", unit.unit));
+    let mut table = Table::new(
+        &format!("What is left after each step: {}", waterfall.misfit.name),
+        &["step", &calibration, &evaluation, "still unexplained"],
+    );
     let row = |step: &WaterfallStep| {
-        let mut row = vec![
-            Cell::text(&step.name),
-            cell(step.calibration, unit.si_per_unit, 3),
-            cell(step.evaluation, unit.si_per_unit, 3),
-            share_cell(step.unexplained),
-        ];
-        row.extend(waterfall.passes.iter().enumerate().map(|(k, _)| volume_cell(step.volume_errors.get(k))));
-        row
+        let misfit = |value| cell(value, unit.si_per_unit, 3);
+        vec![Cell::text(&step.name), misfit(step.calibration), misfit(step.evaluation), share_cell(step.unexplained)]
     };
-    let rows = waterfall.steps.iter().map(row).collect();
-    let caption = format!("{}; volume errors are (simulated − measured) / measured", waterfall.misfit.name);
-    Table { caption, headings, rows }
+    table.rows = waterfall.steps.iter().map(row).collect();
+    table
+}
+
+/// Volume error of each pass after each step that has one; `None` where no step has.
+fn volumes(waterfall: &Waterfall) -> Option<Table> {
+    let steps: Vec<&WaterfallStep> =
+        waterfall.steps.iter().filter(|step| step.volume_errors.iter().any(Option::is_some)).collect();
+    let mut headings = vec!["pass"];
+    headings.extend(steps.iter().map(|step| step.name.as_str()));
+    let mut table =
+        Table::new("Error of the removed volume after each step: (simulated − measured) / measured", &headings);
+    for (k, pass) in waterfall.passes.iter().enumerate() {
+        let errors = steps.iter().map(|step| volume_cell(step.volume_errors.get(k)));
+        table.rows.push([Cell::text(pass)].into_iter().chain(errors).collect());
+    }
+    (!steps.is_empty() && !table.rows.is_empty()).then_some(table)
 }
 
 fn volume_cell(error: Option<&Option<(f64, f64)>>) -> Cell {
