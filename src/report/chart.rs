@@ -114,7 +114,7 @@ impl Chart<'_> {
 
     fn draw_axes(&self, svg: &mut String, across: &Axis, up: &Axis, lowest: bool) {
         let (bottom, top, right) = (up.start, up.end, across.end);
-        let rows = ((bottom - top) / 32.0).clamp(2.0, 8.0) as usize;
+        let rows = ((bottom - top) / 26.0).clamp(2.0, 8.0) as usize;
         for value in up.ticks(rows) {
             let y = up.at(value);
             let colour = if value == 0.0 { "#8a93a3" } else { "#e3e7ee" };

@@ -21,7 +21,7 @@ impl Cell {
         Self { text: shown, value: value.is_finite().then_some(value), is_number: true }
     }
 
-    /// Text in a column of numbers.
+    /// A dash where a number is absent.
     pub fn absent() -> Self {
         Self { text: "–".to_owned(), is_number: true, ..Self::default() }
     }

@@ -77,7 +77,11 @@ pub(super) fn add(page: &mut Page, compared: &Compared) {
         facts.extend(length.map(|length| (name, format!("{} {unit}", significant(length / si, 3)))));
     }
     facts.retain(|(_, value)| !value.is_empty());
-    page.facts(&facts);
+    if facts.is_empty() {
+        page.paragraph("The study states neither model nor tool.");
+    } else {
+        page.facts(&facts);
+    }
     if !compared.passes.is_empty() {
         page.block(&passes(&compared.passes).to_html());
     }

@@ -20,7 +20,8 @@ pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
     );
     for row in detectable {
         let si = row.unit.si_per_unit;
-        let size = if row.size.is_some() { cell(row.size, si, 3) } else { Cell::text("none shows") };
+        let size =
+            if row.size.is_some() { cell(row.size, si, 3) } else { Cell::number("none shows".to_owned(), f64::NAN) };
         table.rows.push(vec![
             Cell::text(&row.name),
             Cell::text(&row.parameter),
