@@ -28,12 +28,15 @@ pub(super) fn add(page: &mut Page, scans: &[ScanComparison]) {
         _ => None,
     };
     let floor = scans.iter().filter_map(heights).map(|maps| maps.noise_floor).fold(0.0, f64::max);
-    if floor <= 0.0 {
+    if !scans.iter().any(|scan| heights(scan).is_some()) {
         return;
+    }
+    page.subsection("Residual maps");
+    if floor <= 0.0 {
+        return page.paragraph("No scan has a noise floor, so that no tolerance band and no scale can be stated.");
     }
     let residuals = scans.iter().filter_map(heights).flat_map(|m| m.base.iter().chain(m.with_effect.iter().flatten()));
     let scale = ColourScale::new(floor, residuals.copied());
-    page.subsection("Residual maps");
     page.paragraph(&reading(&scale, floor));
     for scan in scans {
         if let Maps::Heights(maps) = &scan.maps {

@@ -48,7 +48,7 @@ pub struct Waterfall {
     pub misfit: Misfit,
     /// Names of the passes whose volumes are listed, such as `plate-03, pass 1`.
     pub passes: Vec<String>,
-    /// Raw, registered, base model, each added effect, noise floor.
+    /// Raw, registered, base model, each added effect; the last one is the noise floor.
     pub steps: Vec<WaterfallStep>,
 }
 
@@ -63,7 +63,8 @@ pub struct WaterfallStep {
     pub evaluation: Option<f64>,
     /// Error of the removed volume of each pass and its standard uncertainty, as shares of the measured volume [1].
     pub volume_errors: Vec<Option<(f64, f64)>>,
-    /// Share of the base model's excess that is still unexplained [1].
+    /// Share of the base model's excess that is still unexplained [1]: 1 at the base model, `None` before it and at the
+    /// floor.
     pub unexplained: Option<f64>,
 }
 
