@@ -37,6 +37,8 @@ pub mod rehearsal;
 pub mod report;
 pub mod scanner;
 pub mod snapshot;
+pub mod study;
+pub mod study_report;
 pub mod table;
 pub mod trial;
 pub mod twin;

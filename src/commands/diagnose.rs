@@ -14,6 +14,8 @@ use crate::folder::StagedFolder;
 use crate::laboratory::{
     Diagnosis, DiagnosisSummary, Evidence, Fit, RowEvidence, ScanEvidence, calibrate, with_values,
 };
+use crate::study::{ReportInput, report};
+use crate::study_report::page;
 use crate::table::{TABLE_FILE, Table};
 use crate::trial::Campaign;
 
@@ -40,36 +42,47 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let folder = StagedFolder::new(&args.out.out, DIAGNOSIS_FILE, args.out.force)?;
     let library = args.model.own.library()?;
     let started = Instant::now();
-    let search = |evidence: &dyn Evidence, model: &Model, fit: Fit| -> Result<(DiagnosisSummary, Model)> {
+    let search = |evidence: &dyn Evidence, model: &Model, fit: Fit| -> Result<(DiagnosisSummary, Diagnosis)> {
         console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
         let bar = console.bar("effects", 100);
         let told = |_: &str, done: usize, all: usize| bar.set_position((100 * done / all.max(1)) as u64);
         let diagnosis = Diagnosis::new(evidence, (model, fit), &library, (args.seed, &told))?;
         bar.finish_and_clear();
         let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
-        Ok((DiagnosisSummary::new(evidence, &diagnosis, &title)?, diagnosis.model))
+        Ok((DiagnosisSummary::new(evidence, &diagnosis, &title)?, diagnosis))
     };
-    let (summary, model) = if args.campaign.join(TABLE_FILE).is_file() {
+    let (seed, place) = (args.seed, args.campaign.as_path());
+    let (summary, diagnosis, report) = if args.campaign.join(TABLE_FILE).is_file() {
         let table = Table::read(&args.campaign)?;
         let evidence = RowEvidence::new(&table)?;
         table.notes.iter().chain(&evidence.notes).for_each(|note| console.step("note", note));
         let model = args.model.model(evidence.process(), &library)?;
         let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;
         let fit = calibrate(&evidence, &model, &library)?;
-        search(&evidence, &model, fit)?
+        let (summary, diagnosis) = search(&evidence, &model, fit)?;
+        let notes = table.notes.iter().chain(&evidence.notes).cloned().collect();
+        let input = ReportInput { scans: None, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes };
+        let report = report(&input)?;
+        (summary, diagnosis, report)
     } else {
         let campaign = Campaign::read(&args.campaign)?;
         let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
         console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
         let model = args.model.model(evidence.process(), &library)?;
         let fit = first_fit(&mut evidence, &model, &library)?;
-        search(&evidence, &model, fit)?
+        let (summary, diagnosis) = search(&evidence, &model, fit)?;
+        let scans = Some((&campaign, &evidence));
+        let input =
+            ReportInput { scans, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes: Vec::new() };
+        let report = report(&input)?;
+        (summary, diagnosis, report)
     };
     let write = |name: &str, text: String| {
         std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
     };
     write(DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
-    write("model.toml", model.to_text(&library))?;
+    write("model.toml", diagnosis.model.to_text(&library))?;
+    write("report.html", page(&report))?;
     describe(&summary, console);
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));

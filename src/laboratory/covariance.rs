@@ -124,6 +124,11 @@ impl Whitener {
         left.as_slice().to_vec()
     }
 
+    /// Standard deviation that noise and freedoms give to a weighted sum of the data.
+    pub fn sigma_of_sum(&self, weights: &[f64]) -> f64 {
+        self.factor.l_dirty().lower_triangle().tr_mul(&DVector::from_column_slice(weights)).norm()
+    }
+
     /// The freedoms given the data (mean and covariance): what a joint fit gives them.
     pub fn freedoms(&self, difference: &[f64]) -> Freedom {
         let left = DVector::from_column_slice(difference) - &self.offset;

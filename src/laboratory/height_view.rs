@@ -95,6 +95,14 @@ impl HeightView {
         (0..self.measured.heights.len()).map(left).collect()
     }
 
+    /// Standard deviation of the volume under all tiles, from noise and the scan's pose [m³].
+    pub fn volume_sigma(&self) -> f64 {
+        let mut areas = vec![0.0; self.tiles.len()];
+        let pixel = self.measured.pixels.pitch.powi(2);
+        self.tiles.pixels().for_each(|(tile, _)| areas[tile] += pixel);
+        self.whitener.sigma_of_sum(&areas)
+    }
+
     /// Root mean square of what is left over the tiles' pixels, what the scans' noise alone would leave, and the mean
     /// depth that was removed [m].
     ///

@@ -1,8 +1,10 @@
 //! Pages for people: one HTML file with everything in it.
 
+mod axis;
 mod chart;
 mod page;
 mod section;
+mod table;
 
 use std::fs;
 use std::path::Path;
@@ -13,8 +15,12 @@ use crate::asset::{FileRecord, MANIFEST_FILE, Manifest, PREVIEW_FILE, WeldTruth,
 use crate::finishing::{Ground, model_facts};
 use crate::picture::{GrindPictures, to_png};
 
-pub use chart::{Chart, Series};
+pub(crate) use axis::{Axis, short};
+pub use chart::{Chart, Series, Stroke, WIDE, stacked};
 pub use page::Page;
+pub(crate) use page::escape;
+pub(crate) use table::exact;
+pub use table::{Cell, Table};
 
 /// The summary of a ground asset: workpiece, grinding, figures, files.
 ///
@@ -87,12 +93,20 @@ fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
 }
 
 fn force_chart(ground: &Ground) -> String {
-    let line = |(i, pass): (usize, &sim::PassRecord)| Series {
-        name: format!("pass {}", i + 1),
-        points: pass.log.iter().map(|row| (row.time, row.force)).collect(),
+    let line = |(i, pass): (usize, &sim::PassRecord)| {
+        Series::new(format!("pass {}", i + 1), pass.log.iter().map(|row| (row.time, row.force)).collect())
     };
     let series: Vec<Series> = ground.passes.iter().enumerate().map(line).collect();
-    Chart { x_label: "time in the pass [s]", y_label: "normal force [N]", series: &series }.to_svg()
+    Chart {
+        title: "Normal force along each pass",
+        x_label: "time in the pass [s]",
+        y_label: "normal force [N]",
+        series: &series,
+        size: WIDE,
+        from_zero: true,
+        band: None,
+    }
+    .to_svg()
 }
 
 fn process_facts(ground: &Ground) -> Vec<(String, String)> {

@@ -5,10 +5,15 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use super::table::{Cell, Table};
+
 /// A page under construction: blocks are appended in reading order.
 pub struct Page {
     title: String,
+    style: String,
     body: String,
+    parts: Vec<(&'static str, &'static str)>,
+    contents_at: Option<usize>,
 }
 
 const STYLE: &str = "
@@ -18,7 +23,8 @@ h1 { font-size: 1.6rem; margin: 0 0 .3rem; } h2 { font-size: 1.15rem; margin: 2r
 p.lead { font-size: 1.05rem; color: #3c4658; margin-top: 0; }
 figure { margin: 1rem 0; } img, svg { max-width: 100%; height: auto; } figcaption { color: #5b6577; font-size: .9rem; }
 table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .25rem .9rem .25rem 0; text-align: left;
-border-bottom: 1px solid #dfe3ea; vertical-align: top; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
+border-bottom: 1px solid #dfe3ea; vertical-align: top; } .scroll { overflow-x: auto; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
+rect.strip { fill: transparent; } rect.strip:hover { fill: rgb(28 35 48 / .12); }
 code { font-size: .9em; background: #f2f4f8; padding: .05em .3em; border-radius: 3px; }
 @media print { body { margin: 0; max-width: none; font-size: 10.5pt; } figure, table { break-inside: avoid; } @page { size: A4; margin: 15mm; } }
 ";
@@ -26,13 +32,29 @@ code { font-size: .9em; background: #f2f4f8; padding: .05em .3em; border-radius:
 impl Page {
     /// A page with a heading and one sentence below it.
     pub fn new(title: &str, lead: &str) -> Self {
-        let body = format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(title), escape(lead));
-        Self { title: title.to_owned(), body }
+        let body = format!("<header><h1>{}</h1>\n<p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
+        Self { title: title.to_owned(), style: STYLE.to_owned(), body, parts: Vec::new(), contents_at: None }
     }
 
     /// A section heading.
     pub fn section(&mut self, heading: &str) {
         self.append(&format!("<h2>{}</h2>\n", escape(heading)));
+    }
+
+    /// A section heading that the list of contents names and links to.
+    pub(crate) fn part(&mut self, id: &'static str, heading: &'static str) {
+        self.parts.push((id, heading));
+        self.append(&format!("<h2 id=\"{id}\">{}</h2>\n", escape(heading)));
+    }
+
+    /// A heading within a section.
+    pub(crate) fn subsection(&mut self, heading: &str) {
+        self.append(&format!("<h3>{}</h3>\n", escape(heading)));
+    }
+
+    /// The list of contents goes here.
+    pub(crate) fn contents(&mut self) {
+        self.contents_at = Some(self.body.len());
     }
 
     /// A paragraph of plain text.
@@ -58,36 +80,45 @@ impl Page {
     pub fn facts<N: AsRef<str>>(&mut self, rows: &[(N, String)]) {
         let rows: String = rows
             .iter()
-            .map(|(name, value)| format!("<tr><th>{}</th><td>{}</td></tr>\n", escape(name.as_ref()), escape(value)))
+            .map(|(name, value)| {
+                format!("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escape(name.as_ref()), escape(value))
+            })
             .collect();
         self.append(&format!("<table>\n{rows}</table>\n"));
     }
 
     /// A table of numbers under headings; the first column names the row.
     pub fn table(&mut self, headings: &[&str], rows: &[Vec<String>]) {
-        let cells = |tag: &str, row: &mut dyn Iterator<Item = &str>| -> String {
-            row.enumerate()
-                .map(|(i, cell)| {
-                    let class = if i == 0 { "" } else { " class=\"n\"" };
-                    format!("<{tag}{class}>{}</{tag}>", escape(cell))
-                })
-                .collect()
+        let cell = |(i, text): (usize, &String)| match i {
+            0 => Cell::text(text),
+            _ => Cell::number(text.clone(), f64::NAN),
         };
-        let head = cells("th", &mut headings.iter().copied());
-        let mut text = format!("<table>\n<tr>{head}</tr>\n");
-        for row in rows {
-            text += &format!("<tr>{}</tr>\n", cells("td", &mut row.iter().map(String::as_str)));
-        }
-        self.append(&(text + "</table>\n"));
+        let rows = rows.iter().map(|row| row.iter().enumerate().map(cell).collect()).collect();
+        self.append(&Table { rows, ..Table::new("", headings) }.to_html());
+    }
+
+    /// HTML made by this crate; `html` is not escaped.
+    pub(crate) fn block(&mut self, html: &str) {
+        self.append(html);
+    }
+
+    /// Rules added to the page's own style.
+    pub(crate) fn style(&mut self, css: &str) {
+        self.style.push_str(css);
     }
 
     /// The finished document.
-    pub fn finish(self) -> String {
+    pub fn finish(mut self) -> String {
+        if let Some(at) = self.contents_at {
+            let links = self.parts.iter().map(|(id, heading)| format!("<a href=\"#{id}\">{}</a>\n", escape(heading)));
+            self.body.insert_str(at, &format!("<nav aria-label=\"Contents\">\n{}</nav>\n", links.collect::<String>()));
+        }
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+             <title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
             escape(&self.title),
+            self.style,
             self.body
         )
     }
@@ -98,7 +129,7 @@ impl Page {
 }
 
 /// Text made safe for HTML and SVG.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut safe, c| {
         match c {
             '&' => safe.push_str("&amp;"),

@@ -3,7 +3,7 @@
 use sdf_bake::BrickGrid;
 use sim::surface::way_to_surface;
 
-use super::chart::{Chart, Series};
+use super::chart::{Chart, Series, WIDE};
 use crate::asset::WeldTruth;
 use crate::finishing::Ground;
 
@@ -15,10 +15,18 @@ const REACH: f64 = 0.85;
 /// The outline across the middle of the weld as welded and as ground, as an SVG drawing.
 pub(super) fn middle_section(ground: &Ground) -> String {
     let middle = ground.weld.curve.position.len() / 2;
-    let outline =
-        |name: &str, grid: &BrickGrid| Series { name: name.to_owned(), points: outline(grid, &ground.weld, middle) };
+    let outline = |name: &str, grid: &BrickGrid| Series::new(name, outline(grid, &ground.weld, middle));
     let series = [outline("as welded", &ground.before), outline("as ground", &ground.after)];
-    Chart { x_label: "across the weld [mm]", y_label: "height above the part [mm]", series: &series }.to_svg()
+    Chart {
+        title: "Section across the middle of the weld",
+        x_label: "across the weld [mm]",
+        y_label: "height above the part [mm]",
+        series: &series,
+        size: WIDE,
+        from_zero: true,
+        band: None,
+    }
+    .to_svg()
 }
 
 /// Offsets across the weld and heights above its centreline [mm] at a point of the curve; where a line along the normal

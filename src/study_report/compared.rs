@@ -1,0 +1,184 @@
+//! The head of the page: verdict, figures at a glance, what was compared.
+
+use super::data::{Compared, StudyReport, Verdict};
+use super::number::{fixed, fixed_cell, percent, significant};
+use super::scan_data::{ComparedPass, PassVolume, Waterfall};
+use super::words::{list, role};
+use crate::report::{Cell, Page, Table, escape, exact};
+
+/// Turns in a minute of 1 rad/s.
+const RPM: f64 = std::f64::consts::TAU / 60.0;
+
+/// Appends the verdict and the figures at a glance.
+pub(super) fn add_verdict(page: &mut Page, report: &StudyReport) {
+    let (word, means) = (report.verdict.word(), meaning(report.verdict));
+    page.block(&format!(
+        "<section class=\"verdict {word}\" id=\"verdict\"><p class=\"word\">{word}</p>\n<p class=\"sentence\">{}</p>\n<p class=\"means\">{means}</p></section>\n",
+        escape(&report.sentence)
+    ));
+    page.block(&glance(&report.waterfall));
+}
+
+fn meaning(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Identified => "One effect explains what the base law misses, and held-out passes confirm it.",
+        Verdict::Ambiguous => "Several effects explain it equally well; these passes cannot tell them apart.",
+        Verdict::Partly => "An effect was found, and structure remains beside it.",
+        Verdict::Unknown => "Something is missing that no effect of the library explains.",
+        Verdict::NothingMissing => {
+            "The model agrees with the measurement within its noise; see below what would have shown."
+        }
+        Verdict::NotTestable => "These passes cannot show what was asked.",
+    }
+}
+
+/// Base model, best model and noise floor, side by side.
+fn glance(waterfall: &Waterfall) -> String {
+    let unit = &waterfall.misfit.unit;
+    let count = waterfall.steps.len();
+    if count < 2 {
+        return String::new();
+    }
+    let best = &waterfall.steps[count - 2];
+    let floor = &waterfall.steps[count - 1];
+    let base = waterfall.steps.iter().find(|step| step.unexplained.is_some()).filter(|base| base.name != best.name);
+    let tiles = base.into_iter().chain([best, floor]).filter_map(|step| {
+        let value = step.evaluation.or(step.calibration)?;
+        let passes = if step.evaluation.is_some() { "evaluation passes" } else { "calibration passes" };
+        Some(format!(
+            "<div><dt>{}</dt><dd data-value=\"{}\">{} <small>{}</small></dd><dd class=\"of\">{passes}</dd></div>\n",
+            escape(&step.name),
+            exact(value),
+            significant(unit.of(value), 3),
+            escape(&unit.unit)
+        ))
+    });
+    let mut tiles: String = tiles.collect();
+    if let Some(unexplained) = best.unexplained {
+        tiles += &format!(
+            "<div><dt>still unexplained</dt><dd data-value=\"{}\">{}</dd><dd class=\"of\">of the base model's excess</dd></div>\n",
+            exact(unexplained),
+            percent(unexplained)
+        );
+    }
+    format!("<dl class=\"glance\">\n{tiles}</dl>\n")
+}
+
+/// Appends what was compared.
+pub(super) fn add(page: &mut Page, compared: &Compared) {
+    page.part("compared", "What was compared");
+    let mut facts = vec![("model", compared.model.clone()), ("tool", compared.tool.clone())];
+    let lengths = [
+        ("pitch of the scans", compared.pitch, 1e-3, "mm"),
+        ("voxel of the simulation", compared.voxel, 1e-3, "mm"),
+        ("blur of the instrument", compared.blur, 1e-6, "µm"),
+    ];
+    for (name, length, si, unit) in lengths {
+        facts.extend(length.map(|length| (name, format!("{} {unit}", significant(length / si, 3)))));
+    }
+    facts.retain(|(_, value)| !value.is_empty());
+    if facts.is_empty() {
+        page.paragraph("The study states neither model nor tool.");
+    } else {
+        page.facts(&facts);
+    }
+    if !compared.passes.is_empty() {
+        page.block(&passes(&compared.passes).to_html());
+    }
+}
+
+fn passes(passes: &[ComparedPass]) -> Table {
+    let mut table = Table::new(
+        "Passes in order of time; evaluation passes are never fitted",
+        &["pass", "role", "force [N]", "feed [mm/s]", "spindle [rpm]", "noise floor [µm]"],
+    );
+    for pass in passes {
+        table.rows.push(vec![
+            Cell::text(&pass.name),
+            Cell::text(role(pass.role)),
+            fixed_cell(pass.force, 1.0, 1),
+            fixed_cell(pass.feed, 1e-3, 1),
+            fixed_cell(pass.spindle_speed, RPM, 0),
+            fixed_cell(pass.noise_floor, 1e-6, 2),
+        ]);
+    }
+    table
+}
+
+/// Appends the removed volumes.
+pub(super) fn add_volumes(page: &mut Page, volumes: &[PassVolume]) {
+    if volumes.is_empty() {
+        return;
+    }
+    page.subsection("Removed volume");
+    let mut table = Table::new(
+        "Removed volume; ± is the standard uncertainty that noise and alignment cause",
+        &["pass", "measured [mm³]", "±", "base model [mm³]", "error", "with effect [mm³]", "error"],
+    );
+    for volume in volumes {
+        let cubic = |value: f64| fixed_cell(Some(value), 1e-9, 2);
+        let error = |simulated: f64| {
+            let error = simulated - volume.measured;
+            let share = percent(error / volume.measured);
+            Cell::number(format!("{} mm³ ({share})", fixed(error * 1e9, 2)), error)
+        };
+        table.rows.push(vec![
+            Cell::text(&volume.pass),
+            cubic(volume.measured),
+            cubic(volume.uncertainty),
+            cubic(volume.base),
+            error(volume.base),
+            volume.with_effect.map_or(Cell::absent(), cubic),
+            volume.with_effect.map_or(Cell::absent(), error),
+        ]);
+    }
+    page.block(&table.to_html());
+}
+
+/// Appends how scans were aligned and read.
+pub(super) fn add_method(page: &mut Page, compared: &Compared) {
+    let aligned = compared.passes.iter().any(|pass| pass.alignment.is_some());
+    if !aligned && compared.method.is_empty() && compared.notes.is_empty() {
+        return;
+    }
+    page.part("method", "Alignment and reading");
+    page.block(&list(&compared.method));
+    if aligned {
+        page.block(&alignments(&compared.passes).to_html());
+    }
+    if !compared.notes.is_empty() {
+        page.subsection("Notes of the reader");
+        page.block(&list(&compared.notes));
+    }
+}
+
+fn alignments(passes: &[ComparedPass]) -> Table {
+    let mut table = Table::new(
+        "How each scan lay over the model on the surface that the tool left alone",
+        &[
+            "pass",
+            "offset [µm]",
+            "tilt x [mrad]",
+            "tilt y [mrad]",
+            "shift x [µm]",
+            "shift y [µm]",
+            "left over [µm]",
+            "pixels",
+        ],
+    );
+    for pass in passes {
+        let Some(found) = &pass.alignment else { continue };
+        let value = |value: f64, si: f64| fixed_cell(Some(value), si, 2);
+        table.rows.push(vec![
+            Cell::text(&pass.name),
+            value(found.offset, 1e-6),
+            value(found.tilt.x, 1e-3),
+            value(found.tilt.y, 1e-3),
+            value(found.shift.x, 1e-6),
+            value(found.shift.y, 1e-6),
+            value(found.sigma, 1e-6),
+            Cell::number(found.pixels.to_string(), found.pixels as f64),
+        ]);
+    }
+    table
+}

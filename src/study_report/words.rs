@@ -1,0 +1,20 @@
+//! Words that several parts of the page use.
+
+use crate::trial::Role;
+
+/// What a pass was used for.
+pub(super) fn role(role: Role) -> &'static str {
+    match role {
+        Role::Calibration => "calibration",
+        Role::Evaluation => "evaluation",
+    }
+}
+
+/// A list as HTML; nothing where it is empty.
+pub(super) fn list(items: &[String]) -> String {
+    if items.is_empty() {
+        return String::new();
+    }
+    let items: String = items.iter().map(|item| format!("<li>{}</li>\n", crate::report::escape(item))).collect();
+    format!("<ul>\n{items}</ul>\n")
+}

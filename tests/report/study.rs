@@ -1,0 +1,360 @@
+//! Studies made up for the page: a bead that was ground twice, a panel that was sanded, a table of rows.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use robofin::measure::Registration;
+use robofin::study_report::*;
+use robofin::trial::Role;
+use sdf_bake::PixelGrid;
+use serde_json::json;
+
+const FLOOR: f64 = 2.1e-6;
+const UM: f64 = 1e-6;
+
+/// A campaign of so many scans of so many pixels with a dulled wheel.
+pub fn grinding(scans: usize, nx: usize, ny: usize) -> StudyReport {
+    let pass = |k: usize| format!("plate-{:02}, pass {}", k / 2 + 1, k % 2 + 1);
+    let role = |k: usize| if k % 4 < 3 { Role::Calibration } else { Role::Evaluation };
+    let passes: Vec<String> = (0..scans).map(pass).collect();
+    let maps = (0..scans).map(|k| ScanComparison { pass: pass(k), role: role(k), maps: heights(k, nx, ny) });
+    StudyReport {
+        compared: Compared {
+            campaign: "bracket welds, week 14".into(),
+            model: "Preston with threshold; then grit-dulling".into(),
+            tool: "wheel, radius 50 mm, width 20 mm".into(),
+            passes: (0..scans).map(|k| compared_pass(pass(k), role(k), k)).collect(),
+            pitch: Some(0.25e-3),
+            voxel: Some(0.25e-3),
+            blur: Some(118e-6),
+            method: vec![
+                "Each scan is laid on the surface that the tool left alone, with offset, tilt and lateral shift free in every fit.".into(),
+                "The noise floor is that of the repeated scan before the first pass.".into(),
+            ],
+            notes: vec!["plate-02/before.csv: <12> pixels & 3 spikes were left out".into()],
+        },
+        verdict: Verdict::Identified,
+        sentence: "The wheel dulls with the volume it removes: adding grit-dulling takes the error of the evaluation passes from 13.7 to 2.4 µm, 1.15 times the noise floor.".into(),
+        tests: vec![
+            TestOfMissing { name: "excess of whitened squares".into(), statistic: 84.31, p_value: 1e-9, rejects: true },
+            TestOfMissing { name: "neighbouring tiles agree (Moran)".into(), statistic: 0.412, p_value: 2e-4, rejects: true },
+            TestOfMissing { name: "runs along sections".into(), statistic: -1.27, p_value: 0.204, rejects: false },
+        ],
+        waterfall: waterfall(&passes[..scans.min(4)]),
+        volumes: passes.iter().enumerate().map(|(k, pass)| volume(pass, k)).collect(),
+        scans: maps.collect(),
+        sections: vec![section(Direction::Across(20e-3)), section(Direction::Across(70e-3)), section(Direction::AlongCrest)],
+        covariates: covariates(),
+        suspects: suspects(),
+        parameters: parameters(),
+        correlations: Some(correlations()),
+        detectable: detectable(),
+        next_trial: Some(next_trial()),
+        suggested_effect: Some(SuggestedEffect {
+            file: "suggested.toml".into(),
+            summary: "The rate falls with the removed volume: k (1 − 0.21 V / 100 mm³).".into(),
+            text: "name = \"suggested\"\n[modify]\nrate = \"rate * (1 - a * volume)\" # <named> & edited by you\n".into(),
+        }),
+        provenance: provenance(),
+        diagnosis: diagnosis(),
+    }
+}
+
+fn compared_pass(name: String, role: Role, k: usize) -> ComparedPass {
+    let alignment = Registration {
+        offset: 12.31 * UM,
+        tilt: DVec2::new(1.21e-4, -0.43e-4),
+        shift: DVec2::new(14.2 * UM, -6.7 * UM),
+        centre: DVec2::ZERO,
+        sigma: 2.24 * UM,
+        pixels: 10_331 + k,
+    };
+    ComparedPass {
+        name,
+        role,
+        force: Some([15.0, 20.0][k % 2]),
+        feed: Some(5.0e-3),
+        spindle_speed: Some(6000.0 * TAU / 60.0),
+        noise_floor: Some(FLOOR),
+        alignment: Some(alignment),
+    }
+}
+
+/// Residual maps: a trough and a ripple in the track that the effect explains, over noise with holes.
+fn heights(seed: usize, nx: usize, ny: usize) -> Maps {
+    let pixels = PixelGrid { origin: DVec2::new(0.0, -10e-3), pitch: 0.25e-3, nx, ny };
+    let mut random = Pcg64Mcg::seed_from_u64(seed as u64);
+    let mut maps = (Vec::new(), Vec::new(), Vec::new());
+    for at in 0..pixels.len() {
+        let (u, v) = ((at % nx) as f64 / nx as f64, (at / nx) as f64 / ny as f64 - 0.5);
+        let missing = random.random::<f64>() < 0.01 || at % nx == 0;
+        let noise = FLOOR * ((0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0);
+        let touched = v.abs() < 0.22;
+        let shape =
+            if touched { 28.0 * UM * (u - 0.35) * (1.0 - 8.0 * v * v) + 3.0 * UM * (60.0 * u).sin() } else { 0.0 };
+        let value = |height: f64| if missing { f64::NAN } else { height };
+        maps.0.push(value(shape + noise));
+        maps.1.push(value(0.06 * shape + noise));
+        maps.2.push(touched);
+    }
+    Maps::Heights(HeightMaps {
+        pixels,
+        base: maps.0,
+        with_effect: Some(maps.1),
+        judged: maps.2,
+        judged_as: "that the tool touched".into(),
+        noise_floor: FLOOR,
+    })
+}
+
+fn waterfall(passes: &[String]) -> Waterfall {
+    let step = |name: &str, um: [f64; 2], volume: f64, unexplained: Option<f64>| WaterfallStep {
+        name: name.into(),
+        calibration: Some(um[0] * UM),
+        evaluation: Some(um[1] * UM),
+        volume_errors: passes
+            .iter()
+            .enumerate()
+            .map(|(k, _)| Some((volume * (1.0 + 0.1 * k as f64), 0.0203)))
+            .collect(),
+        unexplained,
+    };
+    let floor = WaterfallStep {
+        name: "noise floor".into(),
+        calibration: Some(FLOOR),
+        evaluation: Some(FLOOR),
+        ..WaterfallStep::default()
+    };
+    let steps = vec![
+        step("raw", [311.7, 287.3], 0.1531, None),
+        step("registered", [48.13, 44.61], 0.0921, None),
+        step("base model", [12.41, 13.73], 0.0614, Some(1.0)),
+        step("+ grit-dulling", [2.317, 2.419], -0.0042, Some(0.0131)),
+        floor,
+    ];
+    Waterfall { misfit: Misfit::heights(), passes: passes.to_vec(), steps }
+}
+
+fn volume(pass: &str, k: usize) -> PassVolume {
+    let measured = (140.0 + 3.7 * k as f64) * 1e-9;
+    PassVolume {
+        pass: pass.into(),
+        measured,
+        uncertainty: 2.84e-9,
+        base: 1.0614 * measured,
+        with_effect: Some(0.9958 * measured),
+    }
+}
+
+fn section(direction: Direction) -> ScanSection {
+    let count = 160;
+    let position: Vec<f64> = (0..count).map(|i| -10e-3 + 0.125e-3 * i as f64).collect();
+    let bead = |y: f64| (1.6e-3 * (1.0 - (y / 4e-3).powi(2))).clamp(0.0, 0.9e-3);
+    let ripple = |y: f64| 18.0 * UM * (-(y / 3e-3).powi(2)).exp();
+    let heights = |share: f64| position.iter().map(|&y| bead(y) - share * ripple(y)).collect::<Vec<f64>>();
+    let mut measured = heights(0.0);
+    measured.iter_mut().enumerate().for_each(|(i, h)| *h += FLOOR * (i as f64 * 12.9898).sin());
+    measured[40..44].fill(f64::NAN);
+    ScanSection {
+        pass: "plate-01, pass 2".into(),
+        direction,
+        base: heights(1.0),
+        with_effect: Some(heights(0.06)),
+        position,
+        measured,
+        noise_floor: FLOOR,
+    }
+}
+
+fn covariates() -> Vec<CovariatePlot> {
+    let bins = |low: f64, high: f64, slope: f64| -> Vec<Bin> {
+        let bin = |i: usize| {
+            let u = f64::from(i as u32) / 9.0;
+            let residual = slope * UM * (u - 0.4) + 0.4 * UM * (7.0 * u).sin();
+            Bin { covariate: low + u * (high - low), residual, band: [residual - 1.1 * UM, residual + 1.1 * UM] }
+        };
+        (0..10).map(bin).collect()
+    };
+    let plot = |name: &str, unit, range: [f64; 2], slope, share, p_value| CovariatePlot {
+        name: name.into(),
+        unit,
+        bins: bins(range[0], range[1], slope),
+        with_effect: bins(range[0], range[1], 0.05 * slope),
+        share,
+        p_value,
+    };
+    vec![
+        plot("contact pressure", Stated::new("MPa", 1e6), [0.1e6, 0.62e6], 6.0, 0.117, 0.083),
+        plot("removed volume", Stated::new("mm³", 1e-9), [0.0, 280e-9], 24.0, 0.731, 0.0004),
+        plot("slip speed", Stated::new("m/s", 1.0), [29.0, 31.4], 1.0, 0.021, 0.41),
+    ]
+}
+
+fn suspects() -> Vec<Suspect> {
+    let suspect = |name: &str, title: &str, probability, gain, after: f64, like: &[&str], note: &str| Suspect {
+        name: name.into(),
+        title: title.into(),
+        probability,
+        gain,
+        evaluation_before: Some(13.73 * UM),
+        evaluation_after: Some(after * UM),
+        look_alikes: like.iter().map(|&l| l.to_owned()).collect(),
+        note: note.into(),
+    };
+    vec![
+        suspect(
+            "grit-dulling",
+            "wheel dulls with removed volume",
+            0.9413,
+            1843.2,
+            2.419,
+            &[],
+            "All gates are passed; the held-out gain is 14 standard errors.",
+        ),
+        suspect(
+            "wheel-loading",
+            "chips clog the wheel",
+            0.0511,
+            1829.7,
+            2.633,
+            &["thermal-softening"],
+            "Explains plate-01 as well, and loses on the dressed wheel of plate-03.",
+        ),
+        suspect(
+            "tool-tilt",
+            "axis tilted against the path",
+            0.0021,
+            211.4,
+            11.93,
+            &[],
+            "Symmetric residual: ruled out.",
+        ),
+    ]
+}
+
+fn parameters() -> Vec<ParameterEstimate> {
+    let free = |name: &str, unit: Stated, value: f64, spread: f64| ParameterEstimate {
+        name: name.into(),
+        value: value * unit.si_per_unit,
+        interval: Some([(value - spread) * unit.si_per_unit, (value + spread) * unit.si_per_unit]),
+        unit,
+        on_bound: false,
+        identifiable: true,
+        fixed: false,
+    };
+    let mut all = vec![
+        free("preston.k", Stated::new("mm³/(N m)", 1e-9), 0.01234, 0.00031),
+        free("preston.threshold", Stated::new("MPa", 1e6), 0.0512, 0.0097),
+        free("grit-dulling.rate", Stated::new("1/mm³", 1e9), 0.002107, 0.000121),
+        free("contact.stiffness", Stated::new("N/mm³", 1e9), 3.2, 0.0),
+    ];
+    all[1].on_bound = true;
+    all[2].identifiable = false;
+    (all[3].fixed, all[3].interval) = (true, None);
+    all
+}
+
+fn correlations() -> Correlations {
+    let names = ["preston.k", "preston.threshold", "grit-dulling.rate"].map(str::to_owned).to_vec();
+    Correlations { names, values: vec![1.0, 0.932, -0.417, 0.932, 1.0, -0.288, -0.417, -0.288, 1.0] }
+}
+
+fn detectable() -> Vec<Detectable> {
+    let row = |name: &str, parameter: &str, size, note: &str| Detectable {
+        name: name.into(),
+        parameter: parameter.into(),
+        unit: Stated::new("%", 0.01),
+        size,
+        typical: Some(0.08),
+        map_rms: size.map(|size: f64| size * 31.3 * UM),
+        note: note.into(),
+    };
+    vec![
+        row("speed-exponent", "exponent", None, "looks like a change of k at one speed"),
+        row("tool-tilt", "tilt", Some(0.0173), ""),
+    ]
+}
+
+fn next_trial() -> NextTrial {
+    NextTrial {
+        summary: "Grind one more plate with a freshly dressed wheel, and change the force within the pass.".into(),
+        steps: vec![
+            ("wheel".into(), "dressed".into()),
+            ("force".into(), "10 N to x = 70 mm, then 20 N".into()),
+            ("feed, spindle".into(), "5 mm/s, 6000 rpm".into()),
+        ],
+        settles: vec!["grit-dulling against wheel-loading".into()],
+        leaves_open: vec!["the speed exponent".into()],
+        chance: Some(0.973),
+    }
+}
+
+fn provenance() -> Provenance {
+    let digest = |file: &str, letter: &str| Digest { file: file.into(), sha256: letter.repeat(64) };
+    Provenance {
+        inputs: vec![digest("plate-01/before.csv", "a"), digest("plate-01/pass1_log.csv", "7")],
+        seed: 20_417,
+        versions: vec![("RoboFin".into(), "0.1.0".into()), ("effects".into(), "41 of the library".into())],
+        options: vec![("--voxel-mm".into(), "0.25".into())],
+        date: None,
+    }
+}
+
+fn diagnosis() -> serde_json::Value {
+    json!({
+        "verdict": "identified",
+        "effects": [{
+            "name": "grit-dulling", "probability": 0.9413, "indistinguishable_from": [],
+            "parameters": {"rate": 2107000.0000000005},
+            "evaluation_rms_um_before": 13.73, "evaluation_rms_um_after": 2.419
+        }],
+        "noise_floor_um": 2.1, "base_rms_um": 12.41,
+        "next_trial": {"summary": "dress the wheel </script><script>alert(1)</script>"},
+        "suggested_effect_file": null, "detectable": []
+    })
+}
+
+/// A sanded panel: exposure masks, no heights.
+pub fn sanding() -> StudyReport {
+    let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 120, ny: 60 };
+    let disc = |at: usize, radius: f64| {
+        let (x, y) = ((at % 120) as f64 - 60.0, (at / 120) as f64 - 30.0);
+        x * x / 4.0 + y * y < radius * radius
+    };
+    let maps = ExposureMaps {
+        pixels,
+        measured: (0..pixels.len()).map(|at| (at % 97 != 0).then_some(disc(at, 22.0))).collect(),
+        base: (0..pixels.len()).map(|at| disc(at, 18.0)).collect(),
+        with_effect: None,
+    };
+    let mut report = bare("panels, new sheet each");
+    report.waterfall.misfit = Misfit { name: "pixels that disagree".into(), unit: Stated::new("%", 0.01) };
+    report.scans =
+        vec![ScanComparison { pass: "panel-1, pass 1".into(), role: Role::Evaluation, maps: Maps::Exposure(maps) }];
+    report
+}
+
+/// A study with nothing but its verdict, as of a table of rows.
+pub fn bare(campaign: &str) -> StudyReport {
+    StudyReport {
+        compared: Compared { campaign: campaign.into(), ..Compared::default() },
+        verdict: Verdict::NotTestable,
+        sentence: "One force and one feed: no effect can be told from a change of k.".into(),
+        tests: Vec::new(),
+        waterfall: Waterfall { misfit: Misfit::heights(), passes: Vec::new(), steps: Vec::new() },
+        volumes: Vec::new(),
+        scans: Vec::new(),
+        sections: Vec::new(),
+        covariates: Vec::new(),
+        suspects: Vec::new(),
+        parameters: Vec::new(),
+        correlations: None,
+        detectable: Vec::new(),
+        next_trial: None,
+        suggested_effect: None,
+        provenance: Provenance::default(),
+        diagnosis: json!({"verdict": "not-testable"}),
+    }
+}
