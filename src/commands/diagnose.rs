@@ -12,7 +12,8 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{
-    Diagnosis, DiagnosisSummary, Evidence, Fit, RowEvidence, ScanEvidence, calibrate, with_values,
+    Diagnosis, DiagnosisSummary, Evidence, Finding, Fit, NextTrial, RowEvidence, ScanEvidence, Verdict, calibrate,
+    next_trial, suggest, with_values,
 };
 use crate::study::{ReportInput, report};
 use crate::study_report::page;
@@ -42,6 +43,9 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let folder = StagedFolder::new(&args.out.out, DIAGNOSIS_FILE, args.out.force)?;
     let library = args.model.own.library()?;
     let started = Instant::now();
+    let write = |name: &str, text: String| {
+        std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
+    };
     let search = |evidence: &dyn Evidence, model: &Model, fit: Fit| -> Result<(DiagnosisSummary, Diagnosis)> {
         console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
         let bar = console.bar("effects", 100);
@@ -49,7 +53,17 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         let diagnosis = Diagnosis::new(evidence, (model, fit), &library, (args.seed, &told))?;
         bar.finish_and_clear();
         let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
-        Ok((DiagnosisSummary::new(evidence, &diagnosis, &title)?, diagnosis))
+        let mut summary = DiagnosisSummary::new(evidence, &diagnosis, &title)?;
+        if matches!(summary.verdict, Verdict::Unknown | Verdict::Partly) {
+            let suggestion = suggest(evidence, (&diagnosis.model, &diagnosis.fit), &library, args.seed)?;
+            if let Some(suggestion) = suggestion {
+                let file = format!("{}.toml", suggestion.name);
+                write(&file, suggestion.text)?;
+                console.step("suggested", format!("{}: {file}", suggestion.summary));
+                summary.suggested_effect_file = Some(args.out.out.join(file).display().to_string());
+            }
+        }
+        Ok((summary, diagnosis))
     };
     let (seed, place) = (args.seed, args.campaign.as_path());
     let (summary, diagnosis, report) = if args.campaign.join(TABLE_FILE).is_file() {
@@ -70,15 +84,13 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
         let model = args.model.model(evidence.process(), &library)?;
         let fit = first_fit(&mut evidence, &model, &library)?;
-        let (summary, diagnosis) = search(&evidence, &model, fit)?;
+        let (mut summary, diagnosis) = search(&evidence, &model, fit)?;
+        summary.next_trial = separating_trial(&evidence, &diagnosis)?;
         let scans = Some((&campaign, &evidence));
         let input =
             ReportInput { scans, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes: Vec::new() };
         let report = report(&input)?;
         (summary, diagnosis, report)
-    };
-    let write = |name: &str, text: String| {
-        std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
     };
     write(DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
     write("model.toml", diagnosis.model.to_text(&library))?;
@@ -87,6 +99,19 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
     console.answer(&summary)
+}
+
+/// The trial that would tell the two most probable effects apart, where the data do not.
+fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>> {
+    if diagnosis.verdict != Verdict::Ambiguous {
+        return Ok(None);
+    }
+    let Some([first, second, ..]) = diagnosis.rounds.last().map(|round| round.findings.as_slice()) else {
+        return Ok(None);
+    };
+    let rival = |finding: &'_ Finding| (finding.suspect.name().to_owned(), finding.suspect.fit.clone());
+    let ((first, one), (second, other)) = (rival(first), rival(second));
+    Ok(next_trial(evidence, ((&first, &one), (&second, &other)))?)
 }
 
 /// Fits the model, with the instrument's blur found in between.

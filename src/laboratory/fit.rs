@@ -283,8 +283,18 @@ impl Fit {
         self.coordinates.iter().enumerate().map(estimate).collect()
     }
 
-    /// Covariance of the coordinates; `None` where the data do not fix all of them.
+    /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
+    /// others.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        Cholesky::new(self.jacobian.tr_mul(&self.jacobian)).map(|factor| factor.inverse())
+        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
+        let jacobian = self.jacobian.select_columns(&told);
+        let inverse = Cholesky::new(jacobian.tr_mul(&jacobian))?.inverse();
+        let mut covariance = DMatrix::from_diagonal_element(self.at.len(), self.at.len(), f64::INFINITY);
+        for (i, &a) in told.iter().enumerate() {
+            for (j, &b) in told.iter().enumerate() {
+                covariance[(a, b)] = inverse[(i, j)];
+            }
+        }
+        Some(covariance)
     }
 }

@@ -149,10 +149,9 @@ impl Screened {
         }
         let matrix = DMatrix::from_columns(&columns.iter().map(|response| response.change.clone()).collect::<Vec<_>>());
         let shares = matrix.clone().svd(true, true).solve(&(-residuals), 1e-6).ok()?;
-        let shares: Vec<f64> = shares.iter().map(|share| share.clamp(-FARTHEST, FARTHEST)).collect();
-        let left = residuals + &matrix * DVector::from_column_slice(&shares);
+        let left = residuals + &matrix * &shares;
         let mut values = columns[0].probe.values.clone();
-        for (response, share) in columns.iter().zip(&shares) {
+        for (response, share) in columns.iter().zip(shares.iter()) {
             let k = response.probe.amplitude;
             values[k] = self.along(response, *share)[k];
         }

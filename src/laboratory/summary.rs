@@ -8,6 +8,7 @@ use super::detectable::Detectable;
 use super::diagnose::{Diagnosis, Finding, Round, Verdict};
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::fit::{Estimate, Fit};
+use super::next_trial::NextTrial;
 
 /// Standard deviations of a 95 % interval.
 const INTERVAL: f64 = 1.96;
@@ -85,7 +86,7 @@ pub struct DiagnosisSummary {
     /// Every effect that was fitted.
     pub suspects: Vec<EffectSummary>,
     /// The next trial; absent where no rivals are left.
-    pub next_trial: Option<serde_json::Value>,
+    pub next_trial: Option<NextTrial>,
     /// An effect file to begin with where something unknown is at work.
     pub suggested_effect_file: Option<String>,
     /// What each effect must be to be seen.
