@@ -125,7 +125,9 @@ fn first_fit(evidence: &mut ScanEvidence, model: &Model, library: &Library) -> R
 fn describe(summary: &DiagnosisSummary, console: &Console) {
     console.step("verdict", &summary.sentence);
     for step in &summary.waterfall {
-        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} µm held out"));
+        let held_out = step
+            .evaluation_rms_um
+            .map_or(String::new(), |rms| format!(", {rms:.2} {} held out", summary.error_unit.symbol()));
         console.step(
             "error",
             format!("{}: {:.2} {}{held_out}", step.step, step.calibration_rms_um, summary.error_unit.symbol()),

@@ -14,6 +14,7 @@ use super::probe::Candidate;
 use super::screen::{Projector, Screened};
 use super::significance::{chance, chance_gains};
 use super::suspect::{Suspect, suspects};
+use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Chance below which an effect is no accident.
 const CHANCE: f64 = 0.05;
@@ -27,6 +28,8 @@ const CERTAIN: f64 = 0.9;
 const SEPARABLE: f64 = 7.85;
 /// Flattens probabilities: residuals are not quite normal.
 const TEMPERATURE: f64 = 2.0;
+/// Residual beyond which it counts no more for the spread of all [robust standard deviations].
+const CUT: f64 = 3.0;
 /// Effects that may be found one after the other.
 const MOST_EFFECTS: usize = 3;
 
@@ -118,6 +121,14 @@ fn rms(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
     (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt()
 }
 
+/// Standard deviation of whitened residuals, gross outliers cut; at least one.
+fn spread(residuals: &[f64]) -> f64 {
+    let middle = median(residuals.iter().map(|r| r.abs()).collect()).unwrap_or(0.0);
+    let most = CUT * (MAD_TO_SIGMA * middle).max(1.0);
+    let squares: f64 = residuals.iter().map(|r| r.abs().min(most).powi(2)).sum();
+    (squares / residuals.len().max(1) as f64).sqrt().max(1.0)
+}
+
 /// What the scans' noise does not explain.
 pub fn unexplained(of: &[Agreement]) -> f64 {
     (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.floor).powi(2)).max(0.0).sqrt()
@@ -151,7 +162,7 @@ impl Round {
         let screened: Vec<Screened> = tried.into_par_iter().map(screen).collect();
         let fitted = suspects(evidence, &base, &screened, &|name| told(name, count, count));
         let left = fitted.first().map_or(&base.residuals, |best| &best.fit.residuals);
-        let spread = (left.iter().map(|r| r * r).sum::<f64>() / left.len() as f64).sqrt().max(1.0);
+        let spread = spread(left);
         let chances = chance_gains(&projector, &screened, left, &evidence.blocks(Split::Calibration), seed);
         let calibration = evidence.agreement(&base.model, Split::Calibration)?;
         let finding = |suspect: Suspect| Finding::new(evidence, suspect, (&base, &calibration), (&chances, spread));

@@ -65,6 +65,12 @@ impl ExposureView {
         self.whitener.whiten(&difference)
     }
 
+    /// The distance that a perfect model would leave [m]: the border's scatter, and half a pixel, for a mask says no more
+    /// about where the border is.
+    pub fn border_floor(&self) -> f64 {
+        self.scatter.max(0.5 * self.measured.pixels.pitch)
+    }
+
     /// Mean distance between the measured and the simulated border [m]: the area on which they disagree over the
     /// border's length.
     pub fn border_distance(&self, margin: &[f64]) -> f64 {

@@ -27,6 +27,8 @@ const MOST_TILES: usize = 1000;
 const BLOCK: usize = 4;
 /// Steps of a simulation beyond which it is given up, times those of the base model's longest pass.
 const MOST_STEPS: usize = 3;
+/// Voxel of the simulation when sanding [pixels].
+const SANDING_VOXEL: f64 = 4.0;
 /// Widest blur that is looked for [pixels], and values tried.
 const MOST_BLUR: f64 = 2.0;
 const BLUR_STEPS: usize = 40;
@@ -76,12 +78,15 @@ pub struct ScanEvidence<'a> {
 impl<'a> ScanEvidence<'a> {
     /// Prepares all scans.
     ///
-    /// - `voxel`: of the simulation [m]; `None` takes the scan's pitch
+    /// - `voxel`: of the simulation [m]; `None` takes the scan's pitch when grinding and four times that when sanding,
+    ///   where the surface stays and the pressure under a pad is smooth
     ///
     /// # Errors
     /// When a trial makes no part, or has no scan that can be used.
     pub fn new(trials: &'a [Trial], voxel: Option<f64>) -> Result<Self, EvidenceError> {
-        let twin = CampaignTwin::new(trials, voxel, false)?;
+        let sands = trials.iter().all(|trial| trial.process == crate::trial::Process::Sanding);
+        let coarse = || SANDING_VOXEL * trials[0].scans.before.pixels.pitch;
+        let twin = CampaignTwin::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
         let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
         let (views, noise): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();
         Ok(Self { twin, views: views.into_iter().flatten().collect(), noise, blur: 0.0 })
@@ -216,7 +221,7 @@ impl Evidence for ScanEvidence<'_> {
                 }
                 (ScanData::Exposure(data), _, Some(margin)) => {
                     let scale = 0.5 * self.twin.trials[view.trial].trial.tool.half_width();
-                    Agreement { about, rms: data.border_distance(&margin), floor: data.scatter, scale }
+                    Agreement { about, rms: data.border_distance(&margin), floor: data.border_floor(), scale }
                 }
                 _ => unreachable!("a simulated scan is like the real one"),
             })

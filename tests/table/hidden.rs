@@ -26,7 +26,7 @@ pub(crate) fn model(evidence: &RowEvidence, effect: Option<&str>) -> CompiledMod
 pub(crate) fn fit(evidence: &RowEvidence, effect: Option<&str>) -> Fit {
     let model = model(evidence, effect);
     let (coordinates, _) = evidence.coordinates(&model).unwrap();
-    Fit::new(evidence, &model, coordinates, FitOptions { rounds: 40 }).unwrap()
+    Fit::new(evidence, &model, coordinates, FitOptions { derivatives: 40, steps: 60 }).unwrap()
 }
 
 fn estimate(fit: &Fit, name: &str) -> Estimate {

@@ -1,0 +1,52 @@
+//! Hidden effects of the shared campaigns, and of a table.
+
+use std::path::{Path, PathBuf};
+
+use robofin::laboratory::{Diagnosis, Evidence, ScanEvidence, Verdict, calibrate, with_values};
+use robofin::trial::Campaign;
+use sim::effect::{Library, Model};
+
+/// A shared campaign, or `None` and a word where it is not there.
+fn shared(name: &str) -> Option<PathBuf> {
+    let shared = std::env::var_os("ROBOFIN_SHARED").map_or_else(|| PathBuf::from("../shared"), PathBuf::from);
+    let place = shared.join("campaigns").join(name);
+    if place.is_dir() {
+        return Some(place);
+    }
+    assert!(std::env::var_os("ROBOFIN_REQUIRE_SHARED").is_none_or(|v| v != "1"), "{} is not there", place.display());
+    eprintln!("not run: {} is not there", place.display());
+    None
+}
+
+#[test]
+fn a_tilted_wheel_is_named() {
+    let Some(place) = shared("open-c") else { return };
+    let trials = Campaign::read(&place).unwrap().trials;
+    let library = Library::builtin();
+    let mut evidence = ScanEvidence::new(&trials, None).unwrap();
+    let model = Model::new(evidence.process());
+    let first = calibrate(&evidence, &model, library).unwrap();
+    evidence.find_blur(&first.model).unwrap();
+    let fit = calibrate(&evidence, &with_values(&model, &first), library).unwrap();
+    let diagnosis = Diagnosis::new(&evidence, (&model, fit), library, (1, &|_, _, _| {})).unwrap();
+    let found = diagnosis.found();
+    let best = found.first().expect("something is found");
+    let roll = best.suspect.fit.model.index("tool-tilt.roll_angle").expect("the tilt is in the model");
+    let roll = best.suspect.fit.model.value(roll);
+    println!("{:?}: {} {:.2} mrad, p {:.3}", diagnosis.verdict, best.suspect.name(), roll * 1e3, best.probability);
+    assert_eq!(best.suspect.name(), "tool-tilt");
+    assert_eq!(diagnosis.verdict, Verdict::Identified);
+    assert!((roll / 12e-3 - 1.0).abs() < 0.1, "12 mrad are hidden, {roll} rad found");
+}
+
+#[test]
+fn a_campaign_that_is_not_there_is_named() {
+    let run = std::process::Command::new(env!("CARGO_BIN_EXE_robofin"))
+        .args(["diagnose", "no-such-folder", "--out"])
+        .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-diagnosis"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(!run.status.success() && said.contains("no-such-folder"), "{said}");
+    assert!(!Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-diagnosis").exists());
+}
