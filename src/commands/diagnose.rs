@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use sim::effect::{Library, Model};
+use sim::effect::Model;
 
 use super::flags::OutFlags;
 use super::model_flags::ModelFlags;
@@ -13,7 +13,7 @@ use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{
     Diagnosis, DiagnosisSummary, Evidence, Finding, Fit, NextTrial, RowEvidence, ScanEvidence, Verdict, calibrate,
-    next_trial, suggest, with_values,
+    calibrate_scans, next_trial, suggest,
 };
 use crate::study::{ReportInput, report};
 use crate::study_report::page;
@@ -83,8 +83,9 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
         console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
         let model = args.model.model(evidence.process(), &library)?;
-        let fit = first_fit(&mut evidence, &model, &library)?;
+        let fit = calibrate_scans(&mut evidence, &model, &library)?;
         let (mut summary, diagnosis) = search(&evidence, &model, fit)?;
+        evidence.fix_blur(&diagnosis.fit.model)?;
         summary.next_trial = separating_trial(&evidence, &diagnosis)?;
         let scans = Some((&campaign, &evidence));
         let input =
@@ -112,14 +113,6 @@ fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Op
     let rival = |finding: &'_ Finding| (finding.suspect.name().to_owned(), finding.suspect.fit.clone());
     let ((first, one), (second, other)) = (rival(first), rival(second));
     Ok(next_trial(evidence, ((&first, &one), (&second, &other)))?)
-}
-
-/// Fits the model, with the instrument's blur found in between.
-fn first_fit(evidence: &mut ScanEvidence, model: &Model, library: &Library) -> Result<Fit> {
-    let first = calibrate(evidence, model, library)?;
-    evidence.find_blur(&first.model)?;
-    let second = calibrate(evidence, &with_values(model, &first), library)?;
-    Ok(second)
 }
 
 fn describe(summary: &DiagnosisSummary, console: &Console) {

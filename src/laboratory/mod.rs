@@ -1,8 +1,10 @@
 //! The laboratory: a model held against the scans of a campaign, its parameters fitted, and what it lacks found.
 
 mod blur;
+mod calibrate;
 mod coordinates;
 mod covariance;
+mod derivatives;
 mod detectable;
 mod diagnose;
 mod evidence;
@@ -24,10 +26,11 @@ mod table_steps;
 mod tiles;
 
 pub use blur::blurred;
+pub use calibrate::{calibrate, calibrate_scans};
 pub use coordinates::{Bound, Coordinate, moved};
 pub use covariance::{Freedom, TileNoise, Whitener};
 pub use detectable::{Detectable, detectable};
-pub use diagnose::{Diagnosis, Finding, Round, Told, Verdict, calibrate, unexplained, with_values};
+pub use diagnose::{Diagnosis, Finding, Round, Told, Verdict, unexplained, with_values};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
