@@ -12,8 +12,8 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{
-    Diagnosis, DiagnosisSummary, Evidence, Finding, Fit, NextTrial, RowEvidence, ScanEvidence, Verdict, calibrate,
-    calibrate_scans, next_trial, suggest,
+    Diagnosis, DiagnosisSummary, Evidence, Fit, RowEvidence, ScanEvidence, Verdict, calibrate,
+    calibrate_scans, separating_trial, suggest,
 };
 use crate::study::{ReportInput, report};
 use crate::study_report::page;
@@ -49,7 +49,7 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let search = |evidence: &dyn Evidence, model: &Model, fit: Fit| -> Result<(DiagnosisSummary, Diagnosis)> {
         console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
         let bar = console.bar("effects", 100);
-        let told = |_: &str, done: usize, all: usize| bar.set_position((100 * done / all.max(1)) as u64);
+        let told = |name: &str, done: usize, all: usize| { if std::env::var("TRACE").is_ok() { eprintln!("{:.1} {name} {done}/{all}", started.elapsed().as_secs_f64()); } bar.set_position((100 * done / all.max(1)) as u64) };
         let diagnosis = Diagnosis::new(evidence, (model, fit), &library, (args.seed, &told))?;
         bar.finish_and_clear();
         let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
@@ -100,19 +100,6 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
     console.answer(&summary)
-}
-
-/// The trial that would tell the two most probable effects apart, where the data do not.
-fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>> {
-    if diagnosis.verdict != Verdict::Ambiguous {
-        return Ok(None);
-    }
-    let Some([first, second, ..]) = diagnosis.rounds.last().map(|round| round.findings.as_slice()) else {
-        return Ok(None);
-    };
-    let rival = |finding: &'_ Finding| (finding.suspect.name().to_owned(), finding.suspect.fit.clone());
-    let ((first, one), (second, other)) = (rival(first), rival(second));
-    Ok(next_trial(evidence, ((&first, &one), (&second, &other)))?)
 }
 
 fn describe(summary: &DiagnosisSummary, console: &Console) {

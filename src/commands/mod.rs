@@ -2,6 +2,7 @@
 
 mod backends;
 mod bake;
+mod bench;
 mod demo;
 mod diagnose;
 mod effects;
@@ -62,6 +63,8 @@ enum Verb {
     Validate(validate::ValidateArgs),
     /// Find out which effect a model lacks, from the scans of a campaign.
     Diagnose(diagnose::DiagnoseArgs),
+    /// Count how often a diagnosis is right, on synthetic campaigns with known answers.
+    Bench(bench::BenchArgs),
     /// List, show and check laws and effects; add them to a model or remove them.
     Effects(effects::EffectsArgs),
     /// List the devices that can compute, and check them against the CPU.
@@ -98,6 +101,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
+        Verb::Bench(args) => bench::run(&args, console),
         Verb::Diagnose(args) => diagnose::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sim::effect::{Library, Model, candidates};
 
 use super::detectable::{Detectable, detectable};
@@ -36,7 +36,7 @@ const TOO_DEAR: &str = "its simulation fails or takes several times as many step
 const MOST_EFFECTS: usize = 3;
 
 /// What the data say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Effects that nothing else can stand for.
