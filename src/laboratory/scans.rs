@@ -259,8 +259,12 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
-        let free = ["scan-tilt", "scan-shift"];
-        free.contains(&effect.name.as_str()).then(|| "every fit leaves each scan's pose free".to_owned())
+        let why = match effect.name.as_str() {
+            "scan-tilt" | "scan-shift" => "every fit leaves each scan's pose free",
+            "lateral-blur" => "every fit finds the instrument's blur",
+            _ => return None,
+        };
+        Some(why.to_owned())
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {
