@@ -15,4 +15,4 @@ mod rates;
 
 pub use cases::{Case, Design, Family, Instruments, Sized, cases};
 pub use outcome::{Baseline, BenchError, Outcome, baseline, run};
-pub use rates::{Rate, Summary};
+pub use rates::{FamilyRates, Rate, Summary};

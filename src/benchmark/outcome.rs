@@ -9,7 +9,7 @@ use super::cases::{Case, Design, Family, Instruments, Sized, effect_process};
 use crate::laboratory::{
     Detectable, Diagnosis, DiagnosisSummary, Evidence, ScanEvidence, Verdict, calibrate_scans, separating_trial,
 };
-use crate::virtual_lab::{Choice, Experiment, Hidden, Instrument, Robot, Size};
+use crate::virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
 
 /// Why a case gave no answer.
 pub type BenchError = anyhow::Error;
@@ -27,7 +27,7 @@ pub struct Outcome {
     /// The case.
     pub case: Case,
     /// What was hidden, with its values.
-    pub truth: Vec<String>,
+    pub truth: Vec<HiddenEffect>,
     /// Whether the campaign could show an effect of this size; `None` where that was not asked.
     pub testable: Option<bool>,
     /// The verdict.
@@ -95,7 +95,7 @@ pub fn run(case: &Case, baseline: Option<&Baseline>, size: Size, library: &Libra
 /// What a diagnosis of a synthetic campaign gives.
 struct Diagnosed {
     summary: DiagnosisSummary,
-    truth: Vec<String>,
+    truth: Vec<HiddenEffect>,
     next_trial: bool,
     seconds: f64,
 }
@@ -121,9 +121,7 @@ fn diagnosed(case: &Case, hidden: Vec<Hidden>, size: Size, library: &Library) ->
     let summary = DiagnosisSummary::new(&evidence, &diagnosis, &|name| name.to_owned())?;
     evidence.fix_blur(&diagnosis.fit.model)?;
     let next_trial = separating_trial(&evidence, &diagnosis)?.is_some();
-    let values = |effect: &crate::virtual_lab::HiddenEffect| format!("{effect:?}");
-    let truth = made.answer.effects.iter().map(values).collect();
-    Ok(Diagnosed { summary, truth, next_trial, seconds: started.elapsed().as_secs_f64() })
+    Ok(Diagnosed { summary, truth: made.answer.effects, next_trial, seconds: started.elapsed().as_secs_f64() })
 }
 
 /// A hidden effect with its size, and whether the campaign could show it.

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::cases::{Family, Sized};
 use super::outcome::Outcome;
 use crate::laboratory::Verdict;
+use crate::measure::median;
 
 /// Normal quantile of a 95 % interval.
 const QUANTILE: f64 = 1.959_964;
@@ -107,11 +108,36 @@ impl Outcome {
     }
 }
 
+/// The cases of one family in numbers.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FamilyRates {
+    /// Cases in which just the hidden effects were named, without doubt.
+    pub exact: Rate,
+    /// Cases answered as the family asks.
+    pub right: Rate,
+    /// Cases in which an effect was named that is not there.
+    pub false_names: Rate,
+    /// Median time of a diagnosis [s].
+    pub seconds: f64,
+}
+
+impl FamilyRates {
+    fn new(of: &[&Outcome]) -> Self {
+        let rate = |is: fn(&Outcome) -> bool| Rate::new(of.iter().map(|outcome| is(outcome)));
+        Self {
+            exact: rate(Outcome::is_exact),
+            right: rate(Outcome::is_right),
+            false_names: rate(Outcome::is_false_name),
+            seconds: median(of.iter().map(|outcome| outcome.seconds).collect()).unwrap_or(0.0),
+        }
+    }
+}
+
 /// All cases in numbers.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// By family: cases named exactly, cases answered as the family asks, false names, and the median time [s].
-    pub families: BTreeMap<Family, (Rate, Rate, Rate, f64)>,
+    /// By family.
+    pub families: BTreeMap<Family, FamilyRates>,
     /// Testable single effects of at least four detectable sizes that were named, or their class.
     pub large_singles: Rate,
     /// The same by multiple of the detectable size.
@@ -125,14 +151,10 @@ pub struct Summary {
 impl Summary {
     /// Counts outcomes.
     pub fn new(outcomes: &[Outcome]) -> Self {
-        let of = |family: Family| outcomes.iter().filter(move |outcome| outcome.case.family == family);
-        let family = |family: Family| {
-            let mut seconds: Vec<f64> = of(family).map(|outcome| outcome.seconds).collect();
-            seconds.sort_by(f64::total_cmp);
-            let rates = [Outcome::is_exact, Outcome::is_right, Outcome::is_false_name].map(|is| Rate::new(of(family).map(is)));
-            (rates[0], rates[1], rates[2], seconds[seconds.len() / 2])
-        };
-        let singles = || of(Family::S).filter(|outcome| outcome.testable == Some(true));
+        let mut families: BTreeMap<Family, Vec<&Outcome>> = BTreeMap::new();
+        outcomes.iter().for_each(|outcome| families.entry(outcome.case.family).or_default().push(outcome));
+        let single = |outcome: &&Outcome| outcome.case.family == Family::S && outcome.testable == Some(true);
+        let singles = || outcomes.iter().filter(single);
         let multiple = |outcome: &Outcome| match outcome.case.size {
             Sized::Detectable(multiple) => multiple,
             Sized::Visible => f64::NAN,
@@ -143,9 +165,8 @@ impl Summary {
         let sized = |&size: &f64| (size, Rate::new(singles().filter(|o| multiple(o) == size).map(Outcome::is_right)));
         let empty = outcomes.iter().filter(|outcome| outcome.case.hidden.is_empty());
         let foreign = outcomes.iter().filter(|outcome| matches!(outcome.case.family, Family::U | Family::A));
-        let present = Family::ALL.into_iter().filter(|family| of(*family).next().is_some());
         Self {
-            families: present.map(|name| (name, family(name))).collect(),
+            families: families.iter().map(|(family, of)| (*family, FamilyRates::new(of))).collect(),
             large_singles: Rate::new(singles().filter(|o| multiple(o) >= LARGE).map(Outcome::is_right)),
             by_size: sizes.iter().map(sized).collect(),
             false_alarms: Rate::new(empty.map(Outcome::is_named)),
@@ -158,8 +179,8 @@ impl Summary {
         let mut text = String::from(
             "# Benchmark of the diagnosis\n\n| family | named exactly | as asked | false names | median s |\n|---|---|---|---|---|\n",
         );
-        for (family, (exact, right, wrong, seconds)) in &self.families {
-            text += &format!("| {family:?} | {exact} | {right} | {wrong} | {seconds:.0} |\n");
+        for (family, FamilyRates { exact, right, false_names, seconds }) in &self.families {
+            text += &format!("| {family:?} | {exact} | {right} | {false_names} | {seconds:.0} |\n");
         }
         text += &format!(
             "\n- testable single effects of at least {LARGE} detectable sizes, class named: {}\n",

@@ -95,7 +95,13 @@ pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
                 let hidden = case.hidden.join(" + ");
                 console.step(
                     &case.id(),
-                    format!("{}/{}: hidden [{hidden}], {:?} [{named}], {word}, {:.0} s", number + 1, cases.len(), outcome.verdict, outcome.seconds),
+                    format!(
+                        "{}/{}: hidden [{hidden}], {:?} [{named}], {word}, {:.0} s",
+                        number + 1,
+                        cases.len(),
+                        outcome.verdict,
+                        outcome.seconds
+                    ),
                 );
                 outcomes.push(outcome);
             }
@@ -145,7 +151,9 @@ fn finished<T: Serialize + DeserializeOwned>(file: &Path, make: impl FnOnce() ->
 fn read<T: DeserializeOwned>(file: &Path) -> Result<Option<T>> {
     match fs::read(file) {
         Ok(bytes) => serde_json::from_slice(&bytes)
-            .with_context(|| format!("{}: is no result of this benchmark; remove it to have the case made again", file.display()))
+            .with_context(|| {
+                format!("{}: is no result of this benchmark; remove it to have the case made again", file.display())
+            })
             .map(Some),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(error).with_context(|| format!("{}: cannot be read", file.display())),

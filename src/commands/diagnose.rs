@@ -12,8 +12,8 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{
-    Diagnosis, DiagnosisSummary, Evidence, Fit, RowEvidence, ScanEvidence, Verdict, calibrate,
-    calibrate_scans, separating_trial, suggest,
+    Diagnosis, DiagnosisSummary, Evidence, Fit, RowEvidence, ScanEvidence, Verdict, calibrate, calibrate_scans,
+    separating_trial, suggest,
 };
 use crate::study::{ReportInput, report};
 use crate::study_report::page;
@@ -49,7 +49,12 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let search = |evidence: &dyn Evidence, model: &Model, fit: Fit| -> Result<(DiagnosisSummary, Diagnosis)> {
         console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
         let bar = console.bar("effects", 100);
-        let told = |name: &str, done: usize, all: usize| { if std::env::var("TRACE").is_ok() { eprintln!("{:.1} {name} {done}/{all}", started.elapsed().as_secs_f64()); } bar.set_position((100 * done / all.max(1)) as u64) };
+        let told = |name: &str, done: usize, all: usize| {
+            if std::env::var("TRACE").is_ok() {
+                eprintln!("{:.1} {name} {done}/{all}", started.elapsed().as_secs_f64());
+            }
+            bar.set_position((100 * done / all.max(1)) as u64)
+        };
         let diagnosis = Diagnosis::new(evidence, (model, fit), &library, (args.seed, &told))?;
         bar.finish_and_clear();
         let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());

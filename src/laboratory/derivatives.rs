@@ -27,11 +27,7 @@ impl Fit {
     }
 
     /// Takes derivatives that are known from elsewhere as a start; the others are made here.
-    pub fn borrow_derivatives(
-        &mut self,
-        evidence: &dyn Evidence,
-        lent: impl Fn(&Coordinate) -> Option<DVector<f64>>,
-    ) {
+    pub fn borrow_derivatives(&mut self, evidence: &dyn Evidence, lent: impl Fn(&Coordinate) -> Option<DVector<f64>>) {
         let columns: Vec<Option<DVector<f64>>> = self.coordinates.iter().map(lent).collect();
         let missing: Vec<usize> = (0..columns.len()).filter(|&k| columns[k].is_none()).collect();
         for (k, column) in columns.iter().enumerate() {
@@ -48,9 +44,8 @@ impl Fit {
             return self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
         }
         let places: Vec<Vec<f64>> = self.principal_steps();
-        let there = |at: &Vec<f64>| {
-            evidence.residuals(&moved(&self.model, &self.coordinates, at), Split::Calibration).ok()
-        };
+        let there =
+            |at: &Vec<f64>| evidence.residuals(&moved(&self.model, &self.coordinates, at), Split::Calibration).ok();
         let seen: Vec<Option<Vec<f64>>> = places.par_iter().map(there).collect();
         self.runs += seen.len();
         let pairs: Vec<(&Vec<f64>, &Vec<f64>)> =

@@ -42,12 +42,7 @@ impl Candidate {
     ///
     /// # Errors
     /// When the model cannot be compiled with it.
-    pub fn new(
-        evidence: &dyn Evidence,
-        model: &Model,
-        effect: &Effect,
-        library: &Library,
-    ) -> Result<Self, ModelError> {
+    pub fn new(evidence: &dyn Evidence, model: &Model, effect: &Effect, library: &Library) -> Result<Self, ModelError> {
         let mut with = model.clone().with(&effect.name);
         if let Some(free) = &mut with.free {
             let own = effect.parameters.iter().filter(|parameter| parameter.free.of(model.process));

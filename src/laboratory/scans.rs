@@ -140,9 +140,7 @@ impl<'a> ScanEvidence<'a> {
     ) -> Result<Vec<f64>, EvidenceError> {
         let pass = &passes[view.trial][view.pass];
         Ok(match (&view.data, &pass.scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                data.whitened(&self.seen(view, simulated, blur))
-            }
+            (ScanData::Heights(data), PassScan::Heights(simulated)) => data.whitened(&self.seen(view, simulated, blur)),
             (ScanData::Exposure(data), _) => match pass.surface.dose_margin(model)? {
                 Some(margin) => data.whitened(&margin),
                 None => unreachable!("a sanded surface has doses"),
@@ -303,7 +301,7 @@ fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloo
             PassScan::Exposure(mask) => {
                 let reach = REACH * trial.tool.half_width();
                 ExposureView::new(mask.clone(), &free, side, reach).map(ScanData::Exposure)
-            },
+            }
         };
         let split = match pass.role {
             Role::Calibration => Split::Calibration,

@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector, QR};
 use rayon::prelude::*;
 use sim::effect::Scale;
 
+use super::coordinates::Coordinate;
 use super::evidence::{Evidence, Split};
 use super::fit::{Fit, weights};
-use super::coordinates::Coordinate;
 use super::probe::{Candidate, Probe};
 
 /// Longest extrapolation of a secant beyond the probe that it was taken at.

@@ -41,7 +41,8 @@ fn rivals_get_a_trial_that_tells_them_apart() {
     let fit = |effect: &str| -> Fit {
         let model = base.clone().with(effect);
         let compiled = CompiledModel::new(&model, Library::builtin(), evidence.rows()).unwrap();
-        Fit::new(&evidence, &compiled, evidence.coordinates(&compiled), FitOptions { derivatives: 1, steps: 4 }).unwrap()
+        Fit::new(&evidence, &compiled, evidence.coordinates(&compiled), FitOptions { derivatives: 1, steps: 4 })
+            .unwrap()
     };
     let (one, other) = (fit("break-in"), fit("thermal-softening"));
     let trial = next_trial(&evidence, (("break-in", &one), ("thermal-softening", &other))).unwrap().expect("a trial");
