@@ -10,7 +10,8 @@ use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use sdf_bake::redistance::KEPT_VOXELS;
 
-use crate::sheet::{LatticeLine, NO_SURFACE, Sheet};
+use crate::lattice_line::LatticeLine;
+use crate::sheet::{NO_SURFACE, Sheet};
 
 /// Area ratio up to which a column's whole band is written.
 const STEEPEST: f64 = 2.0;
@@ -131,29 +132,31 @@ fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
 fn sunk_at(sheet: &Sheet, line: usize, phi: f64) -> f64 {
     let shift = phi / (sheet.area_ratio(line) * sheet.pitch);
     let at = DVec2::from(sheet.slope[line]) * shift;
-    bilinear(sheet, line, at, |near| Some(sheet.read_height[near] - sheet.height[near])).unwrap_or(0.0)
+    bilinear(sheet, line, at, |near, _| Some(sheet.read_height[near] - sheet.height[near])).unwrap_or(0.0)
 }
 
 /// Interpolates between the columns around a line, `at` [columns] away from it; `None` beyond the window, or where a
-/// column has no value.
-fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+/// column has no value. `value` is told a column's line and how many columns it is away from this one.
+fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize, [i32; 2]) -> Option<f64>) -> Option<f64> {
     let [rows, across] = sheet.window.size;
-    let (row, column) = ((line / across) as f64 + at.x, (line % across) as f64 + at.y);
+    let own = [line / across, line % across];
+    let (row, column) = (own[0] as f64 + at.x, own[1] as f64 + at.y);
     if !(row >= 0.0 && column >= 0.0 && row <= (rows - 1) as f64 && column <= (across - 1) as f64) {
         return None;
     }
     let (r, c) = ((row as usize).min(rows - 2), (column as usize).min(across - 2));
     let (fr, fc) = (row - r as f64, column - c as f64);
+    let (down, right) = (r as i32 - own[0] as i32, c as i32 - own[1] as i32);
     let first = r * across + c;
     let mut sum = 0.0;
-    for (near, weight) in [
-        (first, (1.0 - fr) * (1.0 - fc)),
-        (first + 1, (1.0 - fr) * fc),
-        (first + across, fr * (1.0 - fc)),
-        (first + across + 1, fr * fc),
+    for (near, way, weight) in [
+        (first, [down, right], (1.0 - fr) * (1.0 - fc)),
+        (first + 1, [down, right + 1], (1.0 - fr) * fc),
+        (first + across, [down + 1, right], fr * (1.0 - fc)),
+        (first + across + 1, [down + 1, right + 1], fr * fc),
     ] {
         if weight > 0.0 {
-            sum += weight * value(near)?;
+            sum += weight * value(near, way)?;
         }
     }
     Some(sum)
@@ -185,12 +188,9 @@ fn renew_far(grid: &mut BrickGrid, sheet: &Sheet, line: usize, layer: i32) {
 /// normal, and the way there.
 fn distance_from_nearer(grid: &BrickGrid, sheet: &Sheet, line: usize, k: i32, side: i32) -> Option<f64> {
     let (i, j) = sheet.window.place(line);
-    let across = sheet.window.size[1];
     let slope = DVec2::from(sheet.slope[line]);
     let area_ratio = sheet.area_ratio(line);
-    let value = |near: usize| {
-        let (di, dj) =
-            ((near / across) as i32 - (line / across) as i32, (near % across) as i32 - (line % across) as i32);
+    let value = |_, [di, dj]: [i32; 2]| {
         let phi = f64::from(grid.phi_at(sheet.facing.voxel(i + di, j + dj, k - side)));
         (phi.abs() < f64::from(grid.band)).then_some(phi)
     };

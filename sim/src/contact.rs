@@ -8,6 +8,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::ramp::{ramp_mean, wet_share};
+use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
 
@@ -39,7 +40,7 @@ impl Contact {
 /// How deep the squares of a sheet lie under a tool; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]
 pub struct Squares {
-    /// Depth at the column itself [m], negative in the air.
+    /// Depth at the column itself [m], negative in the air; known in the region and on the lines around it.
     pub depth: Vec<f64>,
     /// Mean over the square of the depth where it is positive, 0 elsewhere [m].
     pub mean_depth: Vec<f64>,
@@ -47,71 +48,91 @@ pub struct Squares {
     pub share: Vec<f64>,
     /// The same with the depth's curvature along the rim: the patch's area.
     pub area: Vec<f64>,
+    /// Lines that had a share when they were measured, in order.
+    pub wet: Vec<u32>,
+    /// What was measured.
+    region: Region,
 }
 
 impl Squares {
-    /// Measures a tool over a sheet. `gap` [m], one per column or empty, is how much further away the tool's
-    /// surface is than its shape says. Squares on the window's border are left out. The border of the working surface
-    /// is taken as the mean over a `sweep` [m] of the tool about its pose.
-    pub fn measure(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, (gap, sweep): (&[f64], DVec3)) {
-        let (frame, sweep) = (SheetFrame::new(pose, sheet), sheet.facing.sheet(sweep));
-        self.measure_depths(tool, &frame, sheet);
-        for (depth, gap) in self.depth.iter_mut().zip(gap) {
-            *depth -= gap;
+    /// Measures a tool over a region of a sheet. `gap` [m], one per line of the grown region or empty, is how much further
+    /// away the tool's surface is than its shape says. The border of the working surface is taken as the mean over a
+    /// `sweep` [m] of the tool about its pose.
+    pub fn measure(
+        &mut self,
+        tool: &Tool,
+        pose: &Pose,
+        (sheet, region): (&Sheet, &Region),
+        (gap, sweep): (&[f64], DVec3),
+    ) {
+        self.clear(sheet.window.lines());
+        self.region.clone_from(region);
+        let across = sheet.window.size[1];
+        let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, sweep);
+        self.measure_depths(&border, sheet);
+        for (line, gap) in region.grown().lines(across).zip(gap) {
+            self.depth[line] -= gap;
         }
-        let lines = sheet.window.lines();
-        self.mean_depth.clear();
-        self.mean_depth.resize(lines, 0.0);
-        self.share.clear();
-        self.share.resize(lines, 0.0);
-        self.area.clear();
-        self.area.resize(lines, 0.0);
-        let (rows, across) = (sheet.window.size[0], sheet.window.size[1]);
-        for row in 1..rows - 1 {
-            for line in row * across + 1..(row + 1) * across - 1 {
+        for row in region.rows.clone() {
+            for line in row * across + region.columns.start..row * across + region.columns.end {
                 // The depth changes by less than a pitch across a square.
                 if self.depth[line] > -sheet.pitch {
-                    self.measure_square(tool, (&frame, sweep), sheet, line);
+                    self.measure_square(&border, sheet, line);
                 }
             }
         }
     }
 
-    fn measure_depths(&mut self, tool: &Tool, frame: &SheetFrame, sheet: &Sheet) {
-        self.depth.clear();
-        let lines = 0..sheet.window.lines();
-        // One loop for each kind of tool, so that each is a plain sum of products.
-        match tool {
-            Tool::Wheel(wheel) => self.depth.extend(lines.map(|line| {
-                let at = frame.local(sheet.point(line));
-                wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt()
-            })),
-            Tool::Pad(_) => self.depth.extend(lines.map(|line| frame.local(sheet.point(line)).z)),
-            _ => self.depth.extend(lines.map(|line| tool.depth(frame.local(sheet.point(line))))),
+    /// Forgets all squares and makes room for those of so many lines.
+    fn clear(&mut self, lines: usize) {
+        for line in self.wet.drain(..) {
+            let line = line as usize;
+            (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, 0.0, 0.0);
+        }
+        for values in [&mut self.depth, &mut self.mean_depth, &mut self.share, &mut self.area] {
+            values.resize(lines, 0.0);
         }
     }
 
-    fn measure_square(&mut self, tool: &Tool, (frame, sweep): (&SheetFrame, DVec3), sheet: &Sheet, line: usize) {
+    fn measure_depths(&mut self, border: &Border, sheet: &Sheet) {
+        let (across, Region { rows, columns }) = (sheet.window.size[1], self.region.grown());
+        let frame = &border.frame;
+        for row in rows {
+            let lines = row * across + columns.start..row * across + columns.end;
+            let depths = self.depth[lines.clone()].iter_mut().zip(lines);
+            // One loop for each kind of tool, so that each is a plain sum of products.
+            match border.tool {
+                Tool::Wheel(wheel) => depths.for_each(|(depth, line)| {
+                    let at = frame.local(sheet.point(line));
+                    *depth = wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt();
+                }),
+                Tool::Pad(_) => depths.for_each(|(depth, line)| *depth = frame.local(sheet.point(line)).z),
+                tool => depths.for_each(|(depth, line)| *depth = tool.depth(frame.local(sheet.point(line)))),
+            }
+        }
+    }
+
+    fn measure_square(&mut self, border: &Border, sheet: &Sheet, line: usize) {
         let depth = self.depth[line];
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         let spans = (0.5 * along.mean.abs(), 0.5 * sideways.mean.abs());
         if depth <= -(spans.0 + spans.1) {
             return;
         }
-        let cover = cover(tool, (frame, sweep), sheet, line);
+        let cover = border.cover(sheet, line);
         if cover == 0.0 {
             return;
         }
-        let share = wet_share(depth, spans);
-        let steep_along = spans.0 > spans.1;
-        let (crossed, other) = if steep_along { (along.bend, sideways.bend) } else { (sideways.bend, along.bend) };
-        let bent = crossed * wet_square_mean(share) + other * share / 24.0;
-        let mean = ramp_mean(depth, spans) + bent;
+        let (mean, share, area) = if depth >= spans.0 + spans.1 {
+            (depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0)
+        } else {
+            partly_wet(depth, spans, &along, &sideways)
+        };
         if mean > 0.0 {
             self.mean_depth[line] = cover * mean;
             self.share[line] = cover * share;
-            let rim = if share < 1.0 { bend_at_rim(depth, &along, &sideways) } else { 0.0 };
-            self.area[line] = if rim == 0.0 { cover * share } else { cover * wet_share(depth + rim, spans) };
+            self.area[line] = cover * area;
+            self.wet.push(line as u32);
         }
     }
 
@@ -127,40 +148,31 @@ impl Squares {
         (along.bend + sideways.bend) / (sheet.pitch * sheet.pitch)
     }
 
-    /// Whether any square next to the window's border is in contact: then the window may be too small.
+    /// Whether any square on the region's border is in contact: then the region may be too small.
     pub fn reaches_border(&self, sheet: &Sheet) -> bool {
-        let (rows, across) = (sheet.window.size[0], sheet.window.size[1]);
-        let ends = |row: usize| (1..across - 1).any(|place| self.share[row * across + place] > 0.0);
-        let sides = |place: usize| (1..rows - 1).any(|row| self.share[row * across + place] > 0.0);
-        ends(1) || ends(rows - 2) || sides(1) || sides(across - 2)
+        self.region.border(sheet.window.size[1]).any(|line| self.share[line] > 0.0)
     }
 
     /// Largest depth under the working surface [m], negative: the gap.
     pub fn deepest(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
-        let frame = SheetFrame::new(pose, sheet);
-        let under = |&line: &usize| cover(tool, (&frame, DVec3::ZERO), sheet, line) > 0.0;
-        (0..self.depth.len()).filter(under).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
+        self.under(tool, pose, sheet).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// As [`Squares::deepest`], between columns as well. Beside a wall a column's height is less sure than elsewhere, and
     /// counts as that much deeper.
     pub fn peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
-        let [rows, across] = sheet.window.size;
-        let frame = SheetFrame::new(pose, sheet);
-        let inner = |&line: &usize| {
-            let (row, place) = (line / across, line % across);
-            row > 0
-                && row + 1 < rows
-                && place > 0
-                && place + 1 < across
-                && cover(tool, (&frame, DVec3::ZERO), sheet, line) > 0.0
-        };
         let at = |line: usize| {
-            let (along, sideways) = self.differences(line, across, sheet.pitch);
+            let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
             let unsure = if along.is_whole && sideways.is_whole { 0.0 } else { EDGE_ERROR * sheet.pitch };
             self.top(sheet, line) - unsure
         };
-        (0..self.depth.len()).filter(inner).map(at).fold(f64::NEG_INFINITY, f64::max)
+        self.under(tool, pose, sheet).map(at).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Lines under the working surface.
+    fn under(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> impl Iterator<Item = usize> {
+        let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, DVec3::ZERO);
+        self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line) > 0.0)
     }
 
     /// Depth [m] at the peak of the parabolas through a column and its neighbours, if it is in the column's square.
@@ -185,8 +197,19 @@ fn wet_square_mean(share: f64) -> f64 {
     (0.125 - (0.5 - share).powi(3)) / 6.0
 }
 
+/// Mean depth, share and area of a square that the patch's rim crosses, by its middle's depth.
+fn partly_wet(depth: f64, spans: (f64, f64), along: &Difference, sideways: &Difference) -> (f64, f64, f64) {
+    let share = wet_share(depth, spans);
+    let steep_along = spans.0 > spans.1;
+    let (crossed, other) = if steep_along { (along.bend, sideways.bend) } else { (sideways.bend, along.bend) };
+    let bent = crossed * wet_square_mean(share) + other * share / 24.0;
+    let rim = if share < 1.0 { bend_at_rim(depth, along, sideways) } else { 0.0 };
+    let area = if rim == 0.0 { share } else { wet_share(depth + rim, spans) };
+    (ramp_mean(depth, spans) + bent, share, area)
+}
+
 /// A tool's frame in the coordinates of a sheet (u, v, up).
-struct SheetFrame {
+pub(crate) struct SheetFrame {
     centre: DVec3,
     x: DVec3,
     y: DVec3,
@@ -194,39 +217,81 @@ struct SheetFrame {
 }
 
 impl SheetFrame {
-    fn new(pose: &Pose, sheet: &Sheet) -> Self {
+    pub(crate) fn new(pose: &Pose, sheet: &Sheet) -> Self {
         let [centre, x, y, z] = [pose.centre, pose.frame.x, pose.frame.y, pose.frame.z].map(|v| sheet.facing.sheet(v));
         Self { centre, x, y, z }
     }
 
     /// A point of the sheet in the tool's frame.
-    fn local(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn local(&self, point: DVec3) -> DVec3 {
         let from = point - self.centre;
         DVec3::new(self.x.dot(from), self.y.dot(from), self.z.dot(from))
     }
 }
 
-/// Share of a column's square that lies under the working surface, as a mean over the tool's `sweep` [m, u v up].
-fn cover(tool: &Tool, (frame, sweep): (&SheetFrame, DVec3), sheet: &Sheet, line: usize) -> f64 {
-    let at = frame.local(sheet.point(line));
-    let within = tool.within(at);
-    // Half a square's diagonal, and what a slope of one adds.
-    if within.abs() >= sheet.pitch + 0.5 * sweep.length() {
-        return if within > 0.0 { 1.0 } else { 0.0 };
+/// The border of a tool's working surface over a sheet.
+struct Border<'a> {
+    tool: &'a Tool,
+    frame: SheetFrame,
+    /// Sweep of the tool [m, u v up].
+    sweep: DVec3,
+    /// Distance from the border beyond which a square is wholly within or beside it [m].
+    near: f64,
+    /// Squares of the radii between which a pad's border may cross a square [m²].
+    ring: (f64, f64),
+}
+
+impl<'a> Border<'a> {
+    fn new(tool: &'a Tool, frame: SheetFrame, sheet: &Sheet, sweep: DVec3) -> Self {
+        let sweep = sheet.facing.sheet(sweep);
+        // Half a square's diagonal, and what a slope of one adds.
+        let near = sheet.pitch + 0.5 * sweep.length();
+        let radius = tool.rim_radius();
+        let inner = radius - near;
+        let ring = (inner * inner.abs(), (radius + near).powi(2));
+        Self { tool, frame, sweep, near, ring }
     }
-    let inward = match tool {
-        Tool::Wheel(_) => frame.y * -at.y.signum(),
-        _ => -(frame.x * at.x + frame.y * at.y).normalize_or_zero(),
-    };
-    let swept = 0.5 * sweep.dot(inward).abs();
-    let [slope_u, slope_v] = sheet.slope[line];
-    let half = 0.5 * sheet.pitch;
-    let spans = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
-    if swept == 0.0 {
-        return wet_share(within, spans);
+
+    /// Share of a column's square that lies under the working surface, as a mean over the sweep.
+    #[inline]
+    fn cover(&self, sheet: &Sheet, line: usize) -> f64 {
+        let at = self.frame.local(sheet.point(line));
+        let (is_within, is_near) = match self.tool {
+            Tool::Pad(_) => {
+                let square = at.x * at.x + at.y * at.y;
+                (square <= self.ring.0, square > self.ring.0 && square < self.ring.1)
+            }
+            tool => {
+                let within = tool.within(at);
+                (within > 0.0, within.abs() < self.near)
+            }
+        };
+        if is_near {
+            self.crossed(at, sheet, line)
+        } else if is_within {
+            1.0
+        } else {
+            0.0
+        }
     }
-    // Two boxes have the spread of the square's own; the sweep is the other.
-    wet_share(within, (spans.0.hypot(spans.1), swept))
+
+    /// The same for a square that the border may cross, its middle `at` a place of the tool's frame [m].
+    fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> f64 {
+        let within = self.tool.within(at);
+        let inward = match self.tool {
+            Tool::Wheel(_) => self.frame.y * -at.y.signum(),
+            _ => -(self.frame.x * at.x + self.frame.y * at.y).normalize_or_zero(),
+        };
+        let swept = 0.5 * self.sweep.dot(inward).abs();
+        let [slope_u, slope_v] = sheet.slope[line];
+        let half = 0.5 * sheet.pitch;
+        let spans = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
+        if swept == 0.0 {
+            return wet_share(within, spans);
+        }
+        // Two boxes have the spread of the square's own; the sweep is the other.
+        wet_share(within, (spans.0.hypot(spans.1), swept))
+    }
 }
 
 /// First and second difference across a square; a neighbour beyond a wall does not count.

@@ -6,7 +6,7 @@ use crate::sheet::{Facing, Window};
 use crate::tool::{Pose, Tool};
 
 /// Lines around the contact that a sheet holds in reserve.
-const MARGIN: i32 = 3;
+pub(crate) const MARGIN: i32 = 3;
 
 /// Least and greatest x and y of the contact in the tool's frame [m].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,15 +4,13 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::contact::{Contact, Squares};
+use crate::contact::{Contact, SheetFrame, Squares};
 use crate::effect::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
+use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::step::Step;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
-
-/// Distance that stands for "no edge near" [m].
-const NO_EDGE: f64 = 1.0;
 
 /// A model with the state of its tool, and the values of the step under way.
 pub struct Physics<'a> {
@@ -28,6 +26,10 @@ pub struct Physics<'a> {
     lanes: Vec<Vec<f64>>,
     /// Cell variables that some hook reads.
     wanted: Vec<Variable>,
+    /// Those of them that decide the balance of forces.
+    balancing: Vec<Variable>,
+    /// The others.
+    following: Vec<Variable>,
     /// Place of each lane among the tool's cells.
     tool_cell: Vec<f64>,
     /// States of the workpiece's cells, by lattice line.
@@ -39,11 +41,17 @@ pub struct Physics<'a> {
 impl<'a> Physics<'a> {
     /// A model and its tool's states before the first step.
     pub fn new(model: &'a CompiledModel, states: &'a mut States, coating: f64) -> Self {
-        let hooks = [Place::Shape, Place::Pressure, Place::Rate, Place::Dose, Place::WorkpieceCell];
-        let mut wanted: Vec<Variable> = hooks.iter().flat_map(|&place| model.needs(place)).copied().collect();
-        wanted.retain(|variable| variable.row().per == Per::Cell);
-        wanted.sort_unstable_by_key(|&variable| variable as usize);
-        wanted.dedup();
+        let of_cells = |hooks: &[Place]| {
+            let read = hooks.iter().flat_map(|&place| model.needs(place)).copied();
+            let mut read: Vec<Variable> = read.filter(|variable| variable.row().per == Per::Cell).collect();
+            read.sort_unstable_by_key(|&variable| variable as usize);
+            read.dedup();
+            read
+        };
+        let balancing = of_cells(&[Place::Shape, Place::Pressure, Place::Rate]);
+        let mut following = of_cells(&[Place::Dose, Place::WorkpieceCell]);
+        following.retain(|variable| !balancing.contains(variable));
+        let wanted = [balancing.as_slice(), &following].concat();
         let lanes = vec![Vec::new(); Variable::COUNT];
         let cell_lanes = vec![Vec::new(); model.cell_states().len()];
         Self {
@@ -53,6 +61,8 @@ impl<'a> Physics<'a> {
             coating,
             lanes,
             wanted,
+            balancing,
+            following,
             tool_cell: Vec::new(),
             cells: HashMap::new(),
             cell_lanes,
@@ -113,51 +123,34 @@ impl<'a> Physics<'a> {
         self.model.force_reading(&self.step, self.states)
     }
 
-    /// How much further away the tool's surface is than its shape says [m], for each line of a sheet; empty if no effect
-    /// changes the shape.
-    pub fn gap(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, out: &mut Vec<f64>) -> Result<(), RunError> {
+    /// How much further away the tool's surface is than its shape says [m], for each line of a region and of those around
+    /// it; empty if no effect changes the shape.
+    pub fn gap(
+        &mut self,
+        tool: &Tool,
+        pose: &Pose,
+        (sheet, region): (&Sheet, &Region),
+        out: &mut Vec<f64>,
+    ) -> Result<(), RunError> {
         out.clear();
         if !self.model.has(Place::Shape) {
             return Ok(());
         }
-        let lines: Vec<u32> = (0..sheet.window.lines() as u32).collect();
+        let lines: Vec<u32> = region.grown().lines(sheet.window.size[1]).map(|line| line as u32).collect();
         self.place(tool, pose, sheet, None, &lines);
         out.resize(lines.len(), 0.0);
         self.run(Place::Shape, &[], out)
     }
 
-    /// Takes up what the hooks read of the squares `lines` of a sheet under a tool at `pose`.
+    /// Takes up what decides the balance of forces on the squares `lines` of a sheet under a tool at `pose`.
     pub fn place(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: Option<&Squares>, lines: &[u32]) {
-        let (spindle, feed) = self.motion();
-        let edges = self.wants(Variable::EdgeDistance).then(|| sheet.edge_distances(NO_EDGE));
-        for &variable in &self.wanted {
-            let lane = &mut self.lanes[variable as usize];
-            lane.clear();
-            let value = |line: usize| -> f64 {
-                let point = sheet.facing.world(sheet.point(line));
-                match variable {
-                    Variable::X => point.x,
-                    Variable::Y => point.y,
-                    Variable::Z => point.z,
-                    Variable::ToolX => pose.local(point).x,
-                    Variable::ToolY => pose.local(point).y,
-                    Variable::SlipSpeed => tool.slip_speed(pose.local(point), spindle, feed),
-                    Variable::DepthLaplacian => squares.map_or(0.0, |squares| squares.laplacian(sheet, line)),
-                    Variable::RemovedDepth => sheet.removed[line],
-                    Variable::Dose => sheet.dose[line],
-                    Variable::CoatingRemoved => sheet.dose[line].min(1.0) * self.coating,
-                    Variable::EdgeDistance => edges.as_ref().map_or(NO_EDGE, |edges| edges[line]),
-                    Variable::Slope => sheet.slope_against(line, pose.approach),
-                    Variable::Label => f64::from(sheet.label[line]),
-                    _ => 0.0,
-                }
-            };
-            lane.extend(lines.iter().map(|&line| value(line as usize)));
-        }
+        let balancing = std::mem::take(&mut self.balancing);
+        self.fill(&balancing, (tool, pose), sheet, squares, lines);
+        self.balancing = balancing;
         self.tool_cell.clear();
         if self.model.needs_tool_cells() {
-            let cells = ToolCells::of(tool);
-            let place = |&line: &u32| cells.place(pose.local(sheet.facing.world(sheet.point(line as usize))));
+            let (cells, frame) = (ToolCells::of(tool), SheetFrame::new(pose, sheet));
+            let place = |&line: &u32| cells.place(frame.local(sheet.point(line as usize)));
             self.tool_cell.extend(lines.iter().map(place));
         }
         for (number, state) in self.model.cell_states().iter().enumerate() {
@@ -167,6 +160,50 @@ impl<'a> Physics<'a> {
             };
             self.cell_lanes[number].clear();
             self.cell_lanes[number].extend(lines.iter().map(value));
+        }
+    }
+
+    /// Takes up what else the hooks read, once the forces are in balance.
+    pub fn place_rest(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: &Squares, lines: &[u32]) {
+        let following = std::mem::take(&mut self.following);
+        self.fill(&following, (tool, pose), sheet, Some(squares), lines);
+        self.following = following;
+    }
+
+    /// Fills the lanes of some variables.
+    fn fill(
+        &mut self,
+        variables: &[Variable],
+        (tool, pose): (&Tool, &Pose),
+        sheet: &Sheet,
+        squares: Option<&Squares>,
+        lines: &[u32],
+    ) {
+        let (spindle, feed) = self.motion();
+        let frame = SheetFrame::new(pose, sheet);
+        let local = |line: usize| frame.local(sheet.point(line));
+        for &variable in variables {
+            let lane = &mut self.lanes[variable as usize];
+            lane.clear();
+            let value = |line: usize| -> f64 {
+                match variable {
+                    Variable::SlipSpeed => tool.slip_speed(local(line), spindle, feed),
+                    Variable::X => sheet.facing.world(sheet.point(line)).x,
+                    Variable::Y => sheet.facing.world(sheet.point(line)).y,
+                    Variable::Z => sheet.facing.world(sheet.point(line)).z,
+                    Variable::ToolX => local(line).x,
+                    Variable::ToolY => local(line).y,
+                    Variable::DepthLaplacian => squares.map_or(0.0, |squares| squares.laplacian(sheet, line)),
+                    Variable::RemovedDepth => sheet.removed[line],
+                    Variable::Dose => sheet.dose[line],
+                    Variable::CoatingRemoved => sheet.dose[line].min(1.0) * self.coating,
+                    Variable::EdgeDistance => sheet.edge_distances()[line],
+                    Variable::Slope => sheet.slope_against(line, pose.approach),
+                    Variable::Label => f64::from(sheet.label[line]),
+                    _ => 0.0,
+                }
+            };
+            lane.extend(lines.iter().map(|&line| value(line as usize)));
         }
     }
 

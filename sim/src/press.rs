@@ -7,6 +7,7 @@ use crate::control::{Balance, Motion, Response};
 use crate::effect::RunError;
 use crate::extent::Extent;
 use crate::physics::Physics;
+use crate::region::Region;
 use crate::sheet::{Facing, Sheet};
 use crate::step::Step;
 use crate::tool::{Pose, Tool};
@@ -40,7 +41,9 @@ impl<'a> Press<'a> {
         let (window, lowest) = extent.window(tool, &[pose], facing, grid.voxel);
         let level = facing.sheet(pose.centre - pose.frame.z * tool.drop()).z;
         let sheet = Sheet::read(grid, facing, window, level + reach, lowest - reach - BELOW * grid.voxel);
-        Self { tool, pose, reach, sheet, step: Step::default() }
+        let mut step = Step::default();
+        step.look_at(Region::inside(&sheet.window));
+        Self { tool, pose, reach, sheet, step }
     }
 
     /// What the tool meets, lifted by `travel` [m]. Formulas that ask for the force, area or pressure of the step before are
@@ -52,7 +55,8 @@ impl<'a> Press<'a> {
         let pose = self.at(travel, physics)?;
         self.step.begin((self.tool, &pose), &self.sheet, physics)?;
         self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
-        let contact = self.step.contact(&pose, &self.sheet);
+        let moment = self.step.moment(&pose, &self.sheet);
+        let contact = Contact { moment, ..self.step.contact(&pose, &self.sheet) };
         let width = self.step.extent(&pose, &self.sheet).map_or(0.0, |extent| extent.y.1 - extent.y.0);
         physics.has_met(&contact, width);
         Ok(contact)

@@ -4,17 +4,19 @@
 //! field is known at every voxel, so where the surface crosses it is a root of a cubic in one variable: no
 //! interpolation across lines, and fourth order where the surface is smooth.
 
+use std::cell::OnceCell;
+
 use glam::{DVec3, IVec3};
 use sdf_bake::BrickGrid;
-use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 
-use crate::crossing::way_to_zero;
+use crate::lattice_line::LatticeLine;
+use crate::region::Region;
 
 /// Height of a column that meets no surface [m]: finite, so that sums over columns stay numbers.
 pub const NO_SURFACE: f64 = -1e6;
 
-/// Voxels by which a column is followed upwards out of the material.
-const CLIMB: i32 = 400;
+/// Distance that stands for "no edge near" [m].
+const NO_EDGE: f64 = 1.0;
 
 /// The lattice axis along which columns run, and which way is up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +51,11 @@ impl Facing {
         v
     }
 
+    /// Coordinate of a voxel on the axis of the columns.
+    pub(crate) fn along(&self, voxel: IVec3) -> i32 {
+        voxel[self.axis]
+    }
+
     /// The voxel at lattice place (i, j) across and `k` up.
     pub fn voxel(&self, i: i32, j: i32, k: i32) -> IVec3 {
         let (a, b) = self.across();
@@ -77,6 +84,14 @@ impl Window {
         let first = [low.x, low.y].map(|x| (x / voxel).floor() as i32 - margin);
         let last = [high.x, high.y].map(|x| (x / voxel).ceil() as i32 + margin);
         Self { low: first, size: [0, 1].map(|d| (last[d] - first[d] + 1).max(3) as usize) }
+    }
+
+    /// Whether all of another window but `slack` lines on each side is in this one.
+    pub fn holds(&self, other: &Self, slack: i32) -> bool {
+        (0..2).all(|d| {
+            let end = |window: &Self| window.low[d] + window.size[d] as i32;
+            other.low[d] + slack >= self.low[d] && end(other) - slack <= end(self)
+        })
     }
 
     /// Number of lines.
@@ -116,12 +131,16 @@ pub struct Sheet {
     pub height: Vec<f64>,
     /// Slopes of the surface along u and v [1].
     pub slope: Vec<[f64; 2]>,
+    /// Surface area per area of the lattice, 1/cos of the slope.
+    area_ratio: Vec<f64>,
     /// Coating dose D [1].
     pub dose: Vec<f64>,
     /// Depth removed so far [m]; 0 where the field does not keep it.
     pub removed: Vec<f64>,
     /// Weld id, 0 for base metal.
     pub label: Vec<u16>,
+    /// What [`Sheet::edge_distances`] found.
+    edges: OnceCell<Vec<f64>>,
 }
 
 impl Sheet {
@@ -137,9 +156,11 @@ impl Sheet {
             read_height: Vec::new(),
             height: Vec::with_capacity(lines),
             slope: vec![[0.0; 2]; lines],
+            area_ratio: vec![1.0; lines],
             dose: vec![0.0; lines],
             removed: vec![0.0; lines],
             label: vec![0; lines],
+            edges: OnceCell::new(),
         };
         let start = (level / grid.voxel).ceil() as i32;
         let least = (floor / grid.voxel).floor() as i32;
@@ -191,8 +212,7 @@ impl Sheet {
 
     /// Surface area per area of the lattice, 1/cos of the slope.
     pub fn area_ratio(&self, line: usize) -> f64 {
-        let [u, v] = self.slope[line];
-        (1.0 + u * u + v * v).sqrt()
+        self.area_ratio[line]
     }
 
     /// Tangent of the angle between the surface's normal and an approach axis.
@@ -203,10 +223,15 @@ impl Sheet {
     }
 
     /// Distance [m] of each line from the nearest edge of the part across the columns: a line without a surface, or a
-    /// step of more than two pitches. `far` where none is in the window (chamfer distance, Borgefors 1986).
-    pub fn edge_distances(&self, far: f64) -> Vec<f64> {
+    /// step of more than two pitches; 1 m where none is in the window. Measured when it is first asked for.
+    pub fn edge_distances(&self) -> &[f64] {
+        self.edges.get_or_init(|| self.measure_edges())
+    }
+
+    /// Chamfer distances (Borgefors 1986).
+    fn measure_edges(&self) -> Vec<f64> {
         let [rows, across] = self.window.size;
-        let mut distance: Vec<f64> = self.height.iter().map(|&h| if h > NO_SURFACE { far } else { 0.0 }).collect();
+        let mut distance: Vec<f64> = self.height.iter().map(|&h| if h > NO_SURFACE { NO_EDGE } else { 0.0 }).collect();
         let diagonal = std::f64::consts::SQRT_2;
         let steps = [(-1, -1, diagonal), (-1, 0, 1.0), (-1, 1, diagonal), (0, -1, 1.0)];
         for sign in [1, -1] {
@@ -229,16 +254,26 @@ impl Sheet {
 
     /// Takes the slopes from the heights as they are now.
     pub fn set_slopes(&mut self) {
-        let across = self.window.size[1];
-        for line in 0..self.height.len() {
-            let (row, place) = (line / across, line % across);
-            let at = |there: bool, i: usize| if there { self.height[i] } else { NO_SURFACE };
-            let here = self.height[line];
-            let along =
-                [at(row > 0, line.wrapping_sub(across)), at(row + 1 < self.window.size[0], line.wrapping_add(across))];
-            let sideways = [at(place > 0, line.wrapping_sub(1)), at(place + 1 < across, line + 1)];
-            self.slope[line] = [along, sideways].map(|[before, after]| slope(before, here, after, self.pitch));
-        }
+        let [rows, across] = self.window.size;
+        (0..rows).for_each(|row| (0..across).for_each(|column| self.set_slope(row, column)));
+    }
+
+    /// The same in a part of the sheet.
+    pub fn set_slopes_in(&mut self, region: &Region) {
+        let Region { rows, columns } = region.grown();
+        rows.for_each(|row| columns.clone().for_each(|column| self.set_slope(row, column)));
+    }
+
+    fn set_slope(&mut self, row: usize, column: usize) {
+        let [rows, across] = self.window.size;
+        let line = row * across + column;
+        let at = |there: bool, i: usize| if there { self.height[i] } else { NO_SURFACE };
+        let here = self.height[line];
+        let along = [at(row > 0, line.wrapping_sub(across)), at(row + 1 < rows, line.wrapping_add(across))];
+        let sideways = [at(column > 0, line.wrapping_sub(1)), at(column + 1 < across, line + 1)];
+        let [u, v] = [along, sideways].map(|[before, after]| slope(before, here, after, self.pitch));
+        self.slope[line] = [u, v];
+        self.area_ratio[line] = (1.0 + u * u + v * v).sqrt();
     }
 }
 
@@ -250,77 +285,6 @@ fn slope(before: f64, here: f64, after: f64, pitch: f64) -> f64 {
         (true, false) => (here - before) / pitch,
         (false, true) => (after - here) / pitch,
         (false, false) => 0.0,
-    }
-}
-
-/// φ along one lattice line.
-pub(crate) struct LatticeLine<'a> {
-    grid: &'a BrickGrid,
-    facing: Facing,
-    place: (i32, i32),
-    /// Brick whose slot is known, and the slot.
-    brick: i32,
-    slot: u32,
-}
-
-impl<'a> LatticeLine<'a> {
-    pub(crate) fn new(grid: &'a BrickGrid, facing: Facing, i: i32, j: i32) -> Self {
-        Self { grid, facing, place: (i, j), brick: i32::MIN, slot: OUTSIDE }
-    }
-
-    /// φ [m] at `k` voxels up.
-    pub(crate) fn phi(&mut self, k: i32) -> f32 {
-        let voxel = self.facing.voxel(self.place.0, self.place.1, k);
-        match self.slot_of(voxel) {
-            OUTSIDE => self.grid.band,
-            INSIDE => -self.grid.band,
-            slot => self.grid.phi[slot as usize * BRICK_VOXELS + voxel_offset(voxel)],
-        }
-    }
-
-    fn slot_of(&mut self, voxel: IVec3) -> u32 {
-        let brick = voxel[self.facing.axis] >> 3;
-        if brick != self.brick {
-            (self.brick, self.slot) = (brick, self.grid.slot(voxel >> 3));
-        }
-        self.slot
-    }
-
-    /// Height [voxels] at which the line leaves the material, met first from voxel `from`: upwards out of it, or
-    /// downwards to voxel `least`.
-    pub(crate) fn surface(&mut self, from: i32, least: i32) -> Option<f64> {
-        let voxel = self.grid.voxel as f32;
-        let stride = |phi: f32| ((phi.abs() / voxel) as i32).max(1);
-        let (mut k, top) = (from, from.saturating_add(CLIMB));
-        let mut phi = self.phi(k);
-        while phi < 0.0 {
-            k += stride(phi);
-            if k > top {
-                return None;
-            }
-            phi = self.phi(k);
-        }
-        // φ is a distance, so no crossing lies within φ of k.
-        loop {
-            if k < least {
-                return None;
-            }
-            let below = k - stride(phi);
-            let next = self.phi(below);
-            if next < 0.0 {
-                return Some(self.crossing(below, k));
-            }
-            (k, phi) = (below, next);
-        }
-    }
-
-    /// Root of φ between a voxel in the material and one above it [voxels].
-    fn crossing(&mut self, mut below: i32, above: i32) -> f64 {
-        while below + 1 < above && self.phi(below + 1) < 0.0 {
-            below += 1;
-        }
-        let values = [-1, 0, 1, 2].map(|step| f64::from(self.phi(below + step)));
-        f64::from(below) + way_to_zero(values, self.grid.band.into())
     }
 }
 

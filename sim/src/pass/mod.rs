@@ -41,8 +41,8 @@ const INERTIA: f64 = 0.03;
 const FORCE_JUMP: f64 = 0.1;
 /// Way of a tool in one step that changes nothing but the coating [footprints].
 const SANDING_STEP: f64 = 0.02;
-/// Such steps on one sheet.
-const SANDING_SHEET: f64 = 8.0;
+/// Its way on one sheet [footprints]: the surface stays as it was read.
+const SANDING_SHEET: f64 = 1.0;
 
 /// Share of the setpoint that counts as touching the part.
 pub const TOUCH: f64 = 0.15;
@@ -124,8 +124,10 @@ pub fn run_pass(
         let Process { force_setpoint: setpoint, search_reach: reach, .. } = *pass.process;
         return Err(PassError::TooSoft { setpoint, reach });
     }
-    let mut record = runner.record;
-    grid.release_uniform_bricks();
+    let (mut record, grinds) = (runner.record, runner.physics.grinds());
+    if grinds {
+        grid.release_uniform_bricks();
+    }
     record.finish(duration);
     Ok(record)
 }
@@ -151,8 +153,6 @@ struct Runner<'a> {
     extent: Extent,
     /// Way of the tool since the sheet was read [m].
     travelled: f64,
-    /// Recession since the sheet was read, at most [m].
-    receded: f64,
     /// Recession since the sheet's slopes were taken, at most [m].
     bent: f64,
     /// Whether `step` holds one that was applied to this sheet and ends where the next begins.
@@ -191,7 +191,6 @@ impl<'a> Runner<'a> {
             dt: LONGEST_STEP,
             longest_step: LONGEST_STEP,
             travelled: 0.0,
-            receded: 0.0,
             bent: 0.0,
             goes_on: false,
             end_force: 0.0,
@@ -253,13 +252,18 @@ impl<'a> Runner<'a> {
         if self.physics.grinds() {
             return way;
         }
-        way.max(2.0 * SANDING_STEP * self.pass.tool.half_footprint(f64::INFINITY).0)
+        way.max(SANDING_STEP * self.footprint())
+    }
+
+    /// Length of the tool's working surface along the feed [m].
+    fn footprint(&self) -> f64 {
+        2.0 * self.pass.tool.half_footprint(f64::INFINITY).0
     }
 
     /// Way of the tool after which a sheet is written back [m].
     fn commit_way(&self) -> f64 {
         let way = self.pass.process.commit_voxels * self.grid.voxel;
-        if self.physics.grinds() { way } else { way.max(SANDING_SHEET * self.step_way()) }
+        if self.physics.grinds() { way } else { way.max(SANDING_SHEET * self.footprint()) }
     }
 
     /// Ends the approach when its time is up or the tool touches.
@@ -283,6 +287,7 @@ impl<'a> Runner<'a> {
     fn accept(&mut self, motion: Motion, dt: f64) -> Result<f64, RunError> {
         let middle = self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel));
         let sheet = self.sheet.as_mut().expect("a sheet was read");
+        self.step.complete((self.pass.tool, &middle), sheet, &mut self.physics, dt)?;
         let contact = self.step.contact(&middle, sheet);
         let end_force = self.step.end_force(&middle, sheet);
         let cells = self.physics.model.needs_tool_cells();
@@ -297,12 +302,10 @@ impl<'a> Runner<'a> {
             let begun = self.pass.trial_time + self.time;
             covariates.borrow_mut().add(sheet, self.step.squares(), slip_speed, (begun, dt));
         }
-        let removal = self.step.apply(sheet, self.pass.process.coating);
-        let receded = self.step.recession_max();
-        self.receded += receded;
-        self.bent += receded;
+        let (removal, receded) = self.step.apply(sheet, self.pass.process.coating);
+        self.bent += self.step.recession_max();
         if self.bent > BENT * self.grid.voxel {
-            sheet.set_slopes();
+            self.step.bend(sheet);
             self.bent = 0.0;
         }
         let extent = self.step.extent(&middle, sheet);
@@ -323,7 +326,7 @@ impl<'a> Runner<'a> {
         let row = self.log_row(end_force);
         self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
         let far = self.travelled > self.commit_way();
-        if far || self.receded > COMMIT_RECESSION * self.grid.voxel {
+        if far || receded > COMMIT_RECESSION * self.grid.voxel {
             self.write_back();
         }
         Ok(end_force)
@@ -364,7 +367,6 @@ impl<'a> Runner<'a> {
             commit(self.grid, &mut sheet);
         }
         self.travelled = 0.0;
-        self.receded = 0.0;
         self.bent = 0.0;
         self.goes_on = false;
     }

@@ -5,13 +5,17 @@ use glam::DVec3;
 use super::{Pass, Runner};
 use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
 use crate::effect::RunError;
-use crate::extent::Extent;
+use crate::extent::{Extent, MARGIN};
 use crate::physics::Physics;
+use crate::region::Region;
 use crate::settings::LONGEST_STEP;
 use crate::sheet::{Facing, Sheet};
+use crate::tool::Pose;
 
 /// Surface sought below the tool while it is in contact [voxels].
 const NEAR_BELOW: f64 = 4.0;
+/// Surface looked at ahead of a step, where the contact may go next [voxels].
+const LOOK_AHEAD: f64 = 3.0;
 /// Relative difference between force and setpoint that is good enough.
 const FORCE_TOLERANCE: f64 = 1e-5;
 
@@ -21,9 +25,7 @@ impl Runner<'_> {
     pub(super) fn find_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let mut searched = false;
         loop {
-            if self.sheet.is_none() {
-                self.read_sheet(dt, searched);
-            }
+            self.choose_sheet(dt, searched);
             let motion = self.try_motion(dt)?;
             let sheet = self.sheet.as_ref().expect("a sheet was read");
             if motion.is_some()
@@ -78,7 +80,7 @@ impl Runner<'_> {
             let force = if grinds {
                 step.end_at((tool, &pose), sheet, physics, dt)
             } else {
-                step.middle_at((tool, &pose, sweep), sheet, physics, dt)
+                step.middle_at((tool, &pose, sweep), sheet, physics)
             }?;
             let depth = if force.force > 0.0 { 0.0 } else { step.end_gap(tool, &pose, sheet) };
             Ok((force, depth))
@@ -118,16 +120,46 @@ impl Runner<'_> {
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }
 
-    /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
-    fn read_sheet(&mut self, dt: f64, far: bool) {
-        let Pass { tool, path, process, .. } = self.pass;
-        let speed = path.velocity(self.time).length();
-        let ahead = if speed > 0.0 { (self.commit_way() + self.step_way()) / speed } else { 0.0 };
-        let poses = [self.time, self.time + dt, self.time + ahead.max(dt)].map(|t| self.pose(t, self.motion.travel));
+    /// Sees to a sheet that holds the contact of a step, and looks at its region of it; `far` to seek the surface from the
+    /// air.
+    fn choose_sheet(&mut self, dt: f64, far: bool) {
+        let end = self.time + dt;
+        let poses = [self.time, end, end + self.time_for(LOOK_AHEAD * self.grid.voxel)];
+        let poses = poses.map(|time| self.pose(time, self.motion.travel));
         let facing = Facing::of(poses[0].approach);
+        let (window, _) = self.extent.window(self.pass.tool, &poses, facing, self.grid.voxel);
+        let holds = |sheet: &Sheet| sheet.facing == facing && sheet.window.holds(&window, MARGIN);
+        if !self.sheet.as_ref().is_some_and(holds) {
+            self.write_back();
+            self.read_sheet(dt, facing, far);
+        }
+        if let Some(sheet) = &self.sheet {
+            self.step.look_at(Region::common(&sheet.window, &window));
+        }
+    }
+
+    /// Time in which the tool moves by `way` [m]; 0 while it stands.
+    fn time_for(&self, way: f64) -> f64 {
+        let speed = self.pass.path.velocity(self.time).length();
+        if speed > 0.0 { way / speed } else { 0.0 }
+    }
+
+    /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
+    fn read_sheet(&mut self, dt: f64, facing: Facing, far: bool) {
+        let Pass { tool, process, .. } = self.pass;
+        let ahead = self.time_for(self.commit_way() + self.step_way() + LOOK_AHEAD * self.grid.voxel);
+        let count = (self.commit_way() / self.step_way()).ceil();
+        let pose = |share: f64| self.pose(self.time + dt + ahead * share, self.motion.travel);
+        let start = self.pose(self.time, self.motion.travel);
+        let poses: Vec<Pose> =
+            std::iter::once(start).chain((0..=count as usize).map(|k| pose(k as f64 / count))).collect();
         let (window, lowest) = self.extent.window(tool, &poses, facing, self.grid.voxel);
-        let level = facing.sheet(poses[0].centre - poses[0].frame.z * tool.drop()).z;
-        let below = if far || self.in_air() { 2.0 * process.search_reach } else { NEAR_BELOW * self.grid.voxel };
+        let level = facing.sheet(start.centre - start.frame.z * tool.drop()).z;
+        let below = if far || self.in_air() || !self.physics.grinds() {
+            2.0 * process.search_reach
+        } else {
+            NEAR_BELOW * self.grid.voxel
+        };
         let falling = (-self.motion.speed).max(0.0) * LONGEST_STEP.max(dt);
         self.sheet = Some(Sheet::read(self.grid, facing, window, level, lowest.min(level) - below - falling));
     }

@@ -1,0 +1,319 @@
+//! One step of the contact: the tool moves from one pose to another while the surface recedes under it.
+//!
+//! Within a step the mean depth m of a square obeys `dm/dt = s - r(m)`: s is how fast the tool comes nearer, r the
+//! recession. Stiff contacts relax within a fraction of a step (`∂r/∂m = k K`), so the equation is linearised about the
+//! step's ends and integrated exactly (exponential integrators, Hochbruck and Ostermann 2010, eq. 2.8): any step
+//! is stable, and for Eq. (1) exact as long as s is constant.
+
+mod end;
+mod sums;
+
+use glam::DVec3;
+
+use self::end::{End, Side, merge};
+use self::sums::ApproachShare;
+use crate::contact::Squares;
+use crate::decay::Decay;
+use crate::effect::{RunError, Variable};
+use crate::physics::Physics;
+use crate::record::Removal;
+use crate::region::Region;
+use crate::sheet::Sheet;
+use crate::tool::{Pose, Tool};
+
+/// Relative change of depth over which the slope of the recession is taken.
+const PROBE: f64 = 1e-3;
+
+/// Relative difference up to which two lanes are integrated with the same weights.
+const SAME_DECAY: f64 = 1e-6;
+
+/// What a step does to each square in contact; buffers that are filled again and again.
+#[derive(Clone, Debug, Default)]
+pub struct Step {
+    /// What is looked at.
+    region: Region,
+    /// The tool's reference point at the start [m].
+    from: DVec3,
+    /// The same at the end.
+    to: DVec3,
+    start_squares: Squares,
+    end_squares: Squares,
+    /// Whether the step is taken as its middle, which `end` and `end_squares` then hold alone.
+    is_whole: bool,
+    /// How much further away the tool is than its shape says, by line; empty if it is not.
+    gap: Vec<f64>,
+    /// Lines of the sheet that are in contact at either end.
+    lines: Vec<u32>,
+    /// How fast the tool comes nearer, less recession [m/s].
+    depth_rate: Vec<f64>,
+    start: End,
+    end: End,
+    probe: End,
+    /// Recession of the square's mean over the step [m].
+    recession: Vec<f64>,
+    /// Mean over the square of the pressure at the end [Pa].
+    end_load: Vec<f64>,
+    /// The same as a mean over the step.
+    mean_load: Vec<f64>,
+    /// Dose that the square's mean takes up in the step [1].
+    dose: Vec<f64>,
+}
+
+/// Force at the end of a step, and how it depends on the travel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EndForce {
+    /// At the end [N].
+    pub force: f64,
+    /// -dF/dz [N/m].
+    pub stiffness: f64,
+}
+
+impl Step {
+    /// Looks at a region of the sheet from now on.
+    pub fn look_at(&mut self, region: Region) {
+        self.region = region;
+    }
+
+    /// Starts a step: measures the tool at `pose` over the surface as it is now.
+    ///
+    /// # Errors
+    /// A formula of the model that gives no finite number; so for all that runs the model.
+    pub fn begin(
+        &mut self,
+        (tool, pose): (&Tool, &Pose),
+        sheet: &Sheet,
+        physics: &mut Physics,
+    ) -> Result<(), RunError> {
+        self.from = pose.centre;
+        physics.gap(tool, pose, (sheet, &self.region), &mut self.gap)?;
+        self.start_squares.measure(tool, pose, (sheet, &self.region), (&self.gap, DVec3::ZERO));
+        Ok(())
+    }
+
+    /// Starts a step where the one before, which was applied to the same sheet, ended.
+    pub fn go_on(&mut self) {
+        std::mem::swap(&mut self.start_squares, &mut self.end_squares);
+        self.from = self.to;
+        for (lane, &line) in self.lines.iter().enumerate() {
+            let line = line as usize;
+            self.start_squares.depth[line] -= self.recession[lane];
+            let left = self.start_squares.mean_depth[line] - self.recession[lane];
+            self.start_squares.mean_depth[line] = left.max(0.0);
+            if left <= 0.0 {
+                (self.start_squares.share[line], self.start_squares.area[line]) = (0.0, 0.0);
+            }
+        }
+    }
+
+    /// Lets the tool end the step at `pose`, after `dt` [s].
+    pub fn end_at(
+        &mut self,
+        (tool, pose): (&Tool, &Pose),
+        sheet: &Sheet,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<EndForce, RunError> {
+        self.is_whole = false;
+        self.measure_end((tool, pose, DVec3::ZERO), sheet, physics)?;
+        self.gather(dt);
+        physics.place(tool, &self.middle(pose), sheet, Some(&self.end_squares), &self.lines);
+        self.start.grind(physics, &self.depth_rate)?;
+        self.end.grind(physics, &self.depth_rate)?;
+        self.probe.depth.clear();
+        let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
+        self.probe.depth.extend(deeper);
+        self.probe.grind(physics, &self.depth_rate)?;
+        Ok(self.relax(pose, sheet, dt))
+    }
+
+    /// Takes the whole step as its middle, where the tool is at `pose`, with the border of its working surface
+    /// swept by its way [m]: for what does not change the surface.
+    pub fn middle_at(
+        &mut self,
+        (tool, pose, sweep): (&Tool, &Pose, DVec3),
+        sheet: &Sheet,
+        physics: &mut Physics,
+    ) -> Result<EndForce, RunError> {
+        self.is_whole = true;
+        self.from = pose.centre;
+        self.measure_end((tool, pose, sweep), sheet, physics)?;
+        self.lines.clone_from(&self.end_squares.wet);
+        self.end.gather(&self.end_squares, &self.lines);
+        self.depth_rate.clear();
+        self.depth_rate.resize(self.lines.len(), 0.0);
+        physics.place(tool, pose, sheet, Some(&self.end_squares), &self.lines);
+        self.end.press(physics, &self.depth_rate)?;
+        Ok(self.press_whole(pose, sheet))
+    }
+
+    /// Completes the step of `dt` [s] that ends at `pose` or has it as its middle, once its force is the one that is sought.
+    pub fn complete(
+        &mut self,
+        (tool, pose): (&Tool, &Pose),
+        sheet: &Sheet,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<(), RunError> {
+        physics.place_rest(tool, &self.middle(pose), sheet, &self.end_squares, &self.lines);
+        self.end.sand(physics)?;
+        self.dose.clear();
+        if self.is_whole {
+            physics.rate(&self.end.depth, &self.end.pressure, &mut self.end.rate)?;
+            self.recession.clear();
+            self.recession.resize(self.lines.len(), 0.0);
+            self.mean_load.clone_from(&self.end_load);
+            self.dose.extend(self.end.dose_rate.iter().zip(&self.end.share).map(|(rate, share)| dt * rate * share));
+        } else {
+            self.start.sand(physics)?;
+            let of = |end: &End, lane: usize| end.dose_rate[lane] * end.share[lane];
+            let dose = |lane| 0.5 * dt * (of(&self.start, lane) + of(&self.end, lane));
+            self.dose.extend((0..self.lines.len()).map(dose));
+        }
+        Ok(())
+    }
+
+    fn measure_end(
+        &mut self,
+        (tool, pose, sweep): (&Tool, &Pose, DVec3),
+        sheet: &Sheet,
+        physics: &mut Physics,
+    ) -> Result<(), RunError> {
+        self.to = pose.centre;
+        physics.gap(tool, pose, (sheet, &self.region), &mut self.gap)?;
+        self.end_squares.measure(tool, pose, (sheet, &self.region), (&self.gap, sweep));
+        Ok(())
+    }
+
+    /// The tool in the middle of the step: slip and places are those of there for both ends, second order in its length.
+    fn middle(&self, pose: &Pose) -> Pose {
+        Pose { centre: 0.5 * (self.from + self.to), ..*pose }
+    }
+
+    fn gather(&mut self, dt: f64) {
+        let (a, b) = (&self.start_squares, &self.end_squares);
+        merge(&a.wet, &b.wet, &mut self.lines);
+        // The step before may have used up what was left of a square.
+        self.lines.retain(|&line| a.share[line as usize] + b.share[line as usize] > 0.0);
+        self.start.gather(a, &self.lines);
+        self.end.gather(b, &self.lines);
+        self.depth_rate.clear();
+        let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let pairs = self.start.depth.iter().zip(&self.end.depth);
+        self.depth_rate.extend(pairs.map(|(a, b)| (b - a) * per_time));
+    }
+
+    /// The start of the step.
+    fn start(&self) -> &End {
+        if self.is_whole { &self.end } else { &self.start }
+    }
+
+    /// The squares at the start of the step.
+    fn start_squares(&self) -> &Squares {
+        if self.is_whole { &self.end_squares } else { &self.start_squares }
+    }
+
+    /// Force of a step that is taken as its middle.
+    fn press_whole(&mut self, pose: &Pose, sheet: &Sheet) -> EndForce {
+        let normal = ApproachShare::new(pose, sheet);
+        let area = sheet.pitch * sheet.pitch;
+        let mut result = EndForce::default();
+        self.end_load.clear();
+        for (lane, &line) in self.lines.iter().enumerate() {
+            let load = self.end.pressure[lane] * self.end.share[lane];
+            let facing = area * normal.of(sheet, line as usize);
+            self.end_load.push(load);
+            result.force += load * facing;
+            result.stiffness += load / self.end.depth[lane] * facing;
+        }
+        result
+    }
+
+    /// Integrates each lane over the step.
+    fn relax(&mut self, pose: &Pose, sheet: &Sheet, dt: f64) -> EndForce {
+        self.recession.clear();
+        self.end_load.clear();
+        self.mean_load.clear();
+        let normal = ApproachShare::new(pose, sheet);
+        let area = sheet.pitch * sheet.pitch;
+        let mut result = EndForce::default();
+        let mut decay = Decay::new(0.0);
+        for lane in 0..self.lines.len() {
+            let (a, b) = (Side::of(&self.start, lane), Side::of(&self.end, lane));
+            let deeper = if a.depth > b.depth { &a } else { &b };
+            let relaxation = ((self.probe.rate[lane] - deeper.rate) / (PROBE * deeper.depth)).max(0.0);
+            if (relaxation * dt - decay.x).abs() > SAME_DECAY * decay.x {
+                decay = Decay::new(relaxation * dt);
+            }
+            let (rate_a, rate_b) = (a.rate * a.share, b.rate * b.share);
+            let recession = dt * (rate_a * decay.phi1 + (rate_b - rate_a) * decay.phi2);
+            let (load_a, load_b) = (a.pressure * a.share, b.pressure * b.share);
+            let mean_depth = b.depth * b.share;
+            let left = if mean_depth > 0.0 { (1.0 - recession / mean_depth).max(0.0) } else { 0.0 };
+            // The mean of the recession up to a time, over the step.
+            let mean_recession = dt * (rate_a * decay.psi1 + (rate_b - rate_a) * decay.psi2);
+            let stiffness = deeper.pressure / deeper.depth;
+            self.recession.push(recession);
+            self.end_load.push(load_b * left);
+            self.mean_load.push((0.5 * (load_a + load_b) - stiffness * mean_recession).max(0.0));
+            let facing = area * normal.of(sheet, self.lines[lane] as usize);
+            result.force += load_b * left * facing;
+            result.stiffness += stiffness * b.share * (1.0 - decay.x * decay.phi2) * facing;
+        }
+        result
+    }
+
+    /// Takes the slopes of what was looked at anew.
+    pub fn bend(&self, sheet: &mut Sheet) {
+        sheet.set_slopes_in(&self.region);
+    }
+
+    /// Applies the step to the sheet. Returns the volumes removed from the part and from a `coating` [m], and how far at most
+    /// a square has receded since the sheet was read [m].
+    pub fn apply(&self, sheet: &mut Sheet, coating: f64) -> (Removal, f64) {
+        let (mut removal, mut receded) = (Removal::default(), 0.0f64);
+        for (lane, &line) in self.lines.iter().enumerate() {
+            let line = line as usize;
+            let surface = sheet.pitch * sheet.pitch * sheet.area_ratio(line);
+            if self.recession[lane] != 0.0 {
+                removal.volume += self.recession[lane] * surface;
+                sheet.recede(line, self.recession[lane]);
+                receded = receded.max((sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line));
+            }
+            let taken = self.dose[lane].min((1.0 - sheet.dose[line]).max(0.0));
+            removal.coating_volume += taken * coating * surface;
+            sheet.dose[line] += self.dose[lane];
+        }
+        (removal, receded)
+    }
+
+    /// What the workpiece's cells see at the end of the step, lane by lane.
+    pub fn means(&self) -> [(Variable, &[f64]); 5] {
+        [
+            (Variable::Depth, &self.end.depth),
+            (Variable::DepthRate, &self.depth_rate),
+            (Variable::Pressure, &self.end.pressure),
+            (Variable::Rate, &self.end.rate),
+            (Variable::DoseRate, &self.end.dose_rate),
+        ]
+    }
+
+    /// Lines in contact at either end of the step.
+    pub fn lines(&self) -> &[u32] {
+        &self.lines
+    }
+
+    /// Largest depth under the working surface at the end of the step [m], negative: the gap.
+    pub fn end_gap(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+        self.end_squares.deepest(tool, pose, sheet)
+    }
+
+    /// Largest depth under the working surface at the start of the step [m], also between columns; negative: the gap.
+    pub fn start_peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+        self.start_squares.peak(tool, pose, sheet)
+    }
+
+    /// Whether the patch may go on beyond the region.
+    pub fn reaches_border(&self, sheet: &Sheet) -> bool {
+        self.start_squares().reaches_border(sheet) || self.end_squares.reaches_border(sheet)
+    }
+}
