@@ -49,7 +49,7 @@ impl Default for Process {
             spindle_speed: 6000.0 * std::f64::consts::TAU / 60.0,
             step_voxels: 0.5,
             quasi_static: true,
-            commit_voxels: 8.0,
+            commit_voxels: 4.0,
             coating: 50e-6,
             search_reach: 20e-3,
             most_steps: None,
