@@ -124,6 +124,13 @@ impl Whitener {
         left.as_slice().to_vec()
     }
 
+    /// The change of the data behind a change of whitened data, without what the freedoms take up of it.
+    pub fn unwhiten(&self, change: &[f64]) -> Vec<f64> {
+        let data = self.factor.l_dirty().lower_triangle() * DVector::from_column_slice(change);
+        let freedoms = &self.freedom.covariance * self.freedom.columns.tr_mul(&self.factor.solve(&data));
+        (data - &self.freedom.columns * freedoms).as_slice().to_vec()
+    }
+
     /// Standard deviation that noise and freedoms give to a weighted sum of the data.
     pub fn sigma_of_sum(&self, weights: &[f64]) -> f64 {
         self.factor.l_dirty().lower_triangle().tr_mul(&DVector::from_column_slice(weights)).norm()

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sim::effect::Scale;
 
+use super::evidence::Evidence;
 use super::screen::Screened;
 
 /// Standard deviations at which an effect of a library of some thirty is seen in four cases of five.
@@ -23,17 +24,21 @@ pub struct Detectable {
     pub testable: bool,
 }
 
-/// The detectable size of each parameter that an effect vanishes with.
+/// The detectable size of each parameter that an effect vanishes with: it must stand out of the noise, and be large enough
+/// to be named.
 ///
 /// - `spread`: standard deviation of the whitened residuals
-pub fn detectable(screened: &Screened, spread: f64) -> Vec<Detectable> {
+/// - `least_size`: root mean square of what an effect must explain, in the data's unit
+pub fn detectable(evidence: &dyn Evidence, screened: &Screened, (spread, least_size): (f64, f64)) -> Vec<Detectable> {
     let amplitudes = screened.candidate.coordinates.iter().enumerate().filter(|(_, c)| c.slot.row.unwrap_or(0) == 0);
     let of = |(k, coordinate): (usize, &super::coordinates::Coordinate)| {
         let null = coordinate.slot.null?;
         let probes = screened.responses.iter().flatten().filter(|response| response.probe.amplitude == k);
         let [least, greatest] = coordinate.slot.range;
         let sizes = probes.filter(|response| response.is_distinct()).map(|response| {
-            let (value, share) = (response.probe.values[k], SEEN * spread / response.change.norm());
+            let value = response.probe.values[k];
+            let seen = SEEN * spread / response.change.norm();
+            let share = seen.max(least_size / evidence.size(response.change.as_slice()));
             if null.is_infinite() { value / share } else { share * (value - null).abs() }
         });
         let best = if null.is_infinite() { sizes.fold(0.0, f64::max) } else { sizes.fold(f64::INFINITY, f64::min) };

@@ -131,6 +131,11 @@ fn spread(residuals: &[f64]) -> f64 {
     (squares / residuals.len().max(1) as f64).sqrt().max(1.0)
 }
 
+/// What an effect must explain to be named, given how well the model without it describes the data.
+fn least_size(before: &[Agreement]) -> f64 {
+    (SIZE.0 * rms(before, |a| a.floor)).max(SIZE.1 * rms(before, |a| a.scale))
+}
+
 /// What the scans' noise does not explain.
 pub fn unexplained(of: &[Agreement]) -> f64 {
     (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.floor).powi(2)).max(0.0).sqrt()
@@ -217,8 +222,7 @@ impl Finding {
             if is_real { evidence.agreement(&suspect.fit.model, Split::Calibration)? } else { Vec::new() };
         let explained = rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2);
         let size = if is_real { explained.max(0.0).sqrt() } else { 0.0 };
-        let least = (SIZE.0 * rms(before, |a| a.floor)).max(SIZE.1 * rms(before, |a| a.scale));
-        let is_sound = is_real && size > least;
+        let is_sound = is_real && size > least_size(before);
         Ok(Self { suspect, gain: gain / (spread * spread), chance, size, probability: 0.0, calibration, is_sound })
     }
 }
@@ -252,7 +256,10 @@ impl Diagnosis {
                 break;
             }
         }
-        let seen = |round: &Round| round.screened.iter().flat_map(|s| detectable(s, round.spread)).collect::<Vec<_>>();
+        let seen = |round: &Round| -> Vec<Detectable> {
+            let needed = (round.spread, least_size(&round.calibration));
+            round.screened.iter().flat_map(|screened| detectable(evidence, screened, needed)).collect()
+        };
         let detectable = rounds.first().map(seen).unwrap_or_default();
         let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?)));
         let dear = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());

@@ -102,6 +102,10 @@ pub trait Evidence: Sync {
         Coordinate::of(model, |_| true)
     }
 
+    /// Root mean square of the change of the calibration data, in the unit of [`Agreement::rms`], behind a change of the whitened
+    /// residuals; measurement freedoms take up what they can.
+    fn size(&self, change: &[f64]) -> f64;
+
     /// Why an effect cannot show in these data, if so.
     fn is_blind_to(&self, effect: &Effect) -> Option<String>;
 

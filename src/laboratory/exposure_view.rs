@@ -71,6 +71,11 @@ impl ExposureView {
         self.whitener.whiten(&difference)
     }
 
+    /// The change of the tiles' distances [m] behind a change of the whitened ones; the shift takes up what it can.
+    pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
+        self.whitener.unwhiten(change)
+    }
+
     /// The distance that a perfect model would leave [m]: the border's scatter, and half a pixel, for a mask says no more
     /// about where the border is.
     pub fn border_floor(&self) -> f64 {

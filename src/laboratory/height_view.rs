@@ -88,6 +88,11 @@ impl HeightView {
         self.whitener.whiten(&self.difference(simulated))
     }
 
+    /// The change of the tiles' heights [m] behind a change of the whitened ones; pose and place of the cut take up what they can.
+    pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
+        self.whitener.unwhiten(change)
+    }
+
     /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
     pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
         let pose = self.whitener.freedoms(&self.difference(simulated)).mean;

@@ -185,6 +185,10 @@ impl Evidence for RowEvidence<'_> {
         Ok(if residuals.is_empty() { Vec::new() } else { vec![agreement] })
     }
 
+    fn size(&self, change: &[f64]) -> f64 {
+        self.noise * (change.iter().map(|c| c * c).sum::<f64>() / change.len().max(1) as f64).sqrt()
+    }
+
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
         self.acts(effect).err()
     }

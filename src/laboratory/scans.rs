@@ -65,6 +65,14 @@ impl ScanData {
             Self::Exposure(view) => &view.tiles,
         }
     }
+
+    /// The change of the tiles [m] behind a change of the whitened ones, without what the scan's freedoms take up of it.
+    fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Heights(view) => view.unwhitened(change),
+            Self::Exposure(view) => view.unwhitened(change),
+        }
+    }
 }
 
 /// All scans of a campaign.
@@ -254,6 +262,12 @@ impl Evidence for ScanEvidence<'_> {
         let passes = trials.flat_map(|(twin, needed)| (0..twin.trial.passes.len()).map(move |pass| pass < needed));
         let seen: Vec<bool> = passes.collect();
         Coordinate::of(model, |slot| slot.row.is_none_or(|row| seen[row]))
+    }
+
+    fn size(&self, change: &[f64]) -> f64 {
+        let views = self.of(Split::Calibration).zip(self.ranges(Split::Calibration));
+        let squares = views.flat_map(|(view, range)| view.data.unwhitened(&change[range])).map(|left| left * left);
+        (squares.sum::<f64>() / change.len().max(1) as f64).sqrt()
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
