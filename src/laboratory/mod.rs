@@ -1,6 +1,8 @@
 //! The laboratory: a model held against the scans of a campaign, its parameters fitted, and what it lacks found.
 
 mod blur;
+mod calibration;
+mod calibration_summary;
 mod coordinates;
 mod covariance;
 mod detectable;
@@ -16,18 +18,22 @@ mod rows;
 mod scans;
 mod screen;
 mod significance;
+mod staged;
 mod summary;
 mod suspect;
 mod table_noise;
 mod table_reach;
 mod table_steps;
 mod tiles;
+mod totals;
 
 pub use blur::blurred;
+pub use calibration::{Calibration, Fitted, Judged, Order, uncalibrated};
+pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beginning};
 pub use coordinates::{Bound, Coordinate, moved};
 pub use covariance::{Freedom, TileNoise, Whitener};
 pub use detectable::{Detectable, detectable};
-pub use diagnose::{Diagnosis, Finding, Round, Told, Verdict, calibrate, unexplained, with_values};
+pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, Round, Told, Verdict, calibrate, unexplained, with_values};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
@@ -38,6 +44,8 @@ pub use probe::{Candidate, Probe};
 pub use rows::{Outlier, RowEvidence};
 pub use scans::{ScanData, ScanEvidence, ScanView};
 pub use screen::{Projector, Response, Screened};
-pub use summary::{DiagnosisSummary, EffectSummary, ParameterSummary, WaterfallStep};
+pub use staged::Staged;
+pub use summary::{BASE_STEP, DiagnosisSummary, EffectSummary, ParameterSummary, WaterfallStep, parameter_summary};
 pub use suspect::{Suspect, suspects};
 pub use tiles::{TileGrid, Tiles};
+pub use totals::{Total, Totals};

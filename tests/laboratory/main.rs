@@ -1,5 +1,8 @@
-//! The laboratory: data that are whitened, evaluation that stays unseen, hidden effects that come out.
+//! The laboratory: data that are whitened, evaluation that stays unseen, hidden effects that come out, and the verbs that take
+//! it step by step.
 
 mod campaigns;
+mod orders;
+mod steps;
 mod unseen;
 mod whitening;

@@ -1,0 +1,48 @@
+//! What follows from a diagnosis: its numbers, a form for what is unknown, the trial that would tell rivals apart.
+
+use anyhow::Result;
+use sim::effect::Library;
+
+use super::measurements::Data;
+use crate::laboratory::{
+    Diagnosis, DiagnosisSummary, Finding, NextTrial, ScanEvidence, Suggestion, Verdict, next_trial, suggest,
+};
+
+/// Sums up a diagnosis, with the trial that would separate rivals; the evaluation data are looked at here.
+///
+/// # Errors
+/// When a model cannot be simulated.
+pub fn summary(data: &Data, diagnosis: &Diagnosis, library: &Library) -> Result<DiagnosisSummary> {
+    let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
+    let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
+    if let Some((_, evidence)) = data.scans() {
+        summary.next_trial = separating_trial(evidence, diagnosis)?;
+    }
+    Ok(summary)
+}
+
+/// A form for what is missing and not in the library, where something is.
+///
+/// # Errors
+/// When a model cannot be simulated.
+pub fn suggestion(data: &Data, diagnosis: &Diagnosis, library: &Library, seed: u64) -> Result<Option<Suggestion>> {
+    match diagnosis.verdict {
+        Verdict::Unknown | Verdict::Partly => {
+            Ok(suggest(data.evidence(), (&diagnosis.model, &diagnosis.fit), library, seed)?)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The trial that would tell the two most probable effects apart, where the data do not.
+fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>> {
+    if diagnosis.verdict != Verdict::Ambiguous {
+        return Ok(None);
+    }
+    let Some([first, second, ..]) = diagnosis.rounds.last().map(|round| round.findings.as_slice()) else {
+        return Ok(None);
+    };
+    let rival = |finding: &'_ Finding| (finding.suspect.name().to_owned(), finding.suspect.fit.clone());
+    let ((first, one), (second, other)) = (rival(first), rival(second));
+    Ok(next_trial(evidence, ((&first, &one), (&second, &other)))?)
+}

@@ -1,0 +1,147 @@
+//! What a folder holds for a study, trials with scans or a table of rows, and the same as data for fits.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Error, Result};
+use sim::effect::{CompiledModel, Library, Model};
+
+use crate::laboratory::{Evidence, Fit, RowEvidence, ScanEvidence, Totals, calibrate, uncalibrated, with_values};
+use crate::table::{TABLE_FILE, Table};
+use crate::trial::Campaign;
+
+/// Measurements as they were read.
+pub enum Measurements {
+    /// Trials with scans.
+    Scans(Campaign),
+    /// Rows.
+    Rows(PathBuf, Table),
+}
+
+/// Measurements as data.
+pub enum Data<'a> {
+    /// Scans, and the campaign that they are of.
+    Scans(&'a Campaign, Box<ScanEvidence<'a>>),
+    /// Rows, and the folder of their table.
+    Rows(&'a Path, Box<RowEvidence<'a>>),
+}
+
+impl Measurements {
+    /// Reads a folder of trial folders, one trial folder, or a folder with a table.
+    ///
+    /// # Errors
+    /// The first fault, with its place in the files.
+    pub fn read(folder: &Path) -> Result<Self> {
+        Ok(if folder.join(TABLE_FILE).is_file() {
+            Self::Rows(folder.to_owned(), Table::read(folder)?)
+        } else {
+            Self::Scans(Campaign::read(folder)?)
+        })
+    }
+
+    /// Makes data of them.
+    ///
+    /// # Errors
+    /// When there is nothing that a fit could use.
+    pub fn data(&self) -> Result<Data<'_>> {
+        Ok(match self {
+            Self::Scans(campaign) => Data::Scans(campaign, Box::new(ScanEvidence::new(&campaign.trials, None)?)),
+            Self::Rows(folder, table) => Data::Rows(folder, Box::new(RowEvidence::new(table)?)),
+        })
+    }
+}
+
+impl<'a> Data<'a> {
+    /// For fits.
+    pub fn evidence(&self) -> &dyn Totals {
+        match self {
+            Self::Scans(_, evidence) => evidence.as_ref(),
+            Self::Rows(_, evidence) => evidence.as_ref(),
+        }
+    }
+
+    /// The scans, where there are scans.
+    pub fn scans(&self) -> Option<(&'a Campaign, &ScanEvidence<'a>)> {
+        match self {
+            Self::Scans(campaign, evidence) => Some((campaign, evidence)),
+            Self::Rows(..) => None,
+        }
+    }
+
+    /// Where they were read.
+    pub fn folder(&self) -> &'a Path {
+        match self {
+            Self::Scans(campaign, _) => &campaign.folder,
+            Self::Rows(folder, _) => folder,
+        }
+    }
+
+    /// What there is, in one line.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Scans(campaign, evidence) => {
+                format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len())
+            }
+            Self::Rows(_, evidence) => format!("{} rows", evidence.table.rows.len()),
+        }
+    }
+
+    /// What the reader understood of a table where it was not the plain case, and what was assumed; one sentence each.
+    /// Trials keep their own.
+    pub fn notes_of_table(&self) -> Vec<String> {
+        match self {
+            Self::Scans(..) => Vec::new(),
+            Self::Rows(_, evidence) => evidence.table.notes.iter().chain(&evidence.notes).cloned().collect(),
+        }
+    }
+
+    /// A model ready for these data: that of a table gets the rate constant and the reference values that its rows need.
+    ///
+    /// # Errors
+    /// A model that the library does not know.
+    pub fn fitting(&self, model: Model, library: &Library) -> Result<Model> {
+        match self {
+            Self::Scans(..) => Ok(model),
+            Self::Rows(_, evidence) => evidence.scaled(model, library).map_err(Error::msg),
+        }
+    }
+
+    /// The base law of a model before any fit.
+    ///
+    /// # Errors
+    /// A model that the library does not know.
+    pub fn start(&self, model: &Model, library: &Library) -> Result<Model> {
+        self.fitting(uncalibrated(model, library, self.evidence())?, library)
+    }
+
+    /// Finds what must be known of the instrument before models are compared: its blur, with the model at its best.
+    /// Returns the model with values from which a fit may begin.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn find_instrument(&mut self, model: &Model, library: &Library) -> Result<Model> {
+        let Self::Scans(_, evidence) = self else { return Ok(model.clone()) };
+        let first = calibrate(evidence.as_ref(), model, library)?;
+        evidence.find_blur(&first.model)?;
+        Ok(with_values(model, &first))
+    }
+
+    /// Takes the instrument's blur [m] from an earlier run.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn recall_instrument(&mut self, model: &Model, library: &Library, blur: f64) -> Result<()> {
+        let Self::Scans(_, evidence) = self else { return Ok(()) };
+        evidence.find_blur(&CompiledModel::new(model, library, evidence.rows())?)?;
+        evidence.blur = blur;
+        Ok(())
+    }
+
+    /// Fits a model, with the instrument's blur found before the last fit.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub fn first_fit(&mut self, model: &Model, library: &Library) -> Result<Fit> {
+        let model = self.find_instrument(model, library)?;
+        calibrate(self.evidence(), &model, library)
+    }
+}
