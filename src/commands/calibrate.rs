@@ -1,18 +1,20 @@
 //! `robofin calibrate`: the values with which a model describes a campaign best.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
+use sim::effect::Library;
 
 use super::flags::OutFlags;
 use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{Calibration, CalibrationSummary, Order};
-use crate::study::{CalibrationReport, Measurements, calibration_report};
+use crate::study::{CalibrationReport, Data, Measurements, calibration_report};
 use crate::study_report::page;
 
 /// The file by which a result folder is known.
@@ -50,19 +52,7 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let mut data = measurements.data()?;
     console.step("read", data.describe());
     data.notes_of_table().iter().for_each(|note| console.step("note", note));
-    let model = data.fitting(args.model.model(data.evidence().process(), &library)?, &library)?;
-    let start = data.start(&model, &library)?;
-    let progress = console.progress("fits");
-    let count = 2 + model.effects.len();
-    let model = data.find_instrument(&model, &library)?;
-    progress.tell("instrument", 1, count);
-    let done = std::cell::Cell::new(1);
-    let fitted = |name: &str| {
-        done.set(done.get() + 1);
-        progress.tell(name, done.get(), count);
-    };
-    let calibration = Calibration::new(data.evidence(), (&model, &start), &library, (args.order, &fitted))?;
-    drop(progress);
+    let calibration = calibrated(args, &mut data, &library, console)?;
     let summary = CalibrationSummary::new(data.evidence(), &calibration, &library)?;
     describe(&summary, console);
     let place = args.out.out.join("model.toml");
@@ -87,6 +77,21 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
     console.answer(&answer)
+}
+
+/// Fits the model and those that it grew from.
+fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console: &Console) -> Result<Calibration> {
+    let model = data.fitting(args.model.model(data.evidence().process(), library)?, library)?;
+    let start = data.start(&model, library)?;
+    let (progress, count) = (console.progress("fits"), 2 + model.effects.len());
+    let model = data.find_instrument(&model, library)?;
+    progress.tell("first fit", 1, count);
+    let done = Cell::new(1);
+    let fitted = |name: &str| {
+        done.set(done.get() + 1);
+        progress.tell(name, done.get(), count);
+    };
+    Calibration::new(data.evidence(), (&model, &start), library, (args.order, &fitted))
 }
 
 /// How far the whole model is from the noise floor.

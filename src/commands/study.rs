@@ -99,8 +99,8 @@ pub(super) fn advance(course: &mut Course, one: bool, console: &Console) -> Resu
         let done = course.step(&|what, done, all| progress.tell(what, done, all))?;
         drop(progress);
         if let Some(done) = done {
-            console.step(done.action.word(), &done.outcome);
-            console.step("", format!("{:.0} s", started.elapsed().as_secs_f64()));
+            let seconds = started.elapsed().as_secs_f64();
+            console.step(done.action.word(), format!("{}\nin {seconds:.1} s", done.outcome));
         }
         if one {
             break;

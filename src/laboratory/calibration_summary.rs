@@ -45,7 +45,7 @@ pub struct CalibrationSummary {
     pub noise_floor_um: f64,
     /// From raw data to the whole model.
     pub waterfall: Vec<WaterfallStep>,
-    /// What was removed in all.
+    /// What was removed in all up to each scan; empty of a table, whose error says it already.
     pub removal: Vec<RemovalError>,
     /// All parameters of the whole model.
     pub parameters: Vec<ParameterSummary>,
@@ -91,7 +91,7 @@ impl CalibrationSummary {
         if !last.fit.converged {
             remarks.push("the fit still improved when it was ended: the values may move a little more".to_owned());
         }
-        let removal = removal(&fitted);
+        let removal = if unit == ErrorUnit::Micrometre { removal(&fitted) } else { Vec::new() };
         Ok(Self {
             order: calibration.order,
             error_unit: unit,

@@ -129,12 +129,17 @@ pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
 impl ParameterSummary {
     /// Value, interval and what is to be known, in a line.
     pub fn shown(&self) -> String {
-        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
         let interval = self
             .interval
             .map_or(String::new(), |[low, high]| format!(", 95 % from {} to {}", significant(low), significant(high)));
         let note = self.note.as_ref().map_or(String::new(), |note| format!(", {note}"));
-        format!("{} = {}{unit}{interval}{note}", self.name, significant(self.value))
+        format!("{} = {}{interval}{note}", self.name, self.quantity())
+    }
+
+    /// The value with its unit.
+    pub fn quantity(&self) -> String {
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        format!("{}{unit}", significant(self.value))
     }
 }
 
@@ -146,7 +151,7 @@ fn significant(value: f64) -> String {
 impl EffectSummary {
     /// Probability, gain and values, in a line.
     pub fn shown(&self) -> String {
-        let value = |(name, p): (&String, &ParameterSummary)| format!("{name} = {} {}", significant(p.value), p.unit);
+        let value = |(name, p): (&String, &ParameterSummary)| format!("{name} = {}", p.quantity());
         let values: Vec<String> = self.parameters.iter().map(value).collect();
         let Self { name, probability, gain, chance, .. } = self;
         format!("{name}: probability {probability:.3}, gain {gain:.1}, chance {chance:.3}; {}", values.join(", "))

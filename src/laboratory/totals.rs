@@ -8,6 +8,7 @@ use super::exposure_view::ExposureView;
 use super::height_view::HeightView;
 use super::rows::RowEvidence;
 use super::scans::{ScanData, ScanEvidence, ScanView};
+use crate::measure::median;
 use crate::trial::PassScan;
 use crate::twin::SimulatedPass;
 
@@ -18,7 +19,7 @@ pub struct Total {
     pub about: String,
     /// Measured: volume [m³], bare area [m²], or for rows the geometric mean of the removal rates.
     pub measured: f64,
-    /// The same as a model predicts it.
+    /// The same as a model predicts it; for rows, as the middle one of them differs.
     pub predicted: f64,
     /// Standard deviation of the measured one.
     pub sigma: f64,
@@ -107,12 +108,13 @@ impl Totals for RowEvidence<'_> {
         if rows.is_empty() {
             return Ok(Vec::new());
         }
-        let mean = |value: &dyn Fn(usize) -> f64| {
-            (rows.iter().map(|&at| value(at).ln()).sum::<f64>() / rows.len() as f64).exp()
-        };
-        let measured = mean(&|at| self.table.rows[at].removal_rate.expect("rows of a split have a removal"));
+        let rate = |at: usize| self.table.rows[at].removal_rate.expect("rows of a split have a removal");
+        let mean = rows.iter().map(|&at| rate(at).ln()).sum::<f64>() / rows.len() as f64;
+        // The middle row's difference: rows that are grossly wrong do not count.
+        let differences = rows.iter().map(|&at| (predicted[at].max(f64::MIN_POSITIVE) / rate(at)).ln()).collect();
+        let measured = mean.exp();
+        let predicted = measured * median(differences).unwrap_or(0.0).exp();
         let sigma = measured * self.noise / (rows.len() as f64).sqrt();
-        let predicted = mean(&|at| predicted[at].max(f64::MIN_POSITIVE));
         Ok(vec![Total { about: self.table.name.clone(), measured, predicted, sigma }])
     }
 

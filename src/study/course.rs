@@ -9,8 +9,8 @@ use super::fill::{detectable, suspect, waterfall};
 use super::measurements::Data;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
 use crate::laboratory::{
-    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, Fitted, MOST_EFFECTS, Order, Suggestion,
-    Told, Verdict, beginning,
+    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, Fitted, MOST_EFFECTS, Order,
+    ParameterSummary, Suggestion, Told, Verdict, beginning, parameter_summary,
 };
 use crate::study_report::{StudyReport, SuggestedEffect};
 
@@ -122,7 +122,7 @@ impl<'a> Course<'a> {
             Some(blur) => self.data.recall_instrument(&self.model, self.library, blur)?,
             None => self.model = self.data.find_instrument(&self.model, self.library)?,
         }
-        told("the instrument", 1, count);
+        told("first fit", 1, count);
         let start = self.data.start(&self.model, self.library)?;
         let done = std::cell::Cell::new(1);
         let fitted = |name: &str| {
