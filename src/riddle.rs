@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use serde_json::Value;
+use sim::effect::Library;
 
 use crate::laboratory::Verdict;
 use crate::study::{Course, StudyRecord};
@@ -102,14 +103,20 @@ pub fn open(folder: &Path, key: &Path, course: &Course) -> Result<(Opened, Seale
     Ok((Opened { sha256, hidden, hidden_is_foreign, found, verdict, is_right, measurements_unchanged }, sealed))
 }
 
-/// Name and parameters of a hidden effect.
+/// Name of a hidden effect, and those of its parameters that are not at their null.
 fn hidden_lines(effect: &Value) -> Vec<String> {
-    let parameter = |(name, quantity): (&String, &Value)| {
+    let name = effect["name"].as_str().unwrap_or_default();
+    let known = Library::builtin().find(name);
+    let parameter = |(parameter, quantity): (&String, &Value)| {
         let values: Vec<&str> = quantity["values"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-        format!("{name} = {} {}", values.join(" "), quantity["unit"].as_str().unwrap_or_default())
+        let null = known.and_then(|effect| effect.parameter(parameter)?.null);
+        let is_null = |value: &&str| null.is_some_and(|null| value.parse() == Ok(null));
+        let unit = quantity["unit"].as_str().filter(|unit| *unit != "1").unwrap_or_default();
+        (!values.iter().all(is_null))
+            .then(|| format!("{parameter} = {} {unit}", values.join(" ")).trim_end().to_owned())
     };
-    let name = effect["name"].as_str().unwrap_or_default().to_owned();
-    [name].into_iter().chain(effect["parameters"].as_object().into_iter().flatten().map(parameter)).collect()
+    let parameters = effect["parameters"].as_object().into_iter().flatten().filter_map(parameter);
+    [name.to_owned()].into_iter().chain(parameters).collect()
 }
 
 /// Names and fitted parameters of the effects that a study added.
@@ -117,9 +124,14 @@ fn found_lines(course: &Course) -> Vec<String> {
     let parameters = course.parameters();
     let own = |name: &String| {
         let prefix = format!("{name}.");
-        let lines = parameters.iter().filter(|parameter| parameter.name.starts_with(&prefix));
-        let lines: Vec<String> = lines.map(|parameter| parameter.shown().replacen(&prefix, "", 1)).collect();
-        [vec![name.clone()], lines].concat()
+        let parameters = parameters.iter().filter(|parameter| parameter.name.starts_with(&prefix));
+        let lines = parameters.flat_map(|parameter| {
+            let shown = parameter.shown().replacen(&prefix, "", 1);
+            let (value, rest) = shown.split_once(", ").map_or((shown.as_str(), ""), |(value, rest)| (value, rest));
+            let lines = [value, rest].into_iter().filter(|line| !line.is_empty());
+            lines.map(str::to_owned).collect::<Vec<_>>()
+        });
+        [name.clone()].into_iter().chain(lines).collect::<Vec<String>>()
     };
     course.record.added.iter().flat_map(own).collect()
 }

@@ -55,6 +55,7 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let calibration = calibrated(args, &mut data, &library, console)?;
     let summary = CalibrationSummary::new(data.evidence(), &calibration, &library)?;
     describe(&summary, console);
+    data.fix_blur(&calibration.last().fit.model)?;
     let place = args.out.out.join("model.toml");
     let answer = CalibrateAnswer { model: &place, summary: &summary };
     let report = calibration_report(&CalibrationReport {
@@ -83,10 +84,9 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
 fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console: &Console) -> Result<Calibration> {
     let model = data.fitting(args.model.model(data.evidence().process(), library)?, library)?;
     let start = data.start(&model, library)?;
-    let (progress, count) = (console.progress("fits"), 2 + model.effects.len());
-    let model = data.find_instrument(&model, library)?;
-    progress.tell("first fit", 1, count);
-    let done = Cell::new(1);
+    let (progress, count) = (console.progress("fits"), 1 + model.effects.len());
+    data.prepare(&model, library)?;
+    let done = Cell::new(0);
     let fitted = |name: &str| {
         done.set(done.get() + 1);
         progress.tell(name, done.get(), count);

@@ -112,7 +112,7 @@ fn study(folder: &Path, console: &Console) -> Result<Opened> {
     let record = StudyRecord::new(inputs_sha256(&campaign)?, STUDY_SEED);
     let mut course = Course::new(data, library, model, record)?;
     super::study::advance(&mut course, false, console)?;
-    let report = super::study::write_files(&course, folder, library, console)?;
+    let report = super::study::write_files(&mut course, folder, library, console)?;
     let (opened, sealed) = open(&campaign, &key, &course)?;
     fs::write(folder.join("story.svg"), story(&report, &sealed))?;
     console.step("seal", format!("opened; hidden was {}", sealed.hidden.join(", ")));

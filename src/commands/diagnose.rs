@@ -10,7 +10,7 @@ use super::flags::OutFlags;
 use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
-use crate::laboratory::{Diagnosis, DiagnosisSummary};
+use crate::laboratory::{Diagnosis, DiagnosisSummary, calibrate};
 use crate::study::{Measurements, ReportInput, report, suggestion, summary};
 use crate::study_report::page;
 
@@ -41,14 +41,16 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     console.step("read", data.describe());
     data.notes_of_table().iter().for_each(|note| console.step("note", note));
     let model = data.fitting(args.model.model(data.evidence().process(), &library)?, &library)?;
-    let fit = data.first_fit(&model, &library)?;
+    data.prepare(&model, &library)?;
+    let fit = calibrate(data.evidence(), &model, &library)?;
     console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
     let progress = console.progress("effects");
     let told = |what: &str, done: usize, all: usize| progress.tell(what, done, all);
     let diagnosis = Diagnosis::new(data.evidence(), (&model, fit), &library, (args.seed, &told))?;
     drop(progress);
-    let mut summary = summary(&data, &diagnosis, &library)?;
-    if let Some(suggestion) = suggestion(&data, &diagnosis, &library, args.seed)? {
+    let suggestion = suggestion(&data, &diagnosis, &library, args.seed)?;
+    let mut summary = summary(&mut data, &diagnosis, &library)?;
+    if let Some(suggestion) = suggestion {
         let file = format!("{}.toml", suggestion.name);
         write(&folder, &file, suggestion.text)?;
         console.step("suggested", format!("{}: {file}", suggestion.summary));

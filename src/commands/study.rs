@@ -52,7 +52,7 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
         return console.answer(&course.record);
     }
     advance(&mut course, args.step, console)?;
-    write(&course, folder, &library, console)?;
+    write(&mut course, folder, &library, console)?;
     console.answer(&course.record)
 }
 
@@ -122,7 +122,7 @@ fn describe_end(record: &StudyRecord, console: &Console) {
 }
 
 /// Writes the folder of a study.
-fn write(course: &Course, folder: StagedFolder, library: &Library, console: &Console) -> Result<()> {
+fn write(course: &mut Course, folder: StagedFolder, library: &Library, console: &Console) -> Result<()> {
     write_files(course, folder.path(), library, console)?;
     let place = folder.commit()?;
     console.step("written", format!("{}; open report.html there", place.display()));
@@ -130,7 +130,12 @@ fn write(course: &Course, folder: StagedFolder, library: &Library, console: &Con
 }
 
 /// Writes the files of a study into a folder; returns the report that its page shows.
-pub(super) fn write_files(course: &Course, folder: &Path, library: &Library, console: &Console) -> Result<StudyReport> {
+pub(super) fn write_files(
+    course: &mut Course,
+    folder: &Path,
+    library: &Library,
+    console: &Console,
+) -> Result<StudyReport> {
     let write = |name: &str, text: String| {
         std::fs::write(folder.join(name), text).with_context(|| format!("{name}: cannot be written"))
     };

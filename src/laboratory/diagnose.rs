@@ -9,7 +9,7 @@ use sim::effect::{Library, Model, candidates};
 
 use super::detectable::{Detectable, detectable};
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
-use super::fit::{Fit, FitOptions};
+use super::fit::Fit;
 use super::probe::Candidate;
 use super::screen::{Projector, Screened};
 use super::significance::{chance, chance_gains};
@@ -30,6 +30,8 @@ const SEPARABLE: f64 = 7.85;
 const TEMPERATURE: f64 = 2.0;
 /// Residual beyond which it counts no more for the spread of all [robust standard deviations].
 const CUT: f64 = 3.0;
+/// Why an effect was not weighed of which no simulation ended.
+const TOO_DEAR: &str = "its simulation fails or takes several times as many steps as the base model's";
 /// Effects that may be found one after the other.
 pub const MOST_EFFECTS: usize = 3;
 
@@ -64,7 +66,7 @@ pub struct Finding {
     pub size: f64,
     /// Probability among all effects that were fitted.
     pub probability: f64,
-    /// How well it describes the calibration data.
+    /// How well it describes the calibration data; empty where chance rules it out.
     pub calibration: Vec<Agreement>,
     /// Whether it is large and sure enough to be named.
     pub is_sound: bool,
@@ -151,7 +153,7 @@ impl Round {
         let model = with_values(model, &base);
         let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
         let tried: Vec<Candidate> =
-            tried.filter_map(|effect| Candidate::new(&model, effect, library, evidence.rows()).ok()).collect();
+            tried.filter_map(|effect| Candidate::new(evidence, &model, effect, library).ok()).collect();
         let (count, done) = (tried.len(), std::sync::atomic::AtomicUsize::new(0));
         let screen = |candidate: Candidate| {
             let name = candidate.name.clone();
@@ -208,12 +210,15 @@ impl Finding {
         (base, before): (&Fit, &[Agreement]),
         (chances, spread): (&[f64], f64),
     ) -> Result<Self, EvidenceError> {
-        let calibration = evidence.agreement(&suspect.fit.model, Split::Calibration)?;
         let gain = base.chi2 - suspect.fit.chi2;
-        let size = (rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2)).max(0.0).sqrt();
-        let least = (SIZE.0 * rms(before, |a| a.floor)).max(SIZE.1 * rms(before, |a| a.scale));
         let chance = chance(chances, gain);
-        let is_sound = chance < CHANCE && size > least && !suspect.is_null();
+        let is_real = chance < CHANCE && !suspect.is_null();
+        let calibration =
+            if is_real { evidence.agreement(&suspect.fit.model, Split::Calibration)? } else { Vec::new() };
+        let explained = rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2);
+        let size = if is_real { explained.max(0.0).sqrt() } else { 0.0 };
+        let least = (SIZE.0 * rms(before, |a| a.floor)).max(SIZE.1 * rms(before, |a| a.scale));
+        let is_sound = is_real && size > least;
         Ok(Self { suspect, gain: gain / (spread * spread), chance, size, probability: 0.0, calibration, is_sound })
     }
 }
@@ -263,7 +268,9 @@ impl Diagnosis {
         }
         let seen = |round: &Round| round.screened.iter().flat_map(|s| detectable(s, round.spread)).collect::<Vec<_>>();
         let detectable = rounds.first().map(seen).unwrap_or_default();
-        let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?))).collect();
+        let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?)));
+        let dear = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());
+        let blind = blind.chain(dear.map(|screened| (screened.candidate.name.clone(), TOO_DEAR.to_owned()))).collect();
         let verdict = verdict(&rounds, sure, &evidence.agreement(&fit.model, Split::Calibration)?, &detectable);
         Ok(Self { verdict, rounds, model, fit, detectable, blind })
     }
@@ -285,14 +292,4 @@ fn verdict(rounds: &[Round], sure: bool, left: &[Agreement], detectable: &[Detec
         (_, _) if !sure => Verdict::Partly,
         (_, false) => Verdict::Identified,
     }
-}
-
-/// Fits the free parameters of a model to the calibration data.
-///
-/// # Errors
-/// When it cannot be simulated or compiled.
-pub fn calibrate(evidence: &dyn Evidence, model: &Model, library: &Library) -> anyhow::Result<Fit> {
-    let compiled = sim::effect::CompiledModel::new(model, library, evidence.rows())?;
-    let coordinates = evidence.coordinates(&compiled);
-    Ok(Fit::new(evidence, &compiled, coordinates, FitOptions::default())?)
 }

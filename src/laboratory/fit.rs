@@ -2,26 +2,19 @@
 //! whitened data, so every fit is joint.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use rayon::prelude::*;
 use sim::effect::CompiledModel;
 
 use super::coordinates::{Bound, Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
 
-/// Change of the whitened data that a finite difference aims at [standard deviations, all data together].
-const AIM: f64 = 3.0;
-/// A step that changes the data less is made anew with a length that does, and one that changes them more.
-const SOUND: [f64; 2] = [0.5, 30.0];
-/// Longest finite difference [coordinates].
-const LONGEST_STEP: f64 = 0.5;
 /// A step that promises less is the last [χ² per datum of the best value so far, then χ²].
-const CONVERGED: f64 = 0.1;
+const CONVERGED: f64 = 0.5;
 /// Damping: first, and factors after good and bad steps.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
 /// Longest step of one round [coordinates].
 const LONGEST_MOVE: f64 = 1.5;
 /// Lengths tried for one step.
-const TRIES: usize = 4;
+const TRIES: usize = 3;
 /// Huber's constant [standard deviations].
 const HUBER: f64 = 2.5;
 
@@ -130,19 +123,34 @@ impl Fit {
     /// Goes on from here; derivatives that are there already are used first.
     pub fn refined(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let mut damping = DAMPING.0;
+        let trace = std::env::var("TRACE").is_ok();
         let mut left = options.derivatives;
         let mut fresh = false;
-        let mut known = self.jacobian.column_iter().all(|column| column.amax() > 0.0);
+        let mut known = self.jacobian.iter().any(|derivative| *derivative != 0.0);
         for _ in 0..options.steps {
             if !known {
                 if left == 0 {
                     break;
                 }
-                self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
+                self.renew_derivatives(evidence);
                 (left, fresh) = (left - 1, true);
             }
             let before = (self.at.clone(), self.residuals.clone(), self.chi2);
-            match self.improve(evidence, &mut damping) {
+            let step = self.improve(evidence, &mut damping);
+            if trace {
+                let p = if let Step::Better { promised } = &step { *promised } else { 0.0 };
+                eprintln!(
+                    "runs {} fresh {fresh} chi2 {:.1} -> {:.1} promised {p:.1} damping {damping:.1e} {:?}",
+                    self.runs,
+                    before.2,
+                    self.chi2,
+                    self.coordinates
+                        .iter()
+                        .map(|c| format!("{}={:.4}", c.slot.parameter, c.slot.unit.from_si(self.model.value(c.index))))
+                        .collect::<Vec<_>>()
+                );
+            }
+            match step {
                 Step::Better { promised } => {
                     let kept = before.2 - self.chi2;
                     self.update_jacobian(&before.0, &before.1);
@@ -158,59 +166,10 @@ impl Fit {
         self
     }
 
-    /// Broyden's update: the derivatives along the last step are those that were seen.
-    fn update_jacobian(&mut self, at: &[f64], residuals: &[f64]) {
-        let way = DVector::from_iterator(at.len(), self.at.iter().zip(at).map(|(b, a)| b - a));
-        let seen = DVector::from_iterator(residuals.len(), self.residuals.iter().zip(residuals).map(|(b, a)| b - a));
-        let missing = (seen - &self.jacobian * &way) / way.norm_squared();
-        self.jacobian += missing * way.transpose();
-    }
-
-    /// As a start, the derivatives that another fit found for its own coordinates; the others are made here.
-    pub fn borrow_derivatives(&mut self, evidence: &dyn Evidence, other: &Self) {
-        let known = |k: usize| other.coordinates.iter().position(|c| c.slot.name() == self.coordinates[k].slot.name());
-        let (lent, missing): (Vec<usize>, Vec<usize>) = (0..self.at.len()).partition(|&k| known(k).is_some());
-        for k in lent {
-            let column = known(k).map(|from| other.jacobian.column(from).into_owned());
-            column.iter().for_each(|column| self.jacobian.set_column(k, column));
-        }
-        self.differentiate(evidence, &missing);
-    }
-
-    /// Renews the derivatives along some coordinates.
-    fn differentiate(&mut self, evidence: &dyn Evidence, along: &[usize]) {
-        let columns: Vec<(Vec<f64>, usize)> = along.par_iter().map(|&k| self.derivative(evidence, k)).collect();
-        for (&k, (column, runs)) in along.iter().zip(columns) {
-            self.jacobian.set_column(k, &DVector::from_vec(column));
-            self.runs += runs;
-        }
-    }
-
-    /// Derivative of the residuals along a coordinate, over a way that changes them by more than the simulation's own
-    /// unevenness; zero where no way does.
-    fn derivative(&self, evidence: &dyn Evidence, k: usize) -> (Vec<f64>, usize) {
-        let (coordinate, here) = (&self.coordinates[k], self.at[k]);
-        let mut step = coordinate.step();
-        let mut runs = 0;
-        let mut best = vec![0.0; self.residuals.len()];
-        for _ in 0..3 {
-            let forward = coordinate.clamped(here + step);
-            let there = if (forward - here).abs() > 0.5 * step { forward } else { coordinate.clamped(here - step) };
-            let mut at = self.at.clone();
-            at[k] = there;
-            runs += 1;
-            let Ok(moved) = evidence.residuals(&moved(&self.model, &self.coordinates, &at), Split::Calibration) else {
-                step *= 0.3;
-                continue;
-            };
-            best = moved.iter().zip(&self.residuals).map(|(b, a)| (b - a) / (there - here)).collect();
-            let change = best.iter().map(|d| d * d).sum::<f64>().sqrt() * (there - here).abs();
-            if (SOUND[0]..SOUND[1]).contains(&change) || (step >= LONGEST_STEP && change < SOUND[0]) {
-                break;
-            }
-            step = (step * (AIM / change.max(1e-3)).clamp(0.03, 30.0)).min(LONGEST_STEP);
-        }
-        (best, runs)
+    /// The derivatives along a coordinate, if this fit has it.
+    pub fn column(&self, coordinate: &Coordinate) -> Option<DVector<f64>> {
+        let place = self.coordinates.iter().position(|own| own.slot.name() == coordinate.slot.name())?;
+        Some(self.jacobian.column(place).into_owned())
     }
 
     /// Makes one step that lowers the sum of squares.

@@ -84,7 +84,7 @@ pub fn suggest(
     let candidate = |(form, with): (&(&str, &str, &str, f64, &str), Option<Library>)| {
         let with = with?;
         let effect = with.find(&format!("suggested-{}", form.0))?;
-        Candidate::new(&model, effect, &with, evidence.rows()).ok()
+        Candidate::new(evidence, &model, effect, &with).ok()
     };
     let candidates = FORMS.iter().zip(files.iter().map(own)).filter_map(candidate);
     let screened: Vec<Screened> = candidates.map(|c| Screened::new(evidence, fit, &projector, c)).collect();

@@ -11,7 +11,10 @@ use super::tiles::{TileGrid, Tiles};
 /// Freedoms of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
 const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
 /// How far tool and scan may disagree about where along x and y the part lies [m]: the cut is shifted on the surface.
-const CUT_SIGMA: f64 = 50e-6;
+const CUT_SIGMA: f64 = 100e-6;
+/// Standard deviation of a tile on the rim of what the tool cut, where simulations on different lattices differ [pixels of
+/// height per slope that changes there].
+const RIM_ERROR: f64 = 0.01;
 /// Removed depth at which the noise of the scan before has fallen to 1/e of its share in the surface [tile sigmas].
 const NOISE_GONE: f64 = 3.0;
 
@@ -63,7 +66,10 @@ impl HeightView {
             tiles.means(|at| -change[at]).into_iter().zip(planes.iter()).map(|(removed, lift)| removed + lift);
         let depth = NOISE_GONE * noise.sigma();
         let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
-        let covariance = noise.covariance(&tiles.centres, &before_share);
+        let mut covariance = noise.covariance(&tiles.centres, &before_share);
+        for (k, bend) in rims(&tiles, [&cut, &slopes]).into_iter().enumerate() {
+            covariance[(k, k)] += (RIM_ERROR * bend * pixels.pitch).powi(2);
+        }
         let shift = cut_columns(&tiles, &cut);
         let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift, &[CUT_SIGMA; 2]))?;
         (!tiles.is_empty()).then_some(Self { measured, tiles, noise, slopes, cut, whitener, before_share })
@@ -163,6 +169,24 @@ fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
     let known = |slope: f64| if slope.is_finite() { -slope } else { 0.0 };
     let (x, y) = (tiles.means(|at| known(cut[at].x)), tiles.means(|at| known(cut[at].y)));
     DMatrix::from_fn(tiles.len(), 2, move |row, k| if k == 0 { x[row] } else { y[row] })
+}
+
+/// How far the slope turns over four pixels, at most, in each tile: at a rim, all of its bend. Only what both the cut and
+/// the ground surface show is a rim; the bend of one alone is the shape of the part.
+fn rims(tiles: &Tiles, maps: [&[DVec2]; 2]) -> Vec<f64> {
+    let (nx, ny) = (tiles.grid.pixels.nx, tiles.grid.pixels.ny);
+    let bend = |at: usize| {
+        let (i, j) = (at % nx, at / nx);
+        let across = |low: usize, high: usize| {
+            maps.iter().map(|slopes| (slopes[high] - slopes[low]).length()).fold(f64::INFINITY, f64::min)
+        };
+        let along_x = if (2..nx.max(2) - 2).contains(&i) { across(at - 2, at + 2) } else { 0.0 };
+        let along_y = if (2..ny.max(2) - 2).contains(&j) { across(at - 2 * nx, at + 2 * nx) } else { 0.0 };
+        [along_x, along_y].into_iter().filter(|bend| bend.is_finite()).fold(0.0, f64::max)
+    };
+    let mut rims = vec![0.0f64; tiles.len()];
+    tiles.pixels().for_each(|(tile, at)| rims[tile] = rims[tile].max(bend(at)));
+    rims
 }
 
 /// Slope at each pixel from a plane through its neighbours two pixels around, NaN where too few are known.

@@ -1,10 +1,12 @@
 //! The laboratory: a model held against the scans of a campaign, its parameters fitted, and what it lacks found.
 
 mod blur;
+mod calibrate;
 mod calibration;
 mod calibration_summary;
 mod coordinates;
 mod covariance;
+mod derivatives;
 mod detectable;
 mod diagnose;
 mod evidence;
@@ -28,12 +30,13 @@ mod tiles;
 mod totals;
 
 pub use blur::blurred;
+pub use calibrate::{calibrate, calibrate_scans};
 pub use calibration::{Calibration, Fitted, Judged, Order, uncalibrated};
 pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beginning};
 pub use coordinates::{Bound, Coordinate, moved};
 pub use covariance::{Freedom, TileNoise, Whitener};
 pub use detectable::{Detectable, detectable};
-pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, Round, Told, Verdict, calibrate, unexplained, with_values};
+pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, Round, Told, Verdict, unexplained, with_values};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};

@@ -79,7 +79,7 @@ pub fn next_trial(
 fn separation(evidence: &ScanEvidence, trial: &Trial, first: &Fit, second: &Fit) -> Result<f64, EvidenceError> {
     let trials = [trial.clone()];
     let mut there = ScanEvidence::new(&trials, None)?;
-    there.blur = evidence.blur;
+    there.blur = evidence.blur.or(Some(0.0));
     let of = |fit: &Fit| there.residuals(&fit.model, Split::Calibration);
     let (a, b) = (of(first)?, of(second)?);
     let difference = DVector::from_iterator(a.len(), a.iter().zip(&b).map(|(a, b)| b - a));

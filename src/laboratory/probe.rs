@@ -1,11 +1,15 @@
 //! Trial values of an effect's parameters: where to look for it before anything is known.
 
-use sim::effect::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, RowCounts, Scale};
+use sim::effect::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, Scale};
 
 use super::coordinates::Coordinate;
+use super::evidence::Evidence;
 
-/// Places of the values tried of a parameter with a scale of ratios, as shares of its range.
-const SPREAD: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
+/// Places of the values tried of a parameter with a scale of ratios, as shares of its range: of one within a hundredfold,
+/// and of a wider one.
+const SPREAD: (&[f64], &[f64]) = (&[0.35, 0.65], &[0.25, 0.5, 0.75]);
+/// Ratio of greatest to least from which a range is wide.
+const WIDE: f64 = 100.0;
 /// Places of the values tried of a parameter that gives an effect its shape.
 const SHAPES: [f64; 2] = [0.25, 0.6];
 /// Share of a range that stands for a typical value where the library gives the null.
@@ -38,17 +42,18 @@ impl Candidate {
     ///
     /// # Errors
     /// When the model cannot be compiled with it.
-    pub fn new(model: &Model, effect: &Effect, library: &Library, rows: RowCounts) -> Result<Self, ModelError> {
+    pub fn new(evidence: &dyn Evidence, model: &Model, effect: &Effect, library: &Library) -> Result<Self, ModelError> {
         let mut with = model.clone().with(&effect.name);
         if let Some(free) = &mut with.free {
             let own = effect.parameters.iter().filter(|parameter| parameter.free.of(model.process));
             free.extend(own.map(|parameter| format!("{}.{}", effect.name, parameter.name)));
         }
-        let mut model = CompiledModel::new(&with, library, rows)?;
-        let coordinates = Coordinate::of(&model, |slot| slot.owner == effect.name);
+        let mut model = CompiledModel::new(&with, library, evidence.rows())?;
+        let mut coordinates = evidence.coordinates(&model);
+        coordinates.retain(|coordinate| coordinate.slot.owner == effect.name);
         let amplitudes: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].slot.null.is_some()).collect();
-        for coordinate in &coordinates {
-            model.set(coordinate.index, coordinate.slot.null.unwrap_or(coordinate.slot.default));
+        for own in Coordinate::of(&model, |slot| slot.owner == effect.name) {
+            model.set(own.index, own.slot.null.unwrap_or(own.slot.default));
         }
         let rest: Vec<f64> = coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
         let shapes = shapes(&coordinates, &rest);
@@ -75,16 +80,16 @@ impl Candidate {
     }
 }
 
-/// Amplitudes to try [SI].
+/// Amplitudes to try [SI]; on one side of the null only, for small effects of both signs look alike but for the sign.
 fn tried(slot: &ParameterSlot) -> Vec<f64> {
     let [least, greatest] = slot.range;
     if slot.scale == Scale::Log {
-        return SPREAD.iter().map(|share| least * (greatest / least).powf(*share)).collect();
+        let spread = if greatest > WIDE * least { SPREAD.1 } else { SPREAD.0 };
+        return spread.iter().map(|share| least * (greatest / least).powf(*share)).collect();
     }
     let null = slot.null.unwrap_or(0.0);
-    let typical = (slot.default - null).abs();
-    let size = if typical > 0.0 && typical.is_finite() { typical } else { TYPICAL * (greatest - least) };
-    [null - size, null + size].into_iter().filter(|value| (least..=greatest).contains(value)).collect()
+    let typical = if slot.default == null { null + TYPICAL * (greatest - least) } else { slot.default };
+    vec![if typical > greatest { 2.0 * null - typical } else { typical }]
 }
 
 /// All parameters' values with each shape parameter in turn away from its typical value.

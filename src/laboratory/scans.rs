@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use sdf_bake::HeightMap;
 use sim::effect::{CompiledModel, Effect, Process, RowCounts};
 
-use super::blur::blurred;
+use super::blur::{blurred, least_of};
+use super::coordinates::Coordinate;
 use super::covariance::TileNoise;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
@@ -29,9 +30,10 @@ const BLOCK: usize = 4;
 const MOST_STEPS: usize = 3;
 /// Voxel of the simulation when sanding [pixels].
 const SANDING_VOXEL: f64 = 4.0;
-/// Widest blur that is looked for [pixels], and values tried.
+/// Widest blur that is looked for, values tried at first, and a change that counts as none [pixels].
 const MOST_BLUR: f64 = 2.0;
-const BLUR_STEPS: usize = 40;
+const BLUR_STEPS: usize = 6;
+const SETTLED_BLUR: f64 = 3e-4;
 
 /// One scan and where it belongs.
 pub struct ScanView {
@@ -71,8 +73,8 @@ pub struct ScanEvidence<'a> {
     pub views: Vec<ScanView>,
     /// Noise of one scan by trial.
     pub noise: Vec<NoiseFloor>,
-    /// Standard deviation of the instrument's lateral blur [m].
-    pub blur: f64,
+    /// Standard deviation of the instrument's lateral blur [m]; `None` where every model finds its own.
+    pub blur: Option<f64>,
 }
 
 impl<'a> ScanEvidence<'a> {
@@ -89,7 +91,7 @@ impl<'a> ScanEvidence<'a> {
         let twin = CampaignTwin::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
         let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
         let (views, noise): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();
-        Ok(Self { twin, views: views.into_iter().flatten().collect(), noise, blur: 0.0 })
+        Ok(Self { twin, views: views.into_iter().flatten().collect(), noise, blur: None })
     }
 
     /// The scans of a split.
@@ -112,17 +114,19 @@ impl<'a> ScanEvidence<'a> {
         needed
     }
 
-    /// Simulates what a split needs.
+    /// Simulates what a split needs, and what the instrument's blur is found from.
     ///
     /// # Errors
     /// The first trial that fails.
     pub fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {
-        Ok(self.twin.run_first(model, &self.needed(split))?)
+        let blur = if self.blur.is_none() { self.needed(Split::Calibration) } else { Vec::new() };
+        let needed = self.needed(split).into_iter().enumerate().map(|(k, own)| own.max(*blur.get(k).unwrap_or(&0)));
+        Ok(self.twin.run_first(model, &needed.collect::<Vec<_>>())?)
     }
 
-    /// A simulated surface as the instrument sees it.
-    pub fn seen(&self, view: &ScanView, simulated: &HeightMap) -> HeightMap {
-        blurred(simulated, &self.twin.trials[view.trial].trial.scans.before, self.blur)
+    /// A simulated surface as an instrument with this blur [m] sees it.
+    pub fn seen(&self, view: &ScanView, simulated: &HeightMap, blur: f64) -> HeightMap {
+        blurred(simulated, &self.twin.trials[view.trial].trial.scans.before, blur)
     }
 
     /// Measured minus simulated tiles of a scan, whitened, through an instrument of so much blur.
@@ -134,9 +138,7 @@ impl<'a> ScanEvidence<'a> {
     ) -> Result<Vec<f64>, EvidenceError> {
         let pass = &passes[view.trial][view.pass];
         Ok(match (&view.data, &pass.scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                data.whitened(&blurred(simulated, &self.twin.trials[view.trial].trial.scans.before, blur))
-            }
+            (ScanData::Heights(data), PassScan::Heights(simulated)) => data.whitened(&self.seen(view, simulated, blur)),
             (ScanData::Exposure(data), _) => match pass.surface.dose_margin(model)? {
                 Some(margin) => data.whitened(&margin),
                 None => unreachable!("a sanded surface has doses"),
@@ -145,36 +147,50 @@ impl<'a> ScanEvidence<'a> {
         })
     }
 
-    /// Gives up simulations that take far longer than this one.
-    fn limit_steps(&mut self, passes: &[Vec<SimulatedPass>]) {
+    /// Simulates a model once, and gives up every later simulation that takes far longer.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn limit_steps(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        let passes = self.simulate(model, Split::Calibration)?;
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
         for twin in &mut self.twin.trials {
             twin.change_process(|process| process.most_steps = Some(MOST_STEPS * most.max(1000)));
         }
+        Ok(())
     }
 
-    /// Finds the instrument's blur from the rims of what the tool cut, which physics leaves sharp.
+    /// Keeps the blur at what this model finds.
     ///
     /// # Errors
     /// When the model cannot be simulated.
-    pub fn find_blur(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+    pub fn fix_blur(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        self.blur = None;
         let passes = self.simulate(model, Split::Calibration)?;
-        self.limit_steps(&passes);
+        self.blur = Some(self.blur_of(&passes, model)?);
+        Ok(())
+    }
+
+    /// The instrument's blur [m]: the one with which the simulated rims of what the tool cut are like those of the
+    /// calibration scans. It is found anew with every model, for a stiff contact and a sharp instrument leave like rims.
+    ///
+    /// # Errors
+    /// When a formula of the scanner gives no finite number.
+    pub fn blur_of(&self, passes: &[Vec<SimulatedPass>], model: &CompiledModel) -> Result<f64, EvidenceError> {
+        if let Some(blur) = self.blur {
+            return Ok(blur);
+        }
         if self.process() == Process::Sanding {
-            return Ok(());
+            return Ok(0.0);
         }
         let pitch = self.twin.trials[0].trial.scans.before.pixels.pitch;
         let scans: Vec<&ScanView> = self.of(Split::Calibration).collect();
         let cost = |blur: f64| -> Result<f64, EvidenceError> {
-            let one = |view: &&ScanView| Ok(robust_sum(&self.whitened(view, (&passes, model), blur)?));
+            let one = |view: &&ScanView| Ok(robust_sum(&self.whitened(view, (passes, model), blur)?));
             let costs: Result<Vec<f64>, EvidenceError> = scans.par_iter().map(one).collect();
             Ok(costs?.iter().sum())
         };
-        let steps = (0..=BLUR_STEPS).map(|k| MOST_BLUR * pitch * k as f64 / BLUR_STEPS as f64);
-        let costs: Vec<(f64, f64)> = steps.map(|blur| Ok((blur, cost(blur)?))).collect::<Result<_, EvidenceError>>()?;
-        let best = (0..costs.len()).min_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1)).unwrap_or(0);
-        self.blur = vertex(&costs, best);
-        Ok(())
+        least_of(cost, ([0.0, MOST_BLUR * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
     }
 
     /// Ranges of the residuals of each scan of a split.
@@ -203,12 +219,14 @@ impl Evidence for ScanEvidence<'_> {
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let scans = self.of(split).map(|view| self.whitened(view, (&passes, model), self.blur));
+        let blur = self.blur_of(&passes, model)?;
+        let scans = self.of(split).map(|view| self.whitened(view, (&passes, model), blur));
         Ok(scans.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
         let passes = self.simulate(model, split)?;
+        let blur = self.blur_of(&passes, model)?;
         let agreement = |view: &ScanView| {
             let pass = &passes[view.trial][view.pass];
             let about = format!("{} pass {}", self.twin.trials[view.trial].trial.name, view.pass + 1);
@@ -216,7 +234,7 @@ impl Evidence for ScanEvidence<'_> {
                 (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
                     let before = &self.twin.trials[view.trial].trial.scans.before;
                     let [rms, floor, scale] =
-                        data.agreement(&self.seen(view, simulated), before, self.noise[view.trial].rms);
+                        data.agreement(&self.seen(view, simulated, blur), before, self.noise[view.trial].rms);
                     Agreement { about, rms, floor, scale }
                 }
                 (ScanData::Exposure(data), _, Some(margin)) => {
@@ -227,6 +245,13 @@ impl Evidence for ScanEvidence<'_> {
             })
         };
         self.of(split).map(agreement).collect()
+    }
+
+    fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
+        let trials = self.twin.trials.iter().zip(self.needed(Split::Calibration));
+        let passes = trials.flat_map(|(twin, needed)| (0..twin.trial.passes.len()).map(move |pass| pass < needed));
+        let seen: Vec<bool> = passes.collect();
+        Coordinate::of(model, |slot| slot.row.is_none_or(|row| seen[row]))
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
@@ -246,16 +271,6 @@ impl Evidence for ScanEvidence<'_> {
         }
         all
     }
-}
-
-/// Where the parabola through a least value and its neighbours at even distances is lowest; the least value itself at the ends.
-fn vertex(points: &[(f64, f64)], least: usize) -> f64 {
-    let (x, y) = points[least];
-    if least == 0 || least + 1 == points.len() {
-        return x;
-    }
-    let ((x0, y0), (_, y1)) = (points[least - 1], points[least + 1]);
-    x + 0.5 * (x - x0) * (y0 - y1) / (y0 - 2.0 * y + y1)
 }
 
 /// The scans of a trial as data, and the noise of one.

@@ -3,7 +3,9 @@
 
 use nalgebra::{DMatrix, DVector, QR};
 use rayon::prelude::*;
+use sim::effect::Scale;
 
+use super::coordinates::Coordinate;
 use super::evidence::{Evidence, Split};
 use super::fit::{Fit, weights};
 use super::probe::{Candidate, Probe};
@@ -30,6 +32,8 @@ pub struct Response {
     pub change: DVector<f64>,
     /// The whole change.
     pub raw: Vec<f64>,
+    /// Shares of the way from null to probe to which the change may be extrapolated, least and greatest.
+    pub reach: [f64; 2],
 }
 
 /// The first look at an effect.
@@ -72,6 +76,18 @@ impl Projector {
     }
 }
 
+/// Shares of the way from a null to a probed value that stay within a parameter's range and near the probe.
+fn reach(coordinate: &Coordinate, probed: f64) -> [f64; 2] {
+    let [least, greatest] = coordinate.slot.range;
+    let null = coordinate.slot.null.unwrap_or(0.0);
+    if !(least..=greatest).contains(&null) {
+        return [0.0, FARTHEST];
+    }
+    let mut ends = [least, greatest].map(|end| ((end - null) / (probed - null)).clamp(-FARTHEST, FARTHEST));
+    ends.sort_by(f64::total_cmp);
+    ends
+}
+
 impl Response {
     /// Whether anything is left of the change beside the base parameters' changes.
     pub fn is_distinct(&self) -> bool {
@@ -85,7 +101,7 @@ impl Response {
         if square == 0.0 {
             return (0.0, 0.0);
         }
-        let share = (-self.change.dot(residuals) / square).clamp(0.0, FARTHEST);
+        let share = (-self.change.dot(residuals) / square).clamp(self.reach[0], self.reach[1]);
         (share, -2.0 * share * self.change.dot(residuals) - share * share * square)
     }
 }
@@ -96,7 +112,8 @@ impl Screened {
         let respond = |probe: &Probe| {
             let residuals = evidence.residuals(&candidate.at(&probe.values), Split::Calibration).ok()?;
             let raw: Vec<f64> = residuals.iter().zip(&base.residuals).map(|(b, a)| b - a).collect();
-            Some(Response { probe: probe.clone(), change: projector.project(&raw), raw })
+            let reach = reach(&candidate.coordinates[probe.amplitude], probe.values[probe.amplitude]);
+            Some(Response { probe: probe.clone(), change: projector.project(&raw), raw, reach })
         };
         let group = |probes: &Vec<Probe>| -> Vec<Response> { probes.par_iter().filter_map(respond).collect() };
         let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
@@ -104,6 +121,11 @@ impl Screened {
         let mut screened = Self { candidate, responses, gain: 0.0, best: nulls };
         screened.choose(&projector.residuals);
         screened
+    }
+
+    /// Whether any probe could be simulated.
+    pub fn is_simulated(&self) -> bool {
+        self.responses.iter().any(|group| !group.is_empty())
     }
 
     /// Finds the expected best values: the best single probe, or all amplitudes of one shape together.
@@ -130,6 +152,29 @@ impl Screened {
         let value = if null.is_infinite() { values[k] / share.max(1e-3) } else { null + share * (values[k] - null) };
         values[k] = coordinate.value(coordinate.clamped(coordinate.from_value(value)));
         values
+    }
+
+    /// Derivative of the whitened residuals along the effect's coordinate `k` at the best values, from the nearest probe of
+    /// that amplitude; `None` for a parameter of shape.
+    pub fn slope(&self, k: usize) -> Option<DVector<f64>> {
+        let distance = |response: &&Response| -> f64 {
+            let coordinates = self.candidate.coordinates.iter().zip(response.probe.values.iter().zip(&self.best));
+            let apart = |coordinate: &Coordinate, a: f64, b: f64| {
+                let [a, b] = [a, b].map(|value| coordinate.clamped(coordinate.from_value(value)));
+                (a - b).abs()
+            };
+            coordinates.map(|(coordinate, (a, b))| apart(coordinate, *a, *b)).sum()
+        };
+        let along = self.responses.iter().flatten().filter(|response| response.probe.amplitude == k);
+        let nearest = along.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let (probed, best, slot) = (nearest.probe.values[k], self.best[k], &self.candidate.coordinates[k].slot);
+        let null = slot.null.unwrap_or(0.0);
+        let per_coordinate = match slot.scale {
+            Scale::Log if null.is_infinite() => -probed / best,
+            Scale::Log => best / (probed - null),
+            Scale::Linear => (slot.range[1] - slot.range[0]) / (probed - null),
+        };
+        Some(DVector::from_column_slice(&nearest.raw) * per_coordinate)
     }
 
     /// All amplitudes of the typical shape at once, by least squares over the better probe of each.

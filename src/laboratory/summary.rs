@@ -163,7 +163,10 @@ impl EffectSummary {
         title: &str,
         before: &[Agreement],
     ) -> Result<Self, EvidenceError> {
-        let after = evidence.agreement(&finding.suspect.fit.model, Split::Evaluation)?;
+        let (before, after) = match finding.is_sound {
+            true => (before.to_vec(), evidence.agreement(&finding.suspect.fit.model, Split::Evaluation)?),
+            false => (Vec::new(), Vec::new()),
+        };
         let own = |e: &Estimate| e.coordinate.slot.owner == finding.suspect.name();
         let estimates = finding.suspect.fit.estimates(round.spread);
         let row = |e: &Estimate| e.coordinate.slot.row.map_or(String::new(), |row| format!("[{}]", row + 1));
@@ -183,7 +186,7 @@ impl EffectSummary {
             parameters: parameters.collect(),
             gain: finding.gain,
             chance: finding.chance,
-            evaluation_rms_um_before: error(before),
+            evaluation_rms_um_before: error(&before),
             evaluation_rms_um_after: error(&after),
         })
     }

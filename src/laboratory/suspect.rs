@@ -15,7 +15,9 @@ const THOROUGH: usize = 4;
 const LEAST_GAIN: f64 = 4.0;
 /// What the two fits may cost.
 const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
-const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 3, steps: 15 };
+const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
+/// Share of the best one's gain that another must have after the quick fit to be fitted to the end.
+const PROMISING: f64 = 0.3;
 
 /// An effect at its best values.
 #[derive(Clone)]
@@ -59,7 +61,11 @@ impl Suspect {
         let effect = &screened.candidate.name;
         let coordinates = Coordinate::of(&model, |slot| own(&slot.name()) || slot.owner == *effect);
         let mut fit = Fit::unfitted(evidence, &model, coordinates)?;
-        fit.borrow_derivatives(evidence, base);
+        let lent = |coordinate: &Coordinate| {
+            let own = screened.candidate.coordinates.iter().position(|c| c.slot.name() == coordinate.slot.name());
+            own.map_or_else(|| base.column(coordinate), |k| screened.slope(k))
+        };
+        fit.borrow_derivatives(evidence, lent);
         Ok(Self { screened, fit: fit.refined(evidence, QUICK_FIT) })
     }
 }
@@ -81,7 +87,10 @@ pub fn suspects(
     };
     let mut suspects: Vec<Suspect> = order.par_iter().filter_map(quick).collect();
     sort(&mut suspects);
-    let rest = suspects.split_off(suspects.len().min(THOROUGH));
+    let gain = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
+    let worth = suspects.first().map_or(0.0, |best| PROMISING * gain(best));
+    let promising = suspects.iter().take(THOROUGH).take_while(|suspect| gain(suspect) >= worth).count();
+    let rest = suspects.split_off(promising);
     let thorough = |mut suspect: Suspect| {
         suspect.fit = suspect.fit.refined(evidence, THOROUGH_FIT);
         told(&suspect.screened.candidate.name);
@@ -89,6 +98,7 @@ pub fn suspects(
     };
     let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
     suspects.extend(rest);
+    suspects.retain(|suspect| gain(suspect) > 0.0);
     sort(&mut suspects);
     suspects
 }

@@ -8,13 +8,15 @@ use crate::laboratory::{
     Diagnosis, DiagnosisSummary, Finding, NextTrial, ScanEvidence, Suggestion, Verdict, next_trial, suggest,
 };
 
-/// Sums up a diagnosis, with the trial that would separate rivals; the evaluation data are looked at here.
+/// Sums up a diagnosis, with the trial that would separate rivals; the evaluation data are looked at here. The instrument's
+/// blur stays at what the diagnosed model finds.
 ///
 /// # Errors
 /// When a model cannot be simulated.
-pub fn summary(data: &Data, diagnosis: &Diagnosis, library: &Library) -> Result<DiagnosisSummary> {
+pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Result<DiagnosisSummary> {
     let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
     let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
+    data.fix_blur(&diagnosis.fit.model)?;
     if let Some((_, evidence)) = data.scans() {
         summary.next_trial = separating_trial(evidence, diagnosis)?;
     }

@@ -1,5 +1,7 @@
 //! The course of a study: compare, calibrate, diagnose, add, calibrate again, until the stop rule ends it.
 
+use std::cell::Cell;
+
 use anyhow::{Result, bail};
 use sim::effect::{CompiledModel, Library, Model};
 
@@ -81,7 +83,6 @@ impl<'a> Course<'a> {
         let calibration = self.calibration.as_ref().expect("the model is fitted");
         let numbers = CalibrationSummary::new(self.data.evidence(), calibration, self.library)?;
         let record = &mut self.record;
-        record.blur_m = self.data.scans().map(|(_, evidence)| evidence.blur);
         record.waterfall = numbers.waterfall;
         self.model = calibration.model.clone();
         let last = record.waterfall.last().expect("the model is a step");
@@ -117,14 +118,10 @@ impl<'a> Course<'a> {
         if self.calibration.as_ref().is_some_and(|c| c.steps.len() == 1 + self.model.effects.len()) {
             return Ok(());
         }
-        let count = 2 + self.model.effects.len();
-        match self.record.blur_m {
-            Some(blur) => self.data.recall_instrument(&self.model, self.library, blur)?,
-            None => self.model = self.data.find_instrument(&self.model, self.library)?,
-        }
-        told("first fit", 1, count);
+        let count = 1 + self.model.effects.len();
+        self.data.prepare(&self.model, self.library)?;
         let start = self.data.start(&self.model, self.library)?;
-        let done = std::cell::Cell::new(1);
+        let done = Cell::new(0);
         let fitted = |name: &str| {
             done.set(done.get() + 1);
             told(name, done.get(), count);
@@ -147,7 +144,8 @@ impl<'a> Course<'a> {
         if to_add.is_none() {
             self.suggestion = suggestion(&self.data, &diagnosis, self.library, self.record.seed)?;
         }
-        let summary = summary(&self.data, &diagnosis, self.library)?;
+        let summary = summary(&mut self.data, &diagnosis, self.library)?;
+        self.data.free_blur();
         let record = &mut self.record;
         let names: Vec<&str> = record.added.iter().chain(&to_add).map(String::as_str).collect();
         let sentence = match (record.added.is_empty(), diagnosis.verdict) {
@@ -190,20 +188,35 @@ impl<'a> Course<'a> {
     ///
     /// # Errors
     /// When a model cannot be simulated.
-    pub fn report(&self) -> Result<StudyReport> {
+    pub fn report(&mut self) -> Result<StudyReport> {
+        let numbers = self
+            .calibration
+            .as_ref()
+            .map(|calibration| CalibrationSummary::new(self.data.evidence(), calibration, self.library));
+        let numbers = numbers.transpose()?;
+        let seen = match &self.calibration {
+            Some(calibration) => calibration.last().fit.model.clone(),
+            None => self.start()?,
+        };
+        self.data.fix_blur(&seen)?;
+        let report = self.report_with(&seen, numbers.as_ref());
+        self.data.free_blur();
+        report
+    }
+
+    fn report_with(&self, seen: &CompiledModel, numbers: Option<&CalibrationSummary>) -> Result<StudyReport> {
         let record = &self.record;
         let (sentence, answer) = (self.sentence(), serde_json::to_value(record)?);
-        let Some(calibration) = &self.calibration else {
+        let (Some(calibration), Some(summary)) = (&self.calibration, numbers) else {
             let falls = waterfall(&record.waterfall, record.noise_floor_um, record.error_unit);
-            let models = (&self.model, &self.start()?, None);
+            let models = (&self.model, seen, None);
             let bare = bare_report(&self.data, models, falls, record.seed)?;
             return Ok(StudyReport { sentence, diagnosis: answer, ..bare });
         };
-        let summary = CalibrationSummary::new(self.data.evidence(), calibration, self.library)?;
         let report = calibration_report(&CalibrationReport {
             data: &self.data,
             calibration,
-            summary: &summary,
+            summary,
             waterfall: &record.waterfall,
             rival: self.rival(),
             verdict: record.verdict,

@@ -115,7 +115,7 @@ pub(super) fn compared(
         passes: evidence.views.iter().map(pass).collect(),
         pitch: Some(trial.scans.before.pixels.pitch),
         voxel: evidence.twin.trials.first().map(|twin| twin.part.voxel),
-        blur: (evidence.blur > 0.0).then_some(evidence.blur),
+        blur: evidence.blur.filter(|blur| *blur > 0.0),
         method: vec![
             "Each scan is laid on the surface that the tool left alone; its height, tilt and shift stay free in every fit."
                 .to_owned(),

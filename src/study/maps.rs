@@ -42,7 +42,7 @@ impl Simulated {
 
     fn heights(&self, evidence: &ScanEvidence, view: &ScanView) -> Option<HeightMap> {
         match &self.pass(view).scan {
-            PassScan::Heights(map) => Some(evidence.seen(view, map)),
+            PassScan::Heights(map) => Some(evidence.seen(view, map, evidence.blur.unwrap_or(0.0))),
             PassScan::Exposure(_) => None,
         }
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Error, Result};
 use sim::effect::{CompiledModel, Library, Model};
 
-use crate::laboratory::{Evidence, Fit, RowEvidence, ScanEvidence, Totals, calibrate, uncalibrated, with_values};
+use crate::laboratory::{Evidence, RowEvidence, ScanEvidence, Totals, uncalibrated};
 use crate::table::{TABLE_FILE, Table};
 use crate::trial::Campaign;
 
@@ -113,35 +113,29 @@ impl<'a> Data<'a> {
         self.fitting(uncalibrated(model, library, self.evidence())?, library)
     }
 
-    /// Finds what must be known of the instrument before models are compared: its blur, with the model at its best.
-    /// Returns the model with values from which a fit may begin.
+    /// Makes ready for fits that begin with a model: simulations that take far longer than its own are given up.
     ///
     /// # Errors
     /// When the model cannot be simulated.
-    pub fn find_instrument(&mut self, model: &Model, library: &Library) -> Result<Model> {
-        let Self::Scans(_, evidence) = self else { return Ok(model.clone()) };
-        let first = calibrate(evidence.as_ref(), model, library)?;
-        evidence.find_blur(&first.model)?;
-        Ok(with_values(model, &first))
-    }
-
-    /// Takes the instrument's blur [m] from an earlier run.
-    ///
-    /// # Errors
-    /// When the model cannot be simulated.
-    pub fn recall_instrument(&mut self, model: &Model, library: &Library, blur: f64) -> Result<()> {
+    pub fn prepare(&mut self, model: &Model, library: &Library) -> Result<()> {
         let Self::Scans(_, evidence) = self else { return Ok(()) };
-        evidence.find_blur(&CompiledModel::new(model, library, evidence.rows())?)?;
-        evidence.blur = blur;
+        evidence.limit_steps(&CompiledModel::new(model, library, evidence.rows())?)?;
         Ok(())
     }
 
-    /// Fits a model, with the instrument's blur found before the last fit.
+    /// Keeps the instrument's blur at what a model finds, so that maps of several models are seen alike.
     ///
     /// # Errors
-    /// When it cannot be simulated.
-    pub fn first_fit(&mut self, model: &Model, library: &Library) -> Result<Fit> {
-        let model = self.find_instrument(model, library)?;
-        calibrate(self.evidence(), &model, library)
+    /// When the model cannot be simulated.
+    pub fn fix_blur(&mut self, model: &CompiledModel) -> Result<()> {
+        let Self::Scans(_, evidence) = self else { return Ok(()) };
+        Ok(evidence.fix_blur(model)?)
+    }
+
+    /// Lets every model find the instrument's blur again, as fits do.
+    pub fn free_blur(&mut self) {
+        if let Self::Scans(_, evidence) = self {
+            evidence.blur = None;
+        }
     }
 }

@@ -82,8 +82,6 @@ pub struct StudyRecord {
     pub noise_floor_um: f64,
     /// How the error fell so far.
     pub waterfall: Vec<WaterfallStep>,
-    /// Blur of the instrument as the first calibration found it [m].
-    pub blur_m: Option<f64>,
     /// The effect to add, while that is the next step, and the text of the model with it as the search fitted it.
     pub to_add: Option<[String; 2]>,
     /// The last diagnosis as `diagnose --json` tells it.
@@ -106,7 +104,6 @@ impl StudyRecord {
             error_unit: ErrorUnit::default(),
             noise_floor_um: 0.0,
             waterfall: Vec::new(),
-            blur_m: None,
             to_add: None,
             diagnosis: None,
         }

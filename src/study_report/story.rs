@@ -21,9 +21,11 @@ const PALE: &str = "#4b5566";
 /// Room for the head of the picture, and for a panel's number and title [px].
 const HEAD: f64 = 34.0;
 const TITLE: f64 = 30.0;
+/// Room below the maps for their words and the scale [px].
+const BELOW: f64 = 64.0;
 /// Height of a map and of the panels of the last row [px].
-const MAP: f64 = 150.0;
-const LAST_ROW: f64 = 250.0;
+const MAP: f64 = 130.0;
+const LAST_ROW: f64 = 190.0;
 /// Suspects that are named.
 const SUSPECTS: usize = 4;
 
@@ -45,7 +47,7 @@ pub fn story(report: &StudyReport, sealed: &Sealed) -> String {
     let wide = 2.0 * COLUMN + GAP;
     let scale = wide / waterfall::WIDTH;
     let last = (scale * falls_height).max(LAST_ROW - TITLE) + TITLE;
-    let top = HEAD + TITLE + MAP + 70.0;
+    let top = HEAD + TITLE + MAP + BELOW;
     let height = top + last + MARGIN;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" width=\"{WIDTH}\" height=\"{height:.0}\" \
@@ -61,8 +63,8 @@ pub fn story(report: &StudyReport, sealed: &Sealed) -> String {
         WIDTH - MARGIN
     );
     add_maps(&mut svg, report);
-    panel(&mut svg, (column(2), HEAD), "2", "The suspects");
-    add_suspects(&mut svg, &report.suspects, (column(2), HEAD + TITLE + 8.0));
+    panel(&mut svg, (column(1), HEAD), "2", "The suspects");
+    add_suspects(&mut svg, &report.suspects, (column(1), HEAD + TITLE + 8.0));
     panel(&mut svg, (MARGIN, top), "4", "How the error falls");
     let _ = writeln!(svg, "<g transform=\"translate({MARGIN} {:.1}) scale({scale:.4})\">{falls}</g>", top + TITLE);
     panel(&mut svg, (column(2), top), "5", "The seal is opened");
@@ -115,13 +117,14 @@ fn rms(maps: &HeightMaps, residuals: &[f64]) -> f64 {
 
 fn add_maps(svg: &mut String, report: &StudyReport) {
     panel(svg, (column(0), HEAD), "1", "Where the model fails");
-    panel(svg, (column(1), HEAD), "3", "With what was found");
+    panel(svg, (column(2), HEAD), "3", "With what was found");
     let top = HEAD + TITLE + 8.0;
     let Some((scan, maps)) = worst(report) else { return };
+    let mut below = top;
     let all = maps.base.iter().chain(maps.with_effect.iter().flatten()).copied();
     let scale = ColourScale::new(maps.noise_floor, all);
     for (k, residuals) in [Some(&maps.base), maps.with_effect.as_ref()].into_iter().enumerate() {
-        let place = (column(k), top);
+        let place = (column(2 * k), top);
         let Some(residuals) = residuals else {
             text(svg, (place.0, place.1 + 20.0), (13.0, PALE), "nothing was found to add");
             continue;
@@ -130,8 +133,9 @@ fn add_maps(svg: &mut String, report: &StudyReport) {
         let role = if scan.role == Role::Evaluation { "held out, " } else { "" };
         let words = format!("{}: {role}{:.1} µm rms", scan.pass, 1e6 * rms(maps, residuals));
         text(svg, (place.0, bottom + 18.0), (12.0, INK), &words);
+        below = below.max(bottom + 18.0);
     }
-    legend(svg, &scale, (column(0), top + MAP + 34.0));
+    legend(svg, &scale, (column(0), below + 14.0));
 }
 
 /// Draws a map as runs of one colour; returns where it ends below.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use robofin::laboratory::{Diagnosis, Evidence, ScanEvidence, Verdict, calibrate, with_values};
+use robofin::laboratory::{Diagnosis, Evidence, ScanEvidence, Verdict, calibrate_scans};
 use robofin::trial::Campaign;
 use sim::effect::{Library, Model};
 
@@ -25,9 +25,7 @@ fn a_tilted_wheel_is_named() {
     let library = Library::builtin();
     let mut evidence = ScanEvidence::new(&trials, None).unwrap();
     let model = Model::new(evidence.process());
-    let first = calibrate(&evidence, &model, library).unwrap();
-    evidence.find_blur(&first.model).unwrap();
-    let fit = calibrate(&evidence, &with_values(&model, &first), library).unwrap();
+    let fit = calibrate_scans(&mut evidence, &model, library).unwrap();
     let diagnosis = Diagnosis::new(&evidence, (&model, fit), library, (1, &|_, _, _| {})).unwrap();
     let found = diagnosis.found();
     let best = found.first().expect("something is found");

@@ -15,7 +15,7 @@ pub fn bundled() -> Vec<Trial> {
 fn fitted(trials: &[Trial]) -> (Vec<f64>, Vec<f64>) {
     let mut evidence = ScanEvidence::new(trials, None).unwrap();
     let model = CompiledModel::new(&Model::new(evidence.process()), Library::builtin(), evidence.rows()).unwrap();
-    evidence.find_blur(&model).unwrap();
+    evidence.limit_steps(&model).unwrap();
     let residuals = evidence.residuals(&model, Split::Calibration).unwrap();
     let fit = Fit::new(&evidence, &model, evidence.coordinates(&model), FitOptions { derivatives: 1, steps: 2 });
     (residuals, fit.unwrap().at)

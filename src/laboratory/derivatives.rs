@@ -1,0 +1,124 @@
+//! Derivatives of whitened residuals from simulations that are a little uneven: long enough steps, and what earlier steps
+//! have shown.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::coordinates::{Coordinate, moved};
+use super::evidence::{Evidence, Split};
+use super::fit::{Fit, robust_sum};
+
+/// Change of the whitened data that a finite difference aims at [standard deviations, all data together].
+const AIM: f64 = 12.0;
+/// A step that changes the data less is made anew with a length that does, and one that changes them more.
+const SOUND: [f64; 2] = [4.0, 60.0];
+/// Share of the whole misfit that a step may change far from the best values.
+const SOUND_SHARE: f64 = 0.3;
+/// Longest finite difference [coordinates].
+const LONGEST_STEP: f64 = 0.5;
+
+impl Fit {
+    /// Broyden's update: the derivatives along the last step are those that were seen.
+    pub(super) fn update_jacobian(&mut self, at: &[f64], residuals: &[f64]) {
+        let way = DVector::from_iterator(at.len(), self.at.iter().zip(at).map(|(b, a)| b - a));
+        let seen = DVector::from_iterator(residuals.len(), self.residuals.iter().zip(residuals).map(|(b, a)| b - a));
+        let missing = (seen - &self.jacobian * &way) / way.norm_squared();
+        self.jacobian += missing * way.transpose();
+    }
+
+    /// Takes derivatives that are known from elsewhere as a start; the others are made here.
+    pub fn borrow_derivatives(&mut self, evidence: &dyn Evidence, lent: impl Fn(&Coordinate) -> Option<DVector<f64>>) {
+        let columns: Vec<Option<DVector<f64>>> = self.coordinates.iter().map(lent).collect();
+        let missing: Vec<usize> = (0..columns.len()).filter(|&k| columns[k].is_none()).collect();
+        for (k, column) in columns.iter().enumerate() {
+            column.iter().for_each(|column| self.jacobian.set_column(k, column));
+        }
+        self.differentiate(evidence, &missing);
+    }
+
+    /// Renews all derivatives: along the coordinates where none is known yet, else along the principal directions of what
+    /// is known, downhill, each as far as it takes to change the data soundly. So the soft directions of a valley are
+    /// as well known as the stiff ones (multisecant update; Eyert 1996).
+    pub(super) fn renew_derivatives(&mut self, evidence: &dyn Evidence) {
+        if self.jacobian.column_iter().any(|column| column.amax() == 0.0) {
+            return self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
+        }
+        let places: Vec<Vec<f64>> = self.principal_steps();
+        let there =
+            |at: &Vec<f64>| evidence.residuals(&moved(&self.model, &self.coordinates, at), Split::Calibration).ok();
+        let seen: Vec<Option<Vec<f64>>> = places.par_iter().map(there).collect();
+        self.runs += seen.len();
+        let pairs: Vec<(&Vec<f64>, &Vec<f64>)> =
+            places.iter().zip(&seen).filter_map(|(at, seen)| Some((at, seen.as_ref()?))).collect();
+        let ways = DMatrix::from_fn(self.at.len(), pairs.len(), |k, i| pairs[i].0[k] - self.at[k]);
+        let changes = DMatrix::from_fn(self.residuals.len(), pairs.len(), |n, i| pairs[i].1[n] - self.residuals[n]);
+        let missing = changes - &self.jacobian * &ways;
+        let least = 1e-6 * ways.amax();
+        if let Ok(inverse) = ways.pseudo_inverse(least) {
+            self.jacobian += missing * inverse;
+        }
+        for (at, residuals) in pairs {
+            let chi2 = robust_sum(residuals);
+            if chi2 < self.chi2 {
+                (self.at, self.residuals, self.chi2) = (at.clone(), residuals.clone(), chi2);
+            }
+        }
+        self.model = moved(&self.model, &self.coordinates, &self.at);
+    }
+
+    /// Places at a sound distance along each principal direction, kept within the bounds.
+    fn principal_steps(&self) -> Vec<Vec<f64>> {
+        let directions = self.jacobian.tr_mul(&self.jacobian).symmetric_eigen();
+        let slope = self.jacobian.tr_mul(&DVector::from_column_slice(&self.residuals));
+        let place = |k: usize| -> Vec<f64> {
+            let way = directions.eigenvectors.column(k);
+            let length = (AIM / directions.eigenvalues[k].max(1e-12).sqrt()).min(LONGEST_STEP / way.amax());
+            let downhill = if way.dot(&slope) > 0.0 { -length } else { length };
+            let at = |length: f64| -> Vec<f64> {
+                let moved = self.at.iter().zip(way.iter()).map(|(at, way)| at + length * way);
+                moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
+            };
+            let moved = |place: &[f64]| place.iter().zip(&self.at).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            let (there, back) = (at(downhill), at(-downhill));
+            if moved(&there) >= 0.25 * moved(&back) { there } else { back }
+        };
+        (0..self.at.len()).map(place).collect()
+    }
+
+    /// Renews the derivatives along some coordinates.
+    fn differentiate(&mut self, evidence: &dyn Evidence, along: &[usize]) {
+        let columns: Vec<(Vec<f64>, usize)> = along.par_iter().map(|&k| self.derivative(evidence, k)).collect();
+        for (&k, (column, runs)) in along.iter().zip(columns) {
+            self.jacobian.set_column(k, &DVector::from_vec(column));
+            self.runs += runs;
+        }
+    }
+
+    /// Derivative of the residuals along a coordinate, over a way that changes them by more than the simulation's own
+    /// unevenness; zero where no way does.
+    fn derivative(&self, evidence: &dyn Evidence, k: usize) -> (Vec<f64>, usize) {
+        let (coordinate, here) = (&self.coordinates[k], self.at[k]);
+        let mut step = coordinate.step();
+        let mut runs = 0;
+        let mut best = vec![0.0; self.residuals.len()];
+        for _ in 0..3 {
+            let forward = coordinate.clamped(here + step);
+            let there = if (forward - here).abs() > 0.5 * step { forward } else { coordinate.clamped(here - step) };
+            let mut at = self.at.clone();
+            at[k] = there;
+            runs += 1;
+            let Ok(moved) = evidence.residuals(&moved(&self.model, &self.coordinates, &at), Split::Calibration) else {
+                step *= 0.3;
+                continue;
+            };
+            best = moved.iter().zip(&self.residuals).map(|(b, a)| (b - a) / (there - here)).collect();
+            let change = best.iter().map(|d| d * d).sum::<f64>().sqrt() * (there - here).abs();
+            let most = SOUND[1].max(SOUND_SHARE * self.chi2.sqrt());
+            if (SOUND[0]..most).contains(&change) || (step >= LONGEST_STEP && change < SOUND[0]) {
+                break;
+            }
+            step = (step * (AIM / change.max(1e-3)).clamp(0.03, 30.0)).min(LONGEST_STEP);
+        }
+        (best, runs)
+    }
+}
