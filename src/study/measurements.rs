@@ -14,7 +14,7 @@ pub enum Measurements {
     /// Trials with scans.
     Scans(Campaign),
     /// Rows.
-    Rows(PathBuf, Table),
+    Rows(PathBuf, Box<Table>),
 }
 
 /// Measurements as data.
@@ -32,7 +32,7 @@ impl Measurements {
     /// The first fault, with its place in the files.
     pub fn read(folder: &Path) -> Result<Self> {
         Ok(if folder.join(TABLE_FILE).is_file() {
-            Self::Rows(folder.to_owned(), Table::read(folder)?)
+            Self::Rows(folder.to_owned(), Box::new(Table::read(folder)?))
         } else {
             Self::Scans(Campaign::read(folder)?)
         })
