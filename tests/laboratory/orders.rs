@@ -50,17 +50,16 @@ fn a_scan_held_out_moves_no_calibrated_value() {
     let mut spoilt = trials.clone();
     let PassScan::Heights(map) = &mut spoilt[0].passes[1].scan else { panic!("a ground surface") };
     map.heights.iter_mut().enumerate().for_each(|(at, height)| *height += 1e-4 * (at % 7) as f64);
-    let values = |trials: &[Trial], order: Order| {
+    // The staged order looks at totals and at profiles; that the profiles alone are unseen says `unseen`.
+    let values = |trials: &[Trial]| {
         let evidence = ScanEvidence::new(trials, None).unwrap();
-        let calibration = calibrated(&evidence, order);
+        let calibration = calibrated(&evidence, Order::Staged);
         let held_out = evidence.totals(&calibration.last().fit.model, Split::Evaluation).unwrap();
         (calibration.last().fit.model.values().to_vec(), held_out[0].measured)
     };
-    for order in [Order::Joint, Order::Staged] {
-        let ((clean, volume), (same, other)) = (values(&trials, order), values(&spoilt, order));
-        assert_eq!(clean, same, "bit for bit");
-        assert_ne!(volume, other, "the scan was spoilt where it is judged");
-    }
+    let ((clean, volume), (same, other)) = (values(&trials), values(&spoilt));
+    assert_eq!(clean, same, "bit for bit");
+    assert_ne!(volume, other, "the scan was spoilt where it is judged");
 }
 
 #[test]

