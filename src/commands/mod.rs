@@ -2,6 +2,7 @@
 
 mod backends;
 mod bake;
+mod bench;
 mod calibrate;
 mod demo;
 mod diagnose;
@@ -68,6 +69,8 @@ enum Verb {
     Diagnose(diagnose::DiagnoseArgs),
     /// Compare, calibrate, diagnose, add what is missing and calibrate again, until nothing more can be found.
     Study(study::StudyArgs),
+    /// Count how often a diagnosis is right, on synthetic campaigns with known answers.
+    Bench(bench::BenchArgs),
     /// List, show and check laws and effects; add them to a model or remove them.
     Effects(effects::EffectsArgs),
     /// List the devices that can compute, and check them against the CPU.
@@ -105,6 +108,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
         Verb::Calibrate(args) => calibrate::run(&args, console),
+        Verb::Bench(args) => bench::run(&args, console),
         Verb::Diagnose(args) => diagnose::run(&args, console),
         Verb::Study(args) => study::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),

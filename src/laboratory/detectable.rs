@@ -1,6 +1,6 @@
 //! How large an effect must be to show in these data.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sim::effect::Scale;
 
 use super::screen::Screened;
@@ -9,7 +9,7 @@ use super::screen::Screened;
 const SEEN: f64 = 3.8;
 
 /// What would be seen of one parameter of an effect.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detectable {
     /// The effect.
     pub effect: String,

@@ -1,9 +1,11 @@
-//! One exposure mask as data: the share of each tile that shows substrate.
+//! One exposure mask as data: how far each tile is from the border of what is exposed.
+
+use std::collections::BTreeMap;
 
 use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
-use sdf_bake::PixelGrid;
 
+use super::border::{Border, Seen};
 use super::covariance::{Freedom, Whitener};
 use super::tiles::{TileGrid, Tiles};
 use crate::trial::ExposureMask;
@@ -13,10 +15,10 @@ const SHIFT_SIGMA: f64 = 100e-6;
 /// Pixels around one whose majority says what it should be, and the share of a normal law's spread in its mean size.
 const NEIGHBOURS: i64 = 2;
 const MEAN_TO_SIGMA: f64 = 1.2533;
-/// Least scatter of the border: what a pixel's edge and the simulation's own grid do to it [pixels].
+/// Least scatter of the border as pixels show it, and of its mean place along one tile: a mask says no more, and the
+/// simulation has a grid of its own [pixels].
 const LEAST_SCATTER: f64 = 0.3;
-/// Pixels of a tile away from the border that may be wrong.
-const STRAY: f64 = 0.7;
+const LEAST_ERROR: f64 = 0.5;
 
 /// A mask as data.
 #[derive(Clone, Debug)]
@@ -25,9 +27,10 @@ pub struct ExposureView {
     pub measured: ExposureMask,
     /// Tiles that the tool may have touched.
     pub tiles: Tiles,
-    /// Standard deviation of the border's place [m].
+    /// Standard deviation of the border's place as single pixels show it [m].
     pub scatter: f64,
-    shares: Vec<f64>,
+    distances: Vec<f64>,
+    reach: f64,
     whitener: Whitener,
 }
 
@@ -35,33 +38,36 @@ impl ExposureView {
     /// Makes data of a mask.
     ///
     /// - `free`: for each pixel, whether no tool came near it before this mask
+    /// - `reach`: distance from the border beyond which a tile only says on which side it is [m]
     ///
     /// `None` where no tile was touched.
-    pub fn new(measured: ExposureMask, free: &[bool], side: usize) -> Option<Self> {
+    pub fn new(measured: ExposureMask, free: &[bool], side: usize, reach: f64) -> Option<Self> {
         let pixels = measured.pixels;
         let tiles = TileGrid { pixels, side }.tiles(|at| measured.exposed[at].is_some() && !free[at]);
         let majority = majority(&measured);
-        let border: Vec<bool> = (0..pixels.len()).map(|at| is_border(&majority, pixels, at)).collect();
+        let field: Vec<f64> = majority.iter().map(|share| share - 0.5).collect();
+        let border = Border::new(&field, pixels);
         let odd = (0..pixels.len()).filter(|&at| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5)));
-        let length = border.iter().filter(|border| **border).count().max(1) as f64;
-        let scatter = (MEAN_TO_SIGMA * odd.count() as f64 / length).max(LEAST_SCATTER);
-        let shares = tiles.means(|at| f64::from(u8::from(measured.exposed[at] == Some(true))));
-        let noise = DMatrix::from_diagonal(&variances(&tiles, &border, scatter));
-        let slope = |at: usize| slope(&majority, pixels, at);
-        let (x, y) = (tiles.means(|at| -slope(at).x), tiles.means(|at| -slope(at).y));
-        let columns = DMatrix::from_columns(&[DVector::from_vec(x), DVector::from_vec(y)]);
+        let scatter = (MEAN_TO_SIGMA * odd.count() as f64 / border.crossings().max(1) as f64).max(LEAST_SCATTER);
+        let seen = seen(&tiles, &field, &border, reach);
+        let error = (scatter / (side as f64).sqrt()).max(LEAST_ERROR) * pixels.pitch;
+        let sharing = sharing(&seen, side as f64 * pixels.pitch, reach);
+        let variances = sharing.into_iter().map(|tiles| tiles * error * error);
+        let noise = DMatrix::from_diagonal(&DVector::from_iterator(tiles.len(), variances));
+        let columns = DMatrix::from_fn(tiles.len(), 2, |k, axis| -seen[k].away[axis]);
         let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[SHIFT_SIGMA; 2]))?;
+        let distances = seen.iter().map(|seen| seen.distance).collect();
         let scatter = scatter * pixels.pitch;
-        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, shares, whitener })
+        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, distances, reach, whitener })
     }
 
-    /// Measured minus simulated share of each tile, whitened.
+    /// Measured minus simulated distance of each tile from the border, whitened.
     ///
     /// - `margin`: simulated dose beyond the one from which substrate shows, one per pixel
     pub fn whitened(&self, margin: &[f64]) -> Vec<f64> {
-        let pixels = self.measured.pixels;
-        let simulated = self.tiles.means(|at| coverage(margin, pixels, at));
-        let difference: Vec<f64> = self.shares.iter().zip(simulated).map(|(a, b)| a - b).collect();
+        let simulated = seen(&self.tiles, margin, &Border::new(margin, self.measured.pixels), self.reach);
+        let difference: Vec<f64> =
+            self.distances.iter().zip(simulated).map(|(measured, seen)| measured - seen.distance).collect();
         self.whitener.whiten(&difference)
     }
 
@@ -86,30 +92,25 @@ impl ExposureView {
 
     /// Length of the measured border [pixels]; at least one.
     fn border_length(&self) -> f64 {
-        let (pixels, majority) = (self.measured.pixels, majority(&self.measured));
-        (0..pixels.len()).filter(|&at| is_border(&majority, pixels, at)).count().max(1) as f64
+        let field: Vec<f64> = majority(&self.measured).iter().map(|share| share - 0.5).collect();
+        Border::new(&field, self.measured.pixels).crossings().max(1) as f64
     }
 }
 
-/// Part of a pixel that shows substrate, from the margin at its middle and the margin's slope.
-fn coverage(margin: &[f64], pixels: PixelGrid, at: usize) -> f64 {
-    let across = slope(margin, pixels, at).length() * pixels.pitch;
-    if !margin[at].is_finite() {
-        return 0.0;
-    }
-    if across > 0.0 { (0.5 + margin[at] / across).clamp(0.0, 1.0) } else { f64::from(u8::from(margin[at] >= 0.0)) }
+/// All tiles seen from a border of a field.
+fn seen(tiles: &Tiles, field: &[f64], border: &Border, reach: f64) -> Vec<Seen> {
+    let above = tiles.means(|at| f64::from(u8::from(field[at] > 0.0)));
+    tiles.centres.iter().zip(above).map(|(centre, above)| border.seen_from(*centre, above > 0.5, reach)).collect()
 }
 
-/// Slope by central differences [1/m], one-sided at the map's edges, zero beside unknown pixels.
-fn slope(values: &[f64], pixels: PixelGrid, at: usize) -> DVec2 {
-    let (i, j) = (at % pixels.nx, at / pixels.nx);
-    let along = |low: usize, high: usize, steps: usize| {
-        let rise = values[high] - values[low];
-        if rise.is_finite() && steps > 0 { rise / (steps as f64 * pixels.pitch) } else { 0.0 }
-    };
-    let ((i0, i1), (j0, j1)) = ((i.max(1) - 1, (i + 1).min(pixels.nx - 1)), (j.max(1) - 1, (j + 1).min(pixels.ny - 1)));
-    let x = along(pixels.at(i0, j), pixels.at(i1, j), i1 - i0);
-    DVec2::new(x, along(pixels.at(i, j0), pixels.at(i, j1), j1 - j0))
+/// How many tiles tell of one piece of the border as long as a tile, for each tile; of those out of reach, as many as there
+/// would be across a straight border.
+fn sharing(seen: &[Seen], side: f64, reach: f64) -> Vec<f64> {
+    let piece = |nearest: DVec2| ((nearest.x / side).floor() as i64, (nearest.y / side).floor() as i64);
+    let mut tiles: BTreeMap<(i64, i64), f64> = BTreeMap::new();
+    seen.iter().filter_map(|seen| seen.nearest).for_each(|nearest| *tiles.entry(piece(nearest)).or_default() += 1.0);
+    let count = |seen: &Seen| seen.nearest.map_or(2.0 * reach / side, |nearest| tiles[&piece(nearest)]);
+    seen.iter().map(|seen| count(seen).max(1.0)).collect()
 }
 
 /// Share of exposed pixels around each pixel.
@@ -126,19 +127,4 @@ fn majority(mask: &ExposureMask) -> Vec<f64> {
         if count > 0.0 { sum / count } else { 0.0 }
     };
     (0..mask.pixels.len()).map(around).collect()
-}
-
-/// Whether the border passes between a pixel and the next along x or y.
-fn is_border(majority: &[f64], pixels: PixelGrid, at: usize) -> bool {
-    let (i, j) = (at % pixels.nx, at / pixels.nx);
-    let differs = |other: usize| (majority[at] > 0.5) != (majority[other] > 0.5);
-    (i + 1 < pixels.nx && differs(at + 1)) || (j + 1 < pixels.ny && differs(at + pixels.nx))
-}
-
-/// Variance of each tile's share: the border's scatter along its way through the tile, and stray pixels.
-fn variances(tiles: &Tiles, border: &[bool], scatter: f64) -> DVector<f64> {
-    let pixels = (tiles.grid.side * tiles.grid.side) as f64;
-    let shares = tiles.means(|at| f64::from(u8::from(border[at])));
-    let variance = |share: f64| (scatter * scatter * share * pixels + STRAY * STRAY) / (pixels * pixels);
-    DVector::from_iterator(tiles.len(), shares.into_iter().map(variance))
 }

@@ -123,7 +123,6 @@ impl Fit {
     /// Goes on from here; derivatives that are there already are used first.
     pub fn refined(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let mut damping = DAMPING.0;
-        let trace = std::env::var("TRACE").is_ok();
         let mut left = options.derivatives;
         let mut fresh = false;
         let mut known = self.jacobian.iter().any(|derivative| *derivative != 0.0);
@@ -136,21 +135,7 @@ impl Fit {
                 (left, fresh) = (left - 1, true);
             }
             let before = (self.at.clone(), self.residuals.clone(), self.chi2);
-            let step = self.improve(evidence, &mut damping);
-            if trace {
-                let p = if let Step::Better { promised } = &step { *promised } else { 0.0 };
-                eprintln!(
-                    "runs {} fresh {fresh} chi2 {:.1} -> {:.1} promised {p:.1} damping {damping:.1e} {:?}",
-                    self.runs,
-                    before.2,
-                    self.chi2,
-                    self.coordinates
-                        .iter()
-                        .map(|c| format!("{}={:.4}", c.slot.parameter, c.slot.unit.from_si(self.model.value(c.index))))
-                        .collect::<Vec<_>>()
-                );
-            }
-            match step {
+            match self.improve(evidence, &mut damping) {
                 Step::Better { promised } => {
                     let kept = before.2 - self.chi2;
                     self.update_jacobian(&before.0, &before.1);

@@ -14,7 +14,7 @@ const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
 const CUT_SIGMA: f64 = 100e-6;
 /// Standard deviation of a tile on the rim of what the tool cut, where simulations on different lattices differ [pixels of
 /// height per slope that changes there].
-const RIM_ERROR: f64 = 0.01;
+const RIM_ERROR: f64 = 0.03;
 /// Removed depth at which the noise of the scan before has fallen to 1/e of its share in the surface [tile sigmas].
 const NOISE_GONE: f64 = 3.0;
 

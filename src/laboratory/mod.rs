@@ -1,6 +1,7 @@
 //! The laboratory: a model held against the scans of a campaign, its parameters fitted, and what it lacks found.
 
 mod blur;
+mod border;
 mod calibrate;
 mod calibration;
 mod calibration_summary;
@@ -42,7 +43,7 @@ pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
 pub use forms::{Suggestion, suggest};
 pub use height_view::HeightView;
-pub use next_trial::{NextTrial, next_trial};
+pub use next_trial::{NextTrial, next_trial, separating_trial};
 pub use probe::{Candidate, Probe};
 pub use rows::{Outlier, RowEvidence};
 pub use scans::{ScanData, ScanEvidence, ScanView};

@@ -6,6 +6,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::coordinates::{Coordinate, moved};
+use super::diagnose::{Diagnosis, Verdict};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::scans::ScanEvidence;
@@ -52,6 +53,21 @@ pub struct NextTrial {
     pub expected_gain: f64,
     /// Chance that it names the right one.
     pub chance_right: f64,
+}
+
+/// The trial that would tell the two most probable effects of an ambiguous diagnosis apart.
+///
+/// # Errors
+/// When a variant cannot be prepared or simulated.
+pub fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
+    if diagnosis.verdict != Verdict::Ambiguous {
+        return Ok(None);
+    }
+    let Some([first, second, ..]) = diagnosis.rounds.last().map(|round| round.findings.as_slice()) else {
+        return Ok(None);
+    };
+    let (one, other) = (&first.suspect, &second.suspect);
+    next_trial(evidence, ((one.name(), &one.fit), (other.name(), &other.fit)))
 }
 
 /// The variant of the first trial that tells two fitted rivals apart best, even if their other parameters are fitted

@@ -30,6 +30,8 @@ const BLOCK: usize = 4;
 const MOST_STEPS: usize = 3;
 /// Voxel of the simulation when sanding [pixels].
 const SANDING_VOXEL: f64 = 4.0;
+/// Distance from the border of what is exposed within which it shows [half widths of the tool].
+const REACH: f64 = 0.5;
 /// Widest blur that is looked for, values tried at first, and a change that counts as none [pixels].
 const MOST_BLUR: f64 = 2.0;
 const BLUR_STEPS: usize = 6;
@@ -255,8 +257,12 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
-        let free = ["scan-tilt", "scan-shift"];
-        free.contains(&effect.name.as_str()).then(|| "every fit leaves each scan's pose free".to_owned())
+        let why = match effect.name.as_str() {
+            "scan-tilt" | "scan-shift" => "every fit leaves each scan's pose free",
+            "lateral-blur" => "every fit finds the instrument's blur",
+            _ => return None,
+        };
+        Some(why.to_owned())
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {
@@ -292,7 +298,10 @@ fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloo
                 let noise = tile_noise(&before, &repeat, &floor, side).map_err(&bad)?;
                 HeightView::new(despiked(scan).0, &before, &free, (side, noise)).map(ScanData::Heights)
             }
-            PassScan::Exposure(mask) => ExposureView::new(mask.clone(), &free, side).map(ScanData::Exposure),
+            PassScan::Exposure(mask) => {
+                let reach = REACH * trial.tool.half_width();
+                ExposureView::new(mask.clone(), &free, side, reach).map(ScanData::Exposure)
+            }
         };
         let split = match pass.role {
             Role::Calibration => Split::Calibration,

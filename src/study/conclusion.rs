@@ -4,9 +4,7 @@ use anyhow::Result;
 use sim::effect::Library;
 
 use super::measurements::Data;
-use crate::laboratory::{
-    Diagnosis, DiagnosisSummary, Finding, NextTrial, ScanEvidence, Suggestion, Verdict, next_trial, suggest,
-};
+use crate::laboratory::{Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_trial, suggest};
 
 /// Sums up a diagnosis, with the trial that would separate rivals; the evaluation data are looked at here. The instrument's
 /// blur stays at what the diagnosed model finds.
@@ -34,17 +32,4 @@ pub fn suggestion(data: &Data, diagnosis: &Diagnosis, library: &Library, seed: u
         }
         _ => Ok(None),
     }
-}
-
-/// The trial that would tell the two most probable effects apart, where the data do not.
-fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>> {
-    if diagnosis.verdict != Verdict::Ambiguous {
-        return Ok(None);
-    }
-    let Some([first, second, ..]) = diagnosis.rounds.last().map(|round| round.findings.as_slice()) else {
-        return Ok(None);
-    };
-    let rival = |finding: &'_ Finding| (finding.suspect.name().to_owned(), finding.suspect.fit.clone());
-    let ((first, one), (second, other)) = (rival(first), rival(second));
-    Ok(next_trial(evidence, ((&first, &one), (&second, &other)))?)
 }

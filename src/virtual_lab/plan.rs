@@ -1,11 +1,11 @@
 //! Plans: which forces, feeds, speeds and directions the passes of a campaign have.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::trial::{Process, Role};
 
 /// Plan of a campaign.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Plan {
     /// One trial of two equal passes, the second for evaluation.
@@ -87,7 +87,7 @@ pub(super) fn role((trial, trials): (usize, usize), (pass, passes): (usize, usiz
 }
 
 /// How large workpieces and scans are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Size {
     /// Seconds to make and to fit: a bead of 30 mm, a panel of 60 by 50 mm.

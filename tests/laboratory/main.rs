@@ -4,5 +4,6 @@
 mod campaigns;
 mod orders;
 mod steps;
+mod unknown;
 mod unseen;
 mod whitening;

@@ -114,6 +114,14 @@ impl Library {
         Ok(library)
     }
 
+    /// The same without these effects.
+    #[must_use]
+    pub fn without(&self, names: &[&str]) -> Self {
+        let mut library = self.clone();
+        library.effects.retain(|effect| !names.contains(&effect.name.as_str()));
+        library
+    }
+
     /// The base laws.
     pub fn laws(&self) -> &[Effect] {
         &self.laws

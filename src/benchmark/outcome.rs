@@ -1,0 +1,158 @@
+//! One case: made, diagnosed, judged.
+
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+use sim::effect::{Effect, Library, Model, Scale};
+
+use super::cases::{Case, Design, Family, Instruments, Sized, effect_process};
+use crate::laboratory::{
+    Detectable, Diagnosis, DiagnosisSummary, Evidence, ScanEvidence, Verdict, calibrate_scans, separating_trial,
+};
+use crate::virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
+
+/// Why a case gave no answer.
+pub type BenchError = anyhow::Error;
+
+/// What a campaign without hidden effects could have shown.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Baseline {
+    /// Least size of each effect.
+    pub detectable: Vec<Detectable>,
+}
+
+/// What came out of a case.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The case.
+    pub case: Case,
+    /// What was hidden, with its values.
+    pub truth: Vec<HiddenEffect>,
+    /// Whether the campaign could show an effect of this size; `None` where that was not asked.
+    pub testable: Option<bool>,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Effects that were named.
+    pub named: Vec<String>,
+    /// Probability of the first.
+    pub probability: Option<f64>,
+    /// What the data cannot tell from each of them.
+    pub alike: Vec<Vec<String>>,
+    /// Errors of base and final model on the evaluation passes, and the noise floor [µm].
+    pub evaluation_um: [Option<f64>; 2],
+    /// The noise floor [µm].
+    pub floor_um: f64,
+    /// Whether a next trial was proposed.
+    pub next_trial: bool,
+    /// Time that the diagnosis took [s].
+    pub seconds: f64,
+}
+
+/// Diagnoses a design in which nothing is hidden.
+///
+/// # Errors
+/// When it cannot be made or diagnosed.
+pub fn baseline(design: &Design, size: Size, library: &Library) -> Result<Baseline, BenchError> {
+    let case = Case {
+        family: Family::N,
+        number: 0,
+        design: design.clone(),
+        hidden: Vec::new(),
+        size: Sized::Visible,
+        left_out: false,
+    };
+    Ok(Baseline { detectable: diagnosed(&case, Vec::new(), size, library)?.summary.detectable })
+}
+
+/// Makes a case, diagnoses it with the default settings and notes what came out.
+///
+/// - `baseline`: of the same design, for sizes that are multiples of what it could detect
+///
+/// # Errors
+/// When it cannot be made or diagnosed.
+pub fn run(case: &Case, baseline: Option<&Baseline>, size: Size, library: &Library) -> Result<Outcome, BenchError> {
+    let hide = |name: &String| hidden(case, name, baseline, library);
+    let hidden: Vec<(Hidden, Option<bool>)> = case.hidden.iter().map(hide).collect();
+    let testable = hidden.iter().map(|(_, testable)| *testable).reduce(|a, b| Some(a? && b?)).flatten();
+    let hidden: Vec<Hidden> = hidden.into_iter().map(|(hidden, _)| hidden).collect();
+    let Diagnosed { summary, truth, next_trial, seconds } = diagnosed(case, hidden, size, library)?;
+    let evaluation = |step: Option<&crate::laboratory::WaterfallStep>| step.and_then(|step| step.evaluation_rms_um);
+    Ok(Outcome {
+        case: case.clone(),
+        truth,
+        testable,
+        verdict: summary.verdict,
+        named: summary.effects.iter().map(|effect| effect.name.clone()).collect(),
+        probability: summary.effects.first().map(|effect| effect.probability),
+        alike: summary.effects.iter().map(|effect| effect.indistinguishable_from.clone()).collect(),
+        evaluation_um: [evaluation(summary.waterfall.first()), evaluation(summary.waterfall.last())],
+        floor_um: summary.noise_floor_um,
+        next_trial,
+        seconds,
+    })
+}
+
+/// What a diagnosis of a synthetic campaign gives.
+struct Diagnosed {
+    summary: DiagnosisSummary,
+    truth: Vec<HiddenEffect>,
+    next_trial: bool,
+    seconds: f64,
+}
+
+fn diagnosed(case: &Case, hidden: Vec<Hidden>, size: Size, library: &Library) -> Result<Diagnosed, BenchError> {
+    let Design { process, plan, instruments, seed } = case.design;
+    let (instrument, robot) = match instruments {
+        Instruments::Clean => (Instrument::clean(), Robot::clean()),
+        Instruments::Hard => (Instrument::hard(), Robot::hard()),
+    };
+    let new = Experiment::new(process, library, seed)?;
+    let trials = plan.usual_trials();
+    let made = Experiment { plan, trials, size, choice: Choice::These(hidden), instrument, robot, ..new }.make()?;
+    let known = match case.left_out {
+        true => library.without(&case.hidden.iter().map(String::as_str).collect::<Vec<_>>()),
+        false => library.clone(),
+    };
+    let started = Instant::now();
+    let mut evidence = ScanEvidence::new(&made.trials, None)?;
+    let model = Model::new(evidence.process());
+    let fit = calibrate_scans(&mut evidence, &model, &known)?;
+    let diagnosis = Diagnosis::new(&evidence, (&model, fit), &known, (seed, &|_, _, _| {}))?;
+    let summary = DiagnosisSummary::new(&evidence, &diagnosis, &|name| name.to_owned())?;
+    evidence.fix_blur(&diagnosis.fit.model)?;
+    let next_trial = separating_trial(&evidence, &diagnosis)?.is_some();
+    Ok(Diagnosed { summary, truth: made.answer.effects, next_trial, seconds: started.elapsed().as_secs_f64() })
+}
+
+/// A hidden effect with its size, and whether the campaign could show it.
+fn hidden(case: &Case, name: &str, baseline: Option<&Baseline>, library: &Library) -> (Hidden, Option<bool>) {
+    let Sized::Detectable(multiple) = case.size else { return (Hidden::effect(name), None) };
+    let known = baseline.and_then(|baseline| baseline.detectable.iter().find(|least| least.effect == name));
+    let effect = library.find(name).filter(|effect| effect.acts_in(effect_process(case.design.process)));
+    let (Some(least), Some(effect)) = (known, effect) else { return (Hidden::effect(name), Some(false)) };
+    let Some(size) = least.size.filter(|_| least.testable) else { return (Hidden::effect(name), Some(false)) };
+    let (value, within) = sized(effect, least, multiple * size, size / multiple, case);
+    (Hidden::effect(name).with(&least.parameter, &format!("{value} {}", unit_of(least))), Some(within))
+}
+
+/// A value that departs from the null by so much, or lies so low where the null is infinite, and whether it had to be kept
+/// within the parameter's range for that [the parameter's unit].
+fn sized(effect: &Effect, least: &Detectable, departs: f64, low: f64, case: &Case) -> (f64, bool) {
+    let process = effect_process(case.design.process);
+    let parameter = effect.parameters.iter().find(|parameter| parameter.name == least.parameter);
+    let Some(parameter) = parameter else { return (departs, false) };
+    let [from, to] = parameter.range.of(process).map(|end| parameter.unit.from_si(end));
+    let null = parameter.null.map_or(0.0, |null| parameter.unit.from_si(null));
+    let wanted = match parameter.scale {
+        _ if null.is_infinite() => low,
+        Scale::Log => null + departs,
+        Scale::Linear if null + departs <= to => null + departs,
+        Scale::Linear => null - departs,
+    };
+    let value = wanted.clamp(from, to);
+    (value, (value - wanted).abs() <= 1e-9 * wanted.abs())
+}
+
+fn unit_of(least: &Detectable) -> &str {
+    if least.unit == "1" { "" } else { &least.unit }
+}

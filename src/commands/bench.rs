@@ -1,0 +1,168 @@
+//! `robofin bench`: how often a diagnosis is right.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use sim::effect::Library;
+
+use crate::benchmark::{Case, Family, Outcome, Sized, Summary, baseline, cases, run as diagnosed};
+use crate::console::Console;
+use crate::virtual_lab::Size;
+
+#[derive(Debug, Args)]
+pub(super) struct BenchArgs {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    /// Diagnose synthetic campaigns with known answers, and count how often the answer is right.
+    #[command(after_help = "Examples:\n  robofin bench diagnose --out out/bench --cases 4\n  \
+                            robofin bench diagnose --out out/bench --families N,S --cases 20 --json\n\n\
+                            A folder that holds finished cases is gone on with.")]
+    Diagnose(DiagnoseArgs),
+}
+
+#[derive(Debug, Args)]
+struct DiagnoseArgs {
+    /// Folder for the cases and the table; finished cases in it are kept.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Families: N nothing hidden, S one effect, A absorbed, D two, U unknown, M scanner, B sanding, P two equal passes.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = FamilyFlag::ALL)]
+    families: Vec<FamilyFlag>,
+    /// Cases of each family.
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    cases: usize,
+    /// Seed of workpieces, laws, noise and paths.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "UPPER")]
+enum FamilyFlag {
+    N,
+    S,
+    A,
+    D,
+    U,
+    M,
+    B,
+    P,
+}
+
+impl FamilyFlag {
+    const ALL: [Self; 8] = [Self::N, Self::S, Self::A, Self::D, Self::U, Self::M, Self::B, Self::P];
+}
+
+impl std::fmt::Display for FamilyFlag {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{self:?}")
+    }
+}
+
+/// The answer of `bench diagnose --json`.
+#[derive(Serialize)]
+struct Answer<'a> {
+    summary: &'a Summary,
+    outcomes: &'a [Outcome],
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
+    let Action::Diagnose(args) = &args.action;
+    let library = Library::builtin();
+    let chosen: Vec<Family> = FamilyFlag::ALL
+        .iter()
+        .zip(Family::ALL)
+        .filter(|(flag, _)| args.families.contains(flag))
+        .map(|(_, family)| family)
+        .collect();
+    let cases = cases(&chosen, args.cases, args.seed, library);
+    fs::create_dir_all(&args.out).with_context(|| format!("{}: cannot be made", args.out.display()))?;
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    for (number, case) in cases.iter().enumerate() {
+        match outcome(case, &args.out, library) {
+            Ok(outcome) => {
+                let word = if outcome.is_right() { "right" } else { "wrong" };
+                let named = outcome.named.join(" + ");
+                let hidden = case.hidden.join(" + ");
+                console.step(
+                    &case.id(),
+                    format!(
+                        "{}/{}: hidden [{hidden}], {:?} [{named}], {word}, {:.0} s",
+                        number + 1,
+                        cases.len(),
+                        outcome.verdict,
+                        outcome.seconds
+                    ),
+                );
+                outcomes.push(outcome);
+            }
+            Err(error) => console.step(&case.id(), format!("not made: {error:#}")),
+        }
+    }
+    let summary = Summary::new(&outcomes);
+    let table = summary.to_markdown(&outcomes);
+    write_whole(&args.out.join("benchmark.md"), table.as_bytes())?;
+    let answer = Answer { summary: &summary, outcomes: &outcomes };
+    write_whole(&args.out.join("benchmark.json"), &serde_json::to_vec_pretty(&answer)?)?;
+    console.step("singles", summary.large_singles.to_string());
+    console.step("alarms", summary.false_alarms.to_string());
+    console.step("names", summary.false_names.to_string());
+    console.step("written", args.out.join("benchmark.md").display().to_string());
+    console.answer(&answer)
+}
+
+/// A case's outcome, from its file where it was finished before.
+fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
+    let file = folder.join(format!("{}-{}.json", case.id(), case.design.id()));
+    let known: Option<Outcome> = read(&file)?;
+    if let Some(known) = known.filter(|known| known.case == *case) {
+        return Ok(known);
+    }
+    let least = match case.size {
+        Sized::Detectable(_) => Some(finished(&folder.join(format!("clean-{}.json", case.design.id())), || {
+            baseline(&case.design, Size::Small, library)
+        })?),
+        Sized::Visible => None,
+    };
+    let outcome = diagnosed(case, least.as_ref(), Size::Small, library)?;
+    write_whole(&file, &serde_json::to_vec_pretty(&outcome)?)?;
+    Ok(outcome)
+}
+
+/// What a file holds, or what is made now and written there.
+fn finished<T: Serialize + DeserializeOwned>(file: &Path, make: impl FnOnce() -> Result<T>) -> Result<T> {
+    if let Some(known) = read(file)? {
+        return Ok(known);
+    }
+    let made = make()?;
+    write_whole(file, &serde_json::to_vec_pretty(&made)?)?;
+    Ok(made)
+}
+
+fn read<T: DeserializeOwned>(file: &Path) -> Result<Option<T>> {
+    match fs::read(file) {
+        Ok(bytes) => serde_json::from_slice(&bytes)
+            .with_context(|| {
+                format!("{}: is no result of this benchmark; remove it to have the case made again", file.display())
+            })
+            .map(Some),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error).with_context(|| format!("{}: cannot be read", file.display())),
+    }
+}
+
+/// Writes a file beside its place and renames it.
+fn write_whole(file: &Path, bytes: &[u8]) -> Result<()> {
+    let beside = file.with_extension("part");
+    let write = || fs::write(&beside, bytes).and_then(|()| fs::rename(&beside, file));
+    write().with_context(|| format!("{}: cannot be written", file.display()))
+}
