@@ -1,11 +1,38 @@
 //! What people and machines see: sentences and bars on standard error, one JSON object on standard output, or one a line.
 
 use std::io::{IsTerminal, Write};
-use std::time::Duration;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+
+/// A long work that tells how far it is.
+pub struct Progress {
+    about: String,
+    bar: ProgressBar,
+    started: Instant,
+    quarters: AtomicUsize,
+}
+
+impl Progress {
+    /// `done` of `all` parts are done; `what` is the last of them.
+    pub fn tell(&self, what: &str, done: usize, all: usize) {
+        self.bar.set_position((100 * done / all.max(1)) as u64);
+        let quarter = 4 * done / all.max(1);
+        if self.bar.is_hidden() && self.quarters.fetch_max(quarter, Ordering::Relaxed) < quarter {
+            let seconds = self.started.elapsed().as_secs_f64();
+            eprintln!("{:>10}  {} % after {seconds:.0} s: {what}", self.about, 25 * quarter);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
 
 /// The program's voice. Only the command line holds one; libraries report by values and callbacks.
 pub struct Console {
@@ -42,6 +69,12 @@ impl Console {
         bar.set_prefix(about.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
         bar
+    }
+
+    /// How far a long work is: a bar on a terminal, a line for each quarter in a pipe.
+    pub fn progress(&self, about: &str) -> Progress {
+        let started = Instant::now();
+        Progress { about: about.to_owned(), bar: self.bar(about, 100), started, quarters: AtomicUsize::new(0) }
     }
 
     /// One of several answers to the machine, as one line of JSON, if it was asked for.

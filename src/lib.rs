@@ -7,11 +7,11 @@
 //!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
-//! 5. [`plan`] makes tool paths; [`trial`] reads what was measured, and [`measure`] says what it is worth.
-//! 6. [`virtual_lab`] makes trials in which effects are hidden, with the answer.
-//! 7. [`validate`] opens what was written and holds it against itself.
 //! 5. [`plan`] makes tool paths; [`trial`] and [`table`] read what was measured, [`measure`] says what scans are worth.
-//! 6. [`validate`] opens what was written and holds it against itself.
+//! 6. [`virtual_lab`] makes trials in which effects are hidden, with the answer.
+//! 7. [`laboratory`] fits a model to what was measured and finds what it lacks; [`study`] is the whole course of that, and
+//!    [`study_report`] its page. [`riddle`] is a campaign to try it on.
+//! 8. [`validate`] opens what was written and holds it against itself.
 //!
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
 
@@ -36,6 +36,7 @@ pub mod plan;
 pub mod python;
 pub mod rehearsal;
 pub mod report;
+pub mod riddle;
 pub mod scanner;
 pub mod snapshot;
 pub mod study;

@@ -1,4 +1,4 @@
-//! `robofin demo`: the whole road on the bundled part.
+//! `robofin demo`: the whole road on the bundled part, and a study of the bundled riddle.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,14 +12,21 @@ use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
 use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
-use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, Plan, grind_asset};
+use crate::finishing::{self, GRIND_FILE, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
+use crate::riddle::{Opened, RIDDLE_NAME, open, unpack};
 use crate::snapshot::Keeping;
+use crate::study::{Course, Measurements, StudyRecord, inputs_sha256};
+use crate::study_report::story;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 
 /// Name of the figures file in a demo folder.
 const DEMO_FILE: &str = "demo.json";
+/// Folder of the study in a demo folder.
+const STUDY_FOLDER: &str = "study";
+/// Seed of the study's draws.
+const STUDY_SEED: u64 = 1;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin demo --out out/demo")]
@@ -46,31 +53,15 @@ struct DemoAnswer<'a> {
     seconds: f64,
     real_time_factor: f64,
     grind: GrindSummary,
+    study: Opened,
 }
 
 pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let started = Instant::now();
     let out = args.out.clone().unwrap_or_else(first_free);
     let folder = StagedFolder::new(&out, DEMO_FILE, args.force)?;
-
-    let part = Part::bundled()?;
-    part.describe(console);
-    let options = demo_options(args.seed);
-    let workpiece = weld_part(part, &options, console)?;
-    let asset = folder.path().join("asset");
-    let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
-    asset::write(&workpiece, &options, asset_folder, args.usd, console)?;
-
-    let wheel = Wheel::cylinder(0.05, 0.02);
-    let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
-    let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
-    let grind_folder = StagedFolder::new(&folder.path().join("grind"), GRIND_FILE, false)?;
-    let keeping = (&Keeping::default(), grind_folder.path());
-    let ground = grind_asset(&asset, (wheel, Plan::default()), model, keeping, console)?;
-    let page = finishing::write(&ground, &asset, grind_folder, console)?;
-    console.step("weld", finishing::describe_rest(&ground));
-
-    fs::write(folder.path().join(PAGE_FILE), page)?;
+    let ground = weld_and_grind(args, folder.path(), console)?;
+    let study = study(&folder.path().join(STUDY_FOLDER), console)?;
     let seconds = started.elapsed().as_secs_f64();
     let answer = DemoAnswer {
         out: &out,
@@ -78,11 +69,55 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
         seconds,
         real_time_factor: ground.real_time_factor(),
         grind: ground.summary(),
+        study,
     };
     write_json(&folder.path().join(DEMO_FILE), &answer)?;
     folder.commit()?;
-    console.step("done", format!("in {seconds:.1} s; open {}", out.join(PAGE_FILE).display()));
+    let pages = [PAGE_FILE.into(), Path::new(STUDY_FOLDER).join("report.html")].map(|page| out.join(page));
+    console.step("done", format!("in {seconds:.1} s; open {} and {}", pages[0].display(), pages[1].display()));
     console.answer(&answer)
+}
+
+/// Welds, bakes, grinds and draws the bundled part.
+fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<Ground> {
+    let part = Part::bundled()?;
+    part.describe(console);
+    let options = demo_options(args.seed);
+    let workpiece = weld_part(part, &options, console)?;
+    let asset = folder.join("asset");
+    let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
+    asset::write(&workpiece, &options, asset_folder, args.usd, console)?;
+
+    let wheel = Wheel::cylinder(0.05, 0.02);
+    let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
+    let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
+    let grind_folder = StagedFolder::new(&folder.join("grind"), GRIND_FILE, false)?;
+    let keeping = (&Keeping::default(), grind_folder.path());
+    let ground = grind_asset(&asset, (wheel, Plan::default()), model, keeping, console)?;
+    let page = finishing::write(&ground, &asset, grind_folder, console)?;
+    console.step("weld", finishing::describe_rest(&ground));
+    fs::write(folder.join(PAGE_FILE), page)?;
+    Ok(ground)
+}
+
+/// Studies the bundled riddle to the end, then opens its seal.
+fn study(folder: &Path, console: &Console) -> Result<Opened> {
+    let (campaign, key) = (folder.join(RIDDLE_NAME), folder.join(format!("{RIDDLE_NAME}.key")));
+    unpack(&campaign, &key)?;
+    let library = Library::builtin();
+    let measurements = Measurements::read(&campaign)?;
+    let data = measurements.data()?;
+    console.step("riddle", format!("{RIDDLE_NAME}: {}; something may be hidden in them", data.describe()));
+    let model = Model::new(data.evidence().process());
+    let record = StudyRecord::new(inputs_sha256(&campaign)?, STUDY_SEED);
+    let mut course = Course::new(data, library, model, record)?;
+    super::study::advance(&mut course, false, console)?;
+    let report = super::study::write_files(&mut course, folder, library, console)?;
+    let (opened, sealed) = open(&campaign, &key, &course)?;
+    fs::write(folder.join("story.svg"), story(&report, &sealed))?;
+    console.step("seal", format!("opened; hidden was {}", sealed.hidden.join(", ")));
+    console.step("", if opened.is_right { "the study was right" } else { "the study was WRONG" });
+    Ok(opened)
 }
 
 /// A bead of ordinary size at a voxel that resolves it. With the default seed it lies on the base plate, clear of tube

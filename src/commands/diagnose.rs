@@ -5,20 +5,14 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use sim::effect::Model;
 
 use super::flags::OutFlags;
 use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
-use crate::laboratory::{
-    Diagnosis, DiagnosisSummary, Evidence, Fit, RowEvidence, ScanEvidence, Verdict, calibrate, calibrate_scans,
-    separating_trial, suggest,
-};
-use crate::study::{ReportInput, report};
+use crate::laboratory::{Diagnosis, DiagnosisSummary, calibrate};
+use crate::study::{Measurements, ReportInput, report, suggestion, summary};
 use crate::study_report::page;
-use crate::table::{TABLE_FILE, Table};
-use crate::trial::Campaign;
 
 /// The file by which a result folder is known.
 const DIAGNOSIS_FILE: &str = "diagnosis.json";
@@ -41,97 +35,49 @@ pub(super) struct DiagnoseArgs {
 /// Runs the verb.
 pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let folder = StagedFolder::new(&args.out.out, DIAGNOSIS_FILE, args.out.force)?;
-    let library = args.model.own.library()?;
-    let started = Instant::now();
-    let write = |name: &str, text: String| {
-        std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
-    };
-    let search = |evidence: &dyn Evidence, model: &Model, fit: Fit| -> Result<(DiagnosisSummary, Diagnosis)> {
-        console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
-        let bar = console.bar("effects", 100);
-        let told = |name: &str, done: usize, all: usize| {
-            if std::env::var("TRACE").is_ok() {
-                eprintln!("{:.1} {name} {done}/{all}", started.elapsed().as_secs_f64());
-            }
-            bar.set_position((100 * done / all.max(1)) as u64)
-        };
-        let diagnosis = Diagnosis::new(evidence, (model, fit), &library, (args.seed, &told))?;
-        bar.finish_and_clear();
-        let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
-        let mut summary = DiagnosisSummary::new(evidence, &diagnosis, &title)?;
-        if matches!(summary.verdict, Verdict::Unknown | Verdict::Partly) {
-            let suggestion = suggest(evidence, (&diagnosis.model, &diagnosis.fit), &library, args.seed)?;
-            if let Some(suggestion) = suggestion {
-                let file = format!("{}.toml", suggestion.name);
-                write(&file, suggestion.text)?;
-                console.step("suggested", format!("{}: {file}", suggestion.summary));
-                summary.suggested_effect_file = Some(args.out.out.join(file).display().to_string());
-            }
-        }
-        Ok((summary, diagnosis))
-    };
-    let (seed, place) = (args.seed, args.campaign.as_path());
-    let (summary, diagnosis, report) = if args.campaign.join(TABLE_FILE).is_file() {
-        let table = Table::read(&args.campaign)?;
-        let evidence = RowEvidence::new(&table)?;
-        table.notes.iter().chain(&evidence.notes).for_each(|note| console.step("note", note));
-        let model = args.model.model(evidence.process(), &library)?;
-        let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;
-        let fit = calibrate(&evidence, &model, &library)?;
-        let (summary, diagnosis) = search(&evidence, &model, fit)?;
-        let notes = table.notes.iter().chain(&evidence.notes).cloned().collect();
-        let input = ReportInput { scans: None, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes };
-        let report = report(&input)?;
-        (summary, diagnosis, report)
-    } else {
-        let campaign = Campaign::read(&args.campaign)?;
-        let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
-        console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
-        let model = args.model.model(evidence.process(), &library)?;
-        let fit = calibrate_scans(&mut evidence, &model, &library)?;
-        let (mut summary, diagnosis) = search(&evidence, &model, fit)?;
-        evidence.fix_blur(&diagnosis.fit.model)?;
-        summary.next_trial = separating_trial(&evidence, &diagnosis)?;
-        let scans = Some((&campaign, &evidence));
-        let input =
-            ReportInput { scans, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes: Vec::new() };
-        let report = report(&input)?;
-        (summary, diagnosis, report)
-    };
-    write(DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
-    write("model.toml", diagnosis.model.to_text(&library))?;
-    write("report.html", page(&report))?;
+    let (library, started) = (args.model.own.library()?, Instant::now());
+    let measurements = Measurements::read(&args.campaign)?;
+    let mut data = measurements.data()?;
+    console.step("read", data.describe());
+    data.notes_of_table().iter().for_each(|note| console.step("note", note));
+    let model = data.fitting(args.model.model(data.evidence().process(), &library)?, &library)?;
+    data.prepare(&model, &library)?;
+    let fit = calibrate(data.evidence(), &model, &library)?;
+    console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
+    let progress = console.progress("effects");
+    let told = |what: &str, done: usize, all: usize| progress.tell(what, done, all);
+    let diagnosis = Diagnosis::new(data.evidence(), (&model, fit), &library, (args.seed, &told))?;
+    drop(progress);
+    let suggestion = suggestion(&data, &diagnosis, &library, args.seed)?;
+    let mut summary = summary(&mut data, &diagnosis, &library)?;
+    if let Some(suggestion) = suggestion {
+        let file = format!("{}.toml", suggestion.name);
+        write(&folder, &file, suggestion.text)?;
+        console.step("suggested", format!("{}: {file}", suggestion.summary));
+        summary.suggested_effect_file = Some(args.out.out.join(file).display().to_string());
+    }
     describe(&summary, console);
+    let (scans, notes, place) = (data.scans(), data.notes_of_table(), data.folder());
+    let input = ReportInput { scans, folder: place, diagnosis: &diagnosis, summary: &summary, seed: args.seed, notes };
+    write(&folder, DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
+    write(&folder, "model.toml", diagnosis.model.to_text(&library))?;
+    write(&folder, "report.html", page(&report(&input)?))?;
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
     console.answer(&summary)
 }
 
+fn write(folder: &StagedFolder, name: &str, text: String) -> Result<()> {
+    std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
+}
+
 fn describe(summary: &DiagnosisSummary, console: &Console) {
+    let unit = summary.error_unit.symbol();
     console.step("verdict", &summary.sentence);
     for step in &summary.waterfall {
-        let held_out = step
-            .evaluation_rms_um
-            .map_or(String::new(), |rms| format!(", {rms:.2} {} held out", summary.error_unit.symbol()));
-        console.step(
-            "error",
-            format!("{}: {:.2} {}{held_out}", step.step, step.calibration_rms_um, summary.error_unit.symbol()),
-        );
+        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
+        console.step("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um));
     }
-    console.step("floor", format!("{:.2} {}", summary.noise_floor_um, summary.error_unit.symbol()));
-    for effect in &summary.suspects {
-        let values: Vec<String> =
-            effect.parameters.iter().map(|(name, p)| format!("{name} = {:.4} {}", p.value, p.unit)).collect();
-        console.step(
-            "suspect",
-            format!(
-                "{}: {:.3}, gain {:.1}, chance {:.3}; {}",
-                effect.name,
-                effect.probability,
-                effect.gain,
-                effect.chance,
-                values.join(", ")
-            ),
-        );
-    }
+    console.step("floor", format!("{:.2} {unit}", summary.noise_floor_um));
+    summary.suspects.iter().for_each(|suspect| console.step("suspect", suspect.shown()));
 }

@@ -3,6 +3,7 @@
 mod backends;
 mod bake;
 mod bench;
+mod calibrate;
 mod demo;
 mod diagnose;
 mod effects;
@@ -12,6 +13,7 @@ mod path;
 mod press;
 mod render;
 mod simulate;
+mod study;
 mod trial;
 mod validate;
 mod weld;
@@ -61,8 +63,12 @@ enum Verb {
     Render(render::RenderArgs),
     /// Open every file of an asset and hold it against the others.
     Validate(validate::ValidateArgs),
+    /// Fit a model to a campaign, step by step from the base law to its last effect.
+    Calibrate(calibrate::CalibrateArgs),
     /// Find out which effect a model lacks, from the scans of a campaign.
     Diagnose(diagnose::DiagnoseArgs),
+    /// Compare, calibrate, diagnose, add what is missing and calibrate again, until nothing more can be found.
+    Study(study::StudyArgs),
     /// Count how often a diagnosis is right, on synthetic campaigns with known answers.
     Bench(bench::BenchArgs),
     /// List, show and check laws and effects; add them to a model or remove them.
@@ -101,8 +107,10 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
+        Verb::Calibrate(args) => calibrate::run(&args, console),
         Verb::Bench(args) => bench::run(&args, console),
         Verb::Diagnose(args) => diagnose::run(&args, console),
+        Verb::Study(args) => study::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),
     }

@@ -33,7 +33,7 @@ const CUT: f64 = 3.0;
 /// Why an effect was not weighed of which no simulation ended.
 const TOO_DEAR: &str = "its simulation fails or takes several times as many steps as the base model's";
 /// Effects that may be found one after the other.
-const MOST_EFFECTS: usize = 3;
+pub const MOST_EFFECTS: usize = 3;
 
 /// What the data say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -124,7 +124,7 @@ fn rms(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
 }
 
 /// Standard deviation of whitened residuals, gross outliers cut; at least one.
-fn spread(residuals: &[f64]) -> f64 {
+pub(super) fn spread(residuals: &[f64]) -> f64 {
     let middle = median(residuals.iter().map(|r| r.abs()).collect()).unwrap_or(0.0);
     let most = CUT * (MAD_TO_SIGMA * middle).max(1.0);
     let squares: f64 = residuals.iter().map(|r| r.abs().min(most).powi(2)).sum();
@@ -238,10 +238,24 @@ impl Diagnosis {
         library: &Library,
         (seed, told): (u64, Told),
     ) -> Result<Self, EvidenceError> {
+        Self::within(evidence, (model, base), library, (seed, told), MOST_EFFECTS)
+    }
+
+    /// As [`Diagnosis::new`], with at most so many searches.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn within(
+        evidence: &dyn Evidence,
+        (model, base): (&Model, Fit),
+        library: &Library,
+        (seed, told): (u64, Told),
+        searches: usize,
+    ) -> Result<Self, EvidenceError> {
         let (mut model, mut fit) = (model.clone(), base);
         let mut rounds: Vec<Round> = Vec::new();
         let mut sure = true;
-        while rounds.len() < MOST_EFFECTS {
+        while rounds.len() < searches {
             let round = Round::new(evidence, (&model, fit.clone()), library, (seed, told))?;
             let best = round.best().cloned();
             sure = best.as_ref().is_none_or(|best| best.probability >= CERTAIN);

@@ -30,9 +30,10 @@ pub enum EvidenceError {
 }
 
 /// In what the errors of data are told.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ErrorUnit {
     /// Micrometres.
+    #[default]
     #[serde(rename = "um")]
     Micrometre,
     /// Hundredths of what was removed.

@@ -85,11 +85,20 @@ impl ExposureView {
     /// Mean distance between the measured and the simulated border [m]: the area on which they disagree over the
     /// border's length.
     pub fn border_distance(&self, margin: &[f64]) -> f64 {
-        let pixels = self.measured.pixels;
         let wrong = |&(_, at): &(usize, usize)| self.measured.exposed[at] != Some(margin[at] >= 0.0);
         let disagree = self.tiles.pixels().filter(wrong).count() as f64;
+        disagree / self.border_length() * self.measured.pixels.pitch
+    }
+
+    /// Standard deviation of the area on which substrate shows [m²]: the border's pixels err independently.
+    pub fn area_sigma(&self) -> f64 {
+        self.border_floor() * self.measured.pixels.pitch * self.border_length().sqrt()
+    }
+
+    /// Length of the measured border [pixels]; at least one.
+    fn border_length(&self) -> f64 {
         let field: Vec<f64> = majority(&self.measured).iter().map(|share| share - 0.5).collect();
-        disagree / Border::new(&field, pixels).crossings().max(1) as f64 * pixels.pitch
+        Border::new(&field, self.measured.pixels).crossings().max(1) as f64
     }
 }
 

@@ -106,6 +106,14 @@ impl HeightView {
         (0..self.measured.heights.len()).map(left).collect()
     }
 
+    /// Root mean square of measured minus simulated height over the tiles' pixels, with the scan where it came [m].
+    pub fn raw_rms(&self, simulated: &HeightMap) -> f64 {
+        let raw = self.tiles.pixels().map(|(_, at)| self.measured.heights[at] - simulated.heights[at]);
+        let (sum, count) =
+            raw.filter(|raw| raw.is_finite()).fold((0.0, 0.0), |(sum, count), raw| (sum + raw * raw, count + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
     /// Standard deviation of the volume under all tiles, from noise and the scan's pose [m³].
     pub fn volume_sigma(&self) -> f64 {
         let mut areas = vec![0.0; self.tiles.len()];

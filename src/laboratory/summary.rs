@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::detectable::Detectable;
 use super::diagnose::{Diagnosis, Finding, Round, Verdict};
@@ -10,6 +10,8 @@ use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::fit::{Estimate, Fit};
 use super::next_trial::NextTrial;
 
+/// Name of the waterfall's step at which the base law is calibrated.
+pub const BASE_STEP: &str = "base model";
 /// Standard deviations of a 95 % interval.
 const INTERVAL: f64 = 1.96;
 
@@ -52,7 +54,7 @@ pub struct EffectSummary {
 }
 
 /// A step of the waterfall.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WaterfallStep {
     /// What was done.
     pub step: String,
@@ -96,7 +98,7 @@ pub struct DiagnosisSummary {
 }
 
 /// Root mean square over scans, in the unit in which errors are told.
-fn rms(of: &[Agreement], unit: ErrorUnit, value: impl Fn(&Agreement) -> f64) -> f64 {
+pub(super) fn rms(of: &[Agreement], unit: ErrorUnit, value: impl Fn(&Agreement) -> f64) -> f64 {
     (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * unit.per_one()
 }
 
@@ -124,7 +126,37 @@ pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
     }
 }
 
+impl ParameterSummary {
+    /// Value, interval and what is to be known, in a line.
+    pub fn shown(&self) -> String {
+        let interval = self
+            .interval
+            .map_or(String::new(), |[low, high]| format!(", 95 % from {} to {}", significant(low), significant(high)));
+        let note = self.note.as_ref().map_or(String::new(), |note| format!(", {note}"));
+        format!("{} = {}{interval}{note}", self.name, self.quantity())
+    }
+
+    /// The value with its unit.
+    pub fn quantity(&self) -> String {
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        format!("{}{unit}", significant(self.value))
+    }
+}
+
+/// To four digits.
+fn significant(value: f64) -> String {
+    format!("{value:.3e}").parse::<f64>().unwrap_or(value).to_string()
+}
+
 impl EffectSummary {
+    /// Probability, gain and values, in a line.
+    pub fn shown(&self) -> String {
+        let value = |(name, p): (&String, &ParameterSummary)| format!("{name} = {}", p.quantity());
+        let values: Vec<String> = self.parameters.iter().map(value).collect();
+        let Self { name, probability, gain, chance, .. } = self;
+        format!("{name}: probability {probability:.3}, gain {gain:.1}, chance {chance:.3}; {}", values.join(", "))
+    }
+
     fn new(
         evidence: &dyn Evidence,
         (round, finding): (&Round, &Finding),
@@ -176,7 +208,7 @@ impl DiagnosisSummary {
             let before = evidence.agreement(&round.base.model, Split::Evaluation)?;
             if number == 0 {
                 floor = rms(&round.calibration, unit, |a| a.floor);
-                waterfall.push(step("base model".into(), unit, &round.calibration, &before));
+                waterfall.push(step(BASE_STEP.to_owned(), unit, &round.calibration, &before));
             }
             for (place, finding) in round.findings.iter().enumerate() {
                 let summary = EffectSummary::new(evidence, (round, finding), &title(finding.suspect.name()), &before)?;
@@ -214,7 +246,12 @@ pub fn parameters(fit: &Fit, spread: f64) -> Vec<ParameterSummary> {
     fit.estimates(spread).iter().map(parameter_summary).collect()
 }
 
-fn step(step: String, unit: ErrorUnit, calibration: &[Agreement], evaluation: &[Agreement]) -> WaterfallStep {
+pub(super) fn step(
+    step: String,
+    unit: ErrorUnit,
+    calibration: &[Agreement],
+    evaluation: &[Agreement],
+) -> WaterfallStep {
     let evaluation_rms_um = (!evaluation.is_empty()).then(|| rms(evaluation, unit, |a| a.rms));
     WaterfallStep { step, calibration_rms_um: rms(calibration, unit, |a| a.rms), evaluation_rms_um }
 }

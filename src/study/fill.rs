@@ -4,10 +4,11 @@ use std::path::Path;
 
 use anyhow::Result;
 use sha2::{Digest as _, Sha256};
+use sim::effect::Model;
 
 use super::maps::Seen;
 use crate::laboratory::{
-    Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, ParameterSummary, ScanEvidence, Verdict,
+    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, ParameterSummary, ScanEvidence, Verdict,
 };
 use crate::study_report as page;
 use crate::study_report::{
@@ -45,27 +46,27 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
     let seen = input.scans.map(|(_, evidence)| Seen::new(evidence, base, found)).transpose()?;
     let seen = seen.as_ref();
     Ok(StudyReport {
-        compared: compared(input),
+        compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes),
         verdict: verdict(summary.verdict),
         sentence: summary.sentence.clone(),
         tests: Vec::new(),
-        waterfall: waterfall(summary),
+        waterfall: waterfall(&summary.waterfall, summary.noise_floor_um, summary.error_unit),
         volumes: seen.map(Seen::volumes).unwrap_or_default(),
         scans: seen.map(Seen::scans).unwrap_or_default(),
         sections: seen.map(Seen::sections).unwrap_or_default(),
         covariates: Vec::new(),
         suspects: summary.suspects.iter().map(|suspect| self::suspect(suspect, summary.error_unit)).collect(),
         parameters: summary.parameters.iter().map(parameter).collect(),
-        correlations: correlations(diagnosis),
+        correlations: correlations(&diagnosis.fit),
         detectable: summary.detectable.iter().map(detectable).collect(),
         next_trial: None,
         suggested_effect: None,
-        provenance: provenance(input)?,
+        provenance: provenance(input.folder, input.seed)?,
         diagnosis: serde_json::to_value(summary)?,
     })
 }
 
-fn verdict(verdict: Verdict) -> page::Verdict {
+pub(super) fn verdict(verdict: Verdict) -> page::Verdict {
     match verdict {
         Verdict::Identified => page::Verdict::Identified,
         Verdict::Ambiguous => page::Verdict::Ambiguous,
@@ -76,13 +77,18 @@ fn verdict(verdict: Verdict) -> page::Verdict {
     }
 }
 
-fn compared(input: &ReportInput) -> Compared {
-    let campaign = input.folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let effects: Vec<String> = input.diagnosis.model.effects.iter().map(|part| part.name.clone()).collect();
-    let laws: Vec<String> = input.diagnosis.model.laws.iter().map(|part| part.name.clone()).collect();
+/// What was compared: a model with the scans of a campaign, or with rows.
+pub(super) fn compared(
+    (model, scans): (&Model, Option<(&Campaign, &ScanEvidence)>),
+    folder: &Path,
+    notes: &[String],
+) -> Compared {
+    let campaign = folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let effects: Vec<String> = model.effects.iter().map(|part| part.name.clone()).collect();
+    let laws: Vec<String> = model.laws.iter().map(|part| part.name.clone()).collect();
     let model = [laws, effects].concat().join(", ");
-    let Some((trials, evidence)) = input.scans else {
-        return Compared { campaign, model, notes: input.notes.clone(), ..Compared::default() };
+    let Some((trials, evidence)) = scans else {
+        return Compared { campaign, model, notes: notes.to_vec(), ..Compared::default() };
     };
     let trial = &trials.trials[0];
     let tool = match trial.tool {
@@ -115,35 +121,33 @@ fn compared(input: &ReportInput) -> Compared {
                 .to_owned(),
             "The noise floor comes from the repeated scan before the first pass.".to_owned(),
         ],
-        notes: trials.trials.iter().flat_map(|trial| trial.notes.clone()).chain(input.notes.clone()).collect(),
+        notes: trials.trials.iter().flat_map(|trial| trial.notes.clone()).chain(notes.iter().cloned()).collect(),
     }
 }
 
-fn waterfall(summary: &DiagnosisSummary) -> Waterfall {
-    let one = 1.0 / summary.error_unit.per_one();
-    let excess = |rms: f64| (rms * rms - summary.noise_floor_um * summary.noise_floor_um).max(0.0);
-    let base = excess(summary.base_rms_um);
-    let step = |step: &crate::laboratory::WaterfallStep| WaterfallStep {
+/// The steps and the noise floor below them. Steps before the base model have no share of its excess.
+pub(super) fn waterfall(steps: &[crate::laboratory::WaterfallStep], floor: f64, unit: ErrorUnit) -> Waterfall {
+    let one = 1.0 / unit.per_one();
+    let excess = |rms: f64| (rms * rms - floor * floor).max(0.0);
+    let base = steps.iter().position(|step| step.step == BASE_STEP).unwrap_or(0);
+    let whole = steps.get(base).map_or(0.0, |step| excess(step.calibration_rms_um));
+    let step = |(k, step): (usize, &crate::laboratory::WaterfallStep)| WaterfallStep {
         name: step.step.clone(),
         calibration: Some(step.calibration_rms_um * one),
         evaluation: step.evaluation_rms_um.map(|rms| rms * one),
         volume_errors: Vec::new(),
-        unexplained: (base > 0.0).then(|| excess(step.calibration_rms_um) / base),
+        unexplained: (k >= base && whole > 0.0).then(|| excess(step.calibration_rms_um) / whole),
     };
-    let floor = WaterfallStep {
-        name: "noise floor".to_owned(),
-        calibration: Some(summary.noise_floor_um * one),
-        ..WaterfallStep::default()
-    };
-    let steps = summary.waterfall.iter().map(step).chain([floor]).collect();
-    let misfit = match summary.error_unit {
+    let last =
+        WaterfallStep { name: "noise floor".to_owned(), calibration: Some(floor * one), ..WaterfallStep::default() };
+    let misfit = match unit {
         ErrorUnit::Micrometre => Misfit::heights(),
         ErrorUnit::Percent => Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
     };
-    Waterfall { misfit, passes: Vec::new(), steps }
+    Waterfall { misfit, passes: Vec::new(), steps: steps.iter().enumerate().map(step).chain([last]).collect() }
 }
 
-fn suspect(suspect: &EffectSummary, unit: ErrorUnit) -> page::Suspect {
+pub(super) fn suspect(suspect: &EffectSummary, unit: ErrorUnit) -> page::Suspect {
     let one = 1.0 / unit.per_one();
     page::Suspect {
         name: suspect.name.clone(),
@@ -161,7 +165,7 @@ fn suspect(suspect: &EffectSummary, unit: ErrorUnit) -> page::Suspect {
     }
 }
 
-fn parameter(parameter: &ParameterSummary) -> page::ParameterEstimate {
+pub(super) fn parameter(parameter: &ParameterSummary) -> page::ParameterEstimate {
     let note = parameter.note.as_deref().unwrap_or_default();
     page::ParameterEstimate {
         name: parameter.name.clone(),
@@ -174,10 +178,10 @@ fn parameter(parameter: &ParameterSummary) -> page::ParameterEstimate {
     }
 }
 
-fn correlations(diagnosis: &Diagnosis) -> Option<page::Correlations> {
-    let covariance = diagnosis.fit.covariance()?;
+pub(super) fn correlations(fit: &Fit) -> Option<page::Correlations> {
+    let covariance = fit.covariance()?;
     let count = covariance.nrows();
-    let names = diagnosis.fit.coordinates.iter().map(|c| c.slot.name()).collect();
+    let names = fit.coordinates.iter().map(|c| c.slot.name()).collect();
     let value = |k: usize| {
         let (i, j) = (k / count, k % count);
         covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt()
@@ -185,7 +189,7 @@ fn correlations(diagnosis: &Diagnosis) -> Option<page::Correlations> {
     (count > 1).then(|| page::Correlations { names, values: (0..count * count).map(value).collect() })
 }
 
-fn detectable(detectable: &crate::laboratory::Detectable) -> page::Detectable {
+pub(super) fn detectable(detectable: &crate::laboratory::Detectable) -> page::Detectable {
     page::Detectable {
         name: detectable.effect.clone(),
         parameter: detectable.parameter.clone(),
@@ -197,19 +201,28 @@ fn detectable(detectable: &crate::laboratory::Detectable) -> page::Detectable {
     }
 }
 
-fn provenance(input: &ReportInput) -> Result<Provenance> {
-    let mut files: Vec<_> =
-        walkdir::WalkDir::new(input.folder).sort_by_file_name().into_iter().collect::<Result<_, _>>()?;
+/// SHA-256 over the hashes of all files of a folder: whether measurements are the same.
+///
+/// # Errors
+/// When a file cannot be read.
+pub fn inputs_sha256(folder: &Path) -> Result<String> {
+    let inputs = provenance(folder, 0)?.inputs;
+    let lines: String = inputs.iter().map(|input| format!("{} {}\n", input.sha256, input.file)).collect();
+    Ok(crate::part::sha256(lines.as_bytes()))
+}
+
+pub(super) fn provenance(folder: &Path, seed: u64) -> Result<Provenance> {
+    let mut files: Vec<_> = walkdir::WalkDir::new(folder).sort_by_file_name().into_iter().collect::<Result<_, _>>()?;
     files.retain(|entry| entry.file_type().is_file());
     let digest = |entry: &walkdir::DirEntry| -> Result<Digest> {
         let hash: String =
             Sha256::digest(std::fs::read(entry.path())?).iter().map(|byte| format!("{byte:02x}")).collect();
-        let file = entry.path().strip_prefix(input.folder).unwrap_or(entry.path()).display().to_string();
+        let file = entry.path().strip_prefix(folder).unwrap_or(entry.path()).display().to_string();
         Ok(Digest { file, sha256: hash })
     };
     Ok(Provenance {
         inputs: files.iter().map(digest).collect::<Result<_>>()?,
-        seed: input.seed,
+        seed,
         versions: vec![("robofin".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
         ..Provenance::default()
     })

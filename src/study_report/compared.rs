@@ -29,6 +29,7 @@ fn meaning(verdict: Verdict) -> &'static str {
             "The model agrees with the measurement within its noise; see below what would have shown."
         }
         Verdict::NotTestable => "These passes cannot show what was asked.",
+        Verdict::Calibrated => "Whether anything is missing, and what, a diagnosis says.",
     }
 }
 

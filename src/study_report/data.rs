@@ -13,7 +13,7 @@ pub struct StudyReport {
     pub compared: Compared,
     /// The verdict.
     pub verdict: Verdict,
-    /// The verdict in one sentence.
+    /// The verdict, or what was done, in one sentence.
     pub sentence: String,
     /// Whether anything is missing, test by test.
     pub tests: Vec<TestOfMissing>,
@@ -68,7 +68,7 @@ pub struct Compared {
     pub notes: Vec<String>,
 }
 
-/// What a study may conclude: exactly one of these.
+/// What a study may conclude: exactly one of these; before it does, that it is calibrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -84,6 +84,8 @@ pub enum Verdict {
     NothingMissing,
     /// These passes could not show what was asked.
     NotTestable,
+    /// The model was fitted, and nothing was searched for yet.
+    Calibrated,
 }
 
 impl Verdict {
@@ -96,6 +98,7 @@ impl Verdict {
             Self::Unknown => "unknown",
             Self::NothingMissing => "nothing-missing",
             Self::NotTestable => "not-testable",
+            Self::Calibrated => "calibrated",
         }
     }
 }

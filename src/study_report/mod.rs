@@ -17,6 +17,7 @@ mod provenance;
 mod scan_data;
 mod sections;
 mod statistics;
+mod story;
 mod suspects;
 mod waterfall;
 mod words;
@@ -29,6 +30,7 @@ pub use scan_data::{
     Bin, ComparedPass, CovariatePlot, Direction, ExposureMaps, HeightMaps, Maps, Misfit, PassVolume, ScanComparison,
     ScanSection, Waterfall, WaterfallStep,
 };
+pub use story::{Sealed, story};
 
 use crate::report::Page;
 
@@ -46,11 +48,16 @@ pub fn page(report: &StudyReport) -> String {
     waterfall::add(&mut page, &report.waterfall);
     compared::add_volumes(&mut page, &report.volumes);
     add_residuals(&mut page, report);
-    suspects::add(&mut page, &report.suspects, &report.waterfall.misfit);
+    let is_diagnosed = report.verdict != Verdict::Calibrated;
+    if is_diagnosed {
+        suspects::add(&mut page, &report.suspects, &report.waterfall.misfit);
+    }
     parameters::add(&mut page, &report.parameters, report.correlations.as_ref());
     outlook::add_detectable(&mut page, &report.detectable);
     outlook::add_suggested(&mut page, report.suggested_effect.as_ref());
-    outlook::add_next(&mut page, report.next_trial.as_ref());
+    if is_diagnosed {
+        outlook::add_next(&mut page, report.next_trial.as_ref());
+    }
     compared::add_method(&mut page, &report.compared);
     provenance::add(&mut page, &report.provenance);
     provenance::add_diagnosis(&mut page, &report.diagnosis);

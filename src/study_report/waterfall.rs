@@ -6,7 +6,8 @@ use super::number::{cell, percent, share_cell, significant};
 use super::scan_data::{Waterfall, WaterfallStep};
 use crate::report::{Cell, Page, Table, escape};
 
-const WIDTH: f64 = 900.0;
+/// Width of the picture [px].
+pub(super) const WIDTH: f64 = 900.0;
 const LEFT: f64 = 190.0;
 const RIGHT: f64 = 110.0;
 const TOP: f64 = 30.0;
@@ -50,12 +51,18 @@ fn longest(waterfall: &Waterfall) -> (f64, bool) {
 }
 
 fn picture(waterfall: &Waterfall) -> String {
+    let (bars, height) = drawing(waterfall);
+    format!(
+        "<svg viewBox=\"0 0 {WIDTH} {height}\" style=\"width:{WIDTH}px\" role=\"img\" font-family=\"system-ui, sans-serif\" \
+         font-size=\"13\"><title>Error after each step, in calibration and evaluation passes</title>{bars}</svg>"
+    )
+}
+
+/// The bars as SVG elements, [`WIDTH`] wide, and their height [px].
+pub(super) fn drawing(waterfall: &Waterfall) -> (String, f64) {
     let (end, _) = longest(waterfall);
     let height = TOP + STEP * waterfall.steps.len() as f64 + 8.0;
-    let mut svg = format!(
-        "<svg viewBox=\"0 0 {WIDTH} {height}\" style=\"width:{WIDTH}px\" role=\"img\" font-family=\"system-ui, sans-serif\" \
-         font-size=\"13\"><title>Error after each step, in calibration and evaluation passes</title>"
-    );
+    let mut svg = String::new();
     for (k, (colour, name)) in
         [(CALIBRATION, "calibration passes"), (EVALUATION, "evaluation passes")].iter().enumerate()
     {
@@ -81,7 +88,7 @@ fn picture(waterfall: &Waterfall) -> String {
         }
     }
     draw_floor(&mut svg, waterfall, end, height);
-    svg + "</svg>"
+    (svg, height)
 }
 
 fn draw_bar(svg: &mut String, waterfall: &Waterfall, (value, end): (f64, f64), y: f64, colour: &str) {

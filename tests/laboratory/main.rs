@@ -1,6 +1,9 @@
-//! The laboratory: data that are whitened, evaluation that stays unseen, hidden effects that come out.
+//! The laboratory: data that are whitened, evaluation that stays unseen, hidden effects that come out, and the verbs that take
+//! it step by step.
 
 mod campaigns;
+mod orders;
+mod steps;
 mod unknown;
 mod unseen;
 mod whitening;

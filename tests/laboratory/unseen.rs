@@ -6,7 +6,7 @@ use robofin::laboratory::{Evidence, Fit, FitOptions, ScanEvidence, Split};
 use robofin::trial::{Campaign, PassScan, Role, Trial};
 use sim::effect::{CompiledModel, Library, Model};
 
-fn bundled() -> Vec<Trial> {
+pub fn bundled() -> Vec<Trial> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look");
     Campaign::read(&folder).expect("the bundled campaign").trials
 }

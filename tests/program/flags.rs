@@ -67,7 +67,20 @@ fn unknown_verbs_and_flags_are_wrong_use() {
     run(&mut robofin(["weld", "part.obj", "--out", "x", "--voxel-mm", "1", "--resolution", "9"]))
         .is_refused(2, &["--voxel-mm", "--resolution"]);
     assert_eq!(run(&mut robofin::<&str>([])).status.code(), Some(2));
-    for verb in ["demo", "weld", "bake", "simulate", "press", "render", "validate", "backends"] {
+    for verb in [
+        "demo",
+        "weld",
+        "bake",
+        "simulate",
+        "press",
+        "render",
+        "validate",
+        "calibrate",
+        "diagnose",
+        "study",
+        "effects",
+        "backends",
+    ] {
         let help = run(&mut robofin([verb, "--help"])).succeeds();
         assert!(help.stdout.contains("Usage: robofin"), "{}", help.stdout);
     }

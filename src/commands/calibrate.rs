@@ -1,0 +1,119 @@
+//! `robofin calibrate`: the values with which a model describes a campaign best.
+
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use serde::Serialize;
+use sim::effect::Library;
+
+use super::flags::OutFlags;
+use super::model_flags::ModelFlags;
+use crate::console::Console;
+use crate::folder::StagedFolder;
+use crate::laboratory::{Calibration, CalibrationSummary, Order};
+use crate::study::{CalibrationReport, Data, Measurements, calibration_report};
+use crate::study_report::page;
+
+/// The file by which a result folder is known.
+const CALIBRATION_FILE: &str = "calibration.json";
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  robofin calibrate trials --out out/base\n  \
+                        robofin effects add out/base/model.toml grit-dulling\n  \
+                        robofin calibrate trials --model out/base/model.toml --out out/dulling --json")]
+pub(super) struct CalibrateArgs {
+    /// Folder of trial folders, one trial folder, or a folder with a table.toml.
+    campaign: PathBuf,
+    #[command(flatten)]
+    out: OutFlags,
+    #[command(flatten)]
+    model: ModelFlags,
+    /// Fit everything at once, or first the removal rate from what was removed in all.
+    #[arg(long, value_enum, default_value_t)]
+    order: Order,
+}
+
+/// The answer of `calibrate --json`, and `calibration.json`.
+#[derive(Serialize)]
+struct CalibrateAnswer<'a> {
+    model: &'a Path,
+    #[serde(flatten)]
+    summary: &'a CalibrationSummary,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
+    let folder = StagedFolder::new(&args.out.out, CALIBRATION_FILE, args.out.force)?;
+    let (library, started) = (args.model.own.library()?, Instant::now());
+    let measurements = Measurements::read(&args.campaign)?;
+    let mut data = measurements.data()?;
+    console.step("read", data.describe());
+    data.notes_of_table().iter().for_each(|note| console.step("note", note));
+    let calibration = calibrated(args, &mut data, &library, console)?;
+    let summary = CalibrationSummary::new(data.evidence(), &calibration, &library)?;
+    describe(&summary, console);
+    data.fix_blur(&calibration.last().fit.model)?;
+    let place = args.out.out.join("model.toml");
+    let answer = CalibrateAnswer { model: &place, summary: &summary };
+    let report = calibration_report(&CalibrationReport {
+        data: &data,
+        calibration: &calibration,
+        summary: &summary,
+        waterfall: &summary.waterfall,
+        rival: None,
+        verdict: None,
+        sentence: sentence(&summary),
+        seed: 0,
+        answer: serde_json::to_value(&answer)?,
+    })?;
+    let write = |name: &str, text: String| {
+        std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
+    };
+    write(CALIBRATION_FILE, serde_json::to_string_pretty(&answer)?)?;
+    write("model.toml", calibration.model.to_text(&library))?;
+    write("report.html", page(&report))?;
+    let place = folder.commit()?;
+    console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
+    console.answer(&answer)
+}
+
+/// Fits the model and those that it grew from.
+fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console: &Console) -> Result<Calibration> {
+    let model = data.fitting(args.model.model(data.evidence().process(), library)?, library)?;
+    let start = data.start(&model, library)?;
+    let (progress, count) = (console.progress("fits"), 1 + model.effects.len());
+    data.prepare(&model, library)?;
+    let done = Cell::new(0);
+    let fitted = |name: &str| {
+        done.set(done.get() + 1);
+        progress.tell(name, done.get(), count);
+    };
+    Calibration::new(data.evidence(), (&model, &start), library, (args.order, &fitted))
+}
+
+/// How far the whole model is from the noise floor.
+fn sentence(summary: &CalibrationSummary) -> String {
+    let unit = summary.error_unit.symbol();
+    let last = summary.waterfall.last().map_or(0.0, |step| step.calibration_rms_um);
+    let floor = summary.noise_floor_um;
+    format!("Calibrated: {last:.2} {unit} are left, {:.2} times the noise floor of {floor:.2} {unit}.", last / floor)
+}
+
+fn describe(summary: &CalibrationSummary, console: &Console) {
+    let unit = summary.error_unit.symbol();
+    for step in &summary.waterfall {
+        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
+        console.step("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um));
+    }
+    console.step("floor", format!("{:.2} {unit}", summary.noise_floor_um));
+    for removal in &summary.removal {
+        let role = if removal.is_calibration { "" } else { ", held out" };
+        let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
+        console.step("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent));
+    }
+    summary.parameters.iter().for_each(|parameter| console.step("parameter", parameter.shown()));
+    summary.remarks.iter().for_each(|remark| console.step("note", remark));
+}

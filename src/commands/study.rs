@@ -1,0 +1,152 @@
+//! `robofin study`: compare, calibrate, diagnose, add, calibrate again, until nothing more can be found.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use sim::effect::{Library, Model};
+
+use super::flags::OutFlags;
+use super::model_flags::{ModelFlags, read_text};
+use crate::console::Console;
+use crate::folder::StagedFolder;
+use crate::study::{Course, Data, Measurements, STUDY_FILE, STUDY_FORMAT, StudyRecord, inputs_sha256};
+use crate::study_report::{StudyReport, page};
+use crate::wrong_use;
+
+/// The model's file in a study's folder.
+const MODEL_FILE: &str = "model.toml";
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  robofin study trials --out out/study\n  \
+                        robofin study trials --out out/study --step     (again and again, one step each time)")]
+pub(super) struct StudyArgs {
+    /// Folder of trial folders, one trial folder, or a folder with a table.toml.
+    campaign: PathBuf,
+    #[command(flatten)]
+    out: OutFlags,
+    #[command(flatten)]
+    model: ModelFlags,
+    /// Do the next step only, and say what the one after it would be; the folder keeps how far the study is.
+    #[arg(long)]
+    step: bool,
+    /// Seed of the draws that tell chance from effect.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
+    let out = &args.out.out;
+    let goes_on = args.step && !args.out.force && out.join(STUDY_FILE).is_file();
+    let folder = StagedFolder::new(out, STUDY_FILE, args.out.force || goes_on)?;
+    let library = args.model.own.library()?;
+    let measurements = Measurements::read(&args.campaign)?;
+    let data = measurements.data()?;
+    console.step("read", data.describe());
+    data.notes_of_table().iter().for_each(|note| console.step("note", note));
+    let mut course = if goes_on { resumed(args, data, &library)? } else { begun(args, data, &library)? };
+    if course.record.next.is_none() {
+        describe_end(&course.record, console);
+        return console.answer(&course.record);
+    }
+    advance(&mut course, args.step, console)?;
+    write(&mut course, folder, &library, console)?;
+    console.answer(&course.record)
+}
+
+/// A study that begins.
+fn begun<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<Course<'a>> {
+    let record = StudyRecord::new(inputs_sha256(&args.campaign)?, args.seed);
+    let model = args.model.model(data.evidence().process(), library)?;
+    Course::new(data, library, model, record)
+}
+
+/// A study that goes on from its folder.
+fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<Course<'a>> {
+    let out = &args.out.out;
+    let file = out.join(STUDY_FILE);
+    if args.model.model.is_some() {
+        let model = out.join(MODEL_FILE);
+        return Err(wrong_use(format!(
+            "--model: this study goes on with its own {}; change that file, or begin again with --force",
+            model.display()
+        )));
+    }
+    let record: StudyRecord = serde_json::from_str(&read_text(&file)?)
+        .with_context(|| format!("{}: no record of a study", file.display()))?;
+    if record.format != STUDY_FORMAT {
+        return Err(wrong_use(format!("{}: format {}, and {STUDY_FORMAT} is accepted", file.display(), record.format)));
+    }
+    if record.measurements_sha256 != inputs_sha256(&args.campaign)? {
+        return Err(wrong_use(format!(
+            "{}: its study was begun with other measurements than {} holds now; begin again with --force",
+            out.display(),
+            args.campaign.display()
+        )));
+    }
+    let model = out.join(MODEL_FILE);
+    let model = Model::parse(&model.display().to_string(), &read_text(&model)?, library)?;
+    Course::new(data, library, model, record)
+}
+
+/// Does the next step, or all steps to the end, and says what each did.
+pub(super) fn advance(course: &mut Course, one: bool, console: &Console) -> Result<()> {
+    while let Some(next) = course.record.next {
+        let started = Instant::now();
+        let progress = console.progress(next.word());
+        let done = course.step(&|what, done, all| progress.tell(what, done, all))?;
+        drop(progress);
+        if let Some(done) = done {
+            let seconds = started.elapsed().as_secs_f64();
+            console.step(done.action.word(), format!("{}\nin {seconds:.1} s", done.outcome));
+        }
+        if one {
+            break;
+        }
+    }
+    describe_end(&course.record, console);
+    Ok(())
+}
+
+fn describe_end(record: &StudyRecord, console: &Console) {
+    match (record.next, &record.ended) {
+        (Some(next), _) => console.step("next", format!("{}: {}", next.word(), next.intent())),
+        (None, ended) => {
+            let why = ended.as_deref().unwrap_or_default();
+            console.step("ended", why);
+            console.step("verdict", record.sentence.as_deref().unwrap_or_default());
+        }
+    }
+}
+
+/// Writes the folder of a study.
+fn write(course: &mut Course, folder: StagedFolder, library: &Library, console: &Console) -> Result<()> {
+    write_files(course, folder.path(), library, console)?;
+    let place = folder.commit()?;
+    console.step("written", format!("{}; open report.html there", place.display()));
+    Ok(())
+}
+
+/// Writes the files of a study into a folder; returns the report that its page shows.
+pub(super) fn write_files(
+    course: &mut Course,
+    folder: &Path,
+    library: &Library,
+    console: &Console,
+) -> Result<StudyReport> {
+    let write = |name: &str, text: String| {
+        std::fs::write(folder.join(name), text).with_context(|| format!("{name}: cannot be written"))
+    };
+    if let Some(suggestion) = &course.suggestion {
+        let file = format!("{}.toml", suggestion.name);
+        console.step("suggested", format!("{}: {file}", suggestion.summary));
+        write(&file, suggestion.text.clone())?;
+    }
+    write(STUDY_FILE, serde_json::to_string_pretty(&course.record)?)?;
+    write(MODEL_FILE, course.model.to_text(library))?;
+    let report = course.report()?;
+    write("report.html", page(&report))?;
+    Ok(report)
+}

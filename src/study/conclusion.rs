@@ -1,0 +1,35 @@
+//! What follows from a diagnosis: its numbers, a form for what is unknown, the trial that would tell rivals apart.
+
+use anyhow::Result;
+use sim::effect::Library;
+
+use super::measurements::Data;
+use crate::laboratory::{Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_trial, suggest};
+
+/// Sums up a diagnosis, with the trial that would separate rivals; the evaluation data are looked at here. The instrument's
+/// blur stays at what the diagnosed model finds.
+///
+/// # Errors
+/// When a model cannot be simulated.
+pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Result<DiagnosisSummary> {
+    let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
+    let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
+    data.fix_blur(&diagnosis.fit.model)?;
+    if let Some((_, evidence)) = data.scans() {
+        summary.next_trial = separating_trial(evidence, diagnosis)?;
+    }
+    Ok(summary)
+}
+
+/// A form for what is missing and not in the library, where something is.
+///
+/// # Errors
+/// When a model cannot be simulated.
+pub fn suggestion(data: &Data, diagnosis: &Diagnosis, library: &Library, seed: u64) -> Result<Option<Suggestion>> {
+    match diagnosis.verdict {
+        Verdict::Unknown | Verdict::Partly => {
+            Ok(suggest(data.evidence(), (&diagnosis.model, &diagnosis.fit), library, seed)?)
+        }
+        _ => Ok(None),
+    }
+}

@@ -1,0 +1,78 @@
+//! The joint and the staged order of a calibration, on one trial of two passes.
+
+use robofin::laboratory::{
+    Calibration, CalibrationSummary, Evidence, Order, ScanEvidence, Split, Totals, uncalibrated,
+};
+use robofin::trial::{PassScan, Role, Trial};
+use sim::effect::{Library, Model};
+
+use crate::unseen::bundled;
+
+/// The first trial of the bundled campaign, its second pass held out.
+fn one_trial() -> Vec<Trial> {
+    let mut trials = bundled();
+    trials.truncate(1);
+    trials[0].passes[1].role = Role::Evaluation;
+    trials
+}
+
+fn calibrated(evidence: &ScanEvidence, order: Order) -> Calibration {
+    let (model, library) = (Model::new(evidence.process()), Library::builtin());
+    let start = uncalibrated(&model, library, evidence).unwrap();
+    Calibration::new(evidence, (&model, &start), library, (order, &|_| {})).unwrap()
+}
+
+#[test]
+fn the_staged_order_fits_the_volume_first_and_loses_it_again() {
+    let trials = one_trial();
+    let evidence = ScanEvidence::new(&trials, None).unwrap();
+    let [joint, staged] = [Order::Joint, Order::Staged].map(|order| calibrated(&evidence, order));
+    let totals = &staged.last().staged.as_ref().unwrap().totals;
+    let [first, second] = totals.each_ref().map(|totals| totals[0].error());
+    println!(
+        "volume error after the first stage {:+.4} %, after the second {:+.4} %",
+        100.0 * first.0,
+        100.0 * second.0
+    );
+    assert!(first.0.abs() < 2e-4, "the rate meets the volume: {first:?}");
+    let chi2 = |calibration: &Calibration| calibration.last().fit.chi2;
+    println!("χ² joint {:.1}, staged {:.1}", chi2(&joint), chi2(&staged));
+    assert!(chi2(&joint) <= chi2(&staged) + 1.0, "no order describes the profiles better than the joint one");
+    let names: Vec<String> = staged.last().estimates().iter().map(|e| e.coordinate.slot.name()).collect();
+    assert!(names[0].ends_with("grind_rate") && names.len() == joint.last().estimates().len(), "{names:?}");
+    let summary = CalibrationSummary::new(&evidence, &staged, Library::builtin()).unwrap();
+    assert!(summary.remarks.iter().any(|remark| remark.starts_with("staged order")), "{:?}", summary.remarks);
+}
+
+#[test]
+fn a_scan_held_out_moves_no_calibrated_value() {
+    let trials = one_trial();
+    let mut spoilt = trials.clone();
+    let PassScan::Heights(map) = &mut spoilt[0].passes[1].scan else { panic!("a ground surface") };
+    map.heights.iter_mut().enumerate().for_each(|(at, height)| *height += 1e-4 * (at % 7) as f64);
+    // The staged order looks at totals and at profiles; that the profiles alone are unseen says `unseen`.
+    let values = |trials: &[Trial]| {
+        let evidence = ScanEvidence::new(trials, None).unwrap();
+        let calibration = calibrated(&evidence, Order::Staged);
+        let held_out = evidence.totals(&calibration.last().fit.model, Split::Evaluation).unwrap();
+        (calibration.last().fit.model.values().to_vec(), held_out[0].measured)
+    };
+    let ((clean, volume), (same, other)) = (values(&trials), values(&spoilt));
+    assert_eq!(clean, same, "bit for bit");
+    assert_ne!(volume, other, "the scan was spoilt where it is judged");
+}
+
+#[test]
+fn the_waterfall_begins_with_the_scans_as_they_came() {
+    let trials = one_trial();
+    let evidence = ScanEvidence::new(&trials, None).unwrap();
+    let calibration = calibrated(&evidence, Order::Joint);
+    let summary = CalibrationSummary::new(&evidence, &calibration, Library::builtin()).unwrap();
+    let names: Vec<&str> = summary.waterfall.iter().map(|step| step.step.as_str()).collect();
+    assert_eq!(names, ["raw", "registered", "base model"]);
+    let errors: Vec<f64> = summary.waterfall.iter().map(|step| step.calibration_rms_um).collect();
+    println!("{errors:?} µm, floor {:.2} µm", summary.noise_floor_um);
+    assert!(errors.windows(2).all(|pair| pair[1] < pair[0]), "each step lowers the error: {errors:?}");
+    assert!(summary.waterfall.iter().all(|step| step.evaluation_rms_um.is_some()));
+    assert_eq!(summary.removal.len(), 2, "one calibration scan and one held out");
+}
