@@ -13,7 +13,7 @@ use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{
     Diagnosis, DiagnosisSummary, Evidence, Finding, Fit, NextTrial, RowEvidence, ScanEvidence, Verdict, calibrate,
-    next_trial, suggest, with_values,
+    next_row, next_trial, suggest, with_values,
 };
 use crate::study::{ReportInput, report};
 use crate::study_report::page;
@@ -73,9 +73,10 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         let model = args.model.model(evidence.process(), &library)?;
         let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;
         let fit = calibrate(&evidence, &model, &library)?;
-        let (summary, diagnosis) = search(&evidence, &model, fit)?;
+        let (mut summary, diagnosis) = search(&evidence, &model, fit)?;
+        summary.next_trial = separating_row(&evidence, &diagnosis)?;
         let notes = table.notes.iter().chain(&evidence.notes).cloned().collect();
-        let input = ReportInput { scans: None, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes };
+        let input = ReportInput { scans: None, rows: Some(&evidence), folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes };
         let report = report(&input)?;
         (summary, diagnosis, report)
     } else {
@@ -88,7 +89,7 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         summary.next_trial = separating_trial(&evidence, &diagnosis)?;
         let scans = Some((&campaign, &evidence));
         let input =
-            ReportInput { scans, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes: Vec::new() };
+            ReportInput { scans, rows: None, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes: Vec::new() };
         let report = report(&input)?;
         (summary, diagnosis, report)
     };
@@ -99,6 +100,19 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
     console.answer(&summary)
+}
+
+/// The row that would tell the two most probable effects apart, where the data do not.
+fn separating_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>> {
+    let Some([first, second, ..]) = diagnosis.rounds.first().map(|round| round.findings.as_slice()) else {
+        return Ok(None);
+    };
+    if !first.is_sound || diagnosis.verdict == Verdict::Identified {
+        return Ok(None);
+    }
+    let rival = |finding: &'_ Finding| (finding.suspect.name().to_owned(), finding.suspect.fit.clone());
+    let ((first, one), (second, other)) = (rival(first), rival(second));
+    Ok(next_row(evidence, ((&first, &one), (&second, &other)))?)
 }
 
 /// The trial that would tell the two most probable effects apart, where the data do not.

@@ -2,6 +2,7 @@
 
 mod backends;
 mod bake;
+mod compare;
 mod demo;
 mod diagnose;
 mod effects;
@@ -60,6 +61,8 @@ enum Verb {
     Render(render::RenderArgs),
     /// Open every file of an asset and hold it against the others.
     Validate(validate::ValidateArgs),
+    /// Say where a model fails on a campaign; nothing of it is fitted.
+    Compare(compare::CompareArgs),
     /// Find out which effect a model lacks, from the scans of a campaign.
     Diagnose(diagnose::DiagnoseArgs),
     /// List, show and check laws and effects; add them to a model or remove them.
@@ -98,6 +101,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Validate(args) => validate::run(&args, console),
+        Verb::Compare(args) => compare::run(&args, console),
         Verb::Diagnose(args) => diagnose::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),

@@ -4,6 +4,7 @@ use sim::effect::{CompiledModel, Effect, Process, RowCounts, RunError};
 use thiserror::Error;
 
 use super::coordinates::Coordinate;
+use super::pass_trend::PassTrend;
 use crate::campaign_twin::CampaignError;
 
 /// Which data.
@@ -101,6 +102,13 @@ pub trait Evidence: Sync {
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
         Coordinate::of(model, |_| true)
     }
+
+    /// How the removal changes from a pass to an equal one after it, and what a law can make of that; `None` where there
+    /// are no equal passes.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError>;
 
     /// Why an effect cannot show in these data, if so.
     fn is_blind_to(&self, effect: &Effect) -> Option<String>;

@@ -82,6 +82,11 @@ impl HeightView {
         self.whitener.whiten(&self.difference(simulated))
     }
 
+    /// What the tiles may differ by without any physics.
+    pub fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
     /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
     pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
         let pose = self.whitener.freedoms(&self.difference(simulated)).mean;
@@ -93,6 +98,16 @@ impl HeightView {
         };
         let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
         (0..self.measured.heights.len()).map(left).collect()
+    }
+
+    /// Volume that a simulation removed under all tiles, and the volume of what it leaves [m³].
+    pub fn volumes(&self, before: &HeightMap, simulated: &HeightMap) -> (f64, f64) {
+        let left = self.left(simulated);
+        let sum = |value: &dyn Fn(usize) -> f64| {
+            let known = self.tiles.pixels().map(|(_, at)| value(at)).filter(|value| value.is_finite());
+            known.sum::<f64>() * self.measured.pixels.pitch.powi(2)
+        };
+        (sum(&|at| before.heights[at] - simulated.heights[at]), sum(&|at| left[at]))
     }
 
     /// Standard deviation of the volume under all tiles, from noise and the scan's pose [m³].

@@ -6,6 +6,7 @@ use sim::effect::{CompiledModel, Effect, Process, RowCounts};
 use super::coordinates::Coordinate;
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
+use super::pass_trend::{PassTrend, trend_of_rows};
 use super::table_noise::row_noise;
 use super::table_reach::silenced;
 use super::table_steps::Rows;
@@ -183,6 +184,10 @@ impl Evidence for RowEvidence<'_> {
         let about = self.table.name.clone();
         let agreement = Agreement { about, rms, floor: self.noise, scale: 1.0 };
         Ok(if residuals.is_empty() { Vec::new() } else { vec![agreement] })
+    }
+
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+        trend_of_rows(self, model)
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {

@@ -12,6 +12,7 @@ use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::fit::robust_sum;
 use super::height_view::HeightView;
+use super::pass_trend::{PassTrend, trend_of_scans};
 use super::tiles::{TileGrid, Tiles};
 use crate::campaign_twin::CampaignTwin;
 use crate::measure::{NoiseFloor, despiked, noise_floor, untouched};
@@ -227,6 +228,10 @@ impl Evidence for ScanEvidence<'_> {
             })
         };
         self.of(split).map(agreement).collect()
+    }
+
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+        trend_of_scans(self, model)
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {

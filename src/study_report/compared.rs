@@ -29,6 +29,8 @@ fn meaning(verdict: Verdict) -> &'static str {
             "The model agrees with the measurement within its noise; see below what would have shown."
         }
         Verdict::NotTestable => "These passes cannot show what was asked.",
+        Verdict::Agrees => "The model was compared as it is; nothing was fitted.",
+        Verdict::Differs => "The model was compared as it is; see below where it fails, and `robofin diagnose` for why.",
     }
 }
 
@@ -112,7 +114,7 @@ pub(super) fn add_volumes(page: &mut Page, volumes: &[PassVolume]) {
     }
     page.subsection("Removed volume");
     let mut table = Table::new(
-        "Removed volume; ± is the standard uncertainty that noise and alignment cause",
+        "Volume that each pass removed; ± is the standard uncertainty that noise and alignment cause",
         &["pass", "measured [mm³]", "±", "base model [mm³]", "error", "with effect [mm³]", "error"],
     );
     for volume in volumes {

@@ -84,6 +84,10 @@ pub enum Verdict {
     NothingMissing,
     /// These passes could not show what was asked.
     NotTestable,
+    /// A model that was only compared leaves noise.
+    Agrees,
+    /// A model that was only compared leaves more than noise.
+    Differs,
 }
 
 impl Verdict {
@@ -96,6 +100,8 @@ impl Verdict {
             Self::Unknown => "unknown",
             Self::NothingMissing => "nothing-missing",
             Self::NotTestable => "not-testable",
+            Self::Agrees => "agrees",
+            Self::Differs => "differs",
         }
     }
 }

@@ -1,5 +1,8 @@
 //! The laboratory: data that are whitened, evaluation that stays unseen, hidden effects that come out.
 
 mod campaigns;
+mod compared;
+mod hostile;
+mod two_passes;
 mod unseen;
 mod whitening;

@@ -1,0 +1,201 @@
+//! How the removal changes from a pass to an equal one after it, and what a law can make of that with any of its
+//! parameters. A law without a memory cannot follow a tool that changes.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use sim::effect::CompiledModel;
+
+use super::coordinates::{Coordinate, moved};
+use super::evidence::{Evidence, EvidenceError, Split};
+use super::rows::RowEvidence;
+use super::scans::{ScanData, ScanEvidence, ScanView};
+use crate::trial::{Pass, PassScan};
+
+/// Settings that differ by less are equal; so are mean pressures, which follow from the shape of the part.
+const SAME: f64 = 0.01;
+const SAME_PRESSURE: f64 = 0.1;
+/// Values tried of each parameter of a law on tables, over its whole range.
+const VALUES: usize = 7;
+/// Factor from the best value to those tried on scans.
+const FACTOR: f64 = 3.0;
+/// Prediction below this share of the median counts as no removal.
+const LEAST_SHARE: f64 = 1e-2;
+/// Standard deviations beyond which a law cannot follow.
+const BEYOND: f64 = 3.0;
+
+/// How equal passes go on, as relative changes of the removed volume or depth from one to the next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PassTrend {
+    /// Pairs of equal passes.
+    pub pairs: usize,
+    /// Mean change measured.
+    pub measured: f64,
+    /// Its standard deviation.
+    pub sigma: f64,
+    /// With the values of the model.
+    pub model: f64,
+    /// Least and greatest change that the law can make.
+    pub reach: [f64; 2],
+    /// Which values were tried, for people.
+    pub tried: &'static str,
+    /// Whether no values of the law can make the measured change.
+    pub out_of_reach: bool,
+}
+
+impl PassTrend {
+    /// - `measured`: logarithms of ratio and their standard deviations
+    /// - `model`, `tried_changes`: mean logarithm of the model's ratio as it is, and with each set of values
+    fn new(measured: &[(f64, f64)], model: f64, tried_changes: &[f64], tried: &'static str) -> Option<Self> {
+        let weights: f64 = measured.iter().map(|(_, sigma)| sigma.powi(-2)).sum();
+        let mean = measured.iter().map(|(change, sigma)| change / (sigma * sigma)).sum::<f64>() / weights;
+        let all = || tried_changes.iter().copied().chain([model]).filter(|change| change.is_finite());
+        let reach = [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)];
+        let sigma = weights.powf(-0.5);
+        (mean.is_finite() && reach[0].is_finite()).then(|| Self {
+            pairs: measured.len(),
+            measured: mean.exp_m1(),
+            sigma: sigma * mean.exp(),
+            model: model.exp_m1(),
+            reach: reach.map(f64::exp_m1),
+            tried,
+            out_of_reach: mean - BEYOND * sigma > reach[1] || mean + BEYOND * sigma < reach[0],
+        })
+    }
+
+    /// For people.
+    pub fn sentence(&self) -> String {
+        let percent = |change: f64| format!("{:+.1}", 100.0 * change);
+        let verdict = if self.out_of_reach { "no values of its parameters can follow" } else { "its parameters can follow" };
+        format!(
+            "From a pass to an equal one after it the removal changes by {} ± {:.1} %; the base law changes it by {} to {} % {}: {verdict}.",
+            percent(self.measured),
+            100.0 * self.sigma,
+            percent(self.reach[0]),
+            percent(self.reach[1]),
+            self.tried,
+        )
+    }
+}
+
+/// Trend of the calibration rows that follow an equal one by the same tool without dressing; `None` where there are
+/// none.
+///
+/// # Errors
+/// When the model cannot be evaluated.
+pub fn trend_of_rows(evidence: &RowEvidence, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+    let pairs = equal_rows(evidence);
+    if pairs.is_empty() {
+        return Ok(None);
+    }
+    let rows = &evidence.table.rows;
+    let change = |&(a, b): &(usize, usize)| (rows[b].removal_rate? / rows[a].removal_rate?).ln().into();
+    let measured: Vec<(f64, f64)> = pairs
+        .iter()
+        .filter_map(change)
+        .map(|change: f64| (change, evidence.noise * std::f64::consts::SQRT_2))
+        .collect();
+    let of = |model: &CompiledModel| -> Result<f64, EvidenceError> {
+        let predicted = evidence.predicted(model)?;
+        let most = predicted.iter().copied().fold(0.0, f64::max);
+        let enough = pairs.iter().all(|&(a, b)| predicted[a].min(predicted[b]) > LEAST_SHARE * most);
+        let sum: f64 = pairs.iter().map(|&(a, b)| (predicted[b] / predicted[a]).ln()).sum();
+        Ok(if enough { sum / pairs.len() as f64 } else { f64::NAN })
+    };
+    let coordinates = law_coordinates(evidence, model);
+    let grid = grid(&coordinates);
+    let tried: Vec<f64> =
+        grid.par_iter().map(|at| of(&moved(model, &coordinates, at)).unwrap_or(f64::NAN)).collect();
+    Ok(PassTrend::new(&measured, of(model)?, &tried, "over the whole range of its parameters"))
+}
+
+/// Pairs of calibration rows: equal settings, one after the other, the same tool, not dressed between.
+fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
+    let rows = &evidence.table.rows;
+    let near = |a: Option<f64>, b: Option<f64>, same: f64| match (a, b) {
+        (Some(a), Some(b)) => (b / a).ln().abs() < same,
+        (a, b) => a == b,
+    };
+    let is_equal = |&(a, b): &(usize, usize)| {
+        let (first, next) = (&rows[a], &rows[b]);
+        let force = near(first.force, next.force, SAME) && near(first.pressure, next.pressure, SAME_PRESSURE);
+        let rest = near(first.speed, next.speed, SAME) && near(first.duration, next.duration, SAME);
+        !next.fresh && first.tool == next.tool && first.group == next.group && force && rest
+    };
+    let calibrates = |at: &usize| evidence.of(Split::Calibration).contains(at);
+    (1..rows.len()).map(|b| (b - 1, b)).filter(|(a, b)| calibrates(a) && calibrates(b)).filter(is_equal).collect()
+}
+
+/// Trend of the calibration scans after equal passes on one workpiece; `None` where there are none.
+///
+/// # Errors
+/// When the model cannot be simulated.
+pub fn trend_of_scans(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+    let views: Vec<&ScanView> = evidence.of(Split::Calibration).collect();
+    let pass = |view: &ScanView| &evidence.twin.trials[view.trial].trial.passes[view.pass];
+    let follows = |a: &ScanView, b: &ScanView| a.trial == b.trial && a.pass + 1 == b.pass && is_equal(pass(a), pass(b));
+    let pairs: Vec<(usize, usize)> =
+        (1..views.len()).map(|b| (b - 1, b)).filter(|&(a, b)| follows(views[a], views[b])).collect();
+    if pairs.is_empty() {
+        return Ok(None);
+    }
+    let of = |model: &CompiledModel| -> Result<Vec<[f64; 3]>, EvidenceError> {
+        let passes = evidence.simulate(model, Split::Calibration)?;
+        let volume = |view: &&ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
+            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
+                let seen = evidence.seen(view, simulated);
+                let before = &evidence.twin.trials[view.trial].trial.scans.before;
+                let (removed, left) = data.volumes(before, &seen);
+                [removed - left, data.volume_sigma(), removed]
+            }
+            _ => [f64::NAN; 3],
+        };
+        Ok(views.iter().map(volume).collect())
+    };
+    let first = |a: usize| a == 0 || views[a - 1].trial != views[a].trial;
+    let own = |volumes: &[[f64; 3]], at: usize, k: usize| {
+        if first(at) { volumes[at][k] } else { volumes[at][k] - volumes[at - 1][k] }
+    };
+    let ratio = |volumes: &[[f64; 3]], (a, b): (usize, usize), k: usize| (own(volumes, b, k) / own(volumes, a, k)).ln();
+    let mean = |volumes: &[[f64; 3]]| pairs.iter().map(|&pair| ratio(volumes, pair, 2)).sum::<f64>() / pairs.len() as f64;
+    let here = of(model)?;
+    let sigma = |(a, b): (usize, usize)| (here[a][1] / own(&here, a, 0)).hypot(here[b][1].hypot(here[a][1]) / own(&here, b, 0));
+    let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| (ratio(&here, pair, 0), sigma(pair))).collect();
+    let coordinates = law_coordinates(evidence, model);
+    let at: Vec<f64> = coordinates.iter().map(|c| c.from_value(model.value(c.index))).collect();
+    let ways = coordinates.iter().enumerate().flat_map(|(k, coordinate)| {
+        let value = coordinate.value(at[k]);
+        [value / FACTOR, value * FACTOR].map(|value| (k, coordinate.clamped(coordinate.from_value(value))))
+    });
+    let tried: Vec<f64> = ways
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .map(|(k, value)| {
+            let mut there = at.clone();
+            there[k] = value;
+            of(&moved(model, &coordinates, &there)).map_or(f64::NAN, |volumes| mean(&volumes))
+        })
+        .collect();
+    Ok(PassTrend::new(&measured, mean(&here), &tried, "with each parameter at a third and three times its value"))
+}
+
+/// Whether two passes have the same settings.
+fn is_equal(a: &Pass, b: &Pass) -> bool {
+    let near = |a: f64, b: f64| (b / a).ln().abs() < SAME;
+    near(a.force_setpoint, b.force_setpoint) && near(a.feed, b.feed) && near(a.spindle_speed, b.spindle_speed)
+}
+
+/// Free parameters of the base laws.
+fn law_coordinates(evidence: &dyn Evidence, model: &CompiledModel) -> Vec<Coordinate> {
+    evidence.coordinates(model).into_iter().filter(|coordinate| coordinate.slot.is_law).collect()
+}
+
+/// All combinations of evenly spread values over the parameters' ranges.
+fn grid(coordinates: &[Coordinate]) -> Vec<Vec<f64>> {
+    let mut grid = vec![Vec::new()];
+    for coordinate in coordinates {
+        let [low, high] = coordinate.bounds();
+        let value = |k: usize| low + (high - low) * k as f64 / (VALUES - 1) as f64;
+        grid = grid.iter().flat_map(|at: &Vec<f64>| (0..VALUES).map(|k| [at.as_slice(), &[value(k)]].concat())).collect();
+    }
+    grid
+}
