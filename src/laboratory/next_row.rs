@@ -90,7 +90,8 @@ fn separation(evidence: &RowEvidence, rows: &[Row], first: &Fit, second: &Fit) -
     table.covariates.clear();
     let new = |row: &Row| Row { role: Role::Calibration, removal_rate: usual, ..row.clone() };
     table.rows.extend(rows.iter().map(new));
-    let there = RowEvidence { noise: evidence.noise, ..RowEvidence::new(&table)? };
+    let mut there = RowEvidence::new(&table)?;
+    there.noise = evidence.noise;
     let of = |model: &sim::effect::CompiledModel| -> Result<DVector<f64>, EvidenceError> {
         let all = there.residuals(model, Split::Calibration)?;
         Ok(DVector::from_column_slice(&all[all.len() - rows.len()..]))

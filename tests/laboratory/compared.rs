@@ -47,7 +47,7 @@ fn a_model_that_was_never_fitted_differs_and_is_said_where() {
     let names: Vec<&str> = report.waterfall.steps.iter().map(|step| step.name.as_str()).collect();
     assert_eq!(names, ["raw", "registered", "model", "noise floor"]);
     let rms: Vec<f64> = report.waterfall.steps.iter().filter_map(|step| step.calibration).collect();
-    assert!(rms.windows(2).all(|pair| pair[0] >= pair[1]), "{rms:?}");
+    assert!(rms.len() == 4 && rms[..3].iter().all(|step| *step > 3.0 * rms[3]), "{rms:?}");
     assert!(report.waterfall.steps.iter().all(|step| step.volume_errors.iter().all(Option::is_some)));
     assert_eq!(report.compared.passes.iter().filter(|pass| pass.role == Role::Evaluation).count(), 2);
     assert!(report.compared.passes.iter().all(|pass| pass.alignment.is_some()));
