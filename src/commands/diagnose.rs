@@ -76,7 +76,15 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         let (mut summary, diagnosis) = search(&evidence, &model, fit)?;
         summary.next_trial = separating_row(&evidence, &diagnosis)?;
         let notes = table.notes.iter().chain(&evidence.notes).cloned().collect();
-        let input = ReportInput { scans: None, rows: Some(&evidence), folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes };
+        let input = ReportInput {
+            scans: None,
+            rows: Some(&evidence),
+            folder: place,
+            diagnosis: &diagnosis,
+            summary: &summary,
+            seed,
+            notes,
+        };
         let report = report(&input)?;
         (summary, diagnosis, report)
     } else {
@@ -88,8 +96,15 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         let (mut summary, diagnosis) = search(&evidence, &model, fit)?;
         summary.next_trial = separating_trial(&evidence, &diagnosis)?;
         let scans = Some((&campaign, &evidence));
-        let input =
-            ReportInput { scans, rows: None, folder: place, diagnosis: &diagnosis, summary: &summary, seed, notes: Vec::new() };
+        let input = ReportInput {
+            scans,
+            rows: None,
+            folder: place,
+            diagnosis: &diagnosis,
+            summary: &summary,
+            seed,
+            notes: Vec::new(),
+        };
         let report = report(&input)?;
         (summary, diagnosis, report)
     };

@@ -136,6 +136,18 @@ impl Whitener {
         (0..normals.len()).map(row).collect()
     }
 
+    /// The freedoms before the data are seen.
+    pub fn expected(&self) -> &Freedom {
+        &self.freedom
+    }
+
+    /// As [`Whitener::sigma_of_sum`], with another covariance of the freedoms.
+    pub fn sigma_of_sum_given(&self, weights: &[f64], covariance: &DMatrix<f64>) -> f64 {
+        let arms = self.freedom.columns.tr_mul(&DVector::from_column_slice(weights));
+        let change = arms.dot(&((covariance - &self.freedom.covariance) * &arms));
+        (self.sigma_of_sum(weights).powi(2) + change).max(0.0).sqrt()
+    }
+
     /// Standard deviation that noise and freedoms give to a weighted sum of the data.
     pub fn sigma_of_sum(&self, weights: &[f64]) -> f64 {
         self.factor.l_dirty().lower_triangle().tr_mul(&DVector::from_column_slice(weights)).norm()

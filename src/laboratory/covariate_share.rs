@@ -134,7 +134,7 @@ pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> Cova
         CovariateShare {
             covariate: smooth.covariate,
             share: share(found[k] * total, smooth.columns.ncols()),
-            drop: joint_share - joint(&others),
+            drop: (joint_share - joint(&others)).max(0.0),
             p_value: chance(&|draw| draw[k] >= found[k]),
             p_value_of_all: chance(&|draw| draw.iter().any(|share| *share >= found[k])),
             bins: pooled.bins(smooth.covariate, seed),
@@ -346,7 +346,11 @@ mod tests {
     #[test]
     fn what_the_residual_depends_on_explains_it_and_the_rest_does_not() {
         let study = covariate_study(&fields(0.1, 1), 1.0, 1);
-        println!("{:.3} together, {:?}", study.joint_share, study.covariates.iter().map(|c| (c.share, c.drop, c.p_value)).collect::<Vec<_>>());
+        println!(
+            "{:.3} together, {:?}",
+            study.joint_share,
+            study.covariates.iter().map(|c| (c.share, c.drop, c.p_value)).collect::<Vec<_>>()
+        );
         let [own, other, scan] = &study.covariates[..] else { panic!("three vary") };
         assert!(own.share > 0.7 && own.p_value <= 0.01 && own.p_value_of_all <= 0.01, "{own:?}");
         assert!(own.drop > 0.4 && other.drop < 0.1, "{} {}", own.drop, other.drop);

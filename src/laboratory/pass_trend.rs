@@ -11,9 +11,9 @@ use super::rows::RowEvidence;
 use super::scans::{ScanData, ScanEvidence, ScanView};
 use crate::trial::{Pass, PassScan};
 
-/// Settings that differ by less are equal; so are mean pressures, which follow from the shape of the part.
+/// Settings that differ by less are equal; so are loads of rows, which may be mean pressures and follow the part's shape.
 const SAME: f64 = 0.01;
-const SAME_PRESSURE: f64 = 0.1;
+const SAME_LOAD: f64 = 0.05;
 /// Values tried of each parameter of a law on tables, over its whole range.
 const VALUES: usize = 7;
 /// Factor from the best value to those tried on scans.
@@ -65,7 +65,8 @@ impl PassTrend {
     /// For people.
     pub fn sentence(&self) -> String {
         let percent = |change: f64| format!("{:+.1}", 100.0 * change);
-        let verdict = if self.out_of_reach { "no values of its parameters can follow" } else { "its parameters can follow" };
+        let verdict =
+            if self.out_of_reach { "no values of its parameters can follow" } else { "its parameters can follow" };
         format!(
             "From a pass to an equal one after it the removal changes by {} ± {:.1} %; the base law changes it by {} to {} % {}: {verdict}.",
             percent(self.measured),
@@ -103,8 +104,7 @@ pub fn trend_of_rows(evidence: &RowEvidence, model: &CompiledModel) -> Result<Op
     };
     let coordinates = law_coordinates(evidence, model);
     let grid = grid(&coordinates);
-    let tried: Vec<f64> =
-        grid.par_iter().map(|at| of(&moved(model, &coordinates, at)).unwrap_or(f64::NAN)).collect();
+    let tried: Vec<f64> = grid.par_iter().map(|at| of(&moved(model, &coordinates, at)).unwrap_or(f64::NAN)).collect();
     Ok(PassTrend::new(&measured, of(model)?, &tried, "over the whole range of its parameters"))
 }
 
@@ -117,7 +117,7 @@ fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
     };
     let is_equal = |&(a, b): &(usize, usize)| {
         let (first, next) = (&rows[a], &rows[b]);
-        let force = near(first.force, next.force, SAME) && near(first.pressure, next.pressure, SAME_PRESSURE);
+        let force = near(first.force, next.force, SAME_LOAD) && near(first.pressure, next.pressure, SAME_LOAD);
         let rest = near(first.speed, next.speed, SAME) && near(first.duration, next.duration, SAME);
         !next.fresh && first.tool == next.tool && first.group == next.group && force && rest
     };
@@ -130,52 +130,85 @@ fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
 /// # Errors
 /// When the model cannot be simulated.
 pub fn trend_of_scans(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
-    let views: Vec<&ScanView> = evidence.of(Split::Calibration).collect();
-    let pass = |view: &ScanView| &evidence.twin.trials[view.trial].trial.passes[view.pass];
-    let follows = |a: &ScanView, b: &ScanView| a.trial == b.trial && a.pass + 1 == b.pass && is_equal(pass(a), pass(b));
-    let pairs: Vec<(usize, usize)> =
-        (1..views.len()).map(|b| (b - 1, b)).filter(|&(a, b)| follows(views[a], views[b])).collect();
-    if pairs.is_empty() {
+    let scans = EqualScans::new(evidence);
+    if scans.pairs.is_empty() {
         return Ok(None);
     }
-    let of = |model: &CompiledModel| -> Result<Vec<[f64; 3]>, EvidenceError> {
-        let passes = evidence.simulate(model, Split::Calibration)?;
-        let volume = |view: &&ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                let seen = evidence.seen(view, simulated);
-                let before = &evidence.twin.trials[view.trial].trial.scans.before;
-                let (removed, left) = data.volumes(before, &seen);
-                [removed - left, data.volume_sigma(), removed]
-            }
-            _ => [f64::NAN; 3],
-        };
-        Ok(views.iter().map(volume).collect())
-    };
-    let first = |a: usize| a == 0 || views[a - 1].trial != views[a].trial;
-    let own = |volumes: &[[f64; 3]], at: usize, k: usize| {
-        if first(at) { volumes[at][k] } else { volumes[at][k] - volumes[at - 1][k] }
-    };
-    let ratio = |volumes: &[[f64; 3]], (a, b): (usize, usize), k: usize| (own(volumes, b, k) / own(volumes, a, k)).ln();
-    let mean = |volumes: &[[f64; 3]]| pairs.iter().map(|&pair| ratio(volumes, pair, 2)).sum::<f64>() / pairs.len() as f64;
-    let here = of(model)?;
-    let sigma = |(a, b): (usize, usize)| (here[a][1] / own(&here, a, 0)).hypot(here[b][1].hypot(here[a][1]) / own(&here, b, 0));
-    let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| (ratio(&here, pair, 0), sigma(pair))).collect();
+    let here = scans.volumes(model)?;
+    let measured: Vec<(f64, f64)> =
+        scans.pairs.iter().map(|&pair| (scans.change(&here, pair, 0), scans.sigma(&here, pair))).collect();
     let coordinates = law_coordinates(evidence, model);
     let at: Vec<f64> = coordinates.iter().map(|c| c.from_value(model.value(c.index))).collect();
     let ways = coordinates.iter().enumerate().flat_map(|(k, coordinate)| {
         let value = coordinate.value(at[k]);
         [value / FACTOR, value * FACTOR].map(|value| (k, coordinate.clamped(coordinate.from_value(value))))
     });
-    let tried: Vec<f64> = ways
-        .collect::<Vec<_>>()
-        .into_par_iter()
-        .map(|(k, value)| {
-            let mut there = at.clone();
-            there[k] = value;
-            of(&moved(model, &coordinates, &there)).map_or(f64::NAN, |volumes| mean(&volumes))
-        })
-        .collect();
-    Ok(PassTrend::new(&measured, mean(&here), &tried, "with each parameter at a third and three times its value"))
+    let changed = |(k, value): (usize, f64)| {
+        let mut there = at.clone();
+        there[k] = value;
+        scans.volumes(&moved(model, &coordinates, &there)).map_or(f64::NAN, |volumes| scans.mean(&volumes))
+    };
+    let tried: Vec<f64> = ways.collect::<Vec<_>>().into_par_iter().map(changed).collect();
+    Ok(PassTrend::new(&measured, scans.mean(&here), &tried, "with each parameter at a third and three times its value"))
+}
+
+/// Volumes up to a scan [m³]: measured, its standard deviation, simulated.
+type Volumes = Vec<[f64; 3]>;
+
+/// Calibration scans, and which of them follow each other after equal passes.
+struct EqualScans<'a> {
+    evidence: &'a ScanEvidence<'a>,
+    views: Vec<&'a ScanView>,
+    pairs: Vec<(usize, usize)>,
+}
+
+impl<'a> EqualScans<'a> {
+    fn new(evidence: &'a ScanEvidence<'a>) -> Self {
+        let views: Vec<&ScanView> = evidence.of(Split::Calibration).collect();
+        let pass = |view: &ScanView| &evidence.twin.trials[view.trial].trial.passes[view.pass];
+        let follows = |&(a, b): &(usize, usize)| {
+            let (first, next) = (views[a], views[b]);
+            first.trial == next.trial && first.pass + 1 == next.pass && is_equal(pass(first), pass(next))
+        };
+        let pairs = (1..views.len()).map(|b| (b - 1, b)).filter(follows).collect();
+        Self { evidence, views, pairs }
+    }
+
+    fn volumes(&self, model: &CompiledModel) -> Result<Volumes, EvidenceError> {
+        let passes = self.evidence.simulate(model, Split::Calibration)?;
+        let volume = |view: &&ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
+            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
+                let seen = self.evidence.seen(view, simulated);
+                let before = &self.evidence.twin.trials[view.trial].trial.scans.before;
+                let (removed, left) = data.volumes(before, &seen);
+                [removed - left, data.volume_sigma(), removed]
+            }
+            _ => [f64::NAN; 3],
+        };
+        Ok(self.views.iter().map(volume).collect())
+    }
+
+    /// Volume of one pass alone.
+    fn own(&self, volumes: &Volumes, at: usize, which: usize) -> f64 {
+        let is_first = at == 0 || self.views[at - 1].trial != self.views[at].trial;
+        volumes[at][which] - if is_first { 0.0 } else { volumes[at - 1][which] }
+    }
+
+    /// Logarithm of the volume of a pass over that of the one before.
+    fn change(&self, volumes: &Volumes, (a, b): (usize, usize), which: usize) -> f64 {
+        (self.own(volumes, b, which) / self.own(volumes, a, which)).ln()
+    }
+
+    /// Standard deviation of the measured change.
+    fn sigma(&self, volumes: &Volumes, (a, b): (usize, usize)) -> f64 {
+        let (first, next) = (volumes[a][1], volumes[b][1].hypot(volumes[a][1]));
+        (first / self.own(volumes, a, 0)).hypot(next / self.own(volumes, b, 0))
+    }
+
+    /// Mean simulated change.
+    fn mean(&self, volumes: &Volumes) -> f64 {
+        self.pairs.iter().map(|&pair| self.change(volumes, pair, 2)).sum::<f64>() / self.pairs.len() as f64
+    }
 }
 
 /// Whether two passes have the same settings.
@@ -195,7 +228,8 @@ fn grid(coordinates: &[Coordinate]) -> Vec<Vec<f64>> {
     for coordinate in coordinates {
         let [low, high] = coordinate.bounds();
         let value = |k: usize| low + (high - low) * k as f64 / (VALUES - 1) as f64;
-        grid = grid.iter().flat_map(|at: &Vec<f64>| (0..VALUES).map(|k| [at.as_slice(), &[value(k)]].concat())).collect();
+        grid =
+            grid.iter().flat_map(|at: &Vec<f64>| (0..VALUES).map(|k| [at.as_slice(), &[value(k)]].concat())).collect();
     }
     grid
 }

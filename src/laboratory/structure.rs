@@ -141,7 +141,8 @@ fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest
 /// workpiece.
 fn repeats(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
     let shared: Vec<&SharedTiles> = shared.iter().filter(|shared| shared.places.len() > 1).collect();
-    let usable: Vec<&SharedTiles> = shared.into_iter().filter(|shared| shared.places[0].len() >= LEAST_SHARED).collect();
+    let usable: Vec<&SharedTiles> =
+        shared.into_iter().filter(|shared| shared.places[0].len() >= LEAST_SHARED).collect();
     if usable.is_empty() {
         return None;
     }

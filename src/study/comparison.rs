@@ -13,7 +13,8 @@ use super::track::{Ground, exposure, line_of};
 use super::waterfall::{Scans, Step};
 use super::{places, row_places, scan_tests};
 use crate::laboratory::{
-    CovariateShare, CovariateStudy, ErrorUnit, Evidence, PassTrend, RowEvidence, ScanData, ScanEvidence, ScanView, Split, StructureTest, robust_sum,
+    CovariateShare, CovariateStudy, ErrorUnit, Evidence, PassTrend, RowEvidence, ScanData, ScanEvidence, ScanView,
+    Split, StructureTest, robust_sum,
 };
 use crate::measure::Plateau;
 use crate::study_report::{
@@ -129,7 +130,7 @@ pub fn compare_scans(
     let split = if evidence.of(Split::Calibration).next().is_some() { Split::Calibration } else { Split::Evaluation };
     let tests = scan_tests::of_scans(evidence, &simulated, split, (0, asked.seed));
     let study = places::study(evidence, &simulated, split, asked.seed);
-    let scans = Scans::new(evidence);
+    let scans = Scans::new(evidence, false);
     let waterfall = scans.waterfall(&simulated, &[Step { name: "model".to_owned(), simulated: &simulated }]);
     let seen = Seen { evidence, base: &simulated, found: None, lines: asked.lines };
     let figures: Vec<ScanFigures> =
@@ -259,7 +260,12 @@ impl Found<'_> {
             verdict: if comparison.agrees { Verdict::Agrees } else { Verdict::Differs },
             sentence: comparison.sentence.clone(),
             tests: scan_tests::reported(&self.tests),
-            waterfall: Waterfall { misfit: Misfit::heights(), passes: Vec::new(), steps: Vec::new(), notes: Vec::new() },
+            waterfall: Waterfall {
+                misfit: Misfit::heights(),
+                passes: Vec::new(),
+                steps: Vec::new(),
+                notes: Vec::new(),
+            },
             volumes: Vec::new(),
             scans: Vec::new(),
             sections: Vec::new(),
@@ -324,10 +330,7 @@ fn figures(evidence: &ScanEvidence, view: &ScanView, simulated: &Simulated, line
     let volume = pass_volume(evidence, view, &|view| Ground::new(evidence, view, simulated));
     let exposed = exposure(view, simulated);
     let [rms, floor] = match (&view.data, &ground) {
-        (ScanData::Heights(data), Some(ground)) => {
-            let [rms, floor, _] = data.agreement(&ground.seen, before, noise);
-            [rms, floor]
-        }
+        (ScanData::Heights(data), Some(ground)) => [ground.rms(), data.agreement(&ground.seen, before, noise)[1]],
         (ScanData::Exposure(data), _) => [data.border_distance(&simulated.margin(view)), data.border_floor()],
         (ScanData::Heights(_), None) => unreachable!("a simulated scan is like the real one"),
     };

@@ -98,7 +98,7 @@ fn of_scans(input: &ReportInput, evidence: &ScanEvidence) -> Result<Filled> {
     let simulated = Simulated::all(evidence, &all)?;
     let steps: Vec<Step> =
         models.into_iter().zip(&simulated[1..]).map(|((name, _), simulated)| Step { name, simulated }).collect();
-    let scans = Scans::new(evidence);
+    let scans = Scans::new(evidence, true);
     let (base, last) = (&simulated[1], (simulated.len() > 2).then(|| &simulated[simulated.len() - 1]));
     let seen = Seen { evidence, base, found: last, lines: &[] };
     let study = |simulated| places::study(evidence, simulated, Split::Calibration, input.seed);
@@ -182,12 +182,15 @@ fn overlap(diagnosis: &Diagnosis, summary: &DiagnosisSummary) -> Option<String> 
 }
 
 fn next_trial(next: &NextTrial) -> page::NextTrial {
-    let list = |values: &[f64]| values.iter().map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()).collect::<Vec<_>>().join(", ");
-    let steps = [
-        ("force", &next.force_n, "N"),
-        ("feed", &next.feed_mm_s, "mm/s"),
-        ("spindle speed", &next.spindle_rpm, "rpm"),
-    ];
+    let list = |values: &[f64]| {
+        values
+            .iter()
+            .map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let steps =
+        [("force", &next.force_n, "N"), ("feed", &next.feed_mm_s, "mm/s"), ("spindle speed", &next.spindle_rpm, "rpm")];
     let steps = steps.iter().filter(|(_, values, _)| !values.is_empty());
     let [one, other] = &next.separates;
     page::NextTrial {
@@ -214,7 +217,8 @@ fn compared(input: &ReportInput, alignments: &[Option<Registration>]) -> Compare
     let effects: Vec<String> = input.diagnosis.model.effects.iter().map(|part| part.name.clone()).collect();
     let laws: Vec<String> = input.diagnosis.model.laws.iter().map(|part| part.name.clone()).collect();
     let model = [laws, effects].concat().join(", ");
-    let named = Compared { campaign: folder_name(input.folder), model, notes: input.notes.clone(), ..Compared::default() };
+    let named =
+        Compared { campaign: folder_name(input.folder), model, notes: input.notes.clone(), ..Compared::default() };
     match input.scans {
         Some((campaign, evidence)) => compared_scans(campaign, evidence, alignments, named),
         None => named,

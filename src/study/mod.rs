@@ -11,7 +11,5 @@ mod simulated;
 mod track;
 mod waterfall;
 
-pub use comparison::{
-    Asked, Comparison, CovariateFigures, ScanFigures, SectionFigures, compare_rows, compare_scans,
-};
+pub use comparison::{Asked, Comparison, CovariateFigures, ScanFigures, SectionFigures, compare_rows, compare_scans};
 pub use fill::{ReportInput, report};

@@ -48,8 +48,7 @@ pub fn covariate(at: usize) -> (String, Stated) {
 
 /// Holds what each place went through against what a model leaves of a split.
 pub fn study(evidence: &ScanEvidence, simulated: &Simulated, split: Split, seed: u64) -> CovariateStudy {
-    let fields: Vec<CovariateField> =
-        evidence.of(split).filter_map(|view| field(evidence, simulated, view)).collect();
+    let fields: Vec<CovariateField> = evidence.of(split).filter_map(|view| field(evidence, simulated, view)).collect();
     let masks = evidence.of(split).any(|view| matches!(view.data, ScanData::Exposure(_)));
     covariate_study(&fields, if masks { 0.0 } else { 1.0 }, seed)
 }
@@ -135,8 +134,7 @@ impl<'a> Places<'a> {
         let missed = |at: usize| data.measured.exposed[at].map_or(f64::NAN, |seen| one(seen) - one(exposed[at]));
         let (missed, time) = (means(&data.tiles, missed), self.at_pixels(&self.covariates.contact_time));
         let time = means(&data.tiles, |at| time[at]);
-        let kept: Vec<usize> =
-            (0..missed.len()).filter(|&tile| missed[tile].is_finite() && time[tile] > 0.0).collect();
+        let kept: Vec<usize> = (0..missed.len()).filter(|&tile| missed[tile].is_finite() && time[tile] > 0.0).collect();
         let residuals = kept.iter().map(|&tile| missed[tile]).collect();
         let sigmas = vec![1.0; kept.len()];
         (&data.tiles, kept, residuals, sigmas)
@@ -158,13 +156,8 @@ impl<'a> Places<'a> {
         let place = |value: &dyn Fn(glam::DVec2) -> f64| tiles.centres.iter().map(|&c| value(c)).collect::<Vec<f64>>();
         let level = |value: f64| vec![value; tiles.len()];
         let surface = self.before();
-        let slope = |step: usize| {
-            let rise = |at: usize| match (at.checked_sub(step), surface.heights.get(at + step)) {
-                (Some(low), Some(high)) => (high - surface.heights[low]) / (2.0 * surface.pixels.pitch),
-                _ => f64::NAN,
-            };
-            means(tiles, rise).into_iter().map(known).collect::<Vec<f64>>()
-        };
+        let slope =
+            |step: usize| -> Vec<f64> { means(tiles, |at| slope(&surface, at, step)).into_iter().map(known).collect() };
         let original = &trial.scans.before.heights;
         let depth = means(tiles, |at| original[at] - surface.heights[at]).into_iter().map(known).collect();
         let (way, volume) = self.way_and_volume(tiles, pass.feed);
@@ -217,6 +210,14 @@ impl<'a> Places<'a> {
             sum += passes[..done].iter().map(|pass| pass.record.removed_volume).sum::<f64>();
         }
         sum
+    }
+}
+
+/// Slope of a map towards the pixel `step` further on [1].
+fn slope(map: &HeightMap, at: usize, step: usize) -> f64 {
+    match (at.checked_sub(step), map.heights.get(at + step)) {
+        (Some(low), Some(high)) => (high - map.heights[low]) / (2.0 * map.pixels.pitch),
+        _ => f64::NAN,
     }
 }
 

@@ -2,12 +2,13 @@
 
 use sim::effect::CompiledModel;
 
-use crate::laboratory::{
-    CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, covariate_study,
-};
+use crate::laboratory::{CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, covariate_study};
+use crate::measure::centre_and_sigma;
 use crate::study_report::Stated;
 use crate::table::Row;
 
+/// Residual beyond which a row was written down wrongly [robust standard deviations of all].
+const GROSS: f64 = 5.0;
 /// Rows in a block.
 const BLOCK: usize = 5;
 
@@ -48,8 +49,10 @@ pub fn study(
     seed: u64,
 ) -> Result<CovariateStudy, EvidenceError> {
     let table = evidence.table;
-    let rows = evidence.of(split);
-    let residuals: Vec<f64> = evidence.residuals(model, split)?.iter().map(|r| r * evidence.noise).collect();
+    let all: Vec<f64> = evidence.residuals(model, split)?.iter().map(|r| r * evidence.noise).collect();
+    let (middle, spread) = centre_and_sigma(&all).unwrap_or_default();
+    let counts = |(_, residual): &(&usize, &f64)| (*residual - middle).abs() <= GROSS * spread;
+    let (rows, residuals): (Vec<usize>, Vec<f64>) = evidence.of(split).iter().zip(&all).filter(counts).unzip();
     let known = |value: f64| if value.is_finite() { value } else { 0.0 };
     let of = |value: &dyn Fn(usize) -> f64| rows.iter().map(|&at| known(value(at))).collect::<Vec<f64>>();
     let since = since_fresh(&table.rows);

@@ -2,8 +2,7 @@
 
 use super::simulated::Simulated;
 use crate::laboratory::{
-    HeightView, ResidualGrid, ScanData, ScanEvidence, ScanView, SharedTiles, Split,
-    StructureTest, structure_tests,
+    HeightView, ResidualGrid, ScanData, ScanEvidence, ScanView, SharedTiles, Split, StructureTest, structure_tests,
 };
 use crate::study_report::TestOfMissing;
 
@@ -39,7 +38,8 @@ pub fn of_scans(
 ///
 /// - `residuals`: in order of time
 pub fn of_rows(residuals: &[f64], freedoms: usize, seed: u64) -> Vec<StructureTest> {
-    let grid = ResidualGrid { nx: residuals.len(), cells: (0..residuals.len()).collect(), residuals: residuals.to_vec() };
+    let grid =
+        ResidualGrid { nx: residuals.len(), cells: (0..residuals.len()).collect(), residuals: residuals.to_vec() };
     let mut tests = structure_tests(&[grid], freedoms, &[], seed);
     for test in &mut tests {
         test.name = test.name.replace("neighbouring tiles", "neighbouring rows").replace(" along x", " in time");

@@ -51,7 +51,8 @@ pub struct Ground<'a> {
     data: &'a HeightView,
     /// The simulated surface as the instrument sees it.
     pub seen: HeightMap,
-    /// Measured minus simulated after the pose that fits best [m], NaN where it is not known.
+    /// Measured minus simulated, with height and tilt of the scan as the untouched surface says, and the shift that fits
+    /// best [m]; NaN where it is not known.
     pub left: Vec<f64>,
 }
 
@@ -60,7 +61,7 @@ impl<'a> Ground<'a> {
     pub fn new(evidence: &ScanEvidence, view: &'a ScanView, simulated: &Simulated) -> Option<Self> {
         let ScanData::Heights(data) = &view.data else { return None };
         let seen = simulated.heights(evidence, view)?;
-        let left = data.left(&seen);
+        let left = data.left_held(&seen);
         Some(Self { data, seen, left })
     }
 
@@ -126,7 +127,7 @@ impl<'a> Ground<'a> {
         weights.iter().for_each(|&(at, weight)| of_pixel[at] = weight);
         let mut of_tile = vec![0.0; self.data.tiles.len()];
         self.data.tiles.pixels().for_each(|(tile, at)| of_tile[tile] += of_pixel[at]);
-        self.data.whitener().sigma_of_sum(&of_tile)
+        self.data.held_sigma(&of_tile)
     }
 }
 

@@ -17,8 +17,8 @@ enum Pose {
     AsRead,
     /// As on the scan before, where no tool came.
     Registered,
-    /// As fits best, within what is known from the untouched surface.
-    Free,
+    /// Height and tilt as on the scan before, where no tool came, and the shift that fits best.
+    Held,
 }
 
 /// A model in the waterfall.
@@ -33,14 +33,18 @@ pub struct Step<'a> {
 pub struct Scans<'a> {
     /// The scans.
     pub evidence: &'a ScanEvidence<'a>,
+    /// Whether the errors of models are told with the poses that fit them best, as a diagnosis does.
+    free: bool,
     /// How each lay on the scan before, and its levelled heights.
     alignments: Vec<Option<(Registration, HeightMap)>>,
 }
 
 impl<'a> Scans<'a> {
     /// Lays every scan on the untouched surface.
-    pub fn new(evidence: &'a ScanEvidence<'a>) -> Self {
-        Self { evidence, alignments: evidence.views.par_iter().map(|view| alignment(evidence, view)).collect() }
+    ///
+    /// - `free`: tell the errors of models with the poses that fit them best, as a diagnosis does
+    pub fn new(evidence: &'a ScanEvidence<'a>, free: bool) -> Self {
+        Self { evidence, free, alignments: evidence.views.par_iter().map(|view| alignment(evidence, view)).collect() }
     }
 
     /// How a scan lay on the scan before the first pass.
@@ -54,12 +58,12 @@ impl<'a> Scans<'a> {
     }
 
     fn ground(&self, view: &'a ScanView, simulated: &Simulated, pose: Pose) -> Option<Ground<'a>> {
-        let free = Ground::new(self.evidence, view, simulated)?;
+        let held = Ground::new(self.evidence, view, simulated)?;
         let ScanData::Heights(data) = &view.data else { return None };
         match pose {
-            Pose::AsRead => Some(free.against(&data.measured)),
-            Pose::Registered => Some(free.against(&self.of(view)?.1)),
-            Pose::Free => Some(free),
+            Pose::AsRead => Some(held.against(&data.measured)),
+            Pose::Registered => Some(held.against(&self.of(view)?.1)),
+            Pose::Held => Some(held),
         }
     }
 
@@ -74,7 +78,7 @@ impl<'a> Scans<'a> {
             steps.push(self.step("registered", start, Pose::Registered));
         }
         let first = steps.len();
-        steps.extend(models.iter().map(|model| self.step(&model.name, model.simulated, Pose::Free)));
+        steps.extend(models.iter().map(|model| self.step(&model.name, model.simulated, Pose::Held)));
         let floor = models.first().map(|model| self.floor(model.simulated)).unwrap_or_default();
         let least = floor.calibration.or(floor.evaluation).unwrap_or(0.0);
         let excess = |step: &WaterfallStep| {
@@ -99,6 +103,11 @@ impl<'a> Scans<'a> {
     fn step(&self, name: &str, simulated: &Simulated, pose: Pose) -> WaterfallStep {
         let views = &self.evidence.views;
         let misfit = |view: &'a ScanView| match &view.data {
+            ScanData::Heights(data) if self.free && pose == Pose::Held => {
+                let before = &self.evidence.twin.trials[view.trial].trial.scans.before;
+                let seen = simulated.heights(self.evidence, view)?;
+                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].rms)[0])
+            }
             ScanData::Heights(_) => Some(self.ground(view, simulated, pose)?.rms()),
             ScanData::Exposure(data) => Some(data.border_distance(&simulated.margin(view))),
         };
@@ -134,10 +143,10 @@ impl<'a> Scans<'a> {
             ScanData::Exposure(data) => Some(data.border_floor()),
         };
         let volume = |view: &'a ScanView| {
-            let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, Pose::Free))?;
+            let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, Pose::Held))?;
             Some((0.0, volume.uncertainty / volume.measured.abs()))
         };
-        let slope = |view: &'a ScanView| Some(self.plateau(view, simulated, Pose::Free)?.slope_uncertainty);
+        let slope = |view: &'a ScanView| Some(self.plateau(view, simulated, Pose::Held)?.slope_uncertainty);
         WaterfallStep {
             name: "noise floor".to_owned(),
             calibration: self.rms(Split::Calibration, misfit),

@@ -30,7 +30,9 @@ fn meaning(verdict: Verdict) -> &'static str {
         }
         Verdict::NotTestable => "These passes cannot show what was asked.",
         Verdict::Agrees => "The model was compared as it is; nothing was fitted.",
-        Verdict::Differs => "The model was compared as it is; see below where it fails, and `robofin diagnose` for why.",
+        Verdict::Differs => {
+            "The model was compared as it is; see below where it fails, and `robofin diagnose` for why."
+        }
     }
 }
 

@@ -24,7 +24,10 @@ pub(super) fn add(page: &mut Page, plots: &[CovariatePlot]) {
     let mut sorted: Vec<&CovariatePlot> = plots.iter().collect();
     sorted.sort_by(|a, b| b.share.total_cmp(&a.share));
     let mut figures = String::new();
-    let mut table = Table::new("Covariates", &["covariate", "share explained", "drop without it", "p-value", "p among all", "residual at most"]);
+    let mut table = Table::new(
+        "Covariates",
+        &["covariate", "share explained", "drop without it", "p-value", "p among all", "residual at most"],
+    );
     for plot in sorted {
         let name = escape(&plot.name);
         let stated = format!("{} explained, p {}", percent(plot.share), equals(plot.p_value));

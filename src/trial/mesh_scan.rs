@@ -60,8 +60,7 @@ pub(super) fn read(file: &Path, bytes: &[u8], format: Format, frame: ScanFrame) 
     if map.missing() == map.heights.len() {
         return Err(beside());
     }
-    let mut notes =
-        vec![format!("a surface of {} triangles, looked at from above, in mm", found.mesh.triangles.len())];
+    let mut notes = vec![format!("a surface of {} triangles, looked at from above, in mm", found.mesh.triangles.len())];
     notes.extend(found.notes);
     Ok(Read { content: map, notes })
 }

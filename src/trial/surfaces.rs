@@ -74,7 +74,8 @@ fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> 
         ));
     }
     let tilt = found.tilt.length();
-    Ok((tilt > TILT).then(|| format!("tilted by {:.1} mrad against the scan before; registration takes it out", tilt * 1e3)))
+    Ok((tilt > TILT)
+        .then(|| format!("tilted by {:.1} mrad against the scan before; registration takes it out", tilt * 1e3)))
 }
 
 /// By how many pixels along x and y a scan lies beside another on the untouched surface, where that is beyond doubt.
@@ -89,7 +90,10 @@ fn displaced(now: &HeightMap, earlier: &HeightMap, free: &[bool]) -> Option<[i64
     let spread = |[dx, dy]: [i64; 2]| {
         let difference = |&at: &usize| now.heights[(at as i64 + dy * nx + dx) as usize] - earlier.heights[at];
         let known: Vec<f64> = kept.iter().map(difference).filter(|d| d.is_finite()).collect();
-        (known.len() >= LEAST_PIXELS.min(kept.len())).then(|| centre_and_sigma(&known)).flatten().map(|(_, sigma)| sigma)
+        (known.len() >= LEAST_PIXELS.min(kept.len()))
+            .then(|| centre_and_sigma(&known))
+            .flatten()
+            .map(|(_, sigma)| sigma)
     };
     let ways = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| [dx, dy]));
     let spreads = ways.filter_map(|way| Some((way, spread(way)?)));

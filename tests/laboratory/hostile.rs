@@ -124,7 +124,9 @@ fn a_tilted_map_is_survived_and_noted() {
 #[test]
 fn a_fifth_of_the_pixels_may_be_missing() {
     survives(0.1, |folder| {
-        for (number, name) in ["before.csv", "before_repeat.csv", "pass1_after.csv", "pass2_after.csv"].iter().enumerate() {
+        for (number, name) in
+            ["before.csv", "before_repeat.csv", "pass1_after.csv", "pass2_after.csv"].iter().enumerate()
+        {
             cells(folder, name, 0, |row, column, cell| {
                 let mixed = (row * 1000 + column + 1_000_000 * number).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
                 if mixed % 5 == 0 { String::new() } else { cell.to_owned() }
@@ -135,10 +137,12 @@ fn a_fifth_of_the_pixels_may_be_missing() {
 
 #[test]
 fn clocks_that_are_off_are_survived_and_noted() {
-    survives(1e-3, |folder| cells(folder, "pass2_log.csv", 1, |_, column, cell| match column {
-        0 => scaled(cell, 1.0, 1_048_576.0),
-        _ => cell.to_owned(),
-    }));
+    survives(1e-3, |folder| {
+        cells(folder, "pass2_log.csv", 1, |_, column, cell| match column {
+            0 => scaled(cell, 1.0, 1_048_576.0),
+            _ => cell.to_owned(),
+        })
+    });
     let late = trial();
     cells(late.path(), "pass2_log.csv", 1, |_, column, cell| match column {
         0 => scaled(cell, 1.0, 1_048_576.0),

@@ -136,7 +136,12 @@ fn waterfall(passes: &[String]) -> Waterfall {
         step("+ grit-dulling", [2.317, 2.419], -0.0042, Some(0.0131)),
         floor,
     ];
-    Waterfall { misfit: Misfit::heights(), passes: passes.to_vec(), steps, notes: vec!["The two effects share 31 % of the fall.".into()] }
+    Waterfall {
+        misfit: Misfit::heights(),
+        passes: passes.to_vec(),
+        steps,
+        notes: vec!["The two effects share 31 % of the fall.".into()],
+    }
 }
 
 fn volume(pass: &str, k: usize) -> PassVolume {
