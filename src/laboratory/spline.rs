@@ -29,27 +29,3 @@ pub fn spline_columns(values: &[f64]) -> Vec<Vec<f64>> {
     }
     columns
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn columns_are_straight_beyond_the_outer_knots_and_smooth_between() {
-        let values: Vec<f64> = (0..=1000).map(|k| f64::from(k) / 1000.0).collect();
-        let columns = spline_columns(&values);
-        assert_eq!(columns.len(), 5);
-        for column in &columns {
-            let bend = |k: usize| column[k + 1] - 2.0 * column[k] + column[k - 1];
-            assert!((1..48).chain(953..1000).all(|k| bend(k).abs() < 1e-12));
-            assert!((2..999).all(|k| (bend(k + 1) - bend(k)).abs() < 2e-8), "no kink");
-        }
-    }
-
-    #[test]
-    fn few_values_give_few_columns() {
-        assert!(spline_columns(&[3.0; 20]).is_empty());
-        let two: Vec<f64> = (0..20).map(|k| f64::from(k % 2)).collect();
-        assert_eq!(spline_columns(&two).len(), 1);
-    }
-}

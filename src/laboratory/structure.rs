@@ -215,37 +215,6 @@ impl SharedTiles<'_> {
 mod tests {
     use super::*;
 
-    fn grid(residual: impl FnMut(usize, usize) -> f64) -> ResidualGrid {
-        let (nx, ny) = (40, 10);
-        let mut residual = residual;
-        let residuals = (0..nx * ny).map(|cell| residual(cell % nx, cell / nx)).collect();
-        ResidualGrid { nx, cells: (0..nx * ny).collect(), residuals }
-    }
-
-    fn noise(seed: u64) -> ResidualGrid {
-        let mut chance = Chance::of(seed, "noise");
-        grid(|_, _| chance.normal())
-    }
-
-    #[test]
-    fn noise_alone_alarms_in_few_of_many_data_sets() {
-        let alarms = |seed: &u64| structure_tests(&[noise(*seed)], 0, &[], *seed).iter().any(|test| test.rejects);
-        let count = (0..60).filter(alarms).count();
-        println!("{count} alarms in 60 data sets of noise");
-        // At 5 % three are expected; eight or more have a chance below 1 %.
-        assert!(count < 8, "{count}");
-    }
-
-    #[test]
-    fn a_wave_below_the_noise_is_found_by_its_neighbours_and_not_by_its_size() {
-        let mut chance = Chance::of(3, "noise");
-        let wavy = grid(|i, _| 0.45 * (i as f64 / 6.0).sin() + 0.93 * chance.normal());
-        let tests = structure_tests(&[wavy], 0, &[], 1);
-        println!("{tests:?}");
-        assert!(!tests[0].rejects, "the sum of squares is that of noise");
-        assert!(tests[1].rejects && tests[1].p_value <= 0.005);
-    }
-
     #[test]
     fn runs_are_those_of_the_formula() {
         // + + + - - - : two runs where 4 are expected, variance 3 · 2 / 5.

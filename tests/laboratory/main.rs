@@ -3,6 +3,7 @@
 mod campaigns;
 mod compared;
 mod hostile;
+mod structure;
 mod two_passes;
 mod unseen;
 mod whitening;
