@@ -97,6 +97,8 @@ struct Pooled<'a> {
     residuals: DVector<f64>,
     /// Direction of a constant residual.
     constant: DVector<f64>,
+    /// Variance of relative residuals beyond noise.
+    excess: f64,
 }
 
 /// Holds covariates against residuals.
@@ -104,7 +106,7 @@ struct Pooled<'a> {
 /// - `noise`: variance of a residual over its sigma where the model is right: 1, or 0 where sigmas are not known
 pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> CovariateStudy {
     let count = fields.first().map_or(0, |field| field.values.len());
-    let pooled = Pooled::new(fields);
+    let pooled = Pooled::new(fields, noise);
     let smooths: Vec<Smooth> = (0..count).filter_map(|covariate| pooled.smooth(covariate)).collect();
     if smooths.is_empty() || pooled.residuals.len() < LEAST_DATA {
         return CovariateStudy::default();
@@ -144,12 +146,15 @@ pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> Cova
 }
 
 impl<'a> Pooled<'a> {
-    fn new(fields: &'a [CovariateField]) -> Self {
+    fn new(fields: &'a [CovariateField], noise: f64) -> Self {
         let all = |of: fn(&CovariateField) -> &Vec<f64>| fields.iter().flat_map(of).copied().collect::<Vec<f64>>();
         let weights = DVector::from_vec(all(|field| &field.sigmas)).map(|sigma| 1.0 / sigma);
         let residuals = DVector::from_vec(all(|field| &field.residuals)).component_mul(&weights);
         let constant = if weights.is_empty() { weights.clone() } else { weights.normalize() };
-        Self { fields, weights, residuals, constant }
+        let mut pooled = Self { fields, weights, residuals, constant, excess: 0.0 };
+        let beyond = pooled.about_mean(&pooled.residuals).norm_squared() - noise * pooled.residuals.len() as f64;
+        pooled.excess = (beyond / pooled.weights.norm_squared().max(f64::MIN_POSITIVE)).max(0.0);
+        pooled
     }
 
     fn values(&self, covariate: usize) -> Vec<f64> {
@@ -192,24 +197,20 @@ impl<'a> Pooled<'a> {
         goal.norm_squared() - (&goal - matrix * found).norm_squared()
     }
 
-    /// The residuals with each scan's map shifted around the torus and the scans' means exchanged.
+    /// The residuals with each scan's map shifted around the torus and the scans' means exchanged. What is shifted is the
+    /// relative residual over its own spread, from noise and beyond, so that deep and shallow places may change places.
     fn shifted(&self, chance: &mut Chance) -> DVector<f64> {
-        let mut starts = Vec::new();
-        let mut start = 0;
-        for field in self.fields {
-            starts.push(start..start + field.cells.len());
-            start += field.cells.len();
-        }
-        let own = |k: usize| &self.residuals.as_slice()[starts[k].clone()];
-        let mean = |k: usize| own(k).iter().sum::<f64>() / own(k).len().max(1) as f64;
         let mut places: Vec<usize> = (0..self.fields.len()).collect();
         (1..places.len()).rev().for_each(|k| places.swap(k, chance.below(k + 1)));
+        let means: Vec<f64> = self.fields.iter().map(CovariateField::mean).collect();
         let mut all = Vec::with_capacity(self.residuals.len());
         for (k, field) in self.fields.iter().enumerate() {
-            let lift = mean(places[k]) - mean(k);
-            all.extend(field.shifted(own(k), chance).into_iter().map(|residual| residual + lift));
+            let spreads: Vec<f64> = field.sigmas.iter().map(|sigma| (sigma * sigma + self.excess).sqrt()).collect();
+            let own = field.residuals.iter().zip(&spreads).map(|(residual, spread)| (residual - means[k]) / spread);
+            let moved = field.shifted(&own.collect::<Vec<f64>>(), chance);
+            all.extend(moved.iter().zip(&spreads).map(|(residual, spread)| means[places[k]] + residual * spread));
         }
-        DVector::from_vec(all)
+        DVector::from_vec(all).component_mul(&self.weights)
     }
 
     fn bins(&self, covariate: usize, seed: u64) -> Vec<CovariateBin> {
@@ -273,6 +274,13 @@ fn binned(values: &[f64]) -> Vec<Vec<usize>> {
 }
 
 impl CovariateField {
+    /// Mean residual, weighted with its noise.
+    fn mean(&self) -> f64 {
+        let sum =
+            |of: &dyn Fn(usize) -> f64| (0..self.sigmas.len()).map(|k| of(k) / self.sigmas[k].powi(2)).sum::<f64>();
+        sum(&|k| self.residuals[k]) / sum(&|_| 1.0).max(f64::MIN_POSITIVE)
+    }
+
     /// Values of the tiles shifted by a random way around the torus of the tiles' bounding box; where it has no tile,
     /// the next one along x is taken.
     fn shifted(&self, values: &[f64], chance: &mut Chance) -> Vec<f64> {

@@ -48,7 +48,7 @@ fn noise_alone_alarms_in_few_of_many_data_sets() {
 #[test]
 fn a_wave_below_the_noise_is_found_by_its_neighbours_and_not_by_its_size() {
     let mut chance = Chance::of(3);
-    let wavy = grid(|i, _| 0.45 * (i as f64 / 6.0).sin() + 0.93 * chance.normal());
+    let wavy = grid(|i, _| 0.7 * (i as f64 / 6.0).sin() + 0.87 * chance.normal());
     let tests = structure_tests(&[wavy], 0, &[], 1);
     println!("{tests:?}");
     assert!(!tests[0].rejects, "the sum of squares is that of noise");
