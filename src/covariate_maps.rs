@@ -16,6 +16,7 @@ pub fn write(folder: &Path, pass: usize, covariates: &Covariates, pixels: &Pixel
     for (name, values, scale) in [
         ("pressure_time_mpa_s", &covariates.pressure_time, 1e-6),
         ("mean_pressure_mpa", &covariates.mean_pressure(), 1e-6),
+        ("peak_pressure_mpa", &covariates.peak_pressure, 1e-6),
         ("contact_time_s", &covariates.contact_time, 1.0),
         ("mean_slip_speed_m_s", &covariates.mean_slip_speed(), 1.0),
         ("sliding_distance_m", &covariates.slip_way, 1.0),

@@ -32,6 +32,8 @@ pub struct Covariates {
     first: [i32; 2],
     /// `∫ p dt` [Pa s].
     pub pressure_time: Vec<f64>,
+    /// Greatest mean pressure of a step over the place's square while in contact [Pa].
+    pub peak_pressure: Vec<f64>,
     /// Time in contact [s].
     pub contact_time: Vec<f64>,
     /// Way of the tool's surface over the place while in contact [m].
@@ -58,6 +60,7 @@ impl Covariates {
             pixels: PixelGrid { origin: low * voxel, pitch: voxel, nx, ny },
             first,
             pressure_time: zeros.clone(),
+            peak_pressure: zeros.clone(),
             contact_time: zeros.clone(),
             slip_way: zeros.clone(),
             removed: zeros.clone(),
@@ -87,6 +90,7 @@ impl Covariates {
             let at = (row * nx + column) as usize;
             let contact = square.share * dt;
             self.pressure_time[at] += square.load * dt;
+            self.peak_pressure[at] = self.peak_pressure[at].max(square.load);
             self.contact_time[at] += contact;
             self.slip_way[at] += contact * slip_speed(sheet.facing.world(sheet.point(square.line)));
             self.removed[at] += square.recession;

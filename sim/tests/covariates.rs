@@ -72,6 +72,8 @@ fn a_place_is_touched_for_patch_length_over_feed() {
     assert!((time * FEED / length - 1.0).abs() < 0.01);
     assert!((pressure_time * FEED * WIDTH / FORCE - 1.0).abs() < 0.01);
     assert!((at(&covariates.mean_pressure(), 0.0) - pressure_time / time).abs() < 1.0);
+    let peak = at(&covariates.peak_pressure, 0.0);
+    assert!((peak / (STIFFNESS * depth) - 1.0).abs() < 0.02, "{peak} Pa, {} Pa under the axis", STIFFNESS * depth);
     let (ahead, behind) = (at(&covariates.first_contact, 4e-3), at(&covariates.first_contact, -4e-3));
     assert!((ahead - behind - 8e-3 / FEED).abs() < 2.0 * VOXEL / FEED, "{ahead} {behind}");
     let speed = Process::default().spindle_speed * RADIUS;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use sim::effect::{Effect, Library};
 
 use crate::trial::Process;
-use crate::virtual_lab::{Plan, outside};
+use crate::virtual_lab::Plan;
 
 /// What a family of cases asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -208,12 +208,14 @@ const STRIDE: usize = 7;
 /// What every fit leaves free, or what is no cause by itself.
 const UNFIT: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", "pass-gain"];
 
+/// Effects outside the library, and those of them that act when sanding.
+const UNKNOWN: [&str; 6] = ["grit-loss", "paint-run", "stick-slip", "lateral-wander", "spatter-patch", "plate-warping"];
+const UNKNOWN_WHEN_SANDING: [&str; 2] = ["paint-run", "lateral-wander"];
+
 /// An effect outside the library.
 fn unknown(number: usize) -> (&'static str, Process) {
-    let names = ["lateral-wander", "paint-run", "grit-loss", "stick-slip", "spatter-patch", "plate-warping"];
-    let name = cycle(&names, number);
-    debug_assert!(outside::EFFECTS.iter().any(|(file, _)| file.trim_end_matches(".toml") == name));
-    (name, if name == "paint-run" { Process::Sanding } else { Process::Grinding })
+    let name = cycle(&UNKNOWN, number);
+    (name, if UNKNOWN_WHEN_SANDING.contains(&name) { Process::Sanding } else { Process::Grinding })
 }
 
 /// The same word in the effect library.

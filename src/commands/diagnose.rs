@@ -57,8 +57,15 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         summary.suggested_effect_file = Some(args.out.out.join(file).display().to_string());
     }
     describe(&summary, console);
-    let (scans, notes, place) = (data.scans(), data.notes_of_table(), data.folder());
-    let input = ReportInput { scans, folder: place, diagnosis: &diagnosis, summary: &summary, seed: args.seed, notes };
+    let input = ReportInput {
+        scans: data.scans(),
+        rows: data.rows(),
+        folder: data.folder(),
+        diagnosis: &diagnosis,
+        summary: &summary,
+        seed: args.seed,
+        notes: data.notes_of_table(),
+    };
     write(&folder, DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
     write(&folder, "model.toml", diagnosis.model.to_text(&library))?;
     write(&folder, "report.html", page(&report(&input)?))?;

@@ -4,6 +4,7 @@ mod backends;
 mod bake;
 mod bench;
 mod calibrate;
+mod compare;
 mod demo;
 mod diagnose;
 mod effects;
@@ -65,6 +66,8 @@ enum Verb {
     Validate(validate::ValidateArgs),
     /// Fit a model to a campaign, step by step from the base law to its last effect.
     Calibrate(calibrate::CalibrateArgs),
+    /// Say where a model fails on a campaign; nothing of it is fitted.
+    Compare(compare::CompareArgs),
     /// Find out which effect a model lacks, from the scans of a campaign.
     Diagnose(diagnose::DiagnoseArgs),
     /// Compare, calibrate, diagnose, add what is missing and calibrate again, until nothing more can be found.
@@ -109,6 +112,7 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Validate(args) => validate::run(&args, console),
         Verb::Calibrate(args) => calibrate::run(&args, console),
         Verb::Bench(args) => bench::run(&args, console),
+        Verb::Compare(args) => compare::run(&args, console),
         Verb::Diagnose(args) => diagnose::run(&args, console),
         Verb::Study(args) => study::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),

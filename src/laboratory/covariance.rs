@@ -131,6 +131,30 @@ impl Whitener {
         (data - &self.freedom.columns * freedoms).as_slice().to_vec()
     }
 
+    /// Measured minus simulated without what the freedoms are expected to add.
+    pub fn centred(&self, difference: &[f64]) -> Vec<f64> {
+        difference.iter().zip(self.offset.iter()).map(|(d, offset)| d - offset).collect()
+    }
+
+    /// Differences, centred, that noise and freedoms make of independent normal numbers.
+    pub fn coloured(&self, normals: &[f64]) -> Vec<f64> {
+        let factor = self.factor.l_dirty();
+        let row = |i: usize| (0..=i).map(|j| factor[(i, j)] * normals[j]).sum();
+        (0..normals.len()).map(row).collect()
+    }
+
+    /// The freedoms before the data are seen.
+    pub fn expected(&self) -> &Freedom {
+        &self.freedom
+    }
+
+    /// As [`Whitener::sigma_of_sum`], with another covariance of the freedoms.
+    pub fn sigma_of_sum_given(&self, weights: &[f64], covariance: &DMatrix<f64>) -> f64 {
+        let arms = self.freedom.columns.tr_mul(&DVector::from_column_slice(weights));
+        let change = arms.dot(&((covariance - &self.freedom.covariance) * &arms));
+        (self.sigma_of_sum(weights).powi(2) + change).max(0.0).sqrt()
+    }
+
     /// Standard deviation that noise and freedoms give to a weighted sum of the data.
     pub fn sigma_of_sum(&self, weights: &[f64]) -> f64 {
         self.factor.l_dirty().lower_triangle().tr_mul(&DVector::from_column_slice(weights)).norm()

@@ -4,6 +4,7 @@ use sim::effect::{CompiledModel, Effect, Process, RowCounts, RunError};
 use thiserror::Error;
 
 use super::coordinates::Coordinate;
+use super::pass_trend::PassTrend;
 use crate::campaign_twin::CampaignError;
 
 /// Which data.
@@ -106,6 +107,13 @@ pub trait Evidence: Sync {
     /// Root mean square of the change of the calibration data, in the unit of [`Agreement::rms`], behind a change of the whitened
     /// residuals; measurement freedoms take up what they can.
     fn size(&self, change: &[f64]) -> f64;
+
+    /// How the removal changes from a pass to an equal one after it, and what a law can make of that; `None` where there
+    /// are no equal passes.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError>;
 
     /// Why an effect cannot show in these data, if so.
     fn is_blind_to(&self, effect: &Effect) -> Option<String>;

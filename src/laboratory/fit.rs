@@ -227,6 +227,16 @@ impl Fit {
         self.coordinates.iter().enumerate().map(estimate).collect()
     }
 
+    /// Whether a coordinate lies on a bound beyond which the sum of squares would fall.
+    pub fn is_held_back(&self, k: usize) -> bool {
+        let slope = self.jacobian.column(k).dot(&DVector::from_column_slice(&self.residuals));
+        match self.coordinates[k].bound(self.at[k]) {
+            Some(Bound::Least) => slope > 0.0,
+            Some(Bound::Greatest) => slope < 0.0,
+            None => false,
+        }
+    }
+
     /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
     /// others.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {

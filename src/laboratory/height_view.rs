@@ -2,7 +2,7 @@
 //! physics.
 
 use glam::DVec2;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use sdf_bake::HeightMap;
 
 use super::covariance::{Freedom, TileNoise, Whitener};
@@ -10,6 +10,8 @@ use super::tiles::{TileGrid, Tiles};
 
 /// Freedoms of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
 const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
+/// Of these, height and tilts, which the untouched surface gives.
+const HELD: usize = 3;
 /// How far tool and scan may disagree about where along x and y the part lies [m]: the cut is shifted on the surface.
 const CUT_SIGMA: f64 = 100e-6;
 /// Standard deviation of a tile on the rim of what the tool cut, where simulations on different lattices differ [pixels of
@@ -50,8 +52,10 @@ impl HeightView {
         let pixels = measured.pixels;
         let change: Vec<f64> = measured.heights.iter().zip(&before.heights).map(|(a, b)| a - b).collect();
         let cut = slopes(&HeightMap { pixels, heights: change.clone() });
-        let slopes = slopes(&measured);
-        let known = |at: usize| change[at].is_finite() && slopes[at].is_finite();
+        // Beside missing pixels the slope is not known; a shift of the scan is then told by the others.
+        let slopes: Vec<DVec2> =
+            slopes(&measured).into_iter().map(|slope| if slope.is_finite() { slope } else { DVec2::ZERO }).collect();
+        let known = |at: usize| change[at].is_finite();
         let alone = TileGrid { pixels, side: 2 * side }.tiles(|at| known(at) && free[at]);
         let coarse = TileNoise { alone: 0.5 * noise.alone, ..noise };
         let untouched = Whitener::new(
@@ -93,9 +97,25 @@ impl HeightView {
         self.whitener.unwhiten(change)
     }
 
+    /// What the tiles may differ by without any physics.
+    pub fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
     /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
     pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
-        let pose = self.whitener.freedoms(&self.difference(simulated)).mean;
+        self.left_at(simulated, &self.whitener.freedoms(&self.difference(simulated)).mean)
+    }
+
+    /// As [`HeightView::left`], with height and tilt as the untouched surface says: a model that is far off does not pull
+    /// them.
+    pub fn left_held(&self, simulated: &HeightMap) -> Vec<f64> {
+        let mut pose = self.whitener.freedoms(&self.difference(simulated)).mean;
+        pose.rows_mut(0, HELD).copy_from(&self.whitener.expected().mean.rows(0, HELD));
+        self.left_at(simulated, &pose)
+    }
+
+    fn left_at(&self, simulated: &HeightMap, pose: &DVector<f64>) -> Vec<f64> {
         let frame = Frame::of(self.measured.pixels);
         let lift = |at: usize| {
             let cut = if self.cut[at].is_finite() { self.cut[at] } else { DVec2::ZERO };
@@ -114,12 +134,35 @@ impl HeightView {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
+    /// Standard deviation of a weighted sum over the tiles' differences, from noise, from height and tilt as the untouched
+    /// surface leaves them, and from shifts as all data leave them.
+    pub fn held_sigma(&self, weights: &[f64]) -> f64 {
+        let expected = &self.whitener.expected().covariance;
+        let mut covariance = self.whitener.freedoms(&vec![0.0; self.tiles.len()]).covariance;
+        for k in 0..HELD {
+            covariance.row_mut(k).fill(0.0);
+            covariance.column_mut(k).fill(0.0);
+        }
+        covariance.view_mut((0, 0), (HELD, HELD)).copy_from(&expected.view((0, 0), (HELD, HELD)));
+        self.whitener.sigma_of_sum_given(weights, &covariance)
+    }
+
+    /// Volume that a simulation removed under all tiles, and the volume of what it leaves [m³].
+    pub fn volumes(&self, before: &HeightMap, simulated: &HeightMap) -> (f64, f64) {
+        let left = self.left_held(simulated);
+        let sum = |value: &dyn Fn(usize) -> f64| {
+            let known = self.tiles.pixels().map(|(_, at)| value(at)).filter(|value| value.is_finite());
+            known.sum::<f64>() * self.measured.pixels.pitch.powi(2)
+        };
+        (sum(&|at| before.heights[at] - simulated.heights[at]), sum(&|at| left[at]))
+    }
+
     /// Standard deviation of the volume under all tiles, from noise and the scan's pose [m³].
     pub fn volume_sigma(&self) -> f64 {
         let mut areas = vec![0.0; self.tiles.len()];
         let pixel = self.measured.pixels.pitch.powi(2);
         self.tiles.pixels().for_each(|(tile, _)| areas[tile] += pixel);
-        self.whitener.sigma_of_sum(&areas)
+        self.held_sigma(&areas)
     }
 
     /// Root mean square of what is left over the tiles' pixels, what the scans' noise alone would leave, and the mean

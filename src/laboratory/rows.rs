@@ -6,6 +6,7 @@ use sim::effect::{CompiledModel, Effect, Process, RowCounts};
 use super::coordinates::Coordinate;
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
+use super::pass_trend::{PassTrend, trend_of_rows};
 use super::table_noise::row_noise;
 use super::table_reach::silenced;
 use super::table_steps::Rows;
@@ -187,6 +188,10 @@ impl Evidence for RowEvidence<'_> {
 
     fn size(&self, change: &[f64]) -> f64 {
         self.noise * (change.iter().map(|c| c * c).sum::<f64>() / change.len().max(1) as f64).sqrt()
+    }
+
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+        trend_of_rows(self, model)
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {

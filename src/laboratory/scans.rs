@@ -13,6 +13,7 @@ use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::fit::robust_sum;
 use super::height_view::HeightView;
+use super::pass_trend::{PassTrend, trend_of_scans};
 use super::tiles::{TileGrid, Tiles};
 use crate::campaign_twin::CampaignTwin;
 use crate::measure::{NoiseFloor, despiked, noise_floor, untouched};
@@ -268,6 +269,10 @@ impl Evidence for ScanEvidence<'_> {
         let views = self.of(Split::Calibration).zip(self.ranges(Split::Calibration));
         let squares = views.flat_map(|(view, range)| view.data.unwhitened(&change[range])).map(|left| left * left);
         (squares.sum::<f64>() / change.len().max(1) as f64).sqrt()
+    }
+
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+        trend_of_scans(self, model)
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {

@@ -9,6 +9,7 @@ use super::diagnose::{Diagnosis, Finding, Round, Verdict};
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::fit::{Estimate, Fit};
 use super::next_trial::NextTrial;
+use super::pass_trend::PassTrend;
 
 /// Name of the waterfall's step at which the base law is calibrated.
 pub const BASE_STEP: &str = "base model";
@@ -83,6 +84,8 @@ pub struct DiagnosisSummary {
     pub final_rms_um: f64,
     /// From the base model to the noise floor.
     pub waterfall: Vec<WaterfallStep>,
+    /// How equal passes go on, and what the base law can make of that; absent where there are no equal passes.
+    pub equal_passes: Option<PassTrend>,
     /// All parameters of the final model.
     pub parameters: Vec<ParameterSummary>,
     /// Every effect that was fitted.
@@ -220,17 +223,22 @@ impl DiagnosisSummary {
                 suspects.push(summary);
             }
         }
+        let base = diagnosis.rounds.first().map(|round| evidence.trend(&round.base.model)).transpose()?;
+        let equal_passes = base.flatten();
+        let beyond = equal_passes.as_ref().filter(|trend| trend.out_of_reach);
+        let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
         let last = evidence.agreement(&diagnosis.fit.model, Split::Calibration)?;
         let spread = diagnosis.rounds.last().map_or(1.0, |round| round.spread);
         Ok(Self {
             verdict: diagnosis.verdict,
-            sentence: sentence(diagnosis.verdict, &effects),
+            sentence: sentence(diagnosis.verdict, &effects) + &beyond,
             effects,
             error_unit: unit,
             noise_floor_um: floor,
             base_rms_um: diagnosis.rounds.first().map_or(0.0, |round| rms(&round.calibration, unit, |a| a.rms)),
             final_rms_um: rms(&last, unit, |a| a.rms),
             waterfall,
+            equal_passes,
             parameters: parameters(&diagnosis.fit, spread),
             suspects,
             next_trial: None,

@@ -5,6 +5,7 @@
 //! [`residual`] says how well one does. Missing pixels are never filled here.
 
 mod noise;
+mod plateau;
 mod register;
 mod robust;
 mod untouched;
@@ -12,6 +13,7 @@ mod untouched;
 use sdf_bake::HeightMap;
 
 pub use noise::{NoiseFloor, noise_floor};
+pub use plateau::{Across, Plateau, plateau_pixels};
 pub use register::{Freedom, Registration, RegistrationError, register};
 pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 pub use untouched::untouched;

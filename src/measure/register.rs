@@ -126,6 +126,19 @@ fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
     DVec2::new(h[at + 1] - h[at - 1], h[at + nx] - h[at - nx]) / (2.0 * map.pixels.pitch)
 }
 
+/// Slope of a map at a pixel from whichever neighbours are known, zero along an axis where none is.
+fn one_sided_slope(map: &HeightMap, at: usize) -> DVec2 {
+    let (nx, here) = (map.pixels.nx, map.heights[at]);
+    let rise = |next: Option<usize>| next.map(|next| map.heights[next] - here).filter(|rise| rise.is_finite());
+    let along = |before: Option<usize>, after: Option<usize>| {
+        let known: Vec<f64> = rise(after).into_iter().chain(rise(before).map(|rise| -rise)).collect();
+        known.iter().sum::<f64>() / known.len().max(1) as f64
+    };
+    let within = |next: usize| (next < map.heights.len()).then_some(next);
+    let (west, east) = ((at % nx > 0).then(|| at - 1), (at % nx + 1 < nx).then_some(at + 1));
+    DVec2::new(along(west, east), along(at.checked_sub(nx), within(at + nx))) / map.pixels.pitch
+}
+
 /// The robust solution, and the spread around it.
 fn fit(equations: &[Equation]) -> Option<([f64; UNKNOWNS], f64)> {
     let mut solution = weighted(equations, |_| 1.0)?;
@@ -215,7 +228,11 @@ impl Registration {
     pub fn left(&self, measured: &HeightMap, reference: &HeightMap) -> Vec<f64> {
         let freedom = if self.shift == DVec2::ZERO { Freedom::Plane } else { Freedom::PlaneAndShift };
         let levelled = self.levelled(measured);
-        let shifted = |at: usize| reference.heights[at] - self.shift.dot(slope(reference, at, freedom));
+        let slope = |at: usize| Some(slope(reference, at, freedom)).filter(|slope| !slope.is_nan());
+        let shifted = |at: usize| {
+            let slope = slope(at).unwrap_or_else(|| one_sided_slope(reference, at));
+            reference.heights[at] - self.shift.dot(slope)
+        };
         levelled.heights.iter().enumerate().map(|(at, height)| height - shifted(at)).collect()
     }
 }

@@ -7,6 +7,7 @@ use sim::effect::{CompiledModel, Model};
 use super::fill::{compared, correlations, parameter, provenance, verdict, waterfall};
 use super::maps::Seen;
 use super::measurements::Data;
+use super::simulated::Simulated;
 use crate::laboratory::{Calibration, CalibrationSummary, RemovalError, Verdict, WaterfallStep};
 use crate::study_report as page;
 use crate::study_report::{Compared, StudyReport, Waterfall};
@@ -45,10 +46,17 @@ pub(super) fn bare_report(
     waterfall: Waterfall,
     seed: u64,
 ) -> Result<StudyReport> {
-    let seen = data.scans().map(|(_, evidence)| Seen::new(evidence, base, with_effects)).transpose()?;
+    let models: Vec<&CompiledModel> = [base].into_iter().chain(with_effects).collect();
+    let simulated = data.scans().map(|(_, evidence)| Simulated::all(evidence, &models)).transpose()?;
+    let seen = data.scans().zip(simulated.as_deref()).map(|((_, evidence), simulated)| Seen {
+        evidence,
+        base: &simulated[0],
+        found: simulated.get(1),
+        lines: &[],
+    });
     let seen = seen.as_ref();
     Ok(StudyReport {
-        compared: compared((model, data.scans()), data.folder(), &data.notes_of_table()),
+        compared: compared((model, data.scans()), data.folder(), &data.notes_of_table(), &[]),
         verdict: page::Verdict::Calibrated,
         sentence: String::new(),
         tests: Vec::new(),

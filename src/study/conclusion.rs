@@ -4,7 +4,7 @@ use anyhow::Result;
 use sim::effect::Library;
 
 use super::measurements::Data;
-use crate::laboratory::{Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_trial, suggest};
+use crate::laboratory::{Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_row, separating_trial, suggest};
 
 /// Sums up a diagnosis, with the trial that would separate rivals; the evaluation data are looked at here. The instrument's
 /// blur stays at what the diagnosed model finds.
@@ -15,9 +15,11 @@ pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Res
     let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
     let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
     data.fix_blur(&diagnosis.fit.model)?;
-    if let Some((_, evidence)) = data.scans() {
-        summary.next_trial = separating_trial(evidence, diagnosis)?;
-    }
+    summary.next_trial = match (data.scans(), data.rows()) {
+        (Some((_, evidence)), _) => separating_trial(evidence, diagnosis)?,
+        (None, Some(rows)) => separating_row(rows, diagnosis)?,
+        (None, None) => None,
+    };
     Ok(summary)
 }
 

@@ -4,12 +4,18 @@ use std::path::Path;
 
 use anyhow::Result;
 use sha2::{Digest as _, Sha256};
-use sim::effect::Model;
+use sim::effect::{CompiledModel, Model};
 
-use super::maps::Seen;
+use super::maps::{self, Seen};
+use super::shares::shared_fall;
+use super::simulated::Simulated;
+use super::waterfall::{Scans, Step};
+use super::{places, row_places, scan_tests};
 use crate::laboratory::{
-    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, ParameterSummary, ScanEvidence, Verdict,
+    BASE_STEP, CovariateBin, CovariateShare, CovariateStudy, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial,
+    ParameterSummary, Round, RowEvidence, ScanEvidence, ScanView, Split, Verdict,
 };
+use crate::measure::Registration;
 use crate::study_report as page;
 use crate::study_report::{
     Compared, ComparedPass, Digest, Misfit, Provenance, Stated, StudyReport, Waterfall, WaterfallStep,
@@ -20,6 +26,8 @@ use crate::trial::{Campaign, PassScan, Tool};
 pub struct ReportInput<'a> {
     /// The campaign, where it has scans.
     pub scans: Option<(&'a Campaign, &'a ScanEvidence<'a>)>,
+    /// The rows, where it is a table.
+    pub rows: Option<&'a RowEvidence<'a>>,
     /// Where it was read.
     pub folder: &'a Path,
     /// What was found.
@@ -38,32 +46,162 @@ pub struct ReportInput<'a> {
 /// When a model cannot be simulated, or an input file not be read again for its hash.
 pub fn report(input: &ReportInput) -> Result<StudyReport> {
     let ReportInput { diagnosis, summary, .. } = input;
-    let base = &diagnosis.rounds[0].base.model;
-    let found = (!diagnosis.found().is_empty()).then(|| match diagnosis.verdict {
-        Verdict::Ambiguous => &diagnosis.rounds[0].findings[0].suspect.fit.model,
-        _ => &diagnosis.fit.model,
+    let filled = match (input.scans, input.rows) {
+        (Some((_, evidence)), _) => of_scans(input, evidence)?,
+        (None, Some(rows)) => of_rows(input, rows)?,
+        (None, None) => Filled::default(),
+    };
+    let mut waterfall = filled.waterfall.unwrap_or_else(|| {
+        self::waterfall(&summary.waterfall, summary.noise_floor_um, summary.error_unit)
     });
-    let seen = input.scans.map(|(_, evidence)| Seen::new(evidence, base, found)).transpose()?;
-    let seen = seen.as_ref();
+    waterfall.notes.extend(overlap(diagnosis, summary));
     Ok(StudyReport {
-        compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes),
+        compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),
         verdict: verdict(summary.verdict),
         sentence: summary.sentence.clone(),
-        tests: Vec::new(),
-        waterfall: waterfall(&summary.waterfall, summary.noise_floor_um, summary.error_unit),
-        volumes: seen.map(Seen::volumes).unwrap_or_default(),
-        scans: seen.map(Seen::scans).unwrap_or_default(),
-        sections: seen.map(Seen::sections).unwrap_or_default(),
-        covariates: Vec::new(),
+        tests: filled.tests,
+        waterfall,
+        volumes: filled.volumes,
+        scans: filled.scans,
+        sections: filled.sections,
+        covariates: filled.covariates,
         suspects: summary.suspects.iter().map(|suspect| self::suspect(suspect, summary.error_unit)).collect(),
         parameters: summary.parameters.iter().map(parameter).collect(),
         correlations: correlations(&diagnosis.fit),
         detectable: summary.detectable.iter().map(detectable).collect(),
-        next_trial: None,
+        next_trial: summary.next_trial.as_ref().map(next_trial),
         suggested_effect: None,
         provenance: provenance(input.folder, input.seed)?,
         diagnosis: serde_json::to_value(summary)?,
     })
+}
+
+/// What comes from the data themselves.
+#[derive(Default)]
+struct Filled {
+    tests: Vec<page::TestOfMissing>,
+    waterfall: Option<Waterfall>,
+    alignments: Vec<Option<Registration>>,
+    volumes: Vec<page::PassVolume>,
+    scans: Vec<page::ScanComparison>,
+    sections: Vec<page::ScanSection>,
+    covariates: Vec<page::CovariatePlot>,
+}
+
+fn of_scans(input: &ReportInput, evidence: &ScanEvidence) -> Result<Filled> {
+    let first = &input.diagnosis.rounds[0];
+    let found = input.diagnosis.rounds.iter().filter_map(Round::best);
+    let models: Vec<(String, &CompiledModel)> = [("base model".to_owned(), &first.base.model)]
+        .into_iter()
+        .chain(found.map(|found| (format!("+ {}", found.suspect.name()), &found.suspect.fit.model)))
+        .collect();
+    let start = start_of(&first.base.model);
+    let all: Vec<&CompiledModel> = [&start].into_iter().chain(models.iter().map(|(_, model)| *model)).collect();
+    let simulated = Simulated::all(evidence, &all)?;
+    let steps: Vec<Step> =
+        models.into_iter().zip(&simulated[1..]).map(|((name, _), simulated)| Step { name, simulated }).collect();
+    let scans = Scans::new(evidence, true);
+    let (base, last) = (&simulated[1], (simulated.len() > 2).then(|| &simulated[simulated.len() - 1]));
+    let seen = Seen { evidence, base, found: last, lines: &[] };
+    let study = |simulated| places::study(evidence, simulated, Split::Calibration, input.seed);
+    let (base_study, last_study) = (study(base), last.map(study));
+    let freedoms = first.base.coordinates.len();
+    let tests = scan_tests::of_scans(evidence, base, Split::Calibration, (freedoms, input.seed));
+    Ok(Filled {
+        tests: scan_tests::reported(&tests),
+        waterfall: Some(scans.waterfall(&simulated[0], &steps)),
+        alignments: evidence.views.iter().map(|view| scans.alignment(view)).collect(),
+        volumes: seen.volumes(),
+        scans: seen.scans(),
+        sections: seen.sections(),
+        covariates: plots(&base_study, last_study.as_ref(), &places::covariate),
+    })
+}
+
+fn of_rows(input: &ReportInput, evidence: &RowEvidence) -> Result<Filled> {
+    let first = &input.diagnosis.rounds[0];
+    let study = |model: &CompiledModel| row_places::study(evidence, model, Split::Calibration, input.seed);
+    let base = study(&first.base.model)?;
+    let last = input.diagnosis.rounds.iter().filter_map(Round::best).next_back();
+    let last = last.map(|found| study(&found.suspect.fit.model)).transpose()?;
+    let tests = scan_tests::of_rows(&first.base.residuals, first.base.coordinates.len(), input.seed);
+    let covariate = |at: usize| row_places::covariate(evidence, at);
+    Ok(Filled {
+        tests: scan_tests::reported(&tests),
+        covariates: plots(&base, last.as_ref(), &covariate),
+        ..Filled::default()
+    })
+}
+
+/// The base law before any fit: all parameters at their defaults.
+fn start_of(base: &CompiledModel) -> CompiledModel {
+    let mut start = base.clone();
+    for (index, slot) in base.parameters().iter().enumerate() {
+        start.set(index, slot.default);
+    }
+    start
+}
+
+/// Covariates as the report draws them.
+///
+/// - `named`: name and unit of a covariate
+pub(super) fn plots(
+    base: &CovariateStudy,
+    found: Option<&CovariateStudy>,
+    named: &dyn Fn(usize) -> (String, Stated),
+) -> Vec<page::CovariatePlot> {
+    let bins = |share: &CovariateShare| -> Vec<page::Bin> {
+        let bin = |bin: &CovariateBin| page::Bin { covariate: bin.covariate, residual: bin.residual, band: bin.band };
+        share.bins.iter().map(bin).collect()
+    };
+    let plot = |share: &CovariateShare| {
+        let (name, unit) = named(share.covariate);
+        let same = found.and_then(|found| found.covariates.iter().find(|other| other.covariate == share.covariate));
+        page::CovariatePlot {
+            name,
+            unit,
+            bins: bins(share),
+            with_effect: same.map(bins).unwrap_or_default(),
+            share: share.share,
+            drop: share.drop,
+            p_value: share.p_value,
+            p_value_of_all: share.p_value_of_all,
+        }
+    };
+    base.covariates.iter().map(plot).collect()
+}
+
+/// How two effects share the fall of the error where they do the same in part.
+fn overlap(diagnosis: &Diagnosis, summary: &DiagnosisSummary) -> Option<String> {
+    let shares = shared_fall(diagnosis)?;
+    let [one, other] = [0, 1].map(|k| summary.effects.get(k).map_or("", |effect| effect.name.as_str()));
+    Some(format!(
+        "{one} and {other} explain the same in part ({:.0} % of the fall): in any order, {one} accounts for {:.0} % of it and {other} for {:.0} % (Shapley 1953).",
+        100.0 * shares.overlap,
+        100.0 * shares.of[0],
+        100.0 * shares.of[1],
+    ))
+}
+
+fn next_trial(next: &NextTrial) -> page::NextTrial {
+    let list = |values: &[f64]| {
+        values
+            .iter()
+            .map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let steps =
+        [("force", &next.force_n, "N"), ("feed", &next.feed_mm_s, "mm/s"), ("spindle speed", &next.spindle_rpm, "rpm")];
+    let steps = steps.iter().filter(|(_, values, _)| !values.is_empty());
+    let [one, other] = &next.separates;
+    page::NextTrial {
+        summary: next.summary.clone(),
+        steps: steps.map(|(name, values, unit)| ((*name).to_owned(), format!("{} {unit}", list(values)))).collect(),
+        settles: vec![format!("Whether it is {one} or {other}.")],
+        leaves_open: Vec::new(),
+        chance: Some(next.chance_right),
+    }
 }
 
 pub(super) fn verdict(verdict: Verdict) -> page::Verdict {
@@ -82,37 +220,50 @@ pub(super) fn compared(
     (model, scans): (&Model, Option<(&Campaign, &ScanEvidence)>),
     folder: &Path,
     notes: &[String],
+    alignments: &[Option<Registration>],
 ) -> Compared {
-    let campaign = folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let effects: Vec<String> = model.effects.iter().map(|part| part.name.clone()).collect();
     let laws: Vec<String> = model.laws.iter().map(|part| part.name.clone()).collect();
     let model = [laws, effects].concat().join(", ");
-    let Some((trials, evidence)) = scans else {
-        return Compared { campaign, model, notes: notes.to_vec(), ..Compared::default() };
-    };
-    let trial = &trials.trials[0];
+    let named = Compared { campaign: folder_name(folder), model, notes: notes.to_vec(), ..Compared::default() };
+    match scans {
+        Some((campaign, evidence)) => compared_scans(campaign, evidence, alignments, named),
+        None => named,
+    }
+}
+
+/// Name of a campaign's folder.
+pub(super) fn folder_name(folder: &Path) -> String {
+    folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
+}
+
+/// What was compared of a campaign with scans, added to what is `named` already.
+pub(super) fn compared_scans(
+    campaign: &Campaign,
+    evidence: &ScanEvidence,
+    alignments: &[Option<Registration>],
+    named: Compared,
+) -> Compared {
+    let trial = &campaign.trials[0];
     let tool = match trial.tool {
         Tool::Wheel { radius, width, .. } => format!("wheel, radius {} mm, width {} mm", radius * 1e3, width * 1e3),
         Tool::Pad { radius } => format!("pad, radius {} mm", radius * 1e3),
     };
-    let pass = |view: &crate::laboratory::ScanView| {
-        let trial = &trials.trials[view.trial];
-        let pass = &trial.passes[view.pass];
+    let pass = |(k, view): (usize, &ScanView)| {
+        let pass = &campaign.trials[view.trial].passes[view.pass];
         ComparedPass {
-            name: format!("{}, pass {}", trial.name, view.pass + 1),
-            role: Seen::role(view),
+            name: maps::name(evidence, view),
+            role: maps::role(view),
             force: Some(pass.force_setpoint),
             feed: Some(pass.feed),
             spindle_speed: Some(pass.spindle_speed),
             noise_floor: matches!(pass.scan, PassScan::Heights(_)).then_some(evidence.noise[view.trial].sigma),
-            alignment: None,
+            alignment: alignments.get(k).copied().flatten(),
         }
     };
     Compared {
-        campaign,
-        model,
         tool,
-        passes: evidence.views.iter().map(pass).collect(),
+        passes: evidence.views.iter().enumerate().map(pass).collect(),
         pitch: Some(trial.scans.before.pixels.pitch),
         voxel: evidence.twin.trials.first().map(|twin| twin.part.voxel),
         blur: evidence.blur.filter(|blur| *blur > 0.0),
@@ -121,7 +272,8 @@ pub(super) fn compared(
                 .to_owned(),
             "The noise floor comes from the repeated scan before the first pass.".to_owned(),
         ],
-        notes: trials.trials.iter().flat_map(|trial| trial.notes.clone()).chain(notes.iter().cloned()).collect(),
+        notes: campaign.trials.iter().flat_map(|trial| trial.notes.clone()).chain(named.notes).collect(),
+        ..named
     }
 }
 
@@ -135,8 +287,8 @@ pub(super) fn waterfall(steps: &[crate::laboratory::WaterfallStep], floor: f64, 
         name: step.step.clone(),
         calibration: Some(step.calibration_rms_um * one),
         evaluation: step.evaluation_rms_um.map(|rms| rms * one),
-        volume_errors: Vec::new(),
         unexplained: (k >= base && whole > 0.0).then(|| excess(step.calibration_rms_um) / whole),
+        ..WaterfallStep::default()
     };
     let last =
         WaterfallStep { name: "noise floor".to_owned(), calibration: Some(floor * one), ..WaterfallStep::default() };
@@ -144,7 +296,8 @@ pub(super) fn waterfall(steps: &[crate::laboratory::WaterfallStep], floor: f64, 
         ErrorUnit::Micrometre => Misfit::heights(),
         ErrorUnit::Percent => Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
     };
-    Waterfall { misfit, passes: Vec::new(), steps: steps.iter().enumerate().map(step).chain([last]).collect() }
+    let steps = steps.iter().enumerate().map(step).chain([last]).collect();
+    Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() }
 }
 
 pub(super) fn suspect(suspect: &EffectSummary, unit: ErrorUnit) -> page::Suspect {
@@ -211,6 +364,7 @@ pub fn inputs_sha256(folder: &Path) -> Result<String> {
     Ok(crate::part::sha256(lines.as_bytes()))
 }
 
+/// Hashes of all files of a folder, and what made the report.
 pub(super) fn provenance(folder: &Path, seed: u64) -> Result<Provenance> {
     let mut files: Vec<_> = walkdir::WalkDir::new(folder).sort_by_file_name().into_iter().collect::<Result<_, _>>()?;
     files.retain(|entry| entry.file_type().is_file());

@@ -67,6 +67,14 @@ impl<'a> Data<'a> {
         }
     }
 
+    /// The rows, where there is a table.
+    pub fn rows(&self) -> Option<&RowEvidence<'a>> {
+        match self {
+            Self::Scans(..) => None,
+            Self::Rows(_, evidence) => Some(evidence),
+        }
+    }
+
     /// Where they were read.
     pub fn folder(&self) -> &'a Path {
         match self {

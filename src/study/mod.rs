@@ -2,14 +2,23 @@
 //! report filled from what the laboratory found.
 
 mod calibrated;
+mod comparison;
 mod conclusion;
 mod course;
 mod fill;
 mod maps;
 mod measurements;
+mod places;
 mod record;
+mod row_places;
+mod scan_tests;
+mod shares;
+mod simulated;
+mod track;
+mod waterfall;
 
 pub use calibrated::{CalibrationReport, calibration_report};
+pub use comparison::{Asked, Comparison, CovariateFigures, ScanFigures, SectionFigures, compare_rows, compare_scans};
 pub use conclusion::{suggestion, summary};
 pub use course::Course;
 pub use fill::{ReportInput, inputs_sha256, report};

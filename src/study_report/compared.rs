@@ -30,6 +30,10 @@ fn meaning(verdict: Verdict) -> &'static str {
         }
         Verdict::NotTestable => "These passes cannot show what was asked.",
         Verdict::Calibrated => "Whether anything is missing, and what, a diagnosis says.",
+        Verdict::Agrees => "The model was compared as it is; nothing was fitted.",
+        Verdict::Differs => {
+            "The model was compared as it is; see below where it fails, and `robofin diagnose` for why."
+        }
     }
 }
 
@@ -113,7 +117,7 @@ pub(super) fn add_volumes(page: &mut Page, volumes: &[PassVolume]) {
     }
     page.subsection("Removed volume");
     let mut table = Table::new(
-        "Removed volume; ± is the standard uncertainty that noise and alignment cause",
+        "Volume that each pass removed; ± is the standard uncertainty that noise and alignment cause",
         &["pass", "measured [mm³]", "±", "base model [mm³]", "error", "with effect [mm³]", "error"],
     );
     for volume in volumes {

@@ -86,6 +86,10 @@ pub enum Verdict {
     NotTestable,
     /// The model was fitted, and nothing was searched for yet.
     Calibrated,
+    /// A model that was only compared leaves noise.
+    Agrees,
+    /// A model that was only compared leaves more than noise.
+    Differs,
 }
 
 impl Verdict {
@@ -99,6 +103,8 @@ impl Verdict {
             Self::NothingMissing => "nothing-missing",
             Self::NotTestable => "not-testable",
             Self::Calibrated => "calibrated",
+            Self::Agrees => "agrees",
+            Self::Differs => "differs",
         }
     }
 }

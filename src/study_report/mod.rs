@@ -78,5 +78,5 @@ fn add_residuals(page: &mut Page, report: &StudyReport) {
     maps::add(page, &report.scans);
     exposure::add(page, &report.scans);
     sections::add(page, &report.sections);
-    covariates::add(page, &report.covariates, &report.waterfall.misfit);
+    covariates::add(page, &report.covariates);
 }

@@ -50,6 +50,8 @@ pub struct Waterfall {
     pub passes: Vec<String>,
     /// Raw, registered, base model, each added effect; the last one is the noise floor.
     pub steps: Vec<WaterfallStep>,
+    /// What is to be known of it, one sentence each.
+    pub notes: Vec<String>,
 }
 
 /// One step of the waterfall.
@@ -63,6 +65,10 @@ pub struct WaterfallStep {
     pub evaluation: Option<f64>,
     /// Error of the removed volume of each pass and its standard uncertainty, as shares of the measured volume [1].
     pub volume_errors: Vec<Option<(f64, f64)>>,
+    /// Root mean square of the error of the plateaus' slopes across the path [1].
+    pub plateau_slope: Option<f64>,
+    /// Mean of intersection over union of what is exposed [1].
+    pub overlap: Option<f64>,
     /// Share of the base model's excess that is still unexplained [1]: 1 at the base model, `None` before it and at the
     /// floor.
     pub unexplained: Option<f64>,
@@ -138,6 +144,8 @@ pub struct ExposureMaps {
 pub enum Direction {
     /// Across the bead at this x [m].
     Across(f64),
+    /// Along x at this y [m].
+    Along(f64),
     /// Along the crest.
     AlongCrest,
 }
@@ -161,14 +169,14 @@ pub struct ScanSection {
     pub noise_floor: f64,
 }
 
-/// Mean residual over a bin of a covariate.
+/// Mean of (measured - simulated) / simulated removal over a bin of a covariate; when sanding, of the share of substrate.
 #[derive(Clone, Copy, Debug)]
 pub struct Bin {
     /// Mean of the covariate, SI.
     pub covariate: f64,
-    /// Mean residual, in [`Misfit`]'s SI unit.
+    /// Mean relative residual [1].
     pub residual: f64,
-    /// Its 95 % band from blocks, the same unit.
+    /// Its 95 % band from blocks [1].
     pub band: [f64; 2],
 }
 
@@ -185,6 +193,10 @@ pub struct CovariatePlot {
     pub with_effect: Vec<Bin>,
     /// Share of the excess variance that it explains [1].
     pub share: f64,
+    /// What all covariates together explain less without it, as a share of the same excess [1].
+    pub drop: f64,
     /// Chance of such a share if there is no dependence [1].
     pub p_value: f64,
+    /// Chance that any of the covariates reaches such a share if none matters [1].
+    pub p_value_of_all: f64,
 }

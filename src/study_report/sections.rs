@@ -32,6 +32,7 @@ pub(super) fn add(page: &mut Page, sections: &[ScanSection]) {
 fn place(direction: Direction) -> String {
     match direction {
         Direction::Across(x) => format!("across the bead at x = {} mm", fixed(x * 1e3, 1)),
+        Direction::Along(y) => format!("along x at y = {} mm", fixed(y * 1e3, 1)),
         Direction::AlongCrest => "along the crest".to_owned(),
     }
 }
@@ -39,7 +40,7 @@ fn place(direction: Direction) -> String {
 fn drawing(section: &ScanSection) -> String {
     let x_label = match section.direction {
         Direction::Across(_) => "y [mm]",
-        Direction::AlongCrest => "x [mm]",
+        Direction::Along(_) | Direction::AlongCrest => "x [mm]",
     };
     let line = |name: &str, heights: Vec<f64>, unit: f64, stroke| Series {
         stroke: Some(stroke),

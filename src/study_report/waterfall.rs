@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::number::{cell, percent, share_cell, significant};
 use super::scan_data::{Waterfall, WaterfallStep};
+use super::words::list;
 use crate::report::{Cell, Page, Table, escape};
 
 /// Width of the picture [px].
@@ -27,6 +28,7 @@ pub(super) fn add(page: &mut Page, waterfall: &Waterfall) {
     }
     page.drawing(&picture(waterfall), &caption(waterfall));
     page.block(&table(waterfall).to_html());
+    page.block(&list(&waterfall.notes));
     if let Some(volumes) = volumes(waterfall) {
         page.block(&volumes.to_html());
     }
@@ -122,17 +124,26 @@ fn draw_floor(svg: &mut String, waterfall: &Waterfall, end: f64, height: f64) {
 
 fn table(waterfall: &Waterfall) -> Table {
     let unit = &waterfall.misfit.unit;
-    let (calibration, evaluation) = (format!("calibration [{}]", unit.unit), format!("evaluation [{}]", unit.unit));
-    let mut table = Table::new(
-        &format!("What is left after each step: {}", waterfall.misfit.name),
-        &["step", &calibration, &evaluation, "still unexplained"],
-    );
+    let mut headings =
+        vec!["step".to_owned(), format!("calibration [{}]", unit.unit), format!("evaluation [{}]", unit.unit)];
+    headings.push("still unexplained".to_owned());
+    let has = |of: fn(&WaterfallStep) -> Option<f64>| waterfall.steps.iter().any(|step| of(step).is_some());
+    let (slopes, overlaps) = (has(|step| step.plateau_slope), has(|step| step.overlap));
+    headings.extend(slopes.then(|| "plateau slope [mrad]".to_owned()));
+    headings.extend(overlaps.then(|| "intersection over union".to_owned()));
     let row = |step: &WaterfallStep| {
         let misfit = |value| cell(value, unit.si_per_unit, 3);
-        vec![Cell::text(&step.name), misfit(step.calibration), misfit(step.evaluation), share_cell(step.unexplained)]
+        let mut row = vec![Cell::text(&step.name), misfit(step.calibration), misfit(step.evaluation)];
+        row.push(share_cell(step.unexplained));
+        row.extend(slopes.then(|| cell(step.plateau_slope, 1e-3, 3)));
+        row.extend(overlaps.then(|| share_cell(step.overlap)));
+        row
     };
-    table.rows = waterfall.steps.iter().map(row).collect();
-    table
+    Table {
+        caption: format!("What is left after each step: {}", waterfall.misfit.name),
+        headings,
+        rows: waterfall.steps.iter().map(row).collect(),
+    }
 }
 
 /// Volume error of each pass after each step that has one; `None` where no step has.

@@ -1,8 +1,8 @@
 //! Trials: workpieces that were scanned, finished in passes, and scanned after each pass (`finishing-trial/1`).
 //!
 //! The road of the data: [`Campaign::read`] finds the trial folders, [`Trial::read`] reads `trial.toml` (`manifest`),
-//! each scan by its content (`scan`, `height_csv`, `keyence`, `x3p`) and each log (`log`), and checks that they fit
-//! each other (`plausible`). All is SI here; millimetres stay in the files.
+//! each scan by its content (`scan`, `height_csv`, `keyence`, `x3p`, `mesh_scan`) and each log (`log`), and checks that
+//! they fit each other (`plausible`, `surfaces`). All is SI here; millimetres stay in the files.
 
 mod campaign;
 mod error;
@@ -10,10 +10,12 @@ mod height_csv;
 mod keyence;
 mod log;
 mod manifest;
+mod mesh_scan;
 mod plausible;
 mod poses;
 mod read;
 mod scan;
+mod surfaces;
 mod table;
 mod write;
 mod x3p;

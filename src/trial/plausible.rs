@@ -19,6 +19,10 @@ const LEAST_GAP: f64 = 0.5e-3;
 const SPREAD: f64 = 50e-6;
 /// Ratio of logged force and setpoint beyond which a word is said.
 const FORCE_RATIO: std::ops::Range<f64> = 0.2..5.0;
+/// Ratio of logged speed and feed beyond which a word is said.
+const SPEED_RATIO: std::ops::Range<f64> = 0.8..1.25;
+/// Time between two passes that is worth a word [s].
+const LONG_PAUSE: f64 = 3600.0;
 /// Contact rows on the map that a judgement needs.
 const LEAST_ROWS: usize = 10;
 
@@ -41,8 +45,20 @@ pub(super) fn check(trial: &mut Trial, logs: &[&Path]) -> Result<(), TrialError>
         check_heights(&touching, trial)?;
         notes.extend(describe(&path, pass, &touching).map(|note| format!("{}: {note}", name.display())));
     }
+    let pauses = trial.passes.windows(2).zip(&logs[1..]);
+    notes.extend(pauses.filter_map(|(pair, name)| Some(format!("{}: {}", name.display(), pause(&pair[0], &pair[1])?))));
     trial.notes.extend(notes);
     Ok(())
+}
+
+/// What is odd about the time between two passes.
+fn pause(before: &Pass, after: &Pass) -> Option<String> {
+    let (first, last) = (before.log.rows.first()?.time, before.log.rows.last()?.time);
+    let start = after.log.rows.first()?.time;
+    if start - last > LONG_PAUSE {
+        return Some(format!("begins {:.1} h after the pass before ends: taken as a pause", (start - last) / 3600.0));
+    }
+    (first < start && start < last).then(|| "begins before the pass before ends: its clock is its own".to_owned())
 }
 
 /// The speed of the log against the feed of the pass.
@@ -138,5 +154,9 @@ fn describe(path: &ToolPath, pass: &Pass, touching: &[&ToolPose]) -> impl Iterat
     let mean = touching.iter().map(|pose| pose.force).sum::<f64>() / touching.len() as f64;
     let force = (!FORCE_RATIO.contains(&(mean / pass.force_setpoint)))
         .then(|| format!("the mean force in contact is {mean:.2} N where the setpoint is {} N", pass.force_setpoint));
-    jump.into_iter().chain(force)
+    let speed = (!SPEED_RATIO.contains(&(path.feed / pass.feed))).then(|| {
+        let (logged, feed) = (path.feed * 1e3, pass.feed * 1e3);
+        format!("the tool moves at {logged:.2} mm/s where the feed is {feed} mm/s: is the clock right?")
+    });
+    jump.into_iter().chain(force).chain(speed)
 }

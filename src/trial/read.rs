@@ -13,7 +13,7 @@ use super::manifest::{
     ControllerKind, ControllerTable, Manifest, PassTable, Process, Source, TRIAL_FILE, ToolKind, ToolTable,
 };
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{Controller, Pass, PassScan, Scans, Tool, Trial, plausible};
+use super::{Controller, Pass, PassScan, Scans, Tool, Trial, plausible, surfaces};
 
 impl Trial {
     /// Reads a trial folder completely and checks that its files fit each other.
@@ -27,6 +27,8 @@ impl Trial {
         let mut trial = reader.trial(&manifest)?;
         let logs: Vec<&Path> = manifest.pass.iter().map(|table| table.log.get_ref().as_path()).collect();
         plausible::check(&mut trial, &logs)?;
+        let scans: Vec<&Path> = manifest.pass.iter().map(|table| table.scan.get_ref().as_path()).collect();
+        surfaces::check(&mut trial, &scans)?;
         Ok(trial)
     }
 }
@@ -69,7 +71,7 @@ impl Reader<'_> {
             let at = manifest.scan.origin_mm.span();
             return Err(self.source.bad(at, format!("origin_mm is [{x}, {y}]"), "two finite numbers are expected"));
         }
-        Ok(ScanFrame { origin: DVec2::new(x, y) * 1e-3, pitch })
+        Ok(ScanFrame { origin: DVec2::new(x, y) * 1e-3, pitch, shape: None })
     }
 
     fn tool(&self, table: &ToolTable) -> Result<Tool, TrialError> {
@@ -121,7 +123,7 @@ impl Reader<'_> {
         let mut notes = before.notes.clone();
         let mut repeats = Vec::new();
         for name in &manifest.scan.repeat {
-            let repeat = self.file(name, |file| read_heights(file, frame))?;
+            let repeat = self.file(name, |file| read_heights(file, frame.like(&before.content.pixels)))?;
             same(name, &repeat.content.pixels)?;
             repeats.push(repeat.content);
             notes.extend(repeat.notes);
@@ -149,7 +151,7 @@ impl Reader<'_> {
         let own = ScanFrame { pitch: pixels.pitch, ..frame };
         let (scan, found, notes) = match process {
             Process::Grinding => {
-                let map = self.file(&table.scan, |file| read_heights(file, frame))?;
+                let map = self.file(&table.scan, |file| read_heights(file, frame.like(pixels)))?;
                 let found = map.content.pixels;
                 (PassScan::Heights(map.content), found, map.notes)
             }

@@ -9,7 +9,7 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::error::{Place, TrialError};
 use super::height_csv::Grid;
 use super::table::Table;
-use super::{keyence, x3p};
+use super::{keyence, mesh_scan, x3p};
 use crate::measure::median;
 
 /// Slope between neighbouring pixels that most of no surface has [1].
@@ -26,6 +26,15 @@ pub struct ScanFrame {
     pub origin: DVec2,
     /// Distance between pixels [m].
     pub pitch: f64,
+    /// Pixels along x and y, where a file without pixels of its own is to be looked at.
+    pub shape: Option<(usize, usize)>,
+}
+
+impl ScanFrame {
+    /// The same with the shape of a map.
+    pub(super) fn like(self, pixels: &PixelGrid) -> Self {
+        Self { shape: Some((pixels.nx, pixels.ny)), ..self }
+    }
 }
 
 /// Which pixels show substrate after sanding.
@@ -55,12 +64,17 @@ pub struct Read<T> {
     pub notes: Vec<String>,
 }
 
-/// Reads a height map: a plain grid in millimetres, a Keyence VR export or an X3P file.
+/// Reads a height map: a plain grid in millimetres, a Keyence VR export, an X3P file, or an STL or PLY surface.
 ///
 /// # Errors
 /// [`TrialError`] with the place in the file.
 pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
     let bytes = fs::read(file).map_err(|source| TrialError::Unreadable { file: file.to_owned(), source })?;
+    if let Some(format) = mesh_scan::format(file, &bytes) {
+        let read = mesh_scan::read(file, &bytes, format, frame)?;
+        check_heights(file, &read.content)?;
+        return Ok(read);
+    }
     let (pitch, grid) = if bytes.starts_with(x3p::MAGIC) {
         let matrix = x3p::read(file, &bytes)?;
         (matrix.pitch, matrix.grid)

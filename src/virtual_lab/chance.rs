@@ -5,11 +5,11 @@ use rand_pcg::Pcg64Mcg;
 use sha2::{Digest, Sha256};
 
 /// A stream of random numbers.
-pub(super) struct Chance(Pcg64Mcg);
+pub(crate) struct Chance(Pcg64Mcg);
 
 impl Chance {
     /// The stream of a seed for a purpose.
-    pub(super) fn of(seed: u64, purpose: &str) -> Self {
+    pub(crate) fn of(seed: u64, purpose: &str) -> Self {
         let digest = Sha256::new().chain_update(seed.to_le_bytes()).chain_update(purpose).finalize();
         let mut start = [0; 16];
         start.copy_from_slice(&digest[..16]);
@@ -17,28 +17,28 @@ impl Chance {
     }
 
     /// Evenly from `low` to `high`.
-    pub(super) fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
+    pub(crate) fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
         low + (high - low) * self.0.random::<f64>()
     }
 
     /// Evenly in the logarithm from `low` to `high`, both above zero.
-    pub(super) fn ratio_between(&mut self, [low, high]: [f64; 2]) -> f64 {
+    pub(crate) fn ratio_between(&mut self, [low, high]: [f64; 2]) -> f64 {
         low * (high / low).powf(self.0.random::<f64>())
     }
 
     /// One of the numbers below `count`.
-    pub(super) fn below(&mut self, count: usize) -> usize {
+    pub(crate) fn below(&mut self, count: usize) -> usize {
         (self.0.random::<f64>() * count as f64) as usize
     }
 
     /// With this probability.
-    pub(super) fn happens(&mut self, probability: f64) -> bool {
+    pub(crate) fn happens(&mut self, probability: f64) -> bool {
         self.0.random::<f64>() < probability
     }
 
     /// A normal number of mean 0 and variance 1: the sum of twelve even ones, which ends at six standard deviations and
     /// is the same on every machine.
-    pub(super) fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.0.random::<f64>()).sum::<f64>() - 6.0
     }
 }

@@ -14,7 +14,7 @@
 //! seed gives the same bytes on any number of threads.
 
 mod answer;
-mod chance;
+pub(crate) mod chance;
 mod fault;
 mod hidden;
 mod instrument;

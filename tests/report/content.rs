@@ -26,12 +26,13 @@ fn full_values_stand_behind_the_cells() {
     let html = page(&report);
     let mut values: Vec<f64> = report.waterfall.steps.iter().filter_map(|step| step.evaluation).collect();
     values.extend(report.waterfall.steps.iter().flat_map(|s| s.volume_errors.iter().flatten().map(|v| v.0)));
+    values.extend(report.waterfall.steps.iter().filter_map(|step| step.plateau_slope));
     values.extend(report.suspects.iter().flat_map(|s| [s.probability, s.gain]));
     values.extend(report.suspects.iter().filter_map(|s| s.evaluation_after));
     values.extend(report.parameters.iter().map(|p| p.value));
     values.extend(report.parameters.iter().filter_map(|p| p.interval).flatten());
     values.extend(report.volumes.iter().flat_map(|v| [v.measured, v.base, v.uncertainty]));
-    values.extend(report.covariates.iter().flat_map(|c| [c.share, c.p_value]));
+    values.extend(report.covariates.iter().flat_map(|c| [c.share, c.drop, c.p_value, c.p_value_of_all]));
     values.extend(report.detectable.iter().filter_map(|d| d.size));
     values.extend(report.tests.iter().map(|t| t.statistic));
     values.extend(report.next_trial.iter().filter_map(|next| next.chance));

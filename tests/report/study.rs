@@ -120,6 +120,8 @@ fn waterfall(passes: &[String]) -> Waterfall {
             .map(|(k, _)| Some((volume * (1.0 + 0.1 * k as f64), 0.0203)))
             .collect(),
         unexplained,
+        plateau_slope: Some(um[0] * 1e-5),
+        overlap: None,
     };
     let floor = WaterfallStep {
         name: "noise floor".into(),
@@ -134,7 +136,12 @@ fn waterfall(passes: &[String]) -> Waterfall {
         step("+ grit-dulling", [2.317, 2.419], -0.0042, Some(0.0131)),
         floor,
     ];
-    Waterfall { misfit: Misfit::heights(), passes: passes.to_vec(), steps }
+    Waterfall {
+        misfit: Misfit::heights(),
+        passes: passes.to_vec(),
+        steps,
+        notes: vec!["The two effects share 31 % of the fall.".into()],
+    }
 }
 
 fn volume(pass: &str, k: usize) -> PassVolume {
@@ -172,8 +179,8 @@ fn covariates() -> Vec<CovariatePlot> {
     let bins = |low: f64, high: f64, slope: f64| -> Vec<Bin> {
         let bin = |i: usize| {
             let u = f64::from(i as u32) / 9.0;
-            let residual = slope * UM * (u - 0.4) + 0.4 * UM * (7.0 * u).sin();
-            Bin { covariate: low + u * (high - low), residual, band: [residual - 1.1 * UM, residual + 1.1 * UM] }
+            let residual = 0.01 * (slope * (u - 0.4) + 0.4 * (7.0 * u).sin());
+            Bin { covariate: low + u * (high - low), residual, band: [residual - 0.011, residual + 0.011] }
         };
         (0..10).map(bin).collect()
     };
@@ -183,7 +190,9 @@ fn covariates() -> Vec<CovariatePlot> {
         bins: bins(range[0], range[1], slope),
         with_effect: bins(range[0], range[1], 0.05 * slope),
         share,
+        drop: 0.8 * share,
         p_value,
+        p_value_of_all: (3.0 * p_value).min(1.0),
     };
     vec![
         plot("contact pressure", Stated::new("MPa", 1e6), [0.1e6, 0.62e6], 6.0, 0.117, 0.083),
@@ -343,7 +352,7 @@ pub fn bare(campaign: &str) -> StudyReport {
         verdict: Verdict::NotTestable,
         sentence: "One force and one feed: no effect can be told from a change of k.".into(),
         tests: Vec::new(),
-        waterfall: Waterfall { misfit: Misfit::heights(), passes: Vec::new(), steps: Vec::new() },
+        waterfall: Waterfall { misfit: Misfit::heights(), passes: Vec::new(), steps: Vec::new(), notes: Vec::new() },
         volumes: Vec::new(),
         scans: Vec::new(),
         sections: Vec::new(),

@@ -7,6 +7,7 @@ mod files;
 mod hostile;
 mod instrument;
 mod keyence;
+mod meshes;
 mod poses;
 mod reproduced;
 mod scanner;

@@ -1,0 +1,143 @@
+//! `robofin compare`: where a model fails, without fitting its physics.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use sdf_bake::PixelGrid;
+use sim::effect::CompiledModel;
+
+use super::flags::OutFlags;
+use super::model_flags::ModelFlags;
+use crate::console::Console;
+use crate::folder::StagedFolder;
+use crate::laboratory::{Evidence, RowEvidence, ScanEvidence};
+use crate::study::{Asked, Comparison, compare_rows, compare_scans};
+use crate::study_report::{Direction, StudyReport, page};
+use crate::table::{TABLE_FILE, Table};
+use crate::trial::Campaign;
+use crate::wrong_use;
+
+/// The file by which a result folder is known.
+const COMPARISON_FILE: &str = "comparison.json";
+/// Covariates that are told on the console.
+const TOLD: usize = 5;
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  robofin compare trials --model model.toml --out out/comparison\n  \
+                  robofin compare trials --model model.toml --section x=20mm --section x=70mm --section x=120mm --out out/comparison --json")]
+pub(super) struct CompareArgs {
+    /// Folder of trial folders, one trial folder, or a folder with a table.toml.
+    campaign: PathBuf,
+    #[command(flatten)]
+    out: OutFlags,
+    #[command(flatten)]
+    model: ModelFlags,
+    /// Section through all scans: across the bead at an x, such as x=20mm, or along it at a y; may be repeated.
+    #[arg(long = "section", value_name = "x=MM")]
+    sections: Vec<String>,
+    /// Seed of the draws that tell structure from chance.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &CompareArgs, console: &Console) -> Result<()> {
+    let folder = StagedFolder::new(&args.out.out, COMPARISON_FILE, args.out.force)?;
+    let lines: Vec<Direction> = args.sections.iter().map(|text| line(text)).collect::<Result<_>>()?;
+    let asked = Asked { folder: &args.campaign, lines: &lines, seed: args.seed };
+    let is_table = args.campaign.join(TABLE_FILE).is_file();
+    let (comparison, report) =
+        if is_table { of_rows(args, &asked, console)? } else { of_scans(args, &asked, console)? };
+    let write = |name: &str, text: String| {
+        std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
+    };
+    write(COMPARISON_FILE, serde_json::to_string_pretty(&comparison)?)?;
+    write("report.html", page(&report))?;
+    describe(&comparison, console);
+    let place = folder.commit()?;
+    console.step("written", place.display().to_string());
+    console.answer(&comparison)
+}
+
+fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comparison, StudyReport)> {
+    let library = args.model.own.library()?;
+    let campaign = Campaign::read(&args.campaign)?;
+    let maps = campaign.trials.iter().map(|trial| &trial.scans.before.pixels);
+    for pixels in maps {
+        asked.lines.iter().zip(&args.sections).try_for_each(|(line, text)| check(*line, text, pixels))?;
+    }
+    let evidence = ScanEvidence::new(&campaign.trials, None)?;
+    console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
+    campaign.trials.iter().flat_map(|trial| &trial.notes).for_each(|note| console.step("note", note));
+    let model = args.model.model(evidence.process(), &library)?;
+    let model = CompiledModel::new(&model, &library, evidence.rows())?;
+    compare_scans((&campaign, &evidence), &model, asked)
+}
+
+fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comparison, StudyReport)> {
+    if let Some(text) = args.sections.first() {
+        return Err(wrong_use(format!("--section {text}: a table has no sections")));
+    }
+    let library = args.model.own.library()?;
+    let table = Table::read(&args.campaign)?;
+    let evidence = RowEvidence::new(&table)?;
+    table.notes.iter().chain(&evidence.notes).for_each(|note| console.step("note", note));
+    let model = args.model.model(evidence.process(), &library)?;
+    let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;
+    compare_rows(&evidence, &CompiledModel::new(&model, &library, evidence.rows())?, asked)
+}
+
+/// The section that a flag asks for.
+fn line(text: &str) -> Result<Direction> {
+    let bad = || wrong_use(format!("--section {text}: x=20mm or y=-3mm is expected"));
+    let (axis, place) = text.split_once('=').ok_or_else(bad)?;
+    let number = place.trim().trim_end_matches("mm").trim();
+    let place = number.parse::<f64>().ok().filter(|place| place.is_finite()).ok_or_else(bad)? * 1e-3;
+    match axis.trim() {
+        "x" => Ok(Direction::Across(place)),
+        "y" => Ok(Direction::Along(place)),
+        _ => Err(bad()),
+    }
+}
+
+/// Refuses a section beside the map.
+fn check(line: Direction, text: &str, pixels: &PixelGrid) -> Result<()> {
+    let last = pixels.position(pixels.nx - 1, pixels.ny - 1);
+    let (axis, place, low, high) = match line {
+        Direction::Across(x) => ("x", x, pixels.origin.x, last.x),
+        Direction::Along(y) => ("y", y, pixels.origin.y, last.y),
+        Direction::AlongCrest => return Ok(()),
+    };
+    if (low - 0.5 * pixels.pitch..=high + 0.5 * pixels.pitch).contains(&place) {
+        return Ok(());
+    }
+    let (low, high) = (low * 1e3, high * 1e3);
+    Err(wrong_use(format!("--section {text}: the scans reach from {axis} = {low:.2} mm to {high:.2} mm")))
+}
+
+fn describe(comparison: &Comparison, console: &Console) {
+    console.step(if comparison.agrees { "agrees" } else { "differs" }, &comparison.sentence);
+    for test in &comparison.tests {
+        let word = if test.rejects { "structure" } else { "none found" };
+        console.step("test", format!("{}: {:.2}, p {:.3}, {word}", test.name, test.statistic, test.p_value));
+    }
+    for scan in &comparison.scans {
+        let volume = scan.volume_mm3.map_or(String::new(), |[measured, sigma, simulated]| {
+            format!(", removed {measured:.2} ± {sigma:.2} mm³, simulated {simulated:.2} mm³")
+        });
+        let overlap = scan
+            .intersection_over_union
+            .map_or(String::new(), |overlap| format!(", exposed area overlaps by {:.1} %", 100.0 * overlap));
+        let errors = format!("{:.2} µm, noise alone {:.2} µm", scan.rms_um, scan.noise_floor_um);
+        console.step("scan", format!("{}: {errors}{volume}{overlap}", scan.pass));
+    }
+    for covariate in comparison.covariates.iter().take(TOLD) {
+        let (share, drop) = (100.0 * covariate.share, 100.0 * covariate.drop);
+        let p = covariate.p_value_of_all;
+        console.step(
+            "covariate",
+            format!("{}: explains {share:.0} %, {drop:.0} % alone beside the others, p {p:.3}", covariate.name),
+        );
+    }
+}

@@ -1,0 +1,48 @@
+//! How much of a fall each of two effects accounts for, whatever the order in which they are added.
+
+use crate::laboratory::Diagnosis;
+
+/// Share of the fall that both explain from which the order matters.
+const OVERLAP: f64 = 0.2;
+
+/// Shares of a fall of the sum of squares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SharedFall {
+    /// Part of the fall that either explains alone.
+    pub overlap: f64,
+    /// Shapley's values of the first and the second effect, as shares.
+    pub of: [f64; 2],
+}
+
+impl SharedFall {
+    /// From the falls with the first effect alone, with the second alone and with both (Shapley 1953).
+    pub fn new([first, second, both]: [f64; 3]) -> Self {
+        let shapley = |own: f64, other: f64| 0.5 * (own + both - other) / both;
+        Self { overlap: (first + second - both) / both, of: [shapley(first, second), shapley(second, first)] }
+    }
+}
+
+/// The shares of the first two effects of a diagnosis, where they overlap by more than a fifth and the second was fitted
+/// alone too.
+pub fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
+    let [one, two, ..] = &diagnosis.rounds[..] else { return None };
+    let (first, second) = (one.best()?, two.best()?);
+    let alone = one.findings.iter().find(|finding| finding.suspect.name() == second.suspect.name())?;
+    let fall = |chi2: f64| one.base.chi2 - chi2;
+    let falls = [first.suspect.fit.chi2, alone.suspect.fit.chi2, second.suspect.fit.chi2].map(fall);
+    let shares = SharedFall::new(falls);
+    (shares.overlap > OVERLAP).then_some(shares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_do_not_depend_on_the_order() {
+        let shares = SharedFall::new([80.0, 60.0, 100.0]);
+        assert!((shares.overlap - 0.4).abs() < 1e-12);
+        assert!((shares.of[0] - 0.6).abs() < 1e-12 && (shares.of[1] - 0.4).abs() < 1e-12);
+        assert_eq!(SharedFall::new([30.0, 70.0, 100.0]).overlap, 0.0);
+    }
+}
