@@ -227,14 +227,19 @@ impl Fit {
         self.coordinates.iter().enumerate().map(estimate).collect()
     }
 
-    /// Whether a coordinate lies on a bound beyond which the sum of squares would fall.
-    pub fn is_held_back(&self, k: usize) -> bool {
-        let slope = self.jacobian.column(k).dot(&DVector::from_column_slice(&self.residuals));
-        match self.coordinates[k].bound(self.at[k]) {
-            Some(Bound::Least) => slope > 0.0,
-            Some(Bound::Greatest) => slope < 0.0,
+    /// For each coordinate, whether it lies on a bound and the next step would take it farther.
+    pub fn held_back(&self) -> Vec<bool> {
+        let weights = weights(&self.residuals);
+        let mut jacobian = self.jacobian.clone();
+        jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        let residuals = DVector::from_column_slice(&self.residuals).component_mul(&weights);
+        let way = jacobian.svd(true, true).solve(&residuals, 1e-9).unwrap_or_else(|_| DVector::zeros(self.at.len()));
+        let held = |(k, coordinate): (usize, &Coordinate)| match coordinate.bound(self.at[k]) {
+            Some(Bound::Least) => way[k] > 0.0,
+            Some(Bound::Greatest) => way[k] < 0.0,
             None => false,
-        }
+        };
+        self.coordinates.iter().enumerate().map(held).collect()
     }
 
     /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the

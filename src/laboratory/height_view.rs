@@ -52,10 +52,8 @@ impl HeightView {
         let pixels = measured.pixels;
         let change: Vec<f64> = measured.heights.iter().zip(&before.heights).map(|(a, b)| a - b).collect();
         let cut = slopes(&HeightMap { pixels, heights: change.clone() });
-        // Beside missing pixels the slope is not known; a shift of the scan is then told by the others.
-        let slopes: Vec<DVec2> =
-            slopes(&measured).into_iter().map(|slope| if slope.is_finite() { slope } else { DVec2::ZERO }).collect();
-        let known = |at: usize| change[at].is_finite();
+        let slopes = slopes(&measured);
+        let known = |at: usize| change[at].is_finite() && slopes[at].is_finite();
         let alone = TileGrid { pixels, side: 2 * side }.tiles(|at| known(at) && free[at]);
         let coarse = TileNoise { alone: 0.5 * noise.alone, ..noise };
         let untouched = Whitener::new(
@@ -251,10 +249,16 @@ fn slopes(map: &HeightMap) -> Vec<DVec2> {
     (0..map.heights.len()).map(slope).collect()
 }
 
-/// Slope of the straight line through five values [per pixel], from those that are known on both sides.
+/// Slope of the straight line through those of five values that are known [per pixel]; NaN where fewer than three are.
 fn along(height: impl Fn(i64) -> f64) -> f64 {
-    let pairs = [1i64, 2].map(|d| (d as f64, height(d) - height(-d)));
-    let known = pairs.into_iter().filter(|(_, rise)| rise.is_finite());
-    let (rise, weight) = known.fold((0.0, 0.0), |(rise, weight), (d, step)| (rise + d * step, weight + 2.0 * d * d));
+    let known: Vec<(f64, f64)> =
+        (-2..=2).map(|d| (d as f64, height(d))).filter(|(_, height)| height.is_finite()).collect();
+    if known.len() < 3 {
+        return f64::NAN;
+    }
+    let middle = known.iter().map(|(d, _)| d).sum::<f64>() / known.len() as f64;
+    let (rise, weight) = known.iter().fold((0.0, 0.0), |(rise, weight), (d, height)| {
+        (rise + (d - middle) * height, weight + (d - middle).powi(2))
+    });
     rise / weight
 }

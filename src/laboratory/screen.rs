@@ -55,7 +55,8 @@ impl Projector {
         let weights = weights(&base.residuals);
         let mut jacobian = base.jacobian.clone();
         jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
-        let moves = |&k: &usize| jacobian.column(k).norm() > 0.0 && !base.is_held_back(k);
+        let held = base.held_back();
+        let moves = |&k: &usize| jacobian.column(k).norm() > 0.0 && !held[k];
         let kept: Vec<usize> = (0..jacobian.ncols()).filter(moves).collect();
         let base_space = (!kept.is_empty()).then(|| QR::new(jacobian.select_columns(&kept)).q());
         let mut projector = Self { weights, base: base_space, residuals: DVector::zeros(0) };

@@ -16,7 +16,7 @@ fn bundled(name: &str) -> PathBuf {
 fn compared(model: &Model) -> (Comparison, StudyReport) {
     let folder = bundled("campaigns/first-look");
     let campaign = Campaign::read(&folder).unwrap();
-    let mut evidence = ScanEvidence::new(&campaign.trials, None).unwrap();
+    let evidence = ScanEvidence::new(&campaign.trials, None).unwrap();
     let model = CompiledModel::new(model, Library::builtin(), evidence.rows()).unwrap();
     let lines = [Direction::Across(12e-3), Direction::Along(0.0)];
     compare_scans((&campaign, &evidence), &model, &Asked { folder: &folder, lines: &lines, seed: 1 }).unwrap()
