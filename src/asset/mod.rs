@@ -36,8 +36,15 @@ pub const WELDED_FILE: &str = "welded.glb";
 pub const USD_FILE: &str = "welded.usdc";
 /// Name of the picture.
 pub const PREVIEW_FILE: &str = "preview.png";
-/// Width and height of the picture [pixels].
-const PREVIEW_SIZE: (usize, usize) = (960, 720);
+
+/// What goes into an asset beside meshes, fields and truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extras {
+    /// What to do about USD.
+    pub usd: UsdMode,
+    /// Width and height of the picture [pixels].
+    pub preview: (usize, usize),
+}
 
 /// Writes a welded workpiece into a folder in the making, which becomes an asset, complete or not at all.
 ///
@@ -47,16 +54,16 @@ pub fn write(
     workpiece: &Workpiece,
     options: &WeldingOptions,
     folder: StagedFolder,
-    usd: UsdMode,
+    extras: Extras,
     console: &Console,
 ) -> Result<PathBuf> {
     write_meshes(workpiece, folder.path())?;
     let truth = Welds::of(FIRST_WELD, &workpiece.weld, workpiece.weld_volume);
     write_json(&folder.path().join(WELDS_FILE), &truth)?;
     volumes::write(workpiece, folder.path())?;
-    let preview = overview(&workpiece.welded, truth.welds.first(), PREVIEW_SIZE)?;
+    let preview = overview(&workpiece.welded, truth.welds.first(), extras.preview)?;
     fs::write(folder.path().join(PREVIEW_FILE), to_png(&preview)?)?;
-    usd::write(folder.path(), usd, console)?;
+    usd::write(folder.path(), extras.usd, console)?;
     let manifest = manifest_of(workpiece, options, folder.path())?;
     write_json(&folder.path().join(MANIFEST_FILE), &manifest)?;
     let place = folder.commit()?;

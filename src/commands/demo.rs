@@ -10,11 +10,12 @@ use serde::Serialize;
 use sim::Wheel;
 use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
-use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
+use crate::asset::{self, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
+use crate::picture::VIEW_SIZE;
 use crate::snapshot::Keeping;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 
@@ -59,7 +60,7 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let workpiece = weld_part(part, &options, console)?;
     let asset = folder.path().join("asset");
     let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
-    asset::write(&workpiece, &options, asset_folder, args.usd, console)?;
+    asset::write(&workpiece, &options, asset_folder, Extras { usd: args.usd, preview: VIEW_SIZE }, console)?;
 
     let wheel = Wheel::cylinder(0.05, 0.02);
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
