@@ -46,7 +46,12 @@ pub struct PieceWishes {
 
 /// Makes the piece `id` of a source, or says why there is none; the folder is complete or it is not there.
 pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &PieceWishes) -> Ending {
-    let failed = |stage, error: anyhow::Error| Ending::Failed { stage, reason: format!("{error:#}") };
+    // The name of the folder in the making holds the number of this process, and reasons are the same in every run.
+    let staging = format!(".{id}.part-{}", std::process::id());
+    let failed = |stage, error: anyhow::Error| {
+        let reason = format!("{error:#}").replace(&staging, id);
+        Ending::Failed { stage, reason }
+    };
     let _claim = match dataset.claim(id, Patience::None) {
         Ok(Some(claim)) => claim,
         Ok(None) => return Ending::Busy,
