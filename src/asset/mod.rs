@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::console::Console;
 use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
 use crate::folder::StagedFolder;
-use crate::picture::{overview, to_png};
+use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
 use crate::workpiece::{FIRST_WELD, WeldingOptions, Workpiece};
 
 pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
@@ -44,6 +44,15 @@ pub struct Extras {
     pub usd: UsdMode,
     /// Width and height of the picture [pixels].
     pub preview: (usize, usize),
+    /// Samples along each side of a pixel of the picture.
+    pub samples_per_side: usize,
+}
+
+impl Extras {
+    /// A large picture, and USD as asked.
+    pub fn full(usd: UsdMode) -> Self {
+        Self { usd, preview: VIEW_SIZE, samples_per_side: SAMPLES_PER_SIDE }
+    }
 }
 
 /// Writes a welded workpiece into a folder in the making, which becomes an asset, complete or not at all.
@@ -61,7 +70,7 @@ pub fn write(
     let truth = Welds::of(FIRST_WELD, &workpiece.weld, workpiece.weld_volume);
     write_json(&folder.path().join(WELDS_FILE), &truth)?;
     volumes::write(workpiece, folder.path())?;
-    let preview = overview(&workpiece.welded, truth.welds.first(), extras.preview)?;
+    let preview = overview(&workpiece.welded, truth.welds.first(), extras.preview, extras.samples_per_side)?;
     fs::write(folder.path().join(PREVIEW_FILE), to_png(&preview)?)?;
     usd::write(folder.path(), extras.usd, console)?;
     let manifest = manifest_of(workpiece, options, folder.path())?;

@@ -15,7 +15,6 @@ use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, PAGE_FILE, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::part::Part;
-use crate::picture::VIEW_SIZE;
 use crate::snapshot::Keeping;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 
@@ -60,7 +59,7 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let workpiece = weld_part(part, &options, console)?;
     let asset = folder.path().join("asset");
     let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
-    asset::write(&workpiece, &options, asset_folder, Extras { usd: args.usd, preview: VIEW_SIZE }, console)?;
+    asset::write(&workpiece, &options, asset_folder, Extras::full(args.usd), console)?;
 
     let wheel = Wheel::cylinder(0.05, 0.02);
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;

@@ -11,7 +11,6 @@ use crate::asset::{self, Extras, MANIFEST_FILE, Manifest, UsdMode};
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::part::Part;
-use crate::picture::VIEW_SIZE;
 use crate::workpiece::{WeldWishes, WeldingOptions, weld_part};
 use crate::wrong_use;
 
@@ -98,7 +97,7 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let part = Part::load(&args.file, args.mesh.unit.into())?;
     part.describe(console);
     let workpiece = weld_part(part, &options, console).with_context(|| args.file.display().to_string())?;
-    let place = asset::write(&workpiece, &options, folder, Extras { usd: args.usd, preview: VIEW_SIZE }, console)?;
+    let place = asset::write(&workpiece, &options, folder, Extras::full(args.usd), console)?;
     let manifest = Manifest::read(&place)?;
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&WeldAnswer { asset: &args.out.out, seconds: started.elapsed().as_secs_f64(), manifest })

@@ -29,9 +29,10 @@ const PIECE_FILES: [(&str, &str); 6] = [
 ];
 
 /// Terms of the vocabulary that stand for themselves in `cr:`.
-const TERMS: [&str; 21] = [
+const TERMS: [&str; 23] = [
     "citeAs",
     "column",
+    "equivalentProperty",
     "extract",
     "field",
     "fileProperty",
@@ -50,6 +51,7 @@ const TERMS: [&str; 21] = [
     "regex",
     "repeated",
     "replace",
+    "samplingRate",
     "source",
 ];
 

@@ -78,6 +78,7 @@ impl Dataset {
             }
             let dataset = Self { folder: folder.to_owned(), recipe };
             let _claim = dataset.claim_catalogue()?;
+            remove_stale(folder, MARKER_FILE)?;
             // Another process may have come first, with a recipe of its own.
             if !folder.join(MARKER_FILE).exists() {
                 let text = serde_json::to_string_pretty(&dataset.recipe)? + "\n";

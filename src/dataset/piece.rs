@@ -16,6 +16,9 @@ use crate::folder::StagedFolder;
 use crate::part::Part;
 use crate::workpiece::{WeldingOptions, weld_part};
 
+/// Samples along each side of a picture's pixel: four times as many would take most of a piece's time.
+const SAMPLES_PER_SIDE: usize = 1;
+
 /// How a piece ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -74,7 +77,8 @@ pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &PieceWishes) ->
         Ok(workpiece) => workpiece,
         Err(error) => return failed(Stage::Weld, error),
     };
-    let extras = Extras { usd: UsdMode::Off, preview: dataset.recipe.preview };
+    let preview = dataset.recipe.preview;
+    let extras = Extras { usd: UsdMode::Off, preview, samples_per_side: SAMPLES_PER_SIDE };
     match asset::write(&workpiece, &options, folder, extras, &console) {
         Ok(_) => Ending::Made,
         Err(error) => failed(Stage::Write, error),

@@ -89,7 +89,9 @@ fn the_line_of_a_failure_shows_it_again_and_a_mended_part_ends_it() {
 fn limits_hold_and_are_told_as_such() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let parts = plates(place.path());
-    for (flags, word) in [(["--time-limit", "0.1"], "--time-limit 0.1"), (["--memory-limit", "0.4"], "--memory-limit 0.4")] {
+    for (flags, word) in
+        [(["--time-limit", "0.1"], "--time-limit 0.1"), (["--memory-limit", "0.4"], "--memory-limit 0.4")]
+    {
         let out = place.path().join(flags[0]);
         let mut command = crate::program::robofin(["dataset", "--limit", "1", "--resolution", "1024"]);
         let told = run(command.args(flags).arg(&parts).arg("--out").arg(&out));

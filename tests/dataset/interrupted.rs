@@ -57,10 +57,12 @@ fn pieces_end_with_the_run_that_asked_for_them() {
     let mut command = dataset(parts, &out);
     // Fine enough to be in the middle of a piece for long.
     command.args(["--jobs", "1", "--resolution", "512"]).stdout(Stdio::null()).stderr(Stdio::null());
-    let arguments: Vec<_> = command.get_args().filter(|word| *word != "--diagonal" && *word != "48").map(Into::into).collect();
+    let arguments: Vec<_> =
+        command.get_args().filter(|word| *word != "--diagonal" && *word != "48").map(Into::into).collect();
     let mut command = crate::program::robofin::<std::ffi::OsString>(arguments);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program can be started");
-    let is_staged = || out.join("assets").is_dir() && pieces(&out).iter().any(|path| path.to_string_lossy().contains(".part-"));
+    let is_staged =
+        || out.join("assets").is_dir() && pieces(&out).iter().any(|path| path.to_string_lossy().contains(".part-"));
     while !is_staged() {
         sleep(Duration::from_millis(2));
     }

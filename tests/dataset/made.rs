@@ -62,9 +62,11 @@ fn the_other_files_of_the_catalogue_fit_the_manifest() {
         assert_eq!(record[0], *row["id"].as_str().expect("a name"));
         assert_eq!(record[length].parse::<f64>().ok(), row["measured"]["welds"][0]["length_mm"].as_f64());
     }
-    let croissant: Value = serde_json::from_slice(&fs::read(set.join("croissant.json")).expect("a file")).expect("JSON");
+    let croissant: Value =
+        serde_json::from_slice(&fs::read(set.join("croissant.json")).expect("a file")).expect("JSON");
     assert_eq!(croissant["conformsTo"], "http://mlcommons.org/croissant/1.0");
-    for file in croissant["distribution"].as_array().expect("files").iter().filter(|file| file.get("sha256").is_some()) {
+    for file in croissant["distribution"].as_array().expect("files").iter().filter(|file| file.get("sha256").is_some())
+    {
         let name = file["contentUrl"].as_str().expect("a name");
         assert_eq!(file["sha256"], FileRecord::of(&set.join(name)).expect("a file").sha256, "{name}");
     }

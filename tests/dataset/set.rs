@@ -17,7 +17,9 @@ pub(crate) const PIECES: usize = 6;
 /// A plate in millimetres, as OBJ; each number gives another.
 fn plate(number: usize) -> String {
     let size = [80.0 + 10.0 * number as f64, 60.0, 8.0 + number as f64];
-    let corner = |i: usize| format!("v {} {} {}\n", size[0] * (i & 1) as f64, size[1] * (i >> 1 & 1) as f64, size[2] * (i >> 2) as f64);
+    let corner = |i: usize| {
+        format!("v {} {} {}\n", size[0] * (i & 1) as f64, size[1] * (i >> 1 & 1) as f64, size[2] * (i >> 2) as f64)
+    };
     let quads = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
     let faces = quads.iter().map(|[a, b, c, d]| format!("f {a} {b} {c}\nf {a} {c} {d}\n"));
     (0..8).map(corner).chain(faces).collect()
@@ -83,7 +85,8 @@ pub(crate) fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 pub(crate) fn assert_same(one: &Path, two: &Path) {
     let (one, two) = (tree(one), tree(two));
     assert!(one.keys().eq(two.keys()), "{:?}\nand\n{:?}", one.keys(), two.keys());
-    let differing: Vec<&PathBuf> = one.iter().filter(|(name, bytes)| two[*name] != **bytes).map(|(name, _)| name).collect();
+    let differing: Vec<&PathBuf> =
+        one.iter().filter(|(name, bytes)| two[*name] != **bytes).map(|(name, _)| name).collect();
     assert!(differing.is_empty(), "{differing:?} differ");
 }
 
