@@ -38,6 +38,8 @@ pub struct Unreadable {
 pub struct Plan {
     /// Every part's first piece comes before any part's second.
     pub pieces: Vec<Piece>,
+    /// Files that can be read, copies among them.
+    pub readable: Vec<PathBuf>,
     /// What cannot be read at all.
     pub unreadable: Vec<Unreadable>,
     /// Different parts.
@@ -114,6 +116,9 @@ impl Plan {
                 Some(reason) => Err(reason),
                 None => source_key(&source, unit).map_err(|error| format!("{error:#}")),
             };
+            if key.is_ok() {
+                plan.readable.push(source.clone());
+            }
             match key {
                 Ok(key) if known.insert(key.clone()) => keys.push((source, key)),
                 Ok(_) => plan.copies += 1,

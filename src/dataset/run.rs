@@ -1,6 +1,6 @@
 //! Making the pieces of a plan, several at once.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -49,6 +49,9 @@ impl Run<'_> {
     /// # Errors
     /// When the data set cannot be written, or `done` fails; a piece that fails is an outcome.
     pub fn run(&self, mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
+        for source in &self.plan.readable {
+            self.dataset.forget_failure(&source_id(source))?;
+        }
         for unreadable in &self.plan.unreadable {
             let failure = Failure::of_source(unreadable, self.flags);
             self.dataset.keep_failure(&failure)?;
@@ -77,15 +80,9 @@ impl Run<'_> {
             Ending::Failed { stage, reason } => {
                 self.dataset.keep_failure(&Failure::of(piece, *stage, reason.clone(), self.flags))?;
             }
-            Ending::Made | Ending::There => self.forget(&piece.id, &piece.source)?,
+            Ending::Made | Ending::There => self.dataset.forget_failure(&piece.id)?,
         }
         let seconds = started.elapsed().as_secs_f64();
         Ok(Some(Outcome { id: piece.id.clone(), source: piece.source.clone(), ending, usage, seconds }))
-    }
-
-    /// What failed before is well now.
-    fn forget(&self, id: &str, source: &Path) -> Result<()> {
-        self.dataset.forget_failure(id)?;
-        self.dataset.forget_failure(&source_id(source))
     }
 }

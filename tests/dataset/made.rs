@@ -4,8 +4,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use robofin::asset::{FileRecord, Manifest};
-use robofin::part::sha256;
+use robofin::asset::{self, Extras, FileRecord, Manifest, UsdMode};
+use robofin::console::Console;
+use robofin::folder::StagedFolder;
+use robofin::part::{Part, sha256};
+use robofin::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
+use sdf_bake::SignChoice;
+use sdf_bake::read::UnitChoice;
 use serde_json::Value;
 
 use crate::program::{files, robofin, run};
@@ -85,11 +90,20 @@ fn a_piece_is_what_weld_makes_of_its_part_and_seed() {
     let part = [parts.join(name), parts.join("below").join(name)].into_iter().find(|path| path.is_file());
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("asset");
-    let seed = row["seed"].to_string();
-    let mut weld = robofin(["weld", "--diagonal", "48", "--usd", "off", "--seed", &seed, "--out"]);
-    run(weld.arg(&out).arg(part.expect("the part"))).succeeds();
+    let options = WeldingOptions {
+        seed: row["seed"].as_u64().expect("a seed"),
+        fineness: Fineness::Diagonal(48),
+        band_voxels: 3.0,
+        sign: SignChoice::Auto,
+        wishes: WeldWishes::default(),
+    };
+    let (part, silent) = (Part::load(&part.expect("the part"), UnitChoice::Auto).expect("a part"), Console::silent());
+    let workpiece = weld_part(part, &options, &silent).expect("a welded part");
+    let folder = StagedFolder::new(&out, "asset.json", false).expect("a folder");
+    let extras = Extras { usd: UsdMode::Off, preview: (16, 12), samples_per_side: 1 };
+    asset::write(&workpiece, &options, folder, extras, &silent).expect("an asset");
     let (mut alone, mut piece) = (files(&out), files(&set.join(row["folder"].as_str().expect("a folder"))));
-    // Its picture is larger, and the manifest holds the picture's hash.
+    // Its picture is smaller, and the manifest holds the picture's hash.
     for name in ["preview.png", "asset.json"] {
         alone.remove(name).expect("it is there");
         piece.remove(name).expect("it is there");
