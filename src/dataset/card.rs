@@ -7,6 +7,9 @@ use super::difficulty::Difficulty;
 use super::row::Seen;
 use super::{Failure, Recipe};
 
+/// A row of the table of figures: its name, and where its values are.
+type Figure = (&'static str, fn(&Seen) -> f64);
+
 /// Writes the card in Markdown.
 pub(super) fn write(recipe: &Recipe, pieces: &[Seen], failures: &[Failure]) -> String {
     let parts: BTreeSet<&str> = pieces.iter().map(|piece| piece.row.source_sha256.as_str()).collect();
@@ -63,7 +66,7 @@ fn contents(pieces: &[Seen]) -> String {
 
 fn figures(pieces: &[Seen]) -> String {
     let mut text = "\n| measured | least | median | most |\n|---|---|---|---|\n".to_owned();
-    let figures: [(&str, fn(&Seen) -> f64); 3] = [
+    let figures: [Figure; 3] = [
         ("length of the welds [mm]", |piece| piece.length_mm),
         ("least exposure", |piece| piece.exposure),
         ("sharpest turn over a bead width [rad]", |piece| piece.turn),
