@@ -38,16 +38,25 @@ impl Drop for Progress {
 pub struct Console {
     json: bool,
     bars: bool,
+    steps: bool,
 }
 
 impl Console {
     /// `json`: whether the answer is one JSON object on standard output, or one a line.
     pub fn new(json: bool) -> Self {
-        Self { json, bars: std::io::stderr().is_terminal() }
+        Self { json, bars: std::io::stderr().is_terminal(), steps: true }
+    }
+
+    /// Says nothing, neither to people nor to machines.
+    pub fn silent() -> Self {
+        Self { json: false, bars: false, steps: false }
     }
 
     /// One step of the work, in one line: what it is about, and what came out.
     pub fn step(&self, about: &str, outcome: impl AsRef<str>) {
+        if !self.steps {
+            return;
+        }
         let mut lines = outcome.as_ref().lines();
         eprintln!("{about:>10}  {}", lines.next().unwrap_or_default());
         for line in lines {

@@ -5,7 +5,7 @@
 //! 1. [`part`] reads and cleans a mesh ([`sdf_bake::read`], [`sdf_bake::clean`]).
 //! 2. [`workpiece`] places a weld on it ([`weldgen`]) and bakes part and bead ([`sdf_bake::bake`]).
 //!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
-//! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD.
+//! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD; [`dataset`] does it for thousands.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
 //! 5. [`plan`] makes tool paths; [`trial`] and [`table`] read what was measured, [`measure`] says what scans are worth.
 //! 6. [`virtual_lab`] makes trials in which effects are hidden, with the answer.
@@ -21,9 +21,11 @@ pub mod benchmark;
 pub mod budget;
 pub mod cache;
 pub mod campaign_twin;
+pub mod claim;
 pub mod commands;
 pub mod console;
 pub mod covariate_maps;
+pub mod dataset;
 pub mod effect_page;
 pub mod export;
 pub mod finishing;
@@ -43,6 +45,7 @@ pub mod study;
 pub mod study_report;
 pub mod table;
 pub mod trial;
+pub mod turns;
 pub mod twin;
 pub mod validate;
 pub mod virtual_lab;

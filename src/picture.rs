@@ -13,8 +13,8 @@ use crate::asset::WeldTruth;
 /// Width and height of one view [pixels].
 pub const VIEW_SIZE: (usize, usize) = (960, 720);
 
-/// Views per side of a pixel.
-const SAMPLES_PER_SIDE: usize = 2;
+/// Samples along each side of a pixel.
+pub const SAMPLES_PER_SIDE: usize = 2;
 
 /// Encodes a picture as PNG.
 ///
@@ -32,12 +32,17 @@ pub fn to_png(picture: &Picture) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// When the field holds no surface.
-pub fn overview(grid: &BrickGrid, weld: Option<&WeldTruth>, (width, height): (usize, usize)) -> Result<Picture> {
+pub fn overview(
+    grid: &BrickGrid,
+    weld: Option<&WeldTruth>,
+    (width, height): (usize, usize),
+    samples_per_side: usize,
+) -> Result<Picture> {
     let bounds = grid.surface_bounds().or_else(|| grid.near_surface_bounds());
     let (low, high) = bounds.context("the field holds no surface to draw")?;
     let (azimuth, elevation) = three_quarter_view(grid, weld);
     let camera = Camera::framing(low, high, azimuth, elevation, width as f64 / height as f64);
-    Ok(render(grid, &camera, &view(width, height, None)).to_srgb8())
+    Ok(render(grid, &camera, &View { samples_per_side, ..view(width, height, None) }).to_srgb8())
 }
 
 /// Azimuth and elevation [rad] of the standard view that shows the most of a weld.

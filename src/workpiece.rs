@@ -22,6 +22,8 @@ pub const DEFAULT_BAND: f64 = 3.0;
 pub enum Fineness {
     /// Voxels along the part's longest side.
     Resolution(u32),
+    /// Voxels along the diagonal of the part's bounding box.
+    Diagonal(u32),
     /// Distance between voxels [m].
     Voxel(f64),
 }
@@ -77,6 +79,7 @@ impl Fineness {
     pub fn voxel(self, part: &Part) -> f64 {
         match self {
             Self::Resolution(across) => part.extent().max_element() / f64::from(across),
+            Self::Diagonal(across) => part.extent().length() / f64::from(across),
             Self::Voxel(voxel) => voxel,
         }
     }

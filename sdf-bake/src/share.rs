@@ -13,6 +13,9 @@ impl BrickGrid {
     /// [`BrickGrid::difference_volume`], if the difference lies within this grid's bricks.
     pub fn difference_share(&self, minus: &BrickGrid) -> Vec<f32> {
         let share = |&brick: &IVec3| {
+            if self.is_alike(minus, brick) {
+                return vec![0.0; BRICK_VOXELS];
+            }
             let (kept, cut) = (Nodes::of(self, brick, 1), Nodes::of(minus, brick, 1));
             (0..BRICK_VOXELS).map(|offset| voxel_share(voxel_at(IVec3::ZERO, offset), &kept, &cut)).collect()
         };

@@ -43,12 +43,18 @@ impl BrickGrid {
             match (self.slot(brick), minus.slot(brick)) {
                 (OUTSIDE, _) | (_, INSIDE) => 0.0,
                 (INSIDE, OUTSIDE) => BRICK_VOXELS as f64,
+                _ if self.is_alike(minus, brick) => 0.0,
                 _ => {
                     let (kept, cut) = (self.unbiased_nodes(brick), minus.unbiased_nodes(brick));
                     sum_cells(counts, |cell| difference_fraction(&kept.corners(cell), &cut.corners(cell)))
                 }
             }
         })
+    }
+
+    /// Whether both fields are the same in a brick and two voxels around it, on which [`Nodes`] depend.
+    pub(crate) fn is_alike(&self, other: &BrickGrid, brick: IVec3) -> bool {
+        self.halo(brick, 2).phi == other.halo(brick, 2).phi
     }
 
     /// Sum over all indexed bricks, in the order of the index, of cells that count [m³].

@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::console::Console;
 use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
 use crate::folder::StagedFolder;
-use crate::picture::{overview, to_png};
+use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
 use crate::workpiece::{FIRST_WELD, WeldingOptions, Workpiece};
 
 pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
@@ -36,8 +36,24 @@ pub const WELDED_FILE: &str = "welded.glb";
 pub const USD_FILE: &str = "welded.usdc";
 /// Name of the picture.
 pub const PREVIEW_FILE: &str = "preview.png";
-/// Width and height of the picture [pixels].
-const PREVIEW_SIZE: (usize, usize) = (960, 720);
+
+/// What goes into an asset beside meshes, fields and truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extras {
+    /// What to do about USD.
+    pub usd: UsdMode,
+    /// Width and height of the picture [pixels].
+    pub preview: (usize, usize),
+    /// Samples along each side of a pixel of the picture.
+    pub samples_per_side: usize,
+}
+
+impl Extras {
+    /// A large picture, and USD as asked.
+    pub fn full(usd: UsdMode) -> Self {
+        Self { usd, preview: VIEW_SIZE, samples_per_side: SAMPLES_PER_SIDE }
+    }
+}
 
 /// Writes a welded workpiece into a folder in the making, which becomes an asset, complete or not at all.
 ///
@@ -47,16 +63,16 @@ pub fn write(
     workpiece: &Workpiece,
     options: &WeldingOptions,
     folder: StagedFolder,
-    usd: UsdMode,
+    extras: Extras,
     console: &Console,
 ) -> Result<PathBuf> {
     write_meshes(workpiece, folder.path())?;
     let truth = Welds::of(FIRST_WELD, &workpiece.weld, workpiece.weld_volume);
     write_json(&folder.path().join(WELDS_FILE), &truth)?;
     volumes::write(workpiece, folder.path())?;
-    let preview = overview(&workpiece.welded, truth.welds.first(), PREVIEW_SIZE)?;
+    let preview = overview(&workpiece.welded, truth.welds.first(), extras.preview, extras.samples_per_side)?;
     fs::write(folder.path().join(PREVIEW_FILE), to_png(&preview)?)?;
-    usd::write(folder.path(), usd, console)?;
+    usd::write(folder.path(), extras.usd, console)?;
     let manifest = manifest_of(workpiece, options, folder.path())?;
     write_json(&folder.path().join(MANIFEST_FILE), &manifest)?;
     let place = folder.commit()?;

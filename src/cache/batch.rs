@@ -3,21 +3,20 @@
 use std::collections::{BTreeMap, HashMap};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow, bail};
 use sdf_bake::read::MeshBytes;
 
-use super::lock::Patience;
 use super::room::Room;
 use super::sources::Sources;
 use super::{Cache, Recipe, Record};
 use crate::baking::{FieldWishes, bake_part};
 use crate::budget;
+use crate::claim::Patience;
 use crate::part::Part;
+use crate::turns::take_turns;
 
 /// Meshes to bake into a cache.
 pub struct Batch<'a> {
@@ -53,9 +52,6 @@ pub struct Entry {
 struct Work<'a> {
     batch: &'a Batch<'a>,
     meshes: Vec<(PathBuf, Option<String>)>,
-    next: AtomicUsize,
-    /// Meshes that someone else was baking when their turn came.
-    later: Mutex<Vec<usize>>,
     /// Time spent on each entry that this run made [s].
     baked: Mutex<HashMap<String, f64>>,
     room: Room,
@@ -70,25 +66,24 @@ impl Batch<'_> {
         let work = Work {
             batch: self,
             meshes: sources.into_iter().collect(),
-            next: AtomicUsize::new(0),
-            later: Mutex::default(),
             baked: Mutex::default(),
             room: Room::new(budget::MOST_BRICKS),
         };
         let mut keys = BTreeMap::new();
-        let told = std::thread::scope(|scope| {
-            let (sender, receiver) = channel();
-            for _ in 0..self.jobs.min(work.meshes.len()) {
-                let (sender, work) = (sender.clone(), &work);
-                scope.spawn(move || work.take_turns(&sender));
-            }
-            drop(sender);
-            work.in_order(receiver, |outcome| {
-                let key = outcome.result.as_ref().ok().map(|entry| entry.key.clone());
-                keys.insert(outcome.mesh.to_string_lossy().into_owned(), key);
-                done(outcome)
-            })
-        });
+        let mut in_order = InOrder::default();
+        let told = take_turns(
+            work.meshes.len(),
+            self.jobs,
+            |turn, patience| work.outcome(turn, patience),
+            |turn, made| {
+                in_order.add(turn, made, |mut outcome| {
+                    work.credit(&mut outcome);
+                    let key = outcome.result.as_ref().ok().map(|entry| entry.key.clone());
+                    keys.insert(outcome.mesh.to_string_lossy().into_owned(), key);
+                    done(&outcome)
+                })
+            },
+        );
         self.cache.update_index(&keys)?;
         told
     }
@@ -120,27 +115,6 @@ impl Work<'_> {
         found(cache.keep(&claim, &recipe, baked)?)
     }
 
-    /// One job: mesh after mesh, and those of others at the end, when they probably are done.
-    fn take_turns(&self, outcomes: &Sender<(usize, Outcome)>) {
-        loop {
-            let turn = self.next.fetch_add(1, Ordering::Relaxed);
-            let (turn, patience) = if turn < self.meshes.len() {
-                (turn, Patience::None)
-            } else {
-                let Some(turn) = lock(&self.later).pop() else { return };
-                (turn, Patience::Endless)
-            };
-            let Some(outcome) = self.outcome(turn, patience) else {
-                lock(&self.later).push(turn);
-                continue;
-            };
-            // After an error of its own, nobody listens any more.
-            if outcomes.send((turn, outcome)).is_err() {
-                return;
-            }
-        }
-    }
-
     fn outcome(&self, turn: usize, patience: Patience) -> Option<Outcome> {
         let started = Instant::now();
         let (mesh, unreadable) = &self.meshes[turn];
@@ -154,25 +128,27 @@ impl Work<'_> {
         Some(Outcome { mesh: mesh.clone(), result, process_s: started.elapsed().as_secs_f64() })
     }
 
-    /// Hands on outcomes in the order of their turns, however they come in.
-    ///
     /// Of meshes with the same entry the first one is said to have been baked, whichever job was faster.
-    fn in_order(
-        &self,
-        outcomes: Receiver<(usize, Outcome)>,
-        mut done: impl FnMut(&Outcome) -> Result<()>,
-    ) -> Result<()> {
-        let mut waiting = BTreeMap::new();
-        let mut next = 0;
-        for (turn, outcome) in outcomes {
-            waiting.insert(turn, outcome);
-            while let Some(mut outcome) = waiting.remove(&next) {
-                next += 1;
-                if let Ok(entry) = &mut outcome.result {
-                    entry.bake_s = lock(&self.baked).remove(&entry.key);
-                }
-                done(&outcome)?;
-            }
+    fn credit(&self, outcome: &mut Outcome) {
+        if let Ok(entry) = &mut outcome.result {
+            entry.bake_s = lock(&self.baked).remove(&entry.key);
+        }
+    }
+}
+
+/// Hands on outcomes in the order of their turns, however they come in.
+#[derive(Default)]
+struct InOrder {
+    waiting: BTreeMap<usize, Outcome>,
+    next: usize,
+}
+
+impl InOrder {
+    fn add(&mut self, turn: usize, outcome: Outcome, mut done: impl FnMut(Outcome) -> Result<()>) -> Result<()> {
+        self.waiting.insert(turn, outcome);
+        while let Some(outcome) = self.waiting.remove(&self.next) {
+            self.next += 1;
+            done(outcome)?;
         }
         Ok(())
     }

@@ -7,10 +7,10 @@ use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::lock::{Claim, Patience};
 use super::{Cache, Recipe};
 use crate::asset::FileRecord;
 use crate::baking::{BakedField, FieldFacts};
+use crate::claim::{Claim, Patience};
 use crate::part::sha256;
 
 /// What the cache knows of a field.

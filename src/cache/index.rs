@@ -8,7 +8,7 @@ use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
 use super::Cache;
-use super::lock::{Claim, Patience};
+use crate::claim::{Claim, Patience};
 use crate::folder::write_file;
 
 /// Name of the index in a cache.

@@ -14,7 +14,6 @@
 mod batch;
 mod entry;
 mod index;
-mod lock;
 mod recipe;
 mod room;
 mod sources;

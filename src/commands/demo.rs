@@ -10,7 +10,7 @@ use serde::Serialize;
 use sim::Wheel;
 use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
-use crate::asset::{self, MANIFEST_FILE, UsdMode, write_json};
+use crate::asset::{self, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};
 use crate::folder::StagedFolder;
@@ -86,7 +86,7 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     let workpiece = weld_part(part, &options, console)?;
     let asset = folder.join("asset");
     let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
-    asset::write(&workpiece, &options, asset_folder, args.usd, console)?;
+    asset::write(&workpiece, &options, asset_folder, Extras::full(args.usd), console)?;
 
     let wheel = Wheel::cylinder(0.05, 0.02);
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;

@@ -72,6 +72,9 @@ pub(super) struct MeshFlags {
     /// Voxels along the longest side [default: 256].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(super) resolution: Option<u32>,
+    /// Voxels along the diagonal of the bounding box, instead of the longest side.
+    #[arg(long, value_name = "N", conflicts_with_all = ["resolution", "voxel_mm"], allow_negative_numbers = true)]
+    pub(super) diagonal: Option<u32>,
     /// Half width of the band [voxels].
     #[arg(long, value_name = "VOXELS", default_value_t = 3.0, allow_negative_numbers = true)]
     pub(super) band: f64,
@@ -86,16 +89,25 @@ pub(super) struct MeshFlags {
 impl MeshFlags {
     /// The voxel size asked for.
     pub(super) fn fineness(&self) -> Result<Fineness> {
+        self.fineness_or(Fineness::Resolution(DEFAULT_RESOLUTION))
+    }
+
+    /// The voxel size asked for, or another default.
+    pub(super) fn fineness_or(&self, default: Fineness) -> Result<Fineness> {
+        let across = |flag: &str, voxels: u32, what: &str| match voxels {
+            8..=4096 => Ok(voxels),
+            _ => Err(wrong_use(format!("{flag} {voxels}: 8 to 4096 voxels along the {what} are accepted"))),
+        };
         if let Some(mm) = self.voxel_mm {
             return Ok(Fineness::Voxel(positive("--voxel-mm", mm)? * 1e-3));
         }
-        let across = self.resolution.unwrap_or(DEFAULT_RESOLUTION);
-        if !(8..=4096).contains(&across) {
-            return Err(wrong_use(format!(
-                "--resolution {across}: 8 to 4096 voxels along the longest side are accepted"
-            )));
+        if let Some(voxels) = self.diagonal {
+            return Ok(Fineness::Diagonal(across("--diagonal", voxels, "diagonal")?));
         }
-        Ok(Fineness::Resolution(across))
+        match self.resolution {
+            Some(voxels) => Ok(Fineness::Resolution(across("--resolution", voxels, "longest side")?)),
+            None => Ok(default),
+        }
     }
 
     /// The thickness of the shell asked for [m].

@@ -5,24 +5,28 @@ mod bake;
 mod bench;
 mod calibrate;
 mod compare;
+mod dataset;
+mod dataset_piece;
 mod demo;
 mod diagnose;
 mod effects;
 mod flags;
 mod model_flags;
 mod path;
+mod piece_flags;
 mod press;
 mod render;
 mod simulate;
 mod study;
 mod trial;
 mod validate;
+mod validate_set;
 mod weld;
 
 use std::process::ExitCode;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::WrongUse;
 use crate::console::Console;
@@ -62,7 +66,12 @@ enum Verb {
     Press(press::PressArgs),
     /// Draw an asset or a field from its distance field.
     Render(render::RenderArgs),
-    /// Open every file of an asset and hold it against the others.
+    /// Weld folders of parts into a data set of thousands of assets.
+    Dataset(dataset::DatasetArgs),
+    /// Make one piece of a data set.
+    #[command(hide = true)]
+    DatasetPiece(dataset_piece::DatasetPieceArgs),
+    /// Open every file of an asset, or of a data set, and hold it against the others.
     Validate(validate::ValidateArgs),
     /// Fit a model to a campaign, step by step from the base law to its last effect.
     Calibrate(calibrate::CalibrateArgs),
@@ -82,9 +91,10 @@ enum Verb {
 
 /// Parses the command line and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let console = Console::new(cli.json);
-    match start(cli, &console) {
+    match start(cli, &matches, &console) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -93,7 +103,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn start(cli: Cli, console: &Console) -> Result<()> {
+fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
     if let Some(threads) = cli.threads {
         if !(1..=MOST_THREADS).contains(&threads) {
             return Err(crate::wrong_use(format!("--threads {threads}: 1 to {MOST_THREADS} are accepted")));
@@ -109,6 +119,8 @@ fn start(cli: Cli, console: &Console) -> Result<()> {
         Verb::Trial(args) => trial::run(&args, console),
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
+        Verb::Dataset(args) => dataset::run(&args, matches.subcommand().map_or(matches, |(_, given)| given), console),
+        Verb::DatasetPiece(args) => dataset_piece::run(&args),
         Verb::Validate(args) => validate::run(&args, console),
         Verb::Calibrate(args) => calibrate::run(&args, console),
         Verb::Bench(args) => bench::run(&args, console),

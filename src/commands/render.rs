@@ -11,7 +11,7 @@ use super::flags::OutFlags;
 use crate::asset::{AssetFields, Manifest, WeldTruth, Welds};
 use crate::console::Console;
 use crate::folder::{refuse_occupied, write_file};
-use crate::picture::{overview, to_png};
+use crate::picture::{SAMPLES_PER_SIDE, overview, to_png};
 use crate::wrong_use;
 
 #[derive(Debug, Args)]
@@ -42,7 +42,7 @@ pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let size = parse_size(&args.size)?;
     refuse_occupied(&args.out.out, "", args.out.force)?;
     let (grid, weld) = open(&args.source)?;
-    let picture = overview(&grid, weld.as_ref(), size)?;
+    let picture = overview(&grid, weld.as_ref(), size, SAMPLES_PER_SIDE)?;
     write_file(&args.out.out, &to_png(&picture)?, args.out.force)?;
     console.step("picture", format!("{} x {} in {}", size.0, size.1, args.out.out.display()));
     let seconds = started.elapsed().as_secs_f64();

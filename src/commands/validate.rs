@@ -1,4 +1,4 @@
-//! `robofin validate`: is this asset whole and consistent?
+//! `robofin validate`: is this asset, or this data set, whole and consistent?
 
 use std::path::{Path, PathBuf};
 
@@ -6,20 +6,33 @@ use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
 
+use super::dataset::jobs;
+use super::validate_set;
 use crate::asset::UsdMode;
 use crate::console::Console;
+use crate::dataset::MARKER_FILE;
 use crate::validate::{Validation, validate};
+use crate::wrong_use;
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  robofin weld data/bracket.obj --out out/bracket --seed 7\n  robofin validate out/bracket"
+    after_help = "Examples:\n  robofin weld data/bracket.obj --out out/bracket --seed 7\n  robofin validate out/bracket\n  robofin validate out/set --repair"
 )]
 pub(super) struct ValidateArgs {
-    /// Asset folder made by `robofin weld`.
-    asset: PathBuf,
+    /// Asset folder made by `robofin weld`, or data set made by `robofin dataset`.
+    folder: PathBuf,
     /// USD file: auto opens it if Python can be had, require fails without it, off leaves it alone.
     #[arg(long, value_enum, default_value_t)]
     usd: UsdMode,
+    /// Make the broken pieces of a data set anew, and its catalogue.
+    #[arg(long)]
+    repair: bool,
+    /// Where the sources of broken pieces are, if not where they were [default: as the data set was made].
+    #[arg(long, value_name = "FOLDER|MESH", requires = "repair")]
+    from: Vec<PathBuf>,
+    /// Pieces of a data set at once [default: all cores].
+    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    jobs: Option<usize>,
 }
 
 /// The answer of `validate --json`.
@@ -32,7 +45,19 @@ struct ValidateAnswer<'a> {
 }
 
 pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
-    let validation = validate(&args.asset, args.usd)?;
+    if args.folder.join(MARKER_FILE).exists() {
+        let from = (!args.from.is_empty()).then_some(args.from.as_slice());
+        return validate_set::run(&args.folder, args.repair, from, jobs(args.jobs)?, console);
+    }
+    if args.repair {
+        let place = args.folder.display();
+        return Err(wrong_use(format!("--repair: {place} holds no {MARKER_FILE}; only data sets can be repaired")));
+    }
+    validate_asset(&args.folder, args.usd, console)
+}
+
+fn validate_asset(asset: &Path, usd: UsdMode, console: &Console) -> Result<()> {
+    let validation = validate(asset, usd)?;
     let checks = &validation.checks;
     for check in checks {
         let verdict = if check.passed { "ok" } else { "FAILED" };
@@ -42,9 +67,9 @@ pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
         console.step("not seen", left_out);
     }
     let failed = checks.iter().filter(|check| !check.passed).count();
-    console.answer(&ValidateAnswer { asset: &args.asset, valid: failed == 0, validation: &validation })?;
+    console.answer(&ValidateAnswer { asset, valid: failed == 0, validation: &validation })?;
     if failed > 0 {
-        bail!("{}: {failed} of {} checks failed", args.asset.display(), checks.len());
+        bail!("{}: {failed} of {} checks failed", asset.display(), checks.len());
     }
     console.step("valid", format!("all {} checks hold", checks.len()));
     Ok(())

@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::flags::{MeshFlags, OutFlags, optional_mm, within};
-use crate::asset::{self, MANIFEST_FILE, Manifest, UsdMode};
+use crate::asset::{self, Extras, MANIFEST_FILE, Manifest, UsdMode};
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::part::Part;
@@ -97,7 +97,7 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let part = Part::load(&args.file, args.mesh.unit.into())?;
     part.describe(console);
     let workpiece = weld_part(part, &options, console).with_context(|| args.file.display().to_string())?;
-    let place = asset::write(&workpiece, &options, folder, args.usd, console)?;
+    let place = asset::write(&workpiece, &options, folder, Extras::full(args.usd), console)?;
     let manifest = Manifest::read(&place)?;
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&WeldAnswer { asset: &args.out.out, seconds: started.elapsed().as_secs_f64(), manifest })

@@ -1,4 +1,4 @@
-//! The right to make an entry, held by one thread of one process at a time.
+//! The right to write something, held by one thread of one process at a time.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -6,16 +6,16 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use same_file::Handle;
 
-/// The right to make an entry. The operating system ends it with its process, however that ends.
+/// The right to write something. The operating system ends it with its process, however that ends.
 #[derive(Debug)]
-pub(super) struct Claim {
+pub struct Claim {
     path: PathBuf,
     _locked: File,
 }
 
-/// Whether to wait for an entry that someone else is making.
+/// Whether to wait for what someone else is writing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Patience {
+pub enum Patience {
     /// Come back later.
     None,
     /// As long as it takes.
@@ -27,7 +27,7 @@ impl Claim {
     ///
     /// # Errors
     /// When the file cannot be made, or the file system has no locks.
-    pub(super) fn take(path: &Path, patience: Patience) -> Result<Option<Self>> {
+    pub fn take(path: &Path, patience: Patience) -> Result<Option<Self>> {
         let context = || format!("{}: cannot be locked; choose an --out on a file system with locks", path.display());
         loop {
             let file = File::options().create(true).truncate(false).write(true).open(path).with_context(context)?;

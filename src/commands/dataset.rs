@@ -1,0 +1,195 @@
+//! `robofin dataset`: from folders of meshes to thousands of assets.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Result, bail};
+use clap::{ArgMatches, Args};
+use serde::Serialize;
+
+use super::piece_flags::PieceFlags;
+use crate::cache::find_meshes;
+use crate::console::Console;
+use crate::dataset::limits::Usage;
+use crate::dataset::piece::Ending;
+use crate::dataset::plan::Shard;
+use crate::dataset::progress::{Progress, Summary};
+use crate::dataset::run::{Outcome, Run};
+use crate::dataset::{Catalogue, Dataset, Plan};
+use crate::wrong_use;
+
+/// More pieces of one part than any data set needs; names have four digits.
+const MOST_PER_PART: u32 = 10_000;
+/// More processes at once than any machine for this can hold.
+pub(super) const MOST_JOBS: usize = 256;
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Every piece is an asset as `robofin weld` makes it, without USD, made in a process of its own. Its bytes follow from the
+content of its part, its number and the flags of the pieces; never from --jobs, --shard, --limit or interruptions.
+
+Examples:
+  robofin dataset parts --out out/set --per-part 10 --seed 7
+  robofin dataset parts --out out/set --per-part 10 --seed 7 --resume --jobs 8
+  robofin dataset parts more/plate.stl --out out/set --per-part 4 --limit 100 --shard 1/3 --time-limit 60"
+)]
+pub(super) struct DatasetArgs {
+    /// Folders with mesh files (OBJ, STL, PLY, GLB or glTF) anywhere below, and mesh files.
+    #[arg(required = true, value_name = "FOLDER|MESH")]
+    sources: Vec<PathBuf>,
+    /// Folder of the data set.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Pieces of each part.
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    per_part: u32,
+    /// Only the piece with this number of each part, from 0.
+    #[arg(long, value_name = "K", conflicts_with = "per_part", allow_negative_numbers = true)]
+    piece: Option<u32>,
+    /// At most so many pieces, every part once before any twice; shards share them.
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    limit: Option<usize>,
+    /// The i-th of n shares, for several machines.
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true)]
+    shard: Option<String>,
+    /// Pieces at once [default: all cores].
+    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    jobs: Option<usize>,
+    /// Go on with the data set of an earlier run: what is complete there is not made again, what failed is tried again.
+    #[arg(long)]
+    resume: bool,
+    /// Say what would be made, and make nothing.
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    pieces: PieceFlags,
+}
+
+/// A line of the answer of `dataset --json`, for one piece.
+#[derive(Serialize)]
+struct PieceAnswer<'a> {
+    piece: &'a str,
+    source: &'a str,
+    ending: &'a Ending,
+    #[serde(flatten)]
+    usage: Usage,
+    seconds: f64,
+}
+
+pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -> Result<()> {
+    let jobs = jobs(args.jobs)?;
+    let (wishes, limits) = (args.pieces.wishes()?, args.pieces.limits()?);
+    let flags = PieceFlags::given(matches);
+    let sources = args.sources.iter().map(|place| place.to_string_lossy().into_owned()).collect();
+    let recipe = args.pieces.recipe(&wishes, &flags, sources)?;
+    let plan = plan(args)?;
+    console.step("plan", describe(&plan));
+    if args.dry_run {
+        return rehearse(args, &plan, console);
+    }
+    let dataset = Dataset::start(&args.out, recipe, args.resume)?;
+    let run = Run { dataset: &dataset, plan: &plan, flags: &flags, limits, jobs };
+    let summary = make(&run, console)?;
+    let catalogue = Catalogue::update(&dataset)?;
+    console.step("dataset", format!("{} pieces listed in {}", catalogue.pieces, args.out.display()));
+    console.step("done", summary.describe(jobs));
+    console.answer_line(&summary)?;
+    match summary.failed {
+        0 => Ok(()),
+        failed => bail!(
+            "{failed} of {} pieces failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
+            summary.pieces,
+            args.out.display()
+        ),
+    }
+}
+
+/// Makes the pieces of a run and tells of each.
+pub(super) fn make(run: &Run, console: &Console) -> Result<Summary> {
+    let pieces = run.plan.pieces.len() + run.plan.unreadable.len();
+    let bar = console.bar("pieces", pieces as u64);
+    let mut progress = Progress::new(pieces, Instant::now());
+    run.run(|outcome| {
+        let line = progress.count(outcome);
+        bar.inc(1);
+        // A bar says all but failures.
+        if let (about, Some(text)) = (line.about, line.text(bar.is_hidden())) {
+            bar.suspend(|| console.step(about, text));
+        }
+        bar.suspend(|| answer(outcome, console))
+    })?;
+    bar.finish_and_clear();
+    Ok(progress.summary())
+}
+
+fn answer(outcome: &Outcome, console: &Console) -> Result<()> {
+    let Outcome { id, source, ending, usage, seconds } = outcome;
+    let source = &*source.to_string_lossy();
+    console.answer_line(&PieceAnswer { piece: id, source, ending, usage: *usage, seconds: *seconds })
+}
+
+/// How many pieces at once.
+pub(super) fn jobs(asked: Option<usize>) -> Result<usize> {
+    match asked {
+        None => Ok(std::thread::available_parallelism().map_or(1, |cores| cores.get().min(MOST_JOBS))),
+        Some(jobs) if (1..=MOST_JOBS).contains(&jobs) => Ok(jobs),
+        Some(jobs) => Err(wrong_use(format!("--jobs {jobs}: 1 to {MOST_JOBS} are accepted"))),
+    }
+}
+
+fn plan(args: &DatasetArgs) -> Result<Plan> {
+    if !(1..=MOST_PER_PART).contains(&args.per_part) {
+        return Err(wrong_use(format!("--per-part {}: 1 to {MOST_PER_PART} are accepted", args.per_part)));
+    }
+    if let Some(piece) = args.piece.filter(|&piece| piece >= MOST_PER_PART) {
+        return Err(wrong_use(format!("--piece {piece}: 0 to {} are accepted", MOST_PER_PART - 1)));
+    }
+    if args.limit == Some(0) {
+        return Err(wrong_use("--limit 0: 1 or more is accepted".to_owned()));
+    }
+    let shard = match args.shard.as_deref() {
+        None => Shard::WHOLE,
+        Some(text) => Shard::parse(text).ok_or_else(|| {
+            wrong_use(format!("--shard {text}: i/n is accepted, with i from 1 to n, for example 2/3"))
+        })?,
+    };
+    let indices = args.piece.map_or(0..args.per_part, |piece| piece..piece + 1);
+    let sources = find_meshes(&args.sources)?;
+    Ok(Plan::new(sources, args.pieces.unit(), indices, args.limit.unwrap_or(usize::MAX), shard))
+}
+
+fn describe(plan: &Plan) -> String {
+    let mut text = format!("{} pieces of {} parts", plan.pieces.len(), plan.parts);
+    if plan.copies > 0 {
+        text += &format!("\n{} files are copies of others and count once", plan.copies);
+    }
+    if !plan.unreadable.is_empty() {
+        text += &format!("\n{} files cannot be read", plan.unreadable.len());
+    }
+    text
+}
+
+/// A line of the answer of `dataset --dry-run --json`.
+#[derive(Serialize)]
+struct PlanAnswer<'a> {
+    piece: &'a str,
+    source: &'a str,
+    index: u32,
+    is_there: bool,
+}
+
+fn rehearse(args: &DatasetArgs, plan: &Plan, console: &Console) -> Result<()> {
+    let dataset = Dataset::open(&args.out).ok();
+    let mut there = 0;
+    for piece in &plan.pieces {
+        let is_there = dataset.as_ref().is_some_and(|dataset| dataset.holds(&piece.id));
+        there += usize::from(is_there);
+        let source = &*piece.source.to_string_lossy();
+        console.answer_line(&PlanAnswer { piece: &piece.id, source, index: piece.index, is_there })?;
+    }
+    for unreadable in &plan.unreadable {
+        console.step("unread", format!("{}: {}", unreadable.source.display(), unreadable.reason));
+    }
+    console.step("dry run", format!("{} pieces would be made, {there} are there", plan.pieces.len() - there));
+    Ok(())
+}

@@ -1,0 +1,106 @@
+//! Flags that decide the pieces of a data set.
+
+use anyhow::Result;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, Command, Parser};
+use sdf_bake::read::UnitChoice;
+
+use super::flags::{MeshFlags, within};
+use super::weld::WeldFlags;
+use crate::dataset::limits::Limits;
+use crate::dataset::piece::PieceWishes;
+use crate::dataset::{DATASET_FORMAT, Recipe};
+use crate::workpiece::{Fineness, WeldingOptions};
+
+/// Voxels along the diagonal, unless asked otherwise.
+const DIAGONAL_VOXELS: u32 = 256;
+/// Width and height of a piece's picture [pixels]; `robofin render` draws larger ones.
+const PREVIEW_SIZE: (usize, usize) = (320, 240);
+
+/// What decides a piece beside its part and its number, and what its process may use.
+#[derive(Clone, Debug, Args)]
+pub(super) struct PieceFlags {
+    /// Seed of the set; each piece's own follows from it, the part's content and the piece's number.
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    #[command(flatten)]
+    mesh: MeshFlags,
+    #[command(flatten)]
+    weld: WeldFlags,
+    /// What is known of the licence of the parts; it is written beside each piece.
+    #[arg(long, value_name = "TEXT", default_value = "not stated")]
+    licence: String,
+    /// Time by the clock that a piece may take [s].
+    #[arg(long, value_name = "s", default_value_t = 600.0, allow_negative_numbers = true)]
+    time_limit: f64,
+    /// Memory that the process of a piece may ask for [GB].
+    #[arg(long, value_name = "GB", default_value_t = 2.0, allow_negative_numbers = true)]
+    memory_limit: f64,
+}
+
+/// The flags alone, as a data set's marker keeps them.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct Kept {
+    #[command(flatten)]
+    pieces: PieceFlags,
+}
+
+impl PieceFlags {
+    /// The flags of this kind that were given, as they were given, in the order of their declaration.
+    pub(super) fn given(matches: &ArgMatches) -> Vec<String> {
+        let mut given = Vec::new();
+        for flag in Self::augment_args(Command::new("pieces")).get_arguments() {
+            let (id, name) = (flag.get_id().as_str(), flag.get_long().unwrap_or_default());
+            if matches.value_source(id) == Some(ValueSource::CommandLine) {
+                let values = matches.get_raw(id).into_iter().flatten();
+                given.extend(values.map(|value| format!("--{name}={}", value.to_string_lossy())));
+            }
+        }
+        given
+    }
+
+    /// Reads flags that were kept.
+    pub(super) fn read(kept: &[String]) -> Result<Self> {
+        Ok(Kept::try_parse_from(kept)?.pieces)
+    }
+
+    pub(super) fn unit(&self) -> UnitChoice {
+        self.mesh.unit.into()
+    }
+
+    /// What all pieces have in common.
+    pub(super) fn wishes(&self) -> Result<PieceWishes> {
+        self.mesh.solid_only("robofin dataset")?;
+        let options = WeldingOptions {
+            seed: self.seed,
+            fineness: self.mesh.fineness_or(Fineness::Diagonal(DIAGONAL_VOXELS))?,
+            band_voxels: self.mesh.band_voxels()?,
+            sign: self.mesh.sign.into(),
+            wishes: self.weld.wishes()?,
+        };
+        Ok(PieceWishes { unit: self.unit(), options })
+    }
+
+    /// What a piece may use.
+    pub(super) fn limits(&self) -> Result<Limits> {
+        let time = within("--time-limit", self.time_limit, (0.1, 1e6))?;
+        let memory = within("--memory-limit", self.memory_limit, (0.1, 1e4))?;
+        Ok(Limits { time, memory: (memory * 1e9) as u64 })
+    }
+
+    /// The recipe that follows from the flags.
+    pub(super) fn recipe(&self, wishes: &PieceWishes, flags: &[String], sources: Vec<String>) -> Result<Recipe> {
+        Ok(Recipe {
+            format: DATASET_FORMAT.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: self.seed,
+            unit: serde_json::to_value(self.unit())?,
+            options: Recipe::options_without_seed(&wishes.options)?,
+            preview: PREVIEW_SIZE,
+            licence: self.licence.clone(),
+            flags: flags.to_vec(),
+            sources,
+        })
+    }
+}

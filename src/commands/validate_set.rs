@@ -1,0 +1,80 @@
+//! `robofin validate` of a data set, and its repair.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail, ensure};
+use serde::Serialize;
+
+use super::dataset::make;
+use super::piece_flags::PieceFlags;
+use crate::console::Console;
+use crate::dataset::check::{SetValidation, check, plan_repair};
+use crate::dataset::run::Run;
+use crate::dataset::{Catalogue, Dataset, MARKER_FILE};
+
+/// The answer of `validate --json` for a data set.
+#[derive(Serialize)]
+struct SetAnswer<'a> {
+    dataset: &'a Path,
+    valid: bool,
+    #[serde(flatten)]
+    validation: &'a SetValidation,
+}
+
+/// `from`: where sources are searched for a repair, instead of where they were.
+pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: usize, console: &Console) -> Result<()> {
+    let dataset = Dataset::open(folder)?;
+    let mut found = look(&dataset, jobs, console)?;
+    if repair && !found.holds() {
+        mend(&dataset, &found, from, jobs, console)?;
+        found = look(&dataset, jobs, console)?;
+    }
+    console.answer(&SetAnswer { dataset: folder, valid: found.holds(), validation: &found })?;
+    let SetValidation { pieces, checks, broken, catalogue } = &found;
+    if !found.holds() {
+        let counts = format!("{} of {pieces} pieces broken, {} faults in the catalogue", broken.len(), catalogue.len());
+        bail!("{}: {counts}{}", folder.display(), if repair { "" } else { "; --repair makes only these anew" });
+    }
+    console.step("valid", format!("{pieces} pieces, {checks} checks, and the catalogue says what they say"));
+    Ok(())
+}
+
+fn look(dataset: &Dataset, jobs: usize, console: &Console) -> Result<SetValidation> {
+    let bar = console.bar("validate", dataset.ids()?.len() as u64);
+    let found = check(dataset, jobs, |id, faults| {
+        bar.inc(1);
+        bar.suspend(|| faults.iter().for_each(|fault| console.step("BROKEN", format!("{id}: {fault}"))));
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    found.catalogue.iter().for_each(|fault| console.step("BROKEN", fault));
+    Ok(found)
+}
+
+/// Makes broken pieces anew, then the catalogue.
+fn mend(
+    dataset: &Dataset,
+    found: &SetValidation,
+    from: Option<&[PathBuf]>,
+    jobs: usize,
+    console: &Console,
+) -> Result<()> {
+    let recipe = &dataset.recipe;
+    let kept = PieceFlags::read(&recipe.flags)?;
+    let same = kept.recipe(&kept.wishes()?, &recipe.flags, recipe.sources.clone())?;
+    let difference = recipe.difference(&same);
+    ensure!(
+        difference.is_none(),
+        "{}: its flags do not lead to what it says ({}), so nothing can be made like it",
+        dataset.folder().join(MARKER_FILE).display(),
+        difference.unwrap_or_default()
+    );
+    if !found.broken.is_empty() {
+        let places = from.map_or_else(|| recipe.sources.iter().map(PathBuf::from).collect(), <[PathBuf]>::to_vec);
+        let plan = plan_repair(dataset, &found.broken, &places, kept.unit())?;
+        let flags = &recipe.flags;
+        make(&Run { dataset, plan: &plan, flags, limits: kept.limits()?, jobs }, console)?;
+    }
+    Catalogue::update(dataset)?;
+    Ok(())
+}

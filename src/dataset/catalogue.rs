@@ -1,0 +1,82 @@
+//! The files that describe a data set; each follows from the marker, the pieces and the failures.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use anyhow::Result;
+use serde::Serialize;
+
+use super::row::Seen;
+use super::table::Table;
+use super::{Dataset, Failure, card, contact, croissant, record_of, remove_stale};
+use crate::folder::write_file;
+
+/// One line of JSON for each piece.
+pub const ROWS_FILE: &str = "manifest.jsonl";
+/// The same as a table.
+pub const TABLE_FILE: &str = "manifest.csv";
+/// One line of JSON for each failure.
+pub const FAILURES_FILE: &str = "failures.jsonl";
+/// For people.
+pub const CARD_FILE: &str = "README.md";
+/// Pictures of some pieces.
+pub const CONTACT_FILE: &str = "contact-sheet.png";
+/// For machines that look for data sets.
+pub const CROISSANT_FILE: &str = "croissant.json";
+
+/// The files of a catalogue by name.
+pub struct Catalogue {
+    /// Their contents.
+    pub files: BTreeMap<&'static str, Vec<u8>>,
+    /// How many pieces it lists.
+    pub pieces: usize,
+}
+
+impl Catalogue {
+    /// Describes what is there.
+    ///
+    /// # Errors
+    /// When a piece or the record of a failure cannot be read.
+    pub fn of(dataset: &Dataset) -> Result<Self> {
+        let pieces = dataset.ids()?.iter().map(|id| Seen::read(dataset, id)).collect::<Result<Vec<Seen>>>()?;
+        let failures: Vec<Failure> = dataset.failures()?;
+        let table = Table::of(pieces.iter().map(|piece| &piece.row))?;
+        let mut files = BTreeMap::from([
+            (ROWS_FILE, lines(pieces.iter().map(|piece| &piece.row))?),
+            (TABLE_FILE, table.csv()?),
+            (FAILURES_FILE, lines(failures.iter())?),
+            (CARD_FILE, card::write(&dataset.recipe, &pieces, &failures).into_bytes()),
+            (CONTACT_FILE, contact::draw(dataset, &pieces)?),
+        ]);
+        let records = files.iter().map(|(&name, bytes)| (name, record_of(bytes))).collect();
+        files.insert(CROISSANT_FILE, croissant::write(&dataset.recipe, &table, &records)?);
+        Ok(Self { files, pieces: pieces.len() })
+    }
+
+    /// Describes what is there and writes the description, in place of an older one.
+    ///
+    /// # Errors
+    /// As [`Catalogue::of`], and when a file cannot be written.
+    pub fn update(dataset: &Dataset) -> Result<Self> {
+        // Shards that end together describe the set one after the other.
+        let _claim = dataset.claim_catalogue()?;
+        let catalogue = Self::of(dataset)?;
+        for (name, bytes) in &catalogue.files {
+            remove_stale(dataset.folder(), name)?;
+            let place = dataset.folder().join(name);
+            if fs::read(&place).ok().as_ref() != Some(bytes) {
+                write_file(&place, bytes, true)?;
+            }
+        }
+        Ok(catalogue)
+    }
+}
+
+fn lines<'a, T: Serialize + 'a>(values: impl Iterator<Item = &'a T>) -> Result<Vec<u8>> {
+    let mut text = Vec::new();
+    for value in values {
+        serde_json::to_writer(&mut text, value)?;
+        text.push(b'\n');
+    }
+    Ok(text)
+}

@@ -1,0 +1,173 @@
+//! Holding a data set against itself: every piece rehashed and rechecked, the catalogue made again and compared.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use sdf_bake::read::UnitChoice;
+use serde::Serialize;
+
+use super::catalogue::ROWS_FILE;
+use super::plan::{index_of, key_of, source_key};
+use super::row::Row;
+use super::{ASSETS_FOLDER, Catalogue, Dataset, FAILURES_FOLDER, MARKER_FILE, Piece, Plan, manifest_path, names};
+use crate::asset::{MANIFEST_FILE, Manifest, UsdMode};
+use crate::cache::find_meshes;
+use crate::claim::Patience;
+use crate::turns::take_turns;
+use crate::validate::validate;
+
+/// A piece that does not hold.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Broken {
+    /// Its name.
+    pub id: String,
+    /// What is wrong, one sentence each.
+    pub faults: Vec<String>,
+}
+
+/// What was found in a data set.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SetValidation {
+    /// Pieces that were checked.
+    pub pieces: usize,
+    /// Checks that were made in them.
+    pub checks: usize,
+    /// Pieces that do not hold, by name.
+    pub broken: Vec<Broken>,
+    /// What is wrong with the set's own files.
+    pub catalogue: Vec<String>,
+}
+
+impl SetValidation {
+    /// Whether everything holds.
+    pub fn holds(&self) -> bool {
+        self.broken.is_empty() && self.catalogue.is_empty()
+    }
+}
+
+/// Checks all pieces with `jobs` threads, then the catalogue; calls `done` with each piece's faults as they come in.
+///
+/// # Errors
+/// When a folder cannot be read, or `done` fails.
+pub fn check(
+    dataset: &Dataset,
+    jobs: usize,
+    mut done: impl FnMut(&str, &[String]) -> Result<()>,
+) -> Result<SetValidation> {
+    let ids: Vec<String> =
+        listed(dataset).into_iter().chain(dataset.ids()?).collect::<BTreeSet<_>>().into_iter().collect();
+    let mut found = SetValidation { pieces: ids.len(), ..Default::default() };
+    take_turns(
+        ids.len(),
+        jobs,
+        |turn, _| Some(check_piece(dataset, &ids[turn])),
+        |turn, (checks, faults)| {
+            done(&ids[turn], &faults)?;
+            found.checks += checks;
+            if !faults.is_empty() {
+                found.broken.push(Broken { id: ids[turn].clone(), faults });
+            }
+            Ok(())
+        },
+    )?;
+    found.broken.sort_by(|a, b| a.id.cmp(&b.id));
+    found.catalogue = check_catalogue(dataset, found.broken.is_empty())?;
+    Ok(found)
+}
+
+/// Names of the pieces that the manifest lists, as far as it can be read.
+fn listed(dataset: &Dataset) -> BTreeSet<String> {
+    let text = fs::read(dataset.folder().join(ROWS_FILE)).unwrap_or_default();
+    let rows = text.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice::<Row>(line).ok());
+    rows.map(|row| row.id).filter(|id| index_of(id).is_some()).collect()
+}
+
+/// How many checks were made of a piece, and what they found.
+fn check_piece(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
+    let folder = dataset.asset_folder(id);
+    if !folder.is_dir() {
+        return (1, vec![format!("{ROWS_FILE} lists it and there is no such folder")]);
+    }
+    let checked = || -> Result<(usize, Vec<String>)> {
+        let manifest = Manifest::read(&folder)?;
+        dataset.recipe.fits(id, &manifest).with_context(|| manifest_path(id))?;
+        let checks = validate(&folder, UsdMode::Off)?.checks;
+        let failed = checks.iter().filter(|check| !check.passed);
+        let faults = failed.map(|check| format!("{}: {}: {}", check.file, check.rule, check.found)).collect();
+        Ok((checks.len() + 1, faults))
+    };
+    // A file made to bring down the one who opens it is a fault of that piece.
+    match catch_unwind(AssertUnwindSafe(checked)) {
+        Ok(Ok(found)) => found,
+        Ok(Err(error)) => (1, vec![format!("{error:#}")]),
+        Err(_) => (1, vec!["its files cannot be opened: a bug in this program".to_owned()]),
+    }
+}
+
+/// What is wrong with the files of the set itself; those that follow from the pieces need whole pieces.
+fn check_catalogue(dataset: &Dataset, pieces_hold: bool) -> Result<Vec<String>> {
+    let mut faults = Vec::new();
+    let mut known = BTreeSet::from([MARKER_FILE, ASSETS_FOLDER, FAILURES_FOLDER].map(str::to_owned));
+    if pieces_hold {
+        match Catalogue::of(dataset) {
+            Err(error) => faults.push(format!("{error:#}")),
+            Ok(catalogue) => {
+                for (name, expected) in &catalogue.files {
+                    faults.extend(compare(name, fs::read(dataset.folder().join(name)).ok(), expected));
+                    known.insert((*name).to_owned());
+                }
+                let strange = names(dataset.folder())?.into_iter().filter(|name| !known.contains(name));
+                let strange = strange.filter(|name| !name.starts_with('.'));
+                faults.extend(strange.map(|name| format!("{name}: no part of a data set")));
+            }
+        }
+    } else {
+        faults.push("not compared with the pieces, some of which are broken".to_owned());
+    }
+    Ok(faults)
+}
+
+fn compare(name: &str, found: Option<Vec<u8>>, expected: &[u8]) -> Option<String> {
+    let Some(found) = found else { return Some(format!("{name}: missing")) };
+    let same = found.iter().zip(expected).take_while(|(a, b)| a == b).count();
+    if same == expected.len() && found.len() == expected.len() {
+        return None;
+    }
+    let line = 1 + expected[..same].iter().filter(|&&byte| byte == b'\n').count();
+    Some(format!("{name}: differs in line {line} from what the pieces and failures say"))
+}
+
+/// Removes broken pieces and plans them anew from the sources below `places`.
+///
+/// # Errors
+/// When a source is no longer there, named by its piece; nothing is removed then.
+pub fn plan_repair(dataset: &Dataset, broken: &[Broken], places: &[PathBuf], unit: UnitChoice) -> Result<Plan> {
+    let keys: Vec<(String, PathBuf)> = find_meshes(places)?
+        .into_keys()
+        .filter_map(|source| source_key(&source, unit).ok().map(|key| (key, source)))
+        .collect();
+    let piece = |Broken { id, .. }: &Broken| -> Result<Piece> {
+        let index =
+            index_of(id).with_context(|| format!("{ASSETS_FOLDER}/{id}: not the name of a piece; remove it"))?;
+        let source = keys.iter().find(|(key, _)| key == key_of(id)).map(|(_, source)| source.clone());
+        let source = source.with_context(|| {
+            let file = Manifest::read(&dataset.asset_folder(id)).map_or(String::new(), |found| found.source.file);
+            format!("{id}: its source {file} is not below the folders searched; name its folder with --from")
+        })?;
+        Ok(Piece { source, id: id.clone(), index })
+    };
+    let pieces = broken.iter().map(piece).collect::<Result<Vec<Piece>>>()?;
+    for Piece { id, .. } in &pieces {
+        let _claim = dataset.claim(id, Patience::Endless)?;
+        let folder = dataset.asset_folder(id);
+        // Without its manifest a piece is not taken for whole, should this be interrupted.
+        let _ = fs::remove_file(folder.join(MANIFEST_FILE));
+        if folder.exists() {
+            fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
+        }
+    }
+    Ok(Plan { parts: pieces.len(), pieces, ..Default::default() })
+}

@@ -1,0 +1,163 @@
+//! Pieces that could not be made, each with its reason and the line that shows it again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+
+use super::plan::{Piece, Unreadable};
+use super::{Dataset, FAILURES_FOLDER, names, remove_stale};
+use crate::claim::Patience;
+use crate::folder::write_file;
+use crate::part::sha256;
+
+/// Where on the road a piece failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// Reading and cleaning the part.
+    Part,
+    /// Baking, placing the weld, uniting.
+    Weld,
+    /// Writing the asset.
+    Write,
+    /// Time or memory beyond the limit.
+    Limit,
+    /// A bug in this program.
+    Crash,
+}
+
+impl Stage {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Part => "part",
+            Self::Weld => "weld",
+            Self::Write => "write",
+            Self::Limit => "limit",
+            Self::Crash => "crash",
+        }
+    }
+}
+
+/// A piece that could not be made.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Name of the piece; of a source that cannot be read, `source-` and a hash of its path.
+    pub id: String,
+    /// The mesh file, as it was given.
+    pub source: String,
+    /// Number among the pieces of the part.
+    pub index: u32,
+    /// Where it failed.
+    pub stage: Stage,
+    /// Why.
+    pub reason: String,
+    /// The command line that makes this piece alone.
+    pub command: String,
+}
+
+impl Failure {
+    /// The failure of a piece; `flags` are those that decide it.
+    pub fn of(piece: &Piece, stage: Stage, reason: String, flags: &[String]) -> Self {
+        Self {
+            id: piece.id.clone(),
+            source: piece.source.to_string_lossy().into_owned(),
+            index: piece.index,
+            stage,
+            reason,
+            command: command(&piece.source, piece.index, flags),
+        }
+    }
+
+    /// The failure of a source without pieces.
+    pub fn of_source(Unreadable { source, reason }: &Unreadable, flags: &[String]) -> Self {
+        Self {
+            id: source_id(source),
+            source: source.to_string_lossy().into_owned(),
+            index: 0,
+            stage: Stage::Part,
+            reason: reason.clone(),
+            command: command(source, 0, flags),
+        }
+    }
+}
+
+/// Name under which the failure of a source without pieces is kept.
+pub(super) fn source_id(source: &Path) -> String {
+    format!("source-{}", &sha256(source.to_string_lossy().as_bytes())[..16])
+}
+
+fn command(source: &Path, index: u32, flags: &[String]) -> String {
+    let words = ["robofin".to_owned(), "dataset".to_owned(), source.to_string_lossy().into_owned()];
+    let more = ["--piece".to_owned(), index.to_string(), "--out".to_owned(), "again".to_owned()];
+    words.iter().chain(flags).chain(&more).map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a POSIX shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-./=:,+@%".contains(letter);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
+impl Dataset {
+    fn failure_path(&self, id: &str) -> PathBuf {
+        self.folder().join(FAILURES_FOLDER).join(format!("{id}.json"))
+    }
+
+    /// Keeps the record of a failure.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub(super) fn keep_failure(&self, failure: &Failure) -> Result<()> {
+        let _claim = self.claim(&failure.id, Patience::Endless)?;
+        remove_stale(&self.folder().join(FAILURES_FOLDER), &failure.id)?;
+        let text = serde_json::to_string_pretty(failure)? + "\n";
+        write_file(&self.failure_path(&failure.id), text.as_bytes(), true)
+    }
+
+    /// Forgets the failure of a piece or source that is well now.
+    ///
+    /// # Errors
+    /// When the file system refuses.
+    pub(super) fn forget_failure(&self, id: &str) -> Result<()> {
+        let path = self.failure_path(id);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(error).with_context(|| format!("{}: cannot be removed", path.display()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// All failures, by name.
+    ///
+    /// # Errors
+    /// When a record cannot be read.
+    pub fn failures(&self) -> Result<Vec<Failure>> {
+        let folder = self.folder().join(FAILURES_FOLDER);
+        let read = |name: &String| {
+            let path = folder.join(name);
+            let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+            serde_json::from_str(&text).with_context(|| format!("{}: not the record of a failure", path.display()))
+        };
+        names(&folder)?.iter().filter(|name| !name.starts_with('.')).map(read).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_reads_the_command_as_it_was_given() {
+        let piece = Piece { source: "my parts/it's.obj".into(), id: "0-0003".into(), index: 3 };
+        let failure = Failure::of(&piece, Stage::Weld, String::new(), &["--seed".into(), "7".into()]);
+        let line = r"robofin dataset 'my parts/it'\''s.obj' --seed 7 --piece 3 --out again";
+        assert_eq!(failure.command, line);
+    }
+}

@@ -1,0 +1,196 @@
+//! Which pieces a list of parts has: names, seeds, order, shards.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use sdf_bake::read::{MeshBytes, UnitChoice};
+use sha2::{Digest, Sha256};
+
+use crate::cache::Sources;
+use crate::part::sha256;
+
+/// Hexadecimal digits of the source in a piece's name: 64 bits, so that millions of parts do not share a name.
+const KEY_DIGITS: usize = 16;
+
+/// One welded workpiece to make.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// The mesh file.
+    pub source: PathBuf,
+    /// Name: what identifies the source's content, and the index.
+    pub id: String,
+    /// Number among the pieces of the part, from 0.
+    pub index: u32,
+}
+
+/// A source that cannot be read, so that its pieces have no names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unreadable {
+    /// The mesh file.
+    pub source: PathBuf,
+    /// Why.
+    pub reason: String,
+}
+
+/// Pieces to make, and sources that have none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Plan {
+    /// Every part's first piece comes before any part's second.
+    pub pieces: Vec<Piece>,
+    /// Files that can be read, copies among them.
+    pub readable: Vec<PathBuf>,
+    /// What cannot be read at all.
+    pub unreadable: Vec<Unreadable>,
+    /// Different parts.
+    pub parts: usize,
+    /// Files with the content of another; they have no pieces of their own.
+    pub copies: usize,
+}
+
+/// One of several shares of a data set, which may be made on several machines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Number of the share, from 1.
+    pub number: u32,
+    /// How many shares there are.
+    pub of: u32,
+}
+
+impl Shard {
+    /// The whole.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// Reads `i/n`.
+    pub fn parse(text: &str) -> Option<Self> {
+        let (number, of) = text.split_once('/')?;
+        let shard = Self { number: number.parse().ok()?, of: of.parse().ok()? };
+        (1..=shard.of).contains(&shard.number).then_some(shard)
+    }
+
+    /// Whether a piece or source of this name is in the share; the name decides, not the order.
+    fn has(self, name: &str) -> bool {
+        number_from(&format!("shard {name}")) % u64::from(self.of) == u64::from(self.number - 1)
+    }
+}
+
+/// The first eight bytes of a text's SHA-256, as a number.
+pub(super) fn number_from(text: &str) -> u64 {
+    Sha256::digest(text.as_bytes()).iter().take(8).fold(0, |number, &byte| number << 8 | u64::from(byte))
+}
+
+/// What identifies a source: its bytes, and as far as they matter its format and the unit in its name.
+///
+/// # Errors
+/// A file that cannot be read, or is no mesh.
+pub fn source_key(source: &Path, unit: UnitChoice) -> Result<String> {
+    let mesh = MeshBytes::load(source)?;
+    let buffers: Vec<String> = mesh.buffers().map(sha256).collect();
+    let unit_in_name = mesh.unit_in_name().filter(|_| unit == UnitChoice::Auto);
+    let content = (sha256(mesh.bytes()), buffers, mesh.format(), unit_in_name);
+    Ok(sha256(serde_json::to_string(&content)?.as_bytes())[..KEY_DIGITS].to_owned())
+}
+
+/// Name of a piece of a source.
+pub fn piece_id(key: &str, index: u32) -> String {
+    format!("{key}-{index:04}")
+}
+
+/// Key of the source in a piece's name.
+pub(super) fn key_of(id: &str) -> &str {
+    id.split_once('-').map_or(id, |(key, _)| key)
+}
+
+/// Index in a piece's name.
+pub(super) fn index_of(id: &str) -> Option<u32> {
+    id.split_once('-')?.1.parse().ok()
+}
+
+impl Plan {
+    /// The pieces with the given indices of each source, at most `limit` of them; of those, the ones in the shard.
+    pub fn new(sources: Sources, unit: UnitChoice, indices: std::ops::Range<u32>, limit: usize, shard: Shard) -> Self {
+        let mut plan = Self::default();
+        let (mut keys, mut known) = (Vec::new(), BTreeSet::new());
+        for (source, fault) in sources {
+            let key = match fault {
+                Some(reason) => Err(reason),
+                None => source_key(&source, unit).map_err(|error| format!("{error:#}")),
+            };
+            if key.is_ok() {
+                plan.readable.push(source.clone());
+            }
+            match key {
+                Ok(key) if known.insert(key.clone()) => keys.push((source, key)),
+                Ok(_) => plan.copies += 1,
+                Err(reason) => plan.unreadable.push(Unreadable { source, reason }),
+            }
+        }
+        plan.parts = keys.len();
+        let piece = |index: u32| {
+            let piece = move |(source, key): &(PathBuf, String)| Piece {
+                source: source.clone(),
+                id: piece_id(key, index),
+                index,
+            };
+            keys.iter().map(piece)
+        };
+        plan.pieces = indices.flat_map(piece).take(limit).filter(|piece| shard.has(&piece.id)).collect();
+        plan.unreadable.retain(|unreadable| shard.has(&unreadable.source.to_string_lossy()));
+        plan
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cache::find_meshes;
+
+    fn parts(folder: &Path, names: &[&str]) -> Sources {
+        for (number, name) in names.iter().enumerate() {
+            let text = format!("v 0 0 0\nv {} 0 0\nv 0 1 0\nf 1 2 3\n", number + 1);
+            std::fs::write(folder.join(name), text).unwrap();
+        }
+        find_meshes(&[folder.to_owned()]).unwrap()
+    }
+
+    #[test]
+    fn names_follow_from_content_and_index_alone() {
+        let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let plan = |sources: Sources, indices| Plan::new(sources, UnitChoice::Auto, indices, usize::MAX, Shard::WHOLE);
+        let ids = |plan: &Plan| plan.pieces.iter().map(|piece| piece.id.clone()).collect::<BTreeSet<_>>();
+        let first = plan(parts(one.path(), &["a.obj", "b.obj", "c.obj"]), 0..4);
+        // The same contents under names in another order.
+        let other = plan(parts(two.path(), &["z.obj", "y.obj", "x.obj"]), 0..4);
+        assert_eq!(ids(&first).len(), 12);
+        assert_eq!(ids(&first), ids(&other));
+        let third = plan(parts(one.path(), &["a.obj", "b.obj", "c.obj"]), 2..3);
+        assert_eq!(third.pieces.len(), 3);
+        assert!(ids(&third).is_subset(&ids(&first)));
+        std::fs::copy(one.path().join("a.obj"), one.path().join("copy.obj")).unwrap();
+        let copied = plan(find_meshes(&[one.path().to_owned()]).unwrap(), 0..4);
+        assert_eq!((copied.parts, copied.copies, ids(&copied)), (3, 1, ids(&first)));
+    }
+
+    #[test]
+    fn the_limit_takes_every_part_before_any_twice_and_shards_share_what_is_left() {
+        let place = tempfile::tempdir().unwrap();
+        let sources = parts(place.path(), &["a.obj", "b.obj", "c.obj"]);
+        let plan = |limit, shard| Plan::new(sources.clone(), UnitChoice::Auto, 0..40, limit, shard).pieces;
+        let limited = plan(7, Shard::WHOLE);
+        assert_eq!(limited.iter().map(|piece| piece.index).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 1, 2]);
+        let whole = plan(100, Shard::WHOLE);
+        let shards: Vec<Vec<Piece>> = (1..=3).map(|number| plan(100, Shard { number, of: 3 })).collect();
+        let mut together: Vec<Piece> = shards.concat();
+        together.sort_by(|a, b| (a.index, &a.source).cmp(&(b.index, &b.source)));
+        assert_eq!(together, whole);
+        assert!(shards.iter().all(|shard| shard.len() > 15), "{:?}", shards.iter().map(Vec::len).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_shard_is_two_numbers_in_order() {
+        assert_eq!(Shard::parse("2/3"), Some(Shard { number: 2, of: 3 }));
+        for nonsense in ["", "1", "0/3", "4/3", "1/0", "a/b", "1/2/3", "-1/2", "1.5/2", " 1/2"] {
+            assert_eq!(Shard::parse(nonsense), None, "{nonsense}");
+        }
+    }
+}

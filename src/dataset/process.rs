@@ -1,0 +1,104 @@
+//! Starting the process of a piece, and what its end means.
+
+use std::process::{Command, ExitStatus, Output, Stdio};
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+
+use super::limits::{Limits, TIME_IS_UP, Usage};
+use super::piece::Ending;
+use super::plan::Piece;
+use super::{Dataset, Stage};
+
+/// Verb that makes one piece in the process that is started.
+pub const PIECE_VERB: &str = "dataset-piece";
+/// Exit code of a Rust program that panicked.
+const PANICKED: i32 = 101;
+/// What the allocator says before it gives up.
+const OUT_OF_MEMORY: &str = "memory allocation of";
+
+/// What the process of a piece says on standard output, as one line of JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// How the piece ended.
+    pub ending: Ending,
+    /// What it took.
+    pub usage: Usage,
+}
+
+/// Makes a piece in a process of its own, which cannot take anything else down with it.
+///
+/// `flags`: those that decide the piece, limits among them.
+///
+/// # Errors
+/// When no process can be started.
+pub fn make_apart(dataset: &Dataset, piece: &Piece, flags: &[String], limits: Limits) -> Result<Answer> {
+    let program = std::env::current_exe().context("this program cannot be found, to start it for a piece")?;
+    let mut command = Command::new(program);
+    command.args(["--threads", "1", PIECE_VERB]).args(flags);
+    command.arg("--id").arg(&piece.id).arg("--out").arg(dataset.folder()).arg("--").arg(&piece.source);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().context("no process can be started for a piece")?;
+    // Held open as long as we live, which is what the child watches.
+    let lifeline = child.stdin.take();
+    let output = child.wait_with_output().context("the process of a piece cannot be waited for")?;
+    drop(lifeline);
+    Ok(answer(&output, limits))
+}
+
+/// What a process said, or what its end tells where it said nothing.
+fn answer(output: &Output, limits: Limits) -> Answer {
+    if let (true, Ok(answer)) = (output.status.success(), serde_json::from_slice(&output.stdout)) {
+        return answer;
+    }
+    let told = String::from_utf8_lossy(&output.stderr);
+    let (stage, reason) = match output.status.code() {
+        Some(TIME_IS_UP) => (Stage::Limit, format!("it took longer than --time-limit {}", limits.time)),
+        _ if told.contains(OUT_OF_MEMORY) => {
+            (Stage::Limit, format!("it needs more memory than --memory-limit {}", limits.memory as f64 * 1e-9))
+        }
+        Some(PANICKED) => (Stage::Crash, format!("a bug in this program: {}", panic_text(&told))),
+        _ => (Stage::Crash, format!("its process ended with {}: {}", end(output.status), told.trim())),
+    };
+    Answer { ending: Ending::Failed { stage, reason }, usage: Usage::default() }
+}
+
+/// Place and words of a panic, without the name of the thread and the hint that follows.
+fn panic_text(told: &str) -> String {
+    let lines = told.lines().skip_while(|line| !line.contains("panicked at "));
+    let lines = lines.take_while(|line| !line.starts_with("note: ")).map(str::trim).filter(|line| !line.is_empty());
+    let text = lines.collect::<Vec<_>>().join(" ");
+    text.split_once("panicked at ").map_or(text.clone(), |(_, rest)| rest.to_owned())
+}
+
+fn end(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        return format!("signal {signal}");
+    }
+    status.to_string()
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    fn reason_of(script: &str) -> (Stage, String) {
+        let output = Command::new("sh").args(["-c", script]).output().unwrap();
+        match answer(&output, Limits { time: 2.5, memory: 1_500_000_000 }).ending {
+            Ending::Failed { stage, reason } => (stage, reason),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn each_way_to_end_has_its_reason() {
+        assert_eq!(reason_of("exit 124"), (Stage::Limit, "it took longer than --time-limit 2.5".into()));
+        let memory = reason_of("echo 'memory allocation of 12 bytes failed' >&2; kill -ABRT $$");
+        assert_eq!(memory, (Stage::Limit, "it needs more memory than --memory-limit 1.5".into()));
+        let panic = "echo \"thread 'main' (7) panicked at src/a.rs:1:2:\nno such thing\nnote: run with\" >&2; exit 101";
+        assert_eq!(reason_of(panic), (Stage::Crash, "a bug in this program: src/a.rs:1:2: no such thing".into()));
+        assert_eq!(reason_of("kill -KILL $$"), (Stage::Crash, "its process ended with signal 9: ".into()));
+        assert_eq!(reason_of("echo nonsense").0, Stage::Crash);
+    }
+}

@@ -1,0 +1,86 @@
+//! What decides the pieces of a data set, and the seed of each.
+
+use anyhow::{Result, ensure};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::plan::number_from;
+use crate::asset::Manifest;
+use crate::workpiece::WeldingOptions;
+
+/// Value of the `format` key.
+pub const DATASET_FORMAT: &str = "robofin-dataset/1";
+
+/// The marker of a data set: what decides every piece, and how the set was started.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recipe {
+    /// [`DATASET_FORMAT`].
+    pub format: String,
+    /// Version of the program.
+    pub version: String,
+    /// Seed of the set; see [`Recipe::seed_of`].
+    pub seed: u64,
+    /// Unit asked for.
+    pub unit: Value,
+    /// Options of welding without their seed, as a piece's manifest holds them.
+    pub options: Value,
+    /// Width and height of the pictures [pixels].
+    pub preview: (usize, usize),
+    /// What is known of the licence of the sources.
+    pub licence: String,
+    /// The flags that decide the pieces, as they were given.
+    pub flags: Vec<String>,
+    /// Where the sources were, as it was given.
+    pub sources: Vec<String>,
+}
+
+impl Recipe {
+    /// Options in the form that [`Recipe::options`] has.
+    ///
+    /// # Errors
+    /// Never: options are plain data.
+    pub fn options_without_seed(options: &WeldingOptions) -> Result<Value> {
+        let mut options = serde_json::to_value(options)?;
+        if let Some(fields) = options.as_object_mut() {
+            fields.remove("seed");
+        }
+        Ok(options)
+    }
+
+    /// Seed of a piece: from the set's seed and the piece's name, which is the source's content and the index.
+    pub fn seed_of(&self, id: &str) -> u64 {
+        number_from(&format!("{DATASET_FORMAT} {} {id}", self.seed))
+    }
+
+    /// The first thing in which two recipes differ, in words; how the sets were started does not count.
+    pub fn difference(&self, asked: &Self) -> Option<String> {
+        let unit = |recipe: &Self| recipe.unit.to_string();
+        let preview = |recipe: &Self| format!("{:?}", recipe.preview);
+        let compared = [
+            ("version", self.version.clone(), asked.version.clone()),
+            ("seed", self.seed.to_string(), asked.seed.to_string()),
+            ("unit", unit(self), unit(asked)),
+            ("options", self.options.to_string(), asked.options.to_string()),
+            ("preview", preview(self), preview(asked)),
+            ("licence", self.licence.clone(), asked.licence.clone()),
+        ];
+        let (name, now, then) = compared.into_iter().find(|(_, now, then)| now != then)?;
+        Some(format!("{name} is {now} there, and {then} now"))
+    }
+
+    /// Whether a piece was made by this recipe.
+    ///
+    /// # Errors
+    /// What differs, in words.
+    pub fn fits(&self, id: &str, manifest: &Manifest) -> Result<()> {
+        let mut options = manifest.options.clone();
+        if let Some(fields) = options.as_object_mut() {
+            fields.remove("seed");
+        }
+        let seed = self.seed_of(id);
+        ensure!(manifest.seed == seed, "its seed is {}, {seed} is expected", manifest.seed);
+        ensure!(manifest.version == self.version, "its version is {}, {} is expected", manifest.version, self.version);
+        ensure!(options == self.options, "its options are {options}, {} is expected", self.options);
+        Ok(())
+    }
+}

@@ -1,0 +1,12 @@
+//! Data sets as their users meet them: made, interrupted, damaged and mended by the program as a process.
+
+#[path = "../program/program.rs"]
+#[allow(dead_code, reason = "the helpers of the program's tests, of which these need some")]
+mod program;
+
+mod failing;
+mod flags;
+mod interrupted;
+mod made;
+mod set;
+mod validated;
