@@ -34,7 +34,7 @@ impl Arc {
         self.start + half * sum
     }
 
-    fn is_straight(&self) -> bool {
+    pub(super) fn is_straight(&self) -> bool {
         self.curvature == 0.0 && self.slope == 0.0
     }
 
