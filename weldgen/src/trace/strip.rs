@@ -44,11 +44,11 @@ pub(super) fn follow(
     (reach, sharp_angle, most): (f64, f64, usize),
 ) -> Followed {
     let (mut length, mut crossings) = (0.0, 0);
-    let first = mesh.corners(entry.face as usize);
-    let mut base = (first[(entry.edge + 1) % 3] - first[entry.edge]).length();
     while crossings < most {
         let corners = mesh.corners(entry.face as usize);
         let [a, b, c] = [0, 1, 2].map(|i| corners[(entry.edge + i) % 3]);
+        // Not the length that the last triangle gave this edge: its rounding would grow from triangle to triangle.
+        let base = (b - a).length();
         let along = (b - a) / base;
         let apex = DVec2::new((c - a).dot(along), along.cross(c - a).length());
         let point = DVec2::new(entry.at, 0.0);
@@ -70,7 +70,7 @@ pub(super) fn follow(
         }
         let heading = DVec2::new(-entry.heading.dot(side) / size, out);
         entry = Entry { face, edge: usize::from(edge), at: size - place, heading };
-        (base, length) = (size, length + way);
+        length += way;
         crossings += 1;
     }
     Followed { entry, length, crossings }
