@@ -10,6 +10,7 @@ use weldgen::bead::BeadShape;
 use weldgen::{Weld, WeldCurve};
 
 use super::WELDS_FILE;
+use crate::workpiece::PlacedWeld;
 
 /// Value of the `format` key.
 pub const WELDS_FORMAT: &str = "robofin-welds/1";
@@ -50,8 +51,33 @@ pub struct WeldTruth {
     pub exposure_mean: f64,
     /// Least exposure along the centreline, 0 to 1.
     pub exposure_min: f64,
+    /// Mean tool access along the centreline, 0 to 1.
+    pub access_mean: f64,
+    /// What was asked of each dial; the fields above are what was measured.
+    pub requested: RequestedDials,
+    /// Area under the bead [mm²]: between its toes along the centreline, with the round ends.
+    pub footprint_mm2: f64,
     /// Centreline and frames.
     pub curve: CurveTruth,
+}
+
+/// The dials of one weld as they were asked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RequestedDials {
+    /// Arc length of the centreline [mm].
+    pub length_mm: f64,
+    /// Root mean square of the geodesic curvature [1/m].
+    pub geodesic_curvature_rms_per_m: f64,
+    /// Bound of the geodesic curvature [1/m].
+    pub geodesic_curvature_max_per_m: f64,
+    /// Range of the least exposure, 0 to 1.
+    pub exposure: [f64; 2],
+    /// Least mean tool access, 0 to 1.
+    pub access_mean: f64,
+    /// Width of the bead [mm].
+    pub width_mm: f64,
+    /// Height of the bead [mm].
+    pub height_mm: f64,
 }
 
 /// The centreline, one entry per point; vectors in the part's frame [m].
@@ -71,6 +97,12 @@ pub struct CurveTruth {
     pub geodesic_curvature: Vec<f64>,
     /// Cosine-weighted share of the hemisphere that is free, 0 to 1.
     pub exposure: Vec<f64>,
+    /// Share of the tool's poses that are clear of the part, 0 to 1.
+    pub access: Vec<f64>,
+    /// Width of the bead [m].
+    pub width: Vec<f64>,
+    /// Height of the bead [m].
+    pub height: Vec<f64>,
 }
 
 impl Welds {
@@ -92,35 +124,52 @@ impl Welds {
         Ok(welds)
     }
 
-    /// The truth of one weld.
-    pub fn of(id: u16, weld: &Weld, volume: f64) -> Self {
+    /// The truth of all welds.
+    pub fn of(welds: &[PlacedWeld]) -> Self {
         Self {
             format: WELDS_FORMAT.to_owned(),
             frame: "part frame, right-handed, z up; vectors and arc length in metres".to_owned(),
-            welds: vec![WeldTruth::of(id, weld, volume)],
+            welds: welds.iter().map(WeldTruth::of).collect(),
         }
     }
 }
 
 impl WeldTruth {
-    fn of(id: u16, weld: &Weld, volume: f64) -> Self {
+    fn of(PlacedWeld { id, weld, volume }: &PlacedWeld) -> Self {
         let points = &weld.curve.points;
         let count = points.len().max(1) as f64;
         let curvature = || points.iter().map(|p| p.geodesic_curvature);
         let exposure = || points.iter().map(|p| p.exposure);
         Self {
-            id,
+            id: *id,
             profile: weld.profile.shape,
             width_mm: weld.profile.width * 1e3,
             height_mm: weld.profile.height * 1e3,
             root_depth_mm: weld.root_depth * 1e3,
             length_mm: weld.curve.length() * 1e3,
             volume_mm3: volume * 1e9,
-            geodesic_curvature_rms_per_m: (curvature().map(|k| k * k).sum::<f64>() / count).sqrt(),
+            geodesic_curvature_rms_per_m: weld.curvature_rms,
             geodesic_curvature_max_per_m: curvature().map(f64::abs).fold(0.0, f64::max),
             exposure_mean: exposure().sum::<f64>() / count,
             exposure_min: exposure().fold(1.0, f64::min),
+            access_mean: weld.mean_access,
+            requested: RequestedDials::of(weld),
+            footprint_mm2: weld.footprint_area() * 1e6,
             curve: CurveTruth::of(&weld.curve),
+        }
+    }
+}
+
+impl RequestedDials {
+    fn of(weld: &Weld) -> Self {
+        Self {
+            length_mm: weld.wanted.length * 1e3,
+            geodesic_curvature_rms_per_m: weld.wanted.curvature_rms,
+            geodesic_curvature_max_per_m: weld.request.curvature_max,
+            exposure: weld.wanted.exposure,
+            access_mean: weld.request.min_access,
+            width_mm: weld.request.width * 1e3,
+            height_mm: weld.request.height * 1e3,
         }
     }
 }
@@ -136,6 +185,9 @@ impl CurveTruth {
             truth.arc_length.push(point.arc_length);
             truth.geodesic_curvature.push(point.geodesic_curvature);
             truth.exposure.push(point.exposure);
+            truth.access.push(point.access);
+            truth.width.push(point.width);
+            truth.height.push(point.height);
         }
         truth
     }

@@ -52,7 +52,10 @@ fn row(mesh: &Mesh) {
     println!("  neighbours {build_s:.4} s, {:.1} times the public figure's speed", PUBLIC[0] / build_s);
     println!("  geodesics  {straight_s:.4} s, {:.1} times; {each:.0} ns a crossing", PUBLIC[1] / straight_s);
     println!("  with κ     {curved_s:.4} s, no peer");
-    println!("  walked back, they miss their starts by at most {:.1e} of the diagonal", missed(mesh, &topology, &traces));
+    println!(
+        "  walked back, they miss their starts by at most {:.1e} of the diagonal",
+        missed(mesh, &topology, &traces)
+    );
     match potpourri3d(mesh, &starts, length) {
         Ok((peer_build, peer_trace, ends)) => {
             let apart = ends.iter().zip(&traces).map(|(end, trace)| end.distance(trace.points[1].position));
@@ -70,8 +73,7 @@ fn missed(mesh: &Mesh, topology: &Topology, traces: &[Trace]) -> f64 {
     let gap = |there: &Trace| {
         let last = there.points[1];
         let start = TraceStart { face: last.face, barycentric: last.barycentric, heading: -last.tangent };
-        let limits =
-            TraceLimits { length: there.length, spacing: there.length, sharp_angle: PI, max_steps: 1_000_000 };
+        let limits = TraceLimits { length: there.length, spacing: there.length, sharp_angle: PI, max_steps: 1_000_000 };
         let back = trace(mesh, topology, start, &CurvatureProfile::constant(0.0), limits);
         back.points[1].position.distance(there.points[0].position)
     };

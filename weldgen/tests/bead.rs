@@ -12,7 +12,8 @@ use shapes::Numbers;
 use weldgen::bead::{BeadError, BeadProfile, sweep};
 use weldgen::curve::{CurvePoint, WeldCurve};
 
-const PROFILE: BeadProfile = BeadProfile { width: 0.010, height: 0.003, shape: weldgen::bead::BeadShape::Parabolic };
+const PROFILE: BeadProfile =
+    BeadProfile { width: 0.010, height: 0.003, shape: weldgen::bead::BeadShape::Parabolic, toe_height: 0.0 };
 const ROOT: f64 = 0.0006;
 
 /// A curve of constant curvature in the plane z = 0, from the origin along x.
@@ -34,6 +35,7 @@ fn circular(length: f64, curvature: f64, count: u32) -> WeldCurve {
             face: 0,
             barycentric: [1.0, 0.0, 0.0],
             exposure: 1.0,
+            access: 1.0,
             width: PROFILE.width,
             height: PROFILE.height,
         }

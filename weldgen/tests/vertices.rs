@@ -44,9 +44,8 @@ fn over_a_cone_and_over_a_saddle_both_sides_have_half_of_the_angle() {
     let saddle = umbrella(8, |i| if i % 2 == 0 { 0.9 } else { -0.9 });
     let flat = umbrella(5, |_| 0.0);
     for (name, mesh) in [("cone", cone), ("saddle", saddle), ("flat", flat)] {
-        let whole: f64 = (0..mesh.triangles.len())
-            .map(|face| mesh.corners(face)[1].angle_between(mesh.corners(face)[2]))
-            .sum();
+        let whole: f64 =
+            (0..mesh.triangles.len()).map(|face| mesh.corners(face)[1].angle_between(mesh.corners(face)[2])).sum();
         for (face, share) in [(0, 0.3), (1, 0.5), (3, 0.01), (4, 0.9)] {
             let weights = [0.6, 0.4 * (1.0 - share), 0.4 * share];
             let traced = aim(&mesh, face, weights, DVec3::ZERO, 0.8, PI);
