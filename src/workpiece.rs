@@ -5,7 +5,8 @@ use sdf_bake::query::MeshQuery;
 use sdf_bake::{BakeOptions, BakeReport, BrickGrid, Mesh, SignChoice, bake};
 use serde::Serialize;
 use weldgen::access::ToolShape;
-use weldgen::{Difficulty, Surface, Weld, WeldRequest, place_welds_on};
+use weldgen::bead::{BeadShape, FormRequest};
+use weldgen::{Difficulty, Placement, Stitch, Surface, Weld, WeldRequest, place_welds_on};
 
 use crate::budget;
 use crate::console::Console;
@@ -49,6 +50,16 @@ pub struct WeldWishes {
     pub difficulty: Difficulty,
     /// Number of welds; one unless asked otherwise.
     pub count: Option<u16>,
+    /// Where they run.
+    pub placement: Placement,
+    /// Intermittent welds instead of continuous ones.
+    pub stitch: Option<Stitch>,
+    /// Cross-section on a face.
+    pub shape: BeadShape,
+    /// Rise of a fillet's face above the chord between its toes [widths].
+    pub convexity: f64,
+    /// Ripples, craters, imperfections.
+    pub form: FormRequest,
     /// Length of the centreline, a range [m].
     pub length: Option<[f64; 2]>,
     /// Width of the bead [m].
@@ -175,6 +186,11 @@ impl WeldWishes {
         // A range asked for may pass what suits the part; three times the root mean square is room for any shape.
         let sharpest = self.curvature.map_or(chosen.curvature_max, |[_, high]| 3.0 * high);
         WeldRequest {
+            placement: self.placement,
+            stitch: self.stitch,
+            shape: self.shape,
+            convexity: self.convexity,
+            form: self.form,
             length: self.length.unwrap_or(chosen.length),
             width,
             height: self.height.unwrap_or(chosen.height * width / chosen.width),

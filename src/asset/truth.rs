@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use weldgen::bead::BeadShape;
+use weldgen::bead::{BeadShape, Defect, DefectKind};
 use weldgen::{Weld, WeldCurve};
 
 use super::WELDS_FILE;
@@ -53,12 +53,55 @@ pub struct WeldTruth {
     pub exposure_min: f64,
     /// Mean tool access along the centreline, 0 to 1.
     pub access_mean: f64,
+    /// Number of the curve that it lies on; the beads of an intermittent weld share one.
+    pub run: usize,
+    /// Height of the toes above the centreline [mm]: 0 on a face, more in a corner.
+    pub toe_height_mm: f64,
+    /// Angle between the surface and the bead at its toes [deg].
+    pub toe_angle_deg: f64,
+    /// Imperfections, as they were made.
+    pub imperfections: Vec<Imperfection>,
     /// What was asked of each dial; the fields above are what was measured.
     pub requested: RequestedDials,
     /// Area under the bead [mm²]: between its toes along the centreline, with the round ends.
     pub footprint_mm2: f64,
     /// Centreline and frames.
     pub curve: CurveTruth,
+}
+
+/// An imperfection of a bead.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Imperfection {
+    /// Its name.
+    pub kind: String,
+    /// Its number in ISO 6520-1.
+    pub iso_6520: u16,
+    /// Arc length of its middle [mm].
+    pub arc_length_mm: f64,
+    /// Offset of its middle to the left of the centreline [mm].
+    pub offset_mm: f64,
+    /// Diameter, or length along the weld [mm].
+    pub size_mm: f64,
+    /// Depth below, or for spatter height above, the surface without it [mm].
+    pub depth_mm: f64,
+}
+
+impl Imperfection {
+    fn of(defect: &Defect) -> Self {
+        let kind = match defect.kind {
+            DefectKind::SurfacePore => "surface-pore",
+            DefectKind::Sagging => "sagging",
+            DefectKind::Spatter => "spatter",
+        };
+        Self {
+            kind: kind.to_owned(),
+            iso_6520: defect.kind.iso_6520(),
+            arc_length_mm: defect.arc_length * 1e3,
+            offset_mm: defect.offset * 1e3,
+            size_mm: defect.size * 1e3,
+            depth_mm: defect.depth * 1e3,
+        }
+    }
 }
 
 /// The dials of one weld as they were asked.
@@ -153,6 +196,10 @@ impl WeldTruth {
             exposure_mean: exposure().sum::<f64>() / count,
             exposure_min: exposure().fold(1.0, f64::min),
             access_mean: weld.mean_access,
+            run: weld.run,
+            toe_height_mm: weld.profile.toe_height * 1e3,
+            toe_angle_deg: weld.profile.toe_angle().to_degrees(),
+            imperfections: weld.defects.iter().map(Imperfection::of).collect(),
             requested: RequestedDials::of(weld),
             footprint_mm2: weld.footprint_area() * 1e6,
             curve: CurveTruth::of(&weld.curve),

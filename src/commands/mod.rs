@@ -2,6 +2,7 @@
 
 mod backends;
 mod bake;
+mod bead_flags;
 mod demo;
 mod diagnose;
 mod effects;

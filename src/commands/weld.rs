@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use weldgen::Difficulty;
 use weldgen::access::{ToolKind, ToolShape};
+use weldgen::{Difficulty, Placement, Stitch};
 
+use super::bead_flags::BeadFlags;
 use super::flags::{MeshFlags, OutFlags, RangeFlag, optional_mm, positive, within};
 use crate::asset::{self, MANIFEST_FILE, Manifest, UsdMode};
 use crate::console::Console;
@@ -22,7 +23,8 @@ use crate::wrong_use;
     after_help = "Examples:\n  robofin weld data/bracket.obj --out out/bracket --seed 7 --length-mm 60 --width-mm 8\n  \
                   robofin weld data/bracket.obj --out out/hard --difficulty hard --count 2\n  \
                   robofin weld data/bracket.obj --out out/shade --length-mm 20..40 --curvature-per-m 5..20 \
-                  --exposure 0.4..0.7"
+                  --exposure 0.4..0.7\n  \
+                  robofin weld data/bracket.obj --out out/fillet --place seam --width-mm 6 --ripple-pitch-mm 2 --pores 3"
 )]
 pub(super) struct WeldArgs {
     /// Mesh file: OBJ, STL, PLY, GLB or glTF.
@@ -53,12 +55,23 @@ pub(super) struct WeldFlags {
     /// Length of the weld's centreline, or a range [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     length_mm: Option<RangeFlag>,
+    /// Where the weld runs; `seam` lays fillets in concave creases.
+    #[arg(long, value_enum, default_value_t)]
+    place: PlaceFlag,
+    /// Length of each bead of an intermittent weld [mm].
+    #[arg(long, value_name = "MM", requires = "stitch_pitch_mm", allow_negative_numbers = true)]
+    stitch_mm: Option<f64>,
+    /// Distance from the start of a bead of an intermittent weld to that of the next [mm].
+    #[arg(long, value_name = "MM", requires = "stitch_mm", allow_negative_numbers = true)]
+    stitch_pitch_mm: Option<f64>,
     /// Width of the bead between its toes [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     width_mm: Option<f64>,
     /// Height of the bead above the surface [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     height_mm: Option<f64>,
+    #[command(flatten)]
+    form: BeadFlags,
     /// Root mean square of the centreline's geodesic curvature, or a range [1/m]; 0 is a geodesic.
     #[arg(long, value_name = "PER_M", allow_negative_numbers = true)]
     curvature_per_m: Option<RangeFlag>,
@@ -103,6 +116,18 @@ enum DifficultyFlag {
     Hard,
 }
 
+/// Where the weld runs.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum PlaceFlag {
+    /// On smooth ground.
+    #[default]
+    Surface,
+    /// In a concave crease.
+    Seam,
+    /// On either, as the seed has it.
+    Mixed,
+}
+
 /// What touches the weld.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum AccessToolFlag {
@@ -136,6 +161,17 @@ impl WeldFlags {
                 DifficultyFlag::Hard => Difficulty::Hard,
             },
             count: self.count,
+            placement: match self.place {
+                PlaceFlag::Surface => Placement::Surface,
+                PlaceFlag::Seam => Placement::Seam,
+                PlaceFlag::Mixed => Placement::Mixed,
+            },
+            stitch: optional_mm("--stitch-mm", self.stitch_mm)?
+                .zip(optional_mm("--stitch-pitch-mm", self.stitch_pitch_mm)?)
+                .map(|(length, pitch)| Stitch { length, pitch }),
+            shape: self.form.shape(),
+            convexity: self.form.convexity,
+            form: self.form.request()?,
             length: self.length_mm.map(|range| range.checked(mm("--length-mm"))).transpose()?,
             width: optional_mm("--width-mm", self.width_mm)?,
             height: optional_mm("--height-mm", self.height_mm)?,

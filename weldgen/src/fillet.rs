@@ -75,7 +75,7 @@ impl Proposals<'_> {
             return Err(why);
         }
         self.sees_the_sky(&curve)?;
-        let form = BeadForm::new(self.request.form, [self.length, profile.width], rng);
+        let form = BeadForm::new(self.request.form, [self.length, profile.width, profile.height], rng);
         let bead = sweep_formed(&curve, &profile, &form, root_depth).map_err(|_| Rejection::Fold)?;
         Ok(Candidate { curve, bead, root_depth, profile, form })
     }

@@ -9,7 +9,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::access::access;
-use crate::bead::{BeadError, BeadProfile};
+use crate::bead::defect::spatter;
+use crate::bead::{BeadError, BeadProfile, Defect};
 use crate::curve::WeldCurve;
 use crate::exposure::exposures;
 use crate::offers::offers;
@@ -38,7 +39,7 @@ const EXPOSURE_MARGIN: f64 = 0.01;
 pub struct Weld {
     /// The centreline.
     pub curve: WeldCurve,
-    /// The bead: closed, normals outwards [m].
+    /// The bead: closed, normals outwards [m]; drops of spatter are closed bodies beside it.
     #[serde(skip)]
     pub bead: Mesh,
     /// The bead's cross-section.
@@ -47,7 +48,7 @@ pub struct Weld {
     pub root_depth: f64,
     /// Length of the centreline [m].
     pub length: f64,
-    /// Volume of the bead's mesh [m³], most of it above the surface.
+    /// Volume of the bead's mesh [m³] without spatter, most of it above the surface.
     pub bead_volume: f64,
     /// Root mean square of the geodesic curvature [1/m].
     pub curvature_rms: f64,
@@ -55,6 +56,8 @@ pub struct Weld {
     pub min_exposure: f64,
     /// Mean tool access along the curve, in [0, 1].
     pub mean_access: f64,
+    /// Imperfections that were asked for, as they were made.
+    pub defects: Vec<Defect>,
     /// Number of the curve that it lies on; the beads of an intermittent weld share one.
     pub run: usize,
     /// The seed it was placed with.
@@ -345,7 +348,7 @@ fn within([low, high]: [f64; 2]) -> [f64; 2] {
 
 fn finish(
     proposals: &Proposals,
-    Candidate { curve, bead, root_depth, profile, .. }: Candidate,
+    Candidate { curve, mut bead, root_depth, profile, form }: Candidate,
     (wanted, seed): (&Wanted, u64),
     dropped: Tally,
 ) -> Weld {
@@ -361,9 +364,17 @@ fn finish(
         reasons.push(format!("bead width {now:.3} mm instead of {asked:.3} mm: nothing wider fitted"));
     }
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
+    let mut defects = form.defects().to_vec();
+    let (drops, ground) = (request.form.spatter, (proposals.surface.query, proposals.surface.part));
+    let base = request.form.half_reach(profile.half_width_at(root_depth));
+    let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
+    let (spattered, drops) = spatter(drops, &curve, ground, [width, base], &mut rng);
+    defects.extend(spattered);
+    let bead_volume = bead.volume();
+    bead.append(&drops);
     Weld {
         length,
-        bead_volume: bead.volume(),
+        bead_volume,
         curvature_rms: curve.curvature_rms(),
         min_exposure: curve.min_exposure(),
         mean_access: curve.mean_access(),
@@ -371,6 +382,7 @@ fn finish(
         bead,
         profile,
         root_depth,
+        defects,
         run: 0,
         seed,
         request: request.clone(),

@@ -110,7 +110,7 @@ impl Proposals<'_> {
         let root_depth = footprint.root_depth(&curve).map_err(refuse)?;
         self.lies_outside(&curve).map_err(refuse)?;
         self.sees_the_sky(&curve).map_err(refuse)?;
-        let form = BeadForm::new(self.request.form, [self.length, self.profile.width], &mut rng);
+        let form = BeadForm::new(self.request.form, [self.length, self.profile.width, self.profile.height], &mut rng);
         let bead = sweep_formed(&curve, &self.profile, &form, root_depth).map_err(|_| refuse(Rejection::Fold))?;
         Ok(Candidate { curve, bead, root_depth, profile: self.profile, form })
     }

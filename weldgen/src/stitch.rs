@@ -27,7 +27,7 @@ fn one(weld: &Weld, points: &[CurvePoint], number: usize) -> Result<Weld, BeadEr
     let mut curve = WeldCurve { points };
     let profile = weld.profile;
     let mut rng = Pcg64Mcg::seed_from_u64(mix(weld.seed, number));
-    let form = BeadForm::new(weld.request.form, [curve.length(), profile.width], &mut rng);
+    let form = BeadForm::new(weld.request.form, [curve.length(), profile.width, profile.height], &mut rng);
     for point in &mut curve.points {
         point.width = profile.width * form.width_factor(point.arc_length);
         point.height = profile.height * form.height_factor(point.arc_length);
@@ -43,6 +43,7 @@ fn one(weld: &Weld, points: &[CurvePoint], number: usize) -> Result<Weld, BeadEr
         mean_access: curve.mean_access(),
         curve,
         bead,
+        defects: form.defects().to_vec(),
         reasons,
         ..weld.clone()
     })

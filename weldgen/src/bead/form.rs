@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 use rand::RngExt;
 use serde::Serialize;
 
+use super::defect::{Defect, DefectKind, pores, sag};
 use crate::curvature::CurvatureProfile;
 
 /// Least share of the crown's height that ripples, crater and variation together leave.
@@ -55,6 +56,12 @@ pub struct FormRequest {
     pub width_variation: f64,
     /// Largest slow change of the height, in heights.
     pub height_variation: f64,
+    /// Number of surface pores.
+    pub pores: u32,
+    /// Depth of a sag, in heights; 0 for none.
+    pub sagging: f64,
+    /// Number of drops of spatter.
+    pub spatter: u32,
 }
 
 /// The form of one bead.
@@ -65,6 +72,9 @@ pub struct BeadForm {
     size: [f64; 2],
     /// Slow changes between -1 and 1 of width and height.
     slow: [CurvatureProfile; 2],
+    /// Pores and sags.
+    defects: Vec<Defect>,
+    height: f64,
 }
 
 impl FormRequest {
@@ -84,6 +94,9 @@ impl FormRequest {
             // Steeper swings would fold the bead.
             ("weave pitch", swing / width, [1.5 + TAU * amplitude / width, 1e3], "widths"),
             ("width variation", self.width_variation, [0.0, 0.3], "widths"),
+            ("sagging", self.sagging, [0.0, 0.7], "heights"),
+            ("number of pores", f64::from(self.pores), [0.0, 1e3], ""),
+            ("number of drops of spatter", f64::from(self.spatter), [0.0, 1e3], ""),
             ("height variation", self.height_variation, [0.0, 0.3], "heights"),
         ];
         let bad = checks.iter().find(|(_, value, [low, high], _)| !(low..=high).contains(&value));
@@ -99,14 +112,21 @@ impl FormRequest {
 }
 
 impl BeadForm {
-    /// The form of a bead on a centreline of a length [m] and a width [m].
+    /// The form of a bead of a length, a width and a height [m].
     ///
     /// Slow changes are random, with a correlation length of three widths.
-    pub fn new(request: FormRequest, [length, width]: [f64; 2], rng: &mut impl RngExt) -> Self {
+    pub fn new(request: FormRequest, size @ [length, width, height]: [f64; 3], rng: &mut impl RngExt) -> Self {
         let reach = length + width;
         let mut slow = || CurvatureProfile::random(reach, 3.0 * width, rng).limited_to(0.5, 1.0, [0.0, length]);
         let slow = [slow(), slow()];
-        Self { request, size: [length, width], slow }
+        let mut defects = pores(request.pores, size, rng);
+        defects.extend(sag(request.sagging, size, rng));
+        Self { request, size: [length, width], slow, defects, height }
+    }
+
+    /// Pores and sags of the bead.
+    pub fn defects(&self) -> &[Defect] {
+        &self.defects
     }
 
     /// Farthest that something at this distance [m] from the centreline may get.
@@ -145,6 +165,15 @@ impl BeadForm {
             let phase = ((s + trail) / pitch).rem_euclid(1.0);
             // Ripples rise slowly and fall steeply behind: half a sine, squeezed to the back.
             factor *= 1.0 + height * ((PI * phase.powf(RIPPLE_SKEW)).sin() - 0.5);
+        }
+        for defect in &self.defects {
+            let (along, across) =
+                (2.0 * (s - defect.arc_length) / defect.size, 2.0 * (y - defect.offset) / defect.size);
+            factor -= defect.depth / self.height
+                * match defect.kind {
+                    DefectKind::SurfacePore => (1.0 - along * along - across * across).max(0.0).sqrt(),
+                    _ => 0.5 + 0.5 * (PI * along.clamp(-1.0, 1.0)).cos(),
+                };
         }
         factor.max(LEAST_HEIGHT)
     }

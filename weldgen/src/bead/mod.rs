@@ -8,6 +8,7 @@
 //!      '-------------------'      z = −root: flat, inside the part
 //! ```
 
+pub(crate) mod defect;
 mod form;
 mod sweep;
 
@@ -15,6 +16,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use serde::{Deserialize, Serialize};
 
+pub use defect::{Defect, DefectKind};
 pub use form::{BeadForm, Crater, FormRequest, Ripples, Weave};
 pub use sweep::{BeadError, sweep, sweep_formed};
 

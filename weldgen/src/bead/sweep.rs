@@ -58,7 +58,11 @@ pub enum BeadError {
 /// Both ends are half of the section's solid of revolution about the normal. Sections are as dense as the curve's
 /// points and chords cut the outline, so the volume is short of the closed form by about 0.1 %.
 pub fn sweep(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<Mesh, BeadError> {
-    let plain = BeadForm::new(FormRequest::default(), [curve.length(), profile.width], &mut Pcg64Mcg::seed_from_u64(0));
+    let plain = BeadForm::new(
+        FormRequest::default(),
+        [curve.length(), profile.width, profile.height],
+        &mut Pcg64Mcg::seed_from_u64(0),
+    );
     sweep_formed(curve, profile, &plain, root_depth)
 }
 
