@@ -41,6 +41,7 @@ mod fillet;
 mod footprint;
 mod offers;
 pub mod place;
+mod place_error;
 mod propose;
 pub mod rejection;
 pub mod request;

@@ -1,19 +1,21 @@
 //! Placing a weld: proposals in stages, until one fits.
 
+use std::sync::Arc;
+
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use sdf_bake::Mesh;
 use sdf_bake::query::MeshQuery;
 use serde::Serialize;
-use thiserror::Error;
 
 use crate::access::access;
 use crate::bead::defect::spatter;
-use crate::bead::{BeadError, BeadProfile, Defect};
+use crate::bead::{BeadProfile, Defect};
 use crate::curve::WeldCurve;
 use crate::exposure::exposures;
 use crate::offers::offers;
+pub use crate::place_error::PlaceError;
 use crate::propose::{Candidate, Proposals, Refused, Taken, mix};
 use crate::rejection::{Rejection, Tally};
 use crate::request::{Placement, WIDTHS_PER_LENGTH, WeldRequest};
@@ -97,65 +99,6 @@ pub struct Wanted {
     pub exposure: [f64; 2],
 }
 
-/// Why no weld was placed.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum PlaceError {
-    /// There is nothing to lay a fillet in.
-    #[error("the part has no seam: no two of its faces meet in a concave edge of 30° or more; place on the surface")]
-    NoSeam,
-    /// All faces are inside bodies or turned inwards.
-    #[error("the part has no face in the open: all are inside a body or turned inwards (a cleaner mesh is needed)")]
-    Hidden,
-    /// The part is nowhere as open or as hidden as was asked.
-    #[error(
-        "exposure {:.2} to {:.2} is impossible on this part: it offers {:.2} to {:.2} within {:.2} mm; change the range \
-         of exposure",
-        asked[0], asked[1], offered[0], offered[1], 1e3 * reach
-    )]
-    Exposure {
-        /// What was asked.
-        asked: [f64; 2],
-        /// Least and largest exposure of the part's surface.
-        offered: [f64; 2],
-        /// What lies farther than this [m] hides nothing.
-        reach: f64,
-    },
-    /// A dial is out of range.
-    #[error("{0}")]
-    Request(String),
-    /// The part has no face with an area.
-    #[error("the part has no surface to weld on: {0} triangles without area")]
-    NoSurface(usize),
-    /// The stitches of an intermittent weld cannot be swept.
-    #[error("a bead of the intermittent weld: {0}")]
-    Stitch(#[from] BeadError),
-    /// Nothing fits.
-    #[error(
-        "no place for the weld in {} proposals (length {:.2} mm, width {:.3} mm at last; longest clear run {:.2} mm): \
-         {tally}{}",
-        tally.total(), 1e3 * length, 1e3 * width, 1e3 * longest_run, listed(offers)
-    )]
-    Nowhere {
-        /// Length of the last stage [m].
-        length: f64,
-        /// Width of the last stage [m].
-        width: f64,
-        /// Longest run met without an edge in the way [m].
-        longest_run: f64,
-        /// How many proposals failed for which reason.
-        tally: Tally,
-        /// Which dial alone stands in the way, and what the part offers for it, in sentences.
-        offers: Vec<String>,
-    },
-}
-
-fn listed(offers: &[String]) -> String {
-    match offers {
-        [] => String::new(),
-        offers => format!(". With the other dials as they are, {}", offers.join("; ")),
-    }
-}
-
 /// Chooses a weld curve on a part and sweeps a bead along it.
 ///
 /// - `query`: the same mesh, prepared
@@ -195,6 +138,35 @@ pub fn place_welds_on(
 }
 
 fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed: u64) -> Result<Weld, PlaceError> {
+    let (field, offered) = admit(surface, request)?;
+    let wanted = draw(request, seed);
+    let mut refused = PlaceError::Exposure { asked: request.exposure, offered, reach: request.exposure_reach };
+    let tries = ways(request, seed).into_iter().flat_map(|way| exposures_to_try(request).map(move |e| (way, e)));
+    for (along_seams, exposure) in tries {
+        if along_seams && surface.seams().is_empty() {
+            refused = PlaceError::NoSeam;
+            continue;
+        }
+        let starts = field.starts(exposure);
+        if starts.is_empty() && !along_seams {
+            continue;
+        }
+        let search = Search { surface, request, taken, field: &field, starts: &starts, along_seams };
+        match search.place(&Wanted { exposure, ..wanted }, seed) {
+            Err(error) => refused = error,
+            Ok(mut weld) => {
+                if exposure != request.exposure {
+                    weld.reasons.push(other_exposure(&weld, offered));
+                }
+                return Ok(Weld { wanted, ..weld });
+            }
+        }
+    }
+    Err(refused)
+}
+
+/// Refuses what cannot be; else where the part is how open, and the range of it.
+fn admit(surface: &Surface, request: &WeldRequest) -> Result<(Arc<ExposureField>, [f64; 2]), PlaceError> {
     if surface.area() == 0.0 {
         return Err(PlaceError::NoSurface(surface.part.triangles.len()));
     }
@@ -203,42 +175,22 @@ fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed:
     }
     let field = surface.exposure_field(request.exposure_reach);
     let offered = field.range().ok_or(PlaceError::Hidden)?;
-    let wanted = draw(request, seed);
-    let mut refused = Err(PlaceError::Exposure { asked: request.exposure, offered, reach: request.exposure_reach });
+    Ok((field, offered))
+}
+
+/// The range asked, and any exposure where it may be let go.
+fn exposures_to_try(request: &WeldRequest) -> impl Iterator<Item = [f64; 2]> + use<> {
     let any = [0.0, 1.0];
-    let exposures = if request.may_shrink && request.exposure != any {
-        vec![request.exposure, any]
-    } else {
-        vec![request.exposure]
-    };
-    for (along_seams, exposure) in
-        ways(request, seed).into_iter().flat_map(|seams| exposures.iter().map(move |e| (seams, *e)))
-    {
-        if along_seams && surface.seams().is_empty() {
-            refused = Err(PlaceError::NoSeam);
-            continue;
-        }
-        let starts = field.starts(exposure);
-        if starts.is_empty() && !along_seams {
-            continue;
-        }
-        let search = Search { surface, request, taken, field: &field, starts: &starts, along_seams };
-        let placed = search.place(&Wanted { exposure, ..wanted }, seed);
-        match placed {
-            Ok(mut weld) => {
-                weld.wanted = wanted;
-                if exposure != request.exposure {
-                    weld.reasons.push(format!(
-                        "exposure {:.2} instead of {:.2} to {:.2}: the part offers {:.2} to {:.2}, and nothing within fitted",
-                        weld.min_exposure, request.exposure[0], request.exposure[1], offered[0], offered[1]
-                    ));
-                }
-                return Ok(weld);
-            }
-            Err(error) => refused = Err(error),
-        }
-    }
-    refused
+    let second = (request.may_shrink && request.exposure != any).then_some(any);
+    std::iter::once(request.exposure).chain(second)
+}
+
+fn other_exposure(weld: &Weld, [least, most]: [f64; 2]) -> String {
+    let [low, high] = weld.request.exposure;
+    format!(
+        "exposure {:.2} instead of {low:.2} to {high:.2}: the part offers {least:.2} to {most:.2}, and nothing within fitted",
+        weld.min_exposure
+    )
 }
 
 /// A request on a part, and where its welds may start.

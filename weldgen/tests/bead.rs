@@ -215,14 +215,23 @@ fn every_form_keeps_the_bead_closed_and_its_toes_on_the_surface() {
         let (mesh, form) = formed(request);
         assert_is_a_closed_ball(&mesh);
         let tree = WindingTree::new(&mesh);
+        let mut flat = 0;
         for i in 1..50 {
             let s = 0.002 * f64::from(i);
             let toe = 0.5 * PROFILE.width * form.width_factor(s);
             let across = |y: f64, z: f64| tree.winding_number(DVec3::new(s, form.shift(s) + y, z));
             assert!(across(0.97 * toe, 2e-5) > 0.9 && across(1.03 * toe, 2e-5) < 0.1, "{name}: the toe is off at {s}");
             let crown = PROFILE.height * form.relief(s, 0.0);
+            // Between two stations the rim of a pore is cut short by a chord.
+            let rim =
+                [-7e-4, 7e-4].iter().any(|step| (form.relief(s + step, 0.0) / form.relief(s, 0.0) - 1.0).abs() > 0.06);
+            if rim {
+                continue;
+            }
+            flat += 1;
             assert!(across(0.0, 0.93 * crown) > 0.9 && across(0.0, 1.07 * crown) < 0.1, "{name}: off the crown at {s}");
         }
+        assert!(flat > 20, "{name}: the crown was seen at {flat} places");
     }
 }
 
