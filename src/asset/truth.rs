@@ -109,10 +109,10 @@ impl Imperfection {
 pub struct RequestedDials {
     /// Arc length of the centreline [mm].
     pub length_mm: f64,
-    /// Root mean square of the geodesic curvature [1/m].
-    pub geodesic_curvature_rms_per_m: f64,
-    /// Bound of the geodesic curvature [1/m].
-    pub geodesic_curvature_max_per_m: f64,
+    /// Root mean square of the geodesic curvature [1/m]; absent along a seam, which has its own.
+    pub geodesic_curvature_rms_per_m: Option<f64>,
+    /// Bound of the geodesic curvature [1/m]; likewise.
+    pub geodesic_curvature_max_per_m: Option<f64>,
     /// Range of the least exposure, 0 to 1.
     pub exposure: [f64; 2],
     /// Least mean tool access, 0 to 1.
@@ -209,10 +209,11 @@ impl WeldTruth {
 
 impl RequestedDials {
     fn of(weld: &Weld) -> Self {
+        let on_face = weld.profile.shape != BeadShape::Fillet;
         Self {
             length_mm: weld.wanted.length * 1e3,
-            geodesic_curvature_rms_per_m: weld.wanted.curvature_rms,
-            geodesic_curvature_max_per_m: weld.request.curvature_max,
+            geodesic_curvature_rms_per_m: on_face.then_some(weld.wanted.curvature_rms),
+            geodesic_curvature_max_per_m: on_face.then_some(weld.request.curvature_max),
             exposure: weld.wanted.exposure,
             access_mean: weld.request.min_access,
             width_mm: weld.request.width * 1e3,

@@ -166,9 +166,7 @@ impl WeldFlags {
                 PlaceFlag::Seam => Placement::Seam,
                 PlaceFlag::Mixed => Placement::Mixed,
             },
-            stitch: optional_mm("--stitch-mm", self.stitch_mm)?
-                .zip(optional_mm("--stitch-pitch-mm", self.stitch_pitch_mm)?)
-                .map(|(length, pitch)| Stitch { length, pitch }),
+            stitch: self.stitch()?,
             shape: self.form.shape(),
             convexity: self.form.convexity,
             form: self.form.request()?,
@@ -180,16 +178,28 @@ impl WeldFlags {
             correlation: optional_mm("--correlation-mm", self.correlation_mm)?,
             exposure: exposure.or(from_min),
             exposure_reach: optional_mm("--exposure-reach-mm", self.exposure_reach_mm)?,
-            tool: ToolShape {
-                kind: match self.access_tool {
-                    AccessToolFlag::Wheel => ToolKind::Wheel,
-                    AccessToolFlag::Pad => ToolKind::Pad,
-                },
-                radius: positive("--access-radius-mm", self.access_radius_mm)? * 1e-3,
-                width: positive("--access-width-mm", self.access_width_mm)? * 1e-3,
-            },
+            tool: self.tool()?,
             min_access: self.min_access.map(share("--min-access")).transpose()?,
         })
+    }
+}
+
+impl WeldFlags {
+    fn tool(&self) -> Result<ToolShape> {
+        Ok(ToolShape {
+            kind: match self.access_tool {
+                AccessToolFlag::Wheel => ToolKind::Wheel,
+                AccessToolFlag::Pad => ToolKind::Pad,
+            },
+            radius: positive("--access-radius-mm", self.access_radius_mm)? * 1e-3,
+            width: positive("--access-width-mm", self.access_width_mm)? * 1e-3,
+        })
+    }
+
+    fn stitch(&self) -> Result<Option<Stitch>> {
+        let length = optional_mm("--stitch-mm", self.stitch_mm)?;
+        let pitch = optional_mm("--stitch-pitch-mm", self.stitch_pitch_mm)?;
+        Ok(length.zip(pitch).map(|(length, pitch)| Stitch { length, pitch }))
     }
 }
 

@@ -305,25 +305,17 @@ fn finish(
     dropped: Tally,
 ) -> Weld {
     let request = proposals.request;
-    let mut reasons = request.reasons.clone();
     let (length, width) = (curve.length(), profile.width);
-    if length < wanted.length * (1.0 - 1e-9) {
-        let (now, asked) = (1e3 * length, 1e3 * wanted.length);
-        reasons.push(format!("length {now:.2} mm instead of {asked:.2} mm: nothing longer fitted"));
-    }
-    if width < request.width {
-        let (now, asked) = (1e3 * width, 1e3 * request.width);
-        reasons.push(format!("bead width {now:.3} mm instead of {asked:.3} mm: nothing wider fitted"));
-    }
+    let mut reasons = request.reasons.clone();
+    reasons.extend(shrunk([length, width], [wanted.length, request.width]));
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
-    let mut defects = form.defects().to_vec();
-    let (drops, ground) = (request.form.spatter, (proposals.surface.query, proposals.surface.part));
-    let base = request.form.half_reach(profile.half_width_at(root_depth));
-    let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
-    let (spattered, drops) = spatter(drops, &curve, ground, [width, base], &mut rng);
-    defects.extend(spattered);
     let bead_volume = bead.volume();
+    let base = request.form.half_reach(profile.half_width_at(root_depth));
+    let ground = (proposals.surface.query, proposals.surface.part);
+    let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
+    let (spattered, drops) = spatter(request.form.spatter, &curve, ground, [width, base], &mut rng);
     bead.append(&drops);
+    let defects = [form.defects(), &spattered].concat();
     Weld {
         length,
         bead_volume,
@@ -342,6 +334,20 @@ fn finish(
         dropped,
         reasons,
     }
+}
+
+/// What is smaller than asked: length and width [m].
+fn shrunk([length, width]: [f64; 2], [long, wide]: [f64; 2]) -> Vec<String> {
+    let mut reasons = Vec::new();
+    if length < long * (1.0 - 1e-9) {
+        let (now, asked) = (1e3 * length, 1e3 * long);
+        reasons.push(format!("length {now:.2} mm instead of {asked:.2} mm: nothing longer fitted"));
+    }
+    if width < wide {
+        let (now, asked) = (1e3 * width, 1e3 * wide);
+        reasons.push(format!("bead width {now:.3} mm instead of {asked:.3} mm: nothing wider fitted"));
+    }
+    reasons
 }
 
 /// Lengths and sections to try in turn, without repeats.

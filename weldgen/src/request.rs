@@ -131,14 +131,12 @@ impl WeldRequest {
         let length = lengths.map(|share| (share * diagonal).max(WIDTHS_PER_LENGTH * width));
         let curvature_max = (sharpest / diagonal).min(0.5 / width);
         let mm = |x: f64| 1e3 * x;
+        let [short, long] = length.map(mm);
+        let [least, most] = lengths;
         let reasons = vec![
             format!("bead width {:.3} mm: {why}; height {:.3} mm: 0.3 of the width", mm(width), mm(height)),
             format!(
-                "length {:.2} to {:.2} mm: {} to {} of the part's diagonal of {:.2} mm, at least 3 widths",
-                mm(length[0]),
-                mm(length[1]),
-                lengths[0],
-                lengths[1],
+                "length {short:.2} to {long:.2} mm: {least} to {most} of the part's diagonal of {:.2} mm, at least 3 widths",
                 mm(diagonal)
             ),
         ];
@@ -168,60 +166,66 @@ impl WeldRequest {
 
     /// The first dial that is out of range, in words.
     pub(crate) fn fault(&self) -> Option<String> {
+        let checks = self.curve_checks().into_iter().chain(self.bead_checks());
+        let dial = checks.into_iter().find(|(_, _, good, _)| !good);
+        let words = dial.map(|(name, value, _, want)| format!("the {name} is {value}; it must be {want}"));
+        words.or_else(|| self.form.fault(self.width))
+    }
+
+    fn curve_checks(&self) -> Vec<DialCheck> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let ordered = |[low, high]: [f64; 2], least: f64| low >= least && high >= low && high.is_finite();
         let share = |x: f64| (0.0..=1.0).contains(&x);
+        let range = |name, [low, high]: [f64; 2], good, want| {
+            (name, if low == high { low.to_string() } else { format!("{low} to {high}") }, good, want)
+        };
+        let one = |name, value: f64, good, want| (name, value.to_string(), good, want);
+        let (rms, max) = (self.curvature_rms, self.curvature_max);
         let correlation = self.correlation.unwrap_or(self.width);
-        let most_rms = MOST_RMS * self.curvature_max;
-        let text = |range: [f64; 2]| if range[0] == range[1] { range[0].to_string() } else { format!("{range:?}") };
-        let checks = [
-            ("width", self.width.to_string(), positive(self.width), "positive"),
-            ("height", self.height.to_string(), positive(self.height), "positive"),
-            ("length", text(self.length), ordered(self.length, f64::MIN_POSITIVE), "positive, the lower first"),
-            ("curvature RMS", text(self.curvature_rms), ordered(self.curvature_rms, 0.0), "0 or more, the lower first"),
-            ("curvature maximum", self.curvature_max.to_string(), self.curvature_max >= 0.0, "0 or more"),
-            (
-                "curvature RMS",
-                text(self.curvature_rms),
-                self.curvature_rms[1] <= most_rms,
-                "at most 0.95 of the curvature maximum",
-            ),
-            ("correlation length", correlation.to_string(), correlation >= 0.5 * self.width, "at least half the width"),
-            ("exposure", text(self.exposure), self.exposure.iter().all(|&x| share(x)), "within 0 to 1"),
-            ("exposure", text(self.exposure), ordered(self.exposure, 0.0), "a range, the lower first"),
-            ("exposure reach", self.exposure_reach.to_string(), positive(self.exposure_reach), "positive"),
-            ("tool radius", self.tool.radius.to_string(), positive(self.tool.radius), "positive"),
-            ("tool width", self.tool.width.to_string(), positive(self.tool.width), "positive"),
-            ("least access", self.min_access.to_string(), share(self.min_access), "within 0 to 1"),
-            ("sharp angle", self.sharp_angle.to_string(), positive(self.sharp_angle), "positive"),
-            (
-                "height",
-                self.height.to_string(),
-                self.shape != BeadShape::CircularSegment || self.height <= 0.5 * self.width,
-                "at most half of the width for a circular segment",
-            ),
+        vec![
+            range("length", self.length, ordered(self.length, f64::MIN_POSITIVE), "positive, the lower first"),
+            range("curvature RMS", rms, ordered(rms, 0.0), "0 or more, the lower first"),
+            one("curvature maximum", max, max >= 0.0, "0 or more"),
+            range("curvature RMS", rms, rms[1] <= MOST_RMS * max, "at most 0.95 of the curvature maximum"),
+            one("correlation length", correlation, correlation >= 0.5 * self.width, "at least half the width"),
+            range("exposure", self.exposure, self.exposure.iter().all(|&x| share(x)), "within 0 to 1"),
+            range("exposure", self.exposure, ordered(self.exposure, 0.0), "a range, the lower first"),
+            one("exposure reach", self.exposure_reach, positive(self.exposure_reach), "positive"),
+            one("tool radius", self.tool.radius, positive(self.tool.radius), "positive"),
+            one("tool width", self.tool.width, positive(self.tool.width), "positive"),
+            one("least access", self.min_access, share(self.min_access), "within 0 to 1"),
+            one("sharp angle", self.sharp_angle, positive(self.sharp_angle), "positive"),
+            one("gap", self.gap, self.gap >= 0.0, "0 or more"),
+            one("number of attempts", self.attempts as f64, self.attempts > 0, "at least 1"),
+        ]
+    }
+
+    fn bead_checks(&self) -> Vec<DialCheck> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let one = |name, value: f64, good, want| (name, value.to_string(), good, want);
+        let round = self.shape != BeadShape::CircularSegment || self.height <= 0.5 * self.width;
+        let convex = (-0.2..=0.25).contains(&self.convexity);
+        let apart = |stitch: Stitch| stitch.length >= self.width && stitch.pitch >= stitch.length + 1.5 * self.width;
+        let stitch =
+            self.stitch.map_or(String::new(), |stitch| format!("{} m every {} m", stitch.length, stitch.pitch));
+        vec![
+            one("width", self.width, positive(self.width), "positive"),
+            one("height", self.height, positive(self.height), "positive"),
+            one("height", self.height, round, "at most half of the width for a circular segment"),
             ("shape", "fillet".to_owned(), self.shape != BeadShape::Fillet, "one for faces; fillets are for seams"),
-            (
-                "convexity",
-                self.convexity.to_string(),
-                (-0.2..=0.25).contains(&self.convexity),
-                "within -0.2 to 0.25 widths",
-            ),
+            one("convexity", self.convexity, convex, "within -0.2 to 0.25 widths"),
             (
                 "stitch",
-                self.stitch.map_or(String::new(), |Stitch { length, pitch }| format!("{length} m every {pitch} m")),
-                self.stitch
-                    .is_none_or(|Stitch { length, pitch }| length >= self.width && pitch >= length + 1.5 * self.width),
+                stitch,
+                self.stitch.is_none_or(apart),
                 "at least a width long, with at least 1.5 widths between",
             ),
-            ("gap", self.gap.to_string(), self.gap >= 0.0, "0 or more"),
-            ("attempts", self.attempts.to_string(), self.attempts > 0, "at least 1"),
-        ];
-        let bad = checks.iter().find(|(_, _, good, _)| !good);
-        let dial = bad.map(|(name, value, _, want)| format!("the {name} is {value}; it must be {want}"));
-        dial.or_else(|| self.form.fault(self.width))
+        ]
     }
 }
+
+/// A dial's name, its value, whether that is good, and what would be.
+type DialCheck = (&'static str, String, bool, &'static str);
 
 /// Width [m] of a bead that suits a part, and why.
 fn bead_width(diagonal: f64, voxel: f64) -> (f64, String) {

@@ -59,6 +59,10 @@ impl Arc {
             let (height, rise) = (along.perp_dot(self.start - on), along.perp_dot(self.heading));
             return (rise < 0.0 && height + rise * length < -slack).then(|| (-height / rise).max(0.0));
         }
+        // The line is out of reach: no point of the arc is farther from its start than its length.
+        if along.perp_dot(self.start - on) > length {
+            return None;
+        }
         let height = |s: f64| along.perp_dot(self.point(s) - on);
         let rise = |s: f64| along.perp_dot(self.heading_at(s));
         let (first, last) = (rise(0.0), rise(length));
