@@ -370,7 +370,7 @@ fn ways(request: &WeldRequest, seed: u64) -> Vec<bool> {
         Placement::Surface => vec![false],
         Placement::Seam => vec![true],
         Placement::Mixed => {
-            let first = mix(seed, 0) % 2 == 0;
+            let first = mix(seed, 0).is_multiple_of(2);
             vec![first, !first]
         }
     }
