@@ -4,13 +4,15 @@ use anyhow::{Result, bail};
 use sdf_bake::query::MeshQuery;
 use sdf_bake::{BakeOptions, BakeReport, BrickGrid, Mesh, SignChoice, bake};
 use serde::Serialize;
-use weldgen::{Weld, WeldRequest, place_weld};
+use weldgen::access::ToolShape;
+use weldgen::bead::{BeadShape, FormRequest};
+use weldgen::{Difficulty, Placement, Stitch, Surface, Weld, WeldRequest, place_welds_on};
 
 use crate::budget;
 use crate::console::Console;
 use crate::part::Part;
 
-/// Weld id of the one weld that is placed.
+/// Weld id of the first weld.
 pub const FIRST_WELD: u16 = 1;
 
 /// Half width of the band, unless asked otherwise [voxels].
@@ -46,32 +48,64 @@ pub struct WeldingOptions {
 /// What the user fixes of the weld; the rest is chosen for the part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WeldWishes {
-    /// Length of the centreline [m].
-    pub length: Option<f64>,
+    /// Preset of the dials that are not fixed below.
+    pub difficulty: Difficulty,
+    /// Number of welds; one unless asked otherwise.
+    pub count: Option<u16>,
+    /// Where they run.
+    pub placement: Placement,
+    /// Intermittent welds instead of continuous ones.
+    pub stitch: Option<Stitch>,
+    /// Cross-section on a face.
+    pub shape: BeadShape,
+    /// Rise of a fillet's face above the chord between its toes [widths].
+    pub convexity: f64,
+    /// Ripples, craters, imperfections.
+    pub form: FormRequest,
+    /// Length of the centreline, a range [m].
+    pub length: Option<[f64; 2]>,
     /// Width of the bead [m].
     pub width: Option<f64>,
     /// Height of the bead [m].
     pub height: Option<f64>,
-    /// Root mean square of the geodesic curvature [1/m].
-    pub curvature: Option<f64>,
-    /// Least exposure along the weld, 0 to 1.
-    pub exposure: Option<f64>,
+    /// Root mean square of the geodesic curvature, a range [1/m].
+    pub curvature: Option<[f64; 2]>,
+    /// Largest geodesic curvature [1/m].
+    pub curvature_max: Option<f64>,
+    /// Correlation length of the geodesic curvature [m].
+    pub correlation: Option<f64>,
+    /// Least exposure along the weld, a range within 0 to 1.
+    pub exposure: Option<[f64; 2]>,
+    /// What lies farther than this [m] hides nothing.
+    pub exposure_reach: Option<f64>,
+    /// The tool whose access is measured.
+    pub tool: ToolShape,
+    /// Least mean tool access along the weld, 0 to 1.
+    pub min_access: Option<f64>,
 }
 
-/// A part with its weld, as meshes and as fields.
+/// A part with its welds, as meshes and as fields.
 pub struct Workpiece {
     /// The part before welding.
     pub part: Part,
-    /// The weld: curve, frames, bead mesh.
-    pub weld: Weld,
+    /// The welds, in order of their id.
+    pub welds: Vec<PlacedWeld>,
     /// Field of the part alone: the target of finishing.
     pub target: BrickGrid,
-    /// Field of part and weld, with weld labels.
+    /// Field of part and welds, with weld labels.
     pub welded: BrickGrid,
-    /// Volume that the weld adds to the part [m³], measured in the field.
-    pub weld_volume: f64,
     /// How the part was baked.
     pub baking: BakeReport,
+}
+
+/// A weld of a workpiece.
+pub struct PlacedWeld {
+    /// Weld id in labels; 0 is base metal.
+    pub id: u16,
+    /// Curve, frames, bead mesh.
+    pub weld: Weld,
+    /// Volume that it adds to the part [m³], measured in the field.
+    pub volume: f64,
 }
 
 impl Fineness {
@@ -106,26 +140,34 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     }
 
     let query = MeshQuery::new(&part.mesh);
-    let request = options.wishes.applied_to(WeldRequest::for_part(&part.mesh, baking.voxel));
-    let weld = place_weld(&part.mesh, &query, &request, options.seed)?;
-    console.step("weld", describe_weld(&weld));
-
-    let (bead, _) = bake(&weld.bead, &baking)?;
-    let welded = target.united_with(&bead, FIRST_WELD)?;
-    let weld_volume = welded.difference_volume(&target);
-    if weld_volume.is_nan() || weld_volume <= 0.0 {
-        bail!("the bead adds nothing to the part at a voxel of {:.4} mm", baking.voxel * 1e3);
+    let request = options.wishes.request(&part, baking.voxel);
+    let count = usize::from(options.wishes.count.unwrap_or(1));
+    let (mut welded, mut placed) = (target.clone(), Vec::new());
+    for (id, weld) in
+        (FIRST_WELD..).zip(place_welds_on(&Surface::new(&part.mesh, &query), &request, count, options.seed)?)
+    {
+        console.step("weld", describe_weld(&weld));
+        let (bead, _) = bake(&weld.bead, &baking)?;
+        let with_bead = welded.united_with(&bead, id)?;
+        let volume = with_bead.difference_volume(&welded);
+        if volume.is_nan() || volume <= 0.0 {
+            bail!("the bead adds nothing to the part at a voxel of {:.4} mm", baking.voxel * 1e3);
+        }
+        console.step("unite", format!("the bead adds {:.2} mm³", volume * 1e9));
+        welded = with_bead;
+        placed.push(PlacedWeld { id, weld, volume });
     }
-    console.step("unite", format!("the bead adds {:.2} mm³", weld_volume * 1e9));
-    Ok(Workpiece { part, weld, target, welded, weld_volume, baking: report })
+    Ok(Workpiece { part, welds: placed, target, welded, baking: report })
 }
 
 impl WeldWishes {
     /// A bead far below the voxel would be in the truth and not in the field.
     fn check_against(&self, voxel: f64) -> Result<()> {
-        for (flag, wish, voxels) in
-            [("--length-mm", self.length, 1.0), ("--width-mm", self.width, 1.0), ("--height-mm", self.height, 0.05)]
-        {
+        for (flag, wish, voxels) in [
+            ("--length-mm", self.length.map(|[low, _]| low), 1.0),
+            ("--width-mm", self.width, 1.0),
+            ("--height-mm", self.height, 0.05),
+        ] {
             if let Some(size) = wish.filter(|&size| size < voxels * voxel) {
                 bail!(
                     "{flag} {:?}: with a voxel of {:.4} mm, {:.4} mm or more is accepted; a smaller --voxel-mm allows less",
@@ -139,18 +181,32 @@ impl WeldWishes {
     }
 
     /// The request for a part with what the user fixed; fixed sizes are never shrunk.
-    fn applied_to(&self, chosen: WeldRequest) -> WeldRequest {
+    fn request(&self, part: &Part, voxel: f64) -> WeldRequest {
+        let chosen = WeldRequest::of_difficulty(&part.mesh, voxel, self.difficulty);
         let width = self.width.unwrap_or(chosen.width);
-        let fixed = self.length.is_some() || self.width.is_some() || self.height.is_some();
+        let sized = self.length.is_some() || self.width.is_some() || self.height.is_some();
+        let fixed = sized || self.exposure.is_some() || self.min_access.is_some();
+        // A range asked for may pass what suits the part; three times the root mean square is room for any shape.
+        let sharpest = self.curvature.map_or(chosen.curvature_max, |[_, high]| 3.0 * high);
         WeldRequest {
-            length: self.length,
+            placement: self.placement,
+            stitch: self.stitch,
+            shape: self.shape,
+            convexity: self.convexity,
+            form: self.form,
+            length: self.length.unwrap_or(chosen.length),
             width,
             height: self.height.unwrap_or(chosen.height * width / chosen.width),
             curvature_rms: self.curvature.unwrap_or(chosen.curvature_rms),
-            curvature_max: self.curvature.map_or(chosen.curvature_max, |rms| 3.0 * rms),
-            min_exposure: self.exposure.unwrap_or(chosen.min_exposure),
+            curvature_max: self.curvature_max.unwrap_or(sharpest),
+            correlation: self.correlation,
+            exposure: self.exposure.unwrap_or(chosen.exposure),
+            exposure_reach: self.exposure_reach.unwrap_or(chosen.exposure_reach),
+            tool: self.tool,
+            min_access: self.min_access.unwrap_or(chosen.min_access),
+            gap: chosen.gap.max(width),
             may_shrink: !fixed,
-            reasons: if fixed { Vec::new() } else { chosen.reasons },
+            reasons: if sized { Vec::new() } else { chosen.reasons },
             ..chosen
         }
     }
@@ -159,12 +215,13 @@ impl WeldWishes {
 fn describe_weld(weld: &Weld) -> String {
     let curve = &weld.curve;
     format!(
-        "{:.2} mm long, {:.2} mm wide, {:.2} mm high, curvature {:.2} 1/m rms, exposure {:.2} at least\n{}",
+        "{:.2} mm long, {:.2} mm wide, {:.2} mm high, curvature {:.2} 1/m rms, exposure {:.2} at least, access {:.2}\n{}",
         curve.length() * 1e3,
         weld.profile.width * 1e3,
         weld.profile.height * 1e3,
         weld.curvature_rms,
         weld.min_exposure,
+        weld.mean_access,
         weld.reasons.join("\n")
     )
 }

@@ -19,7 +19,7 @@ use crate::console::Console;
 use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
 use crate::folder::StagedFolder;
 use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
-use crate::workpiece::{FIRST_WELD, WeldingOptions, Workpiece};
+use crate::workpiece::{WeldingOptions, Workpiece};
 
 pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
 pub use truth::{CurveTruth, WELDS_FORMAT, WeldTruth, Welds};
@@ -67,7 +67,7 @@ pub fn write(
     console: &Console,
 ) -> Result<PathBuf> {
     write_meshes(workpiece, folder.path())?;
-    let truth = Welds::of(FIRST_WELD, &workpiece.weld, workpiece.weld_volume);
+    let truth = Welds::of(&workpiece.welds);
     write_json(&folder.path().join(WELDS_FILE), &truth)?;
     volumes::write(workpiece, folder.path())?;
     let preview = overview(&workpiece.welded, truth.welds.first(), extras.preview, extras.samples_per_side)?;
@@ -82,17 +82,24 @@ pub fn write(
 
 fn write_meshes(workpiece: &Workpiece, folder: &Path) -> Result<()> {
     let base = GlbPart { name: "base", mesh: &workpiece.part.mesh, weld_id: 0, material: GlbMaterial::Base };
-    let name = format!("weld-{FIRST_WELD}");
-    let weld = GlbPart { name: &name, mesh: &workpiece.weld.bead, weld_id: FIRST_WELD, material: GlbMaterial::Weld };
+    let names: Vec<String> = workpiece.welds.iter().map(|placed| format!("weld-{}", placed.id)).collect();
+    let beads = workpiece.welds.iter().zip(&names).map(|(placed, name)| GlbPart {
+        name,
+        mesh: &placed.weld.bead,
+        weld_id: placed.id,
+        material: GlbMaterial::Weld,
+    });
+    let parts: Vec<GlbPart<'_>> = std::iter::once(base).chain(beads).collect();
     fs::write(folder.join(WORKPIECE_FILE), write_glb(&[base], serde_json::Map::new())?)?;
-    fs::write(folder.join(WELDED_FILE), write_glb(&[base, weld], serde_json::Map::new())?)?;
+    fs::write(folder.join(WELDED_FILE), write_glb(&parts, serde_json::Map::new())?)?;
     Ok(())
 }
 
 fn manifest_of(workpiece: &Workpiece, options: &WeldingOptions, folder: &Path) -> Result<Manifest> {
+    let welds = || workpiece.welds.iter();
     let checks = BTreeMap::from([
-        ("weld_volume_mm3".to_owned(), workpiece.weld_volume * 1e9),
-        ("weld_length_mm".to_owned(), workpiece.weld.curve.length() * 1e3),
+        ("weld_volume_mm3".to_owned(), welds().map(|placed| placed.volume * 1e9).sum()),
+        ("weld_length_mm".to_owned(), welds().map(|placed| placed.weld.curve.length() * 1e3).sum()),
         ("ambiguous_share".to_owned(), workpiece.baking.ambiguous_share),
     ]);
     Ok(Manifest {
@@ -104,7 +111,7 @@ fn manifest_of(workpiece: &Workpiece, options: &WeldingOptions, folder: &Path) -
         cleaning: serde_json::to_value(&workpiece.part.cleaning)?,
         repairs: workpiece.part.cleaning.notes(),
         baking: workpiece.baking.clone(),
-        choices: workpiece.weld.reasons.clone(),
+        choices: welds().flat_map(|placed| placed.weld.reasons.clone()).collect(),
         checks,
         files: record_files(folder)?,
     })

@@ -6,10 +6,11 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use weldgen::bead::BeadShape;
+use weldgen::bead::{BeadShape, Defect, DefectKind};
 use weldgen::{Weld, WeldCurve};
 
 use super::WELDS_FILE;
+use crate::workpiece::PlacedWeld;
 
 /// Value of the `format` key.
 pub const WELDS_FORMAT: &str = "robofin-welds/1";
@@ -50,8 +51,76 @@ pub struct WeldTruth {
     pub exposure_mean: f64,
     /// Least exposure along the centreline, 0 to 1.
     pub exposure_min: f64,
+    /// Mean tool access along the centreline, 0 to 1.
+    pub access_mean: f64,
+    /// Number of the curve that it lies on; the beads of an intermittent weld share one.
+    pub run: usize,
+    /// Height of the toes above the centreline [mm]: 0 on a face, more in a corner.
+    pub toe_height_mm: f64,
+    /// Angle between the surface and the bead at its toes [deg].
+    pub toe_angle_deg: f64,
+    /// Imperfections, as they were made.
+    pub imperfections: Vec<Imperfection>,
+    /// What was asked of each dial; the fields above are what was measured.
+    pub requested: RequestedDials,
+    /// Area under the bead [mm²]: between its toes along the centreline, with the round ends.
+    pub footprint_mm2: f64,
     /// Centreline and frames.
     pub curve: CurveTruth,
+}
+
+/// An imperfection of a bead.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Imperfection {
+    /// Its name.
+    pub kind: String,
+    /// Its number in ISO 6520-1.
+    pub iso_6520: u16,
+    /// Arc length of its middle [mm].
+    pub arc_length_mm: f64,
+    /// Offset of its middle to the left of the centreline [mm].
+    pub offset_mm: f64,
+    /// Diameter, or length along the weld [mm].
+    pub size_mm: f64,
+    /// Depth below, or for spatter height above, the surface without it [mm].
+    pub depth_mm: f64,
+}
+
+impl Imperfection {
+    fn of(defect: &Defect) -> Self {
+        let kind = match defect.kind {
+            DefectKind::SurfacePore => "surface-pore",
+            DefectKind::Sagging => "sagging",
+            DefectKind::Spatter => "spatter",
+        };
+        Self {
+            kind: kind.to_owned(),
+            iso_6520: defect.kind.iso_6520(),
+            arc_length_mm: defect.arc_length * 1e3,
+            offset_mm: defect.offset * 1e3,
+            size_mm: defect.size * 1e3,
+            depth_mm: defect.depth * 1e3,
+        }
+    }
+}
+
+/// The dials of one weld as they were asked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RequestedDials {
+    /// Arc length of the centreline [mm].
+    pub length_mm: f64,
+    /// Root mean square of the geodesic curvature [1/m]; absent along a seam, which has its own.
+    pub geodesic_curvature_rms_per_m: Option<f64>,
+    /// Bound of the geodesic curvature [1/m]; likewise.
+    pub geodesic_curvature_max_per_m: Option<f64>,
+    /// Range of the least exposure, 0 to 1.
+    pub exposure: [f64; 2],
+    /// Least mean tool access, 0 to 1.
+    pub access_mean: f64,
+    /// Width of the bead [mm].
+    pub width_mm: f64,
+    /// Height of the bead [mm].
+    pub height_mm: f64,
 }
 
 /// The centreline, one entry per point; vectors in the part's frame [m].
@@ -71,6 +140,12 @@ pub struct CurveTruth {
     pub geodesic_curvature: Vec<f64>,
     /// Cosine-weighted share of the hemisphere that is free, 0 to 1.
     pub exposure: Vec<f64>,
+    /// Share of the tool's poses that are clear of the part, 0 to 1.
+    pub access: Vec<f64>,
+    /// Width of the bead [m].
+    pub width: Vec<f64>,
+    /// Height of the bead [m].
+    pub height: Vec<f64>,
 }
 
 impl Welds {
@@ -92,35 +167,57 @@ impl Welds {
         Ok(welds)
     }
 
-    /// The truth of one weld.
-    pub fn of(id: u16, weld: &Weld, volume: f64) -> Self {
+    /// The truth of all welds.
+    pub fn of(welds: &[PlacedWeld]) -> Self {
         Self {
             format: WELDS_FORMAT.to_owned(),
             frame: "part frame, right-handed, z up; vectors and arc length in metres".to_owned(),
-            welds: vec![WeldTruth::of(id, weld, volume)],
+            welds: welds.iter().map(WeldTruth::of).collect(),
         }
     }
 }
 
 impl WeldTruth {
-    fn of(id: u16, weld: &Weld, volume: f64) -> Self {
+    fn of(PlacedWeld { id, weld, volume }: &PlacedWeld) -> Self {
         let points = &weld.curve.points;
         let count = points.len().max(1) as f64;
         let curvature = || points.iter().map(|p| p.geodesic_curvature);
         let exposure = || points.iter().map(|p| p.exposure);
         Self {
-            id,
+            id: *id,
             profile: weld.profile.shape,
             width_mm: weld.profile.width * 1e3,
             height_mm: weld.profile.height * 1e3,
             root_depth_mm: weld.root_depth * 1e3,
             length_mm: weld.curve.length() * 1e3,
             volume_mm3: volume * 1e9,
-            geodesic_curvature_rms_per_m: (curvature().map(|k| k * k).sum::<f64>() / count).sqrt(),
+            geodesic_curvature_rms_per_m: weld.curvature_rms,
             geodesic_curvature_max_per_m: curvature().map(f64::abs).fold(0.0, f64::max),
             exposure_mean: exposure().sum::<f64>() / count,
             exposure_min: exposure().fold(1.0, f64::min),
+            access_mean: weld.mean_access,
+            run: weld.run,
+            toe_height_mm: weld.profile.toe_height * 1e3,
+            toe_angle_deg: weld.profile.toe_angle().to_degrees(),
+            imperfections: weld.defects.iter().map(Imperfection::of).collect(),
+            requested: RequestedDials::of(weld),
+            footprint_mm2: weld.footprint_area() * 1e6,
             curve: CurveTruth::of(&weld.curve),
+        }
+    }
+}
+
+impl RequestedDials {
+    fn of(weld: &Weld) -> Self {
+        let on_face = weld.profile.shape != BeadShape::Fillet;
+        Self {
+            length_mm: weld.wanted.length * 1e3,
+            geodesic_curvature_rms_per_m: on_face.then_some(weld.wanted.curvature_rms),
+            geodesic_curvature_max_per_m: on_face.then_some(weld.request.curvature_max),
+            exposure: weld.wanted.exposure,
+            access_mean: weld.request.min_access,
+            width_mm: weld.request.width * 1e3,
+            height_mm: weld.request.height * 1e3,
         }
     }
 }
@@ -136,6 +233,9 @@ impl CurveTruth {
             truth.arc_length.push(point.arc_length);
             truth.geodesic_curvature.push(point.geodesic_curvature);
             truth.exposure.push(point.exposure);
+            truth.access.push(point.access);
+            truth.width.push(point.width);
+            truth.height.push(point.height);
         }
         truth
     }

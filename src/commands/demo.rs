@@ -129,10 +129,11 @@ fn demo_options(seed: u64) -> WeldingOptions {
         band_voxels: crate::workpiece::DEFAULT_BAND,
         sign: sdf_bake::SignChoice::Auto,
         wishes: WeldWishes {
-            length: Some(0.075),
+            length: Some([0.075; 2]),
             width: Some(0.01),
             height: Some(0.003),
-            curvature: Some(6.0),
+            curvature: Some([6.0; 2]),
+            exposure: Some([0.9, 1.0]),
             ..WeldWishes::default()
         },
     }

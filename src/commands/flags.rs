@@ -1,6 +1,7 @@
 //! Flags that several verbs share.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -141,6 +142,35 @@ pub(super) struct OutFlags {
     /// Replace what is there.
     #[arg(long)]
     pub(super) force: bool,
+}
+
+/// One number, or two with `..` between: a range to draw from, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RangeFlag(pub(super) [f64; 2]);
+
+impl FromStr for RangeFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |word: &str| {
+            word.trim().parse::<f64>().map_err(|_| format!("{word:?} is no number; A or A..B is expected"))
+        };
+        match text.split_once("..") {
+            None => Ok(Self([number(text)?; 2])),
+            Some((low, high)) => match [number(low)?, number(high)?] {
+                [low, high] if low > high => Err(format!("{low} is above {high}; the lower end comes first")),
+                range => Ok(Self(range)),
+            },
+        }
+    }
+}
+
+impl RangeFlag {
+    /// Both ends checked as a number of the flag would be.
+    pub(super) fn checked(self, check: impl Fn(f64) -> Result<f64>) -> Result<[f64; 2]> {
+        let [low, high] = self.0;
+        Ok([check(low)?, check(high)?])
+    }
 }
 
 /// Checks that a flag's number is finite and above zero.

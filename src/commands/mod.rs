@@ -7,6 +7,7 @@ mod calibrate;
 mod compare;
 mod dataset;
 mod dataset_piece;
+mod bead_flags;
 mod demo;
 mod diagnose;
 mod effects;

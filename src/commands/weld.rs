@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
+use weldgen::access::{ToolKind, ToolShape};
+use weldgen::{Difficulty, Placement, Stitch};
 
-use super::flags::{MeshFlags, OutFlags, optional_mm, within};
+use super::bead_flags::BeadFlags;
+use super::flags::{MeshFlags, OutFlags, RangeFlag, optional_mm, positive, within};
 use crate::asset::{self, Extras, MANIFEST_FILE, Manifest, UsdMode};
 use crate::console::Console;
 use crate::folder::StagedFolder;
@@ -17,7 +20,11 @@ use crate::wrong_use;
 /// Example: robofin weld part.obj --out out/part --seed 7
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  robofin weld data/bracket.obj --out out/bracket --seed 7 --length-mm 60 --width-mm 8"
+    after_help = "Examples:\n  robofin weld data/bracket.obj --out out/bracket --seed 7 --length-mm 60 --width-mm 8\n  \
+                  robofin weld data/bracket.obj --out out/hard --difficulty hard --count 2\n  \
+                  robofin weld data/bracket.obj --out out/shade --length-mm 20..40 --curvature-per-m 5..20 \
+                  --exposure 0.4..0.7\n  \
+                  robofin weld data/bracket.obj --out out/fillet --place seam --width-mm 6 --ripple-pitch-mm 2 --pores 3"
 )]
 pub(super) struct WeldArgs {
     /// Mesh file: OBJ, STL, PLY, GLB or glTF.
@@ -36,41 +43,163 @@ pub(super) struct WeldArgs {
     usd: UsdMode,
 }
 
-/// What is fixed of the weld; the rest is chosen for the part.
+/// What is fixed of the weld; the rest is chosen for the part. Ranges are written `40..80`; the seed draws from them.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct WeldFlags {
-    /// Length of the weld's centreline [mm].
+    /// Preset of length, curvature and exposure; each can be fixed beside it.
+    #[arg(long, value_enum, default_value_t)]
+    difficulty: DifficultyFlag,
+    /// Number of welds on the part; they keep a distance.
+    #[arg(long, value_name = "N")]
+    count: Option<u16>,
+    /// Length of the weld's centreline, or a range [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    length_mm: Option<f64>,
+    length_mm: Option<RangeFlag>,
+    /// Where the weld runs; `seam` lays fillets in concave creases.
+    #[arg(long, value_enum, default_value_t)]
+    place: PlaceFlag,
+    /// Length of each bead of an intermittent weld [mm].
+    #[arg(long, value_name = "MM", requires = "stitch_pitch_mm", allow_negative_numbers = true)]
+    stitch_mm: Option<f64>,
+    /// Distance from the start of a bead of an intermittent weld to that of the next [mm].
+    #[arg(long, value_name = "MM", requires = "stitch_mm", allow_negative_numbers = true)]
+    stitch_pitch_mm: Option<f64>,
     /// Width of the bead between its toes [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     width_mm: Option<f64>,
     /// Height of the bead above the surface [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     height_mm: Option<f64>,
-    /// Root mean square of the centreline's geodesic curvature [1/m]; 0 is a geodesic.
+    #[command(flatten)]
+    form: BeadFlags,
+    /// Root mean square of the centreline's geodesic curvature, or a range [1/m]; 0 is a geodesic.
     #[arg(long, value_name = "PER_M", allow_negative_numbers = true)]
-    curvature_per_m: Option<f64>,
-    /// Least exposure: the cosine-weighted share of the hemisphere above the weld that must be free, 0 to 1.
+    curvature_per_m: Option<RangeFlag>,
+    /// Largest geodesic curvature [1/m] [default: three times the root mean square asked].
+    #[arg(long, value_name = "PER_M", allow_negative_numbers = true)]
+    curvature_max_per_m: Option<f64>,
+    /// Correlation length of the geodesic curvature [mm] [default: half the length].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    correlation_mm: Option<f64>,
+    /// Least exposure along the weld, or a range for it: the cosine-weighted free share of the hemisphere, 0 to 1.
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, conflicts_with = "min_exposure")]
+    exposure: Option<RangeFlag>,
+    /// The same as --exposure SHARE..1.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     min_exposure: Option<f64>,
+    /// What lies farther hides nothing [mm] [default: a quarter of the part's diagonal].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    exposure_reach_mm: Option<f64>,
+    /// Tool whose access to the weld is measured.
+    #[arg(long, value_enum, default_value_t)]
+    access_tool: AccessToolFlag,
+    /// Radius of that tool [mm].
+    #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true)]
+    access_radius_mm: f64,
+    /// Width of that tool along its axis [mm].
+    #[arg(long, value_name = "MM", default_value_t = 10.0, allow_negative_numbers = true)]
+    access_width_mm: f64,
+    /// Least mean share of that tool's poses that are clear of the part, 0 to 1.
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    min_access: Option<f64>,
+}
+
+/// How hard the weld is to finish.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum DifficultyFlag {
+    /// Short, nearly straight, in the open.
+    Easy,
+    /// A quarter to half a diagonal long, gently winding.
+    #[default]
+    Medium,
+    /// Long, winding, in the shade of the part if it has any.
+    Hard,
+}
+
+/// Where the weld runs.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum PlaceFlag {
+    /// On smooth ground.
+    #[default]
+    Surface,
+    /// In a concave crease.
+    Seam,
+    /// On either, as the seed has it.
+    Mixed,
+}
+
+/// What touches the weld.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum AccessToolFlag {
+    /// A wheel on its rim.
+    #[default]
+    Wheel,
+    /// A pad on its face.
+    Pad,
 }
 
 impl WeldFlags {
     pub(super) fn wishes(&self) -> Result<WeldWishes> {
-        if let Some(share) = self.min_exposure.filter(|share| !(0.0..=1.0).contains(share)) {
-            return Err(wrong_use(format!("--min-exposure {share}: a share from 0 to 1 is expected")));
-        }
-        if let Some(curvature) = self.curvature_per_m {
-            within("--curvature-per-m", curvature, (0.0, 1e4))?;
+        let share = |flag: &'static str| {
+            move |share: f64| match (0.0..=1.0).contains(&share) {
+                true => Ok(share),
+                false => Err(wrong_use(format!("{flag} {share}: a share from 0 to 1 is expected"))),
+            }
+        };
+        let curvature = |flag: &'static str| move |curvature: f64| within(flag, curvature, (0.0, 1e4));
+        let mm = |flag: &'static str| move |mm: f64| Ok(positive(flag, mm)? * 1e-3);
+        let from_min = self.min_exposure.map(share("--min-exposure")).transpose()?.map(|least| [least, 1.0]);
+        let exposure = self.exposure.map(|range| range.checked(share("--exposure"))).transpose()?;
+        let (curvature_flag, max_flag) = ("--curvature-per-m", "--curvature-max-per-m");
+        if self.count == Some(0) {
+            return Err(wrong_use("--count 0: 1 or more welds are accepted".to_owned()));
         }
         Ok(WeldWishes {
-            length: optional_mm("--length-mm", self.length_mm)?,
+            difficulty: match self.difficulty {
+                DifficultyFlag::Easy => Difficulty::Easy,
+                DifficultyFlag::Medium => Difficulty::Medium,
+                DifficultyFlag::Hard => Difficulty::Hard,
+            },
+            count: self.count,
+            placement: match self.place {
+                PlaceFlag::Surface => Placement::Surface,
+                PlaceFlag::Seam => Placement::Seam,
+                PlaceFlag::Mixed => Placement::Mixed,
+            },
+            stitch: self.stitch()?,
+            shape: self.form.shape(),
+            convexity: self.form.convexity,
+            form: self.form.request()?,
+            length: self.length_mm.map(|range| range.checked(mm("--length-mm"))).transpose()?,
             width: optional_mm("--width-mm", self.width_mm)?,
             height: optional_mm("--height-mm", self.height_mm)?,
-            curvature: self.curvature_per_m,
-            exposure: self.min_exposure,
+            curvature: self.curvature_per_m.map(|range| range.checked(curvature(curvature_flag))).transpose()?,
+            curvature_max: self.curvature_max_per_m.map(curvature(max_flag)).transpose()?,
+            correlation: optional_mm("--correlation-mm", self.correlation_mm)?,
+            exposure: exposure.or(from_min),
+            exposure_reach: optional_mm("--exposure-reach-mm", self.exposure_reach_mm)?,
+            tool: self.tool()?,
+            min_access: self.min_access.map(share("--min-access")).transpose()?,
         })
+    }
+}
+
+impl WeldFlags {
+    fn tool(&self) -> Result<ToolShape> {
+        Ok(ToolShape {
+            kind: match self.access_tool {
+                AccessToolFlag::Wheel => ToolKind::Wheel,
+                AccessToolFlag::Pad => ToolKind::Pad,
+            },
+            radius: positive("--access-radius-mm", self.access_radius_mm)? * 1e-3,
+            width: positive("--access-width-mm", self.access_width_mm)? * 1e-3,
+        })
+    }
+
+    fn stitch(&self) -> Result<Option<Stitch>> {
+        let length = optional_mm("--stitch-mm", self.stitch_mm)?;
+        let pitch = optional_mm("--stitch-pitch-mm", self.stitch_pitch_mm)?;
+        Ok(length.zip(pitch).map(|(length, pitch)| Stitch { length, pitch }))
     }
 }
 

@@ -29,8 +29,9 @@ const MOST_TILES: usize = 1000;
 const BLOCK: usize = 4;
 /// Steps of a simulation beyond which it is given up, times those of the base model's longest pass.
 const MOST_STEPS: usize = 3;
-/// Voxel of the simulation when sanding [pixels].
+/// Voxel of the simulation when sanding: pixels at most, and voxels at least across half the tool.
 const SANDING_VOXEL: f64 = 4.0;
+const VOXELS_PER_HALF_TOOL: f64 = 16.0;
 /// Distance from the border of what is exposed within which it shows [half widths of the tool].
 const REACH: f64 = 0.5;
 /// Widest blur that is looked for, values tried at first, and a change that counts as none [pixels].
@@ -91,14 +92,18 @@ pub struct ScanEvidence<'a> {
 impl<'a> ScanEvidence<'a> {
     /// Prepares all scans.
     ///
-    /// - `voxel`: of the simulation [m]; `None` takes the scan's pitch when grinding and four times that when sanding,
+    /// - `voxel`: of the simulation [m]; `None` takes the scan's pitch when grinding and up to four times that when sanding,
     ///   where the surface stays and the pressure under a pad is smooth
     ///
     /// # Errors
     /// When a trial makes no part, or has no scan that can be used.
     pub fn new(trials: &'a [Trial], voxel: Option<f64>) -> Result<Self, EvidenceError> {
         let sands = trials.iter().all(|trial| trial.process == crate::trial::Process::Sanding);
-        let coarse = || SANDING_VOXEL * trials[0].scans.before.pixels.pitch;
+        let pitch = |trial: &Trial| trial.scans.before.pixels.pitch;
+        let coarse = || {
+            let across = trials[0].tool.half_width() / VOXELS_PER_HALF_TOOL;
+            across.clamp(pitch(&trials[0]), SANDING_VOXEL * pitch(&trials[0]))
+        };
         let twin = CampaignTwin::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
         let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
         let (views, noise): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();

@@ -64,13 +64,15 @@ fn check_figures(weld: &WeldTruth) -> Check {
     let curve = &weld.curve;
     let count = curve.position.len().max(1) as f64;
     let length = curve.arc_length.last().copied().unwrap_or(f64::NAN);
-    let squares: f64 = curve.geodesic_curvature.iter().map(|k| k * k).sum();
+    let halves = curve.geodesic_curvature.windows(2).map(|pair| 0.5 * (pair[0] * pair[0] + pair[1] * pair[1]));
+    let squares = halves.sum::<f64>() / (count - 1.0).max(1.0);
     let largest = curve.geodesic_curvature.iter().map(|k| k.abs()).fold(0.0, f64::max);
     let figures = [
         ("length_mm", weld.length_mm, length * 1e3),
         ("exposure_mean", weld.exposure_mean, curve.exposure.iter().sum::<f64>() / count),
         ("exposure_min", weld.exposure_min, curve.exposure.iter().copied().fold(1.0, f64::min)),
-        ("geodesic_curvature_rms_per_m", weld.geodesic_curvature_rms_per_m, (squares / count).sqrt()),
+        ("geodesic_curvature_rms_per_m", weld.geodesic_curvature_rms_per_m, squares.sqrt()),
+        ("access_mean", weld.access_mean, curve.access.iter().sum::<f64>() / count),
         ("geodesic_curvature_max_per_m", weld.geodesic_curvature_max_per_m, largest),
     ];
     let wrong: Vec<String> = figures
@@ -85,7 +87,7 @@ fn check_figures(weld: &WeldTruth) -> Check {
 fn check_numbers(weld: &WeldTruth) -> Check {
     let rule = format!("weld {} has finite numbers, unit frames, growing arc length, one entry per point", weld.id);
     let sizes = [weld.width_mm, weld.height_mm, weld.length_mm, weld.volume_mm3];
-    let shares = weld.curve.exposure.iter().all(|share| (0.0..=1.0).contains(share));
+    let shares = weld.curve.exposure.iter().chain(&weld.curve.access).all(|share| (0.0..=1.0).contains(share));
     let grows = weld.curve.arc_length.windows(2).all(|pair| pair[0] < pair[1]);
     let steps = weld.curve.arc_length.windows(2).zip(weld.curve.position.windows(2));
     let reached = steps.into_iter().all(|(s, p)| p[0].distance(p[1]) <= (s[1] - s[0]) * (1.0 + 1e-6) + 1e-12);
@@ -97,7 +99,8 @@ fn check_numbers(weld: &WeldTruth) -> Check {
 fn is_complete(curve: &CurveTruth) -> bool {
     let count = curve.position.len();
     let vectors = [&curve.position, &curve.tangent, &curve.normal, &curve.side];
-    let scalars = [&curve.arc_length, &curve.geodesic_curvature, &curve.exposure];
+    let scalars =
+        [&curve.arc_length, &curve.geodesic_curvature, &curve.exposure, &curve.access, &curve.width, &curve.height];
     count >= 2
         && vectors.iter().all(|list| list.len() == count && list.iter().all(|v| v.is_finite()))
         && scalars.iter().all(|list| list.len() == count && list.iter().all(|x| x.is_finite()))

@@ -182,6 +182,7 @@ fn changed_numbers_of_the_truth_are_noticed_without_the_hash() {
         "length_mm",
         "exposure_mean",
         "exposure_min",
+        "access_mean",
         "geodesic_curvature_rms_per_m",
         "geodesic_curvature_max_per_m",
     ];

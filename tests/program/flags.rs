@@ -28,6 +28,15 @@ fn numbers_out_of_range_are_wrong_use_and_say_the_range() {
         ("--height-mm", &["0", "-1", "nan", "inf"], "above zero"),
         ("--curvature-per-m", &["-1", "1e9", "nan", "inf"], "0.0 to 10000.0"),
         ("--min-exposure", &["2", "-0.5", "nan"], "0 to 1"),
+        ("--exposure", &["0.5..2", "-0.5", "0.8..0.2", "0.1..", "a..b"], ""),
+        ("--length-mm", &["80..40", "0..50", "40..inf"], ""),
+        ("--curvature-max-per-m", &["-1", "nan"], "0.0 to 10000.0"),
+        ("--min-access", &["2", "-1"], "0 to 1"),
+        ("--count", &["0", "-1", "70000"], ""),
+        ("--convexity", &["1", "nan"], "-0.2 to 0.25"),
+        ("--crater", &["1", "-0.1"], "0.0 to 0.8"),
+        ("--ripple-pitch-mm", &["0", "nan"], "above zero"),
+        ("--stitch-mm", &["20"], "--stitch-pitch-mm"),
     ] {
         for value in values {
             run(weld_bracket(&out).args([flag, value])).is_refused(2, &[flag, words]);

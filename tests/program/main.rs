@@ -5,6 +5,7 @@
 
 mod bake_folder;
 mod damage;
+mod dials;
 mod effects;
 mod flags;
 mod hostile_files;

@@ -3,6 +3,13 @@
 use rand::RngExt;
 use std::f64::consts::TAU;
 
+/// Sines in a random shape.
+const WAVES: usize = 16;
+/// Gain at which the limiter has all but turned a shape into a rectangle, relative to the gain without a limit.
+const MOST_GAIN: f64 = 64.0;
+/// Bisections of the gain: to 1e-7 of itself.
+const GAIN_STEPS: usize = 24;
+
 /// κ_g(s) [1/m], piecewise linear between evenly spaced knots and constant beyond them.
 ///
 /// Positive values steer to the left: towards normal × tangent.
@@ -38,26 +45,48 @@ impl CurvatureProfile {
         (proper && knots.iter().all(|knot| knot.is_finite())).then_some(Self { first, spacing, knots })
     }
 
-    /// A smooth random profile over `[-reach, reach]` whose root mean square is `rms` [1/m], capped at `max` [1/m].
+    /// A smooth random shape over `[-reach, reach]`: a Gaussian process of unit variance whose correlation at a distance
+    /// Δ is exp(−Δ²/2ℓ²), with ℓ the `correlation` length [m].
     ///
-    /// Four harmonics of random phase with periods down to `correlation` [m]. Where the cap binds, the whole profile
-    /// is scaled down, which keeps it smooth.
-    pub fn smooth(reach: f64, correlation: f64, rms: f64, max: f64, rng: &mut impl RngExt) -> Self {
-        let waves: [(f64, f64, f64); 4] = std::array::from_fn(|i| {
-            let period = correlation * 4.0 / (i + 1) as f64;
-            (TAU / period, TAU * rng.random::<f64>(), rng.random::<f64>() + 0.1)
+    /// It is a sum of sixteen sines of random phase with wavenumbers drawn from that spectrum (Shinozuka & Jan 1972).
+    pub fn random(reach: f64, correlation: f64, rng: &mut impl RngExt) -> Self {
+        let waves: [(f64, f64); WAVES] = std::array::from_fn(|_| {
+            let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
+            let normal = radius * (TAU * rng.random::<f64>()).cos();
+            (normal / correlation, TAU * rng.random::<f64>())
         });
-        let count = 2 * ((32.0 * reach / correlation).ceil() as usize).clamp(8, 4096);
+        let count = 2 * ((16.0 * reach / correlation).ceil() as usize).clamp(8, 4096);
         let spacing = 2.0 * reach / count as f64;
         let at = |i: usize| {
             let s = i as f64 * spacing - reach;
-            waves.iter().map(|(rate, phase, size)| size * (rate * s + phase).sin()).sum::<f64>()
+            (2.0 / WAVES as f64).sqrt() * waves.iter().map(|(rate, phase)| (rate * s + phase).sin()).sum::<f64>()
         };
-        let knots: Vec<f64> = (0..=count).map(at).collect();
-        let shape = Self { first: -reach, spacing, knots };
-        let scale = (rms / shape.rms(-reach, reach)).min(max / shape.max_abs());
-        let scale = if scale.is_finite() { scale } else { 0.0 };
-        Self { knots: shape.knots.iter().map(|knot| knot * scale).collect(), ..shape }
+        Self { first: -reach, spacing, knots: (0..=count).map(at).collect() }
+    }
+
+    /// The shape made into a curvature of root mean square `rms` [1/m] over `[from, to]` that never passes `max` [1/m]:
+    /// κ = max · tanh(g · shape / max), with the gain g found by bisection.
+    ///
+    /// Without a shape on the interval, or with `rms` so near to `max` that no gain reaches it, the nearest is returned.
+    pub fn limited_to(&self, rms: f64, max: f64, [from, to]: [f64; 2]) -> Self {
+        let with_gain = |gain: f64| {
+            let limit = |knot: &f64| if max.is_finite() { max * (gain * knot / max).tanh() } else { gain * knot };
+            Self { knots: self.knots.iter().map(limit).collect(), first: self.first, spacing: self.spacing }
+        };
+        let start = rms / self.rms(from, to);
+        if !start.is_finite() || rms == 0.0 {
+            return Self { knots: vec![0.0; self.knots.len()], ..with_gain(0.0) };
+        }
+        let falls_short = |gain: f64| with_gain(gain).rms(from, to) < rms;
+        let (mut low, mut high) = (0.5 * start, start);
+        while falls_short(high) && high < MOST_GAIN * start {
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..GAIN_STEPS {
+            let middle = 0.5 * (low + high);
+            if falls_short(middle) { low = middle } else { high = middle }
+        }
+        with_gain(high)
     }
 
     /// κ_g [1/m] at arc length `s` [m].
@@ -69,18 +98,6 @@ impl CurvatureProfile {
     pub fn reversed(&self) -> Self {
         let last = self.first + self.spacing * (self.knots.len() - 1) as f64;
         Self { first: -last, spacing: self.spacing, knots: self.knots.iter().rev().map(|knot| -knot).collect() }
-    }
-
-    /// The profile times a factor, so that its root mean square over `[from, to]` is `rms` [1/m].
-    ///
-    /// Where the largest magnitude over the interval would pass `max` [1/m], the factor stops there.
-    pub(crate) fn scaled_to(&self, rms: f64, max: f64, [from, to]: [f64; 2]) -> Self {
-        let count = 256;
-        let sample = |i: u32| self.at(from + (to - from) * f64::from(i) / f64::from(count)).abs();
-        let peak = (0..=count).map(sample).fold(0.0, f64::max);
-        let factor = (rms / self.rms(from, to)).min(max / peak);
-        let factor = if factor.is_finite() { factor } else { 1.0 };
-        Self { knots: self.knots.iter().map(|knot| knot * factor).collect(), first: self.first, spacing: self.spacing }
     }
 
     /// Whether every curvature is a number.

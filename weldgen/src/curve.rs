@@ -32,6 +32,8 @@ pub struct CurvePoint {
     pub barycentric: [f64; 3],
     /// Cosine-weighted share of free sky, in [0, 1] (see [`crate::exposure`]).
     pub exposure: f64,
+    /// Share of the tool's poses that are clear of the part, in [0, 1] (see [`crate::access`]).
+    pub access: f64,
     /// Width of the bead here [m].
     pub width: f64,
     /// Height of the bead here [m].
@@ -94,6 +96,11 @@ impl WeldCurve {
         self.points.iter().fold(1.0, |min, point| point.exposure.min(min))
     }
 
+    /// Mean tool access along the curve; 0 without points.
+    pub fn mean_access(&self) -> f64 {
+        self.points.iter().map(|point| point.access).sum::<f64>() / self.points.len().max(1) as f64
+    }
+
     /// Root mean square of κ_g [1/m] over the arc length (trapezoidal rule).
     pub fn curvature_rms(&self) -> f64 {
         let squares = self.points.windows(2).map(|pair| {
@@ -101,6 +108,21 @@ impl WeldCurve {
             0.5 * (a * a + b * b)
         });
         (squares.sum::<f64>() / self.points.len().saturating_sub(1).max(1) as f64).sqrt()
+    }
+
+    /// Sets κ_g to the rate at which the smoothed tangents turn to the left (central differences).
+    pub(crate) fn measure_curvature(&mut self) {
+        let last = self.points.len().saturating_sub(1);
+        let turned: Vec<f64> = (0..=last)
+            .map(|i| {
+                let [before, after] = [i.saturating_sub(1), (i + 1).min(last)].map(|i| &self.points[i]);
+                let step = after.arc_length - before.arc_length;
+                (after.tangent - before.tangent).dot(self.points[i].side) / step
+            })
+            .collect();
+        for (point, curvature) in self.points.iter_mut().zip(turned) {
+            point.geodesic_curvature = curvature;
+        }
     }
 
     /// Checks that every point lies on the surface to 1e-6 of the part's diagonal, that frames are orthonormal and
@@ -161,6 +183,7 @@ impl WeldCurve {
                 face: here.face,
                 barycentric: here.barycentric,
                 exposure: 1.0,
+                access: 1.0,
                 width: 0.0,
                 height: 0.0,
             }

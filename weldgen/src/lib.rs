@@ -24,29 +24,36 @@
 //! ```
 //!
 //! In the order data meets them: [`topology`] (neighbours), [`curvature`] (the steering), [`trace`] (the curve),
-//! [`exposure`] (free sky), [`request`] (the dials),
-//! [`surface`] (a part made ready), [`place`] (proposals until one fits), [`curve`] (points with
+//! [`exposure`] (free sky), [`access`] (room for a tool), [`request`] (the dials), [`surface`] (a part made ready),
+//! [`strata`] (where welds may start), [`seam`] (where fillets may run), [`place`] (proposals until one fits), [`curve`] (points with
 //! frames), [`bead`] (sections and the swept mesh).
 //!
 //! Lengths are in metres, angles in radians, curvatures in 1/m. Vertices of the part must be shared between triangles
 //! and normals must point outwards. This crate never opens a file, never prints, and takes its randomness as a seed;
 //! results do not depend on the number of threads.
 
+pub mod access;
 pub mod bead;
 pub mod curvature;
 pub mod curve;
 pub mod exposure;
+mod fillet;
 mod footprint;
+mod offers;
 pub mod place;
+mod place_error;
 mod propose;
 pub mod rejection;
 pub mod request;
+pub mod seam;
+mod stitch;
+pub mod strata;
 pub mod surface;
 pub mod topology;
 pub mod trace;
 
 pub use bead::{BeadProfile, sweep};
 pub use curve::{CurvePoint, WeldCurve};
-pub use place::{PlaceError, Weld, place_weld, place_weld_on};
-pub use request::WeldRequest;
+pub use place::{PlaceError, Weld, place_weld, place_weld_on, place_welds_on};
+pub use request::{Difficulty, Placement, Stitch, WeldRequest};
 pub use surface::Surface;

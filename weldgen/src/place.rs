@@ -1,19 +1,26 @@
 //! Placing a weld: proposals in stages, until one fits.
 
+use std::sync::Arc;
+
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use sdf_bake::Mesh;
 use sdf_bake::query::MeshQuery;
 use serde::Serialize;
-use thiserror::Error;
 
-use crate::bead::BeadProfile;
+use crate::access::access;
+use crate::bead::defect::spatter;
+use crate::bead::{BeadProfile, Defect};
 use crate::curve::WeldCurve;
 use crate::exposure::exposures;
-use crate::propose::{Candidate, Proposals, Refused};
+use crate::offers::offers;
+pub use crate::place_error::PlaceError;
+use crate::propose::{Candidate, Proposals, Refused, Taken, mix};
 use crate::rejection::{Rejection, Tally};
-use crate::request::{WIDTHS_PER_LENGTH, WeldRequest};
+use crate::request::{Placement, WIDTHS_PER_LENGTH, WeldRequest};
+use crate::stitch::stitched;
+use crate::strata::ExposureField;
 use crate::surface::Surface;
 
 /// What is tried in turn when nothing fits: factors of the length and of the bead's width and height.
@@ -26,7 +33,7 @@ pub const STAGES: [[f64; 2]; 8] =
 const LARGEST_BATCH: usize = 32;
 /// Rays per point of a placed weld.
 const MEASURING_RAYS: u32 = 256;
-/// Exposure asked beyond the minimum, so that a finer measurement does not fall below it.
+/// Distance kept from the ends of the range of exposure, so that a finer measurement does not fall out of it.
 const EXPOSURE_MARGIN: f64 = 0.01;
 
 /// A weld on a part, and how it came about.
@@ -34,7 +41,7 @@ const EXPOSURE_MARGIN: f64 = 0.01;
 pub struct Weld {
     /// The centreline.
     pub curve: WeldCurve,
-    /// The bead: closed, normals outwards [m].
+    /// The bead: closed, normals outwards [m]; drops of spatter are closed bodies beside it.
     #[serde(skip)]
     pub bead: Mesh,
     /// The bead's cross-section.
@@ -43,47 +50,53 @@ pub struct Weld {
     pub root_depth: f64,
     /// Length of the centreline [m].
     pub length: f64,
-    /// Volume of the bead's mesh [m³], most of it above the surface.
+    /// Volume of the bead's mesh [m³] without spatter, most of it above the surface.
     pub bead_volume: f64,
     /// Root mean square of the geodesic curvature [1/m].
     pub curvature_rms: f64,
     /// Smallest exposure along the curve, in [0, 1].
     pub min_exposure: f64,
+    /// Mean tool access along the curve, in [0, 1].
+    pub mean_access: f64,
+    /// Imperfections that were asked for, as they were made.
+    pub defects: Vec<Defect>,
+    /// Number of the curve that it lies on; the beads of an intermittent weld share one.
+    pub run: usize,
     /// The seed it was placed with.
     pub seed: u64,
-    /// What was asked.
+    /// What was asked of all welds like it.
     pub request: WeldRequest,
+    /// What was asked of this one.
+    pub wanted: Wanted,
     /// Proposals dropped before this one.
     pub dropped: Tally,
     /// What was chosen and why, in sentences.
     pub reasons: Vec<String>,
 }
 
-/// Why no weld was placed.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum PlaceError {
-    /// A dial is out of range.
-    #[error("{0}")]
-    Request(String),
-    /// The part has no face with an area.
-    #[error("the part has no surface to weld on: {0} triangles without area")]
-    NoSurface(usize),
-    /// Nothing fits.
-    #[error(
-        "no place for the weld in {} proposals (length {:.2} mm, width {:.3} mm at last; longest clear run {:.2} mm): \
-         {tally}",
-        tally.total(), 1e3 * length, 1e3 * width, 1e3 * longest_run
-    )]
-    Nowhere {
-        /// Length of the last stage [m].
-        length: f64,
-        /// Width of the last stage [m].
-        width: f64,
-        /// Longest run met without an edge in the way [m].
-        longest_run: f64,
-        /// How many proposals failed for which reason.
-        tally: Tally,
-    },
+impl Weld {
+    /// Area [m²] of the tangent planes between the toes, with both round ends: ∫ w ds + π w²/4.
+    pub fn footprint_area(&self) -> f64 {
+        let between = self
+            .curve
+            .points
+            .windows(2)
+            .map(|pair| 0.5 * (pair[0].width + pair[1].width) * (pair[1].arc_length - pair[0].arc_length));
+        let ends = [self.curve.points.first(), self.curve.points.last()];
+        let half_discs = ends.iter().flatten().map(|end| 0.125 * std::f64::consts::PI * end.width * end.width);
+        between.sum::<f64>() + half_discs.sum::<f64>()
+    }
+}
+
+/// The dials of one weld, as the seed drew them from the ranges of the request.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Wanted {
+    /// Length of the centreline [m].
+    pub length: f64,
+    /// Root mean square of the geodesic curvature [1/m].
+    pub curvature_rms: f64,
+    /// Range of the least exposure along the curve.
+    pub exposure: [f64; 2],
 }
 
 /// Chooses a weld curve on a part and sweeps a bead along it.
@@ -98,38 +111,136 @@ pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u
 
 /// As [`place_weld`], on a prepared part.
 pub fn place_weld_on(surface: &Surface, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
+    place_beside(surface, request, &[], seed)
+}
+
+/// Several welds on one part that keep `request.gap` from each other; the first is that of [`place_weld_on`].
+///
+/// # Errors
+/// When one of them does not fit beside those before it.
+pub fn place_welds_on(
+    surface: &Surface,
+    request: &WeldRequest,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<Weld>, PlaceError> {
+    let (mut welds, mut taken) = (Vec::new(), Vec::new());
+    for number in 0..count {
+        let seed = if number == 0 { seed } else { mix(seed, usize::MAX - number) };
+        let weld = place_beside(surface, request, &taken, seed)?;
+        taken.push(Taken::by(&weld));
+        match request.stitch {
+            None => welds.push(Weld { run: number, ..weld }),
+            Some(stitch) => welds.extend(stitched(&Weld { run: number, ..weld }, stitch)?),
+        }
+    }
+    Ok(welds)
+}
+
+fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed: u64) -> Result<Weld, PlaceError> {
+    let (field, offered) = admit(surface, request)?;
+    let wanted = draw(request, seed);
+    let mut refused = PlaceError::Exposure { asked: request.exposure, offered, reach: request.exposure_reach };
+    let tries = ways(request, seed).into_iter().flat_map(|way| exposures_to_try(request).map(move |e| (way, e)));
+    for (along_seams, exposure) in tries {
+        if along_seams && surface.seams().is_empty() {
+            refused = PlaceError::NoSeam;
+            continue;
+        }
+        let starts = field.starts(exposure);
+        if starts.is_empty() && !along_seams {
+            continue;
+        }
+        let search = Search { surface, request, taken, field: &field, starts: &starts, along_seams };
+        match search.place(&Wanted { exposure, ..wanted }, seed) {
+            Err(error) => refused = error,
+            Ok(mut weld) => {
+                if exposure != request.exposure {
+                    weld.reasons.push(other_exposure(&weld, offered));
+                }
+                return Ok(Weld { wanted, ..weld });
+            }
+        }
+    }
+    Err(refused)
+}
+
+/// Refuses what cannot be; else where the part is how open, and the range of it.
+fn admit(surface: &Surface, request: &WeldRequest) -> Result<(Arc<ExposureField>, [f64; 2]), PlaceError> {
     if surface.area() == 0.0 {
         return Err(PlaceError::NoSurface(surface.part.triangles.len()));
     }
     if let Some(fault) = request.fault() {
         return Err(PlaceError::Request(fault));
     }
-    let wanted = wanted_length(request, seed);
-    let (mut tally, mut longest_run, mut last) = (Tally::default(), 0f64, (0.0, 0.0));
-    for (stage, (length, profile)) in stages(request, wanted).into_iter().enumerate() {
-        let proposals = Proposals {
-            surface,
-            length,
-            profile,
-            curvature_rms: request.curvature_rms,
-            curvature_max: request.curvature_max,
-            sharp_angle: request.sharp_angle,
-            min_exposure: request.min_exposure,
-            exposure_reach: request.exposure_reach,
-        };
-        let seed_here = mix(seed, stage);
-        if let Some(candidate) = first_fit(&proposals, request.attempts, seed_here, &mut tally, &mut longest_run) {
-            return Ok(finish(&proposals, candidate, request, (wanted, seed), tally));
+    let field = surface.exposure_field(request.exposure_reach);
+    let offered = field.range().ok_or(PlaceError::Hidden)?;
+    Ok((field, offered))
+}
+
+/// The range asked, and any exposure where it may be let go.
+fn exposures_to_try(request: &WeldRequest) -> impl Iterator<Item = [f64; 2]> + use<> {
+    let any = [0.0, 1.0];
+    let second = (request.may_shrink && request.exposure != any).then_some(any);
+    std::iter::once(request.exposure).chain(second)
+}
+
+fn other_exposure(weld: &Weld, [least, most]: [f64; 2]) -> String {
+    let [low, high] = weld.request.exposure;
+    format!(
+        "exposure {:.2} instead of {low:.2} to {high:.2}: the part offers {least:.2} to {most:.2}, and nothing within fitted",
+        weld.min_exposure
+    )
+}
+
+/// A request on a part, and where its welds may start.
+pub(crate) struct Search<'a> {
+    pub(crate) surface: &'a Surface<'a>,
+    pub(crate) request: &'a WeldRequest,
+    pub(crate) taken: &'a [Taken],
+    pub(crate) field: &'a ExposureField,
+    pub(crate) starts: &'a [u32],
+    pub(crate) along_seams: bool,
+}
+
+impl Search<'_> {
+    /// Tries stage after stage.
+    fn place(&self, wanted: &Wanted, seed: u64) -> Result<Weld, PlaceError> {
+        let (mut tally, mut longest_run) = (Tally::default(), 0f64);
+        let stages = stages(self.request, wanted.length);
+        for (stage, &(length, profile)) in stages.iter().enumerate() {
+            let proposals = self.proposals(&Wanted { length, ..*wanted }, profile);
+            let seed_here = mix(seed, stage);
+            let (attempts, run) = (self.request.attempts, &mut longest_run);
+            if let Some(candidate) = first_fit(&proposals, attempts, seed_here, &mut tally, run) {
+                return Ok(finish(&proposals, candidate, (wanted, seed), tally));
+            }
         }
-        last = (length, profile.width);
+        let (length, profile) = stages[stages.len() - 1];
+        let offers = offers(self, &Wanted { length, ..*wanted }, profile, seed);
+        Err(PlaceError::Nowhere { length, width: profile.width, longest_run, tally, offers })
     }
-    Err(PlaceError::Nowhere { length: last.0, width: last.1, longest_run, tally })
+
+    pub(crate) fn proposals(&self, wanted: &Wanted, profile: BeadProfile) -> Proposals<'_> {
+        Proposals {
+            surface: self.surface,
+            request: self.request,
+            length: wanted.length,
+            profile,
+            curvature_rms: wanted.curvature_rms,
+            exposure: wanted.exposure,
+            field: self.field,
+            starts: self.starts,
+            taken: self.taken,
+            along_seams: self.along_seams,
+        }
+    }
 }
 
 /// The first proposal in order that fits; the dropped ones before it are counted.
 ///
 /// Batches start small and double: on most parts one of the first few fits.
-fn first_fit(
+pub(crate) fn first_fit(
     proposals: &Proposals,
     attempts: usize,
     seed: u64,
@@ -140,7 +251,7 @@ fn first_fit(
     while next < attempts {
         let ids = next..(next + batch).min(attempts);
         (next, batch) = (ids.end, (2 * batch).min(LARGEST_BATCH));
-        let judged: Vec<_> = ids.into_par_iter().map(|i| proposals.propose(mix(seed, i))).collect();
+        let judged: Vec<_> = ids.into_par_iter().map(|i| proposals.propose(seed, i)).collect();
         for outcome in judged {
             match outcome.and_then(|candidate| measure(proposals, candidate)) {
                 Ok(candidate) => return Some(candidate),
@@ -154,54 +265,89 @@ fn first_fit(
     None
 }
 
-/// Measures what the curve's points record; the exposure is now known well enough to hold it against the minimum.
+/// Measures what the curve's points record; exposure and access are now known well enough to hold them against the dials.
 fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, Refused> {
+    let refuse = |why| Err(Refused { why, run: proposals.length });
+    let BeadProfile { width, height, .. } = candidate.profile;
     let places: Vec<_> = candidate.curve.points.iter().map(|point| (point.position, point.normal)).collect();
     let measured = exposures(proposals.surface.query, &places, proposals.rays(MEASURING_RAYS));
     for (point, exposure) in candidate.curve.points.iter_mut().zip(measured) {
         point.exposure = exposure;
-        point.width = proposals.profile.width;
-        point.height = proposals.profile.height;
+        point.width = width * candidate.form.width_factor(point.arc_length);
+        point.height = height * candidate.form.height_factor(point.arc_length);
     }
-    let least = proposals.min_exposure;
-    let asked = if least > 0.0 { (least + EXPOSURE_MARGIN).min(1.0) } else { 0.0 };
-    match candidate.curve.min_exposure() >= asked {
-        true => Ok(candidate),
-        false => Err(Refused { why: Rejection::Exposure, run: proposals.length }),
+    let [low, high] = within(proposals.exposure);
+    match candidate.curve.min_exposure() {
+        least if least < low => return refuse(Rejection::Exposure),
+        least if least > high => return refuse(Rejection::TooOpen),
+        _ => {}
     }
+    let shares = access(proposals.surface.query, &candidate.curve, proposals.request.tool, [width, height]);
+    for (point, access) in candidate.curve.points.iter_mut().zip(shares) {
+        point.access = access;
+    }
+    if candidate.curve.mean_access() < proposals.request.min_access {
+        return refuse(Rejection::Access);
+    }
+    Ok(candidate)
+}
+
+/// A range of exposure without its ends, but for 0 and 1, which nothing passes.
+fn within([low, high]: [f64; 2]) -> [f64; 2] {
+    let margin = EXPOSURE_MARGIN.min(0.25 * (high - low));
+    [if low > 0.0 { low + margin } else { low }, if high < 1.0 { high - margin } else { high }]
 }
 
 fn finish(
     proposals: &Proposals,
-    Candidate { curve, bead, root_depth }: Candidate,
-    request: &WeldRequest,
-    (wanted, seed): (f64, u64),
+    Candidate { curve, mut bead, root_depth, profile, form }: Candidate,
+    (wanted, seed): (&Wanted, u64),
     dropped: Tally,
 ) -> Weld {
+    let request = proposals.request;
+    let (length, width) = (curve.length(), profile.width);
     let mut reasons = request.reasons.clone();
-    let (length, width) = (curve.length(), proposals.profile.width);
-    if length < wanted * (1.0 - 1e-9) {
-        reasons.push(format!("length {:.2} mm instead of {:.2} mm: nothing longer fitted", 1e3 * length, 1e3 * wanted));
-    }
-    if width < request.width {
-        let (now, asked) = (1e3 * width, 1e3 * request.width);
-        reasons.push(format!("bead width {now:.3} mm instead of {asked:.3} mm: nothing wider fitted"));
-    }
+    reasons.extend(shrunk([length, width], [wanted.length, request.width]));
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
+    let bead_volume = bead.volume();
+    let base = request.form.half_reach(profile.half_width_at(root_depth));
+    let ground = (proposals.surface.query, proposals.surface.part);
+    let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
+    let (spattered, drops) = spatter(request.form.spatter, &curve, ground, [width, base], &mut rng);
+    bead.append(&drops);
+    let defects = [form.defects(), &spattered].concat();
     Weld {
         length,
-        bead_volume: bead.volume(),
+        bead_volume,
         curvature_rms: curve.curvature_rms(),
         min_exposure: curve.min_exposure(),
+        mean_access: curve.mean_access(),
         curve,
         bead,
-        profile: proposals.profile,
+        profile,
         root_depth,
+        defects,
+        run: 0,
         seed,
         request: request.clone(),
+        wanted: *wanted,
         dropped,
         reasons,
     }
+}
+
+/// What is smaller than asked: length and width [m].
+fn shrunk([length, width]: [f64; 2], [long, wide]: [f64; 2]) -> Vec<String> {
+    let mut reasons = Vec::new();
+    if length < long * (1.0 - 1e-9) {
+        let (now, asked) = (1e3 * length, 1e3 * long);
+        reasons.push(format!("length {now:.2} mm instead of {asked:.2} mm: nothing longer fitted"));
+    }
+    if width < wide {
+        let (now, asked) = (1e3 * width, 1e3 * wide);
+        reasons.push(format!("bead width {now:.3} mm instead of {asked:.3} mm: nothing wider fitted"));
+    }
+    reasons
 }
 
 /// Lengths and sections to try in turn, without repeats.
@@ -209,7 +355,7 @@ fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
     let count = if request.may_shrink { STAGES.len() } else { 1 };
     let mut stages: Vec<(f64, BeadProfile)> = Vec::new();
     for [length, bead] in &STAGES[..count] {
-        let profile = BeadProfile::parabolic(bead * request.width, bead * request.height);
+        let profile = BeadProfile::on_face(request.shape, bead * request.width, bead * request.height);
         let stage = ((length * wanted).max(wanted.min(WIDTHS_PER_LENGTH * profile.width)), profile);
         if !stages.contains(&stage) {
             stages.push(stage);
@@ -218,16 +364,20 @@ fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
     stages
 }
 
-fn wanted_length(request: &WeldRequest, seed: u64) -> f64 {
-    let [low, high] = request.length_range;
-    let share: f64 = Pcg64Mcg::seed_from_u64(seed).random();
-    request.length.unwrap_or(low + share * (high - low))
+/// Whether to follow seams, in the order in which to try.
+fn ways(request: &WeldRequest, seed: u64) -> Vec<bool> {
+    match request.placement {
+        Placement::Surface => vec![false],
+        Placement::Seam => vec![true],
+        Placement::Mixed => {
+            let first = mix(seed, 0).is_multiple_of(2);
+            vec![first, !first]
+        }
+    }
 }
 
-/// A seed from a seed and a number (splitmix64's finaliser).
-fn mix(seed: u64, number: usize) -> u64 {
-    let z = seed.wrapping_add((number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+fn draw(request: &WeldRequest, seed: u64) -> Wanted {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut from = |[low, high]: [f64; 2]| low + rng.random::<f64>() * (high - low);
+    Wanted { length: from(request.length), curvature_rms: from(request.curvature_rms), exposure: request.exposure }
 }

@@ -1,27 +1,36 @@
 //! One proposal: a random curve, and every reason why a bead might not fit on it.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use sdf_bake::Mesh;
 
-use crate::bead::{BeadProfile, sweep};
+use crate::bead::{BeadForm, BeadProfile, sweep_formed};
 use crate::curvature::CurvatureProfile;
 use crate::curve::{CurvePoint, Stretch, WeldCurve};
 use crate::exposure::{ExposureRays, exposure};
 use crate::footprint::Footprint;
+use crate::place::Weld;
 use crate::rejection::Rejection;
+use crate::request::WeldRequest;
+use crate::strata::ExposureField;
 use crate::surface::Surface;
 use crate::trace::{TraceEnd, TraceLimits, TracePoint, TraceStart, trace};
 
 /// Points of the curve per bead width.
-const POINTS_PER_WIDTH: f64 = 16.0;
+pub(crate) const POINTS_PER_WIDTH: f64 = 16.0;
 /// Clear run kept beyond each end, in bead widths: the round ends and a little more.
-const CLEAR_WIDTHS: f64 = 0.75;
+pub(crate) const CLEAR_WIDTHS: f64 = 0.75;
 /// Largest turn [rad] of the surface's normal over half a bead width along the curve.
 const MAX_BEND: f64 = 0.6;
 /// Rays per point while proposals are judged; placed welds are measured with more.
 const JUDGING_RAYS: u32 = 64;
+/// By how much so few rays may miss the exposure.
+const JUDGING_ERROR: f64 = 0.03;
+/// Multiples of it, modulo 1, fill the unit interval evenly.
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 /// Steps of one trace at most.
 const MAX_STEPS: usize = 20_000;
 
@@ -30,11 +39,43 @@ pub(crate) struct Proposals<'a> {
     pub(crate) surface: &'a Surface<'a>,
     pub(crate) length: f64,
     pub(crate) profile: BeadProfile,
+    pub(crate) request: &'a WeldRequest,
+    /// Root mean square of the geodesic curvature [1/m].
     pub(crate) curvature_rms: f64,
-    pub(crate) curvature_max: f64,
-    pub(crate) sharp_angle: f64,
-    pub(crate) min_exposure: f64,
-    pub(crate) exposure_reach: f64,
+    /// Range of the least exposure along the curve.
+    pub(crate) exposure: [f64; 2],
+    pub(crate) field: &'a ExposureField,
+    /// Strata in which to start.
+    pub(crate) starts: &'a [u32],
+    /// Where welds are already.
+    pub(crate) taken: &'a [Taken],
+    /// Whether to follow seams.
+    pub(crate) along_seams: bool,
+}
+
+/// The ground of a weld that is already there.
+pub(crate) struct Taken {
+    points: Vec<DVec3>,
+    half_base: f64,
+}
+
+impl Taken {
+    pub(crate) fn by(weld: &Weld) -> Self {
+        let points = weld.curve.points.iter().step_by(4).map(|point| point.position).collect();
+        Self { points, half_base: weld.profile.half_width_at(weld.root_depth) }
+    }
+
+    fn is_near(&self, point: DVec3, distance: f64) -> bool {
+        self.points.iter().any(|there| there.distance(point) < distance + self.half_base)
+    }
+}
+
+/// A seed from a seed and a number (splitmix64's finaliser).
+pub(crate) fn mix(seed: u64, number: usize) -> u64 {
+    let z = seed.wrapping_add((number as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
 }
 
 /// A proposal that passed every check.
@@ -42,6 +83,8 @@ pub(crate) struct Candidate {
     pub(crate) curve: WeldCurve,
     pub(crate) bead: Mesh,
     pub(crate) root_depth: f64,
+    pub(crate) profile: BeadProfile,
+    pub(crate) form: BeadForm,
 }
 
 /// A proposal that did not.
@@ -52,34 +95,43 @@ pub(crate) struct Refused {
 }
 
 impl Proposals<'_> {
-    /// The proposal of a seed; checks go from cheap to dear.
-    pub(crate) fn propose(&self, seed: u64) -> Result<Candidate, Refused> {
-        let mut rng = Pcg64Mcg::seed_from_u64(seed);
-        let start = self.start(&mut rng);
+    /// The proposal of a number in the sequence of a seed; checks go from cheap to dear.
+    pub(crate) fn propose(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
+        if self.along_seams {
+            return self.propose_fillet(seed, number);
+        }
+        let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
+        let start = self.start(seed, number, &mut rng);
         let curve = self.run(start, &mut rng)?;
         let refuse = |why| Refused { why, run: self.length };
         self.bends_gently(&curve).map_err(refuse)?;
         self.keeps_apart(&curve).map_err(refuse)?;
-        let footprint = Footprint { mesh: self.surface.part, query: self.surface.query, profile: self.profile };
+        let footprint = Footprint { mesh: self.surface.part, query: self.surface.query, profile: self.envelope() };
         let root_depth = footprint.root_depth(&curve).map_err(refuse)?;
         self.lies_outside(&curve).map_err(refuse)?;
         self.sees_the_sky(&curve).map_err(refuse)?;
-        let bead = sweep(&curve, &self.profile, root_depth).map_err(|_| refuse(Rejection::Fold))?;
-        Ok(Candidate { curve, bead, root_depth })
+        let form = BeadForm::new(self.request.form, [self.length, self.profile.width, self.profile.height], &mut rng);
+        let bead = sweep_formed(&curve, &self.profile, &form, root_depth).map_err(|_| refuse(Rejection::Fold))?;
+        Ok(Candidate { curve, bead, root_depth, profile: self.profile, form })
     }
 
-    /// A point evenly distributed over the surface, and a direction evenly distributed over its tangents.
-    fn start(&self, rng: &mut Pcg64Mcg) -> TraceStart {
-        let target = self.surface.area() * rng.random::<f64>();
-        let face = self.surface.areas.partition_point(|sum| *sum <= target).min(self.surface.areas.len() - 1);
-        // The square root makes the density even (Osada et al. 2002).
-        let (root, share) = (rng.random::<f64>().sqrt(), rng.random::<f64>());
-        let [a, b, _] = self.surface.part.corners(face);
+    /// The section wide enough for all that the bead's form does to it.
+    fn envelope(&self) -> BeadProfile {
+        BeadProfile { width: 2.0 * self.request.form.half_reach(0.5 * self.profile.width), ..self.profile }
+    }
+
+    /// A point and a direction of its tangents; one proposal after the other goes through the strata evenly.
+    fn start(&self, seed: u64, number: usize, rng: &mut Pcg64Mcg) -> TraceStart {
+        let offset = Pcg64Mcg::seed_from_u64(seed).random::<f64>();
+        let turn = (offset + number as f64 * GOLDEN_RATIO).fract();
+        let stratum = self.starts[(turn * self.starts.len() as f64) as usize];
+        let share = self.field.share(stratum, rng.random());
+        let (face, barycentric) = self.surface.place_at(share, [rng.random(), rng.random()]);
+        let [a, b, _] = self.surface.part.corners(face as usize);
         let along = (b - a).normalize_or_zero();
-        let turn = std::f64::consts::TAU * rng.random::<f64>();
-        let heading = along * turn.cos() + self.surface.part.normal(face).cross(along) * turn.sin();
-        let barycentric = [1.0 - root, root * (1.0 - share), root * share];
-        TraceStart { face: face as u32, barycentric, heading }
+        let turn = TAU * rng.random::<f64>();
+        let heading = along * turn.cos() + self.surface.part.normal(face as usize).cross(along) * turn.sin();
+        TraceStart { face, barycentric, heading }
     }
 
     /// Traces both ways from the start until the wanted length and clear ends are there.
@@ -88,15 +140,18 @@ impl Proposals<'_> {
         let spacing = self.length / steps as f64;
         let clear = (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize;
         let reach = (steps + 2 * clear) as f64 * spacing;
-        let shape = CurvatureProfile::smooth(reach, 0.5 * self.length, self.curvature_rms, self.curvature_max, rng);
+        let correlation = self.request.correlation.unwrap_or(0.5 * self.length);
+        let (rms, max) = (self.curvature_rms, self.request.curvature_max);
+        let shape = CurvatureProfile::random(reach, correlation, rng);
         let refuse = |(end, points): (TraceEnd, usize)| Refused {
             why: Rejection::cut_short(end),
             run: points.saturating_sub(2 * clear) as f64 * spacing,
         };
-        let behind = self.room_behind(start, &shape, (steps + 2 * clear, spacing)).map_err(refuse)?;
+        let all = shape.limited_to(rms, max, [-0.5 * reach, 0.5 * reach]);
+        let behind = self.room_behind(start, &all, (steps + 2 * clear, spacing)).map_err(refuse)?;
         // Only now is it known which stretch of the profile the weld gets, and what its root mean square is.
         let first = (clear as f64 - behind as f64) * spacing;
-        let curvature = shape.scaled_to(self.curvature_rms, self.curvature_max, [first, first + self.length]);
+        let curvature = shape.limited_to(rms, max, [first, first + self.length]);
         let (back, back_end) = self.walk(start, false, &curvature, (behind, spacing));
         let (ahead, ahead_end) = self.walk(start, true, &curvature, (steps + 2 * clear - behind, spacing));
         let end = if back_end == TraceEnd::Length { ahead_end } else { back_end };
@@ -142,7 +197,7 @@ impl Proposals<'_> {
         (steps, spacing): (usize, f64),
     ) -> (Vec<TracePoint>, TraceEnd) {
         let length = steps as f64 * spacing;
-        let limits = TraceLimits { length, spacing, sharp_angle: self.sharp_angle, max_steps: MAX_STEPS };
+        let limits = TraceLimits { length, spacing, sharp_angle: self.request.sharp_angle, max_steps: MAX_STEPS };
         if ahead {
             let traced = trace(self.surface.part, &self.surface.topology, start, curvature, limits);
             return (traced.points, traced.end);
@@ -155,7 +210,7 @@ impl Proposals<'_> {
         (traced.points, traced.end)
     }
 
-    fn bends_gently(&self, curve: &WeldCurve) -> Result<(), Rejection> {
+    pub(crate) fn bends_gently(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let half_width = (0.5 * POINTS_PER_WIDTH) as usize;
         let gentle = |ends: &[CurvePoint]| {
             ends.first().zip(ends.last()).is_some_and(|(a, b)| a.normal.dot(b.normal) > MAX_BEND.cos())
@@ -164,38 +219,43 @@ impl Proposals<'_> {
         if bent { Err(Rejection::Bend) } else { Ok(()) }
     }
 
-    /// Points farther apart than 1.5 bases along the curve must be a base apart in space.
-    fn keeps_apart(&self, curve: &WeldCurve) -> Result<(), Rejection> {
-        let base = 2.0 * self.profile.half_width_at(0.25 * self.profile.height);
+    /// Points farther apart than 1.5 bases along the curve must be a base apart in space, and farther from other welds.
+    pub(crate) fn keeps_apart(&self, curve: &WeldCurve) -> Result<(), Rejection> {
+        let base = 2.0 * self.envelope().half_width_at(0.25 * self.profile.height);
         let sparse: Vec<(f64, DVec3)> = curve.points.iter().step_by(4).map(|p| (p.arc_length, p.position)).collect();
         let close = |a: &(f64, DVec3), b: &(f64, DVec3)| b.0 - a.0 > 1.5 * base && a.1.distance(b.1) < base;
         let meets = sparse.iter().enumerate().any(|(i, a)| sparse[i + 1..].iter().any(|b| close(a, b)));
-        if meets { Err(Rejection::OwnPass) } else { Ok(()) }
+        if meets {
+            return Err(Rejection::OwnPass);
+        }
+        let near = |taken: &Taken| sparse.iter().any(|(_, point)| taken.is_near(*point, 0.5 * base + self.request.gap));
+        if self.taken.iter().any(near) { Err(Rejection::OtherWeld) } else { Ok(()) }
     }
 
-    /// The winding number just above the curve must be that of open space.
-    ///
-    /// It is 1 on a face inside another body and -1 on a body turned inside out; above an open sheet it comes down to
-    /// -1/2.
+    /// Just above the curve must be open space.
     fn lies_outside(&self, curve: &WeldCurve) -> Result<(), Rejection> {
-        let outside = |point: &CurvePoint| {
-            let above = point.position + 0.05 * self.profile.height * point.normal;
-            (-0.75..0.5).contains(&self.surface.winding.winding_number(above))
-        };
+        let above = |point: &CurvePoint| point.position + 0.05 * self.profile.height * point.normal;
+        let outside = |point: &CurvePoint| self.surface.is_open_space(above(point));
         let stride = (POINTS_PER_WIDTH / 2.0) as usize;
         if curve.points.iter().step_by(stride).all(outside) { Ok(()) } else { Err(Rejection::Inside) }
     }
 
-    fn sees_the_sky(&self, curve: &WeldCurve) -> Result<(), Rejection> {
+    /// The least exposure seen with few rays must not be clearly out of range.
+    pub(crate) fn sees_the_sky(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let settings = self.rays(JUDGING_RAYS);
         let stride = (POINTS_PER_WIDTH / 2.0) as usize;
-        let free = |point: &CurvePoint| {
-            exposure(self.surface.query, point.position, point.normal, settings) >= self.min_exposure
-        };
-        if curve.points.iter().step_by(stride).all(free) { Ok(()) } else { Err(Rejection::Exposure) }
+        let [low, high] = self.exposure;
+        let mut least = 1f64;
+        for point in curve.points.iter().step_by(stride) {
+            least = least.min(exposure(self.surface.query, point.position, point.normal, settings));
+            if least < low - JUDGING_ERROR {
+                return Err(Rejection::Exposure);
+            }
+        }
+        if least <= high + JUDGING_ERROR { Ok(()) } else { Err(Rejection::TooOpen) }
     }
 
     pub(crate) fn rays(&self, rays: u32) -> ExposureRays {
-        ExposureRays { reach: self.exposure_reach, lift: 0.05 * self.profile.height, rays }
+        ExposureRays { reach: self.request.exposure_reach, lift: 0.05 * self.profile.height, rays }
     }
 }

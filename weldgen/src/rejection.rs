@@ -37,6 +37,12 @@ pub enum Rejection {
     Inside,
     /// Too little free sky.
     Exposure,
+    /// Too much free sky.
+    TooOpen,
+    /// Too few poses of the tool are free.
+    Access,
+    /// Too near to another weld.
+    OtherWeld,
     /// Neighbouring sections of the bead would cross.
     Fold,
 }
@@ -67,7 +73,10 @@ impl Rejection {
             Self::DeepRoot => "needed a root deeper than the bead is high (narrower bead)",
             Self::Thin => "were on a sheet thinner than the root (narrower bead)",
             Self::Inside => "lay on faces inside the part or turned inwards (cleaner mesh)",
-            Self::Exposure => "saw too little of the sky (lower minimum exposure)",
+            Self::Exposure => "saw too little of the sky (lower least exposure)",
+            Self::TooOpen => "saw too much of the sky (higher largest exposure)",
+            Self::Access => "left the tool too few free poses (lower least access, smaller tool)",
+            Self::OtherWeld => "came too near to another weld (fewer welds, smaller gap)",
             Self::Fold => "turned too tightly for the bead (lower curvature, narrower bead)",
         }
     }

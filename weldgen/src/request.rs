@@ -3,6 +3,9 @@
 use sdf_bake::Mesh;
 use serde::Serialize;
 
+use crate::access::ToolShape;
+use crate::bead::{BeadShape, FormRequest};
+
 /// The voxel that [`WeldRequest::for_part`] is usually given is the part's diagonal over this.
 pub const VOXELS_PER_DIAGONAL: f64 = 256.0;
 
@@ -10,78 +13,151 @@ pub const VOXELS_PER_DIAGONAL: f64 = 256.0;
 const VOXELS_PER_WIDTH: f64 = 12.0;
 /// Width [m] of an ordinary bead.
 const ORDINARY_WIDTH: f64 = 0.010;
+/// Largest root mean square of the curvature, in its maximum: a limited curve comes no nearer.
+const MOST_RMS: f64 = 0.95;
 /// Least length of a weld, in bead widths.
 pub(crate) const WIDTHS_PER_LENGTH: f64 = 3.0;
 
-/// What is asked of a weld.
+/// How hard a weld is to finish: a preset of all dials.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Difficulty {
+    /// Short, nearly straight, in the open.
+    Easy,
+    /// What [`WeldRequest::for_part`] gives.
+    #[default]
+    Medium,
+    /// Long, winding, where the part hides much of the sky if it does anywhere.
+    Hard,
+}
+
+impl Difficulty {
+    /// Ranges of length [diagonals], RMS of κ_g [1/diagonal] and exposure, and the largest κ_g [1/diagonal].
+    fn dials(self) -> ([[f64; 2]; 3], f64) {
+        match self {
+            Self::Easy => ([[0.15, 0.3], [0.0, 1.0], [0.8, 1.0]], 3.0),
+            Self::Medium => ([[0.25, 0.5], [2.0, 4.0], [0.5, 1.0]], 8.0),
+            Self::Hard => ([[0.5, 0.9], [4.0, 7.0], [0.2, 0.8]], 16.0),
+        }
+    }
+}
+
+/// Where a weld runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Placement {
+    /// On smooth ground.
+    #[default]
+    Surface,
+    /// In a concave crease, as a fillet weld; the geometry of the crease gives the curvature.
+    Seam,
+    /// In a crease or on smooth ground, as the seed has it; on the other where the one has no room.
+    Mixed,
+}
+
+/// An intermittent weld.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stitch {
+    /// Length of a bead [m].
+    pub length: f64,
+    /// Distance from the start of a bead to that of the next [m].
+    pub pitch: f64,
+}
+
+/// What is asked of a weld. Ranges are inclusive; the seed draws from those of length and curvature.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WeldRequest {
-    /// Length of the centreline [m]; `None` lets the seed choose from `length_range`.
-    pub length: Option<f64>,
-    /// Lengths [m] to choose from.
-    pub length_range: [f64; 2],
+    /// Length of the centreline [m].
+    pub length: [f64; 2],
     /// Root mean square of the geodesic curvature over the curve [1/m].
-    pub curvature_rms: f64,
-    /// Largest geodesic curvature [1/m]; it scales the whole curve's curvature down where the two disagree.
+    pub curvature_rms: [f64; 2],
+    /// Largest geodesic curvature [1/m]; the root mean square must stay below 0.95 of it.
     pub curvature_max: f64,
+    /// Correlation length of the geodesic curvature [m]; `None` takes half the length of the weld.
+    pub correlation: Option<f64>,
     /// Width of the bead [m].
     pub width: f64,
     /// Height of the bead [m].
     pub height: f64,
+    /// Where the weld runs.
+    pub placement: Placement,
+    /// Cross-section of a weld on a face.
+    pub shape: BeadShape,
+    /// Rise of a fillet's face above the chord between its toes, in widths; below 0 it is concave.
+    pub convexity: f64,
+    /// Ripples, craters and the like.
+    pub form: FormRequest,
+    /// Beads of this length, this far apart from start to start [m], instead of one along the whole curve.
+    pub stitch: Option<Stitch>,
     /// Least exposure along the curve, in [0, 1].
-    pub min_exposure: f64,
+    pub exposure: [f64; 2],
     /// What lies farther than this [m] hides nothing.
     pub exposure_reach: f64,
+    /// The tool whose access is measured.
+    pub tool: ToolShape,
+    /// Least mean tool access along the curve, in [0, 1].
+    pub min_access: f64,
     /// Edges whose normals differ by more than this [rad] are not crossed.
     pub sharp_angle: f64,
+    /// Distance [m] kept from other welds, from base to base.
+    pub gap: f64,
     /// Proposals tried at each stage.
     pub attempts: usize,
-    /// Whether a shorter weld, then a smaller bead, may be tried when nothing fits (see [`crate::place::STAGES`]).
+    /// Whether less may be tried when nothing fits: another exposure, a shorter weld, then a smaller bead (see
+    /// [`crate::place::STAGES`]).
     pub may_shrink: bool,
     /// What was chosen by default, and why, in sentences.
     pub reasons: Vec<String>,
 }
 
 impl WeldRequest {
-    /// Defaults that suit a part.
+    /// [`WeldRequest::of_difficulty`], medium.
+    pub fn for_part(part: &Mesh, voxel: f64) -> Self {
+        Self::of_difficulty(part, voxel, Difficulty::Medium)
+    }
+
+    /// Dials that suit a part.
     ///
     /// - `voxel`: voxel [m] of the bake to come; diagonal / [`VOXELS_PER_DIAGONAL`] when undecided
     ///
     /// The bead is 10 mm wide, or 1/20 of the diagonal where that is less, but never narrower than 12 voxels; it is 0.3
-    /// times as high as wide. The length is 1/4 to 1/2 of the diagonal and at least three widths. The curve turns by
-    /// about one radian over a third of the diagonal.
-    pub fn for_part(part: &Mesh, voxel: f64) -> Self {
+    /// times as high as wide. Lengths are shares of the diagonal, and at least three widths; curvatures are
+    /// multiples of 1/diagonal, and at most half of 1/width.
+    pub fn of_difficulty(part: &Mesh, voxel: f64, difficulty: Difficulty) -> Self {
         let diagonal = part.diagonal();
-        let small = ORDINARY_WIDTH.min(diagonal / 20.0);
-        let width = small.max(VOXELS_PER_WIDTH * voxel);
+        let ([lengths, curvatures, exposure], sharpest) = difficulty.dials();
+        let (width, why) = bead_width(diagonal, voxel);
         let height = 0.3 * width;
-        let least = WIDTHS_PER_LENGTH * width;
-        let length_range = [(0.25 * diagonal).max(least), (0.5 * diagonal).max(least)];
+        let length = lengths.map(|share| (share * diagonal).max(WIDTHS_PER_LENGTH * width));
+        let curvature_max = (sharpest / diagonal).min(0.5 / width);
         let mm = |x: f64| 1e3 * x;
-        let why = match (small < ORDINARY_WIDTH, width > small) {
-            (_, true) => format!("{VOXELS_PER_WIDTH} voxels of {:.4} mm, so that the bake resolves it", mm(voxel)),
-            (true, false) => "1/20 of the part's diagonal".to_owned(),
-            (false, false) => "an ordinary bead".to_owned(),
-        };
+        let [short, long] = length.map(mm);
+        let [least, most] = lengths;
         let reasons = vec![
             format!("bead width {:.3} mm: {why}; height {:.3} mm: 0.3 of the width", mm(width), mm(height)),
             format!(
-                "length {:.2} to {:.2} mm: 1/4 to 1/2 of the part's diagonal of {:.2} mm, at least 3 widths",
-                mm(length_range[0]),
-                mm(length_range[1]),
+                "length {short:.2} to {long:.2} mm: {least} to {most} of the part's diagonal of {:.2} mm, at least 3 widths",
                 mm(diagonal)
             ),
         ];
         Self {
-            length: None,
-            length_range,
-            curvature_rms: 3.0 / diagonal,
-            curvature_max: (8.0 / diagonal).min(0.5 / width),
+            length,
+            curvature_rms: curvatures.map(|c| (c / diagonal).min(MOST_RMS * curvature_max)),
+            curvature_max,
+            correlation: None,
             width,
             height,
-            min_exposure: 0.5,
+            placement: Placement::Surface,
+            shape: BeadShape::Parabolic,
+            convexity: 0.0,
+            form: FormRequest::default(),
+            stitch: None,
+            exposure,
             exposure_reach: 0.25 * diagonal,
+            tool: ToolShape::default(),
+            min_access: 0.0,
             sharp_angle: 35f64.to_radians(),
+            gap: width,
             attempts: 256,
             may_shrink: true,
             reasons,
@@ -90,26 +166,75 @@ impl WeldRequest {
 
     /// The first dial that is out of range, in words.
     pub(crate) fn fault(&self) -> Option<String> {
-        let positive = |x: f64| x.is_finite() && x > 0.0;
-        let [low, high] = self.length_range;
-        let checks = [
-            ("width", self.width, positive(self.width), "positive"),
-            ("height", self.height, positive(self.height), "positive"),
-            ("length", self.length.unwrap_or(low), positive(self.length.unwrap_or(low)), "positive"),
-            ("longest length", high, high.is_finite() && high >= low, "at least the shortest length"),
-            (
-                "curvature RMS",
-                self.curvature_rms,
-                self.curvature_rms.is_finite() && self.curvature_rms >= 0.0,
-                "0 or more",
-            ),
-            ("curvature maximum", self.curvature_max, self.curvature_max >= 0.0, "0 or more"),
-            ("minimum exposure", self.min_exposure, (0.0..=1.0).contains(&self.min_exposure), "within 0 to 1"),
-            ("exposure reach", self.exposure_reach, positive(self.exposure_reach), "positive"),
-            ("sharp angle", self.sharp_angle, positive(self.sharp_angle), "positive"),
-            ("attempts", self.attempts as f64, self.attempts > 0, "at least 1"),
-        ];
-        let bad = checks.iter().find(|(_, _, good, _)| !good);
-        bad.map(|(name, value, _, want)| format!("the {name} is {value}; it must be {want}"))
+        let checks = self.curve_checks().into_iter().chain(self.bead_checks());
+        let dial = checks.into_iter().find(|(_, _, good, _)| !good);
+        let words = dial.map(|(name, value, _, want)| format!("the {name} is {value}; it must be {want}"));
+        words.or_else(|| self.form.fault(self.width))
     }
+
+    fn curve_checks(&self) -> Vec<DialCheck> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let ordered = |[low, high]: [f64; 2], least: f64| low >= least && high >= low && high.is_finite();
+        let share = |x: f64| (0.0..=1.0).contains(&x);
+        let range = |name, [low, high]: [f64; 2], good, want| {
+            (name, if low == high { low.to_string() } else { format!("{low} to {high}") }, good, want)
+        };
+        let one = |name, value: f64, good, want| (name, value.to_string(), good, want);
+        let (rms, max) = (self.curvature_rms, self.curvature_max);
+        let correlation = self.correlation.unwrap_or(self.width);
+        vec![
+            range("length", self.length, ordered(self.length, f64::MIN_POSITIVE), "positive, the lower first"),
+            range("curvature RMS", rms, ordered(rms, 0.0), "0 or more, the lower first"),
+            one("curvature maximum", max, max >= 0.0, "0 or more"),
+            range("curvature RMS", rms, rms[1] <= MOST_RMS * max, "at most 0.95 of the curvature maximum"),
+            one("correlation length", correlation, correlation >= 0.5 * self.width, "at least half the width"),
+            range("exposure", self.exposure, self.exposure.iter().all(|&x| share(x)), "within 0 to 1"),
+            range("exposure", self.exposure, ordered(self.exposure, 0.0), "a range, the lower first"),
+            one("exposure reach", self.exposure_reach, positive(self.exposure_reach), "positive"),
+            one("tool radius", self.tool.radius, positive(self.tool.radius), "positive"),
+            one("tool width", self.tool.width, positive(self.tool.width), "positive"),
+            one("least access", self.min_access, share(self.min_access), "within 0 to 1"),
+            one("sharp angle", self.sharp_angle, positive(self.sharp_angle), "positive"),
+            one("gap", self.gap, self.gap >= 0.0, "0 or more"),
+            one("number of attempts", self.attempts as f64, self.attempts > 0, "at least 1"),
+        ]
+    }
+
+    fn bead_checks(&self) -> Vec<DialCheck> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let one = |name, value: f64, good, want| (name, value.to_string(), good, want);
+        let round = self.shape != BeadShape::CircularSegment || self.height <= 0.5 * self.width;
+        let convex = (-0.2..=0.25).contains(&self.convexity);
+        let apart = |stitch: Stitch| stitch.length >= self.width && stitch.pitch >= stitch.length + 1.5 * self.width;
+        let stitch =
+            self.stitch.map_or(String::new(), |stitch| format!("{} m every {} m", stitch.length, stitch.pitch));
+        vec![
+            one("width", self.width, positive(self.width), "positive"),
+            one("height", self.height, positive(self.height), "positive"),
+            one("height", self.height, round, "at most half of the width for a circular segment"),
+            ("shape", "fillet".to_owned(), self.shape != BeadShape::Fillet, "one for faces; fillets are for seams"),
+            one("convexity", self.convexity, convex, "within -0.2 to 0.25 widths"),
+            (
+                "stitch",
+                stitch,
+                self.stitch.is_none_or(apart),
+                "at least a width long, with at least 1.5 widths between",
+            ),
+        ]
+    }
+}
+
+/// A dial's name, its value, whether that is good, and what would be.
+type DialCheck = (&'static str, String, bool, &'static str);
+
+/// Width [m] of a bead that suits a part, and why.
+fn bead_width(diagonal: f64, voxel: f64) -> (f64, String) {
+    let small = ORDINARY_WIDTH.min(diagonal / 20.0);
+    let width = small.max(VOXELS_PER_WIDTH * voxel);
+    let why = match (small < ORDINARY_WIDTH, width > small) {
+        (_, true) => format!("{VOXELS_PER_WIDTH} voxels of {:.4} mm, so that the bake resolves it", 1e3 * voxel),
+        (true, false) => "1/20 of the part's diagonal".to_owned(),
+        (false, false) => "an ordinary bead".to_owned(),
+    };
+    (width, why)
 }

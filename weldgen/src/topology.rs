@@ -32,18 +32,16 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// Pairs the edges of a mesh; O(m log m).
+    /// Pairs the edges of a mesh in time proportional to their number.
     pub fn new(mesh: &Mesh) -> Self {
-        let mut sides: Vec<Side> =
-            mesh.triangles.iter().zip(0..).flat_map(|(corners, face)| sides(*corners, face)).collect();
-        sides.sort_unstable();
+        let normals: Vec<DVec3> = (0..mesh.triangles.len()).map(|face| mesh.normal(face)).collect();
         let mut across = vec![[Across::NonManifold; 3]; mesh.triangles.len()];
-        for group in sides.chunk_by(|a, b| a.vertices == b.vertices) {
+        for group in sorted_sides(mesh).chunk_by(|a, b| a.vertices == b.vertices) {
             match *group {
                 [one] => across[one.face as usize][usize::from(one.edge)] = Across::Boundary,
                 [one, other] if one.reversed != other.reversed => {
+                    let turn = turn(mesh, one, [one, other].map(|side| normals[side.face as usize]));
                     for (here, there) in [(one, other), (other, one)] {
-                        let turn = turn(mesh, here, there);
                         let link = Across::Face { face: there.face, edge: there.edge, turn };
                         across[here.face as usize][usize::from(here.edge)] = link;
                     }
@@ -55,7 +53,7 @@ impl Topology {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Side {
     /// The two ends, lower index first.
     vertices: [u32; 2],
@@ -65,6 +63,29 @@ struct Side {
     reversed: bool,
 }
 
+/// All sides of all triangles in order: by counting up to the lower vertex, by comparing within it.
+fn sorted_sides(mesh: &Mesh) -> Vec<Side> {
+    let all = || mesh.triangles.iter().zip(0..).flat_map(|(corners, face)| sides(*corners, face));
+    let mut ends = vec![0usize; mesh.positions.len() + 1];
+    for side in all() {
+        ends[side.vertices[0] as usize + 1] += 1;
+    }
+    for vertex in 1..ends.len() {
+        ends[vertex] += ends[vertex - 1];
+    }
+    let mut next = ends.clone();
+    let mut sorted = vec![Side::default(); 3 * mesh.triangles.len()];
+    for side in all() {
+        let place = &mut next[side.vertices[0] as usize];
+        sorted[*place] = side;
+        *place += 1;
+    }
+    for bucket in ends.windows(2) {
+        sorted[bucket[0]..bucket[1]].sort_unstable();
+    }
+    sorted
+}
+
 fn sides(corners: [u32; 3], face: u32) -> [Side; 3] {
     [0u8, 1, 2].map(|edge| {
         let (from, to) = (corners[usize::from(edge)], corners[(usize::from(edge) + 1) % 3]);
@@ -72,10 +93,9 @@ fn sides(corners: [u32; 3], face: u32) -> [Side; 3] {
     })
 }
 
-/// Signed angle [rad] from one triangle's normal to the other's about their edge.
-fn turn(mesh: &Mesh, here: Side, there: Side) -> f64 {
+/// Signed angle [rad] from one triangle's normal to the other's about their edge, as the first one walks it.
+fn turn(mesh: &Mesh, here: Side, [one, other]: [DVec3; 2]) -> f64 {
     let [from, to] = edge_ends(mesh, here.face, here.edge);
-    let (one, other) = (mesh.normal(here.face as usize), mesh.normal(there.face as usize));
     one.cross(other).dot((to - from).normalize_or_zero()).atan2(one.dot(other))
 }
 

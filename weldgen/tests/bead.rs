@@ -6,13 +6,18 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
 use sdf_bake::Mesh;
 use sdf_bake::bake::WindingTree;
 use shapes::Numbers;
-use weldgen::bead::{BeadError, BeadProfile, sweep};
+use weldgen::bead::{
+    BeadError, BeadForm, BeadProfile, BeadShape, Crater, DefectKind, FormRequest, Ripples, Weave, sweep, sweep_formed,
+};
 use weldgen::curve::{CurvePoint, WeldCurve};
 
-const PROFILE: BeadProfile = BeadProfile { width: 0.010, height: 0.003, shape: weldgen::bead::BeadShape::Parabolic };
+const PROFILE: BeadProfile =
+    BeadProfile { width: 0.010, height: 0.003, shape: weldgen::bead::BeadShape::Parabolic, toe_height: 0.0 };
 const ROOT: f64 = 0.0006;
 
 /// A curve of constant curvature in the plane z = 0, from the origin along x.
@@ -34,6 +39,7 @@ fn circular(length: f64, curvature: f64, count: u32) -> WeldCurve {
             face: 0,
             barycentric: [1.0, 0.0, 0.0],
             exposure: 1.0,
+            access: 1.0,
             width: PROFILE.width,
             height: PROFILE.height,
         }
@@ -153,4 +159,113 @@ fn too_tight_turns_and_bad_sizes_are_refused() {
     let mut folded = circular(0.05, 0.0, 50);
     folded.points.swap(20, 24);
     assert!(matches!(sweep(&folded, &PROFILE, ROOT), Err(BeadError::Folded(_))));
+}
+
+#[test]
+fn every_shape_on_a_face_has_its_width_height_toe_angle_and_volume() {
+    for (shape, toe) in [
+        (BeadShape::Parabolic, (4.0f64 * 0.3).atan()),
+        (BeadShape::CircularSegment, 2.0 * (2.0f64 * 0.3).atan()),
+        (BeadShape::Superellipse, 0.5 * PI),
+    ] {
+        let profile = BeadProfile::on_face(shape, 0.010, 0.003);
+        assert!((profile.height_at(0.0) - 0.003).abs() < 1e-15 && profile.height_at(0.005).abs() < 1e-15, "{shape:?}");
+        assert!((profile.toe_angle() - toe).abs() < 1e-12, "{shape:?}");
+        if shape != BeadShape::Superellipse {
+            let slope = -(profile.height_at(0.005) - profile.height_at(0.005 - 1e-8)) / 1e-8;
+            assert!((slope.atan() - toe).abs() < 1e-4, "{shape:?}: the outline meets the surface at {}", slope.atan());
+        }
+        let mesh = sweep(&circular(0.1, 30.0, 300), &profile, ROOT).unwrap();
+        assert_is_a_closed_ball(&mesh);
+        let missing = 1.0 - mesh.volume() / profile.swept_volume(0.1, ROOT);
+        assert!((-1e-3..3e-3).contains(&missing), "{shape:?}: {missing} of the volume is missing");
+        // The area by a sum over heights and not over the polygon.
+        let count = 4000;
+        let strip = |i: i32| {
+            let y = profile.half_width_at(ROOT) * (f64::from(i) + 0.5) / f64::from(count);
+            let z = if y < 0.005 { profile.height_at(y) } else { profile.height_at(y).min(0.0) };
+            2.0 * (z.max(-ROOT) + ROOT) * profile.half_width_at(ROOT) / f64::from(count)
+        };
+        let area = (0..count).map(strip).sum::<f64>() / profile.section_area(ROOT);
+        assert!((area - 1.0).abs() < 0.01, "{shape:?}: {area}");
+    }
+}
+
+/// A straight bead of 0.1 m with this form.
+fn formed(request: FormRequest) -> (Mesh, BeadForm) {
+    let form = BeadForm::new(request, [0.1, PROFILE.width, PROFILE.height], &mut Pcg64Mcg::seed_from_u64(4));
+    (sweep_formed(&circular(0.1, 0.0, 160), &PROFILE, &form, ROOT).unwrap(), form)
+}
+
+#[test]
+fn every_form_keeps_the_bead_closed_and_its_toes_on_the_surface() {
+    let plain = FormRequest::default();
+    let ripples = Some(Ripples { pitch: 0.004, height: 0.15, chevron: 0.4 });
+    let crater = Some(Crater { depth: 0.6, hump: 0.1 });
+    let weave = Some(Weave { amplitude: 0.002, pitch: 0.03 });
+    let all = FormRequest { ripples, crater, weave, width_variation: 0.1, height_variation: 0.1, ..plain };
+    for (name, request) in [
+        ("ripples", FormRequest { ripples, ..plain }),
+        ("crater", FormRequest { crater, ..plain }),
+        ("weave", FormRequest { weave, ..plain }),
+        ("pores", FormRequest { pores: 5, ..plain }),
+        ("sag", FormRequest { sagging: 0.5, ..plain }),
+        ("all", all),
+    ] {
+        let (mesh, form) = formed(request);
+        assert_is_a_closed_ball(&mesh);
+        let tree = WindingTree::new(&mesh);
+        let mut flat = 0;
+        for i in 1..50 {
+            let s = 0.002 * f64::from(i);
+            let toe = 0.5 * PROFILE.width * form.width_factor(s);
+            let across = |y: f64, z: f64| tree.winding_number(DVec3::new(s, form.shift(s) + y, z));
+            assert!(across(0.97 * toe, 2e-5) > 0.9 && across(1.03 * toe, 2e-5) < 0.1, "{name}: the toe is off at {s}");
+            let crown = PROFILE.height * form.relief(s, 0.0);
+            // Between two stations the rim of a pore is cut short by a chord.
+            let rim =
+                [-7e-4, 7e-4].iter().any(|step| (form.relief(s + step, 0.0) / form.relief(s, 0.0) - 1.0).abs() > 0.06);
+            if rim {
+                continue;
+            }
+            flat += 1;
+            assert!(across(0.0, 0.93 * crown) > 0.9 && across(0.0, 1.07 * crown) < 0.1, "{name}: off the crown at {s}");
+        }
+        assert!(flat > 20, "{name}: the crown was seen at {flat} places");
+    }
+}
+
+#[test]
+fn ripples_have_their_pitch_and_height_and_a_crater_its_depth() {
+    let crown = |mesh: &Mesh| -> Vec<DVec3> {
+        let along = mesh.positions.iter().filter(|p| p.y.abs() < 1e-12 && p.z > 0.0 && (0.0..=0.1).contains(&p.x));
+        along.copied().collect()
+    };
+    let (rippled, _) = formed(FormRequest {
+        ripples: Some(Ripples { pitch: 0.005, height: 0.2, chevron: 0.0 }),
+        ..FormRequest::default()
+    });
+    let heights: Vec<f64> = crown(&rippled).iter().map(|p| p.z).collect();
+    let peaks = heights.windows(3).filter(|z| z[1] > z[0] && z[1] >= z[2]).count();
+    assert!((19..=20).contains(&peaks), "{peaks} ripples on 100 mm with a pitch of 5 mm");
+    let span = heights.iter().copied().fold(0.0, f64::max) - heights.iter().copied().fold(1.0, f64::min);
+    assert!((span / (0.2 * PROFILE.height) - 1.0).abs() < 0.1, "{span}");
+    let (cratered, _) =
+        formed(FormRequest { crater: Some(Crater { depth: 0.6, hump: 0.0 }), ..FormRequest::default() });
+    let end = crown(&cratered).into_iter().find(|p| (p.x - 0.1).abs() < 1e-12).unwrap();
+    assert!((end.z - 0.4 * PROFILE.height).abs() < 1e-9, "{}", end.z);
+}
+
+#[test]
+fn pores_and_sags_are_where_the_truth_says() {
+    let (mesh, form) = formed(FormRequest { pores: 4, sagging: 0.4, ..FormRequest::default() });
+    let tree = WindingTree::new(&mesh);
+    assert_eq!(form.defects().len(), 5);
+    for defect in form.defects() {
+        assert_eq!(defect.kind.iso_6520(), if defect.kind == DefectKind::Sagging { 509 } else { 2017 });
+        let (x, y) = (defect.arc_length, defect.offset);
+        let whole = PROFILE.height_at(y);
+        let sunk = defect.depth / PROFILE.height * whole;
+        assert!(tree.winding_number(DVec3::new(x, y, whole - 0.6 * sunk)) < 0.5, "{defect:?} is filled");
+    }
 }

@@ -6,8 +6,9 @@ use glam::DVec3;
 use sdf_bake::bake::WindingTree;
 use sdf_bake::{Mesh, query::MeshQuery};
 use shapes::{cuboid, icosphere, tube};
+use weldgen::exposure::{ExposureRays, exposures};
 use weldgen::rejection::Rejection;
-use weldgen::{PlaceError, Weld, WeldRequest, place_weld};
+use weldgen::{PlaceError, Surface, Weld, WeldRequest, place_weld, place_weld_on, place_welds_on};
 
 fn request(part: &Mesh) -> WeldRequest {
     WeldRequest::for_part(part, part.diagonal() / 256.0)
@@ -23,7 +24,7 @@ fn place(part: &Mesh, request: &WeldRequest, seed: u64) -> Weld {
 fn length_and_curvature_are_what_was_asked() {
     for part in [icosphere(0.2, 4), closed_tube(), cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03))] {
         for seed in 1..=5 {
-            let ask = WeldRequest { length: Some(0.15), curvature_rms: 5.0, curvature_max: 30.0, ..request(&part) };
+            let ask = WeldRequest { length: [0.15; 2], curvature_rms: [5.0; 2], curvature_max: 30.0, ..request(&part) };
             let weld = place(&part, &ask, seed);
             assert!((weld.length - 0.15).abs() < 1e-12);
             let chords: f64 = weld.curve.points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
@@ -112,7 +113,7 @@ fn the_same_seed_gives_the_same_weld_on_one_thread_and_on_two() {
 fn an_impossible_wish_is_answered_with_the_dial_that_forbids_it() {
     let part = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.05));
     let query = MeshQuery::new(&part);
-    let long = WeldRequest { length: Some(0.9), may_shrink: false, ..request(&part) };
+    let long = WeldRequest { length: [0.9; 2], may_shrink: false, ..request(&part) };
     let Err(PlaceError::Nowhere { tally, longest_run, .. }) = place_weld(&part, &query, &long, 1) else {
         panic!("a weld of 0.9 m cannot lie on a plate of 0.3 m");
     };
@@ -121,6 +122,11 @@ fn an_impossible_wish_is_answered_with_the_dial_that_forbids_it() {
     assert!(longest_run > 0.2 && longest_run < 0.9, "{longest_run}");
     let message = place_weld(&part, &query, &long, 1).unwrap_err().to_string();
     assert!(message.contains("sharp edge") && message.contains("shorter length"), "{message}");
+    // What is offered in its place is true.
+    let (_, offer) = message.split_once("the length is impossible: ").unwrap();
+    let length = 1e-3 * offer.split_once(" mm fits").unwrap().0.parse::<f64>().unwrap();
+    assert!((0.05..0.36).contains(&length), "{length}");
+    place(&part, &WeldRequest { length: [length; 2], ..long.clone() }, 1);
 
     let shrunk = place(&part, &WeldRequest { may_shrink: true, ..long.clone() }, 1);
     assert!(shrunk.length < 0.9 && shrunk.reasons.iter().any(|reason| reason.contains("instead of 900.00 mm")));
@@ -128,7 +134,7 @@ fn an_impossible_wish_is_answered_with_the_dial_that_forbids_it() {
     // In a narrow slot the sky is narrow, whatever the curve.
     let mut slot = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.05, 0.01));
     slot.append(&cuboid(DVec3::new(0.0, -0.01, -0.05), DVec3::new(0.3, 0.0, 0.3)));
-    let open = WeldRequest { min_exposure: 1.0, exposure_reach: 10.0, may_shrink: false, ..request(&slot) };
+    let open = WeldRequest { exposure: [1.0; 2], exposure_reach: 10.0, may_shrink: false, ..request(&slot) };
     let from_floor = place_weld(&slot, &MeshQuery::new(&slot), &open, 1);
     assert!(from_floor.is_err() || from_floor.unwrap().min_exposure > 0.999);
 }
@@ -140,8 +146,8 @@ fn dials_out_of_range_and_parts_without_surface_are_named() {
     let good = request(&part);
     for (bad, name) in [
         (WeldRequest { width: f64::NAN, ..good.clone() }, "width"),
-        (WeldRequest { length: Some(-1.0), ..good.clone() }, "length"),
-        (WeldRequest { min_exposure: 1.5, ..good.clone() }, "exposure"),
+        (WeldRequest { length: [-1.0; 2], ..good.clone() }, "length"),
+        (WeldRequest { exposure: [0.5, 1.5], ..good.clone() }, "exposure"),
         (WeldRequest { curvature_max: f64::NAN, ..good.clone() }, "curvature"),
         (WeldRequest { attempts: 0, ..good.clone() }, "attempts"),
     ] {
@@ -159,11 +165,8 @@ fn dials_out_of_range_and_parts_without_surface_are_named() {
 fn inside_out_bodies_and_hidden_faces_get_no_weld() {
     let solid = cuboid(DVec3::ZERO, DVec3::splat(0.2));
     let turned = Mesh { triangles: solid.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..solid };
-    let ask = WeldRequest { min_exposure: 0.0, ..request(&turned) };
-    let Err(PlaceError::Nowhere { tally, .. }) = place_weld(&turned, &MeshQuery::new(&turned), &ask, 1) else {
-        panic!("a weld was laid on the inside of a solid");
-    };
-    assert!(tally.of(Rejection::Inside) > 0, "{tally}");
+    let ask = WeldRequest { exposure: [0.0, 1.0], ..request(&turned) };
+    assert_eq!(place_weld(&turned, &MeshQuery::new(&turned), &ask, 1).unwrap_err(), PlaceError::Hidden);
 }
 
 #[test]
@@ -177,5 +180,85 @@ fn a_thin_sheet_gets_a_bead_whose_root_stays_within_it() {
         let on_top = (low.z - (thickness - root)).abs() < 1e-12 && (high.z - (thickness + height)).abs() < 1e-12;
         let below = (low.z + height).abs() < 1e-12 && (high.z - root).abs() < 1e-12;
         assert!(root < thickness && (on_top || below), "the bead spans {} to {}", low.z, high.z);
+    }
+}
+
+#[test]
+fn dials_that_a_part_cannot_offer_are_named_with_what_it_offers() {
+    let part = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.05));
+    let query = MeshQuery::new(&part);
+    let shade = WeldRequest { exposure: [0.1, 0.4], may_shrink: false, ..request(&part) };
+    let Err(PlaceError::Exposure { offered, .. }) = place_weld(&part, &query, &shade, 1) else {
+        panic!("a box hides nothing");
+    };
+    assert_eq!(offered, [1.0, 1.0]);
+    let told = place(&part, &WeldRequest { may_shrink: true, ..shade }, 1);
+    assert!(told.reasons.iter().any(|reason| reason.contains("exposure 1.00 instead of 0.10 to 0.40")), "{told:?}");
+}
+
+#[test]
+fn exposure_is_within_the_range_when_measured_with_sixteen_times_the_rays() {
+    // A floor between two walls: the nearer to a wall, the less sky.
+    let mut channel = cuboid(DVec3::new(0.0, 0.0, -0.02), DVec3::new(0.4, 0.2, 0.0));
+    channel.append(&cuboid(DVec3::new(0.0, -0.02, -0.02), DVec3::new(0.4, 0.0, 0.15)));
+    channel.append(&cuboid(DVec3::new(0.0, 0.2, -0.02), DVec3::new(0.4, 0.22, 0.15)));
+    let query = MeshQuery::new(&channel);
+    let surface = Surface::new(&channel, &query);
+    for (seed, exposure) in [(1, [0.55, 0.62]), (2, [0.62, 0.7]), (3, [0.74, 0.78]), (4, [0.9, 1.0])] {
+        let ask = WeldRequest {
+            exposure,
+            length: [0.05; 2],
+            width: 0.008,
+            height: 0.002,
+            may_shrink: false,
+            ..request(&channel)
+        };
+        let weld = place_weld_on(&surface, &ask, seed).unwrap();
+        let fine = ExposureRays { reach: ask.exposure_reach, lift: 0.05 * weld.profile.height, rays: 16 * 256 };
+        let places: Vec<_> = weld.curve.points.iter().map(|point| (point.position, point.normal)).collect();
+        let least = exposures(&query, &places, fine).into_iter().fold(1.0, f64::min);
+        assert!((exposure[0]..=exposure[1]).contains(&least), "{least} is not within {exposure:?}");
+    }
+}
+
+#[test]
+fn several_welds_keep_their_gap_and_the_first_is_that_of_one() {
+    let part = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.05));
+    let query = MeshQuery::new(&part);
+    let surface = Surface::new(&part, &query);
+    let ask = WeldRequest { length: [0.06; 2], gap: 0.02, ..request(&part) };
+    let welds = place_welds_on(&surface, &ask, 4, 3).unwrap();
+    assert_eq!(welds[0].curve, place_weld_on(&surface, &ask, 3).unwrap().curve);
+    for (i, one) in welds.iter().enumerate() {
+        for other in &welds[i + 1..] {
+            let bases: f64 = [one, other].iter().map(|weld| weld.profile.half_width_at(weld.root_depth)).sum();
+            let pairs = one
+                .curve
+                .points
+                .iter()
+                .flat_map(|a| other.curve.points.iter().map(|b| a.position.distance(b.position)));
+            let gap = pairs.fold(f64::INFINITY, f64::min) - bases;
+            // Every fourth point is held against every fourth point.
+            assert!(gap > 0.02 - 0.002, "the bases are {gap} m apart");
+        }
+    }
+    assert!(place_welds_on(&surface, &WeldRequest { gap: 0.3, ..ask }, 4, 3).is_err());
+}
+
+#[test]
+fn a_tight_limit_keeps_both_the_root_mean_square_and_the_maximum() {
+    let part = cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03));
+    for seed in 1..=5 {
+        let ask = WeldRequest {
+            length: [0.12; 2],
+            curvature_rms: [9.0; 2],
+            curvature_max: 10.0,
+            correlation: Some(0.02),
+            ..request(&part)
+        };
+        let weld = place(&part, &ask, seed);
+        let largest = weld.curve.points.iter().map(|point| point.geodesic_curvature.abs()).fold(0.0, f64::max);
+        assert!((weld.curvature_rms / 9.0 - 1.0).abs() < 0.01, "{}", weld.curvature_rms);
+        assert!(largest <= 10.0 + 1e-12, "{largest}");
     }
 }

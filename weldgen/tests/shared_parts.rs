@@ -1,4 +1,4 @@
-//! Welds on real parts: every mesh of the shared folder, five seeds each.
+//! Welds on real parts: every mesh of the shared folder, four welds of three difficulties each.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;
 use sdf_bake::read::{UnitChoice, read_mesh};
 use weldgen::exposure::{ExposureRays, exposure};
-use weldgen::{Surface, Weld, WeldRequest, place_weld_on};
+use weldgen::{Difficulty, Surface, Weld, WeldRequest, place_weld_on};
 
 /// The meshes of the shared folder, sorted. Says aloud when there is none, and fails where they were promised.
 fn shared_parts() -> Vec<PathBuf> {
@@ -38,6 +38,22 @@ fn edge_counts(mesh: &Mesh) -> HashMap<(u32, u32), i32> {
     edges
 }
 
+/// The dials: length and curvature are those asked, unless a shorter weld had to do; where three points lie in one face,
+/// the circle through them has the curvature stated.
+fn check_dials(weld: &Weld) {
+    let shorter = weld.reasons.iter().any(|reason| reason.starts_with("length") && reason.contains("instead of"));
+    assert!(shorter || (weld.length / weld.wanted.length - 1.0).abs() < 1e-3, "{} m long", weld.length);
+    let asked = weld.wanted.curvature_rms;
+    assert!((weld.curvature_rms - asked).abs() <= 0.01 * asked, "{} 1/m instead of {asked}", weld.curvature_rms);
+    for three in weld.curve.points.windows(3).filter(|three| three.iter().all(|point| point.face == three[0].face)) {
+        let [a, b, c] = [0, 1, 2].map(|i| three[i].position);
+        let (ab, bc) = (b - a, c - b);
+        let found = 2.0 * ab.cross(bc).length() / (ab.length() * bc.length() * (c - a).length());
+        let stated = three[1].geodesic_curvature.abs();
+        assert!((found - stated).abs() < 0.01 * asked + 1e-6, "{found} 1/m where {stated} is stated");
+    }
+}
+
 /// Every directed edge once, and once the other way: closed, two faces an edge, turned alike.
 fn is_closed(mesh: &Mesh) -> bool {
     let edges = edge_counts(mesh);
@@ -46,6 +62,7 @@ fn is_closed(mesh: &Mesh) -> bool {
 
 fn check(weld: &Weld, part: &Mesh, query: &MeshQuery, winding: Option<&WindingTree>) {
     weld.curve.validate(part).unwrap();
+    check_dials(weld);
     for point in &weld.curve.points {
         assert!(query.closest(point.position).distance < 1e-9 * part.diagonal());
     }
@@ -56,7 +73,9 @@ fn check(weld: &Weld, part: &Mesh, query: &MeshQuery, winding: Option<&WindingTr
     let fine = ExposureRays { reach: weld.request.exposure_reach, lift: 0.05 * weld.profile.height, rays: 16 * 256 };
     let least = weld.curve.points.iter().min_by(|a, b| a.exposure.total_cmp(&b.exposure)).unwrap();
     let exposure = exposure(query, least.position, least.normal, fine);
-    assert!(exposure >= weld.request.min_exposure, "exposure {exposure} by 16 times the rays");
+    let [low, high] =
+        if weld.reasons.iter().any(|r| r.starts_with("exposure")) { [0.0, 1.0] } else { weld.wanted.exposure };
+    assert!((low..=high).contains(&exposure), "exposure {exposure} by 16 times the rays");
     let base = weld.profile.half_width_at(weld.root_depth);
     for point in &weld.curve.points {
         let toes = [-base, base].map(|side| point.position + side * point.side - weld.root_depth * point.normal);
@@ -75,8 +94,10 @@ fn every_shared_part_gets_a_weld_with_every_seed() {
         let query = MeshQuery::new(&part);
         let surface = Surface::new(&part, &query);
         let winding = is_closed(&part).then(|| WindingTree::new(&part));
-        let request = WeldRequest::for_part(&part, part.diagonal() / 256.0);
-        for seed in 1..=5 {
+        for (seed, difficulty) in
+            (1..).zip([Difficulty::Medium, Difficulty::Easy, Difficulty::Hard, Difficulty::Medium])
+        {
+            let request = WeldRequest::of_difficulty(&part, part.diagonal() / 256.0, difficulty);
             match place_weld_on(&surface, &request, seed) {
                 Ok(weld) => {
                     check(&weld, &part, &query, winding.as_ref());

@@ -1,15 +1,16 @@
 //! From a curve and a section to a closed mesh.
 
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
 use sdf_bake::Mesh;
 use thiserror::Error;
 
-use super::BeadProfile;
+use super::{BeadForm, BeadProfile, BeadShape, FormRequest};
 use crate::curve::{CurvePoint, WeldCurve};
 
-/// Segments of the outline from toe to toe; even, so that one vertex is the crown.
-const OUTLINE_SEGMENTS: usize = 32;
-/// Segments of the outline between a toe and the root.
-const ROOT_SEGMENTS: usize = 2;
 /// Steps of half a turn around each end.
 const CAP_STEPS: usize = 24;
 /// Largest curvature times half the width of the bead's base.
@@ -57,23 +58,47 @@ pub enum BeadError {
 /// Both ends are half of the section's solid of revolution about the normal. Sections are as dense as the curve's
 /// points and chords cut the outline, so the volume is short of the closed form by about 0.1 %.
 pub fn sweep(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<Mesh, BeadError> {
-    check(curve, profile, root_depth)?;
-    let outline = outline(profile, root_depth);
-    let mut builder = Builder { outline, root_depth, mesh: Mesh::default() };
+    let plain = BeadForm::new(
+        FormRequest::default(),
+        [curve.length(), profile.width, profile.height],
+        &mut Pcg64Mcg::seed_from_u64(0),
+    );
+    sweep_formed(curve, profile, &plain, root_depth)
+}
+
+/// As [`sweep`], with ripples, craters and the like.
+///
+/// A fillet ends in sections that shrink in a half ellipse instead, because its walls go on.
+pub fn sweep_formed(
+    curve: &WeldCurve,
+    profile: &BeadProfile,
+    form: &BeadForm,
+    root_depth: f64,
+) -> Result<Mesh, BeadError> {
+    check(curve, profile, form, root_depth)?;
+    let half = profile.half_outline(root_depth);
+    let right = half.iter().skip(1).rev().map(|&(y, z)| (-y, z));
+    let outline = right.chain(half.iter().copied()).collect();
+    let mut builder = Builder { outline, toe_height: profile.toe_height, root_depth, form, mesh: Mesh::default() };
     for point in &curve.points {
-        builder.section(point);
+        builder.section(point, 1.0);
     }
     let last = curve.points.len() - 1;
     for section in 0..last {
-        builder.join(section);
+        builder.join([section as u32 * builder.stride(), (section as u32 + 1) * builder.stride()]);
     }
-    builder.cap(&curve.points[last], last, 1.0);
-    builder.cap(&curve.points[0], 0, -1.0);
+    for (section, ahead) in [(last, 1.0), (0, -1.0)] {
+        let point = &curve.points[section];
+        match profile.shape {
+            BeadShape::Fillet => builder.taper(point, section, ahead * 0.5 * profile.width),
+            _ => builder.cap(point, section, ahead),
+        }
+    }
     builder.fits(curve)?;
     Ok(builder.mesh)
 }
 
-fn check(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<(), BeadError> {
+fn check(curve: &WeldCurve, profile: &BeadProfile, form: &BeadForm, root_depth: f64) -> Result<(), BeadError> {
     let (width, height) = (profile.width, profile.height);
     if ![width, height, root_depth].iter().all(|x| x.is_finite() && *x > 0.0) {
         return Err(BeadError::Dimension { width, height, root_depth });
@@ -81,7 +106,7 @@ fn check(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<()
     if curve.points.len() < 2 {
         return Err(BeadError::TooShort(curve.points.len()));
     }
-    let base = profile.half_width_at(root_depth);
+    let base = form.half_reach(profile.half_width_at(root_depth));
     for point in &curve.points {
         let product = point.geodesic_curvature.abs() * base;
         let opens = product < TIGHTEST_TURN;
@@ -93,43 +118,67 @@ fn check(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<()
     Ok(())
 }
 
-/// (y, z) [m] of the outline from the right end of the root over the crown to the left end; symmetric.
-fn outline(profile: &BeadProfile, root_depth: f64) -> Vec<(f64, f64)> {
-    let (toe, base) = (0.5 * profile.width, profile.half_width_at(root_depth));
-    let half = OUTLINE_SEGMENTS / 2;
-    let above = (0..=half).map(|i| toe * i as f64 / half as f64);
-    let below = (1..=ROOT_SEGMENTS).map(|i| toe + (base - toe) * i as f64 / ROOT_SEGMENTS as f64);
-    let left: Vec<(f64, f64)> = above.chain(below).map(|y| (y, profile.height_at(y))).collect();
-    let right = left.iter().skip(1).rev().map(|&(y, z)| (-y, z));
-    right.chain(left.iter().copied()).collect()
-}
-
 /// Vertices are laid out by section: the outline from right to left, then the middle of the root.
-struct Builder {
+struct Builder<'a> {
     outline: Vec<(f64, f64)>,
+    toe_height: f64,
     root_depth: f64,
+    form: &'a BeadForm,
     mesh: Mesh,
 }
 
-impl Builder {
+impl Builder<'_> {
     fn stride(&self) -> u32 {
         self.outline.len() as u32 + 1
     }
 
-    fn section(&mut self, point: &CurvePoint) {
-        let place = |&(y, z): &(f64, f64)| point.position + y * point.side + z * point.normal;
-        self.mesh.positions.extend(self.outline.iter().map(place));
-        self.mesh.positions.push(point.position - self.root_depth * point.normal);
+    /// Height [m] of an outline's point with the bead's form; what is at the toes or below stays.
+    fn formed(&self, s: f64, (y, z): (f64, f64)) -> f64 {
+        let above = z - self.toe_height;
+        if above > 0.0 { self.toe_height + above * self.form.relief(s, y) } else { z }
+    }
+
+    /// A section, scaled about the centreline.
+    fn section(&mut self, point: &CurvePoint, scale: f64) {
+        let s = point.arc_length;
+        let (factor, shift) = (self.form.width_factor(s), self.form.shift(s));
+        let place = |&(y, z): &(f64, f64)| {
+            let side = shift + scale * factor * y;
+            point.position + side * point.side + scale * self.formed(s, (y, z)) * point.normal
+        };
+        let vertices: Vec<DVec3> = self.outline.iter().map(place).collect();
+        self.mesh.positions.extend(vertices);
+        self.mesh.positions.push(point.position + shift * point.side - scale * self.root_depth * point.normal);
     }
 
     /// Quads between a section and the next, around the whole outline and back along the root.
-    fn join(&mut self, section: usize) {
-        let (near, far) = (section as u32 * self.stride(), (section as u32 + 1) * self.stride());
+    fn join(&mut self, [near, far]: [u32; 2]) {
         let count = self.stride();
         for j in 0..count {
             let next = (j + 1) % count;
             self.mesh.triangles.push([near + j, far + next, near + next]);
             self.mesh.triangles.push([near + j, far + j, far + next]);
+        }
+    }
+
+    /// Sections that shrink in a half ellipse of length `reach` [m], negative at the start, to a point.
+    fn taper(&mut self, point: &CurvePoint, section: usize, reach: f64) {
+        let count = self.stride();
+        let mut near = section as u32 * count;
+        for step in 1..CAP_STEPS {
+            let (sin, cos) = (0.5 * PI * step as f64 / CAP_STEPS as f64).sin_cos();
+            let far = self.mesh.positions.len() as u32;
+            self.section(&CurvePoint { position: point.position + reach * sin * point.tangent, ..*point }, cos);
+            self.join(if reach > 0.0 { [near, far] } else { [far, near] });
+            near = far;
+        }
+        let tip = self.mesh.positions.len() as u32;
+        let shift = self.form.shift(point.arc_length);
+        self.mesh.positions.push(point.position + reach * point.tangent + shift * point.side);
+        for j in 0..count {
+            let next = (j + 1) % count;
+            let [one, other] = if reach > 0.0 { [near + next, near + j] } else { [near + j, near + next] };
+            self.mesh.triangles.push([one, other, tip]);
         }
     }
 
@@ -163,11 +212,18 @@ impl Builder {
     /// The turn goes counter-clockwise seen from above: from the right over the front at the last section, from the
     /// left over the back at the first.
     fn meridian(&mut self, point: &CurvePoint, crown: usize, ahead: f64, step: usize) -> Vec<u32> {
-        let (sin, cos) = (std::f64::consts::PI * step as f64 / CAP_STEPS as f64).sin_cos();
+        let (sin, cos) = (PI * step as f64 / CAP_STEPS as f64).sin_cos();
         let out = ahead * (sin * point.tangent - cos * point.side);
         let first = self.mesh.positions.len() as u32;
-        let place = |&(y, z): &(f64, f64)| point.position + y * out + z * point.normal;
-        self.mesh.positions.extend(self.outline[crown + 1..].iter().map(place));
+        let s = point.arc_length;
+        let centre = point.position + self.form.shift(s) * point.side;
+        let factor = self.form.width_factor(s);
+        let place = |&(y, z): &(f64, f64)| {
+            let height = self.formed(s + ahead * sin * y, (-ahead * cos * y, z));
+            centre + factor * y * out + height * point.normal
+        };
+        let vertices: Vec<DVec3> = self.outline[crown + 1..].iter().map(place).collect();
+        self.mesh.positions.extend(vertices);
         (first..self.mesh.positions.len() as u32).collect()
     }
 

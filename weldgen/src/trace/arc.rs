@@ -34,7 +34,7 @@ impl Arc {
         self.start + half * sum
     }
 
-    fn is_straight(&self) -> bool {
+    pub(super) fn is_straight(&self) -> bool {
         self.curvature == 0.0 && self.slope == 0.0
     }
 
@@ -58,6 +58,10 @@ impl Arc {
         if self.is_straight() {
             let (height, rise) = (along.perp_dot(self.start - on), along.perp_dot(self.heading));
             return (rise < 0.0 && height + rise * length < -slack).then(|| (-height / rise).max(0.0));
+        }
+        // The line is out of reach: no point of the arc is farther from its start than its length.
+        if along.perp_dot(self.start - on) > length {
+            return None;
         }
         let height = |s: f64| along.perp_dot(self.point(s) - on);
         let rise = |s: f64| along.perp_dot(self.heading_at(s));

@@ -3,6 +3,8 @@
 use glam::{DVec2, DVec3};
 use sdf_bake::Mesh;
 
+use super::strip::Entry;
+
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FlatFace {
     pub(super) face: u32,
@@ -11,48 +13,67 @@ pub(super) struct FlatFace {
     pub(super) along: [DVec2; 3],
     lengths: [f64; 3],
     space: [DVec3; 3],
-    axes: [DVec3; 3],
     /// Distance [m] that rounding may put a point outside.
     pub(super) slack: f64,
 }
+
+/// A point this many times [`FlatFace::slack`] from a corner, or nearer, is at the corner.
+const CORNER_SLACKS: f64 = 100.0;
+/// Rounding of a heading [rad] that walks along an edge.
+const ALONG_EDGE: f64 = 1e-9;
 
 impl FlatFace {
     /// `None` for a triangle without area.
     pub(super) fn new(mesh: &Mesh, face: u32) -> Option<Self> {
         let space @ [a, b, c] = mesh.corners(face as usize);
-        let normal = (b - a).cross(c - a).try_normalize()?;
-        let x = (b - a).try_normalize()?;
-        let y = normal.cross(x);
-        let corners = [DVec2::ZERO, DVec2::new((b - a).length(), 0.0), DVec2::new((c - a).dot(x), (c - a).dot(y))];
-        let edges = [0, 1, 2].map(|i| corners[(i + 1) % 3] - corners[i]);
-        let lengths = edges.map(DVec2::length);
-        let proper = corners[2].y > 0.0 && lengths.iter().all(|length| *length > 0.0);
-        proper.then(|| Self {
-            face,
-            corners,
-            along: [0, 1, 2].map(|i| edges[i] / lengths[i]),
-            lengths,
-            space,
-            axes: [x, y, normal],
-            slack: 1e-13 * lengths.iter().fold(0.0, |max: f64, length| max.max(*length)),
-        })
+        let base = (b - a).length();
+        let apex = DVec2::new((c - a).dot(b - a), (b - a).cross(c - a).length()) / base;
+        if !(base > 0.0 && apex.y > 0.0 && apex.is_finite()) {
+            return None;
+        }
+        let corners = [DVec2::ZERO, DVec2::new(base, 0.0), apex];
+        let lengths = [base, (apex - corners[1]).length(), apex.length()];
+        let along = [DVec2::X, (apex - corners[1]) / lengths[1], -apex / lengths[2]];
+        let slack = 1e-13 * lengths.iter().fold(0.0, |max: f64, length| max.max(*length));
+        Some(Self { face, corners, along, lengths, space, slack })
+    }
+
+    /// Unit vectors in space along the first edge, square to it towards the third corner, and out of the part.
+    pub(super) fn axes(&self) -> [DVec3; 3] {
+        let [a, b, c] = self.space;
+        let normal = (b - a).cross(c - a).normalize();
+        let x = (b - a) / self.lengths[0];
+        [x, normal.cross(x), normal]
     }
 
     pub(super) fn start(&self, edge: usize) -> DVec2 {
         self.corners[edge]
     }
 
-    pub(super) fn normal(&self) -> DVec3 {
-        self.axes[2]
+    /// The end of an edge that a point of it lies at, if any.
+    pub(super) fn corner_at(&self, edge: usize, point: DVec2) -> Option<usize> {
+        let reach = (CORNER_SLACKS * self.slack).powi(2);
+        let near = |corner: &usize| point.distance_squared(self.corners[*corner]) <= reach;
+        [edge, (edge + 1) % 3].into_iter().find(near)
+    }
+
+    /// Angle [rad] from the edge that leaves a corner to a direction; `None` unless it points into the triangle.
+    pub(super) fn angle_within(&self, corner: usize, direction: DVec2) -> Option<f64> {
+        let (first, last) = (self.along[corner], -self.along[(corner + 2) % 3]);
+        let angle_to = |other: DVec2| first.perp_dot(other).atan2(first.dot(other));
+        let angle = angle_to(direction);
+        (-ALONG_EDGE..=angle_to(last) + ALONG_EDGE).contains(&angle).then_some(angle)
+    }
+
+    /// A corner, and the direction at this angle [rad] from the edge that leaves it.
+    pub(super) fn ray_from(&self, corner: usize, angle: f64) -> (DVec2, DVec2) {
+        (self.corners[corner], DVec2::from_angle(angle).rotate(self.along[corner]))
     }
 
     /// A direction in space, projected to the triangle's plane; `None` when it is along the normal.
     pub(super) fn flatten(&self, direction: DVec3) -> Option<DVec2> {
-        DVec2::new(direction.dot(self.axes[0]), direction.dot(self.axes[1])).try_normalize()
-    }
-
-    pub(super) fn raise(&self, direction: DVec2) -> DVec3 {
-        direction.x * self.axes[0] + direction.y * self.axes[1]
+        let [x, y, _] = self.axes();
+        DVec2::new(direction.dot(x), direction.dot(y)).try_normalize()
     }
 
     /// The point with the given weights.
@@ -69,6 +90,19 @@ impl FlatFace {
 
     pub(super) fn position(&self, weights: [f64; 3]) -> DVec3 {
         weights[0] * self.space[0] + weights[1] * self.space[1] + weights[2] * self.space[2]
+    }
+
+    /// A point of an edge and a heading, relative to that edge.
+    pub(super) fn entry(&self, edge: usize, point: DVec2, heading: DVec2) -> Entry {
+        let along = self.along[edge];
+        let at = (point - self.corners[edge]).dot(along);
+        Entry { face: self.face, edge, at, heading: DVec2::new(along.dot(heading), along.perp_dot(heading)) }
+    }
+
+    /// The inverse of [`FlatFace::entry`].
+    pub(super) fn at_entry(&self, entry: Entry) -> (DVec2, DVec2) {
+        let along = self.along[entry.edge];
+        (self.corners[entry.edge] + entry.at * along, along.rotate(entry.heading).normalize())
     }
 
     /// Point and heading carried over an edge into the neighbour, where the same edge runs the other way.

@@ -2,13 +2,14 @@
 //!
 //! Within a triangle the curve is planar and its heading turns by κ_g per arc length. At an edge the next triangle is
 //! unfolded into the plane of the last one, so with κ_g = 0 the curve is the straightest geodesic of Polthier &
-//! Schmies (1998) away from vertices. Everything happens in flat coordinates: the result is exact to rounding on the
-//! polyhedron, however long and thin its triangles are.
-//!
-//! A curve that meets a vertex to within rounding passes it on the side that rounding chose.
+//! Schmies (1998); a curve that meets a vertex goes on with as much angle on its left as on its right, which is their
+//! definition. Everything happens in flat coordinates: the result is exact to rounding on the polyhedron, however long
+//! and thin its triangles are.
 
 mod arc;
 mod face;
+mod fan;
+mod strip;
 
 use glam::{DVec2, DVec3};
 use sdf_bake::Mesh;
@@ -17,6 +18,8 @@ use crate::curvature::CurvatureProfile;
 use crate::topology::{Across, Topology};
 use arc::{Arc, LARGEST_TURN};
 use face::FlatFace;
+use fan::Fan;
+use strip::follow;
 
 /// Where a trace starts.
 #[derive(Clone, Copy, Debug)]
@@ -106,15 +109,15 @@ pub fn trace(
     }
     let mut walker = Walker { mesh, topology, limits, face, point: face.lay(start.barycentric), heading };
     trace.points.push(walker.record());
-    let mut steps = 0;
+    let mut arcs = 0;
     trace.end = loop {
         if trace.length >= limits.length {
             break TraceEnd::Length;
         }
-        if steps == limits.max_steps {
+        if arcs + trace.crossings >= limits.max_steps {
             break TraceEnd::Steps;
         }
-        steps += 1;
+        arcs += 1;
         if let Err(end) = walker.step(curvature, &mut trace) {
             break end;
         }
@@ -146,7 +149,14 @@ impl Walker<'_> {
             trace.length += length;
             (self.point, self.heading) = (arc.point(length), arc.heading_at(length));
             trace.crossings += 1;
-            return self.cross(edge);
+            let corner = self.face.corner_at(edge, self.point);
+            let back = corner.and_then(|corner| Some((corner, self.face.angle_within(corner, -self.heading)?)));
+            if let Some((corner, back)) = back {
+                return self.pass(corner, back);
+            }
+            let entered = self.cross(edge)?;
+            let reach = to_target.min(stretch.left) - length;
+            return if arc.is_straight() { self.follow(entered, reach, trace) } else { Ok(()) };
         }
         (self.point, self.heading) = (arc.point(step), arc.heading_at(step));
         trace.length = if step == to_target { target } else { (trace.length + step).min(target) };
@@ -161,7 +171,8 @@ impl Walker<'_> {
         (0..3).filter_map(|edge| Some((leaves(edge)?, edge))).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    fn cross(&mut self, edge: usize) -> Result<(), TraceEnd> {
+    /// Goes over an edge; answers with the edge of the next triangle that was entered by.
+    fn cross(&mut self, edge: usize) -> Result<usize, TraceEnd> {
         let (next, next_edge) = match self.topology.across[self.face.face as usize][edge] {
             Across::Boundary => return Err(TraceEnd::Boundary),
             Across::NonManifold => return Err(TraceEnd::NonManifold),
@@ -171,17 +182,41 @@ impl Walker<'_> {
         let next = FlatFace::new(self.mesh, next).ok_or(TraceEnd::Degenerate)?;
         (self.point, self.heading) = self.face.unfold(edge, self.point, self.heading, &next, next_edge);
         self.face = next;
+        Ok(next_edge)
+    }
+
+    /// Goes straight on from an edge that was just crossed, over whole triangles.
+    fn follow(&mut self, edge: usize, reach: f64, trace: &mut Trace) -> Result<(), TraceEnd> {
+        let most = self.limits.max_steps.saturating_sub(trace.crossings);
+        let entry = self.face.entry(edge, self.point, self.heading);
+        let followed = follow((self.mesh, self.topology), entry, (reach, self.limits.sharp_angle, most));
+        if followed.crossings > 0 {
+            trace.length += followed.length;
+            trace.crossings += followed.crossings;
+            self.face = FlatFace::new(self.mesh, followed.entry.face).ok_or(TraceEnd::Degenerate)?;
+            (self.point, self.heading) = self.face.at_entry(followed.entry);
+        }
+        Ok(())
+    }
+
+    /// Goes on through a corner of the triangle, entered from the angle `back` off the edge that leaves it.
+    fn pass(&mut self, corner: usize, back: f64) -> Result<(), TraceEnd> {
+        let fan = Fan::around(self.mesh, self.topology, self.face.face, corner)?;
+        let way = fan.opposite(back, self.limits.sharp_angle).ok_or(TraceEnd::Sharp)?;
+        self.face = FlatFace::new(self.mesh, way.face).ok_or(TraceEnd::Degenerate)?;
+        (self.point, self.heading) = self.face.ray_from(way.corner, way.angle);
         Ok(())
     }
 
     fn record(&self) -> TracePoint {
+        let [x, y, normal] = self.face.axes();
         let barycentric = self.face.barycentric(self.point);
         TracePoint {
             face: self.face.face,
             barycentric,
             position: self.face.position(barycentric),
-            tangent: self.face.raise(self.heading),
-            normal: self.face.normal(),
+            tangent: self.heading.x * x + self.heading.y * y,
+            normal,
         }
     }
 }

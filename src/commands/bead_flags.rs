@@ -1,0 +1,98 @@
+//! Flags of a bead's section and form.
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use weldgen::bead::{BeadShape, Crater, FormRequest, Ripples, Weave};
+
+use super::flags::{optional_mm, within};
+
+/// The section of a bead, and what a welder's hand leaves on it.
+#[derive(Clone, Debug, Default, Args)]
+pub(super) struct BeadFlags {
+    /// Cross-section of a weld on a face.
+    #[arg(long, value_enum, default_value_t)]
+    profile: ProfileFlag,
+    /// Rise of a fillet's face above the chord between its toes [widths]; below 0 it is concave.
+    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub(super) convexity: f64,
+    /// Distance between ripples [mm]; without it there are none.
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    ripple_pitch_mm: Option<f64>,
+    /// Height of ripples from trough to crest [bead heights].
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.1, allow_negative_numbers = true)]
+    ripple_height: f64,
+    /// How far ripples trail behind at the toes [bead widths].
+    #[arg(long, value_name = "WIDTHS", default_value_t = 0.4, allow_negative_numbers = true)]
+    ripple_chevron: f64,
+    /// Depth of the end crater [bead heights].
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    crater: f64,
+    /// Height of the hump at the start beyond the bead [bead heights].
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    start_hump: f64,
+    /// Largest offset of weaving to the sides [mm].
+    #[arg(long, value_name = "MM", requires = "weave_pitch_mm", allow_negative_numbers = true)]
+    weave_mm: Option<f64>,
+    /// Length of one swing to and fro [mm].
+    #[arg(long, value_name = "MM", requires = "weave_mm", allow_negative_numbers = true)]
+    weave_pitch_mm: Option<f64>,
+    /// Largest slow change of the bead's width [widths].
+    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true)]
+    width_variation: f64,
+    /// Largest slow change of the bead's height [heights].
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    height_variation: f64,
+    /// Number of surface pores (ISO 6520-1: 2017).
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pores: u32,
+    /// Depth of a sag of the crown (ISO 6520-1: 509) [bead heights].
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    sagging: f64,
+    /// Number of drops of spatter beside the bead (ISO 6520-1: 602).
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    spatter: u32,
+}
+
+/// Cross-section of a weld on a face.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum ProfileFlag {
+    /// A parabola.
+    #[default]
+    Parabolic,
+    /// The arc of a circle.
+    CircularSegment,
+    /// A flat crown with steep toes.
+    Superellipse,
+}
+
+impl BeadFlags {
+    pub(super) fn shape(&self) -> BeadShape {
+        match self.profile {
+            ProfileFlag::Parabolic => BeadShape::Parabolic,
+            ProfileFlag::CircularSegment => BeadShape::CircularSegment,
+            ProfileFlag::Superellipse => BeadShape::Superellipse,
+        }
+    }
+
+    /// The form asked for; what depends on the bead's width is checked when that is known.
+    pub(super) fn request(&self) -> Result<FormRequest> {
+        within("--convexity", self.convexity, (-0.2, 0.25))?;
+        let pitch = optional_mm("--ripple-pitch-mm", self.ripple_pitch_mm)?;
+        let height = within("--ripple-height", self.ripple_height, (0.0, 0.5))?;
+        let chevron = within("--ripple-chevron", self.ripple_chevron, (0.0, 1.0))?;
+        let depth = within("--crater", self.crater, (0.0, 0.8))?;
+        let hump = within("--start-hump", self.start_hump, (0.0, 0.5))?;
+        let weave = optional_mm("--weave-mm", self.weave_mm)?;
+        let swing = optional_mm("--weave-pitch-mm", self.weave_pitch_mm)?;
+        Ok(FormRequest {
+            ripples: pitch.map(|pitch| Ripples { pitch, height, chevron }),
+            crater: (depth > 0.0 || hump > 0.0).then_some(Crater { depth, hump }),
+            weave: weave.zip(swing).map(|(amplitude, pitch)| Weave { amplitude, pitch }),
+            width_variation: within("--width-variation", self.width_variation, (0.0, 0.3))?,
+            height_variation: within("--height-variation", self.height_variation, (0.0, 0.3))?,
+            pores: self.pores,
+            sagging: within("--sagging", self.sagging, (0.0, 0.7))?,
+            spatter: self.spatter,
+        })
+    }
+}

@@ -1,0 +1,133 @@
+//! Imperfections of a bead, each with its name and number in ISO 6520-1, whose limits ISO 5817 gives.
+//!
+//! Sizes are drawn around what ISO 5817 allows at level D (moderate), so that some are within and some beyond.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use rand::RngExt;
+use sdf_bake::Mesh;
+use sdf_bake::query::MeshQuery;
+use serde::Serialize;
+
+use crate::curve::WeldCurve;
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DefectKind {
+    /// A gas pore that breaks the surface (2017).
+    SurfacePore,
+    /// Weld metal that sank: the crown is low over a stretch (509).
+    Sagging,
+    /// Drops of metal on the part beside the bead (602).
+    Spatter,
+}
+
+impl DefectKind {
+    /// Number in ISO 6520-1.
+    pub fn iso_6520(self) -> u16 {
+        match self {
+            Self::SurfacePore => 2017,
+            Self::Sagging => 509,
+            Self::Spatter => 602,
+        }
+    }
+}
+
+/// One imperfection, as made.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Defect {
+    /// What is wrong.
+    pub kind: DefectKind,
+    /// Arc length of its middle [m].
+    pub arc_length: f64,
+    /// Offset of its middle to the left [m].
+    pub offset: f64,
+    /// Diameter of a pore or drop, length of a sag along the weld [m].
+    pub size: f64,
+    /// Depth below, or for spatter height above, the surface without it [m].
+    pub depth: f64,
+}
+
+/// Pores of a bead of a length, a width and a height [m]: 0.25 to 0.35 widths across, 0.3 to 0.6 heights deep.
+pub(crate) fn pores(count: u32, [length, width, height]: [f64; 3], rng: &mut impl RngExt) -> Vec<Defect> {
+    let mut pore = || Defect {
+        kind: DefectKind::SurfacePore,
+        arc_length: length * rng.random::<f64>(),
+        offset: 0.5 * width * (rng.random::<f64>() - 0.5),
+        size: width * (0.25 + 0.1 * rng.random::<f64>()),
+        depth: height * (0.3 + 0.3 * rng.random::<f64>()),
+    };
+    (0..count).map(|_| pore()).collect()
+}
+
+/// A sag one and a half to three widths long, of a depth in heights.
+pub(crate) fn sag(depth: f64, [length, width, height]: [f64; 3], rng: &mut impl RngExt) -> Option<Defect> {
+    (depth > 0.0).then(|| Defect {
+        kind: DefectKind::Sagging,
+        arc_length: length * (0.2 + 0.6 * rng.random::<f64>()),
+        offset: 0.0,
+        size: width * (1.5 + 1.5 * rng.random::<f64>()),
+        depth: depth * height,
+    })
+}
+
+/// Drops on the part, 0.8 to 2 widths beside the centreline and clear of the bead, 0.2 to 0.3 widths across; drops that
+/// find no ground are left out.
+///
+/// - `clear`: half of the bead's base [m]
+pub(crate) fn spatter(
+    count: u32,
+    curve: &WeldCurve,
+    (query, part): (&MeshQuery, &Mesh),
+    [width, clear]: [f64; 2],
+    rng: &mut impl RngExt,
+) -> (Vec<Defect>, Mesh) {
+    let (mut defects, mut drops) = (Vec::new(), Mesh::default());
+    for _ in 0..count {
+        let point = &curve.points[(rng.random::<f64>() * curve.points.len() as f64) as usize];
+        let side = if rng.random::<bool>() { 1.0 } else { -1.0 };
+        let offset = side * width * (0.8 + 1.2 * rng.random::<f64>());
+        let radius = width * (0.1 + 0.05 * rng.random::<f64>());
+        let Some(ground) = query.closest_within(point.position + offset * point.side, 0.5 * width) else { continue };
+        let centre = ground.point + SUNK * radius * part.normal(ground.triangle as usize);
+        let apart = curve.points.iter().all(|p| p.position.distance(centre) > clear + 1.5 * radius);
+        if apart {
+            drops.append(&drop(centre, radius));
+            let (arc_length, depth) = (point.arc_length, (1.0 + SUNK) * radius);
+            defects.push(Defect { kind: DefectKind::Spatter, arc_length, offset, size: 2.0 * radius, depth });
+        }
+    }
+    (defects, drops)
+}
+
+/// Height of a drop's centre above the surface, in radii.
+const SUNK: f64 = 0.3;
+/// Meridians of a drop, and rows from pole to pole.
+const DROP: [u32; 2] = [16, 8];
+
+/// A closed sphere.
+fn drop(centre: DVec3, radius: f64) -> Mesh {
+    let [around, rows] = DROP;
+    let ring = |row: u32| {
+        let (sin, cos) = (0.5 * TAU * f64::from(row) / f64::from(rows)).sin_cos();
+        (0..around).map(move |i| {
+            let (y, x) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
+            centre + radius * DVec3::new(sin * x, sin * y, -cos)
+        })
+    };
+    let mut mesh =
+        Mesh { positions: vec![centre - radius * DVec3::Z, centre + radius * DVec3::Z], triangles: Vec::new() };
+    mesh.positions.extend((1..rows).flat_map(ring));
+    let at = |row: u32, i: u32| 2 + (row - 1) * around + i % around;
+    for i in 0..around {
+        mesh.triangles.push([0, at(1, i + 1), at(1, i)]);
+        mesh.triangles.push([1, at(rows - 1, i), at(rows - 1, i + 1)]);
+        for row in 1..rows - 1 {
+            mesh.triangles.push([at(row, i), at(row, i + 1), at(row + 1, i + 1)]);
+            mesh.triangles.push([at(row, i), at(row + 1, i + 1), at(row + 1, i)]);
+        }
+    }
+    mesh
+}

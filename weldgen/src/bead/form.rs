@@ -1,0 +1,183 @@
+//! What a welder's hand leaves on a bead: ripples, craters, weaving, slow changes of width and height.
+//!
+//! Everything is a function of the place on the bead: heights above the toes are multiplied by a positive factor, offsets
+//! to the side are scaled and shifted. So the toes stay on the surface and the bead stays free of self-intersection.
+
+use std::f64::consts::{PI, TAU};
+
+use rand::RngExt;
+use serde::Serialize;
+
+use super::defect::{Defect, DefectKind, pores, sag};
+use crate::curvature::CurvatureProfile;
+
+/// Least share of the crown's height that ripples, crater and variation together leave.
+const LEAST_HEIGHT: f64 = 0.1;
+
+/// Ripples: the solidified edges of the weld pool.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ripples {
+    /// Distance between ripples along the weld [m].
+    pub pitch: f64,
+    /// Height from trough to crest, in bead heights.
+    pub height: f64,
+    /// How far a ripple trails behind at the toes, in bead widths: 0 is straight across, 0.5 half round.
+    pub chevron: f64,
+}
+
+/// The hollow where the arc was put out, and the hump where it was struck.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Crater {
+    /// Depth at the end of the weld, in bead heights (ISO 6520-1: 2025, end crater pipe or crater).
+    pub depth: f64,
+    /// Height of the hump at the start beyond the bead, in bead heights.
+    pub hump: f64,
+}
+
+/// Weaving of the torch across the seam.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Weave {
+    /// Largest offset to the sides [m].
+    pub amplitude: f64,
+    /// Length of one swing to and fro [m].
+    pub pitch: f64,
+}
+
+/// What is asked of a bead's form; all `None` and 0 is a plain bead.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FormRequest {
+    /// Ripples.
+    pub ripples: Option<Ripples>,
+    /// End crater and start.
+    pub crater: Option<Crater>,
+    /// Weaving.
+    pub weave: Option<Weave>,
+    /// Largest slow change of the width, in widths.
+    pub width_variation: f64,
+    /// Largest slow change of the height, in heights.
+    pub height_variation: f64,
+    /// Number of surface pores.
+    pub pores: u32,
+    /// Depth of a sag, in heights; 0 for none.
+    pub sagging: f64,
+    /// Number of drops of spatter.
+    pub spatter: u32,
+}
+
+/// The form of one bead.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeadForm {
+    request: FormRequest,
+    /// Length of the centreline and width of the bead [m].
+    size: [f64; 2],
+    /// Slow changes between -1 and 1 of width and height.
+    slow: [CurvatureProfile; 2],
+    /// Pores and sags.
+    defects: Vec<Defect>,
+    height: f64,
+}
+
+impl FormRequest {
+    /// The first part of it that is out of range, in words; `width` is the bead's [m].
+    pub(crate) fn fault(&self, width: f64) -> Option<String> {
+        let Ripples { pitch, height, chevron } =
+            self.ripples.unwrap_or(Ripples { pitch: width, height: 0.0, chevron: 0.0 });
+        let Crater { depth, hump } = self.crater.unwrap_or(Crater { depth: 0.0, hump: 0.0 });
+        let Weave { amplitude, pitch: swing } = self.weave.unwrap_or(Weave { amplitude: 0.0, pitch: 2.0 * width });
+        let checks = [
+            ("ripple pitch", pitch / width, [0.25, 10.0], "widths"),
+            ("ripple height", height, [0.0, 0.5], "heights"),
+            ("chevron", chevron, [0.0, 1.0], "widths"),
+            ("crater depth", depth, [0.0, 0.8], "heights"),
+            ("start hump", hump, [0.0, 0.5], "heights"),
+            ("weave", amplitude / width, [0.0, 0.5], "widths"),
+            // Steeper swings would fold the bead.
+            ("weave pitch", swing / width, [1.5 + TAU * amplitude / width, 1e3], "widths"),
+            ("width variation", self.width_variation, [0.0, 0.3], "widths"),
+            ("sagging", self.sagging, [0.0, 0.7], "heights"),
+            ("number of pores", f64::from(self.pores), [0.0, 1e3], ""),
+            ("number of drops of spatter", f64::from(self.spatter), [0.0, 1e3], ""),
+            ("height variation", self.height_variation, [0.0, 0.3], "heights"),
+        ];
+        let bad = checks.iter().find(|(_, value, [low, high], _)| !(low..=high).contains(&value));
+        bad.map(|(name, value, [low, high], unit)| {
+            format!("the {name} is {value:.3} {unit}; it must be {low:.3} to {high:.3}")
+        })
+    }
+
+    /// Farthest that something at this distance [m] from the centreline may get.
+    pub(crate) fn half_reach(&self, half_width: f64) -> f64 {
+        (1.0 + self.width_variation) * half_width + self.weave.map_or(0.0, |weave| weave.amplitude)
+    }
+}
+
+impl BeadForm {
+    /// The form of a bead of a length, a width and a height [m].
+    ///
+    /// Slow changes are random, with a correlation length of three widths.
+    pub fn new(request: FormRequest, size @ [length, width, height]: [f64; 3], rng: &mut impl RngExt) -> Self {
+        let reach = length + width;
+        let mut slow = || CurvatureProfile::random(reach, 3.0 * width, rng).limited_to(0.5, 1.0, [0.0, length]);
+        let slow = [slow(), slow()];
+        let mut defects = pores(request.pores, size, rng);
+        defects.extend(sag(request.sagging, size, rng));
+        Self { request, size: [length, width], slow, defects, height }
+    }
+
+    /// Pores and sags of the bead.
+    pub fn defects(&self) -> &[Defect] {
+        &self.defects
+    }
+
+    /// Farthest that something at this distance [m] from the centreline may get.
+    pub(crate) fn half_reach(&self, half_width: f64) -> f64 {
+        self.request.half_reach(half_width)
+    }
+
+    /// Factor of the width at an arc length [m].
+    pub fn width_factor(&self, s: f64) -> f64 {
+        1.0 + self.request.width_variation * self.slow[0].at(s)
+    }
+
+    /// Factor of the height at an arc length [m], without ripples.
+    pub fn height_factor(&self, s: f64) -> f64 {
+        1.0 + self.request.height_variation * self.slow[1].at(s)
+    }
+
+    /// Shift of the bead to the left at an arc length [m]; it swings in over the first half width and out over the last.
+    pub fn shift(&self, s: f64) -> f64 {
+        let [length, width] = self.size;
+        let fade = (2.0 * s.min(length - s) / width).clamp(0.0, 1.0);
+        self.request.weave.map_or(0.0, |weave| fade * weave.amplitude * (TAU * s / weave.pitch).sin())
+    }
+
+    /// Factor of the height above the toes at a place: arc length [m], beyond the ends too, and offset to the side [m]
+    /// before scaling.
+    pub fn relief(&self, s: f64, y: f64) -> f64 {
+        let [length, width] = self.size;
+        let mut factor = self.height_factor(s.clamp(0.0, length));
+        if let Some(Crater { depth, hump }) = self.request.crater {
+            let bell = |x: f64, radius: f64| (-0.5 * (x * x + y * y) / (radius * radius)).exp();
+            factor *= 1.0 - depth * bell(s - length, 0.25 * width) + hump * bell(s, 0.4 * width);
+        }
+        if let Some(Ripples { pitch, height, chevron }) = self.request.ripples {
+            let trail = chevron * width * (2.0 * y / width).powi(2);
+            let phase = ((s + trail) / pitch).rem_euclid(1.0);
+            // Ripples rise slowly and fall steeply behind: half a sine, squeezed to the back.
+            factor *= 1.0 + height * ((PI * phase.powf(RIPPLE_SKEW)).sin() - 0.5);
+        }
+        for defect in &self.defects {
+            let (along, across) =
+                (2.0 * (s - defect.arc_length) / defect.size, 2.0 * (y - defect.offset) / defect.size);
+            factor -= defect.depth / self.height
+                * match defect.kind {
+                    DefectKind::SurfacePore => (1.0 - along * along - across * across).max(0.0).sqrt(),
+                    _ => 0.5 + 0.5 * (PI * along.clamp(-1.0, 1.0)).cos(),
+                };
+        }
+        factor.max(LEAST_HEIGHT)
+    }
+}
+
+/// Below 1 it moves the crest of a ripple towards where the weld came from.
+const RIPPLE_SKEW: f64 = 0.7;

@@ -1,0 +1,96 @@
+//! Proposals of fillet welds: stretches of seams on which a fillet has its toes on both walls.
+
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::bead::{BeadForm, BeadProfile, sweep_formed};
+use crate::curvature::CurvatureProfile;
+use crate::curve::{CurvePoint, Stretch, WeldCurve};
+use crate::propose::{CLEAR_WIDTHS, Candidate, POINTS_PER_WIDTH, Proposals, Refused, mix};
+use crate::rejection::Rejection;
+use crate::seam::Seam;
+
+/// How far the fillet goes into the walls, in widths.
+const ROOT_SHARE: f64 = 0.1;
+/// Largest change [rad] of the angle between the walls along one weld: its toes then stay within the walls.
+const OPENING_CHANGE: f64 = 0.07;
+/// Angles between the walls [rad] that a fillet can be laid in.
+const OPENINGS: [f64; 2] = [0.8, 2.6];
+
+impl Proposals<'_> {
+    /// A stretch of one of the seams, drawn by its length.
+    pub(crate) fn propose_fillet(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
+        let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
+        let seams = self.surface.seams();
+        let steps = (self.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
+        let spacing = self.length / steps as f64;
+        let clear = (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize;
+        let reach = (steps + 2 * clear) as f64 * spacing;
+        let cut_short = |run: f64| Refused { why: Rejection::SharpEdge, run };
+        let whole: f64 = seams.iter().map(Seam::length).sum();
+        let mut place = whole * rng.random::<f64>();
+        let drawn = seams.iter().find(|seam| {
+            place -= seam.length();
+            place < 0.0
+        });
+        let seam = drawn.or(seams.last()).ok_or(cut_short(0.0))?;
+        let room = seam.length() - reach;
+        if room < 0.0 {
+            return Err(cut_short((seam.length() - 2.0 * clear as f64 * spacing).max(0.0)));
+        }
+        let from = rng.random::<f64>() * if seam.closed { seam.length() } else { room };
+        let refuse = |why| Refused { why, run: self.length };
+        let profile = self.fillet_profile(seam.openings([from, from + reach])).map_err(refuse)?;
+        let points: Vec<_> =
+            (0..=steps + 2 * clear).map(|i| seam.point_at(self.surface.part, from + i as f64 * spacing)).collect();
+        let half_window = (0.25 * profile.width / spacing).round() as usize;
+        let stretch = Stretch { first: clear, last: clear + steps, spacing, half_window, start: 0.0 };
+        let mut curve = WeldCurve::frame(&points, stretch, &CurvatureProfile::constant(0.0));
+        curve.measure_curvature();
+        self.finish_fillet(curve, profile, &mut rng).map_err(refuse)
+    }
+
+    /// A fillet as wide as asked in a corner of these openings [rad].
+    fn fillet_profile(&self, [narrow, wide]: [f64; 2]) -> Result<BeadProfile, Rejection> {
+        let fits = wide - narrow <= OPENING_CHANGE && narrow >= OPENINGS[0] && wide <= OPENINGS[1];
+        let opening = 0.5 * (narrow + wide);
+        let profile = BeadProfile::fillet(self.profile.width, opening, self.request.convexity);
+        if fits && profile.toe_angle() > 0.0 { Ok(profile) } else { Err(Rejection::Tilt) }
+    }
+
+    fn finish_fillet(
+        &self,
+        curve: WeldCurve,
+        profile: BeadProfile,
+        rng: &mut Pcg64Mcg,
+    ) -> Result<Candidate, Rejection> {
+        self.bends_gently(&curve)?;
+        self.keeps_apart(&curve)?;
+        let root_depth = ROOT_SHARE * profile.width;
+        let stride = (POINTS_PER_WIDTH / 4.0) as usize;
+        if let Some(why) =
+            curve.points.iter().step_by(stride).find_map(|point| self.off_walls(point, &profile, root_depth))
+        {
+            return Err(why);
+        }
+        self.sees_the_sky(&curve)?;
+        let form = BeadForm::new(self.request.form, [self.length, profile.width, profile.height], rng);
+        let bead = sweep_formed(&curve, &profile, &form, root_depth).map_err(|_| Rejection::Fold)?;
+        Ok(Candidate { curve, bead, root_depth, profile, form })
+    }
+
+    /// Why a section does not fit its corner: its face must be in the open, its base in the walls.
+    fn off_walls(&self, point: &CurvePoint, profile: &BeadProfile, root_depth: f64) -> Option<Rejection> {
+        let at = |y: f64, z: f64| point.position + y * point.side + z * point.normal;
+        let outside = |point: DVec3| self.surface.is_open_space(point);
+        let inside = |point: DVec3| self.surface.winding.winding_number(point) > 0.5;
+        let (toe, base) = (0.5 * profile.width, 0.5 * profile.width + 0.8 * root_depth);
+        let above = 1.02 * profile.height.max(profile.toe_height);
+        if !(outside(at(0.0, above)) && [-0.5, 0.5].iter().all(|share| outside(at(share * toe, above)))) {
+            return Some(Rejection::Wall);
+        }
+        let buried = [at(-base, profile.toe_height), at(base, profile.toe_height), at(0.0, -0.8 * root_depth)];
+        (!buried.into_iter().all(inside)).then_some(Rejection::Thin)
+    }
+}

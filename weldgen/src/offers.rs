@@ -1,0 +1,46 @@
+//! What stands in the way when nothing fits: each dial is let go alone, and what then fits is what the part offers.
+
+use crate::bead::BeadProfile;
+use crate::place::{Search, Wanted, first_fit};
+use crate::propose::{Candidate, mix};
+use crate::rejection::Tally;
+use crate::request::WIDTHS_PER_LENGTH;
+
+/// Proposals tried with one dial let go.
+const ATTEMPTS: usize = 96;
+/// Factors of the length and of the width that are tried, from the largest.
+const FACTORS: [f64; 6] = [0.8, 0.6, 0.45, 0.3, 0.2, 0.1];
+
+/// A sentence for each dial that fits when it alone is let go; one that says so when there is none.
+pub(crate) fn offers(search: &Search, wanted: &Wanted, profile: BeadProfile, seed: u64) -> Vec<String> {
+    let fits = |wanted: Wanted, profile: BeadProfile| -> Option<Candidate> {
+        let proposals = search.proposals(&wanted, profile);
+        first_fit(&proposals, ATTEMPTS, mix(seed, usize::MAX), &mut Tally::default(), &mut 0.0)
+    };
+    let mut offers = Vec::new();
+    let lengths = FACTORS.map(|factor| factor * wanted.length).into_iter();
+    let shorter = lengths.filter(|length| *length >= WIDTHS_PER_LENGTH * profile.width);
+    if let Some(length) = shorter.map(|length| Wanted { length, ..*wanted }).find(|w| fits(*w, profile).is_some()) {
+        offers.push(format!("the length is impossible: {:.2} mm fits", 1e3 * length.length));
+    }
+    let mut calmer = [0.5, 0.0].map(|factor| factor * wanted.curvature_rms).into_iter();
+    if wanted.curvature_rms > 0.0
+        && let Some(rms) = calmer.find(|&curvature_rms| fits(Wanted { curvature_rms, ..*wanted }, profile).is_some())
+    {
+        offers.push(format!("the curvature is impossible: {rms:.3} 1/m RMS fits"));
+    }
+    if wanted.exposure != [0.0, 1.0]
+        && let Some(fit) = fits(Wanted { exposure: [0.0, 1.0], ..*wanted }, profile)
+    {
+        offers.push(format!("the exposure is impossible: {:.2} fits", fit.curve.min_exposure()));
+    }
+    let narrower =
+        |factor: f64| BeadProfile { width: factor * profile.width, height: factor * profile.height, ..profile };
+    if let Some(thin) = FACTORS.map(narrower).into_iter().find(|narrow| fits(*wanted, *narrow).is_some()) {
+        offers.push(format!("the bead is impossible: {:.3} mm wide fits", 1e3 * thin.width));
+    }
+    if offers.is_empty() {
+        offers.push("no one of length, curvature, exposure and width is enough to let go".to_owned());
+    }
+    offers
+}

@@ -1,0 +1,65 @@
+//! Why no weld was placed, and what the part offers instead.
+
+use thiserror::Error;
+
+use crate::bead::BeadError;
+use crate::rejection::Tally;
+
+/// Why no weld was placed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlaceError {
+    /// There is nothing to lay a fillet in.
+    #[error("the part has no seam: no two of its faces meet in a concave edge of 30° or more; place on the surface")]
+    NoSeam,
+    /// All faces are inside bodies or turned inwards.
+    #[error("the part has no face in the open: all are inside a body or turned inwards (a cleaner mesh is needed)")]
+    Hidden,
+    /// The part is nowhere as open or as hidden as was asked.
+    #[error(
+        "exposure {:.2} to {:.2} is impossible on this part: it offers {:.2} to {:.2} within {:.2} mm; change the range \
+         of exposure",
+        asked[0], asked[1], offered[0], offered[1], 1e3 * reach
+    )]
+    Exposure {
+        /// What was asked.
+        asked: [f64; 2],
+        /// Least and largest exposure of the part's surface.
+        offered: [f64; 2],
+        /// What lies farther than this [m] hides nothing.
+        reach: f64,
+    },
+    /// A dial is out of range.
+    #[error("{0}")]
+    Request(String),
+    /// The part has no face with an area.
+    #[error("the part has no surface to weld on: {0} triangles without area")]
+    NoSurface(usize),
+    /// The stitches of an intermittent weld cannot be swept.
+    #[error("a bead of the intermittent weld: {0}")]
+    Stitch(#[from] BeadError),
+    /// Nothing fits.
+    #[error(
+        "no place for the weld in {} proposals (length {:.2} mm, width {:.3} mm at last; longest clear run {:.2} mm): \
+         {tally}{}",
+        tally.total(), 1e3 * length, 1e3 * width, 1e3 * longest_run, listed(offers)
+    )]
+    Nowhere {
+        /// Length of the last stage [m].
+        length: f64,
+        /// Width of the last stage [m].
+        width: f64,
+        /// Longest run met without an edge in the way [m].
+        longest_run: f64,
+        /// How many proposals failed for which reason.
+        tally: Tally,
+        /// Which dial alone stands in the way, and what the part offers for it, in sentences.
+        offers: Vec<String>,
+    },
+}
+
+fn listed(offers: &[String]) -> String {
+    match offers {
+        [] => String::new(),
+        offers => format!(". With the other dials as they are, {}", offers.join("; ")),
+    }
+}

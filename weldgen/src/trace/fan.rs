@@ -1,0 +1,82 @@
+//! The triangles around a vertex, laid side by side.
+//!
+//! ```text
+//!       \  1  /           angles are counted counter-clockwise seen from outside,
+//!      2 \   / 0           from the edge with which triangle 0 leaves the vertex
+//!   -------o-------
+//! ```
+
+use sdf_bake::Mesh;
+
+use super::TraceEnd;
+use crate::topology::{Across, Topology};
+
+/// More triangles than any vertex of a usable mesh has.
+const MOST_WEDGES: usize = 100_000;
+
+struct Wedge {
+    face: u32,
+    corner: usize,
+    /// Angle of the triangle's corner [rad].
+    angle: f64,
+    /// Angle between the normals over the edge to the next wedge [rad].
+    turn: f64,
+}
+
+/// All wedges of an inner vertex, counter-clockwise.
+pub(super) struct Fan {
+    wedges: Vec<Wedge>,
+}
+
+/// A direction at the vertex.
+pub(super) struct Way {
+    pub(super) face: u32,
+    pub(super) corner: usize,
+    /// Angle [rad] from the edge with which the triangle leaves the corner.
+    pub(super) angle: f64,
+}
+
+impl Fan {
+    /// Goes once around a corner of a triangle; fails where the surface ends on the way.
+    pub(super) fn around(mesh: &Mesh, topology: &Topology, face: u32, corner: usize) -> Result<Self, TraceEnd> {
+        let mut fan = Self { wedges: Vec::new() };
+        let mut at = (face, corner);
+        while fan.wedges.len() < MOST_WEDGES {
+            // The edge that comes back to the corner is the one that leaves it in the next triangle.
+            let (next, turn) = match topology.across[at.0 as usize][(at.1 + 2) % 3] {
+                Across::Boundary => return Err(TraceEnd::Boundary),
+                Across::NonManifold => return Err(TraceEnd::NonManifold),
+                Across::Face { face, edge, turn } => ((face, usize::from(edge)), turn),
+            };
+            let corners = mesh.corners(at.0 as usize);
+            let [here, after, before] = [0, 1, 2].map(|i| corners[(at.1 + i) % 3]);
+            let (one, other) = (after - here, before - here);
+            let angle = one.cross(other).length().atan2(one.dot(other));
+            fan.wedges.push(Wedge { face: at.0, corner: at.1, angle, turn });
+            if next == (face, corner) {
+                return Ok(fan);
+            }
+            at = next;
+        }
+        Err(TraceEnd::Steps)
+    }
+
+    /// The direction with half of the whole angle on either side of `back` (Polthier & Schmies 1998, definition 3).
+    ///
+    /// `None` when there is an edge sharper than `sharp_angle` on both sides: a crease that runs across the way.
+    pub(super) fn opposite(&self, back: f64, sharp_angle: f64) -> Option<Way> {
+        let whole: f64 = self.wedges.iter().map(|wedge| wedge.angle).sum();
+        let wraps = back + 0.5 * whole >= whole;
+        let mut left = if wraps { back - 0.5 * whole } else { back + 0.5 * whole };
+        let last = self.wedges.len() - 1;
+        let mut index = 0;
+        while index < last && left > self.wedges[index].angle {
+            left -= self.wedges[index].angle;
+            index += 1;
+        }
+        let sharp = |wedges: &[Wedge]| wedges.iter().any(|wedge| wedge.turn.abs() > sharp_angle);
+        let crease = !wraps && sharp(&self.wedges[..index]) && sharp(&self.wedges[index..]);
+        let Wedge { face, corner, angle, .. } = self.wedges[index];
+        (!crease).then(|| Way { face, corner, angle: left.clamp(0.0, angle) })
+    }
+}

@@ -1,0 +1,77 @@
+//! A straight line over a strip of triangles, each laid down from the edge by which the line entered it.
+//!
+//! ```text
+//!           C                 A is the origin, B on the x axis; the line leaves
+//!          / \ .             by BC when C is on its left, else by CA
+//!         /  .\
+//!        /  .  \
+//!       A--o----B
+//! ```
+
+use glam::DVec2;
+use sdf_bake::Mesh;
+
+use crate::topology::{Across, Topology};
+
+/// Crossings this near to a corner are left to others, as a share of the edges.
+const NEAR_CORNER: f64 = 1e-10;
+
+/// A line that has just entered a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub(super) face: u32,
+    /// The edge it came over.
+    pub(super) edge: usize,
+    /// Distance [m] from the start of that edge.
+    pub(super) at: f64,
+    /// Unit vector: along the edge, and away from it into the triangle.
+    pub(super) heading: DVec2,
+}
+
+/// Where [`follow`] stopped.
+pub(super) struct Followed {
+    pub(super) entry: Entry,
+    /// Way gone [m].
+    pub(super) length: f64,
+    pub(super) crossings: usize,
+}
+
+/// Follows a straight line as long as it crosses whole triangles within `reach` [m], away from corners, over edges that
+/// may be crossed, `most` of them at most.
+pub(super) fn follow(
+    (mesh, topology): (&Mesh, &Topology),
+    mut entry: Entry,
+    (reach, sharp_angle, most): (f64, f64, usize),
+) -> Followed {
+    let (mut length, mut crossings) = (0.0, 0);
+    while crossings < most {
+        let corners = mesh.corners(entry.face as usize);
+        let [a, b, c] = [0, 1, 2].map(|i| corners[(entry.edge + i) % 3]);
+        // Not the length that the last triangle gave this edge: its rounding would grow from triangle to triangle.
+        let base = (b - a).length();
+        let along = (b - a) / base;
+        let apex = DVec2::new((c - a).dot(along), along.cross(c - a).length());
+        let point = DVec2::new(entry.at, 0.0);
+        let by_second = entry.heading.perp_dot(apex - point) > 0.0;
+        let from = if by_second { DVec2::new(base, 0.0) } else { apex };
+        let side = if by_second { apex - from } else { -apex };
+        let size = side.length();
+        let out = -side.perp_dot(entry.heading) / size;
+        let way = side.perp_dot(point - from) / size / out;
+        let place = (point - from + way * entry.heading).dot(side) / size;
+        let margin = NEAR_CORNER * (base + size);
+        if !(way >= 0.0 && length + way < reach && place > margin && size - place > margin) {
+            break;
+        }
+        let edge = (entry.edge + if by_second { 1 } else { 2 }) % 3;
+        let Across::Face { face, edge, turn } = topology.across[entry.face as usize][edge] else { break };
+        if turn.abs() > sharp_angle {
+            break;
+        }
+        let heading = DVec2::new(-entry.heading.dot(side) / size, out);
+        entry = Entry { face, edge: usize::from(edge), at: size - place, heading };
+        length += way;
+        crossings += 1;
+    }
+    Followed { entry, length, crossings }
+}
