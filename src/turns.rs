@@ -74,7 +74,7 @@ mod tests {
     fn every_turn_is_taken_once_and_the_impatient_ones_come_last() {
         let taken = Mutex::new(Vec::new());
         let work = |turn: usize, patience: Patience| {
-            if turn % 5 == 0 && patience == Patience::None {
+            if turn.is_multiple_of(5) && patience == Patience::None {
                 return None;
             }
             taken.lock().unwrap().push(turn);

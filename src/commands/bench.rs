@@ -14,6 +14,7 @@ use crate::console::Console;
 use crate::virtual_lab::Size;
 
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  robofin bench diagnose --out out/bench --cases 4")]
 pub(super) struct BenchArgs {
     #[command(subcommand)]
     action: Action,

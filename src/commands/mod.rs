@@ -2,12 +2,12 @@
 
 mod backends;
 mod bake;
+mod bead_flags;
 mod bench;
 mod calibrate;
 mod compare;
 mod dataset;
 mod dataset_piece;
-mod bead_flags;
 mod demo;
 mod diagnose;
 mod effects;

@@ -50,7 +50,7 @@ pub(super) struct WeldFlags {
     #[arg(long, value_enum, default_value_t)]
     difficulty: DifficultyFlag,
     /// Number of welds on the part; they keep a distance.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     count: Option<u16>,
     /// Length of the weld's centreline, or a range [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]

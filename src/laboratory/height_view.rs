@@ -249,16 +249,16 @@ fn slopes(map: &HeightMap) -> Vec<DVec2> {
     (0..map.heights.len()).map(slope).collect()
 }
 
-/// Slope of the straight line through those of five values that are known [per pixel]; NaN where fewer than three are.
+/// Slope of the straight line through those of five values that are known [per pixel]; NaN where fewer than two are.
 fn along(height: impl Fn(i64) -> f64) -> f64 {
     let known: Vec<(f64, f64)> =
         (-2..=2).map(|d| (d as f64, height(d))).filter(|(_, height)| height.is_finite()).collect();
-    if known.len() < 3 {
+    if known.len() < 2 {
         return f64::NAN;
     }
     let middle = known.iter().map(|(d, _)| d).sum::<f64>() / known.len() as f64;
-    let (rise, weight) = known.iter().fold((0.0, 0.0), |(rise, weight), (d, height)| {
-        (rise + (d - middle) * height, weight + (d - middle).powi(2))
-    });
+    let (rise, weight) = known
+        .iter()
+        .fold((0.0, 0.0), |(rise, weight), (d, height)| (rise + (d - middle) * height, weight + (d - middle).powi(2)));
     rise / weight
 }

@@ -135,7 +135,7 @@ fn one_sided_slope(map: &HeightMap, at: usize) -> DVec2 {
         known.iter().sum::<f64>() / known.len().max(1) as f64
     };
     let within = |next: usize| (next < map.heights.len()).then_some(next);
-    let (west, east) = ((at % nx > 0).then(|| at - 1), (at % nx + 1 < nx).then_some(at + 1));
+    let (west, east) = ((!at.is_multiple_of(nx)).then(|| at - 1), (at % nx + 1 < nx).then_some(at + 1));
     DVec2::new(along(west, east), along(at.checked_sub(nx), within(at + nx))) / map.pixels.pitch
 }
 

@@ -12,8 +12,8 @@ use super::simulated::Simulated;
 use super::waterfall::{Scans, Step};
 use super::{places, row_places, scan_tests};
 use crate::laboratory::{
-    BASE_STEP, CovariateBin, CovariateShare, CovariateStudy, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial,
-    ParameterSummary, Round, RowEvidence, ScanEvidence, ScanView, Split, Verdict,
+    BASE_STEP, CovariateBin, CovariateShare, CovariateStudy, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit,
+    Fit, NextTrial, ParameterSummary, Round, RowEvidence, ScanEvidence, ScanView, Split, Verdict,
 };
 use crate::measure::Registration;
 use crate::study_report as page;
@@ -51,9 +51,9 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         (None, Some(rows)) => of_rows(input, rows)?,
         (None, None) => Filled::default(),
     };
-    let mut waterfall = filled.waterfall.unwrap_or_else(|| {
-        self::waterfall(&summary.waterfall, summary.noise_floor_um, summary.error_unit)
-    });
+    let mut waterfall = filled
+        .waterfall
+        .unwrap_or_else(|| self::waterfall(&summary.waterfall, summary.noise_floor_um, summary.error_unit));
     waterfall.notes.extend(overlap(diagnosis, summary));
     Ok(StudyReport {
         compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),

@@ -2,12 +2,12 @@
 //! it step by step.
 
 mod campaigns;
-mod orders;
-mod steps;
-mod unknown;
 mod compared;
 mod hostile;
+mod orders;
+mod steps;
 mod structure;
 mod two_passes;
+mod unknown;
 mod unseen;
 mod whitening;

@@ -158,7 +158,7 @@ fn covariates_are_maps_over_the_scan() {
     let impulse = rows.iter().flatten().sum::<f64>() * 0.25 * 0.25;
     let expected = answer["impulse_ns"][0].as_f64().unwrap();
     assert!((impulse / expected - 1.0).abs() < 1e-5, "{impulse} {expected}");
-    assert_eq!(names(&out.join("covariates")).len(), 16);
+    assert_eq!(names(&out.join("covariates")).len(), 18);
 }
 
 #[test]

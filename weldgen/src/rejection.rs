@@ -61,8 +61,12 @@ impl Rejection {
     /// What happened, and the dial that changes it.
     fn explain(self) -> &'static str {
         match self {
-            Self::SharpEdge => "met a sharp edge before the length was reached (shorter length, larger sharp angle)",
-            Self::Boundary => "met the end of the surface before the length was reached (shorter length, closed part)",
+            Self::SharpEdge => {
+                "met a sharp edge before the length was reached (shorter length, narrower bead, larger sharp angle)"
+            }
+            Self::Boundary => {
+                "met the end of the surface before the length was reached (shorter length, narrower bead, closed part)"
+            }
             Self::NonManifold => "met a non-manifold edge before the length was reached (shorter length, cleaner mesh)",
             Self::BadFaces => "met faces without area (cleaner mesh)",
             Self::Bend => "ran over a surface that bends too tightly for the bead (narrower bead)",
