@@ -70,6 +70,6 @@ fn a_fillet_with_ripples_crater_pores_and_spatter_makes_a_whole_asset() {
 #[test]
 fn an_exposure_that_the_part_does_not_have_is_refused_with_its_range() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let asked = ["--exposure", "0.01..0.02", "--length-mm", "20", "--width-mm", "4", "--voxel-mm", "0.4"];
+    let asked = ["--exposure", "0.01..0.02", "--length-mm", "30", "--width-mm", "6"];
     run(weld(&folder.path().join("out")).args(asked)).is_refused(1, &["the exposure is impossible", "fits"]);
 }
