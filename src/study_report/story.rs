@@ -25,7 +25,7 @@ const TITLE: f64 = 30.0;
 const BELOW: f64 = 64.0;
 /// Height of a map and of the panels of the last row [px].
 const MAP: f64 = 130.0;
-const LAST_ROW: f64 = 190.0;
+const LAST_ROW: f64 = 220.0;
 /// Suspects that are named.
 const SUSPECTS: usize = 4;
 
@@ -56,7 +56,8 @@ pub fn story(report: &StudyReport, sealed: &Sealed) -> String {
         escape(&report.sentence)
     );
     let seal: String = sealed.sha256.chars().take(16).collect();
-    text(&mut svg, (MARGIN, 24.0), (16.0, INK), &format!("{}: {}", report.compared.campaign, report.sentence));
+    let first = report.sentence.split_inclusive(". ").next().unwrap_or_default().trim_end();
+    text(&mut svg, (MARGIN, 24.0), (16.0, INK), &format!("{}: {first}", report.compared.campaign));
     let _ = writeln!(
         svg,
         "<text x=\"{}\" y=\"24\" font-size=\"11\" fill=\"{PALE}\" text-anchor=\"end\">sealed before anyone looked: {seal}…</text>",
@@ -174,7 +175,7 @@ fn legend(svg: &mut String, scale: &ColourScale, (x, y): (f64, f64)) {
         );
     }
     let most = scale.bounds.last().map_or(0.0, |bound| bound * 1e6);
-    let words = format!("beyond −{most:.0} to beyond +{most:.0} µm; pale: within {:.0} µm", scale.band * 1e6);
+    let words = format!("±{most:.0} µm; pale: within {:.0} µm", scale.band * 1e6);
     text(svg, (x + wide * (2 * steps + 2) as f64, y + 9.0), (11.0, PALE), &words);
     text(svg, (x, y + 24.0), (11.0, PALE), "measured − simulated: orange was left over, blue was taken off too much");
 }

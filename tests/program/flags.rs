@@ -41,7 +41,7 @@ fn numbers_out_of_range_are_wrong_use_and_say_the_range() {
             run(weld_bracket(&out).args([flag, value])).is_refused(2, &[flag, words]);
         }
     }
-    run(weld_bracket(&out).args(["--stitch-mm", "20"])).is_refused(2, &["--stitch-pitch-mm"]);
+    run(weld_bracket(&out).args(["--stitch-mm", "20"])).is_refused(2, &["required arguments were not provided"]);
     assert_eq!(names(folder.path()), Vec::<String>::new());
 }
 
