@@ -1,15 +1,16 @@
 //! The row that a table needs next: variants of its last pieces of work, one row more after each, that tell two rivals
 //! apart.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::coordinates::moved;
-use super::diagnose::{Diagnosis, Verdict};
+use super::diagnose::Diagnosis;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
-use super::next_trial::NextTrial;
+use super::next_trial::{NextTrial, left_after_refit};
 use super::rows::RowEvidence;
+use super::verdict::Verdict;
 use crate::measure::median;
 use crate::table::{Row, Table};
 use crate::trial::{RPM, Role};
@@ -122,12 +123,7 @@ fn separation(evidence: &RowEvidence, rows: &[Row], first: &Fit, second: &Fit) -
         let moved = of(&moved(&second.model, &second.coordinates, &at))?;
         columns.push(if step == 0.0 { DVector::zeros(b.len()) } else { (moved - &b) / step });
     }
-    let jacobian = DMatrix::from_columns(&columns);
-    let mut normal = jacobian.tr_mul(&jacobian) + second.jacobian.tr_mul(&second.jacobian);
-    (0..normal.nrows()).for_each(|k| normal[(k, k)] += 1e-9);
-    let pull = jacobian.tr_mul(&difference);
-    let explained = Cholesky::new(normal).map_or(0.0, |factor| pull.dot(&factor.solve(&pull)));
-    Ok((difference.norm_squared() - explained).max(0.0))
+    Ok(left_after_refit(&difference, &DMatrix::from_columns(&columns), second))
 }
 
 fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], gain: f64) -> NextTrial {

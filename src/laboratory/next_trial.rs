@@ -6,10 +6,11 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::coordinates::{Coordinate, moved};
-use super::diagnose::{Diagnosis, Verdict};
+use super::diagnose::Diagnosis;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::scans::ScanEvidence;
+use super::verdict::Verdict;
 use crate::trial::{Role, Trial};
 
 /// Revolutions per minute of one rad/s.
@@ -108,12 +109,18 @@ fn separation(evidence: &ScanEvidence, trial: &Trial, first: &Fit, second: &Fit)
         Ok(DVector::from_iterator(b.len(), there.iter().zip(&b).map(|(c, b)| scale * (c - b))))
     };
     let columns: Vec<DVector<f64>> = second.coordinates.iter().enumerate().map(column).collect::<Result<_, _>>()?;
-    let jacobian = DMatrix::from_columns(&columns);
-    let mut normal = jacobian.tr_mul(&jacobian) + second.jacobian.tr_mul(&second.jacobian);
+    Ok(left_after_refit(&difference, &DMatrix::from_columns(&columns), second))
+}
+
+/// Sum of squares that is left of a difference of whitened predictions [1] when a fit may follow it.
+///
+/// - `jacobian`: derivatives of the predictions, shape [data, coordinates of the fit]; the fit's own data hold it where it is
+pub(super) fn left_after_refit(difference: &DVector<f64>, jacobian: &DMatrix<f64>, fit: &Fit) -> f64 {
+    let mut normal = jacobian.tr_mul(jacobian) + fit.jacobian.tr_mul(&fit.jacobian);
     (0..normal.nrows()).for_each(|k| normal[(k, k)] += 1e-9);
-    let pull = jacobian.tr_mul(&difference);
+    let pull = jacobian.tr_mul(difference);
     let explained = Cholesky::new(normal).map_or(0.0, |factor| pull.dot(&factor.solve(&pull)));
-    Ok((difference.norm_squared() - explained).max(0.0))
+    (difference.norm_squared() - explained).max(0.0)
 }
 
 /// A trial with all its passes changed, and all of them open to fits.
