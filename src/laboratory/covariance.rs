@@ -3,6 +3,7 @@
 use glam::DVec2;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use super::tiles::Tiles;
 use crate::measure::NoiseFloor;
 
 /// Noise of a tile's mean, one scan.
@@ -30,19 +31,20 @@ impl TileNoise {
         self.alone.hypot(self.shared)
     }
 
-    /// Covariance of the means of two tiles of one scan [m²].
-    fn between(&self, a: DVec2, b: DVec2) -> f64 {
-        let lag = a.distance(b);
-        let alone = if lag == 0.0 { self.alone * self.alone } else { 0.0 };
-        let shared = if self.length > 0.0 { (-lag / self.length).exp() } else { 0.0 };
-        alone + self.shared * self.shared * shared
+    /// Covariance of the parts of two tiles' means that neighbours share [m²].
+    fn shared_between(&self, a: DVec2, b: DVec2) -> f64 {
+        let share = if self.length > 0.0 { (-a.distance(b) / self.length).exp() } else { 0.0 };
+        self.shared * self.shared * share
     }
 
     /// Covariance of a scan's tiles. `before`, one value per tile, is how much of the noise of the scan before is still
-    /// in the simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone.
-    pub fn covariance(&self, centres: &[DVec2], before: &[f64]) -> DMatrix<f64> {
-        DMatrix::from_fn(centres.len(), centres.len(), |i, j| {
-            self.between(centres[i], centres[j]) * (1.0 + before[i] * before[j])
+    /// in the simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone. Of what a tile has alone, the mean of
+    /// fewer pixels holds more.
+    pub fn covariance(&self, tiles: &Tiles, before: &[f64]) -> DMatrix<f64> {
+        let alone = |i: usize| self.alone * self.alone / tiles.share_known(i);
+        DMatrix::from_fn(tiles.len(), tiles.len(), |i, j| {
+            let own = if i == j { alone(i) } else { 0.0 };
+            (own + self.shared_between(tiles.centres[i], tiles.centres[j])) * (1.0 + before[i] * before[j])
         })
     }
 }

@@ -57,7 +57,7 @@ impl HeightView {
         let alone = TileGrid { pixels, side: 2 * side }.tiles(|at| known(at) && free[at]);
         let coarse = TileNoise { alone: 0.5 * noise.alone, ..noise };
         let untouched = Whitener::new(
-            coarse.covariance(&alone.centres, &vec![1.0; alone.len()]),
+            coarse.covariance(&alone, &vec![1.0; alone.len()]),
             Freedom::around_zero(pose_columns(&alone, &slopes), &POSE_SIGMAS),
         )?;
         let pose = untouched.freedoms(&alone.means(|at| change[at]));
@@ -68,7 +68,7 @@ impl HeightView {
             tiles.means(|at| -change[at]).into_iter().zip(planes.iter()).map(|(removed, lift)| removed + lift);
         let depth = NOISE_GONE * noise.sigma();
         let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
-        let mut covariance = noise.covariance(&tiles.centres, &before_share);
+        let mut covariance = noise.covariance(&tiles, &before_share);
         for (k, bend) in rims(&tiles, [&cut, &slopes]).into_iter().enumerate() {
             covariance[(k, k)] += (RIM_ERROR * bend * pixels.pitch).powi(2);
         }

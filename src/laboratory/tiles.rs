@@ -5,7 +5,7 @@ use glam::DVec2;
 use sdf_bake::{HeightMap, PixelGrid};
 
 /// Share of a tile's pixels that must be known.
-const LEAST_KNOWN: f64 = 0.5;
+const LEAST_KNOWN: f64 = 0.4;
 
 /// A regular grid of tiles over a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,6 +81,11 @@ impl Tiles {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
+    }
+
+    /// Share of a tile's pixels that are known.
+    pub fn share_known(&self, tile: usize) -> f64 {
+        self.members[tile].len() as f64 / (self.grid.side * self.grid.side) as f64
     }
 
     /// Mean of a value over the pixels of each tile.

@@ -3,12 +3,19 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use robofin::laboratory::{Freedom, TileNoise, Whitener};
+use robofin::laboratory::{Freedom, TileGrid, TileNoise, Tiles, Whitener};
+use sdf_bake::PixelGrid;
 
 const TILES: usize = 120;
 
+/// Tiles of four pixels by four, 1 mm apart.
+fn tiles() -> Tiles {
+    let origin = glam::DVec2::splat(-0.375e-3);
+    TileGrid { pixels: PixelGrid { origin, pitch: 0.25e-3, nx: 80, ny: 24 }, side: 4 }.tiles(|_| true)
+}
+
 fn centres() -> Vec<glam::DVec2> {
-    (0..TILES).map(|k| 1e-3 * glam::DVec2::new((k % 20) as f64, (k / 20) as f64)).collect()
+    tiles().centres
 }
 
 fn noise() -> TileNoise {
@@ -28,7 +35,7 @@ fn normals(random: &mut Pcg64Mcg, count: usize) -> DVector<f64> {
 
 #[test]
 fn shared_noise_and_pose_become_white() {
-    let covariance = noise().covariance(&centres(), &[0.0; TILES]);
+    let covariance = noise().covariance(&tiles(), &[0.0; TILES]);
     let factor = Cholesky::new(covariance.clone()).unwrap();
     let whitener = Whitener::new(covariance, pose()).unwrap();
     let mut random = Pcg64Mcg::seed_from_u64(11);
@@ -47,7 +54,7 @@ fn shared_noise_and_pose_become_white() {
 
 #[test]
 fn a_tilt_is_found_and_is_no_evidence() {
-    let covariance = noise().covariance(&centres(), &[0.0; TILES]);
+    let covariance = noise().covariance(&tiles(), &[0.0; TILES]);
     let whitener = Whitener::new(covariance, pose()).unwrap();
     let tilted: Vec<f64> = centres().iter().map(|place| 30e-6 + 40e-6 * place.x / 0.02).collect();
     let left: f64 = whitener.whiten(&tilted).iter().map(|r| r * r).sum();
@@ -62,10 +69,20 @@ fn a_tilt_is_found_and_is_no_evidence() {
 
 #[test]
 fn noise_of_the_scan_before_counts_where_nothing_was_removed() {
-    let all = noise().covariance(&centres(), &[1.0; TILES]);
-    let none = noise().covariance(&centres(), &[0.0; TILES]);
+    let all = noise().covariance(&tiles(), &[1.0; TILES]);
+    let none = noise().covariance(&tiles(), &[0.0; TILES]);
     assert!((all[(7, 7)] / none[(7, 7)] - 2.0).abs() < 1e-12);
     let sigma = Whitener::new(none, pose()).unwrap().sigma_of_sum(&[1e-6; TILES]);
     let height_alone = TILES as f64 * 1e-6 * 50e-6;
     assert!(sigma > height_alone && sigma < 2.0 * height_alone, "a height of 50 µm under all tiles: {sigma}");
+}
+
+#[test]
+fn a_tile_of_fewer_pixels_is_less_sure() {
+    let whole = tiles();
+    let half = whole.grid.tiles(|at| at % 2 == 0);
+    let [whole, half] = [whole, half].map(|tiles| noise().covariance(&tiles, &[0.0; TILES]));
+    let alone = noise().alone.powi(2);
+    assert!(((half[(7, 7)] - whole[(7, 7)]) / alone - 1.0).abs() < 1e-9, "twice the variance of a tile's own part");
+    assert!((half[(7, 8)] / whole[(7, 8)] - 1.0).abs() < 1e-9, "neighbours share as much");
 }
