@@ -7,7 +7,8 @@ use sim::effect::{Effect, Library, Model, Scale};
 
 use super::cases::{Case, Design, Family, Instruments, Sized, effect_process};
 use crate::laboratory::{
-    Detectable, Diagnosis, DiagnosisSummary, Evidence, ScanEvidence, Verdict, calibrate_scans, separating_trial,
+    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, ScanEvidence, Verdict, calibrate_scans,
+    separating_trial,
 };
 use crate::virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
 
@@ -42,6 +43,8 @@ pub struct Outcome {
     pub evaluation_um: [Option<f64>; 2],
     /// The noise floor [µm].
     pub floor_um: f64,
+    /// The most probable effects of each search, with what they leave held out, for people.
+    pub suspects: Vec<String>,
     /// Whether a next trial was proposed.
     pub next_trial: bool,
     /// Time that the diagnosis took [s].
@@ -87,9 +90,16 @@ pub fn run(case: &Case, baseline: Option<&Baseline>, size: Size, library: &Libra
         alike: summary.effects.iter().map(|effect| effect.indistinguishable_from.clone()).collect(),
         evaluation_um: [evaluation(summary.waterfall.first()), evaluation(summary.waterfall.last())],
         floor_um: summary.noise_floor_um,
+        suspects: summary.suspects.iter().map(suspect).collect(),
         next_trial,
         seconds,
     })
+}
+
+fn suspect(suspect: &EffectSummary) -> String {
+    let held_out =
+        [suspect.evaluation_rms_um_before, suspect.evaluation_rms_um_after].map(|rms| rms.unwrap_or(f64::NAN));
+    format!("{}; held out {:.2} -> {:.2} µm", suspect.shown(), held_out[0], held_out[1])
 }
 
 /// What a diagnosis of a synthetic campaign gives.

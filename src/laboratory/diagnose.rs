@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use sim::effect::{Library, Model, candidates};
 
 use super::detectable::{Detectable, detectable};
@@ -14,16 +13,13 @@ use super::probe::Candidate;
 use super::screen::{Projector, Screened};
 use super::significance::{chance, chance_gains};
 use super::suspect::{Suspect, suspects};
+use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_open, misses, rms};
 use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Chance below which an effect is no accident.
 const CHANCE: f64 = 0.05;
 /// Least size of an effect: shares of the noise floor and of the mean removal, what the simulation itself may err by.
 const SIZE: (f64, f64) = (0.3, 0.005);
-/// Share of the mean removal that may stay unexplained before something unknown is said to be at work, and of the floor.
-const UNEXPLAINED: (f64, f64) = (0.01, 0.6);
-/// Probability from which an effect is named alone.
-const CERTAIN: f64 = 0.9;
 /// Difference of two effects' sums of squares from which data tell them apart: 5 % level, 80 % power.
 const SEPARABLE: f64 = 7.85;
 /// Flattens probabilities: residuals are not quite normal.
@@ -34,24 +30,6 @@ const CUT: f64 = 3.0;
 const TOO_DEAR: &str = "its simulation fails or takes several times as many steps as the base model's";
 /// Effects that may be found one after the other.
 pub const MOST_EFFECTS: usize = 3;
-
-/// What the data say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// Effects that nothing else can stand for.
-    Identified,
-    /// One of a class of effects that these data cannot tell apart.
-    Ambiguous,
-    /// Effects were found, and more is missing.
-    Partly,
-    /// Something is missing that no effect of the library describes.
-    Unknown,
-    /// Nothing is missing that these data could show.
-    NothingMissing,
-    /// These data cannot show most effects.
-    NotTestable,
-}
 
 /// An effect that was found, or might be.
 #[derive(Clone)]
@@ -68,6 +46,8 @@ pub struct Finding {
     pub probability: f64,
     /// How well it describes the calibration data; empty where chance rules it out.
     pub calibration: Vec<Agreement>,
+    /// How well it describes held-out data that no fit has seen; empty where it is not sound.
+    pub evaluation: Vec<Agreement>,
     /// Whether it is large and sure enough to be named.
     pub is_sound: bool,
 }
@@ -78,6 +58,8 @@ pub struct Round {
     pub base: Fit,
     /// How well it describes the calibration data.
     pub calibration: Vec<Agreement>,
+    /// How well it describes the held-out data.
+    pub evaluation: Vec<Agreement>,
     /// All effects, by name.
     pub screened: Vec<Screened>,
     /// The effects that were fitted, most probable first.
@@ -118,11 +100,6 @@ pub fn with_values(model: &Model, fit: &Fit) -> Model {
     model
 }
 
-/// Root mean square over scans.
-fn rms(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
-    (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt()
-}
-
 /// Standard deviation of whitened residuals, gross outliers cut; at least one.
 pub(super) fn spread(residuals: &[f64]) -> f64 {
     let middle = median(residuals.iter().map(|r| r.abs()).collect()).unwrap_or(0.0);
@@ -136,18 +113,7 @@ fn least_size(before: &[Agreement]) -> f64 {
     (SIZE.0 * rms(before, |a| a.floor)).max(SIZE.1 * rms(before, |a| a.scale))
 }
 
-/// What the scans' noise does not explain.
-pub fn unexplained(of: &[Agreement]) -> f64 {
-    (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.floor).powi(2)).max(0.0).sqrt()
-}
-
 impl Round {
-    /// Whether more is left than noise and the simulation's own errors explain.
-    fn is_open(of: &[Agreement]) -> bool {
-        let tolerance = (UNEXPLAINED.0 * rms(of, |a| a.scale)).max(UNEXPLAINED.1 * rms(of, |a| a.floor));
-        unexplained(of) > tolerance
-    }
-
     fn new(
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
@@ -171,10 +137,12 @@ impl Round {
         let left = fitted.first().map_or(&base.residuals, |best| &best.fit.residuals);
         let spread = spread(left);
         let chances = chance_gains(&projector, &screened, left, &evidence.blocks(Split::Calibration), seed);
-        let calibration = evidence.agreement(&base.model, Split::Calibration)?;
+        let [calibration, evaluation] =
+            [Split::Calibration, Split::Evaluation].map(|split| evidence.agreement(&base.model, split));
+        let (calibration, evaluation) = (calibration?, evaluation?);
         let finding = |suspect: Suspect| Finding::new(evidence, suspect, (&base, &calibration), (&chances, spread));
         let findings: Result<Vec<Finding>, EvidenceError> = fitted.into_par_iter().map(finding).collect();
-        let mut round = Self { calibration, screened, findings: findings?, spread, base };
+        let mut round = Self { calibration, evaluation, screened, findings: findings?, spread, base };
         round.weigh();
         Ok(round)
     }
@@ -200,6 +168,13 @@ impl Round {
         self.findings.first().filter(|finding| finding.is_sound)
     }
 
+    /// The best, unless it does harm to the held-out data or wants to be larger than it can be.
+    fn nameable(&self) -> Option<&Finding> {
+        let is_cause =
+            |best: &&Finding| carries_over(&self.evaluation, &best.evaluation) && !best.suspect.is_on_bound();
+        self.best().filter(is_cause)
+    }
+
     /// Effects that the data cannot tell from the best.
     pub fn look_alikes(&self) -> Vec<&Finding> {
         let Some(best) = self.best() else { return Vec::new() };
@@ -223,7 +198,9 @@ impl Finding {
         let explained = rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2);
         let size = if is_real { explained.max(0.0).sqrt() } else { 0.0 };
         let is_sound = is_real && size > least_size(before);
-        Ok(Self { suspect, gain: gain / (spread * spread), chance, size, probability: 0.0, calibration, is_sound })
+        let evaluation = if is_sound { evidence.agreement(&suspect.fit.model, Split::Evaluation)? } else { Vec::new() };
+        let gain = gain / (spread * spread);
+        Ok(Self { suspect, gain, chance, size, probability: 0.0, calibration, evaluation, is_sound })
     }
 }
 
@@ -252,51 +229,55 @@ impl Diagnosis {
         (seed, told): (u64, Told),
         searches: usize,
     ) -> Result<Self, EvidenceError> {
-        let (mut model, mut fit) = (model.clone(), base);
+        let (mut grown, mut fit) = (model.clone(), base.clone());
         let mut rounds: Vec<Round> = Vec::new();
-        let mut sure = true;
         while rounds.len() < searches {
-            let round = Round::new(evidence, (&model, fit.clone()), library, (seed, told))?;
-            let best = round.best().cloned();
-            sure = best.as_ref().is_none_or(|best| best.probability >= CERTAIN);
-            let goes_on = best.as_ref().is_some_and(|best| sure && Round::is_open(&best.calibration));
+            let round = Round::new(evidence, (&grown, fit.clone()), library, (seed, told))?;
+            let found = round.nameable().filter(|found| found.probability >= CERTAIN).cloned();
             rounds.push(round);
-            let Some(best) = best else { break };
-            if sure {
-                model = with_values(&model.with(best.suspect.name()), &best.suspect.fit);
-                fit = best.suspect.fit;
-            }
-            if !goes_on {
+            let Some(found) = found else { break };
+            grown = with_values(&grown.with(found.suspect.name()), &found.suspect.fit);
+            fit = found.suspect.fit;
+            if !is_open(&found.calibration) {
                 break;
             }
         }
-        let seen = |round: &Round| -> Vec<Detectable> {
-            let needed = (round.spread, least_size(&round.calibration));
-            round.screened.iter().flat_map(|screened| detectable(evidence, screened, needed)).collect()
+        let detectable = seen(evidence, &rounds[0]);
+        let blind = blind(evidence, library, &rounds);
+        let end = match rounds.last() {
+            Some(last) if last.best().is_some() && last.nameable().is_none() => SearchEnd::Refused,
+            _ if searches < MOST_EFFECTS && rounds.len() == searches => SearchEnd::CutShort,
+            _ => SearchEnd::Exhausted,
         };
-        let detectable = rounds.first().map(seen).unwrap_or_default();
-        let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?)));
-        let dear = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());
-        let blind = blind.chain(dear.map(|screened| (screened.candidate.name.clone(), TOO_DEAR.to_owned()))).collect();
-        let verdict = verdict(&rounds, sure, &evidence.agreement(&fit.model, Split::Calibration)?, &detectable);
+        let found = rounds.iter().filter_map(Round::nameable);
+        let account: Vec<_> = found.map(|f| ([&f.calibration[..], &f.evaluation], f.probability)).collect();
+        let base_errors = [&rounds[0].calibration[..], &rounds[0].evaluation];
+        let verdict = Verdict::new(base_errors, (&account, end), &detectable);
+        let (model, fit) = if verdict == Verdict::Unknown { (model.clone(), base) } else { (grown, fit) };
         Ok(Self { verdict, rounds, model, fit, detectable, blind })
     }
 
-    /// The effects that were found, in order.
+    /// The effects that were found, in order; none where they are no account of what is missing.
     pub fn found(&self) -> Vec<&Finding> {
-        self.rounds.iter().filter_map(Round::best).collect()
+        let rounds = if self.verdict == Verdict::Unknown { &[][..] } else { &self.rounds[..] };
+        rounds.iter().filter_map(Round::nameable).collect()
+    }
+
+    /// Whether nothing was found although the model misses the held-out data.
+    pub fn misses_held_out(&self) -> bool {
+        self.found().is_empty() && misses(&self.rounds[0].evaluation)
     }
 }
 
-fn verdict(rounds: &[Round], sure: bool, left: &[Agreement], detectable: &[Detectable]) -> Verdict {
-    let found = rounds.iter().filter(|round| round.best().is_some()).count();
-    match (found, Round::is_open(left)) {
-        (0, true) => Verdict::Unknown,
-        (0, false) if detectable.iter().filter(|d| d.testable).count() * 2 < detectable.len() => Verdict::NotTestable,
-        (0, false) => Verdict::NothingMissing,
-        (1, _) if !sure => Verdict::Ambiguous,
-        (_, true) => Verdict::Partly,
-        (_, _) if !sure => Verdict::Partly,
-        (_, false) => Verdict::Identified,
-    }
+/// What each effect must be to be seen beside the first model.
+fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
+    let needed = (round.spread, least_size(&round.calibration));
+    round.screened.iter().flat_map(|screened| detectable(evidence, screened, needed)).collect()
+}
+
+/// Effects that were not weighed, and why.
+fn blind(evidence: &dyn Evidence, library: &Library, rounds: &[Round]) -> BTreeMap<String, String> {
+    let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?)));
+    let dear = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());
+    blind.chain(dear.map(|screened| (screened.candidate.name.clone(), TOO_DEAR.to_owned()))).collect()
 }

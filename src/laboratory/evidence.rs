@@ -12,7 +12,7 @@ use crate::campaign_twin::CampaignError;
 pub enum Split {
     /// Data that fits may see.
     Calibration,
-    /// Data kept apart: no fit and no choice sees them.
+    /// Data kept apart: no fit sees them, and what a fit found must hold on them.
     Evaluation,
 }
 

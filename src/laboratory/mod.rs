@@ -34,6 +34,7 @@ mod table_reach;
 mod table_steps;
 mod tiles;
 mod totals;
+mod verdict;
 
 pub use blur::blurred;
 pub use calibrate::{calibrate, calibrate_scans};
@@ -43,7 +44,7 @@ pub use coordinates::{Bound, Coordinate, moved};
 pub use covariance::{Freedom, TileNoise, Whitener};
 pub use covariate_share::{CovariateBin, CovariateField, CovariateShare, CovariateStudy, covariate_study};
 pub use detectable::{Detectable, detectable};
-pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, Round, Told, Verdict, unexplained, with_values};
+pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, Round, Told, with_values};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
@@ -63,3 +64,4 @@ pub use summary::{BASE_STEP, DiagnosisSummary, EffectSummary, ParameterSummary, 
 pub use suspect::{Suspect, suspects};
 pub use tiles::{TileGrid, Tiles};
 pub use totals::{Total, Totals};
+pub use verdict::{Verdict, unexplained};

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::detectable::Detectable;
-use super::diagnose::{Diagnosis, Finding, Round, Verdict};
+use super::diagnose::{Diagnosis, Finding, Round};
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::fit::{Estimate, Fit};
 use super::next_trial::NextTrial;
 use super::pass_trend::PassTrend;
+use super::verdict::Verdict;
 
 /// Name of the waterfall's step at which the base law is calibrated.
 pub const BASE_STEP: &str = "base model";
@@ -160,16 +161,8 @@ impl EffectSummary {
         format!("{name}: probability {probability:.3}, gain {gain:.1}, chance {chance:.3}; {}", values.join(", "))
     }
 
-    fn new(
-        evidence: &dyn Evidence,
-        (round, finding): (&Round, &Finding),
-        title: &str,
-        before: &[Agreement],
-    ) -> Result<Self, EvidenceError> {
-        let (before, after) = match finding.is_sound {
-            true => (before.to_vec(), evidence.agreement(&finding.suspect.fit.model, Split::Evaluation)?),
-            false => (Vec::new(), Vec::new()),
-        };
+    fn new(evidence: &dyn Evidence, (round, finding): (&Round, &Finding), title: &str) -> Self {
+        let before: &[Agreement] = if finding.is_sound { &round.evaluation } else { &[] };
         let own = |e: &Estimate| e.coordinate.slot.owner == finding.suspect.name();
         let estimates = finding.suspect.fit.estimates(round.spread);
         let row = |e: &Estimate| e.coordinate.slot.row.map_or(String::new(), |row| format!("[{}]", row + 1));
@@ -181,7 +174,7 @@ impl EffectSummary {
         let error = |of: &[Agreement]| (!of.is_empty()).then(|| rms(of, unit, |a| a.rms));
         let alike = round.look_alikes().into_iter().map(|other| other.suspect.name().to_owned());
         let is_best = round.best().is_some_and(|best| best.suspect.name() == finding.suspect.name());
-        Ok(Self {
+        Self {
             name: finding.suspect.name().to_owned(),
             title: title.to_owned(),
             probability: finding.probability,
@@ -189,14 +182,14 @@ impl EffectSummary {
             parameters: parameters.collect(),
             gain: finding.gain,
             chance: finding.chance,
-            evaluation_rms_um_before: error(&before),
-            evaluation_rms_um_after: error(&after),
-        })
+            evaluation_rms_um_before: error(before),
+            evaluation_rms_um_after: error(&finding.evaluation),
+        }
     }
 }
 
 impl DiagnosisSummary {
-    /// Sums up a diagnosis; here, and nowhere before, the evaluation data are looked at.
+    /// Sums up a diagnosis.
     ///
     /// # Errors
     /// When a model cannot be simulated.
@@ -205,37 +198,32 @@ impl DiagnosisSummary {
         diagnosis: &Diagnosis,
         title: &dyn Fn(&str) -> String,
     ) -> Result<Self, EvidenceError> {
-        let (mut effects, mut suspects, mut waterfall) = (Vec::new(), Vec::new(), Vec::new());
-        let (unit, mut floor) = (evidence.unit(), 0.0);
-        for (number, round) in diagnosis.rounds.iter().enumerate() {
-            let before = evidence.agreement(&round.base.model, Split::Evaluation)?;
-            if number == 0 {
-                floor = rms(&round.calibration, unit, |a| a.floor);
-                waterfall.push(step(BASE_STEP.to_owned(), unit, &round.calibration, &before));
-            }
-            for (place, finding) in round.findings.iter().enumerate() {
-                let summary = EffectSummary::new(evidence, (round, finding), &title(finding.suspect.name()), &before)?;
-                if place == 0 && finding.is_sound {
-                    let after = evidence.agreement(&finding.suspect.fit.model, Split::Evaluation)?;
-                    waterfall.push(step(format!("+ {}", summary.name), unit, &finding.calibration, &after));
-                    effects.push(summary.clone());
-                }
-                suspects.push(summary);
-            }
-        }
-        let base = diagnosis.rounds.first().map(|round| evidence.trend(&round.base.model)).transpose()?;
-        let equal_passes = base.flatten();
+        let (unit, first) = (evidence.unit(), &diagnosis.rounds[0]);
+        let summary =
+            |round, finding: &Finding| EffectSummary::new(evidence, (round, finding), &title(finding.suspect.name()));
+        let pairs =
+            diagnosis.rounds.iter().flat_map(|round| round.findings.iter().map(move |finding| (round, finding)));
+        let suspects = pairs.map(|(round, finding)| summary(round, finding)).collect();
+        let found = diagnosis.found();
+        let effects: Vec<EffectSummary> =
+            diagnosis.rounds.iter().zip(&found).map(|(round, finding)| summary(round, finding)).collect();
+        let added = |finding: &&Finding| {
+            step(format!("+ {}", finding.suspect.name()), unit, &finding.calibration, &finding.evaluation)
+        };
+        let base_step = step(BASE_STEP.to_owned(), unit, &first.calibration, &first.evaluation);
+        let waterfall = [base_step].into_iter().chain(found.iter().map(added)).collect();
+        let equal_passes = evidence.trend(&first.base.model)?;
         let beyond = equal_passes.as_ref().filter(|trend| trend.out_of_reach);
         let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
         let last = evidence.agreement(&diagnosis.fit.model, Split::Calibration)?;
         let spread = diagnosis.rounds.last().map_or(1.0, |round| round.spread);
         Ok(Self {
             verdict: diagnosis.verdict,
-            sentence: sentence(diagnosis.verdict, &effects) + &beyond,
+            sentence: sentence(diagnosis, &effects) + &beyond,
             effects,
             error_unit: unit,
-            noise_floor_um: floor,
-            base_rms_um: diagnosis.rounds.first().map_or(0.0, |round| rms(&round.calibration, unit, |a| a.rms)),
+            noise_floor_um: rms(&first.calibration, unit, |a| a.floor),
+            base_rms_um: rms(&first.calibration, unit, |a| a.rms),
             final_rms_um: rms(&last, unit, |a| a.rms),
             waterfall,
             equal_passes,
@@ -264,11 +252,11 @@ pub(super) fn step(
     WaterfallStep { step, calibration_rms_um: rms(calibration, unit, |a| a.rms), evaluation_rms_um }
 }
 
-fn sentence(verdict: Verdict, effects: &[EffectSummary]) -> String {
+fn sentence(diagnosis: &Diagnosis, effects: &[EffectSummary]) -> String {
     let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_str()).collect();
     let first = effects.first();
     let alike = first.map_or(String::new(), |effect| effect.indistinguishable_from.join(", "));
-    match verdict {
+    match diagnosis.verdict {
         Verdict::Identified => format!("The model lacks {}.", names.join(" and ")),
         Verdict::Ambiguous => format!(
             "The model lacks {} or an effect that these data cannot tell from it{}.",
@@ -278,6 +266,11 @@ fn sentence(verdict: Verdict, effects: &[EffectSummary]) -> String {
         Verdict::Partly => format!("The model lacks {}, and more that was not found.", names.join(" and ")),
         Verdict::Unknown => "Something is missing that no effect of the library describes.".to_owned(),
         Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
+        Verdict::NotTestable if diagnosis.misses_held_out() => {
+            "The calibration passes show nothing that is missing, but the model misses the held-out passes: passes that \
+             differ as much must calibrate it."
+                .to_owned()
+        }
         Verdict::NotTestable => "These data cannot show most effects: nothing can be said.".to_owned(),
     }
 }

@@ -55,6 +55,16 @@ impl Suspect {
         })
     }
 
+    /// Whether a size of the effect ended at the far end of its range.
+    pub fn is_on_bound(&self) -> bool {
+        self.screened.candidate.coordinates.iter().any(|c| {
+            let (value, [least, greatest]) = (self.fit.model.value(c.index), c.slot.range);
+            let at = |end: f64| (value - end).abs() <= 1e-3 * end.abs();
+            let null = c.slot.null;
+            null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
+        })
+    }
+
     fn quick(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
         let model = screened.candidate.at(&screened.best);
         let own = |name: &str| base.coordinates.iter().any(|c| c.slot.name() == name);

@@ -13,7 +13,7 @@ use super::waterfall::{Scans, Step};
 use super::{places, row_places, scan_tests};
 use crate::laboratory::{
     BASE_STEP, CovariateBin, CovariateShare, CovariateStudy, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit,
-    Fit, NextTrial, ParameterSummary, Round, RowEvidence, ScanEvidence, ScanView, Split, Verdict,
+    Fit, NextTrial, ParameterSummary, RowEvidence, ScanEvidence, ScanView, Split, Verdict,
 };
 use crate::measure::Registration;
 use crate::study_report as page;
@@ -90,10 +90,10 @@ struct Filled {
 
 fn of_scans(input: &ReportInput, evidence: &ScanEvidence) -> Result<Filled> {
     let first = &input.diagnosis.rounds[0];
-    let found = input.diagnosis.rounds.iter().filter_map(Round::best);
+    let found = input.diagnosis.found();
     let models: Vec<(String, &CompiledModel)> = [("base model".to_owned(), &first.base.model)]
         .into_iter()
-        .chain(found.map(|found| (format!("+ {}", found.suspect.name()), &found.suspect.fit.model)))
+        .chain(found.iter().map(|found| (format!("+ {}", found.suspect.name()), &found.suspect.fit.model)))
         .collect();
     let start = start_of(&first.base.model);
     let all: Vec<&CompiledModel> = [&start].into_iter().chain(models.iter().map(|(_, model)| *model)).collect();
@@ -122,8 +122,7 @@ fn of_rows(input: &ReportInput, evidence: &RowEvidence) -> Result<Filled> {
     let first = &input.diagnosis.rounds[0];
     let study = |model: &CompiledModel| row_places::study(evidence, model, Split::Calibration, input.seed);
     let base = study(&first.base.model)?;
-    let last = input.diagnosis.rounds.iter().filter_map(Round::best).next_back();
-    let last = last.map(|found| study(&found.suspect.fit.model)).transpose()?;
+    let last = input.diagnosis.found().last().map(|found| study(&found.suspect.fit.model)).transpose()?;
     let tests = scan_tests::of_rows(&first.base.residuals, first.base.coordinates.len(), input.seed);
     let covariate = |at: usize| row_places::covariate(evidence, at);
     Ok(Filled {

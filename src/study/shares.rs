@@ -25,8 +25,8 @@ impl SharedFall {
 /// The shares of the first two effects of a diagnosis, where they overlap by more than a fifth and the second was fitted
 /// alone too.
 pub fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
-    let [one, two, ..] = &diagnosis.rounds[..] else { return None };
-    let (first, second) = (one.best()?, two.best()?);
+    let (one, found) = (&diagnosis.rounds[0], diagnosis.found());
+    let [first, second, ..] = &found[..] else { return None };
     let alone = one.findings.iter().find(|finding| finding.suspect.name() == second.suspect.name())?;
     let fall = |chi2: f64| one.base.chi2 - chi2;
     let falls = [first.suspect.fit.chi2, alone.suspect.fit.chi2, second.suspect.fit.chi2].map(fall);

@@ -1,0 +1,156 @@
+//! What the errors of a search's models say, in one word.
+
+use serde::{Deserialize, Serialize};
+
+use super::detectable::Detectable;
+use super::evidence::Agreement;
+
+/// Share of the mean removal that may stay unexplained before something unknown is said to be at work, and of the floor.
+const UNEXPLAINED: (f64, f64) = (0.01, 0.6);
+/// What held-out data may leave unexplained where nothing is missing: shares of the mean removal and of the noise floor. Errors
+/// of the parameters come on top of those of the simulation.
+const HELD_OUT: (f64, f64) = (0.02, 1.5);
+/// Shares of the unexplained mean square that may stay where effects are an account of it: of the data that they were fitted to,
+/// and of those held out.
+const ACCOUNTED: [f64; 2] = [0.25, 0.5];
+/// Probability from which an effect is named alone.
+pub(super) const CERTAIN: f64 = 0.9;
+
+/// What the data say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Effects that nothing else can stand for.
+    Identified,
+    /// One of a class of effects that these data cannot tell apart.
+    Ambiguous,
+    /// Effects were found, and more is missing.
+    Partly,
+    /// Something is missing that no effect of the library describes.
+    Unknown,
+    /// Nothing is missing that these data could show.
+    NothingMissing,
+    /// These data cannot show most effects.
+    NotTestable,
+}
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SearchEnd {
+    /// No further effect is large and sure enough, or none is needed.
+    Exhausted,
+    /// An effect is large and sure enough, but cannot be the cause.
+    Refused,
+    /// More might be found.
+    CutShort,
+}
+
+/// Root mean square over scans.
+pub(super) fn rms(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
+    (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt()
+}
+
+/// What the scans' noise does not explain.
+pub fn unexplained(of: &[Agreement]) -> f64 {
+    (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.floor).powi(2)).max(0.0).sqrt()
+}
+
+/// Whether more is left than the given shares of the mean removal and of the noise floor.
+fn exceeds(of: &[Agreement], shares: (f64, f64)) -> bool {
+    unexplained(of) > (shares.0 * rms(of, |a| a.scale)).max(shares.1 * rms(of, |a| a.floor))
+}
+
+/// Whether more is left than noise and the simulation's own errors explain.
+pub(super) fn is_open(of: &[Agreement]) -> bool {
+    exceeds(of, UNEXPLAINED)
+}
+
+/// Whether a model misses data that it was not fitted to.
+pub(super) fn misses(held_out: &[Agreement]) -> bool {
+    exceeds(held_out, HELD_OUT)
+}
+
+/// Whether all is explained but for so much of the unexplained mean square.
+fn is_account(before: &[Agreement], after: &[Agreement], share: f64) -> bool {
+    !is_open(after) || unexplained(after).powi(2) <= share * unexplained(before).powi(2)
+}
+
+/// Whether an effect does not do harm to held-out data that no fit has seen.
+pub(super) fn carries_over(before: &[Agreement], after: &[Agreement]) -> bool {
+    is_account(before, after, 1.0)
+}
+
+impl Verdict {
+    /// From a search.
+    ///
+    /// - `base`: how well the first model describes calibration and held-out data
+    /// - `found`: the same for the model with each effect that can be named, and the effect's probability
+    /// - `end`: how the search ended
+    pub(super) fn new(
+        base: [&[Agreement]; 2],
+        (found, end): (&[([&[Agreement]; 2], f64)], SearchEnd),
+        detectable: &[Detectable],
+    ) -> Self {
+        let Some(&(left, probability)) = found.last() else {
+            let is_known = end == SearchEnd::Exhausted && !is_open(base[0]);
+            return if is_known { Self::of_silence(base[1], detectable) } else { Self::Unknown };
+        };
+        let is_account = end == SearchEnd::CutShort || (0..2).all(|k| is_account(base[k], left[k], ACCOUNTED[k]));
+        match (is_open(left[0]), probability >= CERTAIN) {
+            _ if !is_account => Self::Unknown,
+            (_, false) if found.len() == 1 => Self::Ambiguous,
+            (false, true) => Self::Identified,
+            _ => Self::Partly,
+        }
+    }
+
+    /// Where the calibration data show no effect.
+    fn of_silence(held_out: &[Agreement], detectable: &[Detectable]) -> Self {
+        let testable = detectable.iter().filter(|effect| effect.testable).count();
+        if testable * 2 < detectable.len() || misses(held_out) { Self::NotTestable } else { Self::NothingMissing }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors of one scan with a floor of 3 µm and a removal of 100 µm.
+    fn scan(rms_um: f64) -> Vec<Agreement> {
+        vec![Agreement { about: String::new(), rms: 1e-6 * rms_um, floor: 3e-6, scale: 100e-6 }]
+    }
+
+    /// From errors [µm] of calibration and held-out data.
+    fn verdict(base: [f64; 2], found: &[([f64; 2], f64)], end: SearchEnd) -> Verdict {
+        let base = base.map(scan);
+        let found: Vec<([Vec<Agreement>; 2], f64)> = found.iter().map(|&(rms, p)| (rms.map(scan), p)).collect();
+        let found: Vec<_> = found.iter().map(|(errors, p)| (errors.each_ref().map(|errors| &errors[..]), *p)).collect();
+        Verdict::new([&base[0], &base[1]], (&found, end), &[])
+    }
+
+    #[test]
+    fn one_verdict_for_each_end_of_a_search() {
+        use SearchEnd::{CutShort, Exhausted, Refused};
+        assert_eq!(verdict([3.1, 3.2], &[], Exhausted), Verdict::NothingMissing);
+        assert_eq!(verdict([3.1, 3.2], &[], Refused), Verdict::Unknown);
+        assert_eq!(verdict([3.1, 9.0], &[], Exhausted), Verdict::NotTestable, "the held-out passes say more");
+        let ends = |found: &[([f64; 2], f64)]| verdict([20.0, 20.0], found, Exhausted);
+        assert_eq!(ends(&[]), Verdict::Unknown);
+        assert_eq!(ends(&[([3.1, 3.2], 1.0)]), Verdict::Identified);
+        assert_eq!(ends(&[([3.1, 3.2], 0.6)]), Verdict::Ambiguous);
+        assert_eq!(ends(&[([6.0, 6.0], 1.0)]), Verdict::Partly);
+        assert_eq!(ends(&[([6.0, 6.0], 1.0), ([3.1, 3.2], 0.6)]), Verdict::Partly);
+        assert_eq!(ends(&[([15.0, 3.2], 1.0)]), Verdict::Unknown, "most of it is left");
+        assert_eq!(ends(&[([15.0, 3.2], 0.6)]), Verdict::Unknown);
+        assert_eq!(ends(&[([3.1, 18.0], 1.0)]), Verdict::Unknown, "most of what is held out is left");
+        assert_eq!(verdict([20.0, 20.0], &[([15.0, 18.0], 1.0)], CutShort), Verdict::Partly, "the search may go on");
+    }
+
+    #[test]
+    fn an_effect_carries_over_unless_held_out_errors_rise() {
+        let carries = |before, after| carries_over(&scan(before), &scan(after));
+        assert!(carries(20.0, 3.2) && carries(20.0, 18.0) && carries(3.2, 3.3));
+        assert!(!carries(20.0, 33.0) && !carries(3.2, 9.0));
+        assert!(carries_over(&[], &[]), "where nothing is held out nothing speaks against it");
+    }
+}
