@@ -118,7 +118,7 @@ fn check(line: Direction, text: &str, pixels: &PixelGrid) -> Result<()> {
 
 fn describe(comparison: &Comparison, console: &Console) {
     console.step(if comparison.agrees { "agrees" } else { "differs" }, &comparison.sentence);
-    for test in &comparison.tests {
+    for test in &comparison.failures.tests {
         let word = if test.rejects { "structure" } else { "none found" };
         console.step("test", format!("{}: {:.2}, p {:.3}, {word}", test.name, test.statistic, test.p_value));
     }
@@ -132,7 +132,7 @@ fn describe(comparison: &Comparison, console: &Console) {
         let errors = format!("{:.2} µm, noise alone {:.2} µm", scan.rms_um, scan.noise_floor_um);
         console.step("scan", format!("{}: {errors}{volume}{overlap}", scan.pass));
     }
-    for covariate in comparison.covariates.iter().take(TOLD) {
+    for covariate in comparison.failures.covariates.iter().take(TOLD) {
         let (share, drop) = (100.0 * covariate.share, 100.0 * covariate.drop);
         let p = covariate.p_value_of_all;
         console.step(

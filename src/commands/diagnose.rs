@@ -50,9 +50,9 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     drop(progress);
     let suggestion = suggestion(&data, &diagnosis, &library, args.seed)?;
     let mut summary = summary(&mut data, &diagnosis, &library)?;
-    if let Some(suggestion) = suggestion {
+    if let Some(suggestion) = &suggestion {
         let file = format!("{}.toml", suggestion.name);
-        write(&folder, &file, suggestion.text)?;
+        write(&folder, &file, &suggestion.text)?;
         console.step("suggested", format!("{}: {file}", suggestion.summary));
         summary.suggested_effect_file = Some(args.out.out.join(file).display().to_string());
     }
@@ -63,18 +63,20 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         folder: data.folder(),
         diagnosis: &diagnosis,
         summary: &summary,
+        suggestion: suggestion.as_ref(),
         seed: args.seed,
         notes: data.notes_of_table(),
     };
-    write(&folder, DIAGNOSIS_FILE, serde_json::to_string_pretty(&summary)?)?;
-    write(&folder, "model.toml", diagnosis.model.to_text(&library))?;
-    write(&folder, "report.html", page(&report(&input)?))?;
+    let report = report(&input)?;
+    write(&folder, DIAGNOSIS_FILE, &serde_json::to_string_pretty(&report.diagnosis)?)?;
+    write(&folder, "model.toml", &diagnosis.model.to_text(&library))?;
+    write(&folder, "report.html", &page(&report))?;
     let place = folder.commit()?;
     console.step("written", format!("{} after {:.0} s", place.display(), started.elapsed().as_secs_f64()));
-    console.answer(&summary)
+    console.answer(&report.diagnosis)
 }
 
-fn write(folder: &StagedFolder, name: &str, text: String) -> Result<()> {
+fn write(folder: &StagedFolder, name: &str, text: &str) -> Result<()> {
     std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
 }
 

@@ -263,6 +263,13 @@ impl Diagnosis {
         rounds.iter().filter_map(Round::nameable).collect()
     }
 
+    /// The two most probable effects of the last search, where the first is large and sure enough.
+    pub fn rivals(&self) -> Option<[&Finding; 2]> {
+        let last = self.rounds.iter().rev().find(|round| round.best().is_some())?;
+        let [first, second, ..] = &last.findings[..] else { return None };
+        Some([first, second])
+    }
+
     /// Whether nothing was found although the model misses the held-out data.
     pub fn misses_held_out(&self) -> bool {
         self.found().is_empty() && misses(&self.rounds[0].evaluation)

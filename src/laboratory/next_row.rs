@@ -10,7 +10,6 @@ use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::next_trial::{NextTrial, left_after_refit};
 use super::rows::RowEvidence;
-use super::verdict::Verdict;
 use crate::measure::median;
 use crate::table::{Row, Table};
 use crate::trial::{RPM, Role};
@@ -39,18 +38,14 @@ const CHANGES: [Change; 8] = [
     Change::Duration(3.0),
 ];
 
-/// The row that would tell the two most probable effects of a diagnosis apart, where the data leave it open.
+/// The row that would tell the two rivals of a diagnosis apart, where there are two.
 ///
 /// # Errors
 /// When a rival cannot be evaluated.
 pub fn separating_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
-    let Some([first, second, ..]) = diagnosis.rounds.first().map(|round| round.findings.as_slice()) else {
+    let Some([one, other]) = diagnosis.rivals().map(|rivals| rivals.map(|rival| &rival.suspect)) else {
         return Ok(None);
     };
-    if !first.is_sound || diagnosis.verdict == Verdict::Identified {
-        return Ok(None);
-    }
-    let (one, other) = (&first.suspect, &second.suspect);
     next_row(evidence, ((one.name(), &one.fit), (other.name(), &other.fit)))
 }
 

@@ -10,7 +10,6 @@ use super::diagnose::Diagnosis;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::scans::ScanEvidence;
-use super::verdict::Verdict;
 use crate::trial::{Role, Trial};
 
 /// Revolutions per minute of one rad/s.
@@ -56,18 +55,14 @@ pub struct NextTrial {
     pub chance_right: f64,
 }
 
-/// The trial that would tell the two most probable effects of an ambiguous diagnosis apart.
+/// The trial that would tell the two rivals of a diagnosis apart, where there are two.
 ///
 /// # Errors
 /// When a variant cannot be prepared or simulated.
 pub fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
-    if diagnosis.verdict != Verdict::Ambiguous {
-        return Ok(None);
-    }
-    let Some([first, second, ..]) = diagnosis.rounds.last().map(|round| round.findings.as_slice()) else {
+    let Some([one, other]) = diagnosis.rivals().map(|rivals| rivals.map(|rival| &rival.suspect)) else {
         return Ok(None);
     };
-    let (one, other) = (&first.suspect, &second.suspect);
     next_trial(evidence, ((one.name(), &one.fit), (other.name(), &other.fit)))
 }
 

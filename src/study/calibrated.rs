@@ -8,6 +8,7 @@ use super::fill::{compared, correlations, parameter, provenance, verdict, waterf
 use super::maps::Seen;
 use super::measurements::Data;
 use super::simulated::Simulated;
+use super::{failures, scan_tests};
 use crate::laboratory::{Calibration, CalibrationSummary, RemovalError, Verdict, WaterfallStep};
 use crate::study_report as page;
 use crate::study_report::{Compared, StudyReport, Waterfall};
@@ -34,9 +35,10 @@ pub struct CalibrationReport<'a> {
     pub answer: Value,
 }
 
-/// A report with what was compared, a waterfall, maps, sections and volumes, and nothing fitted or found.
+/// A report with what was compared, where it fails, a waterfall, maps, sections and volumes, and nothing fitted or found.
 ///
 /// - `models`: what was compared; what its maps show, without and with effects
+/// - `freedoms`: parameters that were fitted without effects
 ///
 /// # Errors
 /// When a model cannot be simulated, or an input file not be read again for its hash.
@@ -44,7 +46,7 @@ pub(super) fn bare_report(
     data: &Data,
     (model, base, with_effects): (&Model, &CompiledModel, Option<&CompiledModel>),
     waterfall: Waterfall,
-    seed: u64,
+    (freedoms, seed): (usize, u64),
 ) -> Result<StudyReport> {
     let models: Vec<&CompiledModel> = [base].into_iter().chain(with_effects).collect();
     let simulated = data.scans().map(|(_, evidence)| Simulated::all(evidence, &models)).transpose()?;
@@ -55,16 +57,21 @@ pub(super) fn bare_report(
         lines: &[],
     });
     let seen = seen.as_ref();
+    let (failures, covariates) = match (seen, data.rows()) {
+        (Some(seen), _) => failures::of_scans(seen.evidence, (seen.base, seen.found), (freedoms, seed)),
+        (None, Some(rows)) => failures::of_rows(rows, (base, with_effects), (freedoms, seed))?,
+        (None, None) => Default::default(),
+    };
     Ok(StudyReport {
         compared: compared((model, data.scans()), data.folder(), &data.notes_of_table(), &[]),
         verdict: page::Verdict::Calibrated,
         sentence: String::new(),
-        tests: Vec::new(),
+        tests: scan_tests::reported(&failures.tests),
         waterfall,
         volumes: seen.map(Seen::volumes).unwrap_or_default(),
         scans: seen.map(Seen::scans).unwrap_or_default(),
         sections: seen.map(Seen::sections).unwrap_or_default(),
-        covariates: Vec::new(),
+        covariates,
         suspects: Vec::new(),
         parameters: Vec::new(),
         correlations: None,
@@ -87,7 +94,12 @@ pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
     let last = input.rival.or(grown);
     let mut falls = waterfall(input.waterfall, summary.noise_floor_um, summary.error_unit);
     add_removal(&mut falls, summary, calibration.steps.len());
-    let bare = bare_report(data, (&calibration.model, base, last), falls, input.seed)?;
+    let bare = bare_report(
+        data,
+        (&calibration.model, base, last),
+        falls,
+        (calibration.steps[0].fit.coordinates.len(), input.seed),
+    )?;
     let notes = [bare.compared.notes.clone(), summary.remarks.clone()].concat();
     Ok(StudyReport {
         compared: Compared { notes, ..bare.compared },

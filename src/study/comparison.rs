@@ -6,15 +6,16 @@ use anyhow::Result;
 use serde::Serialize;
 use sim::effect::CompiledModel;
 
-use super::fill::{compared_scans, folder_name, plots, provenance};
+use super::failures::{Failures, plots};
+use super::fill::{compared_scans, folder_name, provenance};
 use super::maps::{Seen, name, pass_volume, role};
 use super::simulated::Simulated;
 use super::track::{Ground, exposure, line_of};
 use super::waterfall::{Scans, Step};
 use super::{places, row_places, scan_tests};
 use crate::laboratory::{
-    CovariateShare, CovariateStudy, ErrorUnit, Evidence, PassTrend, RowEvidence, ScanData, ScanEvidence, ScanView,
-    Split, StructureTest, robust_sum,
+    CovariateStudy, ErrorUnit, Evidence, PassTrend, RowEvidence, ScanData, ScanEvidence, ScanView, Split,
+    StructureTest, robust_sum,
 };
 use crate::measure::Plateau;
 use crate::study_report::{
@@ -61,21 +62,6 @@ pub struct ScanFigures {
     pub sections: Vec<SectionFigures>,
 }
 
-/// A covariate in numbers.
-#[derive(Clone, Debug, Serialize)]
-pub struct CovariateFigures {
-    /// Its name.
-    pub name: String,
-    /// Share of the excess variance that it explains.
-    pub share: f64,
-    /// What all together explain less without it.
-    pub drop: f64,
-    /// Chance of such a share where there is no dependence.
-    pub p_value: f64,
-    /// Chance that any covariate reaches it where none matters.
-    pub p_value_of_all: f64,
-}
-
 /// What a comparison found, for people and machines.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
@@ -95,12 +81,9 @@ pub struct Comparison {
     pub judged: &'static str,
     /// How equal passes go on, and what the model's law can make of that; absent where there are no equal passes.
     pub equal_passes: Option<PassTrend>,
-    /// Tests of structure.
-    pub tests: Vec<StructureTest>,
-    /// Share of the excess variance that all covariates explain together.
-    pub joint_share: f64,
-    /// Covariates, in falling order of their shares.
-    pub covariates: Vec<CovariateFigures>,
+    /// Where the model fails.
+    #[serde(flatten)]
+    pub failures: Failures,
     /// Scans; none of a table.
     pub scans: Vec<ScanFigures>,
     /// Lines of the table whose residuals are gross outliers.
@@ -210,20 +193,12 @@ struct Found<'a> {
 impl Found<'_> {
     fn comparison(&self, unit: ErrorUnit, split: Split) -> Comparison {
         let [rms, floor] = self.error;
-        let one = |share: &CovariateShare| CovariateFigures {
-            name: (self.named)(share.covariate).0,
-            share: share.share,
-            drop: share.drop,
-            p_value: share.p_value,
-            p_value_of_all: share.p_value_of_all,
-        };
-        let mut covariates: Vec<CovariateFigures> = self.study.covariates.iter().map(one).collect();
-        covariates.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let failures = Failures::new(self.tests.clone(), &self.study, self.named);
         let agrees = rms <= CLOSE * floor || !self.tests.iter().any(|test| test.rejects);
         let errors = format!("{rms:.2} {} where noise alone leaves {floor:.2} {}", unit.symbol(), unit.symbol());
         let beyond = self.equal_passes.as_ref().filter(|trend| trend.out_of_reach);
         let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
-        let sentence = match (agrees, covariates.iter().find(|covariate| covariate.p_value_of_all <= 0.05)) {
+        let sentence = match (agrees, failures.covariates.iter().find(|covariate| covariate.p_value_of_all <= 0.05)) {
             (true, _) => format!("The model leaves {errors}: no structure beyond noise."),
             (false, Some(most)) => format!(
                 "The model leaves {errors}; its error depends most on the {}, which alone explains {:.0} % of the excess.",
@@ -241,9 +216,7 @@ impl Found<'_> {
             blur_um: None,
             judged: if split == Split::Calibration { "calibration" } else { "evaluation" },
             equal_passes: self.equal_passes.clone(),
-            tests: self.tests.clone(),
-            joint_share: self.study.joint_share,
-            covariates,
+            failures,
             scans: Vec::new(),
             outlier_lines: Vec::new(),
         }

@@ -6,8 +6,8 @@ use sim::effect::Library;
 use super::measurements::Data;
 use crate::laboratory::{Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_row, separating_trial, suggest};
 
-/// Sums up a diagnosis, with the trial that would separate rivals; the evaluation data are looked at here. The instrument's
-/// blur stays at what the diagnosed model finds.
+/// Sums up a diagnosis, with the trial that would separate rivals where one is needed: unless the effects are identified, and
+/// where equal passes go on as the base law cannot. The instrument's blur stays at what the diagnosed model finds.
 ///
 /// # Errors
 /// When a model cannot be simulated.
@@ -15,6 +15,10 @@ pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Res
     let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
     let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
     data.fix_blur(&diagnosis.fit.model)?;
+    let is_beyond_the_law = summary.equal_passes.as_ref().is_some_and(|trend| trend.out_of_reach);
+    if diagnosis.verdict == Verdict::Identified && !is_beyond_the_law {
+        return Ok(summary);
+    }
     summary.next_trial = match (data.scans(), data.rows()) {
         (Some((_, evidence)), _) => separating_trial(evidence, diagnosis)?,
         (None, Some(rows)) => separating_row(rows, diagnosis)?,

@@ -7,14 +7,14 @@ use sim::effect::{CompiledModel, Library, Model};
 
 use super::calibrated::{CalibrationReport, bare_report, calibration_report};
 use super::conclusion::{suggestion, summary};
-use super::fill::{detectable, suspect, waterfall};
+use super::fill::{detectable, next_trial, suggested, suspect, waterfall};
 use super::measurements::Data;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
 use crate::laboratory::{
     BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, Fitted, MOST_EFFECTS, Order,
     ParameterSummary, Suggestion, Told, Verdict, beginning, parameter_summary,
 };
-use crate::study_report::{StudyReport, SuggestedEffect};
+use crate::study_report::StudyReport;
 
 /// Error at which nothing more is searched [noise floors].
 const AT_FLOOR: f64 = 1.1;
@@ -210,7 +210,7 @@ impl<'a> Course<'a> {
         let (Some(calibration), Some(summary)) = (&self.calibration, numbers) else {
             let falls = waterfall(&record.waterfall, record.noise_floor_um, record.error_unit);
             let models = (&self.model, seen, None);
-            let bare = bare_report(&self.data, models, falls, record.seed)?;
+            let bare = bare_report(&self.data, models, falls, (0, record.seed))?;
             return Ok(StudyReport { sentence, diagnosis: answer, ..bare });
         };
         let report = calibration_report(&CalibrationReport {
@@ -228,6 +228,7 @@ impl<'a> Course<'a> {
         Ok(StudyReport {
             suspects: found.suspects.iter().map(|one| suspect(one, found.error_unit)).collect(),
             detectable: found.detectable.iter().map(detectable).collect(),
+            next_trial: found.next_trial.as_ref().map(next_trial),
             suggested_effect: self.suggestion.as_ref().map(suggested),
             ..report
         })
@@ -253,9 +254,4 @@ impl<'a> Course<'a> {
             }
         }
     }
-}
-
-fn suggested(suggestion: &Suggestion) -> SuggestedEffect {
-    let Suggestion { name, summary, text, .. } = suggestion;
-    SuggestedEffect { file: format!("{name}.toml"), summary: summary.clone(), text: text.clone() }
 }

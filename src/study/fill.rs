@@ -3,22 +3,24 @@
 use std::path::Path;
 
 use anyhow::Result;
+use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use sim::effect::{CompiledModel, Model};
 
+use super::failures::{self, Failures};
 use super::maps::{self, Seen};
-use super::shares::shared_fall;
+use super::scan_tests;
+use super::shares::overlap;
 use super::simulated::Simulated;
 use super::waterfall::{Scans, Step};
-use super::{places, row_places, scan_tests};
 use crate::laboratory::{
-    BASE_STEP, CovariateBin, CovariateShare, CovariateStudy, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit,
-    Fit, NextTrial, ParameterSummary, RowEvidence, ScanEvidence, ScanView, Split, Verdict,
+    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterSummary, RowEvidence,
+    ScanEvidence, ScanView, Suggestion, Verdict,
 };
 use crate::measure::Registration;
 use crate::study_report as page;
 use crate::study_report::{
-    Compared, ComparedPass, Digest, Misfit, Provenance, Stated, StudyReport, Waterfall, WaterfallStep,
+    Compared, ComparedPass, Digest, Misfit, Provenance, Stated, StudyReport, SuggestedEffect, Waterfall, WaterfallStep,
 };
 use crate::trial::{Campaign, PassScan, Tool};
 
@@ -34,13 +36,24 @@ pub struct ReportInput<'a> {
     pub diagnosis: &'a Diagnosis,
     /// The same in numbers.
     pub summary: &'a DiagnosisSummary,
+    /// A form for what the library lacks.
+    pub suggestion: Option<&'a Suggestion>,
     /// Seed of all draws.
     pub seed: u64,
     /// What the reader understood of the files.
     pub notes: Vec<String>,
 }
 
-/// Fills a report.
+/// The answer of a diagnosis: what is missing, and where the base model fails.
+#[derive(Serialize)]
+struct Answer<'a> {
+    #[serde(flatten)]
+    summary: &'a DiagnosisSummary,
+    #[serde(flatten)]
+    failures: &'a Failures,
+}
+
+/// Fills a report; its `diagnosis` is the answer for machines.
 ///
 /// # Errors
 /// When a model cannot be simulated, or an input file not be read again for its hash.
@@ -59,7 +72,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),
         verdict: verdict(summary.verdict),
         sentence: summary.sentence.clone(),
-        tests: filled.tests,
+        tests: scan_tests::reported(&filled.failures.tests),
         waterfall,
         volumes: filled.volumes,
         scans: filled.scans,
@@ -70,16 +83,16 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         correlations: correlations(&diagnosis.fit),
         detectable: summary.detectable.iter().map(detectable).collect(),
         next_trial: summary.next_trial.as_ref().map(next_trial),
-        suggested_effect: None,
+        suggested_effect: input.suggestion.map(suggested),
         provenance: provenance(input.folder, input.seed)?,
-        diagnosis: serde_json::to_value(summary)?,
+        diagnosis: serde_json::to_value(Answer { summary, failures: &filled.failures })?,
     })
 }
 
 /// What comes from the data themselves.
 #[derive(Default)]
 struct Filled {
-    tests: Vec<page::TestOfMissing>,
+    failures: Failures,
     waterfall: Option<Waterfall>,
     alignments: Vec<Option<Registration>>,
     volumes: Vec<page::PassVolume>,
@@ -103,33 +116,24 @@ fn of_scans(input: &ReportInput, evidence: &ScanEvidence) -> Result<Filled> {
     let scans = Scans::new(evidence, true);
     let (base, last) = (&simulated[1], (simulated.len() > 2).then(|| &simulated[simulated.len() - 1]));
     let seen = Seen { evidence, base, found: last, lines: &[] };
-    let study = |simulated| places::study(evidence, simulated, Split::Calibration, input.seed);
-    let (base_study, last_study) = (study(base), last.map(study));
-    let freedoms = first.base.coordinates.len();
-    let tests = scan_tests::of_scans(evidence, base, Split::Calibration, (freedoms, input.seed));
+    let (failures, covariates) = failures::of_scans(evidence, (base, last), (first.base.coordinates.len(), input.seed));
     Ok(Filled {
-        tests: scan_tests::reported(&tests),
+        failures,
         waterfall: Some(scans.waterfall(&simulated[0], &steps)),
         alignments: evidence.views.iter().map(|view| scans.alignment(view)).collect(),
         volumes: seen.volumes(),
         scans: seen.scans(),
         sections: seen.sections(),
-        covariates: plots(&base_study, last_study.as_ref(), &places::covariate),
+        covariates,
     })
 }
 
 fn of_rows(input: &ReportInput, evidence: &RowEvidence) -> Result<Filled> {
-    let first = &input.diagnosis.rounds[0];
-    let study = |model: &CompiledModel| row_places::study(evidence, model, Split::Calibration, input.seed);
-    let base = study(&first.base.model)?;
-    let last = input.diagnosis.found().last().map(|found| study(&found.suspect.fit.model)).transpose()?;
-    let tests = scan_tests::of_rows(&first.base.residuals, first.base.coordinates.len(), input.seed);
-    let covariate = |at: usize| row_places::covariate(evidence, at);
-    Ok(Filled {
-        tests: scan_tests::reported(&tests),
-        covariates: plots(&base, last.as_ref(), &covariate),
-        ..Filled::default()
-    })
+    let base = &input.diagnosis.rounds[0].base;
+    let found = input.diagnosis.found();
+    let models = (&base.model, found.last().map(|found| &found.suspect.fit.model));
+    let (failures, covariates) = failures::of_rows(evidence, models, (base.coordinates.len(), input.seed))?;
+    Ok(Filled { failures, covariates, ..Filled::default() })
 }
 
 /// The base law before any fit: all parameters at their defaults.
@@ -141,48 +145,7 @@ fn start_of(base: &CompiledModel) -> CompiledModel {
     start
 }
 
-/// Covariates as the report draws them.
-///
-/// - `named`: name and unit of a covariate
-pub(super) fn plots(
-    base: &CovariateStudy,
-    found: Option<&CovariateStudy>,
-    named: &dyn Fn(usize) -> (String, Stated),
-) -> Vec<page::CovariatePlot> {
-    let bins = |share: &CovariateShare| -> Vec<page::Bin> {
-        let bin = |bin: &CovariateBin| page::Bin { covariate: bin.covariate, residual: bin.residual, band: bin.band };
-        share.bins.iter().map(bin).collect()
-    };
-    let plot = |share: &CovariateShare| {
-        let (name, unit) = named(share.covariate);
-        let same = found.and_then(|found| found.covariates.iter().find(|other| other.covariate == share.covariate));
-        page::CovariatePlot {
-            name,
-            unit,
-            bins: bins(share),
-            with_effect: same.map(bins).unwrap_or_default(),
-            share: share.share,
-            drop: share.drop,
-            p_value: share.p_value,
-            p_value_of_all: share.p_value_of_all,
-        }
-    };
-    base.covariates.iter().map(plot).collect()
-}
-
-/// How two effects share the fall of the error where they do the same in part.
-fn overlap(diagnosis: &Diagnosis, summary: &DiagnosisSummary) -> Option<String> {
-    let shares = shared_fall(diagnosis)?;
-    let [one, other] = [0, 1].map(|k| summary.effects.get(k).map_or("", |effect| effect.name.as_str()));
-    Some(format!(
-        "{one} and {other} explain the same in part ({:.0} % of the fall): in any order, {one} accounts for {:.0} % of it and {other} for {:.0} % (Shapley 1953).",
-        100.0 * shares.overlap,
-        100.0 * shares.of[0],
-        100.0 * shares.of[1],
-    ))
-}
-
-fn next_trial(next: &NextTrial) -> page::NextTrial {
+pub(super) fn next_trial(next: &NextTrial) -> page::NextTrial {
     let list = |values: &[f64]| {
         values
             .iter()
@@ -201,6 +164,12 @@ fn next_trial(next: &NextTrial) -> page::NextTrial {
         leaves_open: Vec::new(),
         chance: Some(next.chance_right),
     }
+}
+
+/// A form as the report shows it.
+pub(super) fn suggested(suggestion: &Suggestion) -> SuggestedEffect {
+    let Suggestion { name, summary, text, .. } = suggestion;
+    SuggestedEffect { file: format!("{name}.toml"), summary: summary.clone(), text: text.clone() }
 }
 
 pub(super) fn verdict(verdict: Verdict) -> page::Verdict {

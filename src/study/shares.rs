@@ -1,6 +1,6 @@
 //! How much of a fall each of two effects accounts for, whatever the order in which they are added.
 
-use crate::laboratory::Diagnosis;
+use crate::laboratory::{Diagnosis, DiagnosisSummary};
 
 /// Share of the fall that both explain from which the order matters.
 const OVERLAP: f64 = 0.2;
@@ -24,7 +24,7 @@ impl SharedFall {
 
 /// The shares of the first two effects of a diagnosis, where they overlap by more than a fifth and the second was fitted
 /// alone too.
-pub fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
+fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
     let (one, found) = (&diagnosis.rounds[0], diagnosis.found());
     let [first, second, ..] = &found[..] else { return None };
     let alone = one.findings.iter().find(|finding| finding.suspect.name() == second.suspect.name())?;
@@ -32,6 +32,18 @@ pub fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
     let falls = [first.suspect.fit.chi2, alone.suspect.fit.chi2, second.suspect.fit.chi2].map(fall);
     let shares = SharedFall::new(falls);
     (shares.overlap > OVERLAP).then_some(shares)
+}
+
+/// How two effects share the fall of the error where they do the same in part.
+pub(super) fn overlap(diagnosis: &Diagnosis, summary: &DiagnosisSummary) -> Option<String> {
+    let shares = shared_fall(diagnosis)?;
+    let [one, other] = [0, 1].map(|k| summary.effects.get(k).map_or("", |effect| effect.name.as_str()));
+    Some(format!(
+        "{one} and {other} explain the same in part ({:.0} % of the fall): in any order, {one} accounts for {:.0} % of it and {other} for {:.0} % (Shapley 1953).",
+        100.0 * shares.overlap,
+        100.0 * shares.of[0],
+        100.0 * shares.of[1],
+    ))
 }
 
 #[cfg(test)]

@@ -1,26 +1,16 @@
 //! Hidden effects of the shared campaigns, and of a table.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use robofin::laboratory::{Diagnosis, Evidence, ScanEvidence, Verdict, calibrate_scans};
 use robofin::trial::Campaign;
 use sim::effect::{Library, Model};
 
-/// A shared campaign, or `None` and a word where it is not there.
-fn shared(name: &str) -> Option<PathBuf> {
-    let shared = std::env::var_os("ROBOFIN_SHARED").map_or_else(|| PathBuf::from("../shared"), PathBuf::from);
-    let place = shared.join("campaigns").join(name);
-    if place.is_dir() {
-        return Some(place);
-    }
-    assert!(std::env::var_os("ROBOFIN_REQUIRE_SHARED").is_none_or(|v| v != "1"), "{} is not there", place.display());
-    eprintln!("not run: {} is not there", place.display());
-    None
-}
+use crate::shared_folder::shared;
 
 #[test]
 fn a_tilted_wheel_is_named() {
-    let Some(place) = shared("open-c") else { return };
+    let Some(place) = shared("campaigns/open-c") else { return };
     let trials = Campaign::read(&place).unwrap().trials;
     let library = Library::builtin();
     let mut evidence = ScanEvidence::new(&trials, None).unwrap();

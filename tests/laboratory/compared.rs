@@ -29,10 +29,10 @@ fn a_model_that_was_never_fitted_differs_and_is_said_where() {
     println!("{}", serde_json::to_string_pretty(&comparison).unwrap());
     assert!(!comparison.agrees && comparison.rms > 3.0 * comparison.noise_floor);
     assert_eq!(comparison.judged, "calibration");
-    for (name, p) in comparison.tests.iter().map(|test| (&test.name, test.p_value)) {
+    for (name, p) in comparison.failures.tests.iter().map(|test| (&test.name, test.p_value)) {
         assert!((0.0..=1.0).contains(&p), "{name}: {p}");
     }
-    assert!(comparison.tests.iter().filter(|test| test.rejects).count() >= 2);
+    assert!(comparison.failures.tests.iter().filter(|test| test.rejects).count() >= 2);
     assert_eq!(comparison.scans.len(), 6);
     for scan in &comparison.scans {
         let [measured, sigma, simulated] = scan.volume_mm3.expect("a ground surface");
@@ -40,9 +40,9 @@ fn a_model_that_was_never_fitted_differs_and_is_said_where() {
         assert_eq!(scan.sections.len(), 2);
         assert_eq!(scan.sections[0].place, "x = 12 mm");
     }
-    assert!(comparison.covariates.windows(2).all(|pair| pair[0].share >= pair[1].share));
-    assert!(comparison.covariates.iter().any(|covariate| covariate.name == "mean pressure"));
-    assert!(comparison.joint_share > 0.3, "{}", comparison.joint_share);
+    assert!(comparison.failures.covariates.windows(2).all(|pair| pair[0].share >= pair[1].share));
+    assert!(comparison.failures.covariates.iter().any(|covariate| covariate.name == "mean pressure"));
+    assert!(comparison.failures.joint_share > 0.3, "{}", comparison.failures.joint_share);
     let names: Vec<&str> = report.waterfall.steps.iter().map(|step| step.name.as_str()).collect();
     assert_eq!(names, ["raw", "registered", "model", "noise floor"]);
     let rms: Vec<f64> = report.waterfall.steps.iter().filter_map(|step| step.calibration).collect();
@@ -69,7 +69,7 @@ fn rows_are_compared_without_maps() {
         compare_rows(&evidence, &model, &Asked { folder: &folder, lines: &[], seed: 1 }).unwrap();
     println!("{}", serde_json::to_string_pretty(&comparison).unwrap());
     assert!(!comparison.agrees, "a pressure exponent of 0.75 is hidden");
-    assert!(["force", "pressure"].contains(&comparison.covariates[0].name.as_str()), "they go together");
-    assert!(comparison.covariates[0].p_value_of_all <= 0.05);
+    assert!(["force", "pressure"].contains(&comparison.failures.covariates[0].name.as_str()), "they go together");
+    assert!(comparison.failures.covariates[0].p_value_of_all <= 0.05);
     assert!(report.scans.is_empty() && page(&report).contains("Residual against covariates"));
 }

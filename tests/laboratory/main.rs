@@ -5,6 +5,8 @@ mod campaigns;
 mod compared;
 mod hostile;
 mod orders;
+#[path = "../common/shared_folder.rs"]
+mod shared_folder;
 mod steps;
 mod structure;
 mod two_passes;

@@ -1,6 +1,7 @@
 //! Two equal passes of which the second removes more, where the law says less: no parameters can follow.
 
 use std::path::Path;
+use std::process::Command;
 
 use robofin::laboratory::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate, next_row};
 use robofin::table::Table;
@@ -50,4 +51,23 @@ fn a_table_without_equal_passes_has_no_trend() {
     let model = evidence.scaled(Model::new(evidence.process()), Library::builtin()).unwrap();
     let model = sim::effect::CompiledModel::new(&model, Library::builtin(), evidence.rows()).unwrap();
     assert_eq!(evidence.trend(&model).unwrap(), None);
+}
+
+#[test]
+fn the_verb_says_what_the_law_cannot_and_proposes_a_row() {
+    let place = tempfile::tempdir().unwrap();
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tables/two-passes");
+    let run = Command::new(env!("CARGO_BIN_EXE_robofin"))
+        .args(["diagnose", table.to_str().unwrap(), "--out", "result", "--json"])
+        .current_dir(place.path())
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let answer: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert!(answer["sentence"].as_str().unwrap().contains("no values of its parameters can follow"), "{answer}");
+    assert_eq!(answer["effects"][0]["name"], "break-in");
+    assert_eq!(answer["next_trial"]["separates"][0], "break-in");
+    assert!(answer["next_trial"]["force_n"].as_array().unwrap().len() > 2, "a row after the two: {answer}");
+    assert!(answer["tests"].as_array().unwrap().iter().any(|test| test["rejects"] == true), "{answer}");
+    assert!(!answer["covariates"].as_array().unwrap().is_empty());
 }

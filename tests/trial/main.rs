@@ -12,5 +12,7 @@ mod poses;
 mod reproduced;
 mod scanner;
 mod shared;
+#[path = "../common/shared_folder.rs"]
+mod shared_folder;
 mod written;
 mod x3p;

@@ -5,16 +5,11 @@ use std::time::Instant;
 
 use robofin::trial::{Campaign, Controller, PassScan, Process, Tool};
 
-/// The shared campaigns, or `None` and a word where they are not there.
+use crate::shared_folder::shared;
+
+/// The shared campaigns, where they are there.
 pub(crate) fn campaigns() -> Option<PathBuf> {
-    let shared = std::env::var_os("ROBOFIN_SHARED").map_or_else(|| PathBuf::from("../shared"), PathBuf::from);
-    let place = shared.join("campaigns");
-    if place.is_dir() {
-        return Some(place);
-    }
-    assert!(std::env::var_os("ROBOFIN_REQUIRE_SHARED").is_none_or(|v| v != "1"), "{} is not there", place.display());
-    eprintln!("not run: {} is not there", place.display());
-    None
+    shared("campaigns")
 }
 
 #[test]
