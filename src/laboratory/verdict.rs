@@ -13,6 +13,8 @@ const HELD_OUT: (f64, f64) = (0.02, 1.5);
 /// Shares of the unexplained mean square that may stay where effects are an account of it: of the data that they were fitted to,
 /// and of those held out.
 const ACCOUNTED: [f64; 2] = [0.25, 0.5];
+/// What may stay at most then: shares of the mean removal and of the noise floor.
+const NEAR: (f64, f64) = (0.03, 3.0);
 /// Probability from which an effect is named alone.
 pub(super) const CERTAIN: f64 = 0.9;
 
@@ -95,7 +97,8 @@ impl Verdict {
             let is_known = end == SearchEnd::Exhausted && !is_open(base[0]);
             return if is_known { Self::of_silence(base[1], detectable) } else { Self::Unknown };
         };
-        let is_account = end == SearchEnd::CutShort || (0..2).all(|k| is_account(base[k], left[k], ACCOUNTED[k]));
+        let all_accounted = || (0..2).all(|k| is_account(base[k], left[k], ACCOUNTED[k]));
+        let is_account = end == SearchEnd::CutShort || (all_accounted() && !exceeds(left[0], NEAR));
         match (is_open(left[0]), probability >= CERTAIN) {
             _ if !is_account => Self::Unknown,
             (_, false) if found.len() == 1 => Self::Ambiguous,
@@ -141,6 +144,7 @@ mod tests {
         assert_eq!(ends(&[([6.0, 6.0], 1.0)]), Verdict::Partly);
         assert_eq!(ends(&[([6.0, 6.0], 1.0), ([3.1, 3.2], 0.6)]), Verdict::Partly);
         assert_eq!(ends(&[([15.0, 3.2], 1.0)]), Verdict::Unknown, "most of it is left");
+        assert_eq!(verdict([60.0, 60.0], &[([20.0, 10.0], 1.0)], Exhausted), Verdict::Unknown, "far from the floor");
         assert_eq!(ends(&[([15.0, 3.2], 0.6)]), Verdict::Unknown);
         assert_eq!(ends(&[([3.1, 18.0], 1.0)]), Verdict::Unknown, "most of what is held out is left");
         assert_eq!(verdict([20.0, 20.0], &[([15.0, 18.0], 1.0)], CutShort), Verdict::Partly, "the search may go on");
