@@ -2,7 +2,7 @@
 
 use sdf_bake::HeightMap;
 
-use super::register::{Freedom, Registration, RegistrationError, register};
+use super::register::{Freedom, Registration, RegistrationError, has_slope, register};
 use super::robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 
 /// Lags of the variogram at most [pixels].
@@ -29,7 +29,8 @@ pub struct NoiseFloor {
     pub registration: Registration,
 }
 
-/// Compares two scans of one surface after laying one on the other, with a lateral shift.
+/// Compares two scans of one surface after laying one on the other, with a lateral shift. Pixels at the border and beside missing
+/// ones do not count: a shift moves them by a slope that is not well known.
 ///
 /// The difference of two scans has twice the variance of one. Its robust variogram
 /// `g(l) = ½ (1.4826 median |d(x + l) - d(x)|)²`, the mean over x and y, rises from the white part at lag zero to
@@ -39,7 +40,8 @@ pub struct NoiseFloor {
 /// [`RegistrationError`] when the scans cannot be laid on each other.
 pub fn noise_floor(first: &HeightMap, second: &HeightMap) -> Result<NoiseFloor, RegistrationError> {
     let registration = register(second, first, Freedom::PlaneAndShift, |_| true)?;
-    let difference = registration.left(second, first);
+    let left = registration.left(second, first).into_iter().enumerate();
+    let difference: Vec<f64> = left.map(|(at, left)| if has_slope(first, at) { left } else { f64::NAN }).collect();
     let known: Vec<f64> = difference.iter().copied().filter(|d| d.is_finite()).collect();
     let Some((_, spread)) = centre_and_sigma(&known) else {
         return Err(RegistrationError::TooFewPixels { found: 0 });

@@ -126,6 +126,11 @@ fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
     DVec2::new(h[at + 1] - h[at - 1], h[at + nx] - h[at - nx]) / (2.0 * map.pixels.pitch)
 }
 
+/// Whether a map's slope at a pixel is known from both sides along both axes.
+pub(super) fn has_slope(map: &HeightMap, at: usize) -> bool {
+    slope(map, at, Freedom::PlaneAndShift).is_finite()
+}
+
 /// Slope of a map at a pixel from whichever neighbours are known, zero along an axis where none is.
 fn one_sided_slope(map: &HeightMap, at: usize) -> DVec2 {
     let (nx, here) = (map.pixels.nx, map.heights[at]);
