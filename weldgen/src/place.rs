@@ -18,7 +18,7 @@ use crate::offers::offers;
 pub use crate::place_error::PlaceError;
 use crate::propose::{Candidate, Proposals, Refused, Taken, mix};
 use crate::rejection::{Rejection, Tally};
-use crate::request::{Placement, WIDTHS_PER_LENGTH, WeldRequest};
+use crate::request::{Joint, Placement, WIDTHS_PER_LENGTH, WeldRequest};
 use crate::stitch::stitched;
 use crate::strata::ExposureField;
 use crate::surface::Surface;
@@ -44,6 +44,11 @@ pub struct Weld {
     /// The bead: closed, normals outwards [m]; drops of spatter are closed bodies beside it.
     #[serde(skip)]
     pub bead: Mesh,
+    /// What its imperfections take from bead and part: closed bodies [m] to be cut out, normals outwards.
+    #[serde(skip)]
+    pub cuts: Mesh,
+    /// What it joins.
+    pub joint: Joint,
     /// The bead's cross-section.
     pub profile: BeadProfile,
     /// Depth of the bead's flat bottom below the tangent plane [m].
@@ -131,7 +136,7 @@ pub fn place_welds_on(
         taken.push(Taken::by(&weld));
         match request.stitch {
             None => welds.push(Weld { run: number, ..weld }),
-            Some(stitch) => welds.extend(stitched(&Weld { run: number, ..weld }, stitch)?),
+            Some(stitch) => welds.extend(stitched(&Weld { run: number, ..weld }, stitch, surface)?),
         }
     }
     Ok(welds)
@@ -300,7 +305,7 @@ fn within([low, high]: [f64; 2]) -> [f64; 2] {
 
 fn finish(
     proposals: &Proposals,
-    Candidate { curve, mut bead, root_depth, profile, form }: Candidate,
+    Candidate { curve, mut bead, root_depth, profile, form, cuts }: Candidate,
     (wanted, seed): (&Wanted, u64),
     dropped: Tally,
 ) -> Weld {
@@ -315,8 +320,10 @@ fn finish(
     let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
     let (spattered, drops) = spatter(request.form.spatter, &curve, ground, [width, base], &mut rng);
     bead.append(&drops);
-    let defects = [form.defects(), &spattered].concat();
+    let defects = [form.defects(), &spattered, &cuts.defects].concat();
     Weld {
+        cuts: cuts.bodies,
+        joint: proposals.joint(),
         length,
         bead_volume,
         curvature_rms: curve.curvature_rms(),
@@ -367,7 +374,7 @@ fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
 /// Whether to follow seams, in the order in which to try.
 fn ways(request: &WeldRequest, seed: u64) -> Vec<bool> {
     match request.placement {
-        Placement::Surface => vec![false],
+        Placement::Surface | Placement::Butt => vec![false],
         Placement::Seam => vec![true],
         Placement::Mixed => {
             let first = mix(seed, 0).is_multiple_of(2);
