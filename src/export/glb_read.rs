@@ -89,11 +89,7 @@ fn document(header: &[u8]) -> Result<Document, GlbReadError> {
     Ok(Document::from_json(root)?)
 }
 
-fn read_part(
-    mesh: &gltf::Mesh<'_>,
-    primitive: &Primitive<'_>,
-    binary: &[u8],
-) -> Result<ReadPart, GlbReadError> {
+fn read_part(mesh: &gltf::Mesh<'_>, primitive: &Primitive<'_>, binary: &[u8]) -> Result<ReadPart, GlbReadError> {
     let name = mesh.name().unwrap_or_default().to_owned();
     let missing = |attribute| GlbReadError::Attribute { mesh: name.clone(), attribute };
     let positions = vectors(primitive, &Semantic::Positions, binary).ok_or_else(|| missing("POSITION"))?;

@@ -49,7 +49,11 @@ fn cut_open(truth: &Welds, grid: &BrickGrid) -> Vec<(DVec3, f64)> {
         Some((centre, reach_mm * 1e-3 + f64::from(grid.band)))
     };
     let of_weld = |weld| move |cut| ball(weld, cut);
-    truth.welds.iter().flat_map(|weld| weld.imperfections.iter().filter(|i| i.cuts()).filter_map(of_weld(weld))).collect()
+    truth
+        .welds
+        .iter()
+        .flat_map(|weld| weld.imperfections.iter().filter(|i| i.cuts()).filter_map(of_weld(weld)))
+        .collect()
 }
 
 /// Welding only adds, but for what imperfections cut out: nowhere else is the welded field above the bare part's.

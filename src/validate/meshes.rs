@@ -51,8 +51,9 @@ impl Meshes {
 
 pub(super) fn check(meshes: &Meshes) -> Vec<Check> {
     let mut checks = Vec::new();
-    for (file, part) in
-        std::iter::once((WORKPIECE_FILE, &meshes.part)).chain(meshes.welded.iter().map(|part| (WELDED_FILE, part))).chain(meshes.surface.iter().map(|piece| (SURFACE_FILE, piece)))
+    for (file, part) in std::iter::once((WORKPIECE_FILE, &meshes.part))
+        .chain(meshes.welded.iter().map(|part| (WELDED_FILE, part)))
+        .chain(meshes.surface.iter().map(|piece| (SURFACE_FILE, piece)))
     {
         checks.push(check_numbers(file, part));
     }

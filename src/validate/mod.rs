@@ -1,5 +1,6 @@
 //! Opens every file of an asset and holds it against the others.
 
+mod dials;
 mod fields;
 mod files;
 mod meshes;
@@ -64,6 +65,7 @@ pub fn validate(folder: &Path, usd: UsdMode) -> Result<Validation> {
     if let (Some(truth), Some(meshes), Some(fields)) = (&truth, &meshes, &fields) {
         checks.extend(welds::check(truth, meshes, fields));
         checks.push(welds::check_ids(truth, meshes, fields));
+        checks.extend(dials::check(truth, &meshes.part.mesh));
     }
     if let Some(truth) = &truth {
         checks.extend(welds::check_manifest(truth, &manifest));

@@ -89,8 +89,9 @@ impl Laid<'_> {
         let left = if rng.random::<bool>() { 1.0 } else { -1.0 };
         let along = |point: &CurvePoint| 2.0 * (point.arc_length - middle) / size;
         let points = self.curve.points.iter().filter(|point| along(point).abs() <= 1.0);
-        let places: Vec<(f64, [DVec3; 3])> =
-            points.map(|point| Some((along(point), self.beside_toe(point, left * half, depth)?))).collect::<Option<_>>()?;
+        let places: Vec<(f64, [DVec3; 3])> = points
+            .map(|point| Some((along(point), self.beside_toe(point, left * half, depth)?)))
+            .collect::<Option<_>>()?;
         let [(_, [first, ..]), inner @ .., (_, [last, ..])] = &places[..] else { return None };
         let ring = |(along, [centre, out, up]): &(f64, [DVec3; 3])| {
             let swell = (1.0 - along * along).sqrt();

@@ -23,9 +23,9 @@ use crate::stitch::stitched;
 use crate::strata::ExposureField;
 use crate::surface::Surface;
 
-/// What is tried in turn when nothing fits: factors of the length and of the bead's width and height.
+/// What is tried in turn when nothing of the lengths asked fits: factors of the length and of the bead's width and height.
 ///
-/// The length never falls below three widths. Without leave to shrink, only the first stage is tried.
+/// The length never falls below three widths. Without leave to shrink, none of it is tried.
 pub const STAGES: [[f64; 2]; 8] =
     [[1.0, 1.0], [0.7, 1.0], [0.5, 1.0], [0.35, 1.0], [0.5, 0.7], [0.35, 0.7], [0.35, 0.5], [0.2, 0.35]];
 
@@ -93,7 +93,7 @@ impl Weld {
     }
 }
 
-/// The dials of one weld, as the seed drew them from the ranges of the request.
+/// The dials of one weld, as the seed drew them from the ranges of the request; the length may be a lesser one of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wanted {
     /// Length of the centreline [m].
@@ -163,7 +163,7 @@ fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed:
                 if exposure != request.exposure {
                     weld.reasons.push(other_exposure(&weld, offered));
                 }
-                return Ok(Weld { wanted, ..weld });
+                return Ok(Weld { wanted: Wanted { exposure: wanted.exposure, ..weld.wanted }, ..weld });
             }
         }
     }
@@ -312,7 +312,13 @@ fn finish(
     let request = proposals.request;
     let (length, width) = (curve.length(), profile.width);
     let mut reasons = request.reasons.clone();
-    reasons.extend(shrunk([length, width], [wanted.length, request.width]));
+    // Any length of the range is what was asked.
+    let asked = if length >= request.length[0] * (1.0 - 1e-9) { length } else { wanted.length };
+    if asked < wanted.length * (1.0 - 1e-9) {
+        let (now, drawn) = (1e3 * length, 1e3 * wanted.length);
+        reasons.push(format!("length {now:.2} mm: the {drawn:.2} mm drawn first from the range asked did not fit"));
+    }
+    reasons.extend(shrunk([length, width], [asked, request.width]));
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
     let bead_volume = bead.volume();
     let base = request.form.half_reach(profile.half_width_at(root_depth));
@@ -337,7 +343,7 @@ fn finish(
         run: 0,
         seed,
         request: request.clone(),
-        wanted: *wanted,
+        wanted: Wanted { length: asked, ..*wanted },
         dropped,
         reasons,
     }
@@ -357,13 +363,19 @@ fn shrunk([length, width]: [f64; 2], [long, wide]: [f64; 2]) -> Vec<String> {
     reasons
 }
 
-/// Lengths and sections to try in turn, without repeats.
+/// Lengths and sections to try in turn, without repeats: down to the least length asked, then what nobody asked for.
 fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
-    let count = if request.may_shrink { STAGES.len() } else { 1 };
+    let section = |factor: f64| BeadProfile::on_face(request.shape, factor * request.width, factor * request.height);
+    let least = request.length[0];
+    let asked = [wanted, 0.5 * (wanted + least), least].map(|length| (length, section(1.0)));
+    let smaller = |[length, bead]: &[f64; 2]| {
+        let profile = section(*bead);
+        ((length * wanted).max(wanted.min(WIDTHS_PER_LENGTH * profile.width)), profile)
+    };
+    let known = |(length, profile): &(f64, BeadProfile)| *length >= least && *profile == section(1.0);
+    let let_go = STAGES.iter().map(smaller).filter(|stage| request.may_shrink && !known(stage));
     let mut stages: Vec<(f64, BeadProfile)> = Vec::new();
-    for [length, bead] in &STAGES[..count] {
-        let profile = BeadProfile::on_face(request.shape, bead * request.width, bead * request.height);
-        let stage = ((length * wanted).max(wanted.min(WIDTHS_PER_LENGTH * profile.width)), profile);
+    for stage in asked.into_iter().chain(let_go) {
         if !stages.contains(&stage) {
             stages.push(stage);
         }

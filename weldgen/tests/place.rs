@@ -5,7 +5,7 @@ mod shapes;
 use glam::DVec3;
 use sdf_bake::bake::WindingTree;
 use sdf_bake::{Mesh, query::MeshQuery};
-use shapes::{cuboid, icosphere, tube};
+use shapes::{closed_tube, cuboid, icosphere};
 use weldgen::exposure::{ExposureRays, exposures};
 use weldgen::rejection::Rejection;
 use weldgen::{PlaceError, Surface, Weld, WeldRequest, place_weld, place_weld_on, place_welds_on};
@@ -68,20 +68,6 @@ fn the_toes_are_under_the_surface_and_the_crown_is_above() {
             assert!(weld.root_depth <= weld.profile.height);
         }
     }
-}
-
-/// A solid round bar of 24 flat sides.
-fn closed_tube() -> Mesh {
-    let mut mesh = tube(0.05, 0.3, 24, 4);
-    for (ring, z, up) in [(0u32, 0.0, false), (4, 0.3, true)] {
-        let centre = mesh.positions.len() as u32;
-        mesh.positions.push(DVec3::Z * z);
-        for i in 0..24u32 {
-            let (a, b) = (i * 5 + ring, (i + 1) % 24 * 5 + ring);
-            mesh.triangles.push(if up { [centre, a, b] } else { [centre, b, a] });
-        }
-    }
-    mesh
 }
 
 #[test]
