@@ -9,10 +9,10 @@ use super::Check;
 use crate::asset::{AssetFields, SURFACE_FILE, Welds};
 use crate::export::glb_read::ReadPart;
 
-/// Largest distance of a vertex from the field's surface [voxels]; largest at sharp edges, which the field rounds.
-const OFF_FIELD: f64 = 0.5;
-/// Largest relative difference between the volumes of mesh and field.
-const VOLUME_TOLERANCE: f64 = 0.01;
+/// Largest distance of a vertex from the field's surface [voxels]: both are in one cell, and the field rounds sharp edges.
+const OFF_FIELD: f64 = 1.0;
+/// Largest difference between the volumes of mesh and field, over the mesh's area [voxels].
+const OFF_VOLUME: f64 = 0.1;
 
 pub(super) fn check(pieces: &[ReadPart], fields: &AssetFields, truth: Option<&Welds>) -> Vec<Check> {
     let mut surface = Mesh::default();
@@ -40,8 +40,7 @@ fn check_distance(surface: &Mesh, fields: &AssetFields) -> Check {
 }
 
 fn check_volume(surface: &Mesh, fields: &AssetFields) -> Check {
-    let (mesh, field) = (surface.volume(), fields.welded.volume());
-    let apart = (mesh / field - 1.0).abs();
-    let rule = format!("its volume is that of phi within {} %", 100.0 * VOLUME_TOLERANCE);
-    Check::new(SURFACE_FILE, rule, apart <= VOLUME_TOLERANCE, format!("{:.3} % apart", 100.0 * apart))
+    let apart = (surface.volume() - fields.welded.volume()) / (surface.area() * fields.welded.voxel);
+    let rule = format!("its volume is that of phi within {OFF_VOLUME} voxels over its area");
+    Check::new(SURFACE_FILE, rule, apart.abs() <= OFF_VOLUME, format!("{apart:+.4} voxels"))
 }

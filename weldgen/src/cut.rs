@@ -72,7 +72,8 @@ impl Laid<'_> {
             let reach = defect.offset + defect.depth.copysign(defect.offset);
             let at = |point: &&CurvePoint| (point.arc_length - defect.arc_length).abs() < 0.25 * defect.size;
             let clear = |point: &CurvePoint| {
-                let over = point.position + reach * point.side + self.profile.height * point.normal;
+                let aside = self.form.shift(point.arc_length) + reach;
+                let over = point.position + aside * point.side + self.profile.height * point.normal;
                 !self.surface.query.occluded(over, -point.normal, 0.95 * self.profile.height)
             };
             self.curve.points.iter().filter(at).all(clear)

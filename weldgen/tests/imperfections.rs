@@ -47,7 +47,7 @@ fn an_overlap_hangs_over_its_toe_as_far_as_it_says() {
         assert!((defect.depth - 0.2 * 0.008).abs() < 1e-15);
         let tree = WindingTree::new(&weld.bead);
         let inside = |y: f64, z: f64| {
-            let offset = y.copysign(defect.offset);
+            let offset = y * defect.offset.signum();
             tree.winding_number(point.position + offset * point.side + z * point.normal) > 0.5
         };
         let rim = 0.004 + defect.depth;

@@ -30,8 +30,21 @@ fn length_and_curvature_are_what_was_asked() {
             let chords: f64 = weld.curve.points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
             assert!((chords / 0.15 - 1.0).abs() < 1e-3, "the chords sum to {chords}");
             assert!((weld.curvature_rms / 5.0 - 1.0).abs() < 1e-3, "{}", weld.curvature_rms);
+            let turned = turning_rms(&weld);
+            assert!((turned / 5.0 - 1.0).abs() < 0.01, "the tangents turn at {turned} 1/m");
         }
     }
+}
+
+/// Root mean square of the rate at which the tangents turn towards the side [1/m], whatever the curve states.
+fn turning_rms(weld: &Weld) -> f64 {
+    let points = &weld.curve.points;
+    let step = weld.length / (points.len() - 1) as f64;
+    let squares: Vec<f64> = points
+        .windows(3)
+        .map(|three| ((three[2].tangent - three[0].tangent).dot(three[1].side) / (2.0 * step)).powi(2))
+        .collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
 #[test]
