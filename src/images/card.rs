@@ -30,7 +30,10 @@ pub(super) fn write(recipe: &ImageRecipe, records: &[ImageRecord], failures: &[F
         ("`appearance/ID.png`", "labels by what is seen: 0 background, 1 sanded, 2 unsanded, 255 ignore"),
         ("`dose/ID.png`", "labels by the dose, the same values"),
         ("`annotations/*.json`", "COCO files of each kind of label and split, masks as compressed RLE"),
-        ("`metadata.jsonl`", "one line for each image: camera, light, material, placement, pattern, stage, split, exposed share, hashes"),
+        (
+            "`metadata.jsonl`",
+            "one line for each image: camera, light, material, placement, pattern, stage, split, exposed share, hashes",
+        ),
         ("`records/ID.json`", "the same line alone"),
         ("`fields/`", "the workpieces, and the dose after each stage, as NanoVDB"),
         ("`failures.jsonl`", "what could not be made: reason, and the command line that shows it again"),
@@ -61,13 +64,13 @@ fn contents(recipe: &ImageRecipe, records: &[ImageRecord]) -> String {
         let images = records.iter().filter(|record| record.split == split).count();
         let _ = writeln!(text, "| {} | {placements} | {images} |", split.name());
     }
-    text += "\nAll images of a placement have one camera and one split; light, material and sensor are drawn for each.\n";
+    text +=
+        "\nAll images of a placement have one camera and one split; light, material and sensor are drawn for each.\n";
     text += "\n| state | images | exposed share, mean | labels agree, least |\n|---|---|---|---|\n";
     let states = [("unsanded".to_owned(), Treatment::Unsanded)].into_iter();
     let stages = recipe.patterns.iter().flat_map(|&pattern| {
-        (1..=recipe.stages).map(move |stage| {
-            (format!("{}, stage {stage}", pattern.name()), Treatment::Stage { pattern, stage })
-        })
+        (1..=recipe.stages)
+            .map(move |stage| (format!("{}, stage {stage}", pattern.name()), Treatment::Stage { pattern, stage }))
     });
     for (name, treatment) in states.chain(stages).chain([("bare".to_owned(), Treatment::Bare)]) {
         let of = || records.iter().filter(|record| record.treatment == treatment);

@@ -92,7 +92,8 @@ impl ImageSet {
         let (width, height) = self.recipe.size;
         let found = (image.width() as usize, image.height() as usize);
         ensure!(found == (width, height), "{}: {found:?} pixels, {width} x {height} are expected", path.display());
-        let grey = image.as_luma8().with_context(|| format!("{}: one channel of eight bits is expected", path.display()))?;
+        let grey =
+            image.as_luma8().with_context(|| format!("{}: one channel of eight bits is expected", path.display()))?;
         Ok(grey.as_raw().clone())
     }
 }

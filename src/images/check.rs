@@ -157,7 +157,9 @@ impl Checks {
                 format!("{kind}: a reference shows both sanded and unsanded coating")
             });
         }
-        self.that(record.agreement == agreement(appearance, dose), || "its agreement is not that of its labels".to_owned());
+        self.that(record.agreement == agreement(appearance, dose), || {
+            "its agreement is not that of its labels".to_owned()
+        });
     }
 }
 

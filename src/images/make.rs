@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::{Result, bail};
 
 use super::plan::{Planned, PlannedSanding, Treatment};
-use super::scene::{Scene, shoot};
+use super::scene::Scene;
+use super::shot::shoot;
 use super::workpiece::Coated;
 use super::{ImageRecipe, ImageSet};
 use crate::claim::Patience;
@@ -135,11 +136,14 @@ fn make_image(set: &ImageSet, planned: &Planned) -> Result<()> {
         Treatment::Unsanded => part.dose = vec![0.0; part.phi.len()],
         Treatment::Bare => part.dose = vec![1.0; part.phi.len()],
         Treatment::Stage { stage, .. } => {
-            let Some(sanding) = recipe.sanding_of(planned) else { bail!("{}: no simulation belongs to it", planned.id) };
+            let Some(sanding) = recipe.sanding_of(planned) else {
+                bail!("{}: no simulation belongs to it", planned.id)
+            };
             sources.insert("dose".to_owned(), set.attach_dose(&mut part, &sanding, stage)?);
         }
     }
-    let scene = Scene::draw(&part, recipe, planned)?;
+    let mut scene = Scene::draw(&part, recipe, planned)?;
     let shot = shoot(&part, &scene, recipe.size);
+    scene.sensor.exposure = shot.exposure;
     set.write_image(planned, &shot, scene, sources)
 }

@@ -12,8 +12,8 @@
 //! ```
 //!
 //! The road: [`plan`] names the images of a [`recipe`]; [`workpiece`] gives each workpiece its field, [`patch`] finds
-//! where a pad can go and [`pattern`] which ways; [`sanding`] simulates them; [`scene`] draws light, material and camera
-//! and renders; [`label`] compares; [`record`] keeps; [`run`] makes all of it, each image in a process of its own, with
+//! where a pad can go and [`pattern`] which ways; [`sanding`] simulates them; [`scene`] draws light, material and
+//! camera, [`shot`] renders, [`label`] compares; [`record`] keeps; [`run`] makes all of it, each image in a process of its own, with
 //! the rooms of [`crate::dataset`]. [`catalogue`] describes what is there, and [`check`] holds it against itself.
 
 mod card;
@@ -32,6 +32,7 @@ pub mod run;
 pub mod sanding;
 pub mod scene;
 mod sheet;
+pub mod shot;
 pub mod workpiece;
 
 use crate::dataset::Dataset;
@@ -56,11 +57,5 @@ pub const FIELDS_FOLDER: &str = "fields";
 pub const ANNOTATIONS_FOLDER: &str = "annotations";
 
 /// Folders of a set.
-const FOLDERS: [&str; 6] = [
-    RECORDS_FOLDER,
-    IMAGES_FOLDER,
-    APPEARANCE_FOLDER,
-    DOSE_FOLDER,
-    FIELDS_FOLDER,
-    crate::dataset::FAILURES_FOLDER,
-];
+const FOLDERS: [&str; 6] =
+    [RECORDS_FOLDER, IMAGES_FOLDER, APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, crate::dataset::FAILURES_FOLDER];

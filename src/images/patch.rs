@@ -191,7 +191,8 @@ mod tests {
 
     #[test]
     fn the_largest_rectangle_is_found() {
-        let free: Vec<bool> = "#..#.\n.####\n#####\n.####\n#...#".bytes().filter(|&b| b != b'\n').map(|b| b == b'#').collect();
+        let free: Vec<bool> =
+            "#..#.\n.####\n#####\n.####\n#...#".bytes().filter(|&b| b != b'\n').map(|b| b == b'#').collect();
         assert_eq!(largest_rectangle(&free, 5), Some((IVec2::new(1, 1), IVec2::new(4, 3))));
         assert_eq!(largest_rectangle(&[false; 10], 5), None);
         assert_eq!(largest_rectangle(&[true; 10], 5), Some((IVec2::ZERO, IVec2::new(4, 1))));
@@ -208,7 +209,8 @@ mod tests {
             let wall = (p - DVec3::new(-0.045, 0.0, 0.01)).abs() - DVec3::new(0.005, 0.04, 0.02);
             body.min(wall.max_element())
         };
-        let part = BrickGrid::from_distance(DVec3::new(-0.05, -0.04, -0.02), DVec3::new(0.05, 0.04, 0.031), 1e-3, 3.0, plate);
+        let part =
+            BrickGrid::from_distance(DVec3::new(-0.05, -0.04, -0.02), DVec3::new(0.05, 0.04, 0.031), 1e-3, 3.0, plate);
         let patch = Patch::find(&part).unwrap();
         let radius = patch.radius;
         assert!((radius - PAD_SHARE * 0.08).abs() < 5e-4, "{radius}");

@@ -180,9 +180,13 @@ mod tests {
         for pattern in Pattern::ALL {
             let whole = pattern.strokes(&patch);
             let all = || whole.iter().flatten();
-            assert!(all().all(|at| at.cmpge(patch.low - 1e-9).all() && at.cmple(patch.high + 1e-9).all()), "{pattern:?}");
+            assert!(
+                all().all(|at| at.cmpge(patch.low - 1e-9).all() && at.cmple(patch.high + 1e-9).all()),
+                "{pattern:?}"
+            );
             let stages = pattern.stages(&patch, 5);
-            let lengths: Vec<f64> = stages.iter().map(|stage| stage.iter().map(|stroke| length(stroke)).sum()).collect();
+            let lengths: Vec<f64> =
+                stages.iter().map(|stage| stage.iter().map(|stroke| length(stroke)).sum()).collect();
             let total: f64 = whole.iter().map(|stroke| length(stroke)).sum();
             assert!(lengths.iter().all(|part| (part - 0.2 * total).abs() < 1e-6 * total), "{pattern:?}: {lengths:?}");
             assert_eq!(stages[0][0][0], whole[0][0]);

@@ -129,8 +129,7 @@ impl ImageRecipe {
     }
 
     fn treatments(&self) -> Vec<Treatment> {
-        let stages =
-            self.patterns.iter().flat_map(|&pattern| (1..=self.stages).map(move |stage| (pattern, stage)));
+        let stages = self.patterns.iter().flat_map(|&pattern| (1..=self.stages).map(move |stage| (pattern, stage)));
         let stages = stages.map(|(pattern, stage)| Treatment::Stage { pattern, stage });
         std::iter::once(Treatment::Unsanded).chain(stages).chain([Treatment::Bare]).collect()
     }
@@ -179,12 +178,8 @@ mod tests {
     use crate::images::workpiece::{Coated, Origin};
 
     fn recipe(placements: u32) -> ImageRecipe {
-        let coated = |name: &str| Coated {
-            name: name.to_owned(),
-            key: name.to_owned(),
-            origin: Origin::Panel,
-            voxel_mm: 0.5,
-        };
+        let coated =
+            |name: &str| Coated { name: name.to_owned(), key: name.to_owned(), origin: Origin::Panel, voxel_mm: 0.5 };
         ImageRecipe {
             format: String::new(),
             version: String::new(),

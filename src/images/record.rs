@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::label::{agreement, counts};
 use super::plan::{Planned, Split, Treatment};
-use super::scene::{Scene, Shot};
+use super::scene::Scene;
+use super::shot::Shot;
 use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageSet, RECORDS_FOLDER};
 use crate::asset::FileRecord;
 use crate::dataset::record_of;

@@ -75,7 +75,11 @@ impl ImageRun<'_> {
         run_apart(self.limits, |command| {
             let Limits { time, memory } = self.limits;
             command.arg(TASK_VERB).arg("--id").arg(task.id()).arg("--out").arg(self.set.folder());
-            command.arg("--time-limit").arg(time.to_string()).arg("--memory-limit").arg((memory as f64 * 1e-9).to_string())
+            command
+                .arg("--time-limit")
+                .arg(time.to_string())
+                .arg("--memory-limit")
+                .arg((memory as f64 * 1e-9).to_string())
         })
     }
 

@@ -1,13 +1,12 @@
-//! What surrounds a workpiece in an image, drawn by chance, and the rendering of it.
+//! What surrounds a workpiece in an image, drawn by chance.
 
 use anyhow::{Context, Result};
 use glam::{DQuat, DVec2, DVec3};
 use sdf_bake::BrickGrid;
 use serde::{Deserialize, Serialize};
-use sim::render::{Camera, Picture, Projection, View, outward, render, to_srgb8};
+use sim::render::{Camera, Projection, outward};
 
 use super::ImageRecipe;
-use super::label::{Colour, labels, seen_share};
 use super::plan::Planned;
 use crate::virtual_lab::chance::Chance;
 
@@ -22,7 +21,7 @@ pub struct Scene {
     pub lamps: Vec<LampDraw>,
     /// Of the light from all around against a bright workshop's.
     pub environment: f64,
-    /// The coating and the metal below.
+    /// The coating, the metal below, and the table.
     pub material: MaterialDraw,
     /// Exposure, blur, noise.
     pub sensor: SensorDraw,
@@ -35,6 +34,8 @@ pub struct PlacementDraw {
     pub rotation: DQuat,
     /// Then it is moved [m].
     pub translation_m: DVec3,
+    /// Height of the table's top, which the workpiece touches [m].
+    pub table_m: f64,
 }
 
 /// A pinhole with distortion.
@@ -46,8 +47,8 @@ pub struct CameraDraw {
     pub axes: [DVec3; 3],
     /// Angle between the lower and the upper edge of the image [rad].
     pub vertical_field_of_view: f64,
-    /// Coefficient k₁ of r² on the image plane at unit distance (Brown 1966).
-    pub distortion: f64,
+    /// Coefficients k₁ and k₂ of r² and r⁴ on the image plane at unit distance (Brown 1966).
+    pub distortion: [f64; 2],
 }
 
 /// A lamp far away.
@@ -72,6 +73,10 @@ pub struct MaterialDraw {
     pub metal: DVec3,
     /// Roughness of the sanded metal, 0 to 1.
     pub metal_roughness: f64,
+    /// Albedo of the table.
+    pub table: DVec3,
+    /// Roughness of the table, 0 to 1.
+    pub table_roughness: f64,
 }
 
 /// What the sensor does to the light.
@@ -91,18 +96,6 @@ pub struct SensorDraw {
     pub seed: u64,
 }
 
-/// An image with its labels.
-pub struct Shot {
-    /// Eight-bit sRGB.
-    pub image: Picture,
-    /// Labels by what is seen.
-    pub appearance: Vec<u8>,
-    /// Labels by the dose.
-    pub dose: Vec<u8>,
-    /// Share of the workpiece's pixels on which the dose is 1 or more.
-    pub exposed_share: f64,
-}
-
 impl Scene {
     /// Draws a scene: placement and camera from the seed of the placement, the rest from that of the image.
     ///
@@ -111,11 +104,12 @@ impl Scene {
     pub fn draw(part: &BrickGrid, recipe: &ImageRecipe, planned: &Planned) -> Result<Self> {
         let (low, high) = part.surface_bounds().context("the field holds no surface")?;
         let placement_seed = recipe.placement_seed(planned);
-        let placement = PlacementDraw::draw(&mut Chance::of(placement_seed, "placement"));
         let corners: [DVec3; 8] = std::array::from_fn(|i| {
             let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
-            placement.to_scene(DVec3::new(pick(0), pick(1), pick(2)))
+            DVec3::new(pick(0), pick(1), pick(2))
         });
+        let placement = PlacementDraw::draw(&corners, &mut Chance::of(placement_seed, "placement"));
+        let corners = corners.map(|corner| placement.to_scene(corner));
         let aspect = recipe.size.0 as f64 / recipe.size.1 as f64;
         let camera = CameraDraw::draw(&corners, aspect, &mut Chance::of(placement_seed, "camera"));
         let seed = recipe.image_seed(planned);
@@ -132,14 +126,16 @@ impl Scene {
 }
 
 impl PlacementDraw {
-    /// Turned by any angle about z, then tilted a little, then moved.
-    fn draw(chance: &mut Chance) -> Self {
+    /// Turned by any angle about z, then tilted a little as on a wedge, then moved; the table is below all corners [m].
+    fn draw(corners: &[DVec3; 8], chance: &mut Chance) -> Self {
         let turn = DQuat::from_rotation_z(chance.between([0.0, std::f64::consts::TAU]));
         let about = chance.between([0.0, std::f64::consts::TAU]);
         let axis = DVec3::new(about.cos(), about.sin(), 0.0);
-        let tilt = DQuat::from_axis_angle(axis, chance.between([0.0, 0.21]));
+        let tilt = DQuat::from_axis_angle(axis, chance.between([0.0, 0.12]));
         let translation_m = DVec3::new(chance.between([-0.05, 0.05]), chance.between([-0.05, 0.05]), 0.0);
-        Self { rotation: tilt * turn, translation_m }
+        let placed = Self { rotation: tilt * turn, translation_m, table_m: 0.0 };
+        let lowest = corners.iter().map(|&corner| placed.to_scene(corner).z).fold(f64::INFINITY, f64::min);
+        Self { table_m: lowest, ..placed }
     }
 
     fn to_scene(self, point: DVec3) -> DVec3 {
@@ -170,14 +166,8 @@ impl CameraDraw {
         let room = (1.0 - fill) * distance * slope;
         let shift = right * chance.between([-0.7, 0.7]) * room.x + up * chance.between([-0.7, 0.7]) * room.y;
         let eye_m = centre + shift + direction * distance;
-        let distortion = chance.between([-0.35, 0.1]);
+        let distortion = [chance.between([-0.35, 0.05]), chance.between([0.0, 0.1])];
         Self { eye_m, axes: [right, up, -direction], vertical_field_of_view, distortion }
-    }
-
-    fn camera(&self) -> Camera {
-        let [right, up, forward] = self.axes;
-        let projection = Projection::Perspective { vertical_field_of_view: self.vertical_field_of_view };
-        Camera { eye: self.eye_m, right, up, forward, projection }
     }
 }
 
@@ -202,20 +192,28 @@ impl MaterialDraw {
         let hue = chance.between([0.0, 6.0]);
         let strength = chance.between([0.0, 0.9]);
         let value = chance.ratio_between([0.06, 0.7]);
-        // A hue on the circle of six, each channel a trapezoid (Smith 1978).
-        let channel = |offset: f64| {
-            let place = (hue + offset).rem_euclid(6.0);
-            value * (1.0 - strength * (place.min(4.0 - place)).clamp(0.0, 1.0))
-        };
         let grey = chance.between([0.5, 0.68]);
         let tint = chance.between([-0.03, 0.03]);
+        let table = chance.ratio_between([0.03, 0.6]);
+        let wooden = chance.between([0.0, 0.5]);
         Self {
-            coating: DVec3::new(channel(5.0), channel(3.0), channel(1.0)),
+            coating: paint(hue, strength, value),
             coating_roughness: chance.between([0.25, 0.75]),
             metal: DVec3::new(grey + tint, grey, grey - tint),
             metal_roughness: chance.between([0.28, 0.5]),
+            table: table * DVec3::new(1.0, 1.0 - 0.3 * wooden, 1.0 - 0.6 * wooden),
+            table_roughness: chance.between([0.4, 0.9]),
         }
     }
+}
+
+/// A colour of hue 0 to 6 on the circle of red, yellow, green, cyan, blue and magenta (Smith 1978).
+fn paint(hue: f64, strength: f64, value: f64) -> DVec3 {
+    let channel = |offset: f64| {
+        let place = (hue + offset).rem_euclid(6.0);
+        value * (1.0 - strength * place.min(4.0 - place).clamp(0.0, 1.0))
+    };
+    DVec3::new(channel(5.0), channel(3.0), channel(1.0))
 }
 
 impl SensorDraw {
@@ -231,37 +229,37 @@ impl SensorDraw {
     }
 }
 
-/// Renders an image of a part with its dose, and its labels from the unsanded and the bare part in the same scene.
-pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
-    let inverse = scene.placement.rotation.inverse();
-    let camera = scene.camera.camera();
-    let local = Camera {
-        eye: inverse * (camera.eye - scene.placement.translation_m),
-        right: inverse * camera.right,
-        up: inverse * camera.up,
-        forward: inverse * camera.forward,
-        ..camera
-    };
-    let frame = render(part, &local, &View { width, height, samples_per_side: 1, removed: None });
-    let dose: Vec<f32> = frame.position.iter().map(|at| part.sample_dose(at.as_dvec3())).collect();
-    let on_part = |pixel: usize| frame.depth[pixel].is_finite();
-    let tint = |pixel: usize, share: f32| {
-        let mixed = scene.material.coating.as_vec3().lerp(scene.material.metal.as_vec3(), share);
-        if on_part(pixel) { frame.colour[pixel] * mixed * 4.0 } else { frame.colour[pixel] }
-    };
-    let coded = |pixel: usize, share: f32| -> Colour { to_srgb8(tint(pixel, share)).map(|c| f32::from(c) / 255.0) };
-    let share = |pixel: usize| dose[pixel].min(1.0);
-    let rgb = (0..width * height).flat_map(|pixel| to_srgb8(tint(pixel, share(pixel)))).collect();
-    let appearance = labels(width, height, |pixel| {
-        on_part(pixel).then(|| seen_share(coded(pixel, share(pixel)), coded(pixel, 0.0), coded(pixel, 1.0)))
-    });
-    let by_dose = labels(width, height, |pixel| on_part(pixel).then(|| Some(share(pixel))));
-    let pixels = (0..width * height).filter(|&pixel| on_part(pixel)).count();
-    let exposed = (0..width * height).filter(|&pixel| on_part(pixel) && dose[pixel] >= 1.0).count();
-    Shot {
-        image: Picture { width, height, rgb },
-        appearance,
-        dose: by_dose,
-        exposed_share: exposed as f64 / pixels.max(1) as f64,
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drawn_camera_shows_the_whole_box() {
+        let corners: [DVec3; 8] =
+            std::array::from_fn(|i| DVec3::new([-0.08, 0.08][i & 1], [-0.045, 0.045][i >> 1 & 1], [0.0, 0.06][i >> 2]));
+        for seed in 0..200 {
+            let placement = PlacementDraw::draw(&corners, &mut Chance::of(seed, "placement"));
+            let placed = corners.map(|corner| placement.to_scene(corner));
+            assert!(placed.iter().all(|corner| corner.z >= placement.table_m));
+            let camera = CameraDraw::draw(&placed, 4.0 / 3.0, &mut Chance::of(seed, "camera"));
+            let slope = (0.5 * camera.vertical_field_of_view).tan();
+            let [right, up, forward] = camera.axes;
+            assert!((right.cross(up) + forward).length() < 1e-12 && camera.eye_m.z > placement.table_m);
+            let mut widest = 0f64;
+            for corner in placed.map(|corner| corner - camera.eye_m) {
+                let across =
+                    DVec2::new(corner.dot(right) / (4.0 / 3.0), corner.dot(up)) / (corner.dot(forward) * slope);
+                widest = widest.max(across.abs().max_element());
+            }
+            assert!(widest < 1.0 && widest > 0.55, "{widest} for seed {seed}");
+        }
+    }
+
+    #[test]
+    fn paints_have_their_hues() {
+        assert_eq!(paint(0.0, 1.0, 0.5), DVec3::new(0.5, 0.0, 0.0));
+        assert_eq!(paint(2.0, 1.0, 0.5), DVec3::new(0.0, 0.5, 0.0));
+        assert_eq!(paint(4.0, 1.0, 0.5), DVec3::new(0.0, 0.0, 0.5));
+        assert_eq!(paint(1.0, 0.5, 0.4), DVec3::new(0.4, 0.4, 0.2));
     }
 }
