@@ -88,7 +88,7 @@ fn labels() -> String {
     format!(
         "\n## Labels\n\nOf the coating at a pixel a share is gone. By the dose D it is min(D, 1). By appearance it is the change of the pixel \
          against the unsanded reference over that of the bare reference: same camera, light and material, no noise, Euclidean in \
-         sRGB. From {SANDED_FROM} on a pixel is sanded, up to {UNSANDED_TO} unsanded. Ignored are pixels between, pixels whose neighbour above, below, \
+         code of gamma 2.2. From {SANDED_FROM} on a pixel is sanded, up to {UNSANDED_TO} unsanded. Ignored are pixels between, pixels whose neighbour above, below, \
          left or right has another class, and, by appearance, pixels where bare and unsanded differ by less than {LEAST_CONTRAST}.\n"
     )
 }

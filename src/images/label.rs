@@ -17,11 +17,11 @@ pub const IGNORE: u8 = 255;
 pub const SANDED_FROM: f32 = 0.75;
 /// Share of the coating gone up to which a pixel is unsanded; between the two the coating is thinned and unclear.
 pub const UNSANDED_TO: f32 = 0.25;
-/// Least change of appearance from unsanded to bare that tells anything, Euclidean in sRGB code from 0 to 1: about 15 of
-/// 255 codes in one channel.
+/// Least change of appearance from unsanded to bare that tells anything, Euclidean in display code from 0 to 1: about 15
+/// of 255 codes in one channel.
 pub const LEAST_CONTRAST: f32 = 0.06;
 
-/// An sRGB colour, each channel 0 to 1.
+/// A colour in display code: each channel 0 to 1, steps about equal to the eye.
 pub type Colour = [f32; 3];
 
 /// Share of the coating gone by what is seen; `None` where bare metal would look much the same.

@@ -215,7 +215,7 @@ mod tests {
         let radius = patch.radius;
         assert!((radius - PAD_SHARE * 0.08).abs() < 5e-4, "{radius}");
         assert!(patch.low.x > -0.04 + radius && patch.low.x < -0.04 + 1.4 * radius, "{patch:?}", patch = patch.low);
-        assert!(patch.high.y < 0.04 - 0.7 * radius && patch.high.y > 0.04 - 1.3 * radius, "{}", patch.high);
+        assert!(patch.high.y < 0.04 - 0.5 * radius && patch.high.y > 0.04 - 1.3 * radius, "{}", patch.high);
         let rest = patch.rest(DVec2::new(0.01, 0.012));
         assert!((rest.contact.z - slope * 0.012).abs() < 5e-5, "{}", rest.contact);
         assert!(rest.approach.distance(DVec3::new(0.0, -slope, 1.0).normalize()) < 5e-3, "{}", rest.approach);
@@ -223,11 +223,11 @@ mod tests {
 
     #[test]
     fn a_part_without_a_flat_place_says_so() {
-        let ball = BrickGrid::from_distance(DVec3::splat(-0.02), DVec3::splat(0.02), 1e-3, 3.0, |p| {
-            let spike = (p.truncate().length() * 40.0).sin().abs();
-            p.length() - 0.012 - 0.004 * spike
-        });
-        let found = Patch::find(&ball).map(|patch| (patch.low, patch.high));
+        // A roof whose sides fall by 60°.
+        let roof = |p: DVec3| (0.75f64.sqrt() * p.y.abs() + 0.5 * p.z - 0.01).max(-p.z).max(p.x.abs() - 0.02);
+        let (low, high) = (DVec3::new(-0.02, -0.012, 0.0), DVec3::new(0.02, 0.012, 0.02));
+        let roof = BrickGrid::from_distance(low, high, 2.5e-4, 3.0, roof);
+        let found = Patch::find(&roof).map(|patch| (patch.low, patch.high));
         assert!(found.as_ref().is_err_and(|error| error.to_string().contains("lies flat nowhere")), "{found:?}");
     }
 }

@@ -118,8 +118,8 @@ fn spots(size: DVec2, radius: f64) -> Vec<Stroke> {
     let within = size - 2.0 * SPOT * radius;
     let count = (within / (SPOT_SPACING * radius)).floor().max(DVec2::ZERO).as_uvec2() + 1;
     let middle = |i: u32, j: u32| {
-        let share = (glam::UVec2::new(i, j).as_dvec2() + 0.5) / count.as_dvec2();
-        0.5 * size + (share - 0.5) * within
+        let share = |at: u32, count: u32| if count > 1 { f64::from(at) / f64::from(count - 1) } else { 0.5 };
+        0.5 * size + (DVec2::new(share(i, count.x), share(j, count.y)) - 0.5) * within
     };
     let circle = |middle: DVec2| {
         let at = |k: u32| middle + SPOT * radius * DVec2::from_angle(f64::from(k) * std::f64::consts::TAU / 24.0);

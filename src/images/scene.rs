@@ -164,16 +164,16 @@ impl CameraDraw {
         let distance = corners.iter().map(least).fold(0.0, f64::max);
         // What room is left may lie on any side.
         let room = (1.0 - fill) * distance * slope;
-        let shift = right * chance.between([-0.7, 0.7]) * room.x + up * chance.between([-0.7, 0.7]) * room.y;
+        let shift = right * chance.between([-0.5, 0.5]) * room.x + up * chance.between([-0.5, 0.5]) * room.y;
         let eye_m = centre + shift + direction * distance;
         let distortion = [chance.between([-0.35, 0.05]), chance.between([0.0, 0.1])];
         Self { eye_m, axes: [right, up, -direction], vertical_field_of_view, distortion }
     }
 }
 
-/// One to three lamps from above, each weaker than the one before.
+/// One or two lamps from above, the second weaker than the first.
 fn lamps(chance: &mut Chance) -> Vec<LampDraw> {
-    let count = 1 + chance.below(3);
+    let count = 1 + chance.below(2);
     let mut power = std::f64::consts::PI * chance.between([0.5, 1.1]);
     let lamp = |_| {
         let towards = outward(chance.between([0.0, std::f64::consts::TAU]), chance.between([0.45, 1.4]));
@@ -221,7 +221,7 @@ impl SensorDraw {
         Self {
             aim: chance.between([0.14, 0.34]),
             exposure: 1.0,
-            blur: chance.between([0.0, 0.8]),
+            blur: chance.between([0.4, 0.9]),
             full_well: chance.ratio_between([3e3, 4e4]),
             read_noise: chance.between([2.0, 12.0]),
             seed,

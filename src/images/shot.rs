@@ -10,8 +10,8 @@ use sim::render::{
 use super::label::{Colour, labels, seen_share};
 use super::scene::{MaterialDraw, Scene};
 
-/// Samples along each side of a pixel of the image; labels belong to the rays through the pixels' centres.
-const SAMPLES_PER_SIDE: usize = 2;
+/// Exponent that makes equal steps of light look about equal: that of sRGB as a whole.
+const GAMMA: f32 = 2.2;
 /// Weights of red, green and blue in luminance (ITU-R BT.709).
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
@@ -44,17 +44,18 @@ enum Coat {
 pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
     let camera = camera(scene);
     let mut stage = stage(part, scene);
-    let mut photograph = |coat: Coat, samples_per_side: usize| {
+    let mut photograph = |coat: Coat| {
         stage.appearance = appearance(&scene.material, coat);
-        stage.photograph(&camera, &Raster { width, height, samples_per_side })
+        stage.photograph(&camera, &Raster { width, height, samples_per_side: 1 })
     };
-    let [frame, unsanded, bare] = [Coat::AsDosed, Coat::Whole, Coat::Gone].map(|coat| photograph(coat, 1));
+    let [frame, unsanded, bare] = [Coat::AsDosed, Coat::Whole, Coat::Gone].map(&mut photograph);
     let exposure = exposure(&frame, scene.sensor.aim);
-    let mut image = photograph(Coat::AsDosed, SAMPLES_PER_SIDE);
+    let mut image = frame.clone();
     sensor(scene, exposure).expose(&mut image);
     let on_part = |pixel: usize| frame.seen[pixel] == Seen::Part;
     let code = |frame: &Frame, pixel: usize| -> Colour {
-        to_srgb8(frame.colour[pixel] * exposure as f32).map(|code| f32::from(code) / 255.0)
+        let signal = (frame.colour[pixel] * exposure as f32).clamp(Vec3::ZERO, Vec3::ONE);
+        signal.powf(1.0 / GAMMA).to_array()
     };
     let seen = |pixel: usize| seen_share(code(&frame, pixel), code(&unsanded, pixel), code(&bare, pixel));
     let gone = |pixel: usize| frame.dose[pixel].min(1.0);

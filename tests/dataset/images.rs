@@ -84,8 +84,10 @@ fn every_image_has_labels_of_known_classes_and_a_line_that_says_what_it_shows() 
         assert!(row["agreement"].as_f64().expect("a number") > 0.98, "{id}: {row}");
         assert!(row["scene"]["camera"]["vertical_field_of_view"].as_f64().is_some_and(|angle| angle > 0.2));
     }
-    let splits: BTreeSet<(u64, &str)> =
-        rows.iter().map(|row| (row["placement"].as_u64().expect("a number"), row["split"].as_str().expect("one"))).collect();
+    let splits: BTreeSet<(u64, &str)> = rows
+        .iter()
+        .map(|row| (row["placement"].as_u64().expect("a number"), row["split"].as_str().expect("one")))
+        .collect();
     assert_eq!(splits.len(), 3, "{splits:?}");
 }
 
@@ -214,7 +216,8 @@ fn pycocotools_finds_the_masks_areas_and_boxes_of_the_labels() {
         Err(error) => {
             let promised = std::env::var_os("ROBOFIN_REQUIRE_OUTSIDE").is_some_and(|value| value == "1");
             assert!(!promised, "ROBOFIN_REQUIRE_OUTSIDE=1, but COCO files cannot be tested: {error}");
-            return writeln!(std::io::stderr(), "NOT TESTED: COCO files against pycocotools: {error}").expect("it is open");
+            return writeln!(std::io::stderr(), "NOT TESTED: COCO files against pycocotools: {error}")
+                .expect("it is open");
         }
     };
     let answer = python.run_script(Script::CheckCoco, [undisturbed()]).expect("pycocotools reads the files");
