@@ -43,9 +43,11 @@ enum Coat {
 /// Photographs a part with its dose, and labels it by the same part unsanded and bare in the same scene.
 pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
     let camera = camera(scene);
-    let mut stage = stage(part, scene);
+    let (mut stage, table) = (stage(part, scene), table(scene));
     let mut photograph = |coat: Coat| {
         stage.appearance = appearance(&scene.material, coat);
+        // The table sheds no light on the part, and only the part is compared.
+        stage.table = matches!(coat, Coat::AsDosed).then_some(table);
         stage.photograph(&camera, &Raster { width, height, samples_per_side: 1 })
     };
     let [frame, unsanded, bare] = [Coat::AsDosed, Coat::Whole, Coat::Gone].map(&mut photograph);
@@ -93,18 +95,22 @@ fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
         irradiance: lamp.irradiance.as_vec3(),
         spread: lamp.spread as f32,
     });
-    let top = Material {
-        colour: scene.material.table.as_vec3(),
-        roughness: scene.material.table_roughness as f32,
-        metallic: 0.0,
-    };
     Stage {
         field: Field::new(part),
         placement: Placement { rotation: scene.placement.rotation, translation: scene.placement.translation_m },
         appearance: appearance(&scene.material, Coat::AsDosed),
-        table: Some(Table { height: scene.placement.table_m, material: top }),
+        table: None,
         lights: Lights { keys: keys.collect(), environment },
     }
+}
+
+fn table(scene: &Scene) -> Table {
+    let material = Material {
+        colour: scene.material.table.as_vec3(),
+        roughness: scene.material.table_roughness as f32,
+        metallic: 0.0,
+    };
+    Table { height: scene.placement.table_m, material }
 }
 
 fn appearance(material: &MaterialDraw, coat: Coat) -> Appearance {
