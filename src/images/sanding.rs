@@ -1,6 +1,6 @@
 //! Sanding a workpiece along a pattern, stage by stage, and the dose fields that it leaves.
 //!
-//! Pressure, spindle speed and feed are chosen so that one straight line of the pad leaves the dose [`LINE_DOSE`] on its
+//! Pressure, spindle speed and feed are chosen so that one straight line of the pad leaves a dose D of 1.6 on its
 //! middle: with a pad of radius R under the mean pressure p, ∫ p ω r dt along its middle line is p ω R² / v, so Eq. (2)
 //! asks for the feed v = (K_P/h_c) p ω R² / D.
 

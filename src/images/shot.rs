@@ -4,7 +4,7 @@ use glam::Vec3;
 use sdf_bake::BrickGrid;
 use sim::render::{
     Appearance, Camera, Distortion, Environment, Field, Frame, KeyLight, Lights, Material, Picture, Placement,
-    Projection, Raster, Scene as Stage, Seen, Sensor, Table, to_srgb8,
+    Projection, Raster, Scene as Stage, Seen, Sensor, Table,
 };
 
 use super::label::{Colour, labels, seen_share};
