@@ -5,7 +5,8 @@
 //! 1. [`part`] reads and cleans a mesh ([`sdf_bake::read`], [`sdf_bake::clean`]).
 //! 2. [`workpiece`] places a weld on it ([`weldgen`]) and bakes part and bead ([`sdf_bake::bake`]).
 //!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
-//! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD; [`dataset`] does it for thousands.
+//! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD; [`dataset`] does it for thousands, and
+//!    [`images`] makes labelled pictures of coated ones in the course of sanding.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
 //! 5. [`plan`] makes tool paths; [`trial`] and [`table`] read what was measured, [`measure`] says what scans are worth.
 //! 6. [`virtual_lab`] makes trials in which effects are hidden, with the answer.
@@ -30,6 +31,7 @@ pub mod effect_page;
 pub mod export;
 pub mod finishing;
 pub mod folder;
+pub mod images;
 pub mod laboratory;
 pub mod measure;
 pub mod part;

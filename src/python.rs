@@ -1,4 +1,4 @@
-//! The Python environment that the outside libraries live in (usd-core, manifold3d), found or made.
+//! The Python environment that the outside libraries live in (usd-core, manifold3d, pycocotools), found or made.
 //!
 //! Looked for in this order, as described in `docs/usd.md`:
 //!
@@ -31,7 +31,7 @@ const PROBE: &str = "
 import sys
 if not (3, 11) <= sys.version_info[:2] <= (3, 14):
     sys.exit('Python %d.%d found, 3.11 to 3.14 needed' % sys.version_info[:2])
-import numpy, manifold3d
+import numpy, manifold3d, pycocotools.mask
 from pxr import Usd, UsdValidation
 print('Python %d.%d.%d' % sys.version_info[:3] + ', USD %d.%d.%d' % Usd.GetVersion() + ', numpy ' + numpy.__version__)
 ";
@@ -45,6 +45,8 @@ pub enum Script {
     CheckUsd,
     /// Volume that beads add to a part, by manifold3d.
     CheckBeadVolume,
+    /// COCO files of a set of images, by pycocotools.
+    CheckCoco,
 }
 
 impl Script {
@@ -54,16 +56,18 @@ impl Script {
             Script::ExportUsd => "export_usd.py",
             Script::CheckUsd => "check_usd.py",
             Script::CheckBeadVolume => "check_bead_volume.py",
+            Script::CheckCoco => "check_coco.py",
         }
     }
 }
 
 /// The programs above and the modules they import, by file name.
-const FILES: [(&str, &str); 4] = [
+const FILES: [(&str, &str); 5] = [
     ("glb.py", include_str!("../scripts/glb.py")),
     ("export_usd.py", include_str!("../scripts/export_usd.py")),
     ("check_usd.py", include_str!("../scripts/check_usd.py")),
     ("check_bead_volume.py", include_str!("../scripts/check_bead_volume.py")),
+    ("check_coco.py", include_str!("../scripts/check_coco.py")),
 ];
 
 /// Why Python could not be found, made or used.

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Result, bail};
-use clap::{ArgMatches, Args};
+use clap::{ArgMatches, Args, Subcommand};
 use serde::Serialize;
 
+use super::dataset_images::{self, ImagesArgs};
 use super::piece_flags::PieceFlags;
 use crate::cache::find_meshes;
 use crate::console::Console;
@@ -23,17 +24,34 @@ const MOST_PER_PART: u32 = 10_000;
 /// More processes at once than any machine for this can hold.
 pub(super) const MOST_JOBS: usize = 256;
 
+/// Assets, or with a word in front another kind of set.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Every piece is an asset as `robofin weld` makes it, without USD, made in a process of its own. Its bytes follow from the
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = HELP)]
+pub(super) struct DatasetArgs {
+    #[command(subcommand)]
+    kind: Option<Kind>,
+    #[command(flatten)]
+    assets: Option<AssetsArgs>,
+}
+
+/// Other kinds of sets.
+#[derive(Debug, Subcommand)]
+enum Kind {
+    /// Labelled images of coated workpieces in the course of sanding.
+    Images(ImagesArgs),
+}
+
+const HELP: &str = "Every piece is an asset as `robofin weld` makes it, without USD, made in a process of its own. Its bytes follow from the
 content of its part, its number and the flags of the pieces; never from --jobs, --shard, --limit or interruptions.
 
 Examples:
   robofin dataset parts --out out/set --per-part 10 --seed 7
   robofin dataset parts --out out/set --per-part 10 --seed 7 --resume --jobs 8
-  robofin dataset parts more/plate.stl --out out/set --per-part 4 --limit 100 --shard 1/3 --time-limit 60"
-)]
-pub(super) struct DatasetArgs {
+  robofin dataset parts more/plate.stl --out out/set --per-part 4 --limit 100 --shard 1/3 --time-limit 60
+  robofin dataset images --out out/images";
+
+#[derive(Debug, Args)]
+struct AssetsArgs {
     /// Folders with mesh files (OBJ, STL, PLY, GLB or glTF) anywhere below, and mesh files.
     #[arg(required = true, value_name = "FOLDER|MESH")]
     sources: Vec<PathBuf>,
@@ -77,6 +95,14 @@ struct PieceAnswer<'a> {
 }
 
 pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -> Result<()> {
+    match (&args.kind, &args.assets) {
+        (Some(Kind::Images(args)), _) => dataset_images::run(args, console),
+        (None, Some(assets)) => run_assets(assets, matches, console),
+        (None, None) => Err(wrong_use("folders of meshes and --out, or `images` and --out, are expected".to_owned())),
+    }
+}
+
+fn run_assets(args: &AssetsArgs, matches: &ArgMatches, console: &Console) -> Result<()> {
     let jobs = jobs(args.jobs)?;
     let (wishes, limits) = (args.pieces.wishes()?, args.pieces.limits()?);
     let flags = PieceFlags::given(matches);
@@ -93,6 +119,9 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     let catalogue = Catalogue::update(&dataset)?;
     console.step("dataset", format!("{} pieces listed in {}", catalogue.pieces, args.out.display()));
     console.step("done", summary.describe(jobs));
+    if let Some(outlook) = summary.outlook() {
+        console.step("", outlook);
+    }
     console.answer_line(&summary)?;
     match summary.failed {
         0 => Ok(()),
@@ -106,10 +135,18 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
 
 /// Makes the pieces of a run and tells of each.
 pub(super) fn make(run: &Run, console: &Console) -> Result<Summary> {
-    let pieces = run.plan.pieces.len() + run.plan.unreadable.len();
+    tell(run.plan.pieces.len() + run.plan.unreadable.len(), console, |done| run.run(done))
+}
+
+/// Tells of each of so many pieces that `work` reports.
+pub(super) fn tell(
+    pieces: usize,
+    console: &Console,
+    work: impl FnOnce(&mut dyn FnMut(&Outcome) -> Result<()>) -> Result<()>,
+) -> Result<Summary> {
     let bar = console.bar("pieces", pieces as u64);
     let mut progress = Progress::new(pieces, Instant::now());
-    run.run(|outcome| {
+    work(&mut |outcome| {
         let line = progress.count(outcome);
         bar.inc(1);
         // A bar says all but failures.
@@ -137,7 +174,7 @@ pub(super) fn jobs(asked: Option<usize>) -> Result<usize> {
     }
 }
 
-fn plan(args: &DatasetArgs) -> Result<Plan> {
+fn plan(args: &AssetsArgs) -> Result<Plan> {
     if !(1..=MOST_PER_PART).contains(&args.per_part) {
         return Err(wrong_use(format!("--per-part {}: 1 to {MOST_PER_PART} are accepted", args.per_part)));
     }
@@ -178,7 +215,7 @@ struct PlanAnswer<'a> {
     is_there: bool,
 }
 
-fn rehearse(args: &DatasetArgs, plan: &Plan, console: &Console) -> Result<()> {
+fn rehearse(args: &AssetsArgs, plan: &Plan, console: &Console) -> Result<()> {
     let dataset = Dataset::open(&args.out).ok();
     let mut there = 0;
     for piece in &plan.pieces {

@@ -7,6 +7,8 @@ mod bench;
 mod calibrate;
 mod compare;
 mod dataset;
+mod dataset_image;
+mod dataset_images;
 mod dataset_piece;
 mod demo;
 mod diagnose;
@@ -21,6 +23,7 @@ mod simulate;
 mod study;
 mod trial;
 mod validate;
+mod validate_images;
 mod validate_set;
 mod weld;
 
@@ -67,11 +70,14 @@ enum Verb {
     Press(press::PressArgs),
     /// Draw an asset or a field from its distance field.
     Render(render::RenderArgs),
-    /// Weld folders of parts into a data set of thousands of assets.
+    /// Weld folders of parts into a data set of thousands of assets; or `images`, labelled pictures of coated ones.
     Dataset(dataset::DatasetArgs),
     /// Make one piece of a data set.
     #[command(hide = true)]
     DatasetPiece(dataset_piece::DatasetPieceArgs),
+    /// Make one image of a set, or what it needs.
+    #[command(hide = true)]
+    DatasetImage(dataset_image::DatasetImageArgs),
     /// Open every file of an asset, or of a data set, and hold it against the others.
     Validate(validate::ValidateArgs),
     /// Fit a model to a campaign, step by step from the base law to its last effect.
@@ -122,6 +128,7 @@ fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
         Verb::Render(args) => render::run(&args, console),
         Verb::Dataset(args) => dataset::run(&args, matches.subcommand().map_or(matches, |(_, given)| given), console),
         Verb::DatasetPiece(args) => dataset_piece::run(&args),
+        Verb::DatasetImage(args) => dataset_image::run(&args),
         Verb::Validate(args) => validate::run(&args, console),
         Verb::Calibrate(args) => calibrate::run(&args, console),
         Verb::Bench(args) => bench::run(&args, console),

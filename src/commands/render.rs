@@ -66,7 +66,7 @@ fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
     Ok((grid, None))
 }
 
-fn parse_size(text: &str) -> Result<(usize, usize)> {
+pub(super) fn parse_size(text: &str) -> Result<(usize, usize)> {
     let wrong =
         || wrong_use(format!("--size {text}: WIDTHxHEIGHT from 16 to 4096 pixels is expected, for example 960x720"));
     let (width, height) = text.split_once('x').ok_or_else(wrong)?;

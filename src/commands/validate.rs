@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
+use serde_json::Value;
 
 use super::dataset::jobs;
-use super::validate_set;
+use super::{validate_images, validate_set};
 use crate::asset::UsdMode;
 use crate::console::Console;
 use crate::dataset::MARKER_FILE;
+use crate::images::IMAGES_FORMAT;
 use crate::validate::{Validation, validate};
 use crate::wrong_use;
 
@@ -45,6 +47,12 @@ struct ValidateAnswer<'a> {
 }
 
 pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
+    if format_of(&args.folder).as_deref() == Some(IMAGES_FORMAT) {
+        if !args.from.is_empty() {
+            return Err(wrong_use("--from: images are made anew from what their set holds".to_owned()));
+        }
+        return validate_images::run(&args.folder, args.repair, jobs(args.jobs)?, console);
+    }
     if args.folder.join(MARKER_FILE).exists() {
         let from = (!args.from.is_empty()).then_some(args.from.as_slice());
         return validate_set::run(&args.folder, args.repair, from, jobs(args.jobs)?, console);
@@ -54,6 +62,12 @@ pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
         return Err(wrong_use(format!("--repair: {place} holds no {MARKER_FILE}; only data sets can be repaired")));
     }
     validate_asset(&args.folder, args.usd, console)
+}
+
+/// Format of the data set that a folder is.
+fn format_of(folder: &Path) -> Option<String> {
+    let marker: Value = serde_json::from_slice(&std::fs::read(folder.join(MARKER_FILE)).ok()?).ok()?;
+    Some(marker.get("format")?.as_str()?.to_owned())
 }
 
 fn validate_asset(asset: &Path, usd: UsdMode, console: &Console) -> Result<()> {

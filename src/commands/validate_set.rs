@@ -29,8 +29,13 @@ pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: u
         mend(&dataset, &found, from, jobs, console)?;
         found = look(&dataset, jobs, console)?;
     }
-    console.answer(&SetAnswer { dataset: folder, valid: found.holds(), validation: &found })?;
-    let SetValidation { pieces, checks, broken, catalogue } = &found;
+    conclude(folder, repair, &found, console)
+}
+
+/// Answers what was found at last.
+pub(super) fn conclude(folder: &Path, repair: bool, found: &SetValidation, console: &Console) -> Result<()> {
+    console.answer(&SetAnswer { dataset: folder, valid: found.holds(), validation: found })?;
+    let SetValidation { pieces, checks, broken, catalogue } = found;
     if !found.holds() {
         let counts = format!("{} of {pieces} pieces broken, {} faults in the catalogue", broken.len(), catalogue.len());
         bail!("{}: {counts}{}", folder.display(), if repair { "" } else { "; --repair makes only these anew" });
@@ -40,8 +45,17 @@ pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: u
 }
 
 fn look(dataset: &Dataset, jobs: usize, console: &Console) -> Result<SetValidation> {
-    let bar = console.bar("validate", dataset.ids()?.len() as u64);
-    let found = check(dataset, jobs, |id, faults| {
+    tell(dataset.ids()?.len(), console, |done| check(dataset, jobs, done))
+}
+
+/// Tells of each of so many pieces in which `check` finds faults.
+pub(super) fn tell(
+    pieces: usize,
+    console: &Console,
+    check: impl FnOnce(&mut dyn FnMut(&str, &[String]) -> Result<()>) -> Result<SetValidation>,
+) -> Result<SetValidation> {
+    let bar = console.bar("validate", pieces as u64);
+    let found = check(&mut |id, faults| {
         bar.inc(1);
         bar.suspend(|| faults.iter().for_each(|fault| console.step("BROKEN", format!("{id}: {fault}"))));
         Ok(())

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::row::Seen;
 use super::table::Table;
-use super::{Dataset, Failure, card, contact, croissant, record_of, remove_stale};
+use super::{Dataset, Failure, Marker, card, contact, croissant, record_of, remove_stale};
 use crate::folder::write_file;
 
 /// One line of JSON for each piece.
@@ -61,18 +61,33 @@ impl Catalogue {
         // Shards that end together describe the set one after the other.
         let _claim = dataset.claim_catalogue()?;
         let catalogue = Self::of(dataset)?;
-        for (name, bytes) in &catalogue.files {
-            remove_stale(dataset.folder(), name)?;
-            let place = dataset.folder().join(name);
-            if fs::read(&place).ok().as_ref() != Some(bytes) {
-                write_file(&place, bytes, true)?;
-            }
-        }
+        publish(dataset, &catalogue.files)?;
         Ok(catalogue)
     }
 }
 
-fn lines<'a, T: Serialize + 'a>(values: impl Iterator<Item = &'a T>) -> Result<Vec<u8>> {
+/// Writes files of a data set in place of older ones; for who holds the claim on its catalogue.
+///
+/// # Errors
+/// When a file cannot be written.
+pub(crate) fn publish<R: Marker>(dataset: &Dataset<R>, files: &BTreeMap<&'static str, Vec<u8>>) -> Result<()> {
+    for (name, bytes) in files {
+        let place = dataset.folder().join(name);
+        if let (Some(folder), Some(name)) = (place.parent().filter(|folder| folder.is_dir()), place.file_name()) {
+            remove_stale(folder, &name.to_string_lossy())?;
+        }
+        if fs::read(&place).ok().as_ref() != Some(bytes) {
+            write_file(&place, bytes, true)?;
+        }
+    }
+    Ok(())
+}
+
+/// Values as JSON, one a line.
+///
+/// # Errors
+/// Never for plain data.
+pub(crate) fn lines<'a, T: Serialize + 'a>(values: impl Iterator<Item = &'a T>) -> Result<Vec<u8>> {
     let mut text = Vec::new();
     for value in values {
         serde_json::to_writer(&mut text, value)?;

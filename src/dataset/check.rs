@@ -1,6 +1,6 @@
 //! Holding a data set against itself: every piece rehashed and rechecked, the catalogue made again and compared.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::catalogue::ROWS_FILE;
 use super::plan::{index_of, key_of, source_key};
 use super::row::Row;
-use super::{ASSETS_FOLDER, Catalogue, Dataset, FAILURES_FOLDER, MARKER_FILE, Piece, Plan, manifest_path, names};
+use super::{ASSETS_FOLDER, Catalogue, Dataset, MARKER_FILE, Marker, Piece, Plan, manifest_path, names};
 use crate::asset::{MANIFEST_FILE, Manifest, UsdMode};
 use crate::cache::find_meshes;
 use crate::claim::Patience;
@@ -109,24 +109,31 @@ fn check_piece(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
 
 /// What is wrong with the files of the set itself; those that follow from the pieces need whole pieces.
 fn check_catalogue(dataset: &Dataset, pieces_hold: bool) -> Result<Vec<String>> {
-    let mut faults = Vec::new();
-    let mut known = BTreeSet::from([MARKER_FILE, ASSETS_FOLDER, FAILURES_FOLDER].map(str::to_owned));
-    if pieces_hold {
-        match Catalogue::of(dataset) {
-            Err(error) => faults.push(format!("{error:#}")),
-            Ok(catalogue) => {
-                for (name, expected) in &catalogue.files {
-                    faults.extend(compare(name, fs::read(dataset.folder().join(name)).ok(), expected));
-                    known.insert((*name).to_owned());
-                }
-                let strange = names(dataset.folder())?.into_iter().filter(|name| !known.contains(name));
-                let strange = strange.filter(|name| !name.starts_with('.'));
-                faults.extend(strange.map(|name| format!("{name}: no part of a data set")));
-            }
-        }
-    } else {
-        faults.push("not compared with the pieces, some of which are broken".to_owned());
+    if !pieces_hold {
+        return Ok(vec!["not compared with the pieces, some of which are broken".to_owned()]);
     }
+    match Catalogue::of(dataset) {
+        Err(error) => Ok(vec![format!("{error:#}")]),
+        Ok(catalogue) => compare_files(dataset, &catalogue.files),
+    }
+}
+
+/// What differs between the files of a data set's catalogue and what they should hold, and what is no part of the set.
+///
+/// # Errors
+/// When the set's folder cannot be read.
+pub(crate) fn compare_files<R: Marker>(
+    dataset: &Dataset<R>,
+    files: &BTreeMap<&'static str, Vec<u8>>,
+) -> Result<Vec<String>> {
+    let found = |name: &str| fs::read(dataset.folder().join(name)).ok();
+    let mut faults: Vec<String> =
+        files.iter().filter_map(|(name, expected)| compare(name, found(name), expected)).collect();
+    let own = R::FOLDERS.iter().chain(files.keys()).map(|name| name.split('/').next().unwrap_or(name));
+    let known: BTreeSet<&str> = own.chain([MARKER_FILE]).collect();
+    let strange = names(dataset.folder())?.into_iter().filter(|name| !known.contains(name.as_str()));
+    let strange = strange.filter(|name| !name.starts_with('.'));
+    faults.extend(strange.map(|name| format!("{name}: no part of a data set")));
     Ok(faults)
 }
 

@@ -50,7 +50,7 @@ fn strip(dataset: &Dataset, title: &str, pieces: &[&Seen], words: impl Fn(&Seen)
 }
 
 /// Pictures one below the other, on white.
-fn stacked(strips: &[Picture]) -> Picture {
+pub(crate) fn stacked(strips: &[Picture]) -> Picture {
     let width = strips.iter().map(|strip| strip.width).max().unwrap_or(1);
     let mut sheet = Picture::filled(width, strips.iter().map(|strip| strip.height).sum(), [255; 3]);
     let mut top = 0;

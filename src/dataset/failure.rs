@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Piece, Unreadable};
-use super::{Dataset, FAILURES_FOLDER, names, remove_stale};
+use super::{Dataset, FAILURES_FOLDER, Marker, names, remove_stale};
 use crate::claim::Patience;
 use crate::folder::write_file;
 use crate::part::sha256;
@@ -20,7 +20,11 @@ pub enum Stage {
     Part,
     /// Baking, placing the weld, uniting.
     Weld,
-    /// Writing the asset.
+    /// Sanding the coating off.
+    Sand,
+    /// Drawing and labelling an image.
+    Render,
+    /// Writing what was made.
     Write,
     /// Time or memory beyond the limit.
     Limit,
@@ -34,6 +38,8 @@ impl Stage {
         match self {
             Self::Part => "part",
             Self::Weld => "weld",
+            Self::Sand => "sand",
+            Self::Render => "render",
             Self::Write => "write",
             Self::Limit => "limit",
             Self::Crash => "crash",
@@ -92,7 +98,12 @@ pub(super) fn source_id(source: &Path) -> String {
 fn command(source: &Path, index: u32, flags: &[String]) -> String {
     let words = ["robofin".to_owned(), "dataset".to_owned(), source.to_string_lossy().into_owned()];
     let more = ["--piece".to_owned(), index.to_string(), "--out".to_owned(), "again".to_owned()];
-    words.iter().chain(flags).chain(&more).map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+    command_line(words.iter().chain(flags).chain(&more))
+}
+
+/// Words as one line that a POSIX shell takes apart into them.
+pub fn command_line<'a>(words: impl Iterator<Item = &'a String>) -> String {
+    words.map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
 
 /// A word as a POSIX shell takes it.
@@ -104,7 +115,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-impl Dataset {
+impl<R: Marker> Dataset<R> {
     fn failure_path(&self, id: &str) -> PathBuf {
         self.folder().join(FAILURES_FOLDER).join(format!("{id}.json"))
     }
@@ -113,7 +124,7 @@ impl Dataset {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub(super) fn keep_failure(&self, failure: &Failure) -> Result<()> {
+    pub(crate) fn keep_failure(&self, failure: &Failure) -> Result<()> {
         let _claim = self.claim(&failure.id, Patience::Endless)?;
         remove_stale(&self.folder().join(FAILURES_FOLDER), &failure.id)?;
         let text = serde_json::to_string_pretty(failure)? + "\n";
@@ -124,7 +135,7 @@ impl Dataset {
     ///
     /// # Errors
     /// When the file system refuses.
-    pub(super) fn forget_failure(&self, id: &str) -> Result<()> {
+    pub(crate) fn forget_failure(&self, id: &str) -> Result<()> {
         let path = self.failure_path(id);
         match fs::remove_file(&path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {

@@ -15,13 +15,14 @@
 //! renaming and only under a lock of the operating system, so it is complete or it is not there.
 
 mod card;
-mod catalogue;
+pub(crate) mod catalogue;
 pub mod check;
-mod contact;
+pub(crate) mod contact;
 mod croissant;
 mod difficulty;
 mod failure;
 pub mod limits;
+mod marker;
 pub mod piece;
 pub mod plan;
 pub mod process;
@@ -43,7 +44,8 @@ use crate::part::sha256;
 use crate::wrong_use;
 
 pub use catalogue::Catalogue;
-pub use failure::{Failure, Stage};
+pub use failure::{Failure, Stage, command_line};
+pub use marker::Marker;
 pub use plan::{Piece, Plan};
 pub use recipe::{DATASET_FORMAT, Recipe};
 
@@ -56,23 +58,23 @@ pub const FAILURES_FOLDER: &str = "failures";
 /// What the data set's own files are claimed by.
 const CLAIM_FILE: &str = ".dataset.lock";
 
-/// The folder of a data set.
+/// The folder of a data set, of assets unless its marker says otherwise.
 #[derive(Clone, Debug)]
-pub struct Dataset {
+pub struct Dataset<R = Recipe> {
     folder: PathBuf,
     /// What decides its pieces.
-    pub recipe: Recipe,
+    pub recipe: R,
 }
 
-impl Dataset {
+impl<R: Marker> Dataset<R> {
     /// Starts a data set in a folder that is empty or not there, or with `resume` goes on with one of the same recipe.
     ///
     /// # Errors
     /// Wrong use when the folder holds something else, or a data set of another recipe; otherwise when the folder cannot
     /// be written.
-    pub fn start(folder: &Path, recipe: Recipe, resume: bool) -> Result<Self> {
-        if is_unused(folder) {
-            for name in [ASSETS_FOLDER, FAILURES_FOLDER] {
+    pub fn start(folder: &Path, recipe: R, resume: bool) -> Result<Self> {
+        if is_unused(folder, R::FOLDERS) {
+            for name in R::FOLDERS {
                 let place = folder.join(name);
                 fs::create_dir_all(&place).with_context(|| format!("{}: cannot make this folder", place.display()))?;
             }
@@ -109,18 +111,19 @@ impl Dataset {
     pub fn open(folder: &Path) -> Result<Self> {
         let marker = folder.join(MARKER_FILE);
         let text = fs::read_to_string(&marker).with_context(|| format!("{}: cannot be read", marker.display()))?;
-        let recipe: Recipe = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not the mark of a data set of format {DATASET_FORMAT}", marker.display()))?;
+        let recipe: R = serde_json::from_str(&text)
+            .with_context(|| format!("{}: not the mark of a data set of format {}", marker.display(), R::FORMAT))?;
         ensure!(
-            recipe.format == DATASET_FORMAT,
-            "{}: format is {:?}, {DATASET_FORMAT:?} is expected",
+            recipe.format() == R::FORMAT,
+            "{}: format is {:?}, {:?} is expected",
             marker.display(),
-            recipe.format
+            recipe.format(),
+            R::FORMAT
         );
         Ok(Self { folder: folder.to_owned(), recipe })
     }
 
-    fn held_against(self, recipe: Recipe) -> Result<Self> {
+    fn held_against(self, recipe: R) -> Result<Self> {
         match self.recipe.difference(&recipe) {
             None => Ok(self),
             Some(difference) => Err(wrong_use(format!(
@@ -135,21 +138,41 @@ impl Dataset {
         &self.folder
     }
 
-    /// Where a piece lies, or would.
-    pub fn asset_folder(&self, id: &str) -> PathBuf {
-        self.folder.join(ASSETS_FOLDER).join(id)
-    }
-
     /// The right to write a piece; `None` when another process has it and there is no patience.
     ///
     /// # Errors
     /// When the file system refuses.
     pub fn claim(&self, id: &str, patience: Patience) -> Result<Option<Claim>> {
-        Claim::take(&self.folder.join(ASSETS_FOLDER).join(format!(".{id}.lock")), patience)
+        Claim::take(&self.folder.join(R::FOLDERS[0]).join(format!(".{id}.lock")), patience)
     }
 
-    fn claim_catalogue(&self) -> Result<Option<Claim>> {
+    pub(crate) fn claim_catalogue(&self) -> Result<Option<Claim>> {
         Claim::take(&self.folder.join(CLAIM_FILE), Patience::Endless)
+    }
+
+    /// Removes what killed runs left of pieces that no one is writing.
+    ///
+    /// # Errors
+    /// When the file system refuses.
+    pub fn sweep(&self) -> Result<()> {
+        for folder in R::FOLDERS {
+            let place = self.folder.join(folder);
+            for name in names(&place)?.iter().filter(|name| name.starts_with('.')) {
+                let id = name[1..].split('.').next().unwrap_or_default();
+                // Taking and releasing the claim removes the lock file as well.
+                if let Some(_claim) = self.claim(id, Patience::None)? {
+                    remove_stale(&place, id)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Dataset {
+    /// Where a piece lies, or would.
+    pub fn asset_folder(&self, id: &str) -> PathBuf {
+        self.folder.join(ASSETS_FOLDER).join(id)
     }
 
     /// Whether a piece is there: its manifest says that it was made by this recipe, and its files have their lengths.
@@ -172,28 +195,10 @@ impl Dataset {
         let ids = names(&self.folder.join(ASSETS_FOLDER))?;
         Ok(ids.into_iter().filter(|name| !name.starts_with('.')).collect())
     }
-
-    /// Removes what killed runs left of pieces that no one is writing.
-    ///
-    /// # Errors
-    /// When the file system refuses.
-    pub fn sweep(&self) -> Result<()> {
-        for folder in [ASSETS_FOLDER, FAILURES_FOLDER] {
-            let place = self.folder.join(folder);
-            for name in names(&place)?.iter().filter(|name| name.starts_with('.')) {
-                let id = name[1..].split('.').next().unwrap_or_default();
-                // Taking and releasing the claim removes the lock file as well.
-                if let Some(_claim) = self.claim(id, Patience::None)? {
-                    remove_stale(&place, id)?;
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Names in a folder, sorted.
-fn names(folder: &Path) -> Result<Vec<String>> {
+pub(crate) fn names(folder: &Path) -> Result<Vec<String>> {
     let context = || format!("{}: cannot be read", folder.display());
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).with_context(context)? {
@@ -220,17 +225,17 @@ pub(crate) fn remove_stale(folder: &Path, stem: &str) -> Result<()> {
 }
 
 /// Whether a folder is absent, or holds at most what a run that was killed at its start leaves behind.
-fn is_unused(folder: &Path) -> bool {
+fn is_unused(folder: &Path, folders: &[&str]) -> bool {
     let Ok(entries) = fs::read_dir(folder) else { return folder.symlink_metadata().is_err() };
     entries.flatten().all(|entry| {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_empty = || fs::read_dir(entry.path()).is_ok_and(|mut entries| entries.next().is_none());
-        name.starts_with(".dataset.") || ([ASSETS_FOLDER, FAILURES_FOLDER].contains(&name.as_str()) && is_empty())
+        name.starts_with(".dataset.") || (folders.contains(&name.as_str()) && is_empty())
     })
 }
 
 /// Identity of bytes that are a file's content.
-fn record_of(bytes: &[u8]) -> FileRecord {
+pub(crate) fn record_of(bytes: &[u8]) -> FileRecord {
     FileRecord { sha256: sha256(bytes), bytes: bytes.len() as u64 }
 }
 

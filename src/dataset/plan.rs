@@ -75,7 +75,7 @@ impl Shard {
 }
 
 /// The first eight bytes of a text's SHA-256, as a number.
-pub(super) fn number_from(text: &str) -> u64 {
+pub(crate) fn number_from(text: &str) -> u64 {
     Sha256::digest(text.as_bytes()).iter().take(8).fold(0, |number, &byte| number << 8 | u64::from(byte))
 }
 

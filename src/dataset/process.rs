@@ -33,10 +33,21 @@ pub struct Answer {
 /// # Errors
 /// When no process can be started.
 pub fn make_apart(dataset: &Dataset, piece: &Piece, flags: &[String], limits: Limits) -> Result<Answer> {
+    run_apart(limits, |command| {
+        command.arg(PIECE_VERB).args(flags);
+        command.arg("--id").arg(&piece.id).arg("--out").arg(dataset.folder()).arg("--").arg(&piece.source)
+    })
+}
+
+/// Runs this program with the arguments that `words` adds, on one thread, as a process that binds itself to `limits`
+/// and says an [`Answer`].
+///
+/// # Errors
+/// When no process can be started.
+pub fn run_apart(limits: Limits, words: impl FnOnce(&mut Command) -> &mut Command) -> Result<Answer> {
     let program = std::env::current_exe().context("this program cannot be found, to start it for a piece")?;
     let mut command = Command::new(program);
-    command.args(["--threads", "1", PIECE_VERB]).args(flags);
-    command.arg("--id").arg(&piece.id).arg("--out").arg(dataset.folder()).arg("--").arg(&piece.source);
+    words(command.args(["--threads", "1"]));
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().context("no process can be started for a piece")?;
     // Held open as long as we live, which is what the child watches.

@@ -117,12 +117,15 @@ impl Summary {
             text += &format!("\na piece takes {cpu_s:.2} s of processor in the median, and at most {peak_mb:.0} MB");
         }
         if let Some(pace) = self.pieces_per_hour {
-            let whole = duration(3600.0 * KNOWN_SET / pace);
-            text += &format!(
-                "\n{pace:.0} pieces an hour with {jobs} at once; {KNOWN_SET:.0} parts, one piece each, take {whole}"
-            );
+            text += &format!("\n{pace:.0} pieces an hour with {jobs} at once");
         }
         text
+    }
+
+    /// How long a known set of parts would take at this pace, for people.
+    pub fn outlook(&self) -> Option<String> {
+        let whole = duration(3600.0 * KNOWN_SET / self.pieces_per_hour?);
+        Some(format!("{KNOWN_SET:.0} parts, one piece each, take {whole}"))
     }
 }
 

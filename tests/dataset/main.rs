@@ -6,6 +6,7 @@ mod program;
 
 mod failing;
 mod flags;
+mod images;
 mod interrupted;
 mod made;
 mod set;

@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use super::lens::Distortion;
+
 /// Vertical field of view [rad] of the cameras made here: that of a 70 mm lens on a 24 mm sensor, long enough not
 /// to distort a part.
 const VERTICAL_FIELD_OF_VIEW: f64 = 0.34;
@@ -45,6 +47,15 @@ pub struct Camera {
     pub forward: DVec3,
     /// Pinhole or parallel.
     pub projection: Projection,
+    /// Of the lens; parallel rays have none.
+    pub distortion: Distortion,
+}
+
+impl Projection {
+    /// That of a lens before a sensor, both [m]; a 70 mm lens before 24 mm is `of_lens(0.070, 0.024)`.
+    pub fn of_lens(focal_length: f64, sensor_height: f64) -> Self {
+        Self::Perspective { vertical_field_of_view: 2.0 * (0.5 * sensor_height / focal_length).atan() }
+    }
 }
 
 impl Camera {
@@ -92,7 +103,8 @@ impl Camera {
         match self.projection {
             Projection::Perspective { vertical_field_of_view } => {
                 let slope = (0.5 * vertical_field_of_view).tan();
-                let direction = self.forward + (self.right * x + self.up * y) * slope;
+                let plane = self.distortion.undistort(DVec2::new(x, -y) * slope);
+                let direction = self.forward + self.right * plane.x - self.up * plane.y;
                 Ray { origin: self.eye, direction: direction.normalize_or(self.forward) }
             }
             Projection::Orthographic { height } => {
@@ -100,6 +112,23 @@ impl Camera {
                 Ray { origin: self.eye + offset, direction: self.forward }
             }
         }
+    }
+
+    /// Where a point [m] is imaged, from the left and from the top of the image, 0 to 1 within it; `None` behind a pinhole.
+    pub fn project(&self, point: DVec3, aspect: f64) -> Option<DVec2> {
+        let away = point - self.eye;
+        let across = DVec2::new(away.dot(self.right), -away.dot(self.up));
+        let at = match self.projection {
+            Projection::Perspective { vertical_field_of_view } => {
+                let depth = self.depth(point);
+                if !(depth > 0.0) {
+                    return None;
+                }
+                self.distortion.distort(across / depth) / (0.5 * vertical_field_of_view).tan()
+            }
+            Projection::Orthographic { height } => across / (0.5 * height),
+        };
+        Some(0.5 + 0.5 * at / DVec2::new(aspect, 1.0))
     }
 
     /// Distance of a point [m] from the camera along its axis [m].
@@ -121,7 +150,14 @@ impl Camera {
         // Straight up or down, z says nothing about the image's top: y takes its place.
         let vertical = if forward.z.abs() > 1.0 - 1e-9 { DVec3::Y } else { DVec3::Z };
         let right = forward.cross(vertical).normalize_or(DVec3::X);
-        Self { eye: DVec3::ZERO, right, up: right.cross(forward), forward, projection }
+        Self {
+            eye: DVec3::ZERO,
+            right,
+            up: right.cross(forward),
+            forward,
+            projection,
+            distortion: Distortion::default(),
+        }
     }
 }
 
@@ -190,6 +226,23 @@ mod tests {
         assert!((ray.direction - (target - eye).normalize()).length() < 1e-15);
         let top = camera.ray(DVec2::new(0.5, 0.0), 1.5);
         assert!((top.origin.distance(eye) - 0.05).abs() < 1e-15 && top.origin.z > eye.z);
+    }
+
+    #[test]
+    fn points_are_imaged_where_their_rays_leave() {
+        let distortion = Distortion { radial: [-0.3, 0.1, 0.0], tangential: [0.002, -0.001] };
+        let (eye, target) = (DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.01, 0.02, 0.03));
+        for projection in [Projection::of_lens(0.035, 0.024), Projection::Orthographic { height: 0.2 }] {
+            let camera = Camera { distortion, ..Camera::look_at(eye, target, projection) };
+            for i in 0..25 {
+                let at = DVec2::new(f64::from(i % 5), f64::from(i / 5)) / 4.0;
+                let ray = camera.ray(at, 1.5);
+                let back = camera.project(ray.origin + ray.direction * 0.37, 1.5).unwrap();
+                assert!(back.distance(at) < 1e-9, "{back} for {at}");
+            }
+            let behind = camera.project(eye - camera.forward, 1.5);
+            assert_eq!(behind.is_none(), matches!(projection, Projection::Perspective { .. }));
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@ use glam::DVec3;
 use sdf_bake::BrickGrid;
 
 use super::camera::{Ray, outward};
-use super::trace::{Hit, trace};
+use super::field::Field;
+use super::trace::Hit;
 
 /// Elevations that are tried [rad], the most natural first: it wins a tie.
 const ELEVATIONS: [f64; 6] = [0.65, 0.95, 0.35, 1.35, -0.5, -1.2];
@@ -34,6 +35,7 @@ pub fn clearest_of(
     reach: f64,
     directions: impl IntoIterator<Item = DVec3>,
 ) -> DVec3 {
+    let field = Field::new(grid);
     let size = (grid.dims * sdf_bake::grid::BRICK_SIDE as i32).as_dvec3() * grid.voxel;
     let stride = points.len().div_ceil(MOST_POINTS).max(1);
     let seen = |direction: DVec3| -> f64 {
@@ -41,7 +43,7 @@ pub fn clearest_of(
             let ray = Ray { origin: *point + direction * size.length(), direction: -direction };
             let facing = |normal: glam::Vec3| (normal.as_dvec3().dot(direction) / ENOUGH_FACING).clamp(0.0, 1.0);
             let is_weld = |hit: &Hit| grid.label.is_empty() || grid.label(hit.point) != 0;
-            let hit = trace(grid, &ray).filter(|hit| hit.point.distance(*point) <= reach && is_weld(hit));
+            let hit = field.trace(&ray).filter(|hit| hit.point.distance(*point) <= reach && is_weld(hit));
             hit.map_or(0.0, |hit| facing(hit.normal))
         };
         points.iter().step_by(stride).map(from_there).sum::<f64>()

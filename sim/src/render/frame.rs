@@ -4,6 +4,19 @@ use glam::Vec3;
 
 use super::colour::to_srgb8;
 
+/// What a pixel shows: the visibility mask.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Seen {
+    /// The room behind the scene.
+    #[default]
+    Background = 0,
+    /// The part.
+    Part = 1,
+    /// The table that the part stands on.
+    Table = 2,
+}
+
 /// Float buffers of one view, row by row from the top left, shape `[height, width]` each.
 ///
 /// Colour is the mean over a pixel; the others belong to the ray through the pixel's centre.
@@ -17,19 +30,41 @@ pub struct Frame {
     pub colour: Vec<Vec3>,
     /// Distance along the camera's axis [m]; infinite for background.
     pub depth: Vec<f32>,
-    /// Outward unit normal in the part's frame; zero for background.
+    /// Outward unit normal in the part's frame, without the tilt of grinding marks; zero for background.
     pub normal: Vec<Vec3>,
     /// Point on the surface in the part's frame [m]; zero for background.
     pub position: Vec<Vec3>,
     /// Weld id; 0 for base metal and background.
     pub weld: Vec<u16>,
+    /// Coating dose D, 1 where the coating is gone; 0 for background.
+    pub dose: Vec<f32>,
     /// Removed depth [m]; 0 where nothing was removed and for background.
     pub removed: Vec<f32>,
+    /// Whether the pixel's centre shows the part.
+    pub seen: Vec<Seen>,
     /// Removed depth that has the colour map's last colour [m], if removed depth was drawn.
     pub removed_full_scale: Option<f64>,
 }
 
 impl Frame {
+    /// A frame in which nothing is seen.
+    pub fn empty(width: usize, height: usize) -> Self {
+        let pixels = width * height;
+        Self {
+            width,
+            height,
+            colour: vec![Vec3::ZERO; pixels],
+            depth: vec![f32::INFINITY; pixels],
+            normal: vec![Vec3::ZERO; pixels],
+            position: vec![Vec3::ZERO; pixels],
+            weld: vec![0; pixels],
+            dose: vec![0.0; pixels],
+            removed: vec![0.0; pixels],
+            seen: vec![Seen::Background; pixels],
+            removed_full_scale: None,
+        }
+    }
+
     /// The colour as an eight-bit sRGB picture.
     pub fn to_srgb8(&self) -> Picture {
         let rgb = self.colour.iter().flat_map(|&colour| to_srgb8(colour)).collect();

@@ -1,20 +1,19 @@
 //! How deep the metal was that is gone from a visible point, and the scale on which it is drawn.
 
 use glam::{DVec3, Vec3};
-use sdf_bake::BrickGrid;
 
 use super::camera::Ray;
-use super::trace::leaving_distance;
+use super::field::Field;
 
 /// Removed depths below this part of a voxel are rounding of the fields.
 pub const REMOVED_RESOLUTION: f64 = 0.01;
 
 /// Depth [m] removed at a point of the surface that is left: the distance t > 0 along its unit normal to the surface
 /// that was, φ_before(x + t n) = 0. Zero where nothing was removed; it may be many bands.
-pub fn removed_depth(before: &BrickGrid, point: DVec3, normal: Vec3) -> f64 {
+pub fn removed_depth(before: &Field, point: DVec3, normal: Vec3) -> f64 {
     let direction = normal.as_dvec3().normalize_or_zero();
-    let depth = leaving_distance(before, &Ray { origin: point, direction });
-    if depth > REMOVED_RESOLUTION * before.voxel { depth } else { 0.0 }
+    let depth = before.leaving_distance(&Ray { origin: point, direction });
+    if depth > REMOVED_RESOLUTION * before.grid.voxel { depth } else { 0.0 }
 }
 
 /// The smallest of 1, 2, 3, 5 or 8 times a power of ten that is not below `value`; 1 for a value that is not above zero.
@@ -30,6 +29,8 @@ pub fn round_full_scale(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use sdf_bake::BrickGrid;
+
     use super::*;
 
     #[test]
@@ -41,10 +42,10 @@ mod tests {
             for shift in [0.0, 0.00002, 0.0004, 0.0031, 0.0071] {
                 let before = plane(0.004, tilt);
                 let point = tilt * (0.004 - shift) + DVec3::new(0.0003, 0.0007, 0.0).reject_from(tilt);
-                let depth = removed_depth(&before, point, tilt.as_vec3());
+                let depth = removed_depth(&Field::new(&before), point, tilt.as_vec3());
                 assert!((depth - shift).abs() < 1e-6, "{depth} for {shift} along {tilt}");
             }
-            let added = removed_depth(&plane(0.004, tilt), tilt * 0.0045, tilt.as_vec3());
+            let added = removed_depth(&Field::new(&plane(0.004, tilt)), tilt * 0.0045, tilt.as_vec3());
             assert_eq!(added, 0.0, "metal that was added is not removed");
         }
     }

@@ -4,11 +4,10 @@
 //! arguments.
 
 use glam::Vec3;
-use sdf_bake::BrickGrid;
 
 use super::camera::{Camera, Ray};
+use super::field::Field;
 use super::surface::Surface;
-use super::trace::light_share;
 
 /// Albedo and reflectance at normal incidence, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,10 +57,10 @@ impl Studio {
     }
 
     /// Light that a finish sends to the camera, linear RGB.
-    pub(crate) fn shade(&self, grid: &BrickGrid, surface: &Surface, finish: &Finish) -> Vec3 {
+    pub(crate) fn shade(&self, field: &Field, surface: &Surface, finish: &Finish) -> Vec3 {
         let n = facing(surface.normal, surface.view);
-        let open = ambient_occlusion(grid, surface);
-        let lit = self.key_share(grid, surface);
+        let open = ambient_occlusion(field, surface);
+        let lit = self.key_share(field, surface);
         let sky = self.sky(n) * open;
         let diffuse = (KEY * lit * n.dot(self.key).max(0.0) + FILL * n.dot(self.fill).max(0.0) * open + sky) * 0.62;
         let reflected = reflect(surface.view, n);
@@ -72,20 +71,14 @@ impl Studio {
     }
 
     /// Mild shading for a colour that carries a number: form shows, the number stays readable.
-    pub(crate) fn shade_mapped(&self, grid: &BrickGrid, surface: &Surface, colour: Vec3) -> Vec3 {
+    pub(crate) fn shade_mapped(&self, field: &Field, surface: &Surface, colour: Vec3) -> Vec3 {
         let n = facing(surface.normal, surface.view);
         let light = 0.5 + 0.5 * n.dot(self.key).max(0.0);
-        colour * light.mul_add(0.35, 0.68) * (0.75 + 0.25 * ambient_occlusion(grid, surface))
+        colour * light.mul_add(0.35, 0.68) * (0.75 + 0.25 * ambient_occlusion(field, surface))
     }
 
-    fn key_share(&self, grid: &BrickGrid, surface: &Surface) -> f32 {
-        if surface.normal.dot(self.key) <= 0.0 {
-            return 0.0;
-        }
-        let lift = surface.normal.as_dvec3() * (SHADOW_START * grid.voxel);
-        let ray =
-            Ray { origin: surface.position.as_dvec3() + lift, direction: self.key.as_dvec3().normalize_or_zero() };
-        light_share(grid, &ray, KEY_SPREAD)
+    fn key_share(&self, field: &Field, surface: &Surface) -> f32 {
+        light_share(field, surface, self.key, KEY_SPREAD)
     }
 
     /// Diffuse light from above and from the floor.
@@ -102,9 +95,20 @@ impl Studio {
     }
 }
 
+/// Share of a light in a unit direction that reaches a surface, 0 to 1; `spread` is the tangent of its half angle.
+pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, spread: f32) -> f32 {
+    if surface.normal.dot(towards) <= 0.0 {
+        return 0.0;
+    }
+    let lift = surface.normal.as_dvec3() * (SHADOW_START * field.grid.voxel);
+    let direction = towards.as_dvec3().normalize_or_zero();
+    field.light_share(&Ray { origin: surface.position.as_dvec3() + lift, direction }, spread)
+}
+
 /// Share of open space just above a point, 0 to 1: φ along the normal against the distance gone (Evans 2006), within
 /// the band, beyond which φ is truncated.
-fn ambient_occlusion(grid: &BrickGrid, surface: &Surface) -> f32 {
+pub(crate) fn ambient_occlusion(field: &Field, surface: &Surface) -> f32 {
+    let grid = field.grid;
     const STEPS: [f32; 3] = [0.3, 0.6, 0.95];
     let point = surface.position.as_dvec3();
     let normal = surface.normal.as_dvec3();
@@ -117,7 +121,7 @@ fn ambient_occlusion(grid: &BrickGrid, surface: &Surface) -> f32 {
 }
 
 /// The normal, turned just enough to face the camera: blended normals tip over at silhouettes.
-fn facing(normal: Vec3, view: Vec3) -> Vec3 {
+pub(crate) fn facing(normal: Vec3, view: Vec3) -> Vec3 {
     let away = normal.dot(view);
     if away > 0.0 { (normal - view * away).normalize_or(-view) } else { normal }
 }

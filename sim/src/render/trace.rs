@@ -1,13 +1,16 @@
-//! Sphere tracing (Hart 1996) through the bricks, with the surface solved exactly in its trilinear cell.
+//! Where a ray meets the surface, solved exactly in its trilinear cell, and how much of a light reaches a point, by
+//! sphere tracing (Hart 1996).
 
 use glam::{DVec3, Vec3};
-use sdf_bake::BrickGrid;
 
 use super::camera::Ray;
-use super::walk::{Sense, Walk};
+use super::field::Field;
+use super::walk::Walk;
 
 /// Part of the band over which a penumbra is drawn; beyond it φ is truncated and says nothing.
 const PENUMBRA_BAND: f32 = 0.9;
+/// Least step towards a light [voxels]: what throws no shadow is thinner than this.
+const LEAST_STEP: f32 = 0.5;
 
 /// Where a ray meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,34 +23,49 @@ pub struct Hit {
     pub normal: Vec3,
 }
 
-/// First point at which a ray enters the metal, or `None` if it misses.
-///
-/// A ray that starts in the metal, or enters the indexed box in it, meets it right there.
-pub fn trace(grid: &BrickGrid, ray: &Ray) -> Option<Hit> {
-    let distance = first_crossing(grid, ray, Sense::Entering)?;
-    let point = ray.origin + ray.direction * distance;
-    let normal = smooth_normal(grid, point).unwrap_or(-ray.direction.as_vec3());
-    Some(Hit { distance, point, normal })
+impl Field<'_> {
+    /// First point at which a ray enters the metal, or `None` if it misses.
+    ///
+    /// A ray that starts in the metal, or enters the indexed box in it, meets it right there.
+    pub fn trace(&self, ray: &Ray) -> Option<Hit> {
+        let distance = first_crossing(Walk::entering(self, ray)?)?;
+        let point = ray.origin + ray.direction * distance;
+        let normal = self.normal(point).unwrap_or(-ray.direction.as_vec3());
+        Some(Hit { distance, point, normal })
+    }
+
+    /// Distance [m] from a ray's start in the metal to where it leaves it; zero for a ray that starts outside.
+    ///
+    /// Metal that reaches the border of the indexed box ends there.
+    pub(crate) fn leaving_distance(&self, ray: &Ray) -> f64 {
+        let Some(walk) = Walk::leaving(self, ray) else { return 0.0 };
+        let end = walk.end();
+        first_crossing(walk).unwrap_or(end)
+    }
+
+    /// Share of a light that reaches the start of a ray towards it, 0 to 1.
+    ///
+    /// `spread` is the tangent of the light's half angle. The share is the least clearance along the ray against the
+    /// radius of the light's cone there (after Quilez 2010), the cone capped at the band.
+    pub(crate) fn light_share(&self, ray: &Ray, spread: f32) -> f32 {
+        let Some(mut walk) = Walk::towards_light(self, ray) else {
+            return 1.0;
+        };
+        let mut share = 1f32;
+        while let Some((clearance, distance)) = walk.next_clearance(LEAST_STEP) {
+            if clearance <= 0.0 {
+                return 0.0;
+            }
+            let cone = (spread * distance).min(PENUMBRA_BAND * self.grid.band);
+            if clearance < share * cone {
+                share = clearance / cone;
+            }
+        }
+        share
+    }
 }
 
-/// Outward unit normal from differences two voxels wide, or `None` where φ is flat. They equal the voxels' central
-/// differences interpolated trilinearly, so unlike narrower ones they do not jump or kink from cell to cell.
-fn smooth_normal(grid: &BrickGrid, point: DVec3) -> Option<Vec3> {
-    let along = |axis: DVec3| grid.sample(point + axis * grid.voxel) - grid.sample(point - axis * grid.voxel);
-    Vec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z)).try_normalize()
-}
-
-/// Distance [m] from a ray's start in the metal to where it leaves it; zero for a ray that starts outside.
-///
-/// Metal that reaches the border of the indexed box ends there.
-pub(crate) fn leaving_distance(grid: &BrickGrid, ray: &Ray) -> f64 {
-    first_crossing(grid, ray, Sense::Leaving)
-        .or_else(|| Walk::new(grid, ray, Sense::Leaving).map(|walk| walk.end()))
-        .unwrap_or(0.0)
-}
-
-fn first_crossing(grid: &BrickGrid, ray: &Ray, sense: Sense) -> Option<f64> {
-    let mut walk = Walk::new(grid, ray, sense)?;
+fn first_crossing(mut walk: Walk) -> Option<f64> {
     while let Some(cell) = walk.next_cell() {
         if let Some(distance) = walk.crossing_in(&cell) {
             return Some(distance);
@@ -57,30 +75,10 @@ fn first_crossing(grid: &BrickGrid, ray: &Ray, sense: Sense) -> Option<f64> {
     None
 }
 
-/// Share of a light that reaches the start of a ray towards it, 0 to 1.
-///
-/// `spread` is the tangent of the light's half angle. The share is the least clearance along the ray against the
-/// radius of the light's cone there (after Quilez 2010), the cone capped at the band.
-pub(crate) fn light_share(grid: &BrickGrid, ray: &Ray, spread: f32) -> f32 {
-    let Some(mut walk) = Walk::new(grid, ray, Sense::Entering) else {
-        return 1.0;
-    };
-    let mut share = 1f32;
-    while let Some(cell) = walk.next_cell() {
-        if walk.crossing_in(&cell).is_some() {
-            return 0.0;
-        }
-        let cone = (spread * walk.distance() as f32).min(PENUMBRA_BAND * grid.band);
-        if cell.phi() < share * cone {
-            share = cell.phi() / cone;
-        }
-        walk.pass(&cell);
-    }
-    share.max(0.0)
-}
-
 #[cfg(test)]
 mod tests {
+    use sdf_bake::BrickGrid;
+
     use super::*;
 
     const VOXEL: f64 = 0.0005;
@@ -108,11 +106,12 @@ mod tests {
     #[test]
     fn a_ball_is_met_where_the_closed_form_says() {
         let grid = ball();
+        let field = Field::new(&grid);
         for i in 0..400 {
             let angle = f64::from(i) * 2.399963;
             let radius = 0.0099 * (f64::from(i) / 400.0).sqrt();
             let (x, y) = (radius * angle.cos(), radius * angle.sin());
-            let hit = trace(&grid, &ray([x, y, 0.3], [0.0, 0.0, -1.0])).unwrap();
+            let hit = field.trace(&ray([x, y, 0.3], [0.0, 0.0, -1.0])).unwrap();
             let exact = (0.01f64.powi(2) - radius * radius).sqrt();
             let facing = exact / 0.01;
             assert!((hit.point.z - exact).abs() * facing < 0.05 * VOXEL, "at radius {radius}: {}", hit.point.z);
@@ -123,14 +122,15 @@ mod tests {
     #[test]
     fn rays_along_every_axis_meet_the_ball_and_beside_it_miss() {
         let grid = ball();
+        let field = Field::new(&grid);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
             for sign in [-1.0, 1.0] {
                 let origin = axis * (-0.5 * sign);
-                let hit = trace(&grid, &Ray { origin, direction: axis * sign }).unwrap();
+                let hit = field.trace(&Ray { origin, direction: axis * sign }).unwrap();
                 assert!((hit.distance - 0.49).abs() < 0.05 * VOXEL, "{}", hit.distance);
                 let beside = origin + axis.any_orthonormal_vector() * 0.0101;
-                assert_eq!(trace(&grid, &Ray { origin: beside, direction: axis * sign }), None);
-                assert_eq!(trace(&grid, &Ray { origin, direction: axis * -sign }), None, "behind the ray");
+                assert_eq!(field.trace(&Ray { origin: beside, direction: axis * sign }), None);
+                assert_eq!(field.trace(&Ray { origin, direction: axis * -sign }), None, "behind the ray");
             }
         }
     }
@@ -138,30 +138,33 @@ mod tests {
     #[test]
     fn a_ray_may_start_in_the_box_or_in_the_metal() {
         let grid = ball();
-        let hit = trace(&grid, &ray([0.0, 0.0, 0.0112], [0.0, 0.0, -1.0])).unwrap();
+        let field = Field::new(&grid);
+        let hit = field.trace(&ray([0.0, 0.0, 0.0112], [0.0, 0.0, -1.0])).unwrap();
         assert!((hit.distance - 0.0012).abs() < 0.05 * VOXEL, "{}", hit.distance);
-        assert_eq!(trace(&grid, &ray([0.0, 0.0, 0.0112], [0.0, 0.0, 1.0])), None);
+        assert_eq!(field.trace(&ray([0.0, 0.0, 0.0112], [0.0, 0.0, 1.0])), None);
         for start in [[0.0; 3], [0.0, 0.0, 0.0098]] {
-            assert_eq!(trace(&grid, &ray(start, [1.0, 1.0, 1.0])).unwrap().distance, 0.0);
+            assert_eq!(field.trace(&ray(start, [1.0, 1.0, 1.0])).unwrap().distance, 0.0);
         }
     }
 
     #[test]
     fn a_broken_ray_misses() {
         let grid = ball();
-        assert_eq!(trace(&grid, &Ray { origin: DVec3::NAN, direction: DVec3::Z }), None);
-        assert_eq!(trace(&grid, &Ray { origin: DVec3::ZERO, direction: DVec3::NAN }), None);
-        assert_eq!(trace(&grid, &Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }), None);
+        let field = Field::new(&grid);
+        assert_eq!(field.trace(&Ray { origin: DVec3::NAN, direction: DVec3::Z }), None);
+        assert_eq!(field.trace(&Ray { origin: DVec3::ZERO, direction: DVec3::NAN }), None);
+        assert_eq!(field.trace(&Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }), None);
     }
 
     #[test]
     fn a_thin_plate_has_no_holes_seen_face_on_at_a_slant_or_edge_on() {
         for offset in [0.0, 0.13, 0.37, 0.5, 0.81].map(|part| part * VOXEL) {
             let grid = plate(offset);
+            let field = Field::new(&grid);
             for i in 0..60 {
                 let x = -0.0195 + 0.039 * f64::from(i) / 59.0;
                 for z in [-1.3, -0.7, 0.0, 0.6, 1.3].map(|part| part * VOXEL + offset) {
-                    let edge = trace(&grid, &ray([x, -0.2, z], [0.0, 1.0, 0.0])).expect("edge-on");
+                    let edge = field.trace(&ray([x, -0.2, z], [0.0, 1.0, 0.0])).expect("edge-on");
                     // Trilinear cells round the plate's edges by up to half a voxel.
                     assert!((edge.point.y + 0.015).abs() < 0.5 * VOXEL, "{}", edge.point);
                 }
@@ -171,7 +174,7 @@ mod tests {
                         let target = DVec3::new(x, y, offset + 1.5 * VOXEL);
                         let direction = DVec3::new(0.3 * tilt, tilt, -1.0).normalize();
                         let origin = target - direction * 0.3;
-                        assert!(trace(&grid, &Ray { origin, direction }).is_some(), "({x}, {y}) tilt {tilt}");
+                        assert!(field.trace(&Ray { origin, direction }).is_some(), "({x}, {y}) tilt {tilt}");
                     }
                 }
             }
@@ -181,17 +184,19 @@ mod tests {
     #[test]
     fn shadow_is_full_behind_the_ball_and_none_beside_it() {
         let grid = ball();
-        assert_eq!(light_share(&grid, &ray([0.0, 0.0, -0.1], [0.0, 0.0, 1.0]), 0.1), 0.0);
-        assert_eq!(light_share(&grid, &ray([0.0, 0.013, -0.1], [0.0, 0.0, 1.0]), 0.1), 1.0);
-        let penumbra = light_share(&grid, &ray([0.0, 0.0106, -0.1], [0.0, 0.0, 1.0]), 0.1);
+        let field = Field::new(&grid);
+        assert_eq!(field.light_share(&ray([0.0, 0.0, -0.1], [0.0, 0.0, 1.0]), 0.1), 0.0);
+        assert_eq!(field.light_share(&ray([0.0, 0.013, -0.1], [0.0, 0.0, 1.0]), 0.1), 1.0);
+        let penumbra = field.light_share(&ray([0.0, 0.0106, -0.1], [0.0, 0.0, 1.0]), 0.1);
         assert!(penumbra > 0.2 && penumbra < 0.8, "{penumbra}");
     }
 
     #[test]
     fn a_ray_leaves_the_ball_at_its_far_side() {
         let grid = ball();
-        let out = leaving_distance(&grid, &ray([0.0, 0.0, -0.002], [0.0, 1.0, 0.0]));
+        let field = Field::new(&grid);
+        let out = field.leaving_distance(&ray([0.0, 0.0, -0.002], [0.0, 1.0, 0.0]));
         assert!((out - (0.01f64.powi(2) - 0.002f64.powi(2)).sqrt()).abs() < 0.05 * VOXEL, "{out}");
-        assert_eq!(leaving_distance(&grid, &ray([0.0, 0.0, 0.0104], [0.0, 0.0, 1.0])), 0.0);
+        assert_eq!(field.leaving_distance(&ray([0.0, 0.0, 0.0104], [0.0, 0.0, 1.0])), 0.0);
     }
 }

@@ -1,4 +1,5 @@
-//! One view of a grid: geometry, light and the mean over each pixel.
+//! A drawing of a grid, to be read like a technical drawing: geometry, light from beside the camera, drawn edges and the
+//! mean over each pixel. A [`Scene`](super::Scene) is photographed instead.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -7,15 +8,15 @@ use sdf_bake::BrickGrid;
 use super::camera::Camera;
 use super::colour_map::colour_map;
 use super::edges::edge_factor;
-use super::frame::Frame;
+use super::field::Field;
+use super::frame::{Frame, Seen};
+use super::material::WELD_BORDER;
 use super::removed::round_full_scale;
 use super::shade::{BASE_STEEL, Finish, Studio, UNTOUCHED, WELD_METAL, smooth_step};
 use super::surface::{Surface, Surfaces, see};
 
 /// Background at the top and at the bottom of the image, linear RGB.
 const BACKGROUND: (Vec3, Vec3) = (Vec3::new(0.98, 0.98, 0.985), Vec3::new(0.80, 0.82, 0.84));
-/// Share of weld metal over which its tint sets in.
-const WELD_BORDER: (f32, f32) = (0.35, 0.65);
 
 /// Size and appearance of a rendering.
 #[derive(Clone, Copy, Debug)]
@@ -45,36 +46,38 @@ impl Default for View<'_> {
     }
 }
 
-/// Renders a grid; rows in parallel.
+/// Draws a grid; rows in parallel.
 pub fn render(grid: &BrickGrid, camera: &Camera, view: &View) -> Frame {
-    let before = view.removed.map(|removed| removed.before);
-    let centres = see(grid, before, camera, (view.width, view.height));
+    let field = Field::new(grid);
+    let before = view.removed.map(|removed| Field::new(removed.before));
+    let before = before.as_ref();
+    let centres = see(&field, before, camera, (view.width, view.height));
     let deepest = centres.samples.iter().flatten().fold(0f32, |most, s| most.max(s.removed));
     let full_scale = view.removed.map(|r| r.full_scale.unwrap_or_else(|| round_full_scale(f64::from(deepest))));
     let side = view.samples_per_side.max(1);
-    let light = Light { grid, camera, studio: Studio::new(camera), full_scale };
+    let light = Light { field: &field, camera, studio: Studio::new(camera), full_scale };
     let colour = if side == 1 {
         light.samples(&centres)
     } else {
-        let fine = see(grid, before, camera, (side * view.width, side * view.height));
+        let fine = see(&field, before, camera, (side * view.width, side * view.height));
         mean_of_squares(&light.samples(&fine), fine.width, side)
     };
-    let buffer = |of: fn(&Surface) -> Vec3| centres.samples.iter().map(|s| s.as_ref().map_or(Vec3::ZERO, of)).collect();
-    Frame {
-        width: view.width,
-        height: view.height,
-        colour,
-        depth: centres.samples.iter().map(|s| s.map_or(f32::INFINITY, |s| s.depth)).collect(),
-        normal: buffer(|s| s.normal),
-        position: buffer(|s| s.position),
-        weld: centres.samples.iter().map(|s| s.map_or(0, |s| s.weld)).collect(),
-        removed: centres.samples.iter().map(|s| s.map_or(0.0, |s| s.removed)).collect(),
-        removed_full_scale: full_scale,
+    let mut frame = Frame { colour, removed_full_scale: full_scale, ..Frame::empty(view.width, view.height) };
+    for (pixel, surface) in centres.samples.iter().enumerate() {
+        let Some(surface) = surface else { continue };
+        frame.depth[pixel] = surface.depth;
+        frame.normal[pixel] = surface.normal;
+        frame.position[pixel] = surface.position;
+        frame.weld[pixel] = surface.weld;
+        frame.dose[pixel] = surface.dose;
+        frame.removed[pixel] = surface.removed;
+        frame.seen[pixel] = Seen::Part;
     }
+    frame
 }
 
 struct Light<'a> {
-    grid: &'a BrickGrid,
+    field: &'a Field<'a>,
     camera: &'a Camera,
     studio: Studio,
     full_scale: Option<f64>,
@@ -100,16 +103,16 @@ impl Light<'_> {
         match self.full_scale {
             Some(full) if surface.removed > 0.0 => {
                 let colour = colour_map((f64::from(surface.removed) / full) as f32);
-                self.studio.shade_mapped(self.grid, surface, colour)
+                self.studio.shade_mapped(self.field, surface, colour)
             }
-            Some(_) => self.studio.shade(self.grid, surface, &UNTOUCHED),
+            Some(_) => self.studio.shade(self.field, surface, &UNTOUCHED),
             None => {
                 let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, surface.weld_share);
                 let finish = Finish {
                     diffuse: BASE_STEEL.diffuse.lerp(WELD_METAL.diffuse, weld),
                     mirror: BASE_STEEL.mirror.lerp(WELD_METAL.mirror, weld),
                 };
-                self.studio.shade(self.grid, surface, &finish)
+                self.studio.shade(self.field, surface, &finish)
             }
         }
     }

@@ -1,20 +1,21 @@
-//! The way of a ray through the bricks: empty bricks in one stride, then cells of eight voxels.
+//! The way of a ray through the bricks, in strides as long as nothing can be met.
 //!
 //! ```text
-//!   outside │ outside │ band brick │ ...      a brick without a slot is crossed in one step,
-//!   ────────┼─────────┼─┬─┬─┬─┬──  │          within the band the ray advances by φ or by one cell,
-//!           │         │ · · ·│surface         whichever is longer, so no cell that holds the surface is passed
+//!   outside │ outside │ brick with metal   a brick without a voxel in the metal is crossed in one stride, within others
+//!   ────────┼─────────┼───┬─┬┬┬──  │       a cube of 4³ or 2³ cells without one; the cells that are left
+//!           │         │     surface        are looked into one by one, so no cell that holds the surface is passed
 //! ```
 //!
-//! Lengths here are in voxels, from the lowest voxel of the index, in f32: the ray starts where it enters the indexed
-//! box, which keeps f32 to about 10⁻³ voxel in a grid of 10⁴ voxels.
+//! Lengths here are in voxels, from the lowest voxel of the index, in f32: the ray starts where it enters the box, which
+//! keeps f32 to about 10⁻³ voxel in a grid of 10⁴ voxels. Twin of `walk.wgsl`.
 
 use glam::{BVec3, IVec3, Vec3};
-use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_SIDE, INSIDE, OUTSIDE, trilinear};
 
 use super::camera::Ray;
 use super::cubic::first_root;
+use super::field::Field;
+use super::occupancy::Blocks;
 
 /// Cells to bricks by shifting.
 const BRICK_SHIFT: i32 = BRICK_SIDE.trailing_zeros() as i32;
@@ -22,10 +23,6 @@ const BRICK_SHIFT: i32 = BRICK_SIDE.trailing_zeros() as i32;
 /// Nudge across a border [voxels], and what rounding adds for each voxel of the grid's extent.
 const NUDGE: f32 = 1e-4;
 const NUDGE_PER_VOXEL: f32 = 4e-7;
-
-/// Largest distance by which the zero of the interpolated φ may be nearer than interpolated φ says [voxels]: a
-/// corner's distance is off by at most its distance from the point, √3/2 on average at worst, and so is the surface.
-const INTERPOLATION_REACH: f32 = 1.732_050_8;
 
 /// Which way through the surface a ray looks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +52,9 @@ impl Sense {
 
 /// A ray under way through a grid.
 pub(crate) struct Walk<'a> {
-    grid: &'a BrickGrid,
+    field: &'a Field<'a>,
+    /// Blocks that must be looked into.
+    blocks: &'a [Blocks],
     sense: Sense,
     low: IVec3,
     origin: Vec3,
@@ -68,7 +67,7 @@ pub(crate) struct Walk<'a> {
     entry: f64,
     /// Where the ray is, from `origin` [voxels].
     t: f32,
-    /// Where it leaves the indexed box [voxels].
+    /// Where it leaves the box [voxels].
     end: f32,
 }
 
@@ -84,20 +83,35 @@ pub(crate) struct Cell {
 }
 
 impl<'a> Walk<'a> {
-    /// Starts a walk, or `None` for a ray that misses the indexed box.
-    pub(crate) fn new(grid: &'a BrickGrid, ray: &Ray, sense: Sense) -> Option<Self> {
+    /// Starts a walk in the box that holds all metal, or `None` for a ray that misses it.
+    pub(crate) fn entering(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
+        Self::new(field, ray, Sense::Entering, field.metal_box)
+    }
+
+    /// Starts a walk that looks for the way out of the metal, in the whole indexed box.
+    pub(crate) fn leaving(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
+        Self::new(field, ray, Sense::Leaving, (Vec3::ZERO, indexed_size(field)))
+    }
+
+    /// Starts a walk towards a light through the whole indexed box.
+    pub(crate) fn towards_light(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
+        Self::new(field, ray, Sense::Entering, (Vec3::ZERO, indexed_size(field)))
+    }
+
+    fn new(field: &'a Field<'a>, ray: &Ray, sense: Sense, (least, most): (Vec3, Vec3)) -> Option<Self> {
+        let grid = field.grid;
         let low = grid.origin * BRICK_SIDE as i32;
-        let size = (grid.dims * BRICK_SIDE as i32).as_dvec3();
         let start = ray.origin / grid.voxel - low.as_dvec3();
         let (mut enter, mut leave) = (0f64, f64::INFINITY);
         for axis in 0..3 {
             let (p, d) = (start[axis], ray.direction[axis]);
+            let (least, most) = (f64::from(least[axis]), f64::from(most[axis]));
             if d == 0.0 {
-                if !(p >= 0.0 && p <= size[axis]) {
+                if !(p >= least && p <= most) {
                     return None;
                 }
             } else {
-                let (a, b) = (-p / d, (size[axis] - p) / d);
+                let (a, b) = ((least - p) / d, (most - p) / d);
                 enter = enter.max(a.min(b));
                 leave = leave.min(a.max(b));
             }
@@ -107,14 +121,15 @@ impl<'a> Walk<'a> {
         }
         let direction = ray.direction.as_vec3();
         Some(Self {
-            grid,
+            field,
+            blocks: if sense == Sense::Entering { &field.metal } else { &field.air },
             sense,
             low,
             origin: (start + ray.direction * enter).as_vec3(),
             direction,
             inverse: direction.recip(),
             backward: direction.cmplt(Vec3::ZERO),
-            nudge: NUDGE + NUDGE_PER_VOXEL * size.max_element() as f32,
+            nudge: NUDGE + NUDGE_PER_VOXEL * indexed_size(field).max_element(),
             entry: enter * grid.voxel,
             t: 0.0,
             end: (leave - enter) as f32,
@@ -123,30 +138,69 @@ impl<'a> Walk<'a> {
 
     /// Distance from the ray's start to where the walk is [m].
     pub(crate) fn distance(&self) -> f64 {
-        self.entry + f64::from(self.t) * self.grid.voxel
+        self.entry + f64::from(self.t) * self.field.grid.voxel
     }
 
-    /// Distance from the ray's start to the far side of the indexed box [m].
+    /// Distance from the ray's start to the far side of the box [m].
     pub(crate) fn end(&self) -> f64 {
-        self.entry + f64::from(self.end) * self.grid.voxel
+        self.entry + f64::from(self.end) * self.field.grid.voxel
     }
 
-    /// The next cell that is not in an empty brick; the walk stands at its entry.
+    /// The next cell in which the surface can be; the walk stands at its entry.
     pub(crate) fn next_cell(&mut self) -> Option<Cell> {
         while self.t < self.end {
             let at = self.origin + self.direction * self.t;
             let corner = self.corner(at);
-            let brick = corner >> BRICK_SHIFT;
-            if self.grid.slot(brick + self.grid.origin) == self.sense.clear() {
-                self.t += self.length_in(at, (brick << BRICK_SHIFT).as_vec3(), BRICK_SIDE as f32) + self.nudge;
+            let shift = self.clear_shift(corner);
+            let low = (corner >> shift) << shift;
+            let length = self.length_in(at, low.as_vec3(), (1 << shift) as f32);
+            if shift > 0 {
+                self.t += length + self.nudge;
                 continue;
             }
-            let low = corner.as_vec3();
-            let mut values = self.grid.cell_phi(corner + self.low);
+            let mut values = self.field.grid.cell_phi(corner + self.low);
             let sign = self.sense.sign();
             values.iter_mut().for_each(|phi| *phi *= sign);
-            let length = self.length_in(at, low, 1.0);
-            return Some(Cell { values, from: at - low, direction: self.direction, length });
+            return Some(Cell { values, from: at - low.as_vec3(), direction: self.direction, length });
+        }
+        None
+    }
+
+    /// log₂ of the side of the aligned cube around a cell in which no crossing can be; 0 where one can be in the cell.
+    fn clear_shift(&self, corner: IVec3) -> i32 {
+        let grid = self.field.grid;
+        match grid.slot((corner >> BRICK_SHIFT) + grid.origin) {
+            code if code == self.sense.clear() => BRICK_SHIFT,
+            OUTSIDE | INSIDE => 0,
+            slot => self.blocks[slot as usize].clear_shift(corner),
+        }
+    }
+
+    /// φ where the walk stands [m], or how far to go on where no brick is [voxels].
+    fn phi_or_stride(&self) -> Result<f32, f32> {
+        let at = self.origin + self.direction * self.t;
+        let corner = self.corner(at);
+        let grid = self.field.grid;
+        let brick = corner >> BRICK_SHIFT;
+        match grid.slot(brick + grid.origin) {
+            OUTSIDE => Err(self.length_in(at, (brick << BRICK_SHIFT).as_vec3(), BRICK_SIDE as f32) + self.nudge),
+            INSIDE => Ok(-grid.band),
+            _ => Ok(trilinear(&grid.cell_phi(corner + self.low), at - corner.as_vec3())),
+        }
+    }
+
+    /// φ [m] at the next point of a sphere tracing (Hart 1996) towards a light, which then goes on by φ but at least by
+    /// `least` [voxels]; with it the distance from the start of the ray [m].
+    pub(crate) fn next_clearance(&mut self, least: f32) -> Option<(f32, f32)> {
+        while self.t < self.end {
+            match self.phi_or_stride() {
+                Err(stride) => self.t += stride,
+                Ok(phi) => {
+                    let distance = self.distance() as f32;
+                    self.t += (phi / self.field.grid.voxel as f32).max(least);
+                    return Some((phi, distance));
+                }
+            }
         }
         None
     }
@@ -159,38 +213,33 @@ impl<'a> Walk<'a> {
         whole - IVec3::select(on_border, IVec3::ONE, IVec3::ZERO)
     }
 
-    /// Goes on past a cell without a crossing by the cell's length or by its φ, whichever is longer.
+    /// Goes on past a cell without a crossing.
     pub(crate) fn pass(&mut self, cell: &Cell) {
-        let free = cell.phi() / self.grid.voxel as f32 - INTERPOLATION_REACH;
-        self.t += free.max(cell.length) + self.nudge;
+        self.t += cell.length + self.nudge;
     }
 
     /// Length [voxels] from `at` to where the ray leaves the cube with lowest corner `low`.
     fn length_in(&self, at: Vec3, low: Vec3, side: f32) -> f32 {
-        let mut length = f32::INFINITY;
-        for axis in 0..3 {
-            let d = self.direction[axis];
-            if d != 0.0 {
-                let border = if d > 0.0 { low[axis] + side } else { low[axis] };
-                length = length.min((border - at[axis]) * self.inverse[axis]);
-            }
-        }
-        length.max(0.0)
+        // Along an axis that the ray does not run, the border is infinitely far, or 0 · ∞ where it lies on it.
+        let border = Vec3::select(self.backward, low, low + side);
+        let length = (border - at) * self.inverse;
+        let far = Vec3::splat(f32::INFINITY);
+        Vec3::select(self.direction.cmpeq(Vec3::ZERO), far, length).min_element().max(0.0)
     }
 
     /// Distance from the ray's start to the crossing in the cell at which the walk stands [m].
     pub(crate) fn crossing_in(&self, cell: &Cell) -> Option<f64> {
         let length = cell.crossing()?;
-        Some(self.distance() + f64::from(length) * self.grid.voxel)
+        Some(self.distance() + f64::from(length) * self.field.grid.voxel)
     }
 }
 
-impl Cell {
-    /// φ where the ray enters [m], positive on the side that the ray comes from.
-    pub(crate) fn phi(&self) -> f32 {
-        trilinear(&self.values, self.from)
-    }
+/// Size of the indexed box [voxels].
+fn indexed_size(field: &Field) -> Vec3 {
+    (field.grid.dims * BRICK_SIDE as i32).as_vec3()
+}
 
+impl Cell {
     /// Length of the ray up to the first zero of φ [voxels].
     fn crossing(&self) -> Option<f32> {
         if self.values.iter().all(|&phi| phi > 0.0) {
@@ -204,13 +253,15 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use sdf_bake::BrickGrid;
 
     use super::*;
 
     #[test]
     fn a_ray_along_a_border_does_not_creep() {
         let half = DVec3::splat(0.5);
-        let grid = BrickGrid::from_distance(-half, half, 0.0625, 3.0, |p| p.z.abs() + 0.05);
+        let grid = BrickGrid::from_distance(-half, half, 0.0625, 3.0, |p| p.z.abs() - 0.05);
+        let field = Field::new(&grid);
         for axis in 0..3 {
             for sideways in [-1e-3, -1e-6, -1e-12, -1e-17, -1e-30, 0.0, 1e-30, 1e-17, 1e-6] {
                 for sign in [-1.0, 1.0] {
@@ -218,7 +269,7 @@ mod tests {
                     direction[axis] = sign;
                     let direction = direction.normalize();
                     let ray = Ray { origin: direction * -8.0, direction };
-                    let mut walk = Walk::new(&grid, &ray, Sense::Entering).unwrap();
+                    let mut walk = Walk::entering(&field, &ray).unwrap();
                     let mut cells = 0;
                     while let Some(cell) = walk.next_cell() {
                         walk.pass(&cell);

@@ -1,0 +1,94 @@
+//! What a surface is made of and how it was finished.
+
+use glam::Vec3;
+
+use super::marks::Marks;
+use super::shade::smooth_step;
+use super::surface::Surface;
+
+/// Share of weld metal over which its appearance sets in.
+pub(crate) const WELD_BORDER: (f32, f32) = (0.35, 0.65);
+
+/// A microfacet material (Burley 2012, metallic-roughness).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Linear RGB: diffuse albedo where it is no metal, reflectance at normal incidence where it is.
+    pub colour: Vec3,
+    /// Perceptual roughness, 0 to 1; the width of the microfacet distribution is its square.
+    pub roughness: f32,
+    /// 0 for paint, 1 for bare metal.
+    pub metallic: f32,
+}
+
+impl Material {
+    /// Both mixed in colour, roughness and metallic response, `share` of `other` (0 to 1).
+    pub fn mixed(self, other: Self, share: f32) -> Self {
+        Self {
+            colour: self.colour.lerp(other.colour, share),
+            roughness: self.roughness + (other.roughness - self.roughness) * share,
+            metallic: self.metallic + (other.metallic - self.metallic) * share,
+        }
+    }
+}
+
+/// Rolled steel with its dull grey skin.
+pub const ROLLED_STEEL: Material = Material { colour: Vec3::new(0.40, 0.41, 0.43), roughness: 0.52, metallic: 0.9 };
+/// Weld metal as it froze: smooth, tinted by heat.
+pub const FRESH_WELD: Material = Material { colour: Vec3::new(0.47, 0.41, 0.35), roughness: 0.34, metallic: 1.0 };
+/// Steel bared by an abrasive.
+pub const GROUND_STEEL: Material = Material { colour: Vec3::new(0.63, 0.62, 0.61), roughness: 0.36, metallic: 1.0 };
+/// A blue-green primer.
+pub const PRIMER: Material = Material { colour: Vec3::new(0.045, 0.135, 0.150), roughness: 0.48, metallic: 0.0 };
+
+/// The materials of a part and where each shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Appearance {
+    /// Base metal that no tool has touched.
+    pub metal: Material,
+    /// Weld metal that no tool has touched.
+    pub weld: Material,
+    /// Metal from which depth was removed, and metal from which the coating was.
+    pub ground: Material,
+    /// The coating; it shows where the dose D is below 1. `None` for a bare part.
+    pub coating: Option<Material>,
+    /// Grinding marks of ground metal.
+    pub marks: Marks,
+    /// Removed depth from which on metal looks ground [m].
+    pub ground_depth: f32,
+}
+
+impl Default for Appearance {
+    fn default() -> Self {
+        Self {
+            metal: ROLLED_STEEL,
+            weld: FRESH_WELD,
+            ground: GROUND_STEEL,
+            coating: None,
+            marks: Marks::default(),
+            ground_depth: 5e-6,
+        }
+    }
+}
+
+/// Material of a point and how much of it is ground metal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Blend {
+    pub(crate) material: Material,
+    /// 0 to 1.
+    pub(crate) ground: f32,
+}
+
+impl Appearance {
+    /// Coated and exposed appearance mixed by min(D, 1); what is exposed is ground where a tool has removed metal or
+    /// coating, else base or weld metal.
+    pub(crate) fn blend(&self, surface: &Surface) -> Blend {
+        let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, surface.weld_share);
+        let untouched = self.metal.mixed(self.weld, weld);
+        let ground = smooth_step(0.0, self.ground_depth, surface.removed);
+        let Some(coating) = self.coating else {
+            return Blend { material: untouched.mixed(self.ground, ground), ground };
+        };
+        let exposed = surface.dose.clamp(0.0, 1.0);
+        Blend { material: coating.mixed(self.ground, exposed), ground: ground * exposed }
+    }
+}

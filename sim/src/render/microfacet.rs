@@ -1,0 +1,193 @@
+//! How a material throws light back: GGX microfacets (Walter et al. 2007), narrower along grinding marks than across
+//! (Burley 2012), over a diffuse base. Twin of `microfacet.wgsl`.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::material::Material;
+
+/// Reflectance of paint at normal incidence.
+const DIELECTRIC: f32 = 0.04;
+/// Narrowest distribution: a sharper highlight than this is missed between pixels.
+const LEAST_WIDTH: f32 = 0.004;
+
+/// A surface element that light meets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facets {
+    /// Unit normal, on the camera's side.
+    pub(crate) normal: Vec3,
+    /// Unit tangent along the marks.
+    along: Vec3,
+    /// Unit tangent across the marks.
+    across: Vec3,
+    /// Diffuse albedo.
+    diffuse: Vec3,
+    /// Reflectance at normal incidence.
+    pub(crate) mirror: Vec3,
+    /// Widths of the distribution of normals along and across.
+    widths: [f32; 2],
+    roughness: f32,
+    anisotropy: f32,
+}
+
+impl Facets {
+    /// - `normal`, `along`: unit vectors across each other
+    /// - `anisotropy`: 0 for the same width in all directions, 1 for the strongest
+    pub(crate) fn new(material: &Material, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
+        let width = (material.roughness * material.roughness).max(LEAST_WIDTH);
+        let aspect = (1.0 - 0.9 * anisotropy).sqrt();
+        Self {
+            normal,
+            along,
+            across: normal.cross(along),
+            diffuse: material.colour * (1.0 - material.metallic),
+            mirror: Vec3::splat(DIELECTRIC).lerp(material.colour, material.metallic),
+            widths: [(width * aspect).max(LEAST_WIDTH), width / aspect],
+            roughness: material.roughness,
+            anisotropy,
+        }
+    }
+
+    /// Light sent to the viewer from a light of irradiance 1 straight on, π times the reflectance factor times the cosine.
+    ///
+    /// - `viewer`, `light`: unit vectors from the surface
+    /// - `spread`: tangent of the light's half angle; it widens the highlight (Karis 2013)
+    pub(crate) fn reflected(&self, viewer: Vec3, light: Vec3, spread: f32) -> Vec3 {
+        let (to_light, to_viewer) = (self.normal.dot(light), self.normal.dot(viewer).max(1e-4));
+        if !(to_light > 0.0) {
+            return Vec3::ZERO;
+        }
+        let half = (viewer + light).normalize_or(self.normal);
+        let fresnel = schlick(self.mirror, half.dot(viewer));
+        let [along, across] = self.widths;
+        let [wide_along, wide_across] = self.widths.map(|width| width + 0.5 * spread);
+        let energy = (along * across) / (wide_along * wide_across);
+        let (h_along, h_across) = (self.along.dot(half) / wide_along, self.across.dot(half) / wide_across);
+        let h_normal = self.normal.dot(half);
+        let squares = h_along * h_along + h_across * h_across + h_normal * h_normal;
+        let distribution = energy / (PI * wide_along * wide_across * squares * squares);
+        let specular = fresnel * (distribution * self.visibility(viewer, light, to_viewer, to_light));
+        (self.diffuse * (Vec3::ONE - fresnel) / PI + specular) * to_light
+    }
+
+    /// Height-correlated masking and shadowing over 4 (n·v) (n·l) (Heitz 2014).
+    fn visibility(&self, viewer: Vec3, light: Vec3, to_viewer: f32, to_light: f32) -> f32 {
+        let [a, b] = self.widths;
+        let spread = |w: Vec3, cosine: f32| Vec3::new(a * self.along.dot(w), b * self.across.dot(w), cosine).length();
+        0.5 / (to_light * spread(viewer, to_viewer) + to_viewer * spread(light, to_light)).max(1e-6)
+    }
+
+    /// Direction from which an environment is mirrored to the viewer: bent towards the marks' cross-section
+    /// (Revie 2012).
+    pub(crate) fn mirrored(&self, viewer: Vec3) -> Vec3 {
+        let in_section = (viewer - self.along * self.along.dot(viewer)).normalize_or(self.normal);
+        let bend = 0.5 * self.anisotropy * (5.0 * self.roughness).min(1.0);
+        let bent = self.normal.lerp(in_section, bend).normalize_or(self.normal);
+        bent * (2.0 * bent.dot(viewer)) - viewer
+    }
+
+    /// Share of an environment that is the same all around that the facets mirror to the viewer
+    /// (Karis 2014, after Lazarov 2013).
+    pub(crate) fn environment_share(&self, viewer: Vec3) -> Vec3 {
+        let cosine = self.normal.dot(viewer).clamp(0.0, 1.0);
+        let r = self.roughness;
+        let (x, y) = (1.0 - r, 0.0425 - 0.0275 * r);
+        let (z, w) = (1.04 - 0.572 * r, 0.022 * r - 0.04);
+        let grazing = (x * x).min((-9.28 * cosine).exp2()) * x + y;
+        let (scale, offset) = (-1.04 * grazing + z, 1.04 * grazing + w);
+        self.mirror * scale + Vec3::splat(offset.max(0.0))
+    }
+
+    /// Diffuse albedo under light from all around.
+    pub(crate) fn diffuse_share(&self) -> Vec3 {
+        self.diffuse
+    }
+
+    /// Perceptual roughness.
+    pub(crate) fn roughness(&self) -> f32 {
+        self.roughness
+    }
+}
+
+/// Reflectance at an angle whose cosine is given (Schlick 1994).
+fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
+    let away = 1.0 - cosine.clamp(0.0, 1.0);
+    let square = away * away;
+    straight + (Vec3::ONE - straight) * (square * square * away)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::marks::any_tangent;
+
+    fn facets(roughness: f32, metallic: f32, anisotropy: f32) -> Facets {
+        let material = Material { colour: Vec3::splat(1.0), roughness, metallic };
+        Facets::new(&material, Vec3::Z, Vec3::X, anisotropy)
+    }
+
+    fn direction(cosine: f32, azimuth: f32) -> Vec3 {
+        let sine = (1.0 - cosine * cosine).sqrt();
+        Vec3::new(sine * azimuth.cos(), sine * azimuth.sin(), cosine)
+    }
+
+    /// Share of light from one direction that leaves in any, by the midpoint rule over cosine and azimuth.
+    fn albedo(facets: &Facets, from: Vec3) -> f32 {
+        let n = 300;
+        let each = (0..n * n).map(|i| {
+            let cosine = ((i / n) as f32 + 0.5) / n as f32;
+            let azimuth = ((i % n) as f32 + 0.5) / n as f32 * 2.0 * PI;
+            let to = direction(cosine, azimuth);
+            // Reciprocity: swapping the roles leaves f, so the cosine of the light's side is divided out.
+            facets.reflected(to, from, 0.0).x / from.z * cosine
+        });
+        each.sum::<f32>() * 2.0 * PI / (n * n) as f32
+    }
+
+    #[test]
+    fn no_surface_sends_back_more_than_it_gets_and_smooth_metal_nearly_all() {
+        for (roughness, metallic, anisotropy) in
+            [(0.3, 1.0, 0.0), (0.5, 1.0, 0.7), (0.8, 1.0, 0.0), (0.5, 0.0, 0.0), (0.4, 0.5, 0.5)]
+        {
+            for cosine in [1.0, 0.7, 0.35] {
+                let back = albedo(&facets(roughness, metallic, anisotropy), direction(cosine, 0.7));
+                assert!(back < 1.02 && back > 0.6, "{back} at roughness {roughness}, metallic {metallic}");
+            }
+        }
+        let smooth = albedo(&facets(0.35, 1.0, 0.0), direction(0.9, 0.3));
+        assert!((smooth - 1.0).abs() < 0.03, "{smooth}");
+    }
+
+    #[test]
+    fn the_highlight_is_drawn_out_across_the_marks() {
+        let marked = facets(0.4, 1.0, 0.8);
+        let viewer = direction(0.95, 1.1);
+        let mirrored = Vec3::Z * (2.0 * viewer.z) - viewer;
+        let tilted = |axis: Vec3| marked.reflected(viewer, (mirrored + axis * 0.3).normalize(), 0.0).x;
+        assert!(tilted(Vec3::Y) > 5.0 * tilted(Vec3::X), "{} and {}", tilted(Vec3::Y), tilted(Vec3::X));
+        let even = facets(0.4, 1.0, 0.0);
+        let a = even.reflected(viewer, direction(0.8, 0.2), 0.0);
+        let turned = Facets::new(&Material { colour: Vec3::ONE, roughness: 0.4, metallic: 1.0 }, Vec3::Z, Vec3::Y, 0.0);
+        assert!((a - turned.reflected(viewer, direction(0.8, 0.2), 0.0)).length() < 1e-5);
+    }
+
+    #[test]
+    fn the_environment_share_agrees_with_the_sum_over_all_directions() {
+        for (roughness, cosine) in [(0.3, 0.9), (0.5, 0.6), (0.7, 0.8)] {
+            let metal = facets(roughness, 1.0, 0.0);
+            let viewer = direction(cosine, 0.4);
+            let summed = albedo(&metal, viewer);
+            let fitted = metal.environment_share(viewer).x;
+            assert!((summed - fitted).abs() < 0.06, "{summed} and {fitted} at roughness {roughness}");
+        }
+    }
+
+    #[test]
+    fn tangents_are_across() {
+        for normal in [Vec3::Z, Vec3::NEG_Z, Vec3::new(0.6, -0.64, -0.48)] {
+            let tangent = any_tangent(normal);
+            assert!(tangent.dot(normal).abs() < 1e-6 && (tangent.length() - 1.0).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! `robofin dataset images`: labelled images of coated workpieces in the course of sanding.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use clap::Args;
+use serde::Serialize;
+
+use super::dataset::{jobs, tell};
+use super::flags::within;
+use super::render::parse_size;
+use crate::console::Console;
+use crate::dataset::limits::Limits;
+use crate::dataset::progress::Summary;
+use crate::images::make::Task;
+use crate::images::pattern::Pattern;
+use crate::images::run::ImageRun;
+use crate::images::workpiece::Coated;
+use crate::images::{IMAGES_FORMAT, ImageCatalogue, ImageRecipe, ImageSet};
+use crate::wrong_use;
+
+/// More placements or stages than any set needs; names of placements have two digits.
+const MOST: u32 = 99;
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A set has WORKPIECES x PLACEMENTS x (PATTERNS x STAGES + 2) images, by default 2 x 12 x (6 x 5 + 2) = 768. Their bytes follow
+from the flags above --limit; never from --jobs, --threads, --limit or interruptions.
+
+Examples:
+  robofin dataset images --out out/images
+  robofin dataset images --out out/images --resume --jobs 8
+  robofin dataset images --out out/few --placements 3 --patterns spiral,spots --size 320x240 --workpieces panel,out/bracket"
+)]
+pub(super) struct ImagesArgs {
+    /// Folder of the set.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Seed of the set: placement, camera, light, material, noise, the bracket's weld.
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Coated workpieces: bracket, panel, and asset folders made by `robofin weld`.
+    #[arg(long, value_name = "NAME|DIR,...", value_delimiter = ',', default_value = "bracket,panel")]
+    workpieces: Vec<String>,
+    /// Views of each workpiece.
+    #[arg(long, value_name = "N", default_value_t = 12, allow_negative_numbers = true)]
+    placements: u32,
+    /// Ways of the sanding pad [default: all].
+    #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
+    patterns: Vec<Pattern>,
+    /// Equal parts of each way, with an image after each.
+    #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
+    stages: u32,
+    /// Width and height of the images [pixels].
+    #[arg(long, default_value = "640x480")]
+    size: String,
+    /// Distance between voxels of bracket and panel [mm]; assets have their own.
+    #[arg(long, value_name = "MM", default_value_t = 0.6, allow_negative_numbers = true)]
+    voxel_mm: f64,
+    /// At most so many images, spread evenly over the set.
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    limit: Option<usize>,
+    /// Only the workpiece, simulation or image of this name; what the command lines of failures use.
+    #[arg(long, value_name = "ID", conflicts_with = "limit")]
+    only: Option<String>,
+    /// Images at once, each in a process of one thread [default: all cores].
+    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    jobs: Option<usize>,
+    /// Go on with the set of an earlier run: what is complete there is not made again, what failed is tried again.
+    #[arg(long)]
+    resume: bool,
+    /// Say what would be made, and make nothing.
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    limits: LimitFlags,
+}
+
+/// Usual limits of time [s] and memory [GB].
+const USUAL_LIMITS: (f64, f64) = (600.0, 4.0);
+
+/// What the process of one image may use.
+#[derive(Clone, Debug, Args)]
+pub(super) struct LimitFlags {
+    /// Time by the clock that an image or simulation may take [s].
+    #[arg(long, value_name = "s", default_value_t = USUAL_LIMITS.0, allow_negative_numbers = true)]
+    time_limit: f64,
+    /// Memory that the process of one may ask for [GB].
+    #[arg(long, value_name = "GB", default_value_t = USUAL_LIMITS.1, allow_negative_numbers = true)]
+    memory_limit: f64,
+}
+
+impl LimitFlags {
+    /// As without flags.
+    pub(super) fn usual() -> Self {
+        Self { time_limit: USUAL_LIMITS.0, memory_limit: USUAL_LIMITS.1 }
+    }
+
+    pub(super) fn limits(&self) -> Result<Limits> {
+        let time = within("--time-limit", self.time_limit, (0.1, 1e6))?;
+        let memory = within("--memory-limit", self.memory_limit, (0.1, 1e4))?;
+        Ok(Limits { time, memory: (memory * 1e9) as u64 })
+    }
+}
+
+/// The last line of the answer of `dataset images --json`.
+#[derive(Serialize)]
+struct ImagesAnswer<'a> {
+    out: &'a Path,
+    workpieces: Summary,
+    sandings: Summary,
+    images: Summary,
+}
+
+/// A line of the answer of `dataset images --dry-run --json`.
+#[derive(Serialize)]
+struct PlanAnswer<'a> {
+    task: &'a str,
+    is_there: bool,
+}
+
+pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
+    let (jobs, limits, recipe) = (jobs(args.jobs)?, args.limits.limits()?, args.recipe()?);
+    let steps = args.steps(&recipe)?;
+    let [workpieces, sandings, images] = steps.each_ref().map(Vec::len);
+    console.step("plan", format!("{images} images from {sandings} simulations on {workpieces} workpieces"));
+    if args.dry_run {
+        return rehearse(&steps, ImageSet::open(&args.out).ok().as_ref(), console);
+    }
+    let set = ImageSet::start(&args.out, recipe, args.resume)?;
+    let summaries = make(&ImageRun { set: &set, limits, jobs }, &steps, console)?;
+    let catalogue = ImageCatalogue::update(&set)?;
+    console.step("dataset", format!("{} images listed in {}", catalogue.images, args.out.display()));
+    console.step("done", summaries[2].describe(jobs));
+    let failed: usize = summaries.iter().map(|summary| summary.failed).sum();
+    let [workpieces, sandings, images] = summaries;
+    console.answer_line(&ImagesAnswer { out: &args.out, workpieces, sandings, images })?;
+    match failed {
+        0 => Ok(()),
+        failed => bail!(
+            "{failed} things failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
+            args.out.display()
+        ),
+    }
+}
+
+/// Does the tasks of all steps and tells of each.
+pub(super) fn make(run: &ImageRun, steps: &[Vec<Task>; 3], console: &Console) -> Result<[Summary; 3]> {
+    let mut summaries = [Summary::default(), Summary::default(), Summary::default()];
+    for (tasks, summary) in steps.iter().zip(&mut summaries) {
+        *summary = tell(tasks.len(), console, |done| run.run(tasks, done))?;
+    }
+    Ok(summaries)
+}
+
+impl ImagesArgs {
+    fn recipe(&self) -> Result<ImageRecipe> {
+        let voxel_mm = within("--voxel-mm", self.voxel_mm, (0.1, 5.0))?;
+        for (flag, count) in [("--placements", self.placements), ("--stages", self.stages)] {
+            if !(1..=MOST).contains(&count) {
+                return Err(wrong_use(format!("{flag} {count}: 1 to {MOST} are accepted")));
+            }
+        }
+        let workpieces: Vec<Coated> =
+            self.workpieces.iter().map(|word| Coated::named(word, voxel_mm)).collect::<Result<_>>()?;
+        let twice = |name: &str| workpieces.iter().filter(|coated| coated.name == name).count() > 1;
+        if let Some(coated) = workpieces.iter().find(|coated| twice(&coated.name)) {
+            return Err(wrong_use(format!("--workpieces: {} is named twice", coated.name)));
+        }
+        let mut patterns = if self.patterns.is_empty() { Pattern::ALL.to_vec() } else { self.patterns.clone() };
+        patterns.sort_unstable();
+        patterns.dedup();
+        Ok(ImageRecipe {
+            format: IMAGES_FORMAT.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: self.seed,
+            workpieces,
+            placements: self.placements,
+            patterns,
+            stages: self.stages,
+            size: parse_size(&self.size)?,
+            voxel_mm,
+        })
+    }
+
+    /// The tasks to do.
+    fn steps(&self, recipe: &ImageRecipe) -> Result<[Vec<Task>; 3]> {
+        if self.limit == Some(0) {
+            return Err(wrong_use("--limit 0: 1 or more is accepted".to_owned()));
+        }
+        let Some(id) = &self.only else {
+            let images = recipe.images_within(self.limit.unwrap_or(usize::MAX));
+            return Ok(Task::chosen(recipe, &images.into_iter().map(|image| image.id).collect()));
+        };
+        if Task::named(recipe, id).is_none() {
+            let example = recipe.images().pop().map_or(String::new(), |image| image.id);
+            return Err(wrong_use(format!("--only {id}: nothing of this set; images are named like {example}")));
+        }
+        Ok(Task::chosen(recipe, &BTreeSet::from([id.clone()])))
+    }
+}
+
+/// Says what would be made.
+fn rehearse(steps: &[Vec<Task>; 3], set: Option<&ImageSet>, console: &Console) -> Result<()> {
+    let mut missing = 0;
+    for task in steps.iter().flatten() {
+        let is_there = set.is_some_and(|set| task.is_done(set));
+        missing += usize::from(!is_there);
+        console.answer_line(&PlanAnswer { task: task.id(), is_there })?;
+    }
+    let all: usize = steps.iter().map(Vec::len).sum();
+    console.step("dry run", format!("{missing} things would be made, {} are there", all - missing));
+    Ok(())
+}

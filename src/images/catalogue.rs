@@ -1,0 +1,99 @@
+//! The files that describe a set of images; each follows from the marker, the records, the labels and the failures.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result, ensure};
+use rayon::prelude::*;
+
+use super::coco::{self, Annotation};
+use super::plan::{Planned, Split};
+use super::record::{ImageRecord, file_path};
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageSet, card, sheet};
+use crate::dataset::catalogue::{CARD_FILE, CONTACT_FILE, FAILURES_FILE, lines, publish};
+
+/// One line of JSON for each image.
+pub const METADATA_FILE: &str = "metadata.jsonl";
+
+/// COCO files of each kind of label, by split as in [`Split::ALL`].
+const ANNOTATIONS: [(&str, [&str; 3]); 2] = [
+    (
+        APPEARANCE_FOLDER,
+        [
+            "annotations/appearance-train.json",
+            "annotations/appearance-validation.json",
+            "annotations/appearance-test.json",
+        ],
+    ),
+    (DOSE_FOLDER, ["annotations/dose-train.json", "annotations/dose-validation.json", "annotations/dose-test.json"]),
+];
+
+/// The files of a catalogue by name.
+pub struct ImageCatalogue {
+    /// Their contents.
+    pub files: BTreeMap<&'static str, Vec<u8>>,
+    /// How many images it lists.
+    pub images: usize,
+}
+
+impl ImageCatalogue {
+    /// Describes what is there.
+    ///
+    /// # Errors
+    /// When a record or a label cannot be read.
+    pub fn of(set: &ImageSet) -> Result<Self> {
+        let there: Vec<Planned> = set.recipe.images().into_iter().filter(|image| set.holds_image(image)).collect();
+        let records = there.iter().map(|image| set.read_record(&image.id)).collect::<Result<Vec<ImageRecord>>>()?;
+        let failures = set.failures()?;
+        let mut files = BTreeMap::from([
+            (METADATA_FILE, lines(records.iter())?),
+            (FAILURES_FILE, lines(failures.iter())?),
+            (CARD_FILE, card::write(&set.recipe, &records, &failures).into_bytes()),
+            (CONTACT_FILE, sheet::draw(set, &records)?),
+        ]);
+        for (folder, names) in ANNOTATIONS {
+            for (split, name) in Split::ALL.into_iter().zip(names) {
+                files.insert(name, annotations(set, (folder, split), &records)?);
+            }
+        }
+        Ok(Self { files, images: records.len() })
+    }
+
+    /// Describes what is there and writes the description, in place of an older one.
+    ///
+    /// # Errors
+    /// As [`ImageCatalogue::of`], and when a file cannot be written.
+    pub fn update(set: &ImageSet) -> Result<Self> {
+        let _claim = set.claim_catalogue()?;
+        let catalogue = Self::of(set)?;
+        publish(set, &catalogue.files)?;
+        Ok(catalogue)
+    }
+}
+
+/// The COCO file of one kind of label in one split.
+fn annotations(set: &ImageSet, (folder, split): (&str, Split), records: &[ImageRecord]) -> Result<Vec<u8>> {
+    let size = set.recipe.size;
+    let records: Vec<&ImageRecord> = records.iter().filter(|record| record.split == split).collect();
+    let of = |record: &&ImageRecord| -> Result<Vec<Annotation>> {
+        Ok(coco::annotations(record.number, size, &set.read_labels(folder, &record.id)?))
+    };
+    let annotations = records.par_iter().map(of).collect::<Result<Vec<_>>>()?.concat();
+    coco::write(&format!("RoboFin, labels by {folder}, {}", split.name()), size, &records, &annotations)
+}
+
+impl ImageSet {
+    /// Labels of an image, row by row from the top left.
+    ///
+    /// # Errors
+    /// When the file is absent, no picture of one channel, or of another size.
+    pub fn read_labels(&self, folder: &str, id: &str) -> Result<Vec<u8>> {
+        let path = self.folder().join(file_path(folder, id));
+        let image = image::open(&path).with_context(|| format!("{}: not a picture", path.display()))?;
+        let (width, height) = self.recipe.size;
+        let found = (image.width() as usize, image.height() as usize);
+        ensure!(found == (width, height), "{}: {found:?} pixels, {width} x {height} are expected", path.display());
+        let grey =
+            image.as_luma8().with_context(|| format!("{}: one channel of eight bits is expected", path.display()))?;
+        Ok(grey.as_raw().clone())
+    }
+}

@@ -1,0 +1,218 @@
+//! Holding a set of images against itself: every file rehashed, every label read again, the catalogue made again.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+use anyhow::{Context, Result};
+
+use super::label::{IGNORE, SANDED, UNSANDED, agreement, counts};
+use super::make::Task;
+use super::plan::{Planned, Treatment};
+use super::record::ImageRecord;
+use super::sanding::stage_file;
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, ImageCatalogue, ImageSet, RECORDS_FOLDER};
+use crate::asset::FileRecord;
+use crate::dataset::check::{Broken, SetValidation, compare_files};
+use crate::dataset::names;
+use crate::turns::take_turns;
+
+/// Checks all things of a set with `jobs` threads, then the catalogue; calls `done` with each one's faults.
+///
+/// # Errors
+/// When a folder cannot be read, or `done` fails.
+pub fn check(
+    set: &ImageSet,
+    jobs: usize,
+    mut done: impl FnMut(&str, &[String]) -> Result<()>,
+) -> Result<SetValidation> {
+    let tasks = expected(set)?.concat();
+    let mut found = SetValidation { pieces: tasks.len(), ..Default::default() };
+    take_turns(
+        tasks.len(),
+        jobs,
+        |turn, _| Some(check_task(set, &tasks[turn])),
+        |turn, (checks, faults)| {
+            let id = tasks[turn].id().to_owned();
+            done(&id, &faults)?;
+            found.checks += checks;
+            if !faults.is_empty() {
+                found.broken.push(Broken { id, faults });
+            }
+            Ok(())
+        },
+    )?;
+    found.broken.sort_by(|a, b| a.id.cmp(&b.id));
+    found.catalogue = match found.broken.is_empty() {
+        false => vec!["not compared with the images, some of which are broken".to_owned()],
+        true => match ImageCatalogue::of(set) {
+            Err(error) => vec![format!("{error:#}")],
+            Ok(catalogue) => [compare_files(set, &catalogue.files)?, strange_records(set)?, courses(set)?].concat(),
+        },
+    };
+    Ok(found)
+}
+
+/// Things that the set should hold: the images that its metadata lists or that have a record, and what they need.
+pub fn expected(set: &ImageSet) -> Result<[Vec<Task>; 3]> {
+    let text = fs::read(set.folder().join(super::catalogue::METADATA_FILE)).unwrap_or_default();
+    let listed = text.split(|&byte| byte == b'\n').filter_map(|line| {
+        let value: serde_json::Value = serde_json::from_slice(line).ok()?;
+        Some(value.get("id")?.as_str()?.to_owned())
+    });
+    let there = names(&set.folder().join(RECORDS_FOLDER))?;
+    let there = there.iter().filter_map(|name| name.strip_suffix(".json").map(str::to_owned));
+    let known: BTreeSet<String> = listed.chain(there).collect();
+    Ok(Task::chosen(&set.recipe, &known))
+}
+
+/// How many checks were made, and what they found.
+fn check_task(set: &ImageSet, task: &Task) -> (usize, Vec<String>) {
+    let mut checks = Checks::default();
+    let checked = match task {
+        Task::Workpiece(coated) => checks.workpiece(set, &coated.name),
+        Task::Sanding(sanding) => checks.sanding(set, &sanding.id, &set.recipe.workpieces[sanding.workpiece].name),
+        Task::Image(image) => checks.image(set, image),
+    };
+    if let Err(error) = checked {
+        checks.faults.push(format!("{error:#}"));
+    }
+    (checks.made, checks.faults)
+}
+
+#[derive(Default)]
+struct Checks {
+    made: usize,
+    faults: Vec<String>,
+}
+
+impl Checks {
+    fn that(&mut self, holds: bool, fault: impl FnOnce() -> String) {
+        self.made += 1;
+        if !holds {
+            self.faults.push(fault());
+        }
+    }
+
+    fn workpiece(&mut self, set: &ImageSet, name: &str) -> Result<()> {
+        let (field, _) = set.read_workpiece(name)?;
+        let sane = field.sanity_check();
+        self.that(sane.is_ok(), || sane.unwrap_err());
+        Ok(())
+    }
+
+    fn sanding(&mut self, set: &ImageSet, id: &str, workpiece: &str) -> Result<()> {
+        let record = set.read_sanding(id)?;
+        let source = fs::read(set.workpiece_path(workpiece)).map(|bytes| crate::part::sha256(&bytes));
+        self.that(source.is_ok_and(|hash| hash == record.workpiece_sha256), || format!("not of {workpiece} as it is"));
+        self.that(record.stages.len() == set.recipe.stages as usize, || format!("{} stages", record.stages.len()));
+        for (stage, expected) in record.stages.iter().enumerate() {
+            let name = format!("{FIELDS_FOLDER}/{id}/{}", stage_file(stage + 1));
+            self.file(set, &name, &expected.file)?;
+        }
+        Ok(())
+    }
+
+    fn file(&mut self, set: &ImageSet, name: &str, expected: &FileRecord) -> Result<()> {
+        let found = FileRecord::of(&set.folder().join(name))?;
+        self.that(found == *expected, || format!("{name}: its content is not the one recorded"));
+        Ok(())
+    }
+
+    fn image(&mut self, set: &ImageSet, planned: &Planned) -> Result<()> {
+        let record = set.read_record(&planned.id)?;
+        record.fits(planned, &set.recipe.workpieces[planned.workpiece].name)?;
+        for (name, expected) in &record.files {
+            self.file(set, name, expected)?;
+        }
+        let labels = [APPEARANCE_FOLDER, DOSE_FOLDER].map(|folder| set.read_labels(folder, &planned.id));
+        let [appearance, dose] = labels;
+        self.labels(&record, &appearance?, &dose?);
+        let dose_file = set.recipe.sanding_of(planned).zip(match planned.treatment {
+            Treatment::Stage { stage, .. } => Some(stage),
+            _ => None,
+        });
+        if let Some((sanding, stage)) = dose_file {
+            let sanding = set.read_sanding(&sanding)?;
+            let stage = sanding.stages.get(stage as usize - 1).context("its stage was not simulated")?;
+            self.that(record.sources.get("dose") == Some(&stage.file.sha256), || "not of its stage's dose".to_owned());
+        }
+        Ok(())
+    }
+
+    fn labels(&mut self, record: &ImageRecord, appearance: &[u8], dose: &[u8]) {
+        for (kind, labels, expected) in
+            [("appearance", appearance, record.appearance_pixels), ("dose", dose, record.dose_pixels)]
+        {
+            let found = counts(labels);
+            self.that(found.iter().sum::<u64>() == labels.len() as u64, || {
+                format!("{kind}: labels other than 0, {SANDED}, {UNSANDED} and {IGNORE}")
+            });
+            self.that(found == expected, || format!("{kind}: {found:?} pixels of each class, {expected:?} recorded"));
+            let must_be_empty = match record.treatment {
+                Treatment::Unsanded => Some(1),
+                Treatment::Bare => Some(2),
+                Treatment::Stage { .. } => None,
+            };
+            self.that(must_be_empty.is_none_or(|class| found[class] == 0), || {
+                format!("{kind}: a reference shows both sanded and unsanded coating")
+            });
+        }
+        self.that(record.agreement == agreement(appearance, dose), || {
+            "its agreement is not that of its labels".to_owned()
+        });
+    }
+}
+
+/// Records of images that the set does not have.
+fn strange_records(set: &ImageSet) -> Result<Vec<String>> {
+    let known: BTreeSet<String> = set.recipe.images().into_iter().map(|image| format!("{}.json", image.id)).collect();
+    let found = names(&set.folder().join(RECORDS_FOLDER))?.into_iter();
+    let strange = found.filter(|name| !name.starts_with('.') && !known.contains(name));
+    Ok(strange.map(|name| format!("{RECORDS_FOLDER}/{name}: no part of this set")).collect())
+}
+
+/// Sanding only takes off: in one view, the exposed share of a pattern never falls from stage to stage.
+fn courses(set: &ImageSet) -> Result<Vec<String>> {
+    let mut courses: BTreeMap<(String, u32, &str), Vec<(u32, f64)>> = BTreeMap::new();
+    for planned in set.recipe.images().iter().filter(|image| set.holds_image(image)) {
+        if let Treatment::Stage { pattern, stage } = planned.treatment {
+            let record = set.read_record(&planned.id)?;
+            let course = courses.entry((record.workpiece, record.placement, pattern.name())).or_default();
+            course.push((stage, record.exposed_share));
+        }
+    }
+    let falls = |course: &[(u32, f64)]| course.windows(2).any(|pair| pair[1].1 < pair[0].1);
+    let fallen = courses.into_iter().filter(|(_, course)| falls(course));
+    Ok(fallen
+        .map(|((workpiece, placement, pattern), _)| {
+            format!("{workpiece}, placement {placement}, {pattern}: the exposed share falls from stage to stage")
+        })
+        .collect())
+}
+
+/// Removes what is broken, so that another run makes it anew.
+///
+/// # Errors
+/// When the file system refuses.
+pub fn remove_broken(set: &ImageSet, broken: &[Broken]) -> Result<()> {
+    for Broken { id, .. } in broken {
+        match Task::named(&set.recipe, id) {
+            Some(Task::Image(_)) => set.remove_image(id)?,
+            Some(Task::Sanding(_)) => set.remove_field(&set.sanding_folder(id))?,
+            Some(Task::Workpiece(_)) => set.remove_field(&set.workpiece_path(id))?,
+            None => {}
+        }
+    }
+    Ok(())
+}
+
+impl ImageSet {
+    fn remove_field(&self, path: &std::path::Path) -> Result<()> {
+        let removed = match (path.exists(), path.is_dir()) {
+            (false, _) => Ok(()),
+            (true, true) => fs::remove_dir_all(path),
+            (true, false) => fs::remove_file(path),
+        };
+        removed.with_context(|| format!("{}: cannot be removed", path.display()))
+    }
+}

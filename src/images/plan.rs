@@ -1,0 +1,221 @@
+//! Which images a set has: names, seeds, splits, order.
+
+use serde::{Deserialize, Serialize};
+
+use super::pattern::Pattern;
+use super::recipe::ImageRecipe;
+use crate::dataset::plan::number_from;
+
+/// What was done to the coating before an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Treatment {
+    /// Nothing: the dose is 0 everywhere.
+    Unsanded,
+    /// A pattern, as far as a stage.
+    Stage {
+        /// Way of the pad.
+        pattern: Pattern,
+        /// Parts of the way that were travelled, from 1.
+        stage: u32,
+    },
+    /// Everything: the dose is 1 everywhere.
+    Bare,
+}
+
+/// Which set an image belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Split {
+    /// For training.
+    Train,
+    /// For choosing.
+    Validation,
+    /// For judging.
+    Test,
+}
+
+/// One image to make.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// Name, for example `bracket-p03-spiral-s2`.
+    pub id: String,
+    /// Number in the whole set, from 1, also where only some are made.
+    pub number: u64,
+    /// Position of the workpiece in the recipe.
+    pub workpiece: usize,
+    /// Number of the placement, from 0.
+    pub placement: u32,
+    /// State of the coating.
+    pub treatment: Treatment,
+    /// By the placement.
+    pub split: Split,
+}
+
+/// A way of the pad on a workpiece to simulate, with all its stages.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedSanding {
+    /// Name, for example `bracket-spiral`.
+    pub id: String,
+    /// Position of the workpiece in the recipe.
+    pub workpiece: usize,
+    /// Way of the pad.
+    pub pattern: Pattern,
+}
+
+impl Split {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Train, Self::Validation, Self::Test];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Validation => "validation",
+            Self::Test => "test",
+        }
+    }
+}
+
+impl ImageRecipe {
+    /// All images of the set: workpiece by workpiece, placement by placement, each from unsanded to bare.
+    pub fn images(&self) -> Vec<Planned> {
+        let splits = self.splits();
+        let treatments = self.treatments();
+        let mut images = Vec::new();
+        for (workpiece, coated) in self.workpieces.iter().enumerate() {
+            for placement in 0..self.placements {
+                for &treatment in &treatments {
+                    images.push(Planned {
+                        id: format!("{}-p{placement:02}-{}", coated.name, treatment.name()),
+                        number: images.len() as u64 + 1,
+                        workpiece,
+                        placement,
+                        treatment,
+                        split: splits[placement as usize],
+                    });
+                }
+            }
+        }
+        images
+    }
+
+    /// All simulations that the images need.
+    pub fn sandings(&self) -> Vec<PlannedSanding> {
+        let of = |(workpiece, pattern): (usize, Pattern)| PlannedSanding {
+            id: format!("{}-{}", self.workpieces[workpiece].name, pattern.name()),
+            workpiece,
+            pattern,
+        };
+        let pairs = (0..self.workpieces.len()).flat_map(|w| self.patterns.iter().map(move |&pattern| (w, pattern)));
+        pairs.map(of).collect()
+    }
+
+    /// At most `limit` of the images, spread evenly over the set.
+    pub fn images_within(&self, limit: usize) -> Vec<Planned> {
+        let all = self.images();
+        let count = limit.min(all.len());
+        (0..count).map(|k| all[k * all.len() / count].clone()).collect()
+    }
+
+    /// Name of the simulation that an image needs.
+    pub fn sanding_of(&self, planned: &Planned) -> Option<String> {
+        match planned.treatment {
+            Treatment::Stage { pattern, .. } => {
+                Some(format!("{}-{}", self.workpieces[planned.workpiece].name, pattern.name()))
+            }
+            Treatment::Unsanded | Treatment::Bare => None,
+        }
+    }
+
+    fn treatments(&self) -> Vec<Treatment> {
+        let stages = self.patterns.iter().flat_map(|&pattern| (1..=self.stages).map(move |stage| (pattern, stage)));
+        let stages = stages.map(|(pattern, stage)| Treatment::Stage { pattern, stage });
+        std::iter::once(Treatment::Unsanded).chain(stages).chain([Treatment::Bare]).collect()
+    }
+
+    /// Split of each placement, the same for all workpieces: a sixth of the placements is for validation and a sixth for
+    /// tests, at least one each where there are three; the seed decides which.
+    pub fn splits(&self) -> Vec<Split> {
+        let count = self.placements as usize;
+        let held_out = if count < 3 { 0 } else { (count / 6).max(1) };
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by_key(|placement| number_from(&format!("split {} {placement}", self.seed)));
+        let mut splits = vec![Split::Train; count];
+        for (rank, placement) in order.into_iter().take(2 * held_out).enumerate() {
+            splits[placement] = if rank < held_out { Split::Validation } else { Split::Test };
+        }
+        splits
+    }
+
+    /// Seed of what all images of a placement share.
+    pub fn placement_seed(&self, planned: &Planned) -> u64 {
+        let name = &self.workpieces[planned.workpiece].name;
+        number_from(&format!("placement {} {name} {}", self.seed, planned.placement))
+    }
+
+    /// Seed of what an image has alone.
+    pub fn image_seed(&self, planned: &Planned) -> u64 {
+        number_from(&format!("image {} {}", self.seed, planned.id))
+    }
+}
+
+impl Treatment {
+    fn name(self) -> String {
+        match self {
+            Self::Unsanded => "unsanded".to_owned(),
+            Self::Stage { pattern, stage } => format!("{}-s{stage}", pattern.name()),
+            Self::Bare => "bare".to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::images::workpiece::{Coated, Origin};
+
+    fn recipe(placements: u32) -> ImageRecipe {
+        let coated =
+            |name: &str| Coated { name: name.to_owned(), key: name.to_owned(), origin: Origin::Panel, voxel_mm: 0.5 };
+        ImageRecipe {
+            format: String::new(),
+            version: String::new(),
+            seed: 1,
+            workpieces: vec![coated("bracket"), coated("panel")],
+            placements,
+            patterns: Pattern::ALL.to_vec(),
+            stages: 5,
+            size: (640, 480),
+            voxel_mm: 0.5,
+        }
+    }
+
+    #[test]
+    fn the_whole_set_has_768_images_split_512_128_128_by_placement() {
+        let recipe = recipe(12);
+        let images = recipe.images();
+        let count = |split: Split| images.iter().filter(|image| image.split == split).count();
+        assert_eq!(images.len(), 768);
+        assert_eq!(Split::ALL.map(count), [512, 128, 128]);
+        assert_eq!(images.iter().map(|image| &image.id).collect::<BTreeSet<_>>().len(), 768);
+        assert!(images.iter().enumerate().all(|(at, image)| image.number == at as u64 + 1));
+        let splits = |placement: u32| {
+            let of = images.iter().filter(move |image| image.placement == placement);
+            of.map(|image| image.split).collect::<BTreeSet<_>>()
+        };
+        assert!((0..12).all(|placement| splits(placement).len() == 1));
+        assert_eq!(recipe.sandings().len(), 12);
+    }
+
+    #[test]
+    fn every_split_has_a_placement_where_three_can_be_had() {
+        let held_out = |placements: u32| {
+            let splits = recipe(placements).splits();
+            [Split::Validation, Split::Test].map(|split| splits.iter().filter(|&&s| s == split).count())
+        };
+        assert_eq!([1, 2, 3, 6, 11, 24].map(held_out), [[0, 0], [0, 0], [1, 1], [1, 1], [1, 1], [4, 4]]);
+    }
+}

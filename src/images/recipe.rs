@@ -1,0 +1,74 @@
+//! What decides the images of a set.
+
+use serde::{Deserialize, Serialize};
+
+use super::FOLDERS;
+use super::pattern::Pattern;
+use super::workpiece::Coated;
+use crate::dataset::Marker;
+
+/// Value of the `format` key.
+pub const IMAGES_FORMAT: &str = "robofin-images/1";
+
+/// The marker of a set of images: what decides every one of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImageRecipe {
+    /// [`IMAGES_FORMAT`].
+    pub format: String,
+    /// Version of the program.
+    pub version: String,
+    /// Seed of the set.
+    pub seed: u64,
+    /// The workpieces, in their order.
+    pub workpieces: Vec<Coated>,
+    /// Views of each workpiece.
+    pub placements: u32,
+    /// Ways of the pad, in their order.
+    pub patterns: Vec<Pattern>,
+    /// Parts into which each way is divided.
+    pub stages: u32,
+    /// Width and height of the images [pixels].
+    pub size: (usize, usize),
+    /// Distance between voxels of the workpieces that are no assets [mm].
+    pub voxel_mm: f64,
+}
+
+impl ImageRecipe {
+    /// The flags that lead to it.
+    pub fn flags(&self) -> Vec<String> {
+        let listed = |words: Vec<String>| words.join(",");
+        vec![
+            format!("--seed={}", self.seed),
+            format!("--workpieces={}", listed(self.workpieces.iter().map(Coated::word).collect())),
+            format!("--placements={}", self.placements),
+            format!("--patterns={}", listed(self.patterns.iter().map(|pattern| pattern.name().to_owned()).collect())),
+            format!("--stages={}", self.stages),
+            format!("--size={}x{}", self.size.0, self.size.1),
+            format!("--voxel-mm={}", self.voxel_mm),
+        ]
+    }
+}
+
+impl Marker for ImageRecipe {
+    const FORMAT: &'static str = IMAGES_FORMAT;
+    const FOLDERS: &'static [&'static str] = &FOLDERS;
+
+    fn format(&self) -> &str {
+        &self.format
+    }
+
+    fn difference(&self, asked: &Self) -> Option<String> {
+        let keys = |pieces: &[Coated]| pieces.iter().map(|piece| piece.key.as_str()).collect::<Vec<_>>().join(" ");
+        let compared = [
+            ("version", self.version.clone(), asked.version.clone()),
+            ("seed", self.seed.to_string(), asked.seed.to_string()),
+            ("the workpieces", keys(&self.workpieces), keys(&asked.workpieces)),
+            ("placements", self.placements.to_string(), asked.placements.to_string()),
+            ("the patterns", format!("{:?}", self.patterns), format!("{:?}", asked.patterns)),
+            ("stages", self.stages.to_string(), asked.stages.to_string()),
+            ("the size", format!("{:?}", self.size), format!("{:?}", asked.size)),
+        ];
+        let (name, now, then) = compared.into_iter().find(|(_, now, then)| now != then)?;
+        Some(format!("{name}: {now} there, and {then} now"))
+    }
+}

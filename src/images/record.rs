@@ -1,0 +1,169 @@
+//! What is kept of each image: how it was made, and what it shows.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, ensure};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use serde::{Deserialize, Serialize};
+
+use super::label::{agreement, counts};
+use super::plan::{Planned, Split, Treatment};
+use super::scene::Scene;
+use super::shot::Shot;
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageSet, RECORDS_FOLDER};
+use crate::asset::FileRecord;
+use crate::dataset::record_of;
+use crate::folder::write_file;
+use crate::picture::to_png;
+
+/// Line of `metadata.jsonl`, and file of its own until all are made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImageRecord {
+    /// Name.
+    pub id: String,
+    /// Number in the whole set, from 1.
+    pub number: u64,
+    /// By the placement.
+    pub split: Split,
+    /// Name of the workpiece.
+    pub workpiece: String,
+    /// Number of the placement, from 0.
+    pub placement: u32,
+    /// State of the coating.
+    pub treatment: Treatment,
+    /// Share of the workpiece's pixels on which the dose is 1 or more.
+    pub exposed_share: f64,
+    /// Share of the pixels known to both labels on which they agree.
+    pub agreement: Option<f64>,
+    /// Pixels of each class by appearance: background, sanded, unsanded, ignored.
+    pub appearance_pixels: [u64; 4],
+    /// The same by the dose.
+    pub dose_pixels: [u64; 4],
+    /// Workpiece, camera, light, material, sensor.
+    pub scene: Scene,
+    /// SHA-256 of the workpiece's field and of the dose.
+    pub sources: BTreeMap<String, String>,
+    /// The image and its labels by their paths.
+    pub files: BTreeMap<String, FileRecord>,
+}
+
+/// Folders of an image's files.
+const FILE_FOLDERS: [&str; 3] = [IMAGES_FOLDER, APPEARANCE_FOLDER, DOSE_FOLDER];
+
+/// Path of an image's file in a folder, from the set's.
+pub fn file_path(folder: &str, id: &str) -> String {
+    format!("{folder}/{id}.png")
+}
+
+/// Encodes labels as PNG with one channel of eight bits.
+///
+/// # Errors
+/// When there are not as many labels as pixels.
+pub fn label_png((width, height): (usize, usize), labels: &[u8]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(labels, width as u32, height as u32, ExtendedColorType::L8)
+        .context("the labels cannot be written as PNG")?;
+    Ok(bytes)
+}
+
+impl ImageSet {
+    fn record_path(&self, id: &str) -> PathBuf {
+        self.folder().join(RECORDS_FOLDER).join(format!("{id}.json"))
+    }
+
+    /// The record of an image.
+    ///
+    /// # Errors
+    /// When it is absent or damaged.
+    pub fn read_record(&self, id: &str) -> Result<ImageRecord> {
+        let path = self.record_path(id);
+        let text = std::fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        serde_json::from_str(&text).with_context(|| format!("{}: not the record of an image", path.display()))
+    }
+
+    /// Whether an image is there: its record is that of the plan, and its files have their lengths.
+    ///
+    /// Their hashes are the business of [`super::check`].
+    pub fn holds_image(&self, planned: &Planned) -> bool {
+        let has_length = |(name, record): (&String, &FileRecord)| {
+            std::fs::metadata(self.folder().join(name)).is_ok_and(|file| file.len() == record.bytes)
+        };
+        self.read_record(&planned.id).is_ok_and(|record| {
+            record.fits(planned, &self.recipe.workpieces[planned.workpiece].name).is_ok()
+                && record.files.iter().all(has_length)
+        })
+    }
+
+    /// Writes an image, its labels, and last its record.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write_image(
+        &self,
+        planned: &Planned,
+        shot: &Shot,
+        scene: Scene,
+        sources: BTreeMap<String, String>,
+    ) -> Result<()> {
+        let size = self.recipe.size;
+        let contents = [to_png(&shot.image)?, label_png(size, &shot.appearance)?, label_png(size, &shot.dose)?];
+        let mut files = BTreeMap::new();
+        for (folder, bytes) in FILE_FOLDERS.iter().zip(&contents) {
+            let name = file_path(folder, &planned.id);
+            write_file(&self.folder().join(&name), bytes, true)?;
+            files.insert(name, record_of(bytes));
+        }
+        let record = ImageRecord {
+            id: planned.id.clone(),
+            number: planned.number,
+            split: planned.split,
+            workpiece: self.recipe.workpieces[planned.workpiece].name.clone(),
+            placement: planned.placement,
+            treatment: planned.treatment,
+            exposed_share: shot.exposed_share,
+            agreement: agreement(&shot.appearance, &shot.dose),
+            appearance_pixels: counts(&shot.appearance),
+            dose_pixels: counts(&shot.dose),
+            scene,
+            sources,
+            files,
+        };
+        let text = serde_json::to_string(&record)? + "\n";
+        write_file(&self.record_path(&planned.id), text.as_bytes(), true)
+    }
+
+    /// Removes an image, its record first, so that it is not taken for whole should this be interrupted.
+    ///
+    /// # Errors
+    /// When the file system refuses.
+    pub fn remove_image(&self, id: &str) -> Result<()> {
+        let files = FILE_FOLDERS.iter().map(|folder| self.folder().join(file_path(folder, id)));
+        for path in std::iter::once(self.record_path(id)).chain(files).filter(|path| path.exists()) {
+            std::fs::remove_file(&path).with_context(|| format!("{}: cannot be removed", path.display()))?;
+        }
+        Ok(())
+    }
+}
+
+impl ImageRecord {
+    /// Whether it is the record of a planned image with its three files.
+    ///
+    /// # Errors
+    /// What differs, in words.
+    pub fn fits(&self, planned: &Planned, workpiece: &str) -> Result<()> {
+        let same = self.id == planned.id
+            && self.number == planned.number
+            && self.split == planned.split
+            && self.workpiece == workpiece
+            && self.placement == planned.placement
+            && self.treatment == planned.treatment;
+        ensure!(same, "its record is not that of {}", planned.id);
+        let named = FILE_FOLDERS.map(|folder| file_path(folder, &planned.id));
+        let missing = named.iter().find(|name| !self.files.contains_key(*name));
+        ensure!(missing.is_none() && self.files.len() == named.len(), "its record names other files than its three");
+        Ok(())
+    }
+}

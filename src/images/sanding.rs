@@ -1,0 +1,256 @@
+//! Sanding a workpiece along a pattern, stage by stage, and the dose fields that it leaves.
+//!
+//! Pressure, spindle speed and feed are chosen so that one straight line of the pad leaves a dose D of 1.6 on its
+//! middle: with a pad of radius R under the mean pressure p, ∫ p ω r dt along its middle line is p ω R² / v, so Eq. (2)
+//! asks for the feed v = (K_P/h_c) p ω R² / D.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use sdf_bake::channels::Scalar;
+use sdf_bake::nvdb::{self, Codec, GridRef};
+use serde::{Deserialize, Serialize};
+use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
+use sim::{Pad, Pass, PathSample, Process, TOOL_CELLS, Tool, run_pass};
+
+use super::patch::Patch;
+use super::pattern::{Pattern, Stroke};
+use super::plan::PlannedSanding;
+use super::{FIELDS_FOLDER, ImageSet};
+use crate::asset::{FileRecord, write_json};
+use crate::folder::StagedFolder;
+use crate::part::sha256;
+
+/// Name of the record in a simulation's folder.
+pub const SANDING_FILE: &str = "sanding.json";
+
+/// Dose on the middle line of one straight pass.
+const LINE_DOSE: f64 = 1.6;
+/// Mean pressure under the pad [Pa].
+const PRESSURE: f64 = 14e3;
+/// Spindle speed [rad/s]: 3000 rpm.
+const SPINDLE: f64 = 100.0 * std::f64::consts::PI;
+/// The model: the base laws of sanding.
+const MODEL: &str = "process = \"sanding\"\n";
+
+/// How a way was sanded, and what it left.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SandingRecord {
+    /// Name.
+    pub id: String,
+    /// SHA-256 of the workpiece's file.
+    pub workpiece_sha256: String,
+    /// Radius of the pad [mm].
+    pub pad_radius_mm: f64,
+    /// Force that it is pressed on with [N].
+    pub force_n: f64,
+    /// Speed along the way [mm/s].
+    pub feed_mm_s: f64,
+    /// Speed of the spindle [rpm].
+    pub spindle_rpm: f64,
+    /// One for each stage.
+    pub stages: Vec<StageRecord>,
+}
+
+/// One stage of a way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageRecord {
+    /// What happened.
+    #[serde(flatten)]
+    pub figures: StageFigures,
+    /// The dose after it.
+    pub file: FileRecord,
+}
+
+/// What happened in one stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StageFigures {
+    /// Time in contact [s].
+    pub contact_s: f64,
+    /// ∫ F dt [N s].
+    pub impulse_ns: f64,
+    /// Coating taken off in this stage [mm³].
+    pub coating_mm3: f64,
+}
+
+/// Simulates the stages of a way on a workpiece; `done` gets the part after each of them.
+///
+/// # Errors
+/// When the pad can lie nowhere, a pass fails, or `done` does.
+pub fn sand(
+    part: &mut BrickGrid,
+    (pattern, stages): (Pattern, u32),
+    mut done: impl FnMut(&BrickGrid, StageFigures) -> Result<()>,
+) -> Result<Setting> {
+    let patch = Patch::find(part)?;
+    let library = Library::builtin();
+    let model = CompiledModel::new(&Model::parse("sanding", MODEL, library)?, library, RowCounts::default())?;
+    let setting = Setting::of(patch.radius, &model)?;
+    let tool = Tool::from(Pad { radius: patch.radius });
+    let process = Process { force_setpoint: setting.force, spindle_speed: SPINDLE, ..Process::default() };
+    let mut states = States::new(&model, TOOL_CELLS);
+    for strokes in pattern.stages(&patch, stages) {
+        let mut figures = StageFigures::default();
+        for stroke in &strokes {
+            let path = path(stroke, &patch, setting.feed)?;
+            let pass = run_pass(part, Pass::first(&tool, &path, &process, &model), &mut states, &mut |_| {})?;
+            figures.contact_s += pass.contact_time;
+            figures.impulse_ns += pass.impulse;
+            figures.coating_mm3 += 1e9 * pass.coating_volume;
+        }
+        done(part, figures)?;
+    }
+    Ok(setting)
+}
+
+/// What a way is sanded with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// Radius of the pad [m].
+    pub radius: f64,
+    /// Normal force [N].
+    pub force: f64,
+    /// Speed along the way [m/s].
+    pub feed: f64,
+}
+
+impl Setting {
+    fn of(radius: f64, model: &CompiledModel) -> Result<Self> {
+        let rate = model.law_value("sanding_rate").context("the base law of sanding has no sanding_rate")?;
+        let feed = rate * PRESSURE * SPINDLE * radius * radius / LINE_DOSE;
+        Ok(Self { radius, force: PRESSURE * std::f64::consts::PI * radius * radius, feed })
+    }
+}
+
+/// A stroke at constant feed, the pad flat on what lies under it.
+fn path(stroke: &Stroke, patch: &Patch, feed: f64) -> Result<sim::Path> {
+    let mut time = 0.0;
+    let mut before = None;
+    let samples = stroke.iter().map(|&at| {
+        let rest = patch.rest(at);
+        time += before.map_or(0.0, |before: DVec3| before.distance(rest.contact)) / feed;
+        before = Some(rest.contact);
+        let axis = DVec3::Y.reject_from_normalized(rest.approach).normalize();
+        PathSample { time, position: rest.contact, approach: rest.approach, axis }
+    });
+    Ok(sim::Path::from_samples(samples.collect())?)
+}
+
+impl ImageSet {
+    pub(super) fn sanding_folder(&self, id: &str) -> PathBuf {
+        self.folder().join(FIELDS_FOLDER).join(id)
+    }
+
+    /// The record of a simulation.
+    ///
+    /// # Errors
+    /// When it is absent or damaged.
+    pub fn read_sanding(&self, id: &str) -> Result<SandingRecord> {
+        let path = self.sanding_folder(id).join(SANDING_FILE);
+        let text = std::fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        serde_json::from_str(&text).with_context(|| format!("{}: no record of a simulation", path.display()))
+    }
+
+    /// Whether a simulation is there, all its files at their lengths.
+    pub fn holds_sanding(&self, id: &str) -> bool {
+        let folder = self.sanding_folder(id);
+        let has_length = |(stage, record): (usize, &StageRecord)| {
+            std::fs::metadata(folder.join(stage_file(stage + 1))).is_ok_and(|file| file.len() == record.file.bytes)
+        };
+        self.read_sanding(id).is_ok_and(|record| {
+            record.stages.len() == self.recipe.stages as usize && record.stages.iter().enumerate().all(has_length)
+        })
+    }
+
+    /// Simulates a way and keeps the doses; the folder is complete or it is not there.
+    ///
+    /// # Errors
+    /// As [`sand`], and when a file cannot be read or written.
+    pub fn make_sanding(&self, planned: &PlannedSanding) -> Result<()> {
+        let (mut part, workpiece_sha256) = self.read_workpiece(&self.recipe.workpieces[planned.workpiece].name)?;
+        let folder = self.sanding_folder(&planned.id);
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
+        }
+        let staged = StagedFolder::new(&folder, SANDING_FILE, false)?;
+        let mut stages = Vec::new();
+        let setting = sand(&mut part, (planned.pattern, self.recipe.stages), |part, figures| {
+            let bytes = nvdb::write(&[dose_of(part)], Codec::Zip)?;
+            let file = FileRecord { sha256: sha256(&bytes), bytes: bytes.len() as u64 };
+            stages.push(StageRecord { figures, file });
+            write(&staged.path().join(stage_file(stages.len())), &bytes)
+        })?;
+        let record = SandingRecord {
+            id: planned.id.clone(),
+            workpiece_sha256,
+            pad_radius_mm: 1e3 * setting.radius,
+            force_n: setting.force,
+            feed_mm_s: 1e3 * setting.feed,
+            spindle_rpm: SPINDLE * 60.0 / std::f64::consts::TAU,
+            stages,
+        };
+        write_json(&staged.path().join(SANDING_FILE), &record)?;
+        staged.commit()?;
+        Ok(())
+    }
+
+    /// Gives a workpiece the dose after a stage, and returns the hash of its file.
+    ///
+    /// # Errors
+    /// When it is absent, damaged, or of another workpiece.
+    pub fn attach_dose(&self, part: &mut BrickGrid, sanding: &str, stage: u32) -> Result<String> {
+        let path = self.sanding_folder(sanding).join(stage_file(stage as usize));
+        let context = || format!("{}: no dose of this workpiece", path.display());
+        let bytes = std::fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let file = nvdb::read(&bytes).with_context(context)?;
+        let dose = file.grid(Scalar::Dose.name()).with_context(context)?;
+        dose.attach_scalar(Scalar::Dose, part).with_context(context)?;
+        ensure!(part.dose.iter().all(|dose| *dose >= 0.0), "{}: a dose below zero", path.display());
+        Ok(sha256(&bytes))
+    }
+}
+
+/// File name of the dose after a stage, from 1.
+pub fn stage_file(stage: usize) -> String {
+    format!("stage-{stage}.nvdb")
+}
+
+fn dose_of(part: &BrickGrid) -> GridRef<'_> {
+    GridRef::Density { name: Scalar::Dose.name(), grid: part, values: &part.dose }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    std::fs::write(path, bytes).with_context(|| format!("{}: cannot write this file", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::images::workpiece::Coated;
+
+    #[test]
+    fn a_line_leaves_its_dose_in_the_middle_and_none_beside_the_pad() {
+        let mut panel = Coated::named("panel", 1.0).unwrap().field(1).unwrap();
+        let phi = panel.phi.clone();
+        let patch = Patch::find(&panel).unwrap();
+        let mut last = 0.0;
+        let setting = sand(&mut panel, (Pattern::AlongX, 5), |part, figures| {
+            let dose: f64 = part.dose.iter().map(|&dose| f64::from(dose)).sum();
+            assert!(dose > last && figures.coating_mm3 > 0.0, "{figures:?}");
+            last = dose;
+            Ok(())
+        });
+        let setting = setting.unwrap();
+        assert!(panel.phi == phi, "sanding moved the surface");
+        let line = patch.rest(DVec2::new(0.5 * (patch.low.x + patch.high.x), patch.low.y));
+        let dose = f64::from(panel.sample_dose(line.contact));
+        // The neighbouring line's pad reaches over this one: the dose of one line is the least.
+        assert!(dose > 0.9 * LINE_DOSE && dose < 2.0 * LINE_DOSE, "{dose}, {setting:?}");
+        let beside = patch.rest(patch.low).contact - DVec3::new(1.2 * patch.radius, 0.0, 0.0);
+        assert_eq!(panel.sample_dose(beside), 0.0);
+    }
+}

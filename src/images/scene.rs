@@ -1,0 +1,265 @@
+//! What surrounds a workpiece in an image, drawn by chance.
+
+use anyhow::{Context, Result};
+use glam::{DQuat, DVec2, DVec3};
+use sdf_bake::BrickGrid;
+use serde::{Deserialize, Serialize};
+use sim::render::{Camera, Projection, outward};
+
+use super::ImageRecipe;
+use super::plan::Planned;
+use crate::virtual_lab::chance::Chance;
+
+/// Everything that an image shows beside the state of its coating. The frame has z up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// From the part's frame to the scene's.
+    pub placement: PlacementDraw,
+    /// One for all images of a placement.
+    pub camera: CameraDraw,
+    /// Lamps, the strongest first.
+    pub lamps: Vec<LampDraw>,
+    /// Of the light from all around against a bright workshop's.
+    pub environment: f64,
+    /// The coating, the metal below, and the table.
+    pub material: MaterialDraw,
+    /// Exposure, blur, noise.
+    pub sensor: SensorDraw,
+}
+
+/// Where a workpiece stands.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlacementDraw {
+    /// Unit quaternion x, y, z, w that turns it about its frame's origin.
+    pub rotation: DQuat,
+    /// Then it is moved [m].
+    pub translation_m: DVec3,
+    /// Height of the table's top, which the workpiece touches [m].
+    pub table_m: f64,
+}
+
+/// A pinhole with distortion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraDraw {
+    /// Centre of projection [m].
+    pub eye_m: DVec3,
+    /// Unit vectors to the right of the image, to its top, and into the scene.
+    pub axes: [DVec3; 3],
+    /// Angle between the lower and the upper edge of the image [rad].
+    pub vertical_field_of_view: f64,
+    /// Coefficients k₁ and k₂ of r² and r⁴ on the image plane at unit distance (Brown 1966).
+    pub distortion: [f64; 2],
+}
+
+/// A lamp far away.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LampDraw {
+    /// Unit vector from the scene to the lamp.
+    pub towards: DVec3,
+    /// Irradiance on a surface that faces it, linear RGB; π lights a white surface to 1.
+    pub irradiance: DVec3,
+    /// Tangent of its half angle.
+    pub spread: f64,
+}
+
+/// Coating and metal, linear RGB.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MaterialDraw {
+    /// Albedo of the coating.
+    pub coating: DVec3,
+    /// Roughness of the coating, 0 to 1.
+    pub coating_roughness: f64,
+    /// Reflectance of the sanded metal.
+    pub metal: DVec3,
+    /// Roughness of the sanded metal, 0 to 1.
+    pub metal_roughness: f64,
+    /// Albedo of the table.
+    pub table: DVec3,
+    /// Roughness of the table, 0 to 1.
+    pub table_roughness: f64,
+}
+
+/// What the sensor does to the light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SensorDraw {
+    /// Mean signal of the workpiece that the exposure aims at, 0 to 1.
+    pub aim: f64,
+    /// Signal of linear light 1, as it was set for that.
+    pub exposure: f64,
+    /// Standard deviation of the blur [pixels].
+    pub blur: f64,
+    /// Electrons of a saturated pixel.
+    pub full_well: f64,
+    /// Standard deviation of the read-out [electrons].
+    pub read_noise: f64,
+    /// Of the noise.
+    pub seed: u64,
+}
+
+impl Scene {
+    /// Draws a scene: placement and camera from the seed of the placement, the rest from that of the image.
+    ///
+    /// # Errors
+    /// When the field holds no surface.
+    pub fn draw(part: &BrickGrid, recipe: &ImageRecipe, planned: &Planned) -> Result<Self> {
+        let (low, high) = part.surface_bounds().context("the field holds no surface")?;
+        let placement_seed = recipe.placement_seed(planned);
+        let corners: [DVec3; 8] = std::array::from_fn(|i| {
+            let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
+            DVec3::new(pick(0), pick(1), pick(2))
+        });
+        let placement = PlacementDraw::draw(&corners, &mut Chance::of(placement_seed, "placement"));
+        let corners = corners.map(|corner| placement.to_scene(corner));
+        let aspect = recipe.size.0 as f64 / recipe.size.1 as f64;
+        let camera = CameraDraw::draw(&corners, aspect, &mut Chance::of(placement_seed, "camera"));
+        let seed = recipe.image_seed(planned);
+        let mut light = Chance::of(seed, "light");
+        Ok(Self {
+            placement,
+            camera,
+            lamps: lamps(&mut light),
+            environment: light.between([0.35, 1.15]),
+            material: MaterialDraw::draw(&mut Chance::of(seed, "material")),
+            sensor: SensorDraw::draw(&mut Chance::of(seed, "sensor"), seed),
+        })
+    }
+}
+
+impl PlacementDraw {
+    /// Turned by any angle about z, then tilted a little as on a wedge, then moved; the table is below all corners [m].
+    fn draw(corners: &[DVec3; 8], chance: &mut Chance) -> Self {
+        let turn = DQuat::from_rotation_z(chance.between([0.0, std::f64::consts::TAU]));
+        let about = chance.between([0.0, std::f64::consts::TAU]);
+        let axis = DVec3::new(about.cos(), about.sin(), 0.0);
+        let tilt = DQuat::from_axis_angle(axis, chance.between([0.0, 0.12]));
+        let translation_m = DVec3::new(chance.between([-0.05, 0.05]), chance.between([-0.05, 0.05]), 0.0);
+        let placed = Self { rotation: tilt * turn, translation_m, table_m: 0.0 };
+        let lowest = corners.iter().map(|&corner| placed.to_scene(corner).z).fold(f64::INFINITY, f64::min);
+        Self { table_m: lowest, ..placed }
+    }
+
+    fn to_scene(self, point: DVec3) -> DVec3 {
+        self.rotation * point + self.translation_m
+    }
+}
+
+impl CameraDraw {
+    /// A camera that looks down on the corners of a box [m] and shows all of them, from closer or farther.
+    fn draw(corners: &[DVec3; 8], aspect: f64, chance: &mut Chance) -> Self {
+        let vertical_field_of_view = chance.between([0.3, 0.75]);
+        let direction = outward(chance.between([0.0, std::f64::consts::TAU]), chance.between([0.66, 1.31]));
+        let fill = chance.between([0.72, 0.98]);
+        let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let level = Camera::look_at(centre + direction, centre, Projection::Orthographic { height: 1.0 });
+        let (sine, cosine) = chance.between([-0.09, 0.09]).sin_cos();
+        let right = level.right * cosine + level.up * sine;
+        let up = level.up * cosine - level.right * sine;
+        let slope = (0.5 * vertical_field_of_view).tan() * DVec2::new(aspect, 1.0);
+        // A corner (u, v) at height w above the centre is seen from a distance d if |u| ≤ slope (d − w), so with v.
+        let least = |corner: &DVec3| {
+            let away = *corner - centre;
+            let across = DVec2::new(away.dot(right), away.dot(up)).abs() / (slope * fill);
+            across.max_element() + away.dot(direction)
+        };
+        let distance = corners.iter().map(least).fold(0.0, f64::max);
+        // What room is left may lie on any side.
+        let room = (1.0 - fill) * distance * slope;
+        let shift = right * chance.between([-0.5, 0.5]) * room.x + up * chance.between([-0.5, 0.5]) * room.y;
+        let eye_m = centre + shift + direction * distance;
+        let distortion = [chance.between([-0.35, 0.05]), chance.between([0.0, 0.1])];
+        Self { eye_m, axes: [right, up, -direction], vertical_field_of_view, distortion }
+    }
+}
+
+/// One or two lamps from above, the second weaker than the first.
+fn lamps(chance: &mut Chance) -> Vec<LampDraw> {
+    let count = 1 + chance.below(2);
+    let mut power = std::f64::consts::PI * chance.between([0.5, 1.1]);
+    let lamp = |_| {
+        let towards = outward(chance.between([0.0, std::f64::consts::TAU]), chance.between([0.45, 1.4]));
+        // From the yellow of a bulb to the blue of a clear sky.
+        let warmth = chance.between([-0.2, 0.25]);
+        let irradiance = power * DVec3::new(1.0 + warmth, 1.0, 1.0 - warmth);
+        power *= chance.between([0.15, 0.6]);
+        LampDraw { towards, irradiance, spread: chance.between([0.05, 0.3]) }
+    };
+    (0..count).map(lamp).collect()
+}
+
+impl MaterialDraw {
+    /// A coating of any hue, dull or strong, dark or light; steel from which it was sanded.
+    fn draw(chance: &mut Chance) -> Self {
+        let hue = chance.between([0.0, 6.0]);
+        let strength = chance.between([0.0, 0.9]);
+        let value = chance.ratio_between([0.06, 0.7]);
+        let grey = chance.between([0.5, 0.68]);
+        let tint = chance.between([-0.03, 0.03]);
+        let table = chance.ratio_between([0.03, 0.6]);
+        let wooden = chance.between([0.0, 0.5]);
+        Self {
+            coating: paint(hue, strength, value),
+            coating_roughness: chance.between([0.25, 0.75]),
+            metal: DVec3::new(grey + tint, grey, grey - tint),
+            metal_roughness: chance.between([0.28, 0.5]),
+            table: table * DVec3::new(1.0, 1.0 - 0.3 * wooden, 1.0 - 0.6 * wooden),
+            table_roughness: chance.between([0.4, 0.9]),
+        }
+    }
+}
+
+/// A colour of hue 0 to 6 on the circle of red, yellow, green, cyan, blue and magenta (Smith 1978).
+fn paint(hue: f64, strength: f64, value: f64) -> DVec3 {
+    let channel = |offset: f64| {
+        let place = (hue + offset).rem_euclid(6.0);
+        value * (1.0 - strength * place.min(4.0 - place).clamp(0.0, 1.0))
+    };
+    DVec3::new(channel(5.0), channel(3.0), channel(1.0))
+}
+
+impl SensorDraw {
+    fn draw(chance: &mut Chance, seed: u64) -> Self {
+        Self {
+            aim: chance.between([0.14, 0.34]),
+            exposure: 1.0,
+            blur: chance.between([0.4, 0.9]),
+            full_well: chance.ratio_between([3e3, 4e4]),
+            read_noise: chance.between([2.0, 12.0]),
+            seed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drawn_camera_shows_the_whole_box() {
+        let corners: [DVec3; 8] =
+            std::array::from_fn(|i| DVec3::new([-0.08, 0.08][i & 1], [-0.045, 0.045][i >> 1 & 1], [0.0, 0.06][i >> 2]));
+        for seed in 0..200 {
+            let placement = PlacementDraw::draw(&corners, &mut Chance::of(seed, "placement"));
+            let placed = corners.map(|corner| placement.to_scene(corner));
+            assert!(placed.iter().all(|corner| corner.z >= placement.table_m));
+            let camera = CameraDraw::draw(&placed, 4.0 / 3.0, &mut Chance::of(seed, "camera"));
+            let slope = (0.5 * camera.vertical_field_of_view).tan();
+            let [right, up, forward] = camera.axes;
+            assert!((right.cross(up) + forward).length() < 1e-12 && camera.eye_m.z > placement.table_m);
+            let mut widest = 0f64;
+            for corner in placed.map(|corner| corner - camera.eye_m) {
+                let across =
+                    DVec2::new(corner.dot(right) / (4.0 / 3.0), corner.dot(up)) / (corner.dot(forward) * slope);
+                widest = widest.max(across.abs().max_element());
+            }
+            assert!(widest < 1.0 && widest > 0.55, "{widest} for seed {seed}");
+        }
+    }
+
+    #[test]
+    fn paints_have_their_hues() {
+        assert_eq!(paint(0.0, 1.0, 0.5), DVec3::new(0.5, 0.0, 0.0));
+        assert_eq!(paint(2.0, 1.0, 0.5), DVec3::new(0.0, 0.5, 0.0));
+        assert_eq!(paint(4.0, 1.0, 0.5), DVec3::new(0.0, 0.0, 0.5));
+        assert_eq!(paint(1.0, 0.5, 0.4), DVec3::new(0.4, 0.4, 0.2));
+    }
+}

@@ -1,0 +1,95 @@
+//! A contact sheet: images by chance with their labels, and one way stage by stage.
+
+use anyhow::{Context, Result};
+use image::imageops::{FilterType, resize};
+use sim::render::{Panel, Picture, contact_sheet};
+
+use super::label::{SANDED, UNSANDED};
+use super::plan::Treatment;
+use super::record::{ImageRecord, file_path};
+use super::{APPEARANCE_FOLDER, IMAGES_FOLDER, ImageSet};
+use crate::dataset::contact::stacked;
+use crate::dataset::plan::number_from;
+use crate::picture::to_png;
+
+/// Images in a row.
+const COLUMNS: usize = 6;
+/// Rows of images by chance.
+const CHANCE_ROWS: usize = 2;
+/// Width of an image on the sheet [pixels].
+const WIDTH: u32 = 320;
+/// Colours of sanded, unsanded and ignored pixels.
+const COLOURS: [[u8; 3]; 3] = [[230, 120, 20], [30, 110, 200], [250, 230, 60]];
+
+/// Draws the sheet as PNG.
+///
+/// # Errors
+/// When an image or a label cannot be read.
+pub(super) fn draw(set: &ImageSet, records: &[ImageRecord]) -> Result<Vec<u8>> {
+    let mut by_chance: Vec<&ImageRecord> = records.iter().collect();
+    by_chance.sort_by_key(|record| number_from(&format!("contact sheet {}", record.id)));
+    let mut strips = Vec::new();
+    for (place, chunk) in by_chance.chunks(COLUMNS).take(CHANCE_ROWS).enumerate() {
+        let title = if place == 0 { format!("by chance, of {} images", records.len()) } else { String::new() };
+        strips.push(strip(&title, chunk, |record| picture(set, record))?);
+        strips.push(strip("", chunk, |record| labelled(set, record))?);
+    }
+    let course = course(records, by_chance.first().copied());
+    strips.push(strip("stage by stage", &course, |record| picture(set, record))?);
+    strips.push(strip("", &course, |record| labelled(set, record))?);
+    to_png(&stacked(&strips))
+}
+
+/// The unsanded image and the stages of one pattern in the view of a record, as far as they are there.
+fn course<'a>(records: &'a [ImageRecord], of: Option<&ImageRecord>) -> Vec<&'a ImageRecord> {
+    let Some(of) = of else { return Vec::new() };
+    let view = || records.iter().filter(|r| r.workpiece == of.workpiece && r.placement == of.placement);
+    let pattern = view().find_map(|record| match (record.treatment, of.treatment) {
+        (_, Treatment::Stage { pattern, .. }) | (Treatment::Stage { pattern, .. }, _) => Some(pattern),
+        _ => None,
+    });
+    let belongs = |record: &&ImageRecord| match record.treatment {
+        Treatment::Unsanded => true,
+        Treatment::Stage { pattern: own, .. } => Some(own) == pattern,
+        Treatment::Bare => false,
+    };
+    view().filter(belongs).take(COLUMNS).collect()
+}
+
+fn strip(title: &str, records: &[&ImageRecord], draw: impl Fn(&ImageRecord) -> Result<Picture>) -> Result<Picture> {
+    let panel = |record: &&ImageRecord| -> Result<Panel> {
+        let caption = format!("{}  {:.0} %", record.id, 100.0 * record.exposed_share);
+        Ok(Panel { caption, picture: draw(record)?, legend: None })
+    };
+    Ok(contact_sheet(title, &records.iter().map(panel).collect::<Result<Vec<_>>>()?))
+}
+
+fn picture(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
+    let path = set.folder().join(file_path(IMAGES_FOLDER, &record.id));
+    let image = image::open(&path).with_context(|| format!("{}: not a picture", path.display()))?.into_rgb8();
+    let height = (image.height() * WIDTH).div_ceil(image.width().max(1)).max(1);
+    let small = resize(&image, WIDTH, height, FilterType::Triangle);
+    Ok(Picture { width: WIDTH as usize, height: height as usize, rgb: small.into_raw() })
+}
+
+/// The image in grey under the colours of its labels.
+fn labelled(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
+    let mut picture = picture(set, record)?;
+    let labels = set.read_labels(APPEARANCE_FOLDER, &record.id)?;
+    let (width, height) = set.recipe.size;
+    for (pixel, rgb) in picture.rgb.chunks_exact_mut(3).enumerate() {
+        let (x, y) = (pixel % picture.width, pixel / picture.width);
+        let at = (y * height / picture.height) * width + x * width / picture.width;
+        let grey = rgb.iter().map(|&code| u16::from(code)).sum::<u16>() / 3;
+        let colour = match labels[at] {
+            super::label::BACKGROUND => [grey as u8; 3],
+            SANDED => COLOURS[0],
+            UNSANDED => COLOURS[1],
+            _ => COLOURS[2],
+        };
+        for (code, tint) in rgb.iter_mut().zip(colour) {
+            *code = ((grey + u16::from(tint)) / 2) as u8;
+        }
+    }
+    Ok(picture)
+}

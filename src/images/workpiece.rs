@@ -1,0 +1,204 @@
+//! The coated workpieces: the bundled bracket with a weld, a curved panel, and assets.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use glam::{DVec2, DVec3};
+use sdf_bake::nvdb::{self, Codec};
+use sdf_bake::{BrickGrid, SignChoice};
+use serde::{Deserialize, Serialize};
+
+use super::{FIELDS_FOLDER, ImageSet};
+use crate::asset::{AssetFields, MANIFEST_FILE, Manifest};
+use crate::console::Console;
+use crate::folder::write_file;
+use crate::part::{Part, sha256};
+use crate::workpiece::{DEFAULT_BAND, Fineness, WeldWishes, WeldingOptions, weld_part};
+use crate::wrong_use;
+
+/// Letters of an asset's hash in its name.
+const KEY_LETTERS: usize = 8;
+
+/// Where a workpiece comes from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Origin {
+    /// The bundled part, with a weld placed by the set's seed.
+    Bracket,
+    /// A domed sheet with a groove and a hole.
+    Panel,
+    /// A folder made by `robofin weld`.
+    Asset {
+        /// As it was given.
+        folder: String,
+    },
+}
+
+/// A workpiece that is coated all over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Coated {
+    /// Name in the names of its images.
+    pub name: String,
+    /// What decides its field; for an asset the hash of its manifest.
+    pub key: String,
+    /// Where it comes from.
+    pub origin: Origin,
+    /// Distance between voxels [mm].
+    pub voxel_mm: f64,
+}
+
+impl Coated {
+    /// A workpiece by its name: `bracket`, `panel` or an asset folder; `voxel_mm` is for those without a field.
+    ///
+    /// # Errors
+    /// Wrong use when there is no such workpiece.
+    pub fn named(word: &str, voxel_mm: f64) -> Result<Self> {
+        let own = |origin: Origin| Self {
+            name: word.to_owned(),
+            key: format!("{word}, voxel {voxel_mm} mm"),
+            origin,
+            voxel_mm,
+        };
+        match word {
+            "bracket" => Ok(own(Origin::Bracket)),
+            "panel" => Ok(own(Origin::Panel)),
+            folder if Path::new(folder).join(MANIFEST_FILE).is_file() => Self::of_asset(folder),
+            other => Err(wrong_use(format!(
+                "--workpieces {other}: bracket, panel, or an asset folder with {MANIFEST_FILE} is accepted"
+            ))),
+        }
+    }
+
+    /// The word that names it in a flag.
+    pub fn word(&self) -> String {
+        match &self.origin {
+            Origin::Bracket | Origin::Panel => self.name.clone(),
+            Origin::Asset { folder } => folder.clone(),
+        }
+    }
+
+    fn of_asset(folder: &str) -> Result<Self> {
+        let manifest = Manifest::read(Path::new(folder))?;
+        let key = manifest_key(folder)?;
+        let stem = Path::new(&manifest.source.file).file_stem().unwrap_or_default().to_string_lossy();
+        let plain = |letter: char| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '_' };
+        let name = format!("{}-{}", stem.chars().map(plain).collect::<String>(), &key[..KEY_LETTERS]);
+        let origin = Origin::Asset { folder: folder.to_owned() };
+        Ok(Self { name, key, origin, voxel_mm: 1e3 * manifest.baking.voxel_m })
+    }
+
+    /// The field without a dose; `seed` is the set's.
+    ///
+    /// # Errors
+    /// When a weld finds no place or an asset cannot be read any more.
+    pub fn field(&self, seed: u64) -> Result<BrickGrid> {
+        match &self.origin {
+            Origin::Bracket => {
+                let options = WeldingOptions {
+                    seed,
+                    fineness: Fineness::Voxel(1e-3 * self.voxel_mm),
+                    band_voxels: DEFAULT_BAND,
+                    sign: SignChoice::Auto,
+                    wishes: WeldWishes::default(),
+                };
+                Ok(weld_part(Part::bundled()?, &options, &Console::silent())?.welded)
+            }
+            Origin::Panel => Ok(panel(1e-3 * self.voxel_mm)),
+            Origin::Asset { folder } => {
+                let key = manifest_key(folder)?;
+                ensure!(key == self.key, "{folder}: not the asset that the set was started with");
+                Ok(AssetFields::open(Path::new(folder))?.welded)
+            }
+        }
+    }
+}
+
+fn manifest_key(folder: &str) -> Result<String> {
+    let path = Path::new(folder).join(MANIFEST_FILE);
+    Ok(sha256(&std::fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?))
+}
+
+/// Half length and half width of the panel [m].
+const PANEL_HALF: DVec2 = DVec2::new(0.075, 0.055);
+/// Radius of its corners [m].
+const PANEL_CORNER: f64 = 0.018;
+/// Radius of its dome [m].
+const DOME: f64 = 0.45;
+/// Height of its top [m].
+const PANEL_TOP: f64 = 0.02;
+const PANEL_THICKNESS: f64 = 5e-3;
+/// Middle and radius of its hole [m].
+const HOLE: (DVec2, f64) = (DVec2::new(0.054, 0.034), 8e-3);
+/// Distance of the groove from the long middle line, and its radius [m].
+const GROOVE: (f64, f64) = (-0.042, 2.5e-3);
+
+/// A domed sheet with rounded corners, a hole and a groove along one side.
+fn panel(voxel: f64) -> BrickGrid {
+    let distance = |p: DVec3| {
+        let above = p.distance(DVec3::Z * (PANEL_TOP - DOME)) - DOME;
+        let beside = p.truncate().abs() - PANEL_HALF + PANEL_CORNER;
+        let outline = beside.max(DVec2::ZERO).length() + beside.max_element().min(0.0) - PANEL_CORNER;
+        let hole = HOLE.1 - p.truncate().distance(HOLE.0);
+        let groove = GROOVE.1 - (p.y - GROOVE.0).hypot(above);
+        above.max(-above - PANEL_THICKNESS).max(outline).max(hole).max(groove)
+    };
+    let low = (-PANEL_HALF).extend(0.0);
+    BrickGrid::from_distance(low, PANEL_HALF.extend(PANEL_TOP), voxel, DEFAULT_BAND, distance)
+}
+
+impl ImageSet {
+    pub(super) fn workpiece_path(&self, name: &str) -> std::path::PathBuf {
+        self.folder().join(FIELDS_FOLDER).join(format!("{name}.nvdb"))
+    }
+
+    /// Whether a workpiece's field is there.
+    pub fn holds_workpiece(&self, name: &str) -> bool {
+        self.workpiece_path(name).is_file()
+    }
+
+    /// Makes the field of a workpiece.
+    ///
+    /// # Errors
+    /// As [`Coated::field`], and when it cannot be written.
+    pub fn make_workpiece(&self, coated: &Coated) -> Result<()> {
+        let field = coated.field(self.recipe.seed)?;
+        let bytes = nvdb::write_field(&field, Codec::Zip)?;
+        write_file(&self.workpiece_path(&coated.name), &bytes, true)
+    }
+
+    /// Reads the field of a workpiece, and the hash of its file.
+    ///
+    /// # Errors
+    /// When it is absent or damaged.
+    pub fn read_workpiece(&self, name: &str) -> Result<(BrickGrid, String)> {
+        let path = self.workpiece_path(name);
+        let bytes = std::fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let field = nvdb::read(&bytes).map_err(anyhow::Error::from).and_then(|file| Ok(file.to_field()?));
+        Ok((field.with_context(|| format!("{}: no field", path.display()))?, sha256(&bytes)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_panel_is_a_whole_body_of_its_size() {
+        let field = panel(1e-3);
+        field.sanity_check().unwrap();
+        let (low, high) = field.surface_bounds().unwrap();
+        assert!((high - DVec3::new(0.075, 0.055, PANEL_TOP)).abs().max_element() < 1.2e-3, "{high}");
+        assert!(low.z > 0.0 && low.z < 0.01, "{low}");
+        let flat = 4.0 * PANEL_HALF.x * PANEL_HALF.y - (4.0 - std::f64::consts::PI) * PANEL_CORNER * PANEL_CORNER;
+        let holes = std::f64::consts::PI * (HOLE.1 * HOLE.1 * PANEL_THICKNESS + 0.5 * GROOVE.1 * GROOVE.1 * 0.15);
+        let volume = flat * PANEL_THICKNESS - holes;
+        // The dome is a little longer than its plan.
+        assert!((field.volume() / volume - 1.0).abs() < 0.02, "{} and {volume}", field.volume());
+    }
+
+    #[test]
+    fn an_unknown_workpiece_is_refused_with_what_there_is() {
+        let error = Coated::named("spaceship", 0.6).unwrap_err();
+        assert!(error.is::<crate::WrongUse>() && error.to_string().contains("bracket, panel"), "{error}");
+    }
+}
