@@ -1,0 +1,76 @@
+//! Passes on the device against the same passes on the CPU: field, force, tool.
+
+mod common;
+
+use common::{WHEEL, base, fresh, line, model, welded_plate};
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use shaders::Device;
+use shaders::testing::device;
+use sim::effect::{CompiledModel, States};
+use sim::{Controller, Pad, Pass, PassRecord, Path, Process, Tool, Wheel, gpu, run_pass};
+
+/// Largest difference of a field [voxels] and of a force [1] between device and CPU.
+const FIELD: f64 = 1e-4;
+const FORCE: f64 = 1e-3;
+
+/// A slab with its top at z = `top`.
+fn slab(voxel: f64, half: DVec3, top: f64) -> BrickGrid {
+    BrickGrid::from_distance(-half, half, voxel, 3.0, move |p| p.z - top)
+}
+
+/// A pass on both, with what each leaves.
+struct Both {
+    cpu: (BrickGrid, States, PassRecord),
+    gpu: (BrickGrid, States, PassRecord),
+}
+
+fn run(device: &Device, part: &BrickGrid, pass: Pass) -> Both {
+    let states = fresh(pass.model);
+    let mut cpu = (part.clone(), states.clone());
+    let record = run_pass(&mut cpu.0, pass, &mut cpu.1, &mut |_| {}).expect("a pass on the CPU");
+    let mut gpu = (part.clone(), states);
+    let started = std::time::Instant::now();
+    let on_device = gpu::run_pass(device, &mut gpu.0, pass, &mut gpu.1, &mut |_| {}).expect("a pass on the device");
+    println!("{} steps on the device in {:.1} s", on_device.steps, started.elapsed().as_secs_f64());
+    Both { cpu: (cpu.0, cpu.1, record), gpu: (gpu.0, gpu.1, on_device) }
+}
+
+/// Largest difference of φ [voxels], over all voxels that either keeps.
+fn field_difference(a: &BrickGrid, b: &BrickGrid) -> f64 {
+    let of = |from: &BrickGrid, other: &BrickGrid| {
+        let apart = |at: usize| f64::from((from.phi[at] - other.phi_at(from.voxel_of(at))).abs()) / from.voxel;
+        (0..from.phi.len()).map(apart).fold(0.0, f64::max)
+    };
+    of(a, b).max(of(b, a))
+}
+
+/// Largest difference of the logged forces [setpoints], at equal places of the logs.
+fn force_difference(both: &Both, setpoint: f64) -> f64 {
+    let (a, b) = (&both.cpu.2.log, &both.gpu.2.log);
+    assert_eq!(a.len(), b.len(), "logs of different length");
+    a.iter().zip(b).map(|(a, b)| (a.force - b.force).abs() / setpoint).fold(0.0, f64::max)
+}
+
+#[track_caller]
+fn agree(name: &str, both: &Both, setpoint: f64) {
+    let field = field_difference(&both.cpu.0, &both.gpu.0);
+    let force = force_difference(both, setpoint);
+    let (cpu, gpu) = (&both.cpu.2, &both.gpu.2);
+    let volume = gpu.removed_volume / cpu.removed_volume.max(f64::MIN_POSITIVE) - 1.0;
+    println!("{name}: field within {field:.1e} voxel, force within {force:.1e}, volume off by {volume:.1e}");
+    assert_eq!(cpu.steps, gpu.steps, "{name}");
+    assert!(field <= FIELD && force <= FORCE, "{name}: field {field:e}, force {force:e}");
+}
+
+#[test]
+fn a_wheel_grinds_a_plate_as_on_the_cpu() {
+    let Some(device) = device("a wheel on a plate") else { return };
+    let part = slab(0.5e-3, DVec3::new(0.012, 0.008, 0.003), 0.13e-3);
+    let tool = Tool::from(Wheel::cylinder(0.02, 0.006));
+    let path = Path::along(&line(-4e-3, 4e-3, 0.13e-3), 5e-3).unwrap();
+    let (process, model) = (Process::default(), base());
+    let both = run(&device, &part, Pass::first(&tool, &path, &process, &model));
+    assert!(both.cpu.2.removed_volume > 1e-10);
+    agree("plate", &both, process.force_setpoint);
+}
