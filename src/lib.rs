@@ -17,6 +17,7 @@
 
 pub mod asset;
 pub mod baking;
+pub mod batch;
 pub mod benchmark;
 pub mod budget;
 pub mod cache;

@@ -4,6 +4,7 @@
 use std::cell::RefCell;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sim::effect::{CompiledModel, Reset, States};
@@ -38,6 +39,14 @@ pub enum TwinError {
         /// Why.
         error: PassError,
     },
+    /// A pass failed on the graphics processor.
+    #[error("pass {pass}: {error}")]
+    Device {
+        /// From 1.
+        pass: usize,
+        /// Why.
+        error: sim::gpu::GpuError,
+    },
     /// A formula of the tool's states in a pause.
     #[error("the pause before pass {pass}: {error}")]
     Rest {
@@ -66,6 +75,8 @@ pub struct Twin<'a> {
     pub covariates: bool,
     /// Whether the tool keeps to the logged heights.
     pub replay: bool,
+    /// Where the passes run: a graphics processor, or the CPU.
+    pub device: Option<&'a shaders::Device>,
     tool: sim::Tool,
     passes: Vec<Planned>,
 }
@@ -136,7 +147,7 @@ impl<'a> Twin<'a> {
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             passes.push(Planned { path, process: process(pass, trial, controller), approach, rest });
         }
-        Ok(Self { trial, part, covariates: false, replay, tool, passes })
+        Ok(Self { trial, part, covariates: false, replay, device: None, tool, passes })
     }
 
     /// Changes how every pass is controlled and stepped.
@@ -211,25 +222,112 @@ impl<'a> Twin<'a> {
         state: &mut TrialState,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<SimulatedPass, TwinError> {
-        let Planned { path, process, approach, rest } = &self.passes[state.passes];
-        let number = state.passes + 1;
         let pixels = &self.trial.scans.before.pixels;
         let covariates = self.covariates.then(|| RefCell::new(Covariates::over(pixels, state.part.voxel)));
-        let pass = sim::Pass {
-            number,
+        let pass = sim::Pass { covariates: covariates.as_ref(), ..self.next_pass(model, state) };
+        self.rest(&pass, &mut state.tool)?;
+        let number = pass.number;
+        let record = match self.device {
+            Some(device) => sim::gpu::run_pass(device, &mut state.part, pass, &mut state.tool, progress)
+                .map_err(|error| TwinError::Device { pass: number, error })?,
+            None => run_pass(&mut state.part, pass, &mut state.tool, progress)
+                .map_err(|error| TwinError::Pass { pass: number, error })?,
+        };
+        self.count(state);
+        let seen = self.seen(model, state, record)?;
+        Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
+    }
+
+    /// The pass that a state is before.
+    fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &TrialState) -> sim::Pass<'p> {
+        let Planned { path, process, approach, rest } = &self.passes[state.passes];
+        sim::Pass {
+            number: state.passes + 1,
             row: state.first_row + state.passes,
             trial_time: state.trial_time + rest,
             approach: *approach,
-            covariates: covariates.as_ref(),
             ..sim::Pass::first(&self.tool, path, process, model)
-        };
-        sim::rest(&pass, &mut state.tool, *rest).map_err(|error| TwinError::Rest { pass: number, error })?;
-        let record = run_pass(&mut state.part, pass, &mut state.tool, progress)
-            .map_err(|error| TwinError::Pass { pass: number, error })?;
+        }
+    }
+
+    /// The pause before a pass.
+    fn rest(&self, pass: &sim::Pass, tool: &mut States) -> Result<(), TwinError> {
+        let rest = self.passes[pass.number - 1].rest;
+        sim::rest(pass, tool, rest).map_err(|error| TwinError::Rest { pass: pass.number, error })
+    }
+
+    /// Counts a pass that is done.
+    fn count(&self, state: &mut TrialState) {
+        let Planned { path, rest, .. } = &self.passes[state.passes];
         state.trial_time += rest + path.duration();
-        state.passes = number;
-        let seen = self.seen(model, state, record)?;
-        Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
+        state.passes += 1;
+    }
+
+    /// What of the trial a graphics processor does not run; `None` where it runs all of it.
+    pub fn refusal(&self, model: &CompiledModel) -> Option<String> {
+        if self.covariates {
+            return Some("maps of what each place goes through".to_owned());
+        }
+        sim::gpu::refusal(&self.next_pass(model, &self.start(model, Self::fresh_states(model), 0)))
+    }
+
+    /// Simulates the trial under many models at once, each from the beginning with a fresh tool: on the device in one
+    /// submission, else on all threads. A run that fails says why and does not stop the others.
+    ///
+    /// # Errors
+    /// [`TwinError::Device`] where the device itself fails.
+    pub fn run_models(&self, models: &[CompiledModel]) -> Result<Vec<Result<Vec<SimulatedPass>, TwinError>>, TwinError> {
+        let Some(device) = self.device else {
+            let one = |model: &CompiledModel| {
+                Ok(self.run(model, &mut Self::fresh_states(model), 0, &mut |_, _| {})?.0)
+            };
+            return Ok(models.par_iter().map(one).collect());
+        };
+        let mut states: Vec<TrialState> =
+            models.iter().map(|model| self.start(model, Self::fresh_states(model), 0)).collect();
+        let mut runs: Vec<Result<Vec<SimulatedPass>, TwinError>> = models.iter().map(|_| Ok(Vec::new())).collect();
+        for number in 1..=self.passes.len() {
+            for (run, (state, model)) in runs.iter_mut().zip(states.iter_mut().zip(models)) {
+                if run.is_ok()
+                    && let Err(error) = self.rest(&self.next_pass(model, state), &mut state.tool)
+                {
+                    *run = Err(error);
+                }
+            }
+            let alive: Vec<usize> = (0..models.len()).filter(|&n| runs[n].is_ok()).collect();
+            let trial = |&n: &usize| {
+                let state: &TrialState = &states[n];
+                // Before the first pass all are the same part, which the device then holds once.
+                let part = if number == 1 { &self.part } else { &state.part };
+                sim::gpu::Trial { part, pass: self.next_pass(&models[n], state), tool: &state.tool }
+            };
+            let trials: Vec<sim::gpu::Trial> = alive.iter().map(trial).collect();
+            let outcomes = sim::gpu::run_batch(device, &trials, sim::gpu::Settings::default(), &mut |_, _| {})
+                .map_err(|error| TwinError::Device { pass: number, error })?;
+            for (n, outcome) in alive.into_iter().zip(outcomes) {
+                let after = self.after(&models[n], (&mut states[n], number), outcome);
+                match (after, &mut runs[n]) {
+                    (Ok(pass), Ok(passes)) => passes.push(pass),
+                    (Err(error), run) => *run = Err(error),
+                    (Ok(_), Err(_)) => unreachable!("a run that failed is not run on"),
+                }
+            }
+        }
+        Ok(runs)
+    }
+
+    /// The pass of a run in a batch.
+    fn after(
+        &self,
+        model: &CompiledModel,
+        (state, pass): (&mut TrialState, usize),
+        outcome: Result<sim::gpu::Outcome, sim::gpu::GpuError>,
+    ) -> Result<SimulatedPass, TwinError> {
+        let failed = |error| TwinError::Device { pass, error };
+        let sim::gpu::Outcome { part, tool, record } = outcome.map_err(failed)?;
+        (state.part, state.tool) = (part, tool);
+        self.count(state);
+        self.seen(model, state, record.map_err(failed)?)
     }
 
     /// The last pass of a state, with its scan.

@@ -32,11 +32,28 @@ pub(crate) fn upload(device: &Device, label: &str, bytes: &[u8], usage: wgpu::Bu
 
 /// Compiles a kernel's text.
 pub(crate) fn pipeline(device: &Device, entry: &str, text: String) -> wgpu::ComputePipeline {
+    pipeline_in(device, entry, text, None)
+}
+
+/// The same with bindings that several kernels share.
+pub(crate) fn pipeline_in(
+    device: &Device,
+    entry: &str,
+    text: String,
+    bindings: Option<&wgpu::BindGroupLayout>,
+) -> wgpu::ComputePipeline {
     let source = wgpu::ShaderSource::Wgsl(text.into());
     let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(entry), source });
+    let layout = bindings.map(|bindings| {
+        device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(entry),
+            bind_group_layouts: &[Some(bindings)],
+            immediate_size: 0,
+        })
+    });
     device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(entry),
-        layout: None,
+        layout: layout.as_ref(),
         module: &module,
         entry_point: Some(entry),
         compilation_options: wgpu::PipelineCompilationOptions::default(),

@@ -39,6 +39,10 @@ shared_constants! {
     TOOL_CELLS = WORKGROUP_SIZE;
     /// Arrays over the lines of a trial's sheet.
     COLUMN_ARRAYS = 21;
+    /// Sums and greatest values that are taken over the invocations of a workgroup.
+    REDUCED = 16;
+    /// Numbers that a trial keeps for them.
+    PARTIALS = (WORKGROUP_SIZE + 1) * REDUCED;
     /// A wheel.
     TOOL_WHEEL = 0;
     /// A disc that faces the part.

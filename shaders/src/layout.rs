@@ -85,8 +85,6 @@ shared_struct! {
 shared_struct! {
     /// What all trials of a submission share.
     RunHeader {
-        /// Phases in a dispatch.
-        ticks: u32,
         /// Planes of values in a brick; the first is φ.
         planes: u32,
         /// Plane of the dose, or ABSENT.
@@ -95,12 +93,6 @@ shared_struct! {
         removed_plane: u32,
         /// Plane of the label, or ABSENT.
         label_plane: u32,
-        /// Nothing.
-        padding_a: u32,
-        /// Nothing.
-        padding_b: u32,
-        /// Nothing.
-        padding_c: u32,
     }
 }
 
@@ -121,6 +113,8 @@ shared_struct! {
         band_length: f32,
         /// The same [voxels].
         band: f32,
+        /// Distance up to which φ carries the zero set [m].
+        kept_length: f32,
         /// Infinity, which WGSL cannot write down.
         infinity: f32,
         /// First brick in the pool of the asset that trials share.
@@ -203,6 +197,12 @@ shared_struct! {
         trial_time: f32,
         /// Length of the path [m].
         path_length: f32,
+        /// Nothing.
+        padding_a: u32,
+        /// Nothing.
+        padding_b: u32,
+        /// Nothing.
+        padding_c: u32,
     }
 }
 

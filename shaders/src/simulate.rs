@@ -1,15 +1,18 @@
-//! A pass of many trials on the device, one workgroup each; host file of `simulate.wgsl`.
+//! A pass of many trials on the device, one workgroup each; host file of the kernels `simulate_*.wgsl`.
+//!
+//! A trial goes from phase to phase; a phase is four dispatches: two shares of the work over all lines, the sums, and the decision what
+//! comes next. No kernel needs a barrier, and all trials go on beside each other whatever their phases are.
 //!
 //! Trials share the bricks of their asset and copy a brick before they write it. A trial that runs out of room for bricks or
 //! columns stands still until [`Running::advance`] has made more, and goes on where it was.
 
-use crate::buffers::{binding_entry, binding_limit, pipeline, read, upload, zeros};
+use crate::buffers::{binding_entry, binding_limit, pipeline_in, read, upload, zeros};
 use crate::constants::{
     BRICK_VOXELS, COLUMN_ARRAYS, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING,
 };
 use crate::device::{Device, DeviceFault};
 use crate::layout::{LogRecord, PathPiece, RunHeader, TrialSetup, TrialState};
-use crate::wgsl::SIMULATE;
+use crate::wgsl::{Kernel, SIMULATE_CONTROL, SIMULATE_FIRST, SIMULATE_REDUCE, SIMULATE_SECOND};
 
 /// Bytes of a number in a buffer.
 const WORD: u64 = 4;
@@ -47,22 +50,20 @@ pub struct Rooms {
     pub bricks: u32,
     /// Lines of its sheet.
     pub lines: u32,
-    /// Phases of a dispatch.
+    /// Phases of a submission.
     pub ticks: u32,
-    /// Dispatches of a submission.
-    pub dispatches: u32,
 }
 
 impl Default for Rooms {
     fn default() -> Self {
-        Self { bricks: 64, lines: 2048, ticks: 64, dispatches: 16 }
+        Self { bricks: 64, lines: 2048, ticks: 512 }
     }
 }
 
 impl Rooms {
     /// Rows of the log: a step takes three phases or more.
     fn log_rows(&self) -> u32 {
-        self.ticks * self.dispatches / 3 + 2
+        self.ticks / 3 + 2
     }
 }
 
@@ -85,11 +86,13 @@ pub struct Batch {
     pub values: Vec<f32>,
 }
 
-/// The kernel with the formulas of a model.
+/// The kernels with the formulas of a model.
 #[derive(Debug)]
 pub struct Simulator<'a> {
     device: &'a Device,
-    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    /// In the order in which a phase runs them.
+    pipelines: [wgpu::ComputePipeline; 4],
 }
 
 /// A batch under way.
@@ -145,9 +148,14 @@ impl<'a> Simulator<'a> {
     /// # Errors
     /// Where the device fails.
     pub fn new(device: &'a Device, formulas: &str) -> Result<Self, DeviceFault> {
-        let text = SIMULATE.with_formulas(formulas);
-        let compile = |device: &Device| pipeline(device, SIMULATE.entry, text);
-        Ok(Self { device, pipeline: device.guarded("compiling the kernel `simulate`", compile)? })
+        let during = "compiling the kernels of `simulate`";
+        let (pipelines, layout) = device.guarded(during, |device| {
+            let layout = bind_group_layout(device);
+            let kernels = [SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL];
+            let compile = |kernel: Kernel| pipeline_in(device, kernel.entry, kernel.with_formulas(formulas), Some(&layout));
+            (kernels.map(compile), layout)
+        })?;
+        Ok(Self { device, pipelines, layout })
     }
 
     /// Uploads a batch.
@@ -158,7 +166,7 @@ impl<'a> Simulator<'a> {
         let trials = batch.setups.len();
         let planes = u64::from(batch.header.planes);
         let shared = batch.bricks.len() as u64 / (planes * u64::from(BRICK_VOXELS));
-        let header = RunHeader { ticks: rooms.ticks, ..batch.header };
+        let header = batch.header;
         let values_each = batch.values.len() / trials;
         let mut setups = batch.setups;
         lay_out(&mut setups, rooms, shared, values_each);
@@ -182,6 +190,31 @@ impl<'a> Simulator<'a> {
         })?;
         Ok(Running { simulator: self, rooms, header, setups, shared, values_each, buffers })
     }
+}
+
+/// The bindings of `trial_data.wgsl`.
+fn bind_group_layout(device: &Device) -> wgpu::BindGroupLayout {
+    let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+    let kinds = [
+        wgpu::BufferBindingType::Uniform,
+        storage(true),
+        storage(false),
+        storage(false),
+        storage(false),
+        storage(false),
+        storage(true),
+        storage(false),
+        storage(false),
+    ];
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    };
+    let entries: Vec<_> = (0..).zip(kinds).map(entry).collect();
+    let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("simulate bindings"), entries: &entries };
+    device.device.create_bind_group_layout(&descriptor)
 }
 
 /// Index entries of a trial.

@@ -16,6 +16,9 @@ macro_rules! source {
     ($file:literal) => {
         Source { file: $file, text: include_str!(concat!("wgsl/", $file)) }
     };
+    (concat!($entry:literal, $end:literal)) => {
+        Source { file: concat!($entry, $end), text: include_str!(concat!("wgsl/", $entry, $end)) }
+    };
 }
 
 /// An entry point and what it is compiled from.
@@ -33,40 +36,75 @@ pub const SAMPLE: Kernel = Kernel { entry: "sample", sources: &[source!("brick_g
 /// The formulas of no model, in the place of those that are written out when a model is loaded.
 const NO_MODEL: Source = source!("no_model.wgsl");
 
-/// A pass of many trials.
-pub const SIMULATE: Kernel = Kernel {
-    entry: "simulate",
-    sources: &[
-        source!("trial_names.wgsl"),
-        source!("trial_data.wgsl"),
-        source!("trial_math.wgsl"),
-        source!("trial_field.wgsl"),
-        source!("trial_path.wgsl"),
-        source!("trial_sheet.wgsl"),
-        source!("trial_ramp.wgsl"),
-        source!("trial_contact.wgsl"),
-        source!("trial_lanes.wgsl"),
-        NO_MODEL,
-        source!("trial_step.wgsl"),
-        source!("trial_apply.wgsl"),
-        source!("trial_commit.wgsl"),
-        source!("trial_renew.wgsl"),
-        source!("trial_bricks.wgsl"),
-        source!("trial_balance.wgsl"),
-        source!("trial_moment.wgsl"),
-        source!("trial_plan.wgsl"),
-        source!("trial_seek.wgsl"),
-        source!("trial_found.wgsl"),
-        source!("trial_control.wgsl"),
-        source!("trial_written.wgsl"),
-        source!("trial_order.wgsl"),
-        source!("trial_parts.wgsl"),
-        source!("simulate.wgsl"),
-    ],
-};
+macro_rules! simulation {
+    ($entry:literal, [$($file:literal),* $(,)?]) => {
+        Kernel {
+            entry: $entry,
+            sources: &[
+                source!("trial_names.wgsl"),
+                source!("trial_data.wgsl"),
+                source!("trial_math.wgsl"),
+                source!("trial_facing.wgsl"),
+                source!("trial_field.wgsl"),
+                source!("trial_path.wgsl"),
+                source!("trial_sheet.wgsl"),
+                source!("trial_ramp.wgsl"),
+                source!("trial_contact.wgsl"),
+                source!("trial_lanes.wgsl"),
+                NO_MODEL,
+                $(source!($file),)*
+                source!(concat!($entry, ".wgsl")),
+            ],
+        }
+    };
+}
+
+/// First share of a phase of many trials.
+pub const SIMULATE_FIRST: Kernel = simulation!(
+    "simulate_first",
+    [
+        "trial_step.wgsl",
+        "trial_apply.wgsl",
+        "trial_commit.wgsl",
+        "trial_renew.wgsl",
+        "trial_bricks.wgsl",
+        "trial_first.wgsl",
+    ]
+);
+
+/// Second share of the phase.
+pub const SIMULATE_SECOND: Kernel = simulation!(
+    "simulate_second",
+    [
+        "trial_step.wgsl",
+        "trial_apply.wgsl",
+        "trial_commit.wgsl",
+        "trial_renew.wgsl",
+        "trial_bricks.wgsl",
+        "trial_second.wgsl",
+    ]
+);
+
+/// Sums over the invocations of each trial.
+pub const SIMULATE_REDUCE: Kernel = simulation!("simulate_reduce", []);
+
+/// What each trial does next.
+pub const SIMULATE_CONTROL: Kernel = simulation!(
+    "simulate_control",
+    [
+        "trial_balance.wgsl",
+        "trial_moment.wgsl",
+        "trial_plan.wgsl",
+        "trial_seek.wgsl",
+        "trial_found.wgsl",
+        "trial_control.wgsl",
+        "trial_written.wgsl",
+        "trial_order.wgsl",
+    ]
+);
 
 /// Every kernel.
-pub const KERNELS: [Kernel; 2] = [SAMPLE, SIMULATE];
+pub const KERNELS: [Kernel; 5] = [SAMPLE, SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL];
 
 impl Kernel {
     /// The whole WGSL text that is compiled; a simulation is that of no model.
@@ -76,7 +114,8 @@ impl Kernel {
 
     /// The same with the formulas of a model.
     pub fn with_formulas(&self, formulas: &str) -> String {
-        let text = |source: &Source| if source.file == NO_MODEL.file { formulas } else { source.text };
+        let live = |source: &Source| match std::env::var("LIVE_WGSL") { Ok(dir) => std::fs::read_to_string(format!("{dir}/{}", source.file)).unwrap(), Err(_) => source.text.to_owned() }; // HACK
+        let text = |source: &Source| if source.file == NO_MODEL.file { formulas.to_owned() } else { live(source) };
         let files = self.sources.iter().map(|source| format!("\n// {}\n{}", source.file, text(source)));
         constants::wgsl() + &layout::wgsl() + &files.collect::<String>()
     }

@@ -74,3 +74,48 @@ fn a_wheel_grinds_a_plate_as_on_the_cpu() {
     assert!(both.cpu.2.removed_volume > 1e-10);
     agree("plate", &both, process.force_setpoint);
 }
+
+#[test]
+fn a_ball_tip_with_replay_and_an_admittance_do_as_on_the_cpu() {
+    let Some(device) = device("a ball tip, replay and admittance") else { return };
+    let part = slab(0.5e-3, DVec3::new(0.010, 0.006, 0.003), 0.13e-3);
+    let model = base();
+    let ball = Tool::Sphere(0.02);
+    let path = Path::along(&line(-3e-3, 3e-3, 0.07e-3), 5e-3).unwrap();
+    let process = Process { controller: Controller::Replay, ..Process::default() };
+    agree("ball, replay", &run(&device, &part, Pass::first(&ball, &path, &process, &model)), process.force_setpoint);
+    let controller = Controller::Admittance { mass: 2.0, damping: 2000.0, period: 1e-3 };
+    let process = Process { controller, ..Process::default() };
+    let path = Path::along(&line(-2e-3, 2e-3, 0.12e-3), 5e-3).unwrap();
+    let tool = Tool::from(Wheel { radius: 0.02, width: 0.006, crown: 2.0 });
+    agree("wheel, admittance", &run(&device, &part, Pass::first(&tool, &path, &process, &model)), process.force_setpoint);
+}
+
+#[test]
+fn a_bead_is_ground_on_a_sheet_that_turns_as_on_the_cpu() {
+    let Some(device) = device("a bead") else { return };
+    let part = welded_plate(0.5e-3, 0.3);
+    let path = Path::along(&line(-5e-3, 5e-3, 3e-3), 20e-3).unwrap();
+    let (tool, process, model) = (Tool::from(WHEEL), Process::default(), base());
+    agree("bead", &run(&device, &part, Pass::first(&tool, &path, &process, &model)), process.force_setpoint);
+}
+
+fn sanding() -> CompiledModel {
+    model("process = \"sanding\"\n[law.preston-sanding]\nsanding_rate = \"0.026 1/(MPa mm)\"\n")
+}
+
+#[test]
+fn a_pad_sands_a_plate_as_on_the_cpu() {
+    let Some(device) = device("a pad on a plate") else { return };
+    let part = slab(0.5e-3, DVec3::new(0.016, 0.010, 0.003), 0.13e-3);
+    let tool = Tool::from(Pad { radius: 5e-3 });
+    let path = Path::along(&line(-4e-3, 4e-3, 0.13e-3), 20e-3).unwrap();
+    let (process, model) = (Process::default(), sanding());
+    let both = run(&device, &part, Pass::first(&tool, &path, &process, &model));
+    agree("pad", &both, process.force_setpoint);
+    let (a, b) = (&both.cpu.0, &both.gpu.0);
+    let apart = (0..a.dose.len()).map(|at| (a.dose[at] - b.dose[at]).abs()).fold(0.0, f32::max);
+    let most = a.dose.iter().copied().fold(0.0, f32::max);
+    println!("dose within {:.1e} of {most:.3}", apart / most);
+    assert!(most > 0.0 && apart <= 1e-3 * most);
+}

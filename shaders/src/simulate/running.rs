@@ -21,7 +21,7 @@ impl Running<'_> {
         self.rooms
     }
 
-    /// Runs one submission: [`Rooms::ticks`] times [`Rooms::dispatches`] phases of each trial, nothing read back within.
+    /// Runs one submission: [`Rooms::ticks`] phases of each trial, nothing read back within.
     /// Then makes room where a trial needs it.
     ///
     /// # Errors
@@ -55,16 +55,18 @@ impl Running<'_> {
         let entries: Vec<_> = (0..).zip(bound).map(|(binding, buffer)| binding_entry(binding, buffer)).collect();
         let bindings = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("simulate bindings"),
-            layout: &self.simulator.pipeline.get_bind_group_layout(0),
+            layout: &self.simulator.layout,
             entries: &entries,
         });
         let mut encoder = encoder(device);
-        for _ in 0..self.rooms.dispatches {
+        {
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("simulate"), timestamp_writes: None });
-            pass.set_pipeline(&self.simulator.pipeline);
             pass.set_bind_group(0, &bindings, &[]);
-            pass.dispatch_workgroups(self.setups.len() as u32, 1, 1);
+            for pipeline in (0..self.rooms.ticks).flat_map(|_| &self.simulator.pipelines) {
+                pass.set_pipeline(pipeline);
+                pass.dispatch_workgroups(self.setups.len() as u32, 1, 1);
+            }
         }
         let states = copy_out(device, &mut encoder, &buffers.states);
         let rows = copy_out(device, &mut encoder, &buffers.log);

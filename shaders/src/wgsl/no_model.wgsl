@@ -28,6 +28,7 @@ const HAS_SPINDLE: bool = false;
 const HAS_FORCE: bool = false;
 const HAS_TOOL_CELLS: bool = false;
 const CELL_SUMS_AT: u32 = 22u;
+const PARTIALS_AT: u32 = 470u;
 
 fn formula_pose() -> array<f32, 5> {
     return array<f32, 5>();

@@ -32,9 +32,9 @@ fn written(line: u32) -> vec3i {
     return vec3i(1, 0, 0);
 }
 
-// Makes the bricks that the lines of a tile write the trial's own, as far as there is room. Their numbers differ from run
-// to run, what is in them does not.
-fn own_bricks(tile: u32) {
+// Goes through the bricks that the lines of a tile write, and makes them the trial's own as far as there is room; with
+// `looks` only says whether there is one.
+fn own_bricks(tile: u32, looks: bool) -> bool {
     let counts = tile_counts();
     let corner = (tile_low() + vec2i(vec2u(tile / counts.y, tile % counts.y))) * i32(BRICK_SIDE);
     let low = max(corner - states[trial].window_low.xy, vec2i(0));
@@ -44,29 +44,48 @@ fn own_bricks(tile: u32) {
         for (var place = low.y; place < high.y; place++) {
             let span = written(u32(row) * across() + u32(place));
             for (var k = span.x; k < span.y + i32(BRICK_SIDE); k += i32(BRICK_SIDE)) {
-                own_brick(tile_brick(tile, min(k, span.y)), span);
+                if own_brick(tile_brick(tile, min(k, span.y)), span, looks) && looks {
+                    return true;
+                }
             }
         }
     }
+    return false;
 }
 
 // Gives the trial a brick of its own in place of one that it shares, or of the inside one in which the third of `span`
-// lies.
-fn own_brick(brick: vec3i, span: vec3i) {
+// lies; says whether it is one of those.
+fn own_brick(brick: vec3i, span: vec3i, looks: bool) -> bool {
     let entry = index_entry(brick);
     if entry == OUTSIDE || span.x > span.y {
-        return;
+        return false;
     }
     let slot = brick_index[entry];
     let opens = slot == INSIDE && (span.z * states[trial].up) >> BRICK_SHIFT == brick[states[trial].axis];
     if !opens && (slot >= INSIDE || is_own(slot)) {
-        return;
+        return false;
     }
-    let number = atomicAdd(&own_count, 1u);
-    if number < setups[trial].spare_bricks {
-        brick_index[setups[trial].source_first + number] = slot;
-        brick_index[entry] = setups[trial].shared_bricks + number;
+    if !looks {
+        let number = states[trial].needed;
+        states[trial].needed += 1u;
+        if number < setups[trial].spare_bricks {
+            brick_index[setups[trial].source_first + number] = slot;
+            brick_index[entry] = setups[trial].shared_bricks + number;
+        }
     }
+    return true;
+}
+
+// Makes the bricks of all tiles in question the trial's own, by one invocation.
+fn own_all_bricks() {
+    let counts = tile_counts();
+    states[trial].needed = states[trial].own_bricks;
+    for (var tile = 0u; tile < counts.x * counts.y; tile++) {
+        if column_value(DOSE_GAIN, tile) > 0.0 {
+            _ = own_bricks(tile, false);
+        }
+    }
+    states[trial].own_bricks = min(states[trial].needed, setups[trial].spare_bricks);
 }
 
 // Fills value `n` of the bricks that are new: from their source, or with the inside.

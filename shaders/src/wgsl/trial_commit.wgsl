@@ -4,10 +4,6 @@
 const STEEPEST: f32 = 2.0;
 const LEAST_STEEPNESS: f32 = 0.3;
 const MOST_STEEPNESS: f32 = 2.0;
-// Distance up to which the field carries the zero set [voxels]; that of redistance.rs.
-const KEPT: f32 = 1.75;
-// Stands for a voxel that is left alone.
-const NONE: f32 = 1e30;
 
 // Voxels above or below the surface that a column's share of the band covers.
 fn reach_of(line: u32) -> i32 {
@@ -82,7 +78,6 @@ fn raise(line: u32) {
 fn raise_side(line: u32, first: i32, side: i32, beside: f32) {
     let at = line_place(line);
     let voxel = setups[trial].voxel;
-    let band = setups[trial].band;
     let ratio = area_ratio(line);
     var nearer = beside;
     for (var step = 0; step < reach_of(line); step++) {
@@ -92,7 +87,7 @@ fn raise_side(line: u32, first: i32, side: i32, beside: f32) {
         }
         let phi = pool[place] / voxel;
         let rise = (phi - nearer) * f32(side);
-        if abs(phi) >= band || rise <= 0.0 {
+        if abs(pool[place]) >= setups[trial].band_length || rise <= 0.0 {
             return;
         }
         let sunk = sunk_around(line, slope_of(line) * (phi / ratio));

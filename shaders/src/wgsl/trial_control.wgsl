@@ -6,7 +6,7 @@ const BENT: f32 = 0.02;
 
 // Ends the trial if a formula gave no finite number; the sheet is written back first.
 fn fails() -> bool {
-    let place = max(reduced_maxima[MAX_BAD], fault);
+    let place = max(reduced(SUMS + MAX_BAD), fault);
     if place <= 0.0 {
         return false;
     }
@@ -14,13 +14,6 @@ fn fails() -> bool {
     states[trial].detail = u32(place);
     write_back(FINISH);
     return true;
-}
-
-// Keeps in mind that a formula of the step gave no finite number.
-fn note_fault(result: f32, place: u32) {
-    if is_bad(result) {
-        fault = max(fault, f32(place));
-    }
 }
 
 // Writes the sheet's losses into the field and drops it; then goes on with a phase.
@@ -47,13 +40,13 @@ fn settle_complete() {
         return;
     }
     var width = 0.0;
-    if reduced_maxima[MAX_X] > -FAR {
-        let low = vec2f(-reduced_maxima[MAX_LOW_X], -reduced_maxima[MAX_LOW_Y]);
-        states[trial].extent = vec4f(low.x, reduced_maxima[MAX_X], low.y, reduced_maxima[MAX_Y]);
-        width = (reduced_maxima[MAX_Y] - low.y) * setups[trial].voxel;
+    if reduced(SUMS + MAX_X) > -FAR {
+        let low = vec2f(-reduced(SUMS + MAX_LOW_X), -reduced(SUMS + MAX_LOW_Y));
+        states[trial].extent = vec4f(low.x, reduced(SUMS + MAX_X), low.y, reduced(SUMS + MAX_Y));
+        width = (reduced(SUMS + MAX_Y) - low.y) * setups[trial].voxel;
     }
-    states[trial].bent += max(reduced_maxima[MAX_RECESSION], 0.0);
-    states[trial].receded = max(reduced_maxima[MAX_RECEDED], 0.0);
+    states[trial].bent += max(reduced(SUMS + MAX_RECESSION), 0.0);
+    states[trial].receded = max(reduced(SUMS + MAX_RECEDED), 0.0);
     leave_moment(width);
     prepare_states();
     let way = way_between(nominal(now()), nominal(later(now(), states[trial].dt)));

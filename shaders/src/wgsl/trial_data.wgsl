@@ -1,5 +1,8 @@
 // What a trial's workgroup reads and writes; host file: simulate.rs.
 
+// Stands for no value.
+const NONE: f32 = 1e30;
+
 @group(0) @binding(0) var<uniform> run: RunHeader;
 @group(0) @binding(1) var<storage, read> setups: array<TrialSetup>;
 @group(0) @binding(2) var<storage, read_write> states: array<TrialState>;
@@ -11,7 +14,7 @@
 @group(0) @binding(5) var<storage, read_write> columns: array<f32>;
 @group(0) @binding(6) var<storage, read> path: array<PathPiece>;
 @group(0) @binding(7) var<storage, read_write> log_rows: array<LogRecord>;
-// Variables of the step, parameters, states, results of step programs, sums over tool cells.
+// Variables of the step, parameters, states, results of step programs, sums over tool cells, sums over the squares.
 @group(0) @binding(8) var<storage, read_write> values: array<f32>;
 
 // The workgroup's trial.
@@ -47,6 +50,42 @@ fn value(at: u32) -> f32 {
 
 fn set_value(at: u32, to: f32) {
     values[setups[trial].value_first + at] = to;
+}
+
+// A sum or greatest value over all invocations.
+fn reduced(number: u32) -> f32 {
+    return value(PARTIALS_AT + WORKGROUP_SIZE * REDUCED + number);
+}
+
+// Begins the sums and greatest values of an invocation.
+fn begin_sums() {
+    for (var n = 0u; n < SUMS; n++) {
+        totals[n] = 0.0;
+    }
+    for (var n = 0u; n < MAXIMA; n++) {
+        maxima[n] = -NONE;
+    }
+}
+
+// Keeps them until they are reduced; those of a first part are taken up again by the second.
+fn keep_sums() {
+    let first = PARTIALS_AT + lane_id * REDUCED;
+    for (var n = 0u; n < SUMS; n++) {
+        set_value(first + n, totals[n]);
+    }
+    for (var n = 0u; n < MAXIMA; n++) {
+        set_value(first + SUMS + n, maxima[n]);
+    }
+}
+
+fn take_up_sums() {
+    let first = PARTIALS_AT + lane_id * REDUCED;
+    for (var n = 0u; n < SUMS; n++) {
+        totals[n] = value(first + n);
+    }
+    for (var n = 0u; n < MAXIMA; n++) {
+        maxima[n] = value(first + SUMS + n);
+    }
 }
 
 // Lines of the sheet's window.

@@ -6,44 +6,6 @@ const WITHIN_BAND: f32 = 0.999;
 // Voxels by which a column is followed upwards out of the material.
 const CLIMB: i32 = 400;
 
-// The voxel at lattice place (i, j) across the columns and k up.
-fn voxel_at(i: i32, j: i32, k: i32) -> vec3i {
-    let up = k * states[trial].up;
-    switch states[trial].axis {
-        case 0u: { return vec3i(up, i, j); }
-        case 1u: { return vec3i(j, up, i); }
-        default: { return vec3i(i, j, up); }
-    }
-}
-
-// A vector of the field's frame as (u, v, up).
-fn to_sheet(v: vec3f) -> vec3f {
-    let up = f32(states[trial].up);
-    switch states[trial].axis {
-        case 0u: { return vec3f(v.yz, up * v.x); }
-        case 1u: { return vec3f(v.zx, up * v.y); }
-        default: { return vec3f(v.xy, up * v.z); }
-    }
-}
-
-fn whole_to_sheet(v: vec3i) -> vec3i {
-    switch states[trial].axis {
-        case 0u: { return vec3i(v.yz, states[trial].up * v.x); }
-        case 1u: { return vec3i(v.zx, states[trial].up * v.y); }
-        default: { return vec3i(v.xy, states[trial].up * v.z); }
-    }
-}
-
-// A vector (u, v, up) in the field's frame.
-fn from_sheet(v: vec3f) -> vec3f {
-    let up = f32(states[trial].up) * v.z;
-    switch states[trial].axis {
-        case 0u: { return vec3f(up, v.xy); }
-        case 1u: { return vec3f(v.y, up, v.x); }
-        default: { return vec3f(v.xy, up); }
-    }
-}
-
 // Position of a brick in the index; `OUTSIDE` beyond it.
 fn index_entry(brick: vec3i) -> u32 {
     let at = brick - setups[trial].grid_origin.xyz;
@@ -88,13 +50,18 @@ fn place_of(voxel: vec3i, plane: u32) -> u32 {
     return brick_values(slot, plane) + voxel_offset(voxel);
 }
 
-// Phi at a voxel [voxels].
-fn phi_at(voxel: vec3i) -> f32 {
+// Phi at a voxel [m].
+fn phi_length(voxel: vec3i) -> f32 {
     let slot = slot_of(voxel >> vec3u(BRICK_SHIFT));
     if slot >= INSIDE {
-        return select(setups[trial].band, -setups[trial].band, slot == INSIDE);
+        return select(setups[trial].band_length, -setups[trial].band_length, slot == INSIDE);
     }
-    return pool[brick_values(slot, 0u) + voxel_offset(voxel)] / setups[trial].voxel;
+    return pool[brick_values(slot, 0u) + voxel_offset(voxel)];
+}
+
+// The same [voxels].
+fn phi_at(voxel: vec3i) -> f32 {
+    return phi_length(voxel) / setups[trial].voxel;
 }
 
 fn stride(phi: f32) -> i32 {

@@ -5,12 +5,12 @@ fn settle_evaluation() {
     if fails() {
         return;
     }
-    let force = reduced_totals[SUM_FORCE];
+    let force = reduced(SUM_FORCE);
     states[trial].force_now = force;
     var found = FOUND;
     if states[trial].controller != CONTROLLER_REPLAY && !is_sampled() {
-        let depth = select(reduced_maxima[MAX_DEPTH], 0.0, force > 0.0);
-        found = search(force, reduced_totals[SUM_STIFFNESS] * setups[trial].voxel, depth);
+        let depth = select(reduced(SUMS + MAX_DEPTH), 0.0, force > 0.0);
+        found = search(force, reduced(SUM_STIFFNESS) * setups[trial].voxel, depth);
         if found == NOTHING && force > 0.0 {
             states[trial].too_soft = 1u;
         }
@@ -46,11 +46,11 @@ fn settle_nothing() {
 
 // The motion is found: takes it, on a larger sheet if the patch may go on, or in a shorter step.
 fn settle_found() {
-    if (states[trial].border > 0.0 || reduced_maxima[MAX_BORDER] > 0.0) && grow_extent() {
+    if (states[trial].border > 0.0 || reduced(SUMS + MAX_BORDER) > 0.0) && grow_extent() {
         write_back(CHOOSE);
         return;
     }
-    states[trial].border = max(reduced_maxima[MAX_BORDER], 0.0);
+    states[trial].border = max(reduced(SUMS + MAX_BORDER), 0.0);
     let dt = states[trial].dt;
     if states[trial].controller == CONTROLLER_REPLAY {
         states[trial].found_speed = 0.0;

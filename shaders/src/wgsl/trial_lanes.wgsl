@@ -117,6 +117,13 @@ fn note_bad(result: f32, place: u32) {
     }
 }
 
+// Keeps in mind that a formula of the step gave no finite number.
+fn note_fault(result: f32, place: u32) {
+    if is_bad(result) {
+        fault = max(fault, f32(place));
+    }
+}
+
 // Pressure and recession speed [Pa, m/s] at a depth [voxels] that changes by `depth_rate` [m/s].
 fn ground(lane: Lane, depth: f32, depth_rate: f32) -> vec2f {
     var at = lane;

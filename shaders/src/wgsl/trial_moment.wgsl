@@ -60,16 +60,16 @@ fn leave_moment(width: f32) {
     let dt = states[trial].dt;
     let voxel = setups[trial].voxel;
     let speed = (states[trial].guess - from_travel()) * voxel / dt;
-    let force = reduced_totals[SUM_FORCE];
-    let area = reduced_totals[SUM_AREA];
+    let force = reduced(SUM_FORCE);
+    let area = reduced(SUM_AREA);
     set_value(V_LIFT_ACCELERATION, (speed - value(V_LIFT_SPEED)) / dt);
     set_value(V_LIFT_SPEED, speed);
     set_value(V_FORCE, force);
     set_value(V_CONTACT_AREA, area);
     set_value(V_PRESSURE_MEAN, select(0.0, force / area, area > 0.0));
     set_value(V_PATCH_WIDTH, width);
-    set_value(V_REMOVAL_RATE, reduced_totals[SUM_VOLUME] / dt);
-    set_value(V_DOSE_VOLUME_RATE, reduced_totals[SUM_COATING] / dt);
+    set_value(V_REMOVAL_RATE, reduced(SUM_VOLUME) / dt);
+    set_value(V_DOSE_VOLUME_RATE, reduced(SUM_COATING) / dt);
     if force > 0.0 {
         states[trial].touched = 1u;
     }
@@ -103,12 +103,12 @@ fn write_row(in_air: u32) {
     row.in_air = in_air;
     if in_air == 0u {
         row.end_force = states[trial].force_now;
-        row.force = reduced_totals[SUM_FORCE];
-        row.load = reduced_totals[SUM_LOAD];
-        row.area = reduced_totals[SUM_AREA];
-        row.pressure_max = max(reduced_maxima[MAX_PRESSURE], 0.0);
-        row.volume = reduced_totals[SUM_VOLUME];
-        row.coating_volume = reduced_totals[SUM_COATING];
+        row.force = reduced(SUM_FORCE);
+        row.load = reduced(SUM_LOAD);
+        row.area = reduced(SUM_AREA);
+        row.pressure_max = max(reduced(SUMS + MAX_PRESSURE), 0.0);
+        row.volume = reduced(SUM_VOLUME);
+        row.coating_volume = reduced(SUM_COATING);
     }
     log_rows[setups[trial].log_first + states[trial].steps % setups[trial].log_rows] = row;
     states[trial].steps += 1u;

@@ -1,4 +1,4 @@
-// Numbers that name arrays, sums, poses and phases, and what a workgroup keeps beside its buffers.
+// Numbers that name arrays, sums, poses and phases, and what an invocation keeps beside its buffers.
 
 // Arrays over the lines of a sheet: height as it was read, in whole voxels above the base and the part of one, and how far
 // it has sunk since; slopes, channels, and what the step does.
@@ -33,7 +33,6 @@ const SUM_AREA: u32 = 3u;
 const SUM_VOLUME: u32 = 4u;
 const SUM_COATING: u32 = 5u;
 const SUMS: u32 = 6u;
-const SUM_CELLS: u32 = SUMS * WORKGROUP_SIZE;
 
 // Greatest values over the squares, or over the lines when a sheet is written back.
 const MAX_BAD: u32 = 0u;
@@ -52,8 +51,7 @@ const MAX_LOW_ROW: u32 = 6u;
 const MAX_LOW_PLACE: u32 = 7u;
 const MAX_DOSED: u32 = 8u;
 const MAX_REACH: u32 = 9u;
-const MAXIMA: u32 = 10u;
-const MAXIMUM_CELLS: u32 = MAXIMA * WORKGROUP_SIZE;
+const MAXIMA: u32 = REDUCED - SUMS;
 
 // Poses that are kept: at the start and the end of the step, in its middle, and at its end without travel.
 const POSE_START: u32 = 0u;
@@ -100,10 +98,3 @@ var<private> totals: array<f32, SUMS>;
 var<private> maxima: array<f32, MAXIMA>;
 // A formula of the step that gave no finite number.
 var<private> fault: f32;
-// Those of all invocations, and what they come to.
-var<workgroup> all_totals: array<f32, SUM_CELLS>;
-var<workgroup> all_maxima: array<f32, MAXIMUM_CELLS>;
-var<workgroup> reduced_totals: array<f32, SUMS>;
-var<workgroup> reduced_maxima: array<f32, MAXIMA>;
-// Bricks of the trial's own.
-var<workgroup> own_count: atomic<u32>;

@@ -5,7 +5,7 @@ fn settle() {
     switch states[trial].phase {
         case READ: { states[trial].has_sheet = 1u; look(); states[trial].phase = TRY; }
         case BEGIN: {
-            states[trial].border = max(reduced_maxima[MAX_BORDER], 0.0);
+            states[trial].border = max(reduced(SUMS + MAX_BORDER), 0.0);
             states[trial].phase = SEARCH;
             _ = fails();
         }
@@ -15,11 +15,11 @@ fn settle() {
         case BEND: { states[trial].bent = 0.0; states[trial].phase = AFTER_STEP; }
         case AIR: { advance_clock(); states[trial].phase = STEP; _ = fails(); }
         case BOUNDS: { settle_bounds(); }
-        case BRICKS: { states[trial].needed = atomicLoad(&own_count); settle_bricks(); }
+        case BRICKS: { states[trial].phase = COPY; }
         case COPY: { settle_copy(); }
         case RAISE: { states[trial].phase = select(SLOPES, BOUNDS_DONE, states[trial].changed.z == 0u); }
         case SLOPES: {
-            states[trial].layers = u32(max(reduced_maxima[MAX_REACH], 0.0));
+            states[trial].layers = u32(max(reduced(SUMS + MAX_REACH), 0.0));
             states[trial].layer = 1u;
             states[trial].phase = FAR_LAYER;
         }

@@ -128,10 +128,14 @@ fn changed(pose: Pose) -> Pose {
     return moved(result, mat3x3f(pose.x, pose.y, pose.z) * shift, 1.0);
 }
 
-// The tool as the effects have it, lifted by the travel of now.
+// A pose lifted by the travel of now.
+fn lifted(pose: Pose) -> Pose {
+    return moved(moved(pose, pose.approach, states[trial].coarse), pose.approach, states[trial].fine);
+}
+
+// The tool as the effects have it.
 fn pose_at(time: Time) -> Pose {
-    let low = changed(nominal(time));
-    return moved(moved(low, low.approach, states[trial].coarse), low.approach, states[trial].fine);
+    return lifted(changed(nominal(time)));
 }
 
 // Way of the reference point from one pose to the next [voxels].

@@ -106,8 +106,7 @@ fn facing(approach: vec3f) -> vec2i {
 // Sees to a sheet that holds the contact of the step, and looks at its region of it.
 fn choose_sheet() {
     let dt = states[trial].step_dt;
-    let start = pose_at(now());
-    let wanted = facing(start.approach);
+    let wanted = facing(nominal(now()).approach);
     let turned = states[trial].axis != u32(wanted.x) || states[trial].up != wanted.y;
     if states[trial].has_sheet == 1u && turned {
         write_back(CHOOSE);
@@ -116,9 +115,10 @@ fn choose_sheet() {
     states[trial].axis = u32(wanted.x);
     states[trial].up = wanted.y;
     var window = no_window();
-    window = widen(window[0], window[1].x, start);
-    window = widen(window[0], window[1].x, pose_at(later(now(), dt)));
-    window = widen(window[0], window[1].x, pose_at(later(now(), dt + time_for(LOOK_AHEAD))));
+    let ways = vec3f(0.0, dt, dt + time_for(LOOK_AHEAD));
+    for (var n = 0u; n < 3u; n++) {
+        window = widen(window[0], window[1].x, pose_at(later(now(), ways[n])));
+    }
     let low = window[0].xy - MARGIN;
     let size = max(window[0].zw + MARGIN - low + 1, vec2i(3));
     states[trial].wanted = vec4i(low, size);

@@ -6,7 +6,7 @@ fn layer_voxel(line: u32, layer: i32, side: i32) -> i32 {
     return select(below + 1 - layer, below + layer, side > 0);
 }
 
-// Distance of a line's voxel in a layer from the surface [voxels], signed; NONE where it is left alone.
+// Distance of a line's voxel in a layer from the surface [m], signed; NONE where it is left alone.
 fn renewed(line: u32, layer: i32, side: i32) -> f32 {
     let at = line_place(line);
     let k = layer_voxel(line, layer, side);
@@ -14,19 +14,19 @@ fn renewed(line: u32, layer: i32, side: i32) -> f32 {
     if place == OUTSIDE {
         return NONE;
     }
-    let old = pool[place] / setups[trial].voxel;
-    if abs(old) <= KEPT || old * f32(side) < 0.0 {
+    let old = pool[place];
+    if abs(old) <= setups[trial].kept_length || old * f32(side) < 0.0 {
         return NONE;
     }
     let nearer = phi_around(line, slope_of(line) * f32(side), k - side);
     if nearer == NONE {
         return NONE;
     }
-    let distance = max(nearer * f32(side), 0.0) + area_ratio(line);
-    return clamp(distance, KEPT, setups[trial].band) * f32(side);
+    let distance = max(nearer * f32(side), 0.0) + area_ratio(line) * setups[trial].voxel;
+    return clamp(distance, setups[trial].kept_length, setups[trial].band_length) * f32(side);
 }
 
-// Phi at height k, `shift` columns away from a line; NONE beyond the window or the band.
+// Phi [m] at height k, `shift` columns away from a line; NONE beyond the window or the band.
 fn phi_around(line: u32, shift: vec2f, k: i32) -> f32 {
     let own = vec2f(f32(line / across()), f32(line % across()));
     let at = own + shift;
@@ -42,8 +42,8 @@ fn phi_around(line: u32, shift: vec2f, k: i32) -> f32 {
         let step = vec2i(n >> 1u, n & 1);
         let weight = select(1.0 - f.x, f.x, step.x == 1) * select(1.0 - f.y, f.y, step.y == 1);
         if weight > 0.0 {
-            let phi = phi_at(voxel_at(place.x + step.x, place.y + step.y, k));
-            if abs(phi) >= setups[trial].band {
+            let phi = phi_length(voxel_at(place.x + step.x, place.y + step.y, k));
+            if abs(phi) >= setups[trial].band_length {
                 return NONE;
             }
             sum += weight * phi;
@@ -69,5 +69,5 @@ fn write_renewed(line: u32, layer: i32, side: i32, distance: f32) {
             pool[own] = 0.0;
         }
     }
-    pool[place] = distance * setups[trial].voxel;
+    pool[place] = distance;
 }

@@ -9,12 +9,15 @@ fn plan_sheet() {
     let commit_way = setups[trial].commit_way;
     let ahead = time_for(commit_way + setups[trial].step_way + LOOK_AHEAD);
     let count = u32(ceil(commit_way / setups[trial].step_way));
-    let start = pose_at(now());
     var window = no_window();
-    window = widen(window[0], window[1].x, start);
-    for (var n = 0u; n <= count; n++) {
-        let way = states[trial].step_dt + ahead * f32(n) / f32(count);
-        window = widen(window[0], window[1].x, pose_at(later(now(), way)));
+    var start: Pose;
+    for (var n = 0u; n <= count + 1u; n++) {
+        let way = select(states[trial].step_dt + ahead * (f32(n) - 1.0) / f32(count), 0.0, n == 0u);
+        let pose = pose_at(later(now(), way));
+        window = widen(window[0], window[1].x, pose);
+        if n == 0u {
+            start = pose;
+        }
     }
     let low = window[0].xy - MARGIN;
     let size = vec2u(max(window[0].zw + MARGIN - low + 1, vec2i(3)));
@@ -53,19 +56,23 @@ fn plan_try() {
 fn plan_aim() {
     states[trial].dt = select(states[trial].step_dt, 0.0, states[trial].settling == 1u);
     let dt = states[trial].dt;
-    keep_pose(POSE_START, pose_at(now()));
-    let end = changed(nominal(later(now(), dt)));
+    // At the start, in the middle and at the end, without travel.
+    var poses: array<Pose, 3>;
+    for (var n = 0u; n < 3u; n++) {
+        poses[n] = changed(nominal(later(now(), 0.5 * f32(n) * dt)));
+    }
+    keep_pose(POSE_START, lifted(poses[0]));
     states[trial].sweep = vec4f(0.0);
     states[trial].phase = SEARCH;
     if setups[trial].grinds == 1u {
-        keep_pose(POSE_AIM, end);
+        keep_pose(POSE_AIM, poses[2]);
         if states[trial].goes_on == 0u {
             states[trial].start_region = states[trial].region;
             states[trial].phase = BEGIN;
         }
     } else {
-        keep_pose(POSE_AIM, changed(nominal(later(now(), 0.5 * dt))));
-        states[trial].sweep = vec4f(to_sheet(way_between(changed(nominal(now())), end)), 0.0);
+        keep_pose(POSE_AIM, poses[1]);
+        states[trial].sweep = vec4f(to_sheet(way_between(poses[0], poses[2])), 0.0);
     }
     states[trial].whole_step = 1u - setups[trial].grinds;
     states[trial].goes_on = 0u;

@@ -5,6 +5,8 @@
 
 use std::fmt::Write as _;
 
+use shaders::constants::PARTIALS;
+
 use super::compiled::CompiledModel;
 use super::definition::{Holder, Rows};
 use super::graph::{Load, Node};
@@ -88,7 +90,9 @@ impl DeviceModel {
         let keep: Vec<String> = LANE_HOOKS.map(|place| writer.lane_hook(place, model.program(place))).into();
         writer.function("prepare_lanes()", &keep.concat());
         writer.states(model);
-        Ok(Self { text: writer.text, parameters, tool_states, cell_states, values: writer.kept })
+        let _ = writeln!(writer.text, "\nconst PARTIALS_AT: u32 = {}u;", writer.kept);
+        let values = writer.kept + PARTIALS as usize;
+        Ok(Self { text: writer.text, parameters, tool_states, cell_states, values })
     }
 }
 

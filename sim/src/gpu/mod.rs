@@ -10,7 +10,7 @@ mod setup;
 
 pub use batch::{Outcome, Settings, Trial, run_batch, run_pass};
 
-use crate::effect::{DeviceModel, Place};
+use crate::effect::{CompiledModel, DeviceModel, Place};
 use crate::pass::Pass;
 use crate::settings::PassError;
 use crate::tool::Tool;
@@ -49,11 +49,16 @@ impl From<shaders::device::DeviceFault> for GpuError {
 
 /// What of a pass the device does not run; `None` where it runs all of it.
 pub fn refusal(pass: &Pass) -> Option<String> {
-    if matches!(pass.tool, Tool::Field(_)) {
-        return Some("a tool baked into a field".to_owned());
-    }
     if pass.covariates.is_some() {
         return Some("maps of what each place goes through".to_owned());
     }
-    DeviceModel::new(pass.model, tool_cells::COUNT).err().map(|fault| format!("a model in which {fault}"))
+    refusal_of(pass.tool, pass.model)
+}
+
+/// The same of a tool and a model alone.
+pub fn refusal_of(tool: &Tool, model: &CompiledModel) -> Option<String> {
+    if matches!(tool, Tool::Field(_)) {
+        return Some("a tool baked into a field".to_owned());
+    }
+    DeviceModel::new(model, tool_cells::COUNT).err().map(|fault| format!("a model in which {fault}"))
 }

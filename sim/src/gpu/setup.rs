@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use sdf_bake::BrickGrid;
+use sdf_bake::redistance::KEPT_VOXELS;
 use shaders::constants::{
     CONTROLLER_ADMITTANCE, CONTROLLER_IDEAL, CONTROLLER_REPLAY, TIME_BLOCKS, TOOL_PAD, TOOL_SPHERE, TOOL_WHEEL,
 };
@@ -83,6 +84,7 @@ pub(super) fn setup(grid: &BrickGrid, pass: &Pass, physics: &Physics) -> Result<
     let (x, y) = pass.tool.half_footprint(f64::INFINITY);
     setup.whole_extent = [in_voxels(x), in_voxels(y), 0.0, 0.0];
     (setup.voxel, setup.band_length, setup.band) = (voxel as f32, grid.band, in_voxels(grid.band.into()));
+    setup.kept_length = (KEPT_VOXELS * voxel) as f32;
     setup.infinity = f32::INFINITY;
     place_tool(&mut setup, pass.tool, voxel);
     place_controller(&mut setup, process.controller, voxel);

@@ -1,0 +1,10 @@
+// The second share of every trial's phase; host file: simulate.rs.
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn simulate_second(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane_index: u32) {
+    trial = group.x;
+    lane_id = lane_index;
+    take_up_sums();
+    second_part(states[trial].phase);
+    keep_sums();
+}
