@@ -4,7 +4,9 @@
 fn simulate_first(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane_index: u32) {
     trial = group.x;
     lane_id = lane_index;
+    setup = setups[trial];
+    state = states[trial];
     begin_sums();
-    first_part(states[trial].phase);
+    first_part(state.phase);
     keep_sums();
 }

@@ -4,6 +4,7 @@
 fn simulate_reduce(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane_index: u32) {
     trial = group.x;
     lane_id = lane_index;
+    setup.value_first = setups[trial].value_first;
     if lane_id >= REDUCED {
         return;
     }

@@ -17,19 +17,19 @@ fn top(line: u32, depths: u32) -> f32 {
 // Mean share of a square in contact.
 fn mean_share(line: u32) -> f32 {
     let end = end_square(line).share;
-    return select(0.5 * (start_square(line).share + end), end, states[trial].whole_step == 1u);
+    return select(0.5 * (start_square(line).share + end), end, state.whole_step == 1u);
 }
 
 // Dose that a square takes up in the step, and for a step that is its middle, nothing else.
 fn dose_gain(line: u32, start: Square, end: Square, middle: Pose) -> f32 {
-    if setups[trial].sands == 0u {
+    if setup.sands == 0u {
         return 0.0;
     }
     var lane = lane_at(line, middle);
     lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
-    let dt = states[trial].dt;
+    let dt = state.dt;
     let at_end = sanded(lane, wet_depth(end), column_value(PRESSURE_END, line)) * end.share;
-    if states[trial].whole_step == 1u {
+    if state.whole_step == 1u {
         return dt * at_end;
     }
     return 0.5 * dt * (sanded(lane, wet_depth(start), column_value(PRESSURE_START, line)) * start.share + at_end);
@@ -43,8 +43,8 @@ fn complete(line: u32, middle: Pose) {
     if start.share + end.share == 0.0 {
         return;
     }
-    let voxel = setups[trial].voxel;
-    let whole = states[trial].whole_step == 1u;
+    let voxel = setup.voxel;
+    let whole = state.whole_step == 1u;
     let gain = dose_gain(line, start, end, middle);
     set_column(DOSE_GAIN, line, gain);
     let ratio = area_ratio(line);
@@ -56,7 +56,7 @@ fn complete(line: u32, middle: Pose) {
     totals[SUM_LOAD] += load * square * ratio;
     totals[SUM_AREA] += select(0.5 * (start.area + end.area), end.area, whole) * facing;
     totals[SUM_VOLUME] += recession * voxel * square * ratio;
-    totals[SUM_COATING] += min(gain, max(1.0 - column_value(DOSE, line), 0.0)) * setups[trial].coating * square * ratio;
+    totals[SUM_COATING] += min(gain, max(1.0 - column_value(DOSE, line), 0.0)) * setup.coating * square * ratio;
     complete_maxima(line, middle, ratio, recession);
     if whole {
         add_pressure(line, end, end_array(END_DEPTH), column_value(PRESSURE_END, line));
@@ -87,10 +87,10 @@ fn complete_maxima(line: u32, middle: Pose, ratio: f32, recession: f32) {
 
 // Sums over the squares under one tool cell, as means over its contact; twin of CellSums.
 fn sum_cell(cell: u32, middle: Pose) {
-    let voxel = setups[trial].voxel;
-    let dt = states[trial].dt;
+    let voxel = setup.voxel;
+    let dt = state.dt;
     var sums = array<f32, 7>();
-    let region = states[trial].region;
+    let region = state.region;
     for (var n = 0u; n < region_count(region); n++) {
         let line = region_line(region, n);
         let share = mean_share(line);
@@ -111,7 +111,7 @@ fn sum_cell(cell: u32, middle: Pose) {
         sums[3] += weight * rate;
         sums[4] += weight * dose;
         sums[5] += weight * rate * surface;
-        sums[6] += weight * dose * surface * setups[trial].coating;
+        sums[6] += weight * dose * surface * setup.coating;
     }
     let per_share = select(0.0, 1.0 / sums[0], sums[0] > 0.0);
     for (var n = 0u; n < 7u; n++) {
@@ -127,10 +127,10 @@ fn apply(line: u32) {
         return;
     }
     let recession = column_value(RECESSION, line);
-    set_column(REMOVED, line, column_value(REMOVED, line) + recession * setups[trial].voxel);
+    set_column(REMOVED, line, column_value(REMOVED, line) + recession * setup.voxel);
     set_column(SUNK, line, column_value(SUNK, line) + recession * area_ratio(line));
     set_column(DOSE, line, column_value(DOSE, line) + column_value(DOSE_GAIN, line));
-    if setups[trial].grinds == 1u {
+    if setup.grinds == 1u {
         let side = end_array(END_DEPTH);
         let left = end.mean - recession;
         set_column(side, line, column_value(side, line) - recession);

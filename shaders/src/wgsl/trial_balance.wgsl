@@ -28,87 +28,87 @@ fn force_reading(force: f32) -> f32 {
 
 // The travel where the step starts, beyond the base of the search.
 fn from_travel() -> f32 {
-    return (states[trial].coarse - states[trial].guess_base) + states[trial].fine;
+    return (state.coarse - state.guess_base) + state.fine;
 }
 
 // Starts a search for the balance with so much damping and mass.
 fn start_balance(damping: f32, mass: f32) {
-    states[trial].damping = damping;
-    states[trial].mass = mass;
-    states[trial].low = -FAR;
-    states[trial].high = FAR;
-    states[trial].stride = FIRST_STRIDE / setups[trial].voxel;
-    states[trial].nudge = 0.5 * FIRST_NUDGE / setups[trial].voxel;
-    states[trial].evaluations = 0u;
-    let reach = setups[trial].search_reach;
-    let base = states[trial].guess_base;
-    let guess = states[trial].fine + states[trial].speed * states[trial].dt;
-    states[trial].guess = clamp(guess, -reach - base, reach - base);
+    state.damping = damping;
+    state.mass = mass;
+    state.low = -FAR;
+    state.high = FAR;
+    state.stride = FIRST_STRIDE / setup.voxel;
+    state.nudge = 0.5 * FIRST_NUDGE / setup.voxel;
+    state.evaluations = 0u;
+    let reach = setup.search_reach;
+    let base = state.guess_base;
+    let guess = state.fine + state.speed * state.dt;
+    state.guess = clamp(guess, -reach - base, reach - base);
     rebase();
 }
 
 // Moves whole sixteenths of a voxel from the travel to its base.
 fn rebase() {
-    let shift = round(states[trial].guess * SPLIT) / SPLIT;
-    states[trial].guess_base += shift;
-    states[trial].guess -= shift;
-    if states[trial].low > -FAR {
-        states[trial].low -= shift;
+    let shift = round(state.guess * SPLIT) / SPLIT;
+    state.guess_base += shift;
+    state.guess -= shift;
+    if state.low > -FAR {
+        state.low -= shift;
     }
-    if states[trial].high < FAR {
-        states[trial].high -= shift;
+    if state.high < FAR {
+        state.high -= shift;
     }
 }
 
 // Force in excess of what the controller lets stand [N].
 fn excess_force(force: f32) -> f32 {
-    let dt = states[trial].dt;
-    let over = force - setups[trial].force_setpoint;
+    let dt = state.dt;
+    let over = force - setup.force_setpoint;
     if dt == 0.0 {
         return over;
     }
-    let speed = (states[trial].guess - from_travel()) / dt;
-    return over - states[trial].damping * speed - states[trial].mass * (speed - states[trial].speed) / dt;
+    let speed = (state.guess - from_travel()) / dt;
+    return over - state.damping * speed - state.mass * (speed - state.speed) / dt;
 }
 
 // The next travel by Newton's step, or down to the surface and a little into it; FAR where there is no surface.
 fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
-    let dt = states[trial].dt;
-    let drag = select(0.0, states[trial].damping / dt + states[trial].mass / (dt * dt), dt > 0.0);
-    let guess = states[trial].guess;
+    let dt = state.dt;
+    let drag = select(0.0, state.damping / dt + state.mass / (dt * dt), dt > 0.0);
+    let guess = state.guess;
     if stiffness + drag > 0.0 {
         let newton = guess + excess / (stiffness + drag);
-        states[trial].stride *= 4.0;
-        return select(max(newton, guess - states[trial].stride), newton, states[trial].low > -FAR);
+        state.stride *= 4.0;
+        return select(max(newton, guess - state.stride), newton, state.low > -FAR);
     }
     if depth <= -FAR {
         return FAR;
     }
-    states[trial].nudge *= 2.0;
-    return guess + min(depth, 0.0) * (1.0 + 1e-6) - states[trial].nudge;
+    state.nudge *= 2.0;
+    return guess + min(depth, 0.0) * (1.0 + 1e-6) - state.nudge;
 }
 
 // Takes up the force [N], its stiffness [N/voxel] and the depth under the tool [voxels] at the guess. Gives SEARCHING,
 // FOUND or NOTHING.
 fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     let excess = excess_force(force_reading(force));
-    if abs(excess) <= FORCE_TOLERANCE * setups[trial].force_setpoint {
+    if abs(excess) <= FORCE_TOLERANCE * setup.force_setpoint {
         return FOUND;
     }
     if excess > 0.0 {
-        states[trial].low = states[trial].guess;
+        state.low = state.guess;
     } else {
-        states[trial].high = states[trial].guess;
+        state.high = state.guess;
     }
-    let low = states[trial].low;
-    let high = states[trial].high;
+    let low = state.low;
+    let high = state.high;
     let step = next_guess(excess, stiffness, depth);
     if step == FAR {
         return NOTHING;
     }
     let between = (step > low && step < high) || low == -FAR || high == FAR;
     var guess = select(0.5 * (low + high), step, between);
-    let least = -setups[trial].search_reach - states[trial].guess_base;
+    let least = -setup.search_reach - state.guess_base;
     if is_bad(guess) || guess < least {
         // The first touch of a wide tool is so soft that Newton's step leads far below the balance.
         if is_bad(guess) || high <= least {
@@ -117,12 +117,12 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
         guess = least;
     }
     if high - low < RESOLUTION {
-        states[trial].guess = low;
+        state.guess = low;
         return FOUND;
     }
-    states[trial].guess = guess;
-    states[trial].evaluations += 1u;
-    if states[trial].evaluations >= EVALUATIONS {
+    state.guess = guess;
+    state.evaluations += 1u;
+    if state.evaluations >= EVALUATIONS {
         return FOUND;
     }
     rebase();
@@ -131,11 +131,11 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
 
 // One sample of an admittance controller (semi-implicit Euler).
 fn sample_admittance() {
-    let dt = states[trial].dt;
-    let mass = setups[trial].mass;
-    let over = force_reading(states[trial].end_force) - setups[trial].force_setpoint;
-    let speed = (mass * states[trial].speed + dt * over) / (mass + dt * setups[trial].damping);
-    states[trial].found_speed = speed;
-    states[trial].guess = states[trial].fine + dt * speed;
+    let dt = state.dt;
+    let mass = setup.mass;
+    let over = force_reading(state.end_force) - setup.force_setpoint;
+    let speed = (mass * state.speed + dt * over) / (mass + dt * setup.damping);
+    state.found_speed = speed;
+    state.guess = state.fine + dt * speed;
     rebase();
 }

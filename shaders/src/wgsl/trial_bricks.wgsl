@@ -3,11 +3,11 @@
 
 // First tile across the columns, and number of tiles.
 fn tile_low() -> vec2i {
-    return states[trial].window_low.xy >> vec2u(BRICK_SHIFT);
+    return state.window_low.xy >> vec2u(BRICK_SHIFT);
 }
 
 fn tile_counts() -> vec2u {
-    let last = states[trial].window_low.xy + vec2i(vec2u(states[trial].window_size[0], across())) - 1;
+    let last = state.window_low.xy + vec2i(vec2u(state.window_size[0], across())) - 1;
     return vec2u((last >> vec2u(BRICK_SHIFT)) - tile_low() + 1);
 }
 
@@ -22,7 +22,7 @@ fn tile_brick(tile: u32, k: i32) -> vec3i {
 fn written(line: u32) -> vec3i {
     let below = voxel_below(line, column_value(SUNK, line));
     if is_changed(line) {
-        let far = i32(ceil(setups[trial].band * STEEPEST)) + 2;
+        let far = i32(ceil(setup.band * STEEPEST)) + 2;
         let open = below - reach_of(line);
         return vec3i(min(below, open) - far, voxel_below(line, 0.0) + far, open);
     }
@@ -37,9 +37,9 @@ fn written(line: u32) -> vec3i {
 fn own_bricks(tile: u32, looks: bool) -> bool {
     let counts = tile_counts();
     let corner = (tile_low() + vec2i(vec2u(tile / counts.y, tile % counts.y))) * i32(BRICK_SIDE);
-    let low = max(corner - states[trial].window_low.xy, vec2i(0));
-    let size = vec2i(vec2u(states[trial].window_size[0], across()));
-    let high = min(corner + i32(BRICK_SIDE) - states[trial].window_low.xy, size);
+    let low = max(corner - state.window_low.xy, vec2i(0));
+    let size = vec2i(vec2u(state.window_size[0], across()));
+    let high = min(corner + i32(BRICK_SIDE) - state.window_low.xy, size);
     for (var row = low.x; row < high.x; row++) {
         for (var place = low.y; place < high.y; place++) {
             let span = written(u32(row) * across() + u32(place));
@@ -61,16 +61,16 @@ fn own_brick(brick: vec3i, span: vec3i, looks: bool) -> bool {
         return false;
     }
     let slot = brick_index[entry];
-    let opens = slot == INSIDE && (span.z * states[trial].up) >> BRICK_SHIFT == brick[states[trial].axis];
+    let opens = slot == INSIDE && (span.z * state.up) >> BRICK_SHIFT == brick[state.axis];
     if !opens && (slot >= INSIDE || is_own(slot)) {
         return false;
     }
     if !looks {
-        let number = states[trial].needed;
-        states[trial].needed += 1u;
-        if number < setups[trial].spare_bricks {
-            brick_index[setups[trial].source_first + number] = slot;
-            brick_index[entry] = setups[trial].shared_bricks + number;
+        let number = state.needed;
+        state.needed += 1u;
+        if number < setup.spare_bricks {
+            brick_index[setup.source_first + number] = slot;
+            brick_index[entry] = setup.shared_bricks + number;
         }
     }
     return true;
@@ -79,25 +79,27 @@ fn own_brick(brick: vec3i, span: vec3i, looks: bool) -> bool {
 // Makes the bricks of all tiles in question the trial's own, by one invocation.
 fn own_all_bricks() {
     let counts = tile_counts();
-    states[trial].needed = states[trial].own_bricks;
+    state.needed = state.own_bricks;
     for (var tile = 0u; tile < counts.x * counts.y; tile++) {
         if column_value(DOSE_GAIN, tile) > 0.0 {
             _ = own_bricks(tile, false);
         }
     }
-    states[trial].own_bricks = min(states[trial].needed, setups[trial].spare_bricks);
+    state.own_bricks = min(state.needed, setup.spare_bricks);
+    states[trial].needed = state.needed;
+    states[trial].own_bricks = state.own_bricks;
 }
 
 // Fills value `n` of the bricks that are new: from their source, or with the inside.
 fn fill_own(n: u32) {
     let values_of_brick = run.planes * BRICK_VOXELS;
-    let number = states[trial].filled_bricks + n / values_of_brick;
+    let number = state.filled_bricks + n / values_of_brick;
     let at = n % values_of_brick;
-    let source = brick_index[setups[trial].source_first + number];
-    let place = (setups[trial].spare_first + number) * values_of_brick + at;
+    let source = brick_index[setup.source_first + number];
+    let place = (setup.spare_first + number) * values_of_brick + at;
     if source == INSIDE {
-        pool[place] = select(0.0, -setups[trial].band_length, at < BRICK_VOXELS);
+        pool[place] = select(0.0, -setup.band_length, at < BRICK_VOXELS);
     } else {
-        pool[place] = pool[(setups[trial].first_brick + source) * values_of_brick + at];
+        pool[place] = pool[(setup.first_brick + source) * values_of_brick + at];
     }
 }

@@ -7,7 +7,7 @@ const MOST_STEEPNESS: f32 = 2.0;
 
 // Voxels above or below the surface that a column's share of the band covers.
 fn reach_of(line: u32) -> i32 {
-    return i32(ceil(setups[trial].band * min(area_ratio(line), STEEPEST))) + 1;
+    return i32(ceil(setup.band * min(area_ratio(line), STEEPEST))) + 1;
 }
 
 // Notes the rectangle of lines that have receded, and whether any has a dose.
@@ -30,7 +30,7 @@ fn is_dosed(line: u32) -> bool {
 
 // Whether a line's voxels may have a receded column as their closest surface point.
 fn is_changed(line: u32) -> bool {
-    let region = states[trial].changed;
+    let region = state.changed;
     let at = vec2u(line / across(), line % across());
     return all(at >= region.xy) && all(at < region.xy + region.zw) && has_surface(line);
 }
@@ -51,7 +51,7 @@ fn write_near(line: u32, plane: u32, to: f32) {
 fn sunk_around(line: u32, shift: vec2f) -> f32 {
     let own = vec2f(f32(line / across()), f32(line % across()));
     let at = own + shift;
-    let last = vec2f(vec2u(states[trial].window_size[0], across()) - 1u);
+    let last = vec2f(vec2u(state.window_size[0], across()) - 1u);
     if any(at < vec2f(0.0)) || any(at > last) {
         return 0.0;
     }
@@ -77,7 +77,7 @@ fn raise(line: u32) {
 // The same on one side, away from the surface.
 fn raise_side(line: u32, first: i32, side: i32, beside: f32) {
     let at = line_place(line);
-    let voxel = setups[trial].voxel;
+    let voxel = setup.voxel;
     let ratio = area_ratio(line);
     var nearer = beside;
     for (var step = 0; step < reach_of(line); step++) {
@@ -87,13 +87,13 @@ fn raise_side(line: u32, first: i32, side: i32, beside: f32) {
         }
         let phi = pool[place] / voxel;
         let rise = (phi - nearer) * f32(side);
-        if abs(pool[place]) >= setups[trial].band_length || rise <= 0.0 {
+        if abs(pool[place]) >= setup.band_length || rise <= 0.0 {
             return;
         }
         let sunk = sunk_around(line, slope_of(line) * (phi / ratio));
         if sunk > 0.0 {
             let steepness = clamp(rise * ratio, LEAST_STEEPNESS, MOST_STEEPNESS) / ratio;
-            pool[place] = min(pool[place] + sunk * steepness * voxel, setups[trial].band_length);
+            pool[place] = min(pool[place] + sunk * steepness * voxel, setup.band_length);
         }
         nearer = phi;
     }

@@ -24,27 +24,27 @@ fn difference(before: f32, here: f32, after: f32) -> Difference {
 
 // Depth of a point of the tool's frame, from the lowest point, below the working surface.
 fn tool_depth(at: vec3f) -> f32 {
-    if setups[trial].tool == TOOL_PAD {
+    if setup.tool == TOOL_PAD {
         return at.z;
     }
     // R - sqrt(flat² + (z - R)²) without the difference of two large numbers.
-    let radius = setups[trial].tool_radius;
-    let flat = at.x * at.x + select(0.0, at.y * at.y, setups[trial].tool == TOOL_SPHERE);
+    let radius = setup.tool_radius;
+    let flat = at.x * at.x + select(0.0, at.y * at.y, setup.tool == TOOL_SPHERE);
     let arm = at.z - radius;
     let round = (at.z * (2.0 * radius - at.z) - flat) / (radius + sqrt(flat + arm * arm));
-    return round - 0.5 * setups[trial].tool_crown * at.y * at.y;
+    return round - 0.5 * setup.tool_crown * at.y * at.y;
 }
 
 // Share of a square that lies under the working surface, as a mean over the sweep [u, v, up].
 fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> f32 {
-    if setups[trial].tool == TOOL_SPHERE {
+    if setup.tool == TOOL_SPHERE {
         return 1.0;
     }
     let near = 1.0 + 0.5 * length(sweep);
-    var within = setups[trial].tool_half_width - abs(at.y);
+    var within = setup.tool_half_width - abs(at.y);
     var inward = pose.y * -select(-1.0, 1.0, at.y >= 0.0);
-    if setups[trial].tool == TOOL_PAD {
-        within = setups[trial].tool_radius - length(at.xy);
+    if setup.tool == TOOL_PAD {
+        within = setup.tool_radius - length(at.xy);
         inward = -normalized(pose.x * at.x + pose.y * at.y);
     }
     if abs(within) >= near {

@@ -24,7 +24,7 @@ var<private> lane_id: u32;
 
 // Position in `columns` of a line's value.
 fn column(array_id: u32, line: u32) -> u32 {
-    return setups[trial].column_first + array_id * setups[trial].column_lines + line;
+    return setup.column_first + array_id * setup.column_lines + line;
 }
 
 fn column_value(array_id: u32, line: u32) -> f32 {
@@ -37,19 +37,19 @@ fn set_column(array_id: u32, line: u32, value: f32) {
 
 // Array of the start of the step, or of its end: they swap roles when a step goes on from the one before.
 fn start_array(array_id: u32) -> u32 {
-    return array_id + select(0u, SIDE_ARRAYS, states[trial].flip == 1u);
+    return array_id + select(0u, SIDE_ARRAYS, state.flip == 1u);
 }
 
 fn end_array(array_id: u32) -> u32 {
-    return array_id + select(SIDE_ARRAYS, 0u, states[trial].flip == 1u);
+    return array_id + select(SIDE_ARRAYS, 0u, state.flip == 1u);
 }
 
 fn value(at: u32) -> f32 {
-    return values[setups[trial].value_first + at];
+    return values[setup.value_first + at];
 }
 
 fn set_value(at: u32, to: f32) {
-    values[setups[trial].value_first + at] = to;
+    values[setup.value_first + at] = to;
 }
 
 // A sum or greatest value over all invocations.
@@ -90,11 +90,11 @@ fn take_up_sums() {
 
 // Lines of the sheet's window.
 fn line_count() -> u32 {
-    return states[trial].window_size[0] * states[trial].window_size[1];
+    return state.window_size[0] * state.window_size[1];
 }
 
 fn across() -> u32 {
-    return states[trial].window_size[1];
+    return state.window_size[1];
 }
 
 // Lines of the region, and the n-th of them: the rectangle [row, column, rows, columns] that a step looks at.
@@ -131,5 +131,5 @@ fn area_ratio(line: u32) -> f32 {
 
 // Voxel below the surface as it is now, along the columns; as it was read with `sunk` 0.
 fn voxel_below(line: u32, sunk: f32) -> i32 {
-    return states[trial].base + i32(column_value(WHOLE, line)) + i32(floor(column_value(PART, line) - sunk));
+    return state.base + i32(column_value(WHOLE, line)) + i32(floor(column_value(PART, line) - sunk));
 }

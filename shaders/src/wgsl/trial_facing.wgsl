@@ -2,8 +2,8 @@
 
 // The voxel at lattice place (i, j) across the columns and k up.
 fn voxel_at(i: i32, j: i32, k: i32) -> vec3i {
-    let up = k * states[trial].up;
-    switch states[trial].axis {
+    let up = k * state.up;
+    switch state.axis {
         case 0u: { return vec3i(up, i, j); }
         case 1u: { return vec3i(j, up, i); }
         default: { return vec3i(i, j, up); }
@@ -12,8 +12,8 @@ fn voxel_at(i: i32, j: i32, k: i32) -> vec3i {
 
 // A vector of the field's frame as (u, v, up).
 fn to_sheet(v: vec3f) -> vec3f {
-    let up = f32(states[trial].up);
-    switch states[trial].axis {
+    let up = f32(state.up);
+    switch state.axis {
         case 0u: { return vec3f(v.yz, up * v.x); }
         case 1u: { return vec3f(v.zx, up * v.y); }
         default: { return vec3f(v.xy, up * v.z); }
@@ -21,17 +21,17 @@ fn to_sheet(v: vec3f) -> vec3f {
 }
 
 fn whole_to_sheet(v: vec3i) -> vec3i {
-    switch states[trial].axis {
-        case 0u: { return vec3i(v.yz, states[trial].up * v.x); }
-        case 1u: { return vec3i(v.zx, states[trial].up * v.y); }
-        default: { return vec3i(v.xy, states[trial].up * v.z); }
+    switch state.axis {
+        case 0u: { return vec3i(v.yz, state.up * v.x); }
+        case 1u: { return vec3i(v.zx, state.up * v.y); }
+        default: { return vec3i(v.xy, state.up * v.z); }
     }
 }
 
 // A vector (u, v, up) in the field's frame.
 fn from_sheet(v: vec3f) -> vec3f {
-    let up = f32(states[trial].up) * v.z;
-    switch states[trial].axis {
+    let up = f32(state.up) * v.z;
+    switch state.axis {
         case 0u: { return vec3f(up, v.xy); }
         case 1u: { return vec3f(v.y, up, v.x); }
         default: { return vec3f(v.xy, up); }

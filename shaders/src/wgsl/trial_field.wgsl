@@ -8,8 +8,8 @@ const CLIMB: i32 = 400;
 
 // Position of a brick in the index; `OUTSIDE` beyond it.
 fn index_entry(brick: vec3i) -> u32 {
-    let at = brick - setups[trial].grid_origin.xyz;
-    let dims = setups[trial].grid_dims;
+    let at = brick - setup.grid_origin.xyz;
+    let dims = setup.grid_dims;
     if any(at < vec3i(0)) || any(at >= vec3i(dims.xyz)) {
         return OUTSIDE;
     }
@@ -27,12 +27,12 @@ fn slot_of(brick: vec3i) -> u32 {
 
 // Whether a slot is one of the trial's own.
 fn is_own(slot: u32) -> bool {
-    return slot < INSIDE && slot >= setups[trial].shared_bricks;
+    return slot < INSIDE && slot >= setup.shared_bricks;
 }
 
 // Position in the pool of the first value of a slot's plane.
 fn brick_values(slot: u32, plane: u32) -> u32 {
-    let first = select(setups[trial].first_brick, setups[trial].spare_first - setups[trial].shared_bricks, is_own(slot));
+    let first = select(setup.first_brick, setup.spare_first - setup.shared_bricks, is_own(slot));
     return ((first + slot) * run.planes + plane) * BRICK_VOXELS;
 }
 
@@ -54,14 +54,14 @@ fn place_of(voxel: vec3i, plane: u32) -> u32 {
 fn phi_length(voxel: vec3i) -> f32 {
     let slot = slot_of(voxel >> vec3u(BRICK_SHIFT));
     if slot >= INSIDE {
-        return select(setups[trial].band_length, -setups[trial].band_length, slot == INSIDE);
+        return select(setup.band_length, -setup.band_length, slot == INSIDE);
     }
     return pool[brick_values(slot, 0u) + voxel_offset(voxel)];
 }
 
 // The same [voxels].
 fn phi_at(voxel: vec3i) -> f32 {
-    return phi_length(voxel) / setups[trial].voxel;
+    return phi_length(voxel) / setup.voxel;
 }
 
 fn stride(phi: f32) -> i32 {
@@ -98,7 +98,7 @@ fn surface(i: i32, j: i32, high: i32, least: i32) -> vec2i {
 // Way to the zero of phi from the voxel below it; twin of crossing.rs.
 fn way_to_zero(before: f32, a: f32, b: f32, after: f32) -> f32 {
     let chord = a / (a - b);
-    let limit = WITHIN_BAND * setups[trial].band;
+    let limit = WITHIN_BAND * setup.band;
     if max(max(abs(before), abs(a)), max(abs(b), abs(after))) >= limit {
         return chord;
     }

@@ -16,7 +16,7 @@ fn first_part(phase: u32) {
             }
         }
         case COPY: {
-            let new_values = (states[trial].own_bricks - states[trial].filled_bricks) * run.planes * BRICK_VOXELS;
+            let new_values = (state.own_bricks - state.filled_bricks) * run.planes * BRICK_VOXELS;
             for (var n = lane_id; n < new_values; n += WORKGROUP_SIZE) { fill_own(n); }
         }
         case RAISE: { raise_lines(); }
@@ -27,7 +27,7 @@ fn first_part(phase: u32) {
 }
 
 fn depths(array_id: u32, pose: Pose) {
-    let region = grown(states[trial].region);
+    let region = grown(state.region);
     for (var n = lane_id; n < region_count(region); n += WORKGROUP_SIZE) {
         let line = region_line(region, n);
         set_column(array_id, line, measured_depth(line, pose));
@@ -35,7 +35,7 @@ fn depths(array_id: u32, pose: Pose) {
 }
 
 fn complete_lines() {
-    let region = states[trial].region;
+    let region = state.region;
     let middle = kept_pose(POSE_MIDDLE);
     for (var n = lane_id; n < region_count(region); n += WORKGROUP_SIZE) {
         complete(region_line(region, n), middle);
@@ -43,7 +43,7 @@ fn complete_lines() {
 }
 
 fn apply_lines() {
-    let region = states[trial].region;
+    let region = state.region;
     for (var n = lane_id; n < region_count(region); n += WORKGROUP_SIZE) {
         apply(region_line(region, n));
     }
@@ -65,7 +65,7 @@ fn raise_lines() {
 
 // Finds the distances of a layer; none is written before all are found.
 fn find_renewed() {
-    let layer = i32(states[trial].layer);
+    let layer = i32(state.layer);
     for (var n = lane_id; n < line_count(); n += WORKGROUP_SIZE) {
         if is_changed(n) {
             set_column(RECESSION, n, renewed(n, layer, 1));

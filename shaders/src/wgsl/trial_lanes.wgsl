@@ -25,10 +25,10 @@ struct Lane {
 
 // Speed of the working surface over the workpiece at a point of the tool's frame, from the lowest point [m/s].
 fn slip_speed(at: vec3f) -> f32 {
-    let spin = value(V_SPINDLE_SPEED) * setups[trial].voxel;
+    let spin = value(V_SPINDLE_SPEED) * setup.voxel;
     let feed = value(V_FEED_SPEED) * vec3f(value(V_FEED_ALONG), value(V_FEED_ACROSS), 0.0);
-    if setups[trial].tool == TOOL_WHEEL {
-        return length(spin * vec3f(at.z - setups[trial].drop, 0.0, -at.x) + feed);
+    if setup.tool == TOOL_WHEEL {
+        return length(spin * vec3f(at.z - setup.drop, 0.0, -at.x) + feed);
     }
     return length(spin * vec3f(-at.y, at.x, 0.0) + feed);
 }
@@ -36,26 +36,26 @@ fn slip_speed(at: vec3f) -> f32 {
 // Fractional index of a point of the tool's frame among the tool's cells; twin of tool_cells.rs.
 fn tool_cell_place(at: vec3f) -> f32 {
     let cells = f32(TOOL_CELLS);
-    if setups[trial].tool == TOOL_WHEEL {
-        let half = setups[trial].tool_half_width;
+    if setup.tool == TOOL_WHEEL {
+        let half = setup.tool_half_width;
         return clamp((at.y + half) / (2.0 * half) * cells - 0.5, 0.0, cells - 1.0);
     }
-    return clamp(length(at.xy) / setups[trial].rim_radius * cells - 0.5, 0.0, cells - 1.0);
+    return clamp(length(at.xy) / setup.rim_radius * cells - 0.5, 0.0, cells - 1.0);
 }
 
 // Coordinate of a tool cell's middle [m], and its share of the working surface [m²].
 fn cell_middle(cell: u32) -> f32 {
     let share = (f32(cell) + 0.5) / f32(TOOL_CELLS);
-    if setups[trial].tool == TOOL_WHEEL {
-        return (2.0 * share - 1.0) * setups[trial].tool_half_width * setups[trial].voxel;
+    if setup.tool == TOOL_WHEEL {
+        return (2.0 * share - 1.0) * setup.tool_half_width * setup.voxel;
     }
-    return share * setups[trial].rim_radius * setups[trial].voxel;
+    return share * setup.rim_radius * setup.voxel;
 }
 
 fn cell_area(cell: u32) -> f32 {
-    let rim = setups[trial].rim_radius * setups[trial].voxel;
-    if setups[trial].tool == TOOL_WHEEL {
-        return TURN * rim * 2.0 * setups[trial].tool_half_width * setups[trial].voxel / f32(TOOL_CELLS);
+    let rim = setup.rim_radius * setup.voxel;
+    if setup.tool == TOOL_WHEEL {
+        return TURN * rim * 2.0 * setup.tool_half_width * setup.voxel / f32(TOOL_CELLS);
     }
     return TURN * cell_middle(cell) * rim / f32(TOOL_CELLS);
 }
@@ -72,15 +72,15 @@ fn depth_laplacian(line: u32, depths: u32) -> f32 {
     let depth = column_value(depths, line);
     let along = difference(column_value(depths, line - across()), depth, column_value(depths, line + across()));
     let sideways = difference(column_value(depths, line - 1u), depth, column_value(depths, line + 1u));
-    return (along.bend + sideways.bend) / setups[trial].voxel;
+    return (along.bend + sideways.bend) / setup.voxel;
 }
 
 // A square under the tool at a pose.
 fn lane_at(line: u32, pose: Pose) -> Lane {
     let at = local_point(line, pose);
-    let voxel = setups[trial].voxel;
+    let voxel = setup.voxel;
     let flat = vec2f(line_place(line));
-    let up = f32(states[trial].base) + column_value(WHOLE, line) + (column_value(PART, line) - column_value(SUNK, line));
+    let up = f32(state.base) + column_value(WHOLE, line) + (column_value(PART, line) - column_value(SUNK, line));
     let place = from_sheet(vec3f(flat, up)) * voxel;
     let dose = column_value(DOSE, line);
     var lane: Lane;
@@ -92,7 +92,7 @@ fn lane_at(line: u32, pose: Pose) -> Lane {
     lane.slip_speed = slip_speed(at);
     lane.removed_depth = column_value(REMOVED, line);
     lane.dose = dose;
-    lane.coating_removed = min(dose, 1.0) * setups[trial].coating;
+    lane.coating_removed = min(dose, 1.0) * setup.coating;
     lane.slope = slope_against(line, pose.approach);
     lane.label = column_value(LABEL, line);
     lane.tool_cell = tool_cell_place(at);
@@ -107,7 +107,7 @@ fn measured_depth(line: u32, pose: Pose) -> f32 {
     }
     let gap = formula_shape(lane_at(line, pose));
     note_bad(gap, FAULT_SHAPE);
-    return depth - gap / setups[trial].voxel;
+    return depth - gap / setup.voxel;
 }
 
 // Keeps in mind that a formula gave no finite number.
@@ -127,11 +127,11 @@ fn note_fault(result: f32, place: u32) {
 // Pressure and recession speed [Pa, m/s] at a depth [voxels] that changes by `depth_rate` [m/s].
 fn ground(lane: Lane, depth: f32, depth_rate: f32) -> vec2f {
     var at = lane;
-    at.depth = depth * setups[trial].voxel;
+    at.depth = depth * setup.voxel;
     at.depth_rate = depth_rate;
     at.pressure = formula_pressure(at);
     note_bad(at.pressure, FAULT_PRESSURE);
-    if setups[trial].grinds == 0u {
+    if setup.grinds == 0u {
         return vec2f(at.pressure, 0.0);
     }
     let rate = formula_rate(at);
@@ -141,11 +141,11 @@ fn ground(lane: Lane, depth: f32, depth_rate: f32) -> vec2f {
 
 // Dose per time [1/s] at a depth [voxels] and pressure [Pa].
 fn sanded(lane: Lane, depth: f32, pressure: f32) -> f32 {
-    if setups[trial].sands == 0u {
+    if setup.sands == 0u {
         return 0.0;
     }
     var at = lane;
-    at.depth = depth * setups[trial].voxel;
+    at.depth = depth * setup.voxel;
     at.pressure = pressure;
     let rate = formula_dose(at);
     note_bad(rate, FAULT_DOSE);

@@ -98,3 +98,6 @@ var<private> totals: array<f32, SUMS>;
 var<private> maxima: array<f32, MAXIMA>;
 // A formula of the step that gave no finite number.
 var<private> fault: f32;
+// What the trial is made with and how far it is: copies, since a buffer is slow to look into time and again.
+var<private> setup: TrialSetup;
+var<private> state: TrialState;

@@ -2,29 +2,29 @@
 
 // What follows the parallel part that has been done.
 fn settle() {
-    switch states[trial].phase {
-        case READ: { states[trial].has_sheet = 1u; look(); states[trial].phase = TRY; }
+    switch state.phase {
+        case READ: { state.has_sheet = 1u; look(); state.phase = TRY; }
         case BEGIN: {
-            states[trial].border = max(reduced(SUMS + MAX_BORDER), 0.0);
-            states[trial].phase = SEARCH;
+            state.border = max(reduced(SUMS + MAX_BORDER), 0.0);
+            state.phase = SEARCH;
             _ = fails();
         }
         case EVALUATE: { settle_evaluation(); }
         case COMPLETE: { settle_complete(); }
         case APPLY: { settle_apply(); }
-        case BEND: { states[trial].bent = 0.0; states[trial].phase = AFTER_STEP; }
-        case AIR: { advance_clock(); states[trial].phase = STEP; _ = fails(); }
+        case BEND: { state.bent = 0.0; state.phase = AFTER_STEP; }
+        case AIR: { advance_clock(); state.phase = STEP; _ = fails(); }
         case BOUNDS: { settle_bounds(); }
-        case BRICKS: { states[trial].phase = COPY; }
+        case BRICKS: { state.phase = COPY; }
         case COPY: { settle_copy(); }
-        case RAISE: { states[trial].phase = select(SLOPES, BOUNDS_DONE, states[trial].changed.z == 0u); }
+        case RAISE: { state.phase = select(SLOPES, BOUNDS_DONE, state.changed.z == 0u); }
         case SLOPES: {
-            states[trial].layers = u32(max(reduced(SUMS + MAX_REACH), 0.0));
-            states[trial].layer = 1u;
-            states[trial].phase = FAR_LAYER;
+            state.layers = u32(max(reduced(SUMS + MAX_REACH), 0.0));
+            state.layer = 1u;
+            state.phase = FAR_LAYER;
         }
         case FAR_LAYER: { settle_far(); }
-        default: { if states[trial].status == STATUS_RUNNING { states[trial].phase = states[trial].resume; } }
+        default: { if state.status == STATUS_RUNNING { state.phase = state.resume; } }
     }
 }
 
@@ -32,8 +32,8 @@ fn settle() {
 fn control() {
     fault = 0.0;
     settle();
-    while states[trial].phase < FIRST_PARALLEL {
-        switch states[trial].phase {
+    while state.phase < FIRST_PARALLEL {
+        switch state.phase {
             case STEP: { plan_step(); if fault > 0.0 { _ = fails(); } }
             case CHOOSE: { choose_sheet(); }
             case READ_SHEET: { plan_sheet(); }
@@ -44,9 +44,9 @@ fn control() {
             case ENTER_AIR: { plan_air(); }
             case BOUNDS_DONE: { written_back(); }
             default: {
-                if states[trial].status == STATUS_RUNNING { states[trial].status = STATUS_DONE; }
-                states[trial].resume = FINISH;
-                states[trial].phase = IDLE;
+                if state.status == STATUS_RUNNING { state.status = STATUS_DONE; }
+                state.resume = FINISH;
+                state.phase = IDLE;
             }
         }
     }

@@ -29,11 +29,11 @@ fn time_between(a: Time, b: Time) -> f32 {
 }
 
 fn now() -> Time {
-    return Time(states[trial].time_blocks, states[trial].time_rest);
+    return Time(state.time_blocks, state.time_rest);
 }
 
 fn duration() -> Time {
-    return Time(setups[trial].duration_blocks, setups[trial].duration_rest);
+    return Time(setup.duration_blocks, setup.duration_rest);
 }
 
 fn piece_time(piece: u32) -> Time {
@@ -42,8 +42,8 @@ fn piece_time(piece: u32) -> Time {
 
 // The piece of the path that holds a time not before now.
 fn piece_at(time: Time) -> u32 {
-    let last = setups[trial].path_first + setups[trial].path_pieces - 1u;
-    var piece = states[trial].piece;
+    let last = setup.path_first + setup.path_pieces - 1u;
+    var piece = state.piece;
     while piece < last && time_between(time, piece_time(piece + 1u)) >= 0.0 {
         piece += 1u;
     }
@@ -82,7 +82,7 @@ fn moved(pose: Pose, along: vec3f, way: f32) -> Pose {
 // Axes of a tool whose path has this approach and axis.
 fn framed(pose: Pose, axis: vec3f) -> Pose {
     var result = pose;
-    if setups[trial].tool == TOOL_WHEEL {
+    if setup.tool == TOOL_WHEEL {
         result.z = normalized(rejected(pose.approach, axis));
         result.y = axis;
         result.x = cross(axis, result.z);
@@ -110,8 +110,8 @@ fn nominal(time: Time) -> Pose {
 
 // The tool with the offset and tilt of the model's effects; it tilts about its reference point.
 fn changed(pose: Pose) -> Pose {
-    let offset = states[trial].offset;
-    let tilt = states[trial].tilt;
+    let offset = state.offset;
+    let tilt = state.tilt;
     var shift = offset.xyz;
     var result = pose;
     if tilt.x != 0.0 || tilt.y != 0.0 {
@@ -119,7 +119,7 @@ fn changed(pose: Pose) -> Pose {
         let c = vec2f(op_cos(tilt.x), op_cos(tilt.y));
         let halves = vec2f(op_sin(0.5 * tilt.x), op_sin(0.5 * tilt.y));
         let rise = 2.0 * (halves.x * halves.x + c.x * halves.y * halves.y);
-        shift += setups[trial].drop * vec3f(-s.y, s.x * c.y, rise);
+        shift += setup.drop * vec3f(-s.y, s.x * c.y, rise);
         let frame = mat3x3f(pose.x, pose.y, pose.z);
         result.x = frame * vec3f(c.y, s.x * s.y, -c.x * s.y);
         result.y = frame * vec3f(0.0, c.x, s.x);
@@ -130,7 +130,7 @@ fn changed(pose: Pose) -> Pose {
 
 // A pose lifted by the travel of now.
 fn lifted(pose: Pose) -> Pose {
-    return moved(moved(pose, pose.approach, states[trial].coarse), pose.approach, states[trial].fine);
+    return moved(moved(pose, pose.approach, state.coarse), pose.approach, state.fine);
 }
 
 // The tool as the effects have it.
@@ -140,5 +140,5 @@ fn pose_at(time: Time) -> Pose {
 
 // Way of the reference point from one pose to the next [voxels].
 fn way_between(a: Pose, b: Pose) -> vec3f {
-    return vec3f(b.whole - a.whole) + (b.rest - a.rest) + setups[trial].drop * (b.z - a.z);
+    return vec3f(b.whole - a.whole) + (b.rest - a.rest) + setup.drop * (b.z - a.z);
 }

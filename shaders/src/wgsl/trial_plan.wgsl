@@ -13,11 +13,11 @@ const NEAR_BELOW: f32 = 4.0;
 const LOOK_AHEAD: f32 = 3.0;
 
 fn is_ideal() -> bool {
-    return states[trial].controller == CONTROLLER_IDEAL;
+    return state.controller == CONTROLLER_IDEAL;
 }
 
 fn period() -> f32 {
-    return select(FAR, setups[trial].period, states[trial].controller == CONTROLLER_ADMITTANCE);
+    return select(FAR, setup.period, state.controller == CONTROLLER_ADMITTANCE);
 }
 
 fn path_speed() -> f32 {
@@ -33,43 +33,43 @@ fn time_for(way: f32) -> f32 {
 // Begins a step, or ends the pass.
 fn plan_step() {
     let left = time_between(duration(), now());
-    states[trial].left = left;
-    let most = setups[trial].most_steps;
-    if left <= 0.0 || (most > 0u && states[trial].steps >= most) {
+    state.left = left;
+    let most = setup.most_steps;
+    if left <= 0.0 || (most > 0u && state.steps >= most) {
         if left > 0.0 {
-            states[trial].status = STATUS_TOO_MANY_STEPS;
+            state.status = STATUS_TOO_MANY_STEPS;
         }
         write_back(FINISH);
         return;
     }
-    states[trial].piece = piece_at(now());
-    let approach = time_between(Time(setups[trial].approach_blocks, setups[trial].approach_rest), now());
+    state.piece = piece_at(now());
+    let approach = time_between(Time(setup.approach_blocks, setup.approach_rest), now());
     take_over(approach <= 0.0);
     let speed = path_speed();
-    var dt = min(min(states[trial].dt_limit, setups[trial].longest_step), left);
+    var dt = min(min(state.dt_limit, setup.longest_step), left);
     if speed > 0.0 {
-        dt = min(dt, setups[trial].step_way / speed);
+        dt = min(dt, setup.step_way / speed);
     }
-    if setups[trial].quasi_static == 0u {
+    if setup.quasi_static == 0u {
         dt = min(dt, period());
     }
     if approach > 0.0 {
         dt = min(min(dt, APPROACH_STEP), approach);
     }
-    states[trial].step_dt = dt;
-    states[trial].searched = 0u;
+    state.step_dt = dt;
+    state.searched = 0u;
     enter_moment();
     set_spindle();
     set_pose_change();
     prepare_lanes();
-    states[trial].phase = CHOOSE;
+    state.phase = CHOOSE;
 }
 
 // Ends the approach when its time is up or the tool touches.
 fn take_over(over: bool) {
-    let touches = value(V_FORCE) > TOUCH * setups[trial].force_setpoint;
-    if states[trial].controller != setups[trial].controller && (touches || over) {
-        states[trial].controller = setups[trial].controller;
+    let touches = value(V_FORCE) > TOUCH * setup.force_setpoint;
+    if state.controller != setup.controller && (touches || over) {
+        state.controller = setup.controller;
     }
 }
 
@@ -82,7 +82,7 @@ fn widen(window: vec4i, lowest: i32, pose: Pose) -> array<vec4i, 2> {
     var result = window;
     var low = lowest;
     for (var n = 0u; n < 4u; n++) {
-        let at = rest + x * states[trial].extent[n >> 1u] + y * states[trial].extent[2u + (n & 1u)];
+        let at = rest + x * state.extent[n >> 1u] + y * state.extent[2u + (n & 1u)];
         let first = whole + vec3i(floor(at));
         let last = whole.xy + vec2i(ceil(at.xy));
         result = vec4i(min(result.xy, first.xy), max(result.zw, last));
@@ -105,15 +105,15 @@ fn facing(approach: vec3f) -> vec2i {
 
 // Sees to a sheet that holds the contact of the step, and looks at its region of it.
 fn choose_sheet() {
-    let dt = states[trial].step_dt;
+    let dt = state.step_dt;
     let wanted = facing(nominal(now()).approach);
-    let turned = states[trial].axis != u32(wanted.x) || states[trial].up != wanted.y;
-    if states[trial].has_sheet == 1u && turned {
+    let turned = state.axis != u32(wanted.x) || state.up != wanted.y;
+    if state.has_sheet == 1u && turned {
         write_back(CHOOSE);
         return;
     }
-    states[trial].axis = u32(wanted.x);
-    states[trial].up = wanted.y;
+    state.axis = u32(wanted.x);
+    state.up = wanted.y;
     var window = no_window();
     let ways = vec3f(0.0, dt, dt + time_for(LOOK_AHEAD));
     for (var n = 0u; n < 3u; n++) {
@@ -121,12 +121,12 @@ fn choose_sheet() {
     }
     let low = window[0].xy - MARGIN;
     let size = max(window[0].zw + MARGIN - low + 1, vec2i(3));
-    states[trial].wanted = vec4i(low, size);
-    let held = states[trial].window_low.xy;
-    let end = held + vec2i(vec2u(states[trial].window_size[0], across()));
-    if states[trial].has_sheet == 1u && all(low + MARGIN >= held) && all(low + size - MARGIN <= end) {
+    state.wanted = vec4i(low, size);
+    let held = state.window_low.xy;
+    let end = held + vec2i(vec2u(state.window_size[0], across()));
+    if state.has_sheet == 1u && all(low + MARGIN >= held) && all(low + size - MARGIN <= end) {
         look();
-        states[trial].phase = TRY;
+        state.phase = TRY;
     } else {
         write_back(READ_SHEET);
     }
@@ -134,9 +134,9 @@ fn choose_sheet() {
 
 // Looks at the part of the sheet that the step needs, of lines that have neighbours on all sides.
 fn look() {
-    let first = states[trial].wanted.xy - states[trial].window_low.xy;
-    let ends = vec2i(vec2u(states[trial].window_size[0], across())) - 1;
-    let last = clamp(first + states[trial].wanted.zw, vec2i(1), ends);
+    let first = state.wanted.xy - state.window_low.xy;
+    let ends = vec2i(vec2u(state.window_size[0], across())) - 1;
+    let last = clamp(first + state.wanted.zw, vec2i(1), ends);
     let from_line = clamp(first, vec2i(1), last);
-    states[trial].region = vec4u(vec2u(from_line), vec2u(last - from_line));
+    state.region = vec4u(vec2u(from_line), vec2u(last - from_line));
 }

@@ -6,14 +6,14 @@ const WALL: f32 = 2.0;
 
 // Lattice place of a line.
 fn line_place(line: u32) -> vec2i {
-    return states[trial].window_low.xy + vec2i(i32(line / across()), i32(line % across()));
+    return state.window_low.xy + vec2i(i32(line / across()), i32(line % across()));
 }
 
 // Reads the column of a line.
 fn read_column(line: u32) {
     let at = line_place(line);
-    let base = states[trial].base;
-    let met = surface(at.x, at.y, base, states[trial].least);
+    let base = state.base;
+    let met = surface(at.x, at.y, base, state.least);
     set_column(SUNK, line, 0.0);
     set_column(DOSE, line, 0.0);
     set_column(REMOVED, line, 0.0);
@@ -68,7 +68,7 @@ fn rise(there: bool, from_line: u32, to_line: u32) -> f32 {
 
 // Takes the slopes of a line from the heights as they are now.
 fn set_slope(line: u32) {
-    let rows = states[trial].window_size[0];
+    let rows = state.window_size[0];
     let row = line / across();
     let place = line % across();
     let u = slope_from(
@@ -95,38 +95,38 @@ fn approach_share(line: u32, approach: vec3f) -> f32 {
 
 // Keeps a pose in the coordinates of the sheet.
 fn keep_pose(slot: u32, pose: Pose) {
-    states[trial].wholes[slot] = vec4i(whole_to_sheet(pose.whole), 0);
-    states[trial].frames[5u * slot] = vec4f(to_sheet(pose.rest), 0.0);
-    states[trial].frames[5u * slot + 1u] = vec4f(to_sheet(pose.x), 0.0);
-    states[trial].frames[5u * slot + 2u] = vec4f(to_sheet(pose.y), 0.0);
-    states[trial].frames[5u * slot + 3u] = vec4f(to_sheet(pose.z), 0.0);
-    states[trial].frames[5u * slot + 4u] = vec4f(to_sheet(pose.approach), 0.0);
+    state.wholes[slot] = vec4i(whole_to_sheet(pose.whole), 0);
+    state.frames[5u * slot] = vec4f(to_sheet(pose.rest), 0.0);
+    state.frames[5u * slot + 1u] = vec4f(to_sheet(pose.x), 0.0);
+    state.frames[5u * slot + 2u] = vec4f(to_sheet(pose.y), 0.0);
+    state.frames[5u * slot + 3u] = vec4f(to_sheet(pose.z), 0.0);
+    state.frames[5u * slot + 4u] = vec4f(to_sheet(pose.approach), 0.0);
 }
 
 // A pose that was kept; its vectors are (u, v, up).
 fn kept_pose(slot: u32) -> Pose {
     return Pose(
-        states[trial].wholes[slot].xyz, states[trial].frames[5u * slot].xyz, states[trial].frames[5u * slot + 1u].xyz,
-        states[trial].frames[5u * slot + 2u].xyz, states[trial].frames[5u * slot + 3u].xyz,
-        states[trial].frames[5u * slot + 4u].xyz,
+        state.wholes[slot].xyz, state.frames[5u * slot].xyz, state.frames[5u * slot + 1u].xyz,
+        state.frames[5u * slot + 2u].xyz, state.frames[5u * slot + 3u].xyz,
+        state.frames[5u * slot + 4u].xyz,
     );
 }
 
 // Stores a pose that is in the coordinates of the sheet.
 fn store_pose(slot: u32, pose: Pose) {
-    states[trial].wholes[slot] = vec4i(pose.whole, 0);
-    states[trial].frames[5u * slot] = vec4f(pose.rest, 0.0);
-    states[trial].frames[5u * slot + 1u] = vec4f(pose.x, 0.0);
-    states[trial].frames[5u * slot + 2u] = vec4f(pose.y, 0.0);
-    states[trial].frames[5u * slot + 3u] = vec4f(pose.z, 0.0);
-    states[trial].frames[5u * slot + 4u] = vec4f(pose.approach, 0.0);
+    state.wholes[slot] = vec4i(pose.whole, 0);
+    state.frames[5u * slot] = vec4f(pose.rest, 0.0);
+    state.frames[5u * slot + 1u] = vec4f(pose.x, 0.0);
+    state.frames[5u * slot + 2u] = vec4f(pose.y, 0.0);
+    state.frames[5u * slot + 3u] = vec4f(pose.z, 0.0);
+    state.frames[5u * slot + 4u] = vec4f(pose.approach, 0.0);
 }
 
 // A line's point on the surface in the tool's frame, from the tool's lowest point [voxels].
 fn local_point(line: u32, pose: Pose) -> vec3f {
     let at = line_place(line) - pose.whole.xy;
     let flat = vec2f(at) - pose.rest.xy;
-    let up = (column_value(WHOLE, line) + f32(states[trial].base - pose.whole.z))
+    let up = (column_value(WHOLE, line) + f32(state.base - pose.whole.z))
         + ((column_value(PART, line) - pose.rest.z) - column_value(SUNK, line));
     let from_low = vec3f(flat, up);
     return vec3f(dot(pose.x, from_low), dot(pose.y, from_low), dot(pose.z, from_low));

@@ -5,9 +5,9 @@ const PROBE: f32 = 1e-3;
 
 // Whether a line is in the rectangle in which the start of the step was measured.
 fn has_start(line: u32) -> bool {
-    let region = states[trial].start_region;
+    let region = state.start_region;
     let at = vec2u(line / across(), line % across());
-    return states[trial].whole_step == 0u && all(at >= region.xy) && all(at < region.xy + region.zw);
+    return state.whole_step == 0u && all(at >= region.xy) && all(at < region.xy + region.zw);
 }
 
 // Mean depth, share and area at the start of the step.
@@ -38,14 +38,14 @@ fn measure(line: u32, depths: u32, pose: Pose, sweep: vec3f) {
     set_column(depths + (END_MEAN - END_DEPTH), line, square.mean);
     set_column(depths + (END_SHARE - END_DEPTH), line, square.share);
     set_column(depths + (END_AREA - END_DEPTH), line, square.area);
-    if square.share > 0.0 && on_border(line, states[trial].region) {
+    if square.share > 0.0 && on_border(line, state.region) {
         maxima[MAX_BORDER] = 1.0;
     }
 }
 
 // Force at the end of the step and how it depends on the travel, of one square.
 fn respond(line: u32, pose: Pose, middle: Pose) {
-    measure(line, end_array(END_DEPTH), pose, states[trial].sweep.xyz);
+    measure(line, end_array(END_DEPTH), pose, state.sweep.xyz);
     let depth = column_value(end_array(END_DEPTH), line);
     if depth > maxima[MAX_DEPTH] && cover(line, local_point(line, pose), pose, vec3f(0.0)) > 0.0 {
         maxima[MAX_DEPTH] = depth;
@@ -55,7 +55,7 @@ fn respond(line: u32, pose: Pose, middle: Pose) {
     set_column(RECESSION, line, 0.0);
     set_column(MEAN_LOAD, line, 0.0);
     if start.share + end.share > 0.0 {
-        if states[trial].whole_step == 1u {
+        if state.whole_step == 1u {
             press_whole(line, end, pose, middle);
         } else {
             relax(line, start, end, pose, middle);
@@ -71,7 +71,7 @@ fn lane_here(line: u32, middle: Pose) -> Lane {
 
 // Force of a step that is taken as its middle.
 fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
-    let voxel = setups[trial].voxel;
+    let voxel = setup.voxel;
     let depth = wet_depth(end);
     let pressure = ground(lane_here(line, middle), depth, 0.0).x;
     let load = pressure * end.share;
@@ -85,8 +85,8 @@ fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
 
 // Integrates a square over the step.
 fn relax(line: u32, start: Square, end: Square, pose: Pose, middle: Pose) {
-    let voxel = setups[trial].voxel;
-    let dt = states[trial].dt;
+    let voxel = setup.voxel;
+    let dt = state.dt;
     let lane = lane_here(line, middle);
     let depths = vec2f(wet_depth(start), wet_depth(end));
     let depth_rate = select(0.0, (depths.y - depths.x) * voxel / dt, dt > 0.0);

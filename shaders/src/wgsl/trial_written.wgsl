@@ -2,15 +2,15 @@
 
 fn settle_bounds() {
     let receded = reduced(SUMS + MAX_ROW) > -FAR;
-    states[trial].changed = vec4u(0u);
+    state.changed = vec4u(0u);
     if receded {
         let low = vec2f(-reduced(SUMS + MAX_LOW_ROW), -reduced(SUMS + MAX_LOW_PLACE));
         let first = vec2u(max(low - 2.0, vec2f(0.0)));
-        let last = vec2f(vec2u(states[trial].window_size[0], across()) - 1u);
+        let last = vec2f(vec2u(state.window_size[0], across()) - 1u);
         let end = vec2u(min(vec2f(reduced(SUMS + MAX_ROW), reduced(SUMS + MAX_PLACE)) + 2.0, last)) + 1u;
-        states[trial].changed = vec4u(first, end - first);
+        state.changed = vec4u(first, end - first);
     }
-    states[trial].phase = BRICKS;
+    state.phase = BRICKS;
     if !receded && reduced(SUMS + MAX_DOSED) <= 0.0 {
         written_back();
     }
@@ -18,16 +18,16 @@ fn settle_bounds() {
 
 // What was copied is the trial's own; without room for the rest the host makes some.
 fn settle_copy() {
-    states[trial].filled_bricks = states[trial].own_bricks;
-    states[trial].phase = RAISE;
-    if states[trial].needed > setups[trial].spare_bricks {
+    state.filled_bricks = state.own_bricks;
+    state.phase = RAISE;
+    if state.needed > setup.spare_bricks {
         pause(STATUS_NEEDS_BRICKS, BRICKS);
     }
 }
 
 fn settle_far() {
-    states[trial].layer += 1u;
-    if states[trial].layer > states[trial].layers {
+    state.layer += 1u;
+    if state.layer > state.layers {
         written_back();
     }
 }

@@ -210,10 +210,10 @@ fn scalar_name(prefix: &str, operand: &Operand) -> String {
 fn loaded(load: Load) -> String {
     match load {
         Load::Constant(bits) => number(f64::from_bits(bits)),
-        Load::Parameter(first, Rows::Pass) => format!("value(PARAMETERS_AT + {first}u + setups[trial].pass_row)"),
+        Load::Parameter(first, Rows::Pass) => format!("value(PARAMETERS_AT + {first}u + setup.pass_row)"),
         Load::Parameter(first, _) => format!("value(PARAMETERS_AT + {first}u)"),
         Load::Step(variable) => format!("value({}u)", variable as usize),
-        Load::Elapsed => "states[trial].dt".to_owned(),
+        Load::Elapsed => "state.dt".to_owned(),
         Load::ToolState(index) => format!("value(TOOL_STATES_AT + {index}u)"),
         Load::Lane(_) | Load::CellState(_) | Load::OwnToolCell(_) | Load::ToolCellOver(_) => {
             unreachable!("a step program reads no lanes")
@@ -225,9 +225,9 @@ fn loaded(load: Load) -> String {
 fn number(value: f64) -> String {
     let value = value as f32;
     match value {
-        _ if value.is_nan() => "(setups[trial].infinity - setups[trial].infinity)".to_owned(),
-        f32::INFINITY => "setups[trial].infinity".to_owned(),
-        f32::NEG_INFINITY => "(-setups[trial].infinity)".to_owned(),
+        _ if value.is_nan() => "(setup.infinity - setup.infinity)".to_owned(),
+        f32::INFINITY => "setup.infinity".to_owned(),
+        f32::NEG_INFINITY => "(-setup.infinity)".to_owned(),
         _ => format!("({value:?}f)"),
     }
 }
