@@ -62,7 +62,9 @@ pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
     ensure!(header.get(0) == Some(NAME), "{}: the first column is {:?}, `name` is accepted", at(1), header.get(0));
     let index = |column: &str| {
         let known = || model.parameters().iter().map(|slot| slot.name()).collect::<Vec<_>>().join(", ");
-        model.index(column).with_context(|| format!("{}: the model has no parameter `{column}`; it has {}", at(1), known()))
+        model
+            .index(column)
+            .with_context(|| format!("{}: the model has no parameter `{column}`; it has {}", at(1), known()))
     };
     let columns: Vec<usize> = header.iter().skip(1).map(index).collect::<Result<_>>()?;
     let mut runs: Vec<BatchRun> = Vec::new();
@@ -99,7 +101,10 @@ impl BatchLine {
             exposed_share: passes.iter().filter_map(|pass| pass.exposed_share).collect(),
             force_rms_error_n: each(|pass| pass.record.force_rms_error),
             impulse_ns: each(|pass| pass.record.impulse),
-            residual_rms_um: (0..passes.len()).filter_map(|pass| residual(trial, passes, pass)).map(|r| r * 1e6).collect(),
+            residual_rms_um: (0..passes.len())
+                .filter_map(|pass| residual(trial, passes, pass))
+                .map(|r| r * 1e6)
+                .collect(),
             steps: passes.iter().map(|pass| pass.record.steps).sum(),
             stopped: outcome.as_ref().err().map(ToString::to_string),
         }

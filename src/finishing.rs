@@ -148,7 +148,8 @@ pub fn grind_asset(
     if keeping.snapshots {
         done.folder = Some((folder.to_owned(), origin));
     }
-    let Done { passes, lost, .. } = run_passes((&mut after, done), &weld, (&Tool::from(wheel), plan, &model), (device, console))?;
+    let Done { passes, lost, .. } =
+        run_passes((&mut after, done), &weld, (&Tool::from(wheel), plan, &model), (device, console))?;
     let seconds = started.elapsed().as_secs_f64();
     let removed: f64 = lost.iter().sum();
     let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));

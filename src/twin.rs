@@ -1,10 +1,11 @@
 //! A trial simulated: its part made from the scan before, its passes along the logged paths, its scans as the same
 //! instrument would see them.
 
+mod models;
+
 use std::cell::RefCell;
 
 use glam::DVec3;
-use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sim::effect::{CompiledModel, Reset, States};
@@ -269,65 +270,6 @@ impl<'a> Twin<'a> {
             return Some("maps of what each place goes through".to_owned());
         }
         sim::gpu::refusal(&self.next_pass(model, &self.start(model, Self::fresh_states(model), 0)))
-    }
-
-    /// Simulates the trial under many models at once, each from the beginning with a fresh tool: on the device in one
-    /// submission, else on all threads. A run that fails says why and does not stop the others.
-    ///
-    /// # Errors
-    /// [`TwinError::Device`] where the device itself fails.
-    pub fn run_models(&self, models: &[CompiledModel]) -> Result<Vec<Result<Vec<SimulatedPass>, TwinError>>, TwinError> {
-        let Some(device) = self.device else {
-            let one = |model: &CompiledModel| {
-                Ok(self.run(model, &mut Self::fresh_states(model), 0, &mut |_, _| {})?.0)
-            };
-            return Ok(models.par_iter().map(one).collect());
-        };
-        let mut states: Vec<TrialState> =
-            models.iter().map(|model| self.start(model, Self::fresh_states(model), 0)).collect();
-        let mut runs: Vec<Result<Vec<SimulatedPass>, TwinError>> = models.iter().map(|_| Ok(Vec::new())).collect();
-        for number in 1..=self.passes.len() {
-            for (run, (state, model)) in runs.iter_mut().zip(states.iter_mut().zip(models)) {
-                if run.is_ok()
-                    && let Err(error) = self.rest(&self.next_pass(model, state), &mut state.tool)
-                {
-                    *run = Err(error);
-                }
-            }
-            let alive: Vec<usize> = (0..models.len()).filter(|&n| runs[n].is_ok()).collect();
-            let trial = |&n: &usize| {
-                let state: &TrialState = &states[n];
-                // Before the first pass all are the same part, which the device then holds once.
-                let part = if number == 1 { &self.part } else { &state.part };
-                sim::gpu::Trial { part, pass: self.next_pass(&models[n], state), tool: &state.tool }
-            };
-            let trials: Vec<sim::gpu::Trial> = alive.iter().map(trial).collect();
-            let outcomes = sim::gpu::run_batch(device, &trials, sim::gpu::Settings::default(), &mut |_, _| {})
-                .map_err(|error| TwinError::Device { pass: number, error })?;
-            for (n, outcome) in alive.into_iter().zip(outcomes) {
-                let after = self.after(&models[n], (&mut states[n], number), outcome);
-                match (after, &mut runs[n]) {
-                    (Ok(pass), Ok(passes)) => passes.push(pass),
-                    (Err(error), run) => *run = Err(error),
-                    (Ok(_), Err(_)) => unreachable!("a run that failed is not run on"),
-                }
-            }
-        }
-        Ok(runs)
-    }
-
-    /// The pass of a run in a batch.
-    fn after(
-        &self,
-        model: &CompiledModel,
-        (state, pass): (&mut TrialState, usize),
-        outcome: Result<sim::gpu::Outcome, sim::gpu::GpuError>,
-    ) -> Result<SimulatedPass, TwinError> {
-        let failed = |error| TwinError::Device { pass, error };
-        let sim::gpu::Outcome { part, tool, record } = outcome.map_err(failed)?;
-        (state.part, state.tool) = (part, tool);
-        self.count(state);
-        self.seen(model, state, record.map_err(failed)?)
     }
 
     /// The last pass of a state, with its scan.

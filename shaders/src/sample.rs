@@ -56,7 +56,8 @@ impl<'a> Sampler<'a> {
         grid.validate()?;
         check_size(device, "pool", grid.phi.len())?;
         check_size(device, "index", grid.index.len())?;
-        let pipeline = device.guarded("compiling the kernel `sample`", |device| pipeline(device, SAMPLE.entry, SAMPLE.text()))?;
+        let pipeline =
+            device.guarded("compiling the kernel `sample`", |device| pipeline(device, SAMPLE.entry, SAMPLE.text()))?;
         let sampler = device.guarded("uploading the grid", |_| Self {
             device,
             pipeline,

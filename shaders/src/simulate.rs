@@ -6,10 +6,10 @@
 //! Trials share the bricks of their asset and copy a brick before they write it. A trial that runs out of room for bricks or
 //! columns stands still until [`Running::advance`] has made more, and goes on where it was.
 
+use std::sync::Arc;
+
 use crate::buffers::{binding_entry, binding_limit, pipeline_in, read, upload, zeros};
-use crate::constants::{
-    BRICK_VOXELS, COLUMN_ARRAYS, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING,
-};
+use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING};
 use crate::device::{Device, DeviceFault};
 use crate::layout::{LogRecord, PathPiece, RunHeader, TrialSetup, TrialState};
 use crate::wgsl::{Kernel, SIMULATE_CONTROL, SIMULATE_FIRST, SIMULATE_REDUCE, SIMULATE_SECOND};
@@ -86,10 +86,16 @@ pub struct Batch {
     pub values: Vec<f32>,
 }
 
-/// The kernels with the formulas of a model.
+/// The kernels with the formulas of a model, on a device.
 #[derive(Debug)]
 pub struct Simulator<'a> {
     device: &'a Device,
+    kernels: Arc<Kernels>,
+}
+
+/// What is compiled of them.
+#[derive(Debug)]
+pub(crate) struct Kernels {
     layout: wgpu::BindGroupLayout,
     /// In the order in which a phase runs them.
     pipelines: [wgpu::ComputePipeline; 4],
@@ -143,19 +149,25 @@ pub struct Remains {
 }
 
 impl<'a> Simulator<'a> {
-    /// Compiles the kernel with the formulas of a model, WGSL in the form of `no_model.wgsl`.
+    /// Compiles the kernels with the formulas of a model, WGSL in the form of `no_model.wgsl`; once on each device.
     ///
     /// # Errors
     /// Where the device fails.
     pub fn new(device: &'a Device, formulas: &str) -> Result<Self, DeviceFault> {
         let during = "compiling the kernels of `simulate`";
-        let (pipelines, layout) = device.guarded(during, |device| {
+        let mut known = device.kernels.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(kernels) = known.get(formulas) {
+            return Ok(Self { device, kernels: kernels.clone() });
+        }
+        let kernels = Arc::new(device.guarded(during, |device| {
             let layout = bind_group_layout(device);
-            let kernels = [SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL];
-            let compile = |kernel: Kernel| pipeline_in(device, kernel.entry, kernel.with_formulas(formulas), Some(&layout));
-            (kernels.map(compile), layout)
-        })?;
-        Ok(Self { device, pipelines, layout })
+            let all = [SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL];
+            let compile =
+                |kernel: Kernel| pipeline_in(device, kernel.entry, kernel.with_formulas(formulas), Some(&layout));
+            Kernels { pipelines: all.map(compile), layout }
+        })?);
+        known.insert(formulas.to_owned(), kernels.clone());
+        Ok(Self { device, kernels })
     }
 
     /// Uploads a batch.

@@ -50,6 +50,7 @@ macro_rules! simulation {
                 source!("trial_sheet.wgsl"),
                 source!("trial_ramp.wgsl"),
                 source!("trial_contact.wgsl"),
+                source!("trial_tool_cells.wgsl"),
                 source!("trial_lanes.wgsl"),
                 NO_MODEL,
                 $(source!($file),)*
@@ -114,8 +115,7 @@ impl Kernel {
 
     /// The same with the formulas of a model.
     pub fn with_formulas(&self, formulas: &str) -> String {
-        let live = |source: &Source| match std::env::var("LIVE_WGSL") { Ok(dir) => std::fs::read_to_string(format!("{dir}/{}", source.file)).unwrap(), Err(_) => source.text.to_owned() }; // HACK
-        let text = |source: &Source| if source.file == NO_MODEL.file { formulas.to_owned() } else { live(source) };
+        let text = |source: &Source| if source.file == NO_MODEL.file { formulas } else { source.text };
         let files = self.sources.iter().map(|source| format!("\n// {}\n{}", source.file, text(source)));
         constants::wgsl() + &layout::wgsl() + &files.collect::<String>()
     }

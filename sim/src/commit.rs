@@ -40,7 +40,8 @@ pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
     for layer in 1..=layers {
         // All are found before any is written, so that the order of the lines does not matter.
         renewed.clear();
-        renewed.extend(lines.iter().flat_map(|&line| [1, -1].map(|side| renewed_far(grid, sheet, line, (layer, side)))));
+        renewed
+            .extend(lines.iter().flat_map(|&line| [1, -1].map(|side| renewed_far(grid, sheet, line, (layer, side)))));
         renewed.drain(..).flatten().for_each(|far| write_far(grid, sheet, &far));
     }
 }

@@ -232,7 +232,12 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
 }
 
 /// The trial under every parameter set of a table.
-fn run_batch(file: &Path, (twin, model): (&Twin, &CompiledModel), args: &SimulateArgs, console: &Console) -> Result<()> {
+fn run_batch(
+    file: &Path,
+    (twin, model): (&Twin, &CompiledModel),
+    args: &SimulateArgs,
+    console: &Console,
+) -> Result<()> {
     let folder = StagedFolder::new(&args.out.out, BATCH_FILE, args.out.force)?;
     let runs = batch::read(file, model)?;
     let started = Instant::now();
@@ -249,15 +254,22 @@ fn run_batch(file: &Path, (twin, model): (&Twin, &CompiledModel), args: &Simulat
     let simulated = runs.len() as f64 * twin.duration(0);
     console.step("batch", format!("{} runs of {:.1} s in {seconds:.1} s", runs.len(), twin.duration(0)));
     let failed = outcomes.iter().filter(|outcome| outcome.is_err()).count();
-    ensure!(failed == 0, "{failed} of {} runs ended early: {} says why", runs.len(), args.out.out.join(BATCH_FILE).display());
+    ensure!(
+        failed == 0,
+        "{failed} of {} runs ended early: {} says why",
+        runs.len(),
+        args.out.out.join(BATCH_FILE).display()
+    );
     console.answer(&BatchAnswer { out: &args.out.out, runs: runs.len(), real_time_factor: simulated / seconds })
 }
 
 fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
-    for (flag, given) in
-        [("--voxel-mm", args.voxel_mm.is_some()), ("--replay", args.replay), ("--covariates", args.covariates),
-         ("--batch", args.batch.is_some())]
-    {
+    for (flag, given) in [
+        ("--voxel-mm", args.voxel_mm.is_some()),
+        ("--replay", args.replay),
+        ("--covariates", args.covariates),
+        ("--batch", args.batch.is_some()),
+    ] {
         if given {
             return Err(wrong_use(format!("{flag}: only a trial has it, and {} is none", args.folder.display())));
         }

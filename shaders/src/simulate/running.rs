@@ -55,7 +55,7 @@ impl Running<'_> {
         let entries: Vec<_> = (0..).zip(bound).map(|(binding, buffer)| binding_entry(binding, buffer)).collect();
         let bindings = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("simulate bindings"),
-            layout: &self.simulator.layout,
+            layout: &self.simulator.kernels.layout,
             entries: &entries,
         });
         let mut encoder = encoder(device);
@@ -63,7 +63,7 @@ impl Running<'_> {
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("simulate"), timestamp_writes: None });
             pass.set_bind_group(0, &bindings, &[]);
-            for pipeline in (0..self.rooms.ticks).flat_map(|_| &self.simulator.pipelines) {
+            for pipeline in (0..self.rooms.ticks).flat_map(|_| &self.simulator.kernels.pipelines) {
                 pass.set_pipeline(pipeline);
                 pass.dispatch_workgroups(self.setups.len() as u32, 1, 1);
             }
@@ -76,9 +76,7 @@ impl Running<'_> {
 
     /// Makes room for the trials that stand still for want of it, and lets them go on.
     fn make_room(&mut self, states: &[TrialState]) -> Result<(), SimulateError> {
-        let needed = |status: u32| {
-            states.iter().filter(|state| state.status == status).map(|state| state.needed).max()
-        };
+        let needed = |status: u32| states.iter().filter(|state| state.status == status).map(|state| state.needed).max();
         let mut rooms = self.rooms;
         if let Some(bricks) = needed(STATUS_NEEDS_BRICKS) {
             rooms.bricks = bricks.max(2 * rooms.bricks);
@@ -109,7 +107,11 @@ impl Running<'_> {
         let pairs = || self.setups.iter().zip(&setups);
         let mut bricks = vec![(0, 0, self.shared * brick)];
         bricks.extend(pairs().map(|(old, new)| {
-            (u64::from(old.spare_first) * brick, u64::from(new.spare_first) * brick, u64::from(old.spare_bricks) * brick)
+            (
+                u64::from(old.spare_first) * brick,
+                u64::from(new.spare_first) * brick,
+                u64::from(old.spare_bricks) * brick,
+            )
         }));
         let index: Vec<Stretch> = pairs()
             .map(|(old, new)| {

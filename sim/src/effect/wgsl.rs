@@ -40,9 +40,8 @@ pub(crate) enum Unwritable {
     WorkpieceState(String),
 }
 
-/// Sums over tool cells that formulas may read, in their order.
-const CELL_SUMS: [Variable; 7] = [
-    Variable::Force,
+/// Means and sums over tool cells that formulas may read, in their order after the share in contact.
+const CELL_SUMS: [Variable; 6] = [
     Variable::Pressure,
     Variable::SlipSpeed,
     Variable::Rate,
@@ -70,14 +69,17 @@ impl DeviceModel {
         let tool_states = parameters + model.values.len();
         let cell_states = tool_states + count(Holder::Tool);
         let sums = cell_states + count(Holder::ToolCell) * tool_cells;
-        let kept = sums + CELL_SUMS.len() * tool_cells;
+        let kept = sums + (1 + CELL_SUMS.len()) * tool_cells;
         let mut text = String::new();
         for variable in Variable::ALL.iter().filter(|variable| variable.row().per == Per::Step) {
             let _ = writeln!(text, "const V_{}: u32 = {}u;", variable.name().to_uppercase(), *variable as usize);
         }
-        for (name, at) in
-            [("PARAMETERS", parameters), ("TOOL_STATES", tool_states), ("CELL_STATES", cell_states), ("CELL_SUMS", sums)]
-        {
+        for (name, at) in [
+            ("PARAMETERS", parameters),
+            ("TOOL_STATES", tool_states),
+            ("CELL_STATES", cell_states),
+            ("CELL_SUMS", sums),
+        ] {
             let _ = writeln!(text, "const {name}_AT: u32 = {at}u;");
         }
         for place in [Place::Pose, Place::Shape, Place::Spindle, Place::Force] {
@@ -129,7 +131,10 @@ impl Writer {
             Input::CellState(_) | Input::OwnToolCell(_) => unreachable!("a hook has no such lanes"),
         });
         let result = lane_operand(&program.outputs[0]);
-        self.function(&format!("formula_{}(lane: Lane) -> f32", place.name()), &format!("{body}    return {result};\n"));
+        self.function(
+            &format!("formula_{}(lane: Lane) -> f32", place.name()),
+            &format!("{body}    return {result};\n"),
+        );
         prepared
     }
 
@@ -149,7 +154,7 @@ impl Writer {
             Input::Variable(Variable::CellFaceArea) => "cell_area(cell)".to_owned(),
             Input::Variable(variable) => {
                 let sum = CELL_SUMS.iter().position(|known| *known == variable);
-                format!("value(CELL_SUMS_AT + {}u * TOOL_CELLS + cell)", sum.expect("a sum over tool cells"))
+                format!("value(CELL_SUMS_AT + {}u * TOOL_CELLS + cell)", 1 + sum.expect("a sum over tool cells"))
             }
             Input::OwnToolCell(index) => format!("value(CELL_STATES_AT + {index}u * TOOL_CELLS + cell)"),
             Input::CellState(_) => unreachable!("a tool cell has no workpiece cell"),

@@ -14,6 +14,9 @@ use crate::pass::Pass;
 use crate::record::{LogRow, PassRecord, Removal};
 use crate::tool_cells;
 
+/// Times that a clock of the device does not tell apart [s].
+const CLOCK: f64 = 1e-7;
+
 /// Copies the bricks that a trial wrote into its field.
 pub(super) fn write_bricks(grid: &mut BrickGrid, remains: &Remains, (setup, header): (&TrialSetup, &RunHeader)) {
     let planes = header.planes as usize;
@@ -54,7 +57,8 @@ pub(super) fn states(model: &CompiledModel, device: &DeviceModel, values: &[f32]
 
 /// Adds a step to the record of a pass.
 pub(super) fn push(record: &mut PassRecord, row: &LogRecord, pass: &Pass, voxel: f64) {
-    let time = time_of(row.time_blocks, row.time_rest);
+    let (clock, end) = (time_of(row.time_blocks, row.time_rest), pass.path.duration());
+    let time = if (clock - end).abs() < CLOCK { end } else { clock };
     let travel = (f64::from(row.coarse) + f64::from(row.fine)) * voxel;
     let pose = pass.path.at(time).pose(pass.tool).lifted(travel);
     let log = LogRow {
