@@ -69,7 +69,7 @@ fn agree(name: &str, both: &Both, setpoint: f64) {
     let (field, far, off) = field_difference(&both.cpu.0, &both.gpu.0);
     let force = force_difference(both, setpoint);
     let (cpu, gpu) = (&both.cpu.2, &both.gpu.2);
-    let volume = gpu.removed_volume / cpu.removed_volume.max(f64::MIN_POSITIVE) - 1.0;
+    let volume = (gpu.removed_volume - cpu.removed_volume) / cpu.removed_volume.max(1e-15);
     println!("{name}: field within {field:.1e} voxel, force within {force:.1e}, volume off by {volume:.1e}");
     println!("  beyond the zero set within {far:.1e} voxel, {:.3} % of it off by more than {FIELD:e}", 100.0 * off);
     assert_eq!(cpu.steps, gpu.steps, "{name}");
