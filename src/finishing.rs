@@ -10,8 +10,9 @@ use anyhow::{Context, Result, bail, ensure};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
+use shaders::Device;
 use sim::effect::{CompiledModel, States};
-use sim::{CurvePoint, LONGEST_STEP, LogRow, Pass, PassRecord, Process, TOOL_CELLS, Tool, Wheel, run_pass};
+use sim::{CurvePoint, LONGEST_STEP, LogRow, Pass, PassRecord, Process, TOOL_CELLS, Tool, Wheel, gpu, run_pass};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
@@ -116,6 +117,7 @@ pub struct GrindSummary {
 /// Grinds the first weld of an asset along its centreline, pass after pass to and fro.
 ///
 /// - `keeping`, `folder`: which states are kept, and where; see [`crate::snapshot`]
+/// - `device`: the graphics processor that runs the passes; `None` for the CPU
 ///
 /// # Errors
 /// When the asset or a state cannot be read, or a setting does not fit it.
@@ -124,7 +126,7 @@ pub fn grind_asset(
     (wheel, plan): (Wheel, Plan),
     model: CompiledModel,
     (keeping, folder): (&Keeping, &Path),
-    console: &Console,
+    (device, console): (Option<&Device>, &Console),
 ) -> Result<Ground> {
     let manifest = Manifest::read(asset)?;
     let asset_sha256 = sha256(&fs::read(asset.join(MANIFEST_FILE))?);
@@ -146,7 +148,8 @@ pub fn grind_asset(
     if keeping.snapshots {
         done.folder = Some((folder.to_owned(), origin));
     }
-    let Done { passes, lost, .. } = run_passes((&mut after, done), &weld, (&Tool::from(wheel), plan, &model), console)?;
+    let Done { passes, lost, .. } =
+        run_passes((&mut after, done), &weld, (&Tool::from(wheel), plan, &model), (device, console))?;
     let seconds = started.elapsed().as_secs_f64();
     let removed: f64 = lost.iter().sum();
     let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));
@@ -236,7 +239,7 @@ fn run_passes(
     (grid, mut done): (&mut BrickGrid, Done),
     weld: &WeldTruth,
     (tool, plan, model): (&Tool, Plan, &CompiledModel),
-    console: &Console,
+    (device, console): (Option<&Device>, &Console),
 ) -> Result<Done> {
     let points = weld.curve.position.iter().zip(&weld.curve.normal);
     let curve: Vec<CurvePoint> = points.map(|(&position, &normal)| CurvePoint { position, normal }).collect();
@@ -251,8 +254,11 @@ fn run_passes(
         let bar = console.bar(&format!("pass {number}"), 100);
         let trial_time = (number - 1) as f64 * forth.duration();
         let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
-        let record =
-            run_pass(grid, pass, &mut states, &mut |at| bar.set_position((100.0 * at.time / at.duration) as u64))?;
+        let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
+        let record = match device {
+            Some(device) => gpu::run_pass(device, grid, pass, &mut states, &mut show)?,
+            None => run_pass(grid, pass, &mut states, &mut show)?,
+        };
         bar.finish_and_clear();
         if record.steps_in_air == record.steps {
             bail!("pass {number}: the wheel never touched the part; is the weld within reach of the wheel?");

@@ -18,6 +18,7 @@
 
 pub mod asset;
 pub mod baking;
+pub mod batch;
 pub mod benchmark;
 pub mod budget;
 pub mod cache;

@@ -1,6 +1,8 @@
 //! A trial simulated: its part made from the scan before, its passes along the logged paths, its scans as the same
 //! instrument would see them.
 
+mod models;
+
 use std::cell::RefCell;
 
 use glam::DVec3;
@@ -38,6 +40,14 @@ pub enum TwinError {
         /// Why.
         error: PassError,
     },
+    /// A pass failed on the graphics processor.
+    #[error("pass {pass}: {error}")]
+    Device {
+        /// From 1.
+        pass: usize,
+        /// Why.
+        error: sim::gpu::GpuError,
+    },
     /// A formula of the tool's states in a pause.
     #[error("the pause before pass {pass}: {error}")]
     Rest {
@@ -66,6 +76,8 @@ pub struct Twin<'a> {
     pub covariates: bool,
     /// Whether the tool keeps to the logged heights.
     pub replay: bool,
+    /// Where the passes run: a graphics processor, or the CPU.
+    pub device: Option<&'a shaders::Device>,
     tool: sim::Tool,
     passes: Vec<Planned>,
 }
@@ -136,7 +148,7 @@ impl<'a> Twin<'a> {
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             passes.push(Planned { path, process: process(pass, trial, controller), approach, rest });
         }
-        Ok(Self { trial, part, covariates: false, replay, tool, passes })
+        Ok(Self { trial, part, covariates: false, replay, device: None, tool, passes })
     }
 
     /// Changes how every pass is controlled and stepped.
@@ -211,25 +223,53 @@ impl<'a> Twin<'a> {
         state: &mut TrialState,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<SimulatedPass, TwinError> {
-        let Planned { path, process, approach, rest } = &self.passes[state.passes];
-        let number = state.passes + 1;
         let pixels = &self.trial.scans.before.pixels;
         let covariates = self.covariates.then(|| RefCell::new(Covariates::over(pixels, state.part.voxel)));
-        let pass = sim::Pass {
-            number,
+        let pass = sim::Pass { covariates: covariates.as_ref(), ..self.next_pass(model, state) };
+        self.rest(&pass, &mut state.tool)?;
+        let number = pass.number;
+        let record = match self.device {
+            Some(device) => sim::gpu::run_pass(device, &mut state.part, pass, &mut state.tool, progress)
+                .map_err(|error| TwinError::Device { pass: number, error })?,
+            None => run_pass(&mut state.part, pass, &mut state.tool, progress)
+                .map_err(|error| TwinError::Pass { pass: number, error })?,
+        };
+        self.count(state);
+        let seen = self.seen(model, state, record)?;
+        Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
+    }
+
+    /// The pass that a state is before.
+    fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &TrialState) -> sim::Pass<'p> {
+        let Planned { path, process, approach, rest } = &self.passes[state.passes];
+        sim::Pass {
+            number: state.passes + 1,
             row: state.first_row + state.passes,
             trial_time: state.trial_time + rest,
             approach: *approach,
-            covariates: covariates.as_ref(),
             ..sim::Pass::first(&self.tool, path, process, model)
-        };
-        sim::rest(&pass, &mut state.tool, *rest).map_err(|error| TwinError::Rest { pass: number, error })?;
-        let record = run_pass(&mut state.part, pass, &mut state.tool, progress)
-            .map_err(|error| TwinError::Pass { pass: number, error })?;
+        }
+    }
+
+    /// The pause before a pass.
+    fn rest(&self, pass: &sim::Pass, tool: &mut States) -> Result<(), TwinError> {
+        let rest = self.passes[pass.number - 1].rest;
+        sim::rest(pass, tool, rest).map_err(|error| TwinError::Rest { pass: pass.number, error })
+    }
+
+    /// Counts a pass that is done.
+    fn count(&self, state: &mut TrialState) {
+        let Planned { path, rest, .. } = &self.passes[state.passes];
         state.trial_time += rest + path.duration();
-        state.passes = number;
-        let seen = self.seen(model, state, record)?;
-        Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
+        state.passes += 1;
+    }
+
+    /// What of the trial a graphics processor does not run; `None` where it runs all of it.
+    pub fn refusal(&self, model: &CompiledModel) -> Option<String> {
+        if self.covariates {
+            return Some("maps of what each place goes through".to_owned());
+        }
+        sim::gpu::refusal(&self.next_pass(model, &self.start(model, Self::fresh_states(model), 0)))
     }
 
     /// The last pass of a state, with its scan.

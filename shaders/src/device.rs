@@ -1,8 +1,12 @@
 //! The open device: one adapter, its queue, and a guard that turns every fault into an error.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
 use crate::adapters::{self, AdapterReport, Filter};
 use crate::choice;
 pub use crate::choice::{Backend, BackendChoice, Decision, NoAdapter};
+use crate::simulate::Kernels;
 
 /// What this machine has and what `auto` makes of it: the data behind `robofin backends`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,6 +30,8 @@ pub fn survey() -> Survey {
 pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    /// Kernels of the simulator that were compiled, by their formulas: it takes seconds on a software driver.
+    pub(crate) kernels: Mutex<BTreeMap<String, Arc<Kernels>>>,
     adapter: AdapterReport,
 }
 
@@ -109,7 +115,7 @@ impl Device {
         let descriptor = wgpu::DeviceDescriptor { label: Some("robofin"), required_limits, ..Default::default() };
         let (device, queue) = pollster::block_on(handle.request_device(&descriptor))
             .map_err(|error| OpenError::Refused { adapter: report.to_string(), message: error.to_string() })?;
-        Ok(Self { device, queue, adapter: report.clone() })
+        Ok(Self { device, queue, kernels: Mutex::default(), adapter: report.clone() })
     }
 
     /// Runs `work` on the device and turns whatever goes wrong in it, which wgpu would panic on, into an error.

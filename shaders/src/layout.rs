@@ -1,6 +1,6 @@
 //! Structs that lie in buffers: declared once in Rust with their units, and written out as WGSL from there.
 //!
-//! A field is an `f32`, a `u32` or a vector of four; three-vectors have an alignment that Rust does not share.
+//! A field is an `f32`, a `u32`, an `i32`, a vector of four or an array of those; three-vectors have an alignment that Rust does not share.
 //! The build stops when a field would lie elsewhere in WGSL or the size is not a multiple of 16 bytes.
 
 use bytemuck::{Pod, Zeroable};
@@ -25,9 +25,12 @@ macro_rules! shared_types {
 shared_types! {
     f32 = "f32", 4;
     u32 = "u32", 4;
+    i32 = "i32", 4;
     [f32; 4] = "vec4<f32>", 16;
     [i32; 4] = "vec4<i32>", 16;
     [u32; 4] = "vec4<u32>", 16;
+    [[f32; 4]; 20] = "array<vec4<f32>, 20>", 16;
+    [[i32; 4]; 4] = "array<vec4<i32>, 4>", 16;
 }
 
 macro_rules! shared_struct {
@@ -61,6 +64,10 @@ macro_rules! shared_struct {
     };
 }
 
+mod trial;
+
+pub use trial::{LogRecord, PathPiece, TrialSetup, TrialState};
+
 shared_struct! {
     /// What a kernel must know of a brick grid besides its two arrays.
     GridHeader {
@@ -77,6 +84,33 @@ shared_struct! {
         /// What a sample at a point that is not finite reads: NaN, which WGSL cannot write down.
         invalid: f32,
     }
+}
+
+shared_struct! {
+    /// What all trials of a submission share.
+    RunHeader {
+        /// Planes of values in a brick; the first is φ.
+        planes: u32,
+        /// Plane of the dose, or ABSENT.
+        dose_plane: u32,
+        /// Plane of the removed depth, or ABSENT.
+        removed_plane: u32,
+        /// Plane of the label, or ABSENT.
+        label_plane: u32,
+    }
+}
+
+/// The WGSL text that declares every struct of this module.
+pub fn wgsl() -> String {
+    let texts = [
+        GridHeader::wgsl(),
+        RunHeader::wgsl(),
+        TrialSetup::wgsl(),
+        TrialState::wgsl(),
+        PathPiece::wgsl(),
+        LogRecord::wgsl(),
+    ];
+    texts.concat()
 }
 
 impl GridHeader {

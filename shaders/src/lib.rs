@@ -18,19 +18,21 @@
 //! ```
 //!
 //! In the order data meets them: [`constants`] and [`layout`] cross the border into WGSL, [`wgsl`] puts the
-//! sources together, [`adapters`] says what the machine has, [`choice`] picks, [`device`] opens, [`sample`] runs.
+//! sources together, [`adapters`] says what the machine has, [`choice`] picks, [`device`] opens, [`sample`] and [`simulate`] run.
 //!
 //! This crate never opens a file, prints nothing outside [`testing`], and knows no other room of the house:
 //! grids arrive as slices.
 
 pub mod adapters;
 pub mod brick_grid;
+mod buffers;
 pub mod choice;
 pub mod constants;
 pub mod device;
 pub mod layout;
 pub mod sample;
 mod self_check;
+pub mod simulate;
 pub mod testing;
 pub mod wgsl;
 

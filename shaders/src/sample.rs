@@ -1,6 +1,7 @@
 //! φ at a list of points on the device; host file of `sample.wgsl`.
 
 use crate::brick_grid::{GridBuffers, GridError};
+use crate::buffers::{binding_entry, binding_limit, pipeline, read, upload};
 use crate::constants::WORKGROUP_SIZE;
 use crate::device::{Device, DeviceFault};
 use crate::wgsl::SAMPLE;
@@ -55,7 +56,8 @@ impl<'a> Sampler<'a> {
         grid.validate()?;
         check_size(device, "pool", grid.phi.len())?;
         check_size(device, "index", grid.index.len())?;
-        let pipeline = device.guarded("compiling the kernel `sample`", pipeline)?;
+        let pipeline =
+            device.guarded("compiling the kernel `sample`", |device| pipeline(device, SAMPLE.entry, SAMPLE.text()))?;
         let sampler = device.guarded("uploading the grid", |_| Self {
             device,
             pipeline,
@@ -89,10 +91,7 @@ impl<'a> Sampler<'a> {
     fn sample_chunk(&self, points: &[[f32; 4]], phi: &mut Vec<f32>) -> Result<(), DeviceFault> {
         let device = self.device;
         let read_back = device.guarded("sampling", |_| self.dispatch(points))?;
-        let during = "reading the samples back";
-        let mapped = device.guarded(during, |device| map(device, &read_back))?;
-        let bytes = mapped.map_err(|error| device.fault(during, error.as_ref()))?;
-        phi.extend(bytes.chunks_exact(size_of::<f32>()).map(bytemuck::pod_read_unaligned::<f32>));
+        phi.extend(read::<f32>(device, "reading the samples back", &read_back)?);
         Ok(())
     }
 
@@ -127,16 +126,6 @@ impl<'a> Sampler<'a> {
     }
 }
 
-fn binding_entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
-    wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
-}
-
-/// The largest storage buffer a kernel can bind [bytes].
-fn binding_limit(device: &Device) -> u64 {
-    let limits = device.device.limits();
-    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
-}
-
 /// Refuses an array of 4-byte values that the device cannot bind.
 fn check_size(device: &Device, array: &'static str, values: usize) -> Result<(), SampleError> {
     let bytes = values as u64 * 4;
@@ -145,39 +134,4 @@ fn check_size(device: &Device, array: &'static str, values: usize) -> Result<(),
         return Ok(());
     }
     Err(SampleError::TooLarge { array, bytes, limit, adapter: device.adapter().to_string() })
-}
-
-fn pipeline(device: &Device) -> wgpu::ComputePipeline {
-    let source = wgpu::ShaderSource::Wgsl(SAMPLE.text().into());
-    let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(SAMPLE.entry), source });
-    device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(SAMPLE.entry),
-        layout: None,
-        module: &module,
-        entry_point: Some(SAMPLE.entry),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    })
-}
-
-/// Waits for the device and maps a buffer.
-fn map(device: &Device, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, Box<dyn std::error::Error>> {
-    let (sender, receiver) = std::sync::mpsc::channel();
-    // The receiver outlives the wait below, so sending cannot fail.
-    buffer.map_async(wgpu::MapMode::Read, .., move |outcome| drop(sender.send(outcome)));
-    device.device.poll(wgpu::PollType::wait_indefinitely())?;
-    receiver.recv()??;
-    Ok(buffer.get_mapped_range(..)?)
-}
-
-/// A buffer that holds `bytes`. No bytes give four, since an empty buffer cannot be bound.
-fn upload(device: &Device, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: bytes.len().max(4) as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    device.queue.write_buffer(&buffer, 0, bytes);
-    buffer
 }

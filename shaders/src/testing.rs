@@ -17,3 +17,8 @@ pub fn device(untested: &str) -> Option<Device> {
         }
     }
 }
+
+/// Takes the device away, as a driver that is reset does.
+pub fn lose(device: &Device) {
+    device.device.destroy();
+}

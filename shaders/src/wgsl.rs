@@ -1,7 +1,7 @@
 //! Kernels put together: constants and structs written out from Rust, then the WGSL files they are made of.
 
 use crate::constants;
-use crate::layout::GridHeader;
+use crate::layout;
 
 /// A WGSL file of this crate.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +15,9 @@ pub struct Source {
 macro_rules! source {
     ($file:literal) => {
         Source { file: $file, text: include_str!(concat!("wgsl/", $file)) }
+    };
+    (concat!($entry:literal, $end:literal)) => {
+        Source { file: concat!($entry, $end), text: include_str!(concat!("wgsl/", $entry, $end)) }
     };
 }
 
@@ -30,13 +33,90 @@ pub struct Kernel {
 /// φ at a list of points.
 pub const SAMPLE: Kernel = Kernel { entry: "sample", sources: &[source!("brick_grid.wgsl"), source!("sample.wgsl")] };
 
+/// The formulas of no model, in the place of those that are written out when a model is loaded.
+const NO_MODEL: Source = source!("no_model.wgsl");
+
+macro_rules! simulation {
+    ($entry:literal, [$($file:literal),* $(,)?]) => {
+        Kernel {
+            entry: $entry,
+            sources: &[
+                source!("trial_names.wgsl"),
+                source!("trial_data.wgsl"),
+                source!("trial_math.wgsl"),
+                source!("trial_facing.wgsl"),
+                source!("trial_field.wgsl"),
+                source!("trial_path.wgsl"),
+                source!("trial_sheet.wgsl"),
+                source!("trial_ramp.wgsl"),
+                source!("trial_contact.wgsl"),
+                source!("trial_tool_cells.wgsl"),
+                source!("trial_lanes.wgsl"),
+                NO_MODEL,
+                $(source!($file),)*
+                source!(concat!($entry, ".wgsl")),
+            ],
+        }
+    };
+}
+
+/// First share of a phase of many trials.
+pub const SIMULATE_FIRST: Kernel = simulation!(
+    "simulate_first",
+    [
+        "trial_step.wgsl",
+        "trial_apply.wgsl",
+        "trial_commit.wgsl",
+        "trial_renew.wgsl",
+        "trial_bricks.wgsl",
+        "trial_first.wgsl",
+    ]
+);
+
+/// Second share of the phase.
+pub const SIMULATE_SECOND: Kernel = simulation!(
+    "simulate_second",
+    [
+        "trial_step.wgsl",
+        "trial_apply.wgsl",
+        "trial_commit.wgsl",
+        "trial_renew.wgsl",
+        "trial_bricks.wgsl",
+        "trial_second.wgsl",
+    ]
+);
+
+/// Sums over the invocations of each trial.
+pub const SIMULATE_REDUCE: Kernel = simulation!("simulate_reduce", []);
+
+/// What each trial does next.
+pub const SIMULATE_CONTROL: Kernel = simulation!(
+    "simulate_control",
+    [
+        "trial_balance.wgsl",
+        "trial_moment.wgsl",
+        "trial_plan.wgsl",
+        "trial_seek.wgsl",
+        "trial_found.wgsl",
+        "trial_control.wgsl",
+        "trial_written.wgsl",
+        "trial_order.wgsl",
+    ]
+);
+
 /// Every kernel.
-pub const KERNELS: [Kernel; 1] = [SAMPLE];
+pub const KERNELS: [Kernel; 5] = [SAMPLE, SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL];
 
 impl Kernel {
-    /// The whole WGSL text that is compiled.
+    /// The whole WGSL text that is compiled; a simulation is that of no model.
     pub fn text(&self) -> String {
-        let files = self.sources.iter().map(|source| format!("\n// {}\n{}", source.file, source.text));
-        constants::wgsl() + &GridHeader::wgsl() + &files.collect::<String>()
+        self.with_formulas(NO_MODEL.text)
+    }
+
+    /// The same with the formulas of a model.
+    pub fn with_formulas(&self, formulas: &str) -> String {
+        let text = |source: &Source| if source.file == NO_MODEL.file { formulas } else { source.text };
+        let files = self.sources.iter().map(|source| format!("\n// {}\n{}", source.file, text(source)));
+        constants::wgsl() + &layout::wgsl() + &files.collect::<String>()
     }
 }

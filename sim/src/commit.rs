@@ -36,10 +36,13 @@ pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
     }
     sheet.set_slopes();
     let layers = lines.iter().map(|&line| reach(grid, sheet.area_ratio(line))).max().unwrap_or(0);
+    let mut renewed = Vec::new();
     for layer in 1..=layers {
-        for &line in &lines {
-            renew_far(grid, sheet, line, layer);
-        }
+        // All are found before any is written, so that the order of the lines does not matter.
+        renewed.clear();
+        renewed
+            .extend(lines.iter().flat_map(|&line| [1, -1].map(|side| renewed_far(grid, sheet, line, (layer, side)))));
+        renewed.drain(..).flatten().for_each(|far| write_far(grid, sheet, &far));
     }
 }
 
@@ -162,26 +165,37 @@ fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize, [i32; 2
     Some(sum)
 }
 
-/// Renews the distances of the voxels `layer` steps from the surface that carry no zero set.
-fn renew_far(grid: &mut BrickGrid, sheet: &Sheet, line: usize, layer: i32) {
+/// A voxel that carries no zero set, with its new distance.
+struct Far {
+    line: usize,
+    k: i32,
+    at: usize,
+    phi: f32,
+}
+
+/// The voxel `layer` steps from the surface on a side of it; `None` where it carries the zero set, or has no nearer one.
+fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (layer, side): (i32, i32)) -> Option<Far> {
     let (i, j) = sheet.window.place(line);
     let below = floor(sheet.height[line] / sheet.pitch);
     let kept = (KEPT_VOXELS * sheet.pitch) as f32;
-    for side in [1, -1] {
-        let k = if side > 0 { below + layer } else { below + 1 - layer };
-        let Some(at) = grid.place(sheet.facing.voxel(i, j, k)) else { continue };
-        let old = grid.phi[at];
-        let wrong_side = old * (side as f32) < 0.0;
-        if old.abs() <= kept || wrong_side {
-            continue;
-        }
-        let Some(distance) = distance_from_nearer(grid, sheet, line, k, side) else { continue };
-        let new = (distance as f32).clamp(kept, grid.band) * side as f32;
-        if old == -grid.band && !grid.label.is_empty() {
-            grid.label[at] = grid.label_at(sheet.facing.voxel(i, j, k + 1));
-        }
-        grid.phi[at] = new;
+    let k = if side > 0 { below + layer } else { below + 1 - layer };
+    let at = grid.place(sheet.facing.voxel(i, j, k))?;
+    let old = grid.phi[at];
+    let wrong_side = old * (side as f32) < 0.0;
+    if old.abs() <= kept || wrong_side {
+        return None;
     }
+    let distance = distance_from_nearer(grid, sheet, line, k, side)?;
+    Some(Far { line, k, at, phi: (distance as f32).clamp(kept, grid.band) * side as f32 })
+}
+
+/// Writes a distance; a voxel that was beyond the band takes the label of the one above it.
+fn write_far(grid: &mut BrickGrid, sheet: &Sheet, far: &Far) {
+    let (i, j) = sheet.window.place(far.line);
+    if grid.phi[far.at] == -grid.band && !grid.label.is_empty() {
+        grid.label[far.at] = grid.label_at(sheet.facing.voxel(i, j, far.k + 1));
+    }
+    grid.phi[far.at] = far.phi;
 }
 
 /// Distance [m] of voxel `k` of a line from the surface: that of the point one voxel of height nearer to it on the

@@ -38,6 +38,7 @@ mod crossing;
 mod decay;
 pub mod effect;
 mod extent;
+pub mod gpu;
 mod lattice_line;
 pub mod pass;
 pub mod path;

@@ -127,6 +127,11 @@ impl Path {
         Self { samples: self.samples.iter().rev().map(turn).collect() }
     }
 
+    /// The samples, in order of time.
+    pub fn samples(&self) -> &[PathSample] {
+        &self.samples
+    }
+
     /// Time of the last sample [s].
     pub fn duration(&self) -> f64 {
         self.samples.last().map_or(0.0, |sample| sample.time)

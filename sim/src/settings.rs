@@ -13,6 +13,10 @@ pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
 /// Longest step [s].
 pub const LONGEST_STEP: f64 = 0.05;
+/// Way of a tool in one step that changes nothing but the coating [footprints].
+const SANDING_STEP: f64 = 0.02;
+/// Its way on one sheet [footprints]: the surface stays as it was read.
+const SANDING_SHEET: f64 = 1.0;
 /// Longest step under an effect that lets the controller's reading follow the clock [s]: ten for a swing at 20 Hz.
 const CLOCKED_STEP: f64 = 5e-3;
 
@@ -134,6 +138,16 @@ impl Process {
             }
         }
         Ok(longest)
+    }
+
+    /// Longest way of a tool in a step, and on one sheet [m].
+    pub(crate) fn ways(&self, tool: &Tool, voxel: f64, grinds: bool) -> (f64, f64) {
+        let (step, sheet) = (self.step_voxels * voxel, self.commit_voxels * voxel);
+        if grinds {
+            return (step, sheet);
+        }
+        let footprint = 2.0 * tool.half_footprint(f64::INFINITY).0;
+        (step.max(SANDING_STEP * footprint), sheet.max(SANDING_SHEET * footprint))
     }
 
     /// Checks all that a pass reads.

@@ -1,5 +1,6 @@
 //! The command line: one verb, one file. Work lives in the libraries; a verb parses, calls and reports.
 
+mod backend_flags;
 mod backends;
 mod bake;
 mod bead_flags;

@@ -1,15 +1,18 @@
 //! `robofin simulate`: a trial as it was run, or passes along the weld of an asset.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use sim::Wheel;
-use sim::effect::{Process, RowCounts};
+use sim::effect::{CompiledModel, Process, RowCounts};
+use sim::{Tool, Wheel};
 
+use super::backend_flags::BackendFlags;
 use super::flags::{OutFlags, within};
 use super::model_flags::ModelFlags;
+use crate::batch::{self, BATCH_FILE, BatchLine};
 use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
@@ -42,6 +45,12 @@ pub(super) struct SimulateArgs {
     /// Write what each pixel of a trial's scan went through: pressure, time, sliding, removal, as CSV maps.
     #[arg(long)]
     covariates: bool,
+    #[command(flatten)]
+    backend: BackendFlags,
+    /// Table of parameter sets for a trial (CSV: name, then parameters as effect.parameter in their own units); one JSON
+    /// line for each.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["covariates", "snapshot", "resume"])]
+    batch: Option<PathBuf>,
     #[command(flatten)]
     state: StateFlags,
     #[command(flatten)]
@@ -172,13 +181,20 @@ struct TrialAnswer<'a> {
     summary: RehearsalSummary,
 }
 
+/// The answer of `simulate --batch --json`.
+#[derive(Serialize)]
+struct BatchAnswer<'a> {
+    out: &'a Path,
+    runs: usize,
+    real_time_factor: f64,
+}
+
 pub(super) fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
     if is_trial(&args.folder) { run_trial(args, console) } else { run_asset(args, console) }
 }
 
 fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     args.process.refuse_for_trial(&args.folder)?;
-    let folder = StagedFolder::new(&args.out.out, REHEARSAL_FILE, args.out.force)?;
     let trial = Trial::read(&args.folder)?;
     for note in &trial.notes {
         console.step("trial", note);
@@ -196,6 +212,12 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     let keeping = args.state.keeping(trial.passes.len())?;
     let mut twin = Twin::new(&trial, voxel, args.replay)?;
     twin.covariates = args.covariates;
+    let device = args.backend.device(twin.refusal(&model), console)?;
+    twin.device = device.as_ref();
+    if let Some(file) = &args.batch {
+        return run_batch(file, (&twin, &model), args, console);
+    }
+    let folder = StagedFolder::new(&args.out.out, REHEARSAL_FILE, args.out.force)?;
     let rehearsal = Rehearsal::run(&twin, &model, (&keeping, folder.path()), console)?;
     let summary = rehearsal.summary(&trial, &model);
     rehearsal.describe(&summary, console);
@@ -209,10 +231,45 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     console.answer(&TrialAnswer { out: &args.out.out, real_time_factor: rehearsal.real_time_factor, summary })
 }
 
+/// The trial under every parameter set of a table.
+fn run_batch(
+    file: &Path,
+    (twin, model): (&Twin, &CompiledModel),
+    args: &SimulateArgs,
+    console: &Console,
+) -> Result<()> {
+    let folder = StagedFolder::new(&args.out.out, BATCH_FILE, args.out.force)?;
+    let runs = batch::read(file, model)?;
+    let started = Instant::now();
+    let models: Vec<CompiledModel> = runs.iter().map(|run| run.model.clone()).collect();
+    let outcomes = twin.run_models(&models)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let mut text = String::new();
+    for (run, outcome) in runs.iter().zip(&outcomes) {
+        text += &serde_json::to_string(&BatchLine::new(run, twin.trial, outcome))?;
+        text.push('\n');
+    }
+    std::fs::write(folder.path().join(BATCH_FILE), text)?;
+    folder.commit()?;
+    let simulated = runs.len() as f64 * twin.duration(0);
+    console.step("batch", format!("{} runs of {:.1} s in {seconds:.1} s", runs.len(), twin.duration(0)));
+    let failed = outcomes.iter().filter(|outcome| outcome.is_err()).count();
+    ensure!(
+        failed == 0,
+        "{failed} of {} runs ended early: {} says why",
+        runs.len(),
+        args.out.out.join(BATCH_FILE).display()
+    );
+    console.answer(&BatchAnswer { out: &args.out.out, runs: runs.len(), real_time_factor: simulated / seconds })
+}
+
 fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
-    for (flag, given) in
-        [("--voxel-mm", args.voxel_mm.is_some()), ("--replay", args.replay), ("--covariates", args.covariates)]
-    {
+    for (flag, given) in [
+        ("--voxel-mm", args.voxel_mm.is_some()),
+        ("--replay", args.replay),
+        ("--covariates", args.covariates),
+        ("--batch", args.batch.is_some()),
+    ] {
         if given {
             return Err(wrong_use(format!("{flag}: only a trial has it, and {} is none", args.folder.display())));
         }
@@ -222,7 +279,10 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     let model = args.model.compile(Process::Grinding, &args.process.law()?, rows)?;
     let folder = StagedFolder::new(&args.out.out, GRIND_FILE, args.out.force)?;
     let keeping = args.state.keeping(plan.passes as usize)?;
-    let ground = grind_asset(&args.folder, (wheel, plan), model, (&keeping, folder.path()), console)?;
+    let refusal = sim::gpu::refusal_of(&Tool::from(wheel), &model);
+    let device = args.backend.device(refusal, console)?;
+    let ground =
+        grind_asset(&args.folder, (wheel, plan), model, (&keeping, folder.path()), (device.as_ref(), console))?;
     finishing::write(&ground, &args.folder, folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     console.step("done", format!("{}", args.out.out.display()));

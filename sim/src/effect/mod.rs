@@ -2,7 +2,8 @@
 //!
 //! Text becomes numbers in this order: `toml_text` and `read` take a file apart, `parse` makes trees of its formulas,
 //! `check` holds names and dimensions (`scope`) and the null value (`null`) against what they must be, `lower` puts all
-//! formulas of a [`Model`] at one place into one `graph`, `program` lays it out, `lanes` runs it. `interpret` evaluates
+//! formulas of a [`Model`] at one place into one `graph`, `program` lays it out, `lanes` runs it, `wgsl` writes it out for a
+//! graphics processor. `interpret` evaluates
 //! a tree directly: it is what the programs are tested against, and what explains a result that is not finite.
 //!
 //! ```
@@ -48,6 +49,7 @@ mod syntax;
 mod toml_text;
 mod unit;
 mod variable;
+mod wgsl;
 
 pub use call::Call;
 pub use compiled::{CellState, CompiledModel, PoseChange};
@@ -65,6 +67,7 @@ pub use slots::{ParameterSlot, RowCounts};
 pub use states::States;
 pub use unit::{Unit, UnitError};
 pub use variable::{Per, Place, TABLE, Variable, VariableRow};
+pub(crate) use wgsl::DeviceModel;
 
 #[cfg(test)]
 mod tests;

@@ -56,7 +56,8 @@ pub struct LaneStep {
 /// The programs of one place.
 #[derive(Clone, Debug)]
 pub struct Program {
-    scalars: Vec<Node>,
+    /// The step program.
+    pub scalars: Vec<Node>,
     /// Slices that the lane program reads.
     pub inputs: Vec<Input>,
     /// The lane program.

@@ -39,10 +39,6 @@ const APPROACH_STEP: f64 = 0.01;
 const INERTIA: f64 = 0.03;
 /// Change of the force in a step [setpoints] beyond which it is shortened, too.
 const FORCE_JUMP: f64 = 0.1;
-/// Way of a tool in one step that changes nothing but the coating [footprints].
-const SANDING_STEP: f64 = 0.02;
-/// Its way on one sheet [footprints]: the surface stays as it was read.
-const SANDING_SHEET: f64 = 1.0;
 
 /// Share of the setpoint that counts as touching the part.
 pub const TOUCH: f64 = 0.15;
@@ -248,22 +244,12 @@ impl<'a> Runner<'a> {
 
     /// Longest way of the tool in a step [m].
     fn step_way(&self) -> f64 {
-        let way = self.pass.process.step_voxels * self.grid.voxel;
-        if self.physics.grinds() {
-            return way;
-        }
-        way.max(SANDING_STEP * self.footprint())
-    }
-
-    /// Length of the tool's working surface along the feed [m].
-    fn footprint(&self) -> f64 {
-        2.0 * self.pass.tool.half_footprint(f64::INFINITY).0
+        self.pass.process.ways(self.pass.tool, self.grid.voxel, self.physics.grinds()).0
     }
 
     /// Way of the tool after which a sheet is written back [m].
     fn commit_way(&self) -> f64 {
-        let way = self.pass.process.commit_voxels * self.grid.voxel;
-        if self.physics.grinds() { way } else { way.max(SANDING_SHEET * self.footprint()) }
+        self.pass.process.ways(self.pass.tool, self.grid.voxel, self.physics.grinds()).1
     }
 
     /// Ends the approach when its time is up or the tool touches.

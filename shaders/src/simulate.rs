@@ -1,0 +1,307 @@
+//! A pass of many trials on the device, one workgroup each; host file of the kernels `simulate_*.wgsl`.
+//!
+//! A trial goes from phase to phase; a phase is four dispatches: two shares of the work over all lines, the sums, and the decision what
+//! comes next. No kernel needs a barrier, and all trials go on beside each other whatever their phases are.
+//!
+//! Trials share the bricks of their asset and copy a brick before they write it. A trial that runs out of room for bricks or
+//! columns stands still until [`Running::advance`] has made more, and goes on where it was.
+
+use std::sync::Arc;
+
+use crate::buffers::{binding_entry, binding_limit, pipeline_in, read, upload, zeros};
+use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING};
+use crate::device::{Device, DeviceFault};
+use crate::layout::{LogRecord, PathPiece, RunHeader, TrialSetup, TrialState};
+use crate::wgsl::{Kernel, SIMULATE_CONTROL, SIMULATE_FIRST, SIMULATE_REDUCE, SIMULATE_SECOND};
+
+/// Bytes of a number in a buffer.
+const WORD: u64 = 4;
+const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
+
+/// Why a batch was not simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// An array is larger than the adapter can bind.
+    #[error(
+        "the {array} of {trials} trials take {bytes} bytes and {adapter} binds at most {limit}: \
+         fewer trials at once, a larger voxel or --backend cpu"
+    )]
+    TooLarge {
+        /// `bricks`, `columns`, `index` or `log`.
+        array: &'static str,
+        /// Trials in the batch.
+        trials: usize,
+        /// Its size [bytes].
+        bytes: u64,
+        /// The largest binding [bytes].
+        limit: u64,
+        /// The adapter.
+        adapter: String,
+    },
+    /// The device failed.
+    #[error(transparent)]
+    Device(#[from] DeviceFault),
+}
+
+/// Room that each trial of a batch has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rooms {
+    /// Bricks of its own.
+    pub bricks: u32,
+    /// Lines of its sheet.
+    pub lines: u32,
+    /// Phases of a submission.
+    pub ticks: u32,
+}
+
+impl Default for Rooms {
+    fn default() -> Self {
+        Self { bricks: 64, lines: 2048, ticks: 512 }
+    }
+}
+
+impl Rooms {
+    /// Rows of the log: a step takes three phases or more.
+    fn log_rows(&self) -> u32 {
+        self.ticks / 3 + 2
+    }
+}
+
+/// Trials as they begin. Where a setup says that something begins is filled in by [`Simulator::load`].
+#[derive(Clone, Debug)]
+pub struct Batch {
+    /// What all share.
+    pub header: RunHeader,
+    /// One for each trial; `first_brick`, `shared_bricks`, `path_first` and `path_pieces` are the caller's.
+    pub setups: Vec<TrialSetup>,
+    /// One for each trial.
+    pub states: Vec<TrialState>,
+    /// Brick index of each trial, one after the other.
+    pub index: Vec<u32>,
+    /// Bricks of all assets, shape `[bricks, planes, 512]`.
+    pub bricks: Vec<f32>,
+    /// Paths.
+    pub path: Vec<PathPiece>,
+    /// Values of all trials, equally many each.
+    pub values: Vec<f32>,
+}
+
+/// The kernels with the formulas of a model, on a device.
+#[derive(Debug)]
+pub struct Simulator<'a> {
+    device: &'a Device,
+    kernels: Arc<Kernels>,
+}
+
+/// What is compiled of them.
+#[derive(Debug)]
+pub(crate) struct Kernels {
+    layout: wgpu::BindGroupLayout,
+    /// In the order in which a phase runs them.
+    pipelines: [wgpu::ComputePipeline; 4],
+}
+
+/// A batch under way.
+#[derive(Debug)]
+pub struct Running<'a> {
+    simulator: &'a Simulator<'a>,
+    rooms: Rooms,
+    header: RunHeader,
+    setups: Vec<TrialSetup>,
+    /// Bricks of the assets.
+    shared: u64,
+    values_each: usize,
+    buffers: Buffers,
+}
+
+/// The buffers of a batch in the order of their bindings.
+#[derive(Debug)]
+struct Buffers {
+    header: wgpu::Buffer,
+    setups: wgpu::Buffer,
+    states: wgpu::Buffer,
+    index: wgpu::Buffer,
+    pool: wgpu::Buffer,
+    columns: wgpu::Buffer,
+    path: wgpu::Buffer,
+    log: wgpu::Buffer,
+    values: wgpu::Buffer,
+}
+
+/// What a submission left.
+#[derive(Clone, Debug)]
+pub struct Chunk {
+    /// Where each trial is.
+    pub states: Vec<TrialState>,
+    /// Rows of the log; each trial's are a ring of [`TrialSetup::log_rows`].
+    pub rows: Vec<LogRecord>,
+}
+
+/// A trial at its end.
+#[derive(Clone, Debug)]
+pub struct Remains {
+    /// Its index: slots from [`TrialSetup::shared_bricks`] on are its own bricks.
+    pub index: Vec<u32>,
+    /// Its own bricks, shape `[bricks, planes, 512]`.
+    pub bricks: Vec<f32>,
+    /// Its values.
+    pub values: Vec<f32>,
+}
+
+impl<'a> Simulator<'a> {
+    /// Compiles the kernels with the formulas of a model, WGSL in the form of `no_model.wgsl`; once on each device.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn new(device: &'a Device, formulas: &str) -> Result<Self, DeviceFault> {
+        let during = "compiling the kernels of `simulate`";
+        let mut known = device.kernels.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(kernels) = known.get(formulas) {
+            return Ok(Self { device, kernels: kernels.clone() });
+        }
+        let kernels = Arc::new(device.guarded(during, |device| {
+            let layout = bind_group_layout(device);
+            let all = [SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL];
+            let compile =
+                |kernel: Kernel| pipeline_in(device, kernel.entry, kernel.with_formulas(formulas), Some(&layout));
+            Kernels { pipelines: all.map(compile), layout }
+        })?);
+        known.insert(formulas.to_owned(), kernels.clone());
+        Ok(Self { device, kernels })
+    }
+
+    /// Uploads a batch.
+    ///
+    /// # Errors
+    /// [`SimulateError::TooLarge`] where an array does not fit, [`SimulateError::Device`] where the device fails.
+    pub fn load(&self, batch: Batch, rooms: Rooms) -> Result<Running<'_>, SimulateError> {
+        let trials = batch.setups.len();
+        let planes = u64::from(batch.header.planes);
+        let shared = batch.bricks.len() as u64 / (planes * u64::from(BRICK_VOXELS));
+        let header = batch.header;
+        let values_each = batch.values.len() / trials;
+        let mut setups = batch.setups;
+        lay_out(&mut setups, rooms, shared, values_each);
+        check(self.device, (&setups, &header), rooms, shared)?;
+        let index = spread_index(&batch.index, &setups);
+        let buffers = self.device.guarded("uploading the trials", |device| {
+            let size = sizes(&setups, &header, rooms, shared);
+            let pool = zeros(device, "bricks", size.pool, STORAGE);
+            device.queue.write_buffer(&pool, 0, bytemuck::cast_slice(&batch.bricks));
+            Buffers {
+                header: upload(device, "run", bytemuck::bytes_of(&header), wgpu::BufferUsages::UNIFORM),
+                setups: upload(device, "setups", bytemuck::cast_slice(&setups), STORAGE),
+                states: upload(device, "states", bytemuck::cast_slice(&batch.states), STORAGE),
+                index: upload(device, "brick index", bytemuck::cast_slice(&index), STORAGE),
+                pool,
+                columns: zeros(device, "columns", size.columns, STORAGE),
+                path: upload(device, "path", bytemuck::cast_slice(&batch.path), STORAGE),
+                log: zeros(device, "log", size.log, STORAGE),
+                values: upload(device, "values", bytemuck::cast_slice(&batch.values), STORAGE),
+            }
+        })?;
+        Ok(Running { simulator: self, rooms, header, setups, shared, values_each, buffers })
+    }
+}
+
+/// The bindings of `trial_data.wgsl`.
+fn bind_group_layout(device: &Device) -> wgpu::BindGroupLayout {
+    let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+    let kinds = [
+        wgpu::BufferBindingType::Uniform,
+        storage(true),
+        storage(false),
+        storage(false),
+        storage(false),
+        storage(false),
+        storage(true),
+        storage(false),
+        storage(false),
+    ];
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    };
+    let entries: Vec<_> = (0..).zip(kinds).map(entry).collect();
+    let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("simulate bindings"), entries: &entries };
+    device.device.create_bind_group_layout(&descriptor)
+}
+
+/// Index entries of a trial.
+fn entries(setup: &TrialSetup) -> u32 {
+    let [x, y, z, _] = setup.grid_dims;
+    x * y * z
+}
+
+/// Puts the trials' parts of each array one after the other.
+fn lay_out(setups: &mut [TrialSetup], rooms: Rooms, shared: u64, values_each: usize) {
+    let mut index = 0;
+    for (trial, setup) in (0..).zip(setups) {
+        setup.grid_dims[3] = index;
+        setup.source_first = index + entries(setup);
+        index = setup.source_first + rooms.bricks;
+        setup.spare_first = shared as u32 + trial * rooms.bricks;
+        setup.spare_bricks = rooms.bricks;
+        setup.column_first = trial * rooms.lines * COLUMN_ARRAYS;
+        setup.column_lines = rooms.lines;
+        setup.log_first = trial * rooms.log_rows();
+        setup.log_rows = rooms.log_rows();
+        setup.value_first = trial * values_each as u32;
+    }
+}
+
+/// The trials' indices with room for the sources of their own bricks.
+fn spread_index(index: &[u32], setups: &[TrialSetup]) -> Vec<u32> {
+    let mut spread = Vec::new();
+    let mut first = 0;
+    for setup in setups {
+        let count = entries(setup) as usize;
+        spread.extend_from_slice(&index[first..first + count]);
+        spread.resize(spread.len() + setup.spare_bricks as usize, 0);
+        first += count;
+    }
+    spread
+}
+
+/// Bytes of the arrays that grow with the trials.
+struct Sizes {
+    pool: u64,
+    columns: u64,
+    index: u64,
+    log: u64,
+}
+
+fn sizes(setups: &[TrialSetup], header: &RunHeader, rooms: Rooms, shared: u64) -> Sizes {
+    let trials = setups.len() as u64;
+    let bricks = shared + trials * u64::from(rooms.bricks);
+    let index: u64 = setups.iter().map(|setup| u64::from(entries(setup)) + u64::from(rooms.bricks)).sum();
+    Sizes {
+        pool: bricks * u64::from(header.planes) * u64::from(BRICK_VOXELS) * WORD,
+        columns: trials * u64::from(rooms.lines) * u64::from(COLUMN_ARRAYS) * WORD,
+        index: index * WORD,
+        log: trials * u64::from(rooms.log_rows()) * size_of::<LogRecord>() as u64,
+    }
+}
+
+/// Refuses a batch that the device cannot bind.
+fn check(
+    device: &Device,
+    (setups, header): (&[TrialSetup], &RunHeader),
+    rooms: Rooms,
+    shared: u64,
+) -> Result<(), SimulateError> {
+    let limit = binding_limit(device);
+    let Sizes { pool, columns, index, log } = sizes(setups, header, rooms, shared);
+    let arrays = [("bricks", pool), ("columns", columns), ("index", index), ("log", log)];
+    match arrays.into_iter().find(|(_, bytes)| *bytes > limit) {
+        Some((array, bytes)) => {
+            let adapter = device.adapter().to_string();
+            Err(SimulateError::TooLarge { array, trials: setups.len(), bytes, limit, adapter })
+        }
+        None => Ok(()),
+    }
+}
+
+mod running;

@@ -1,0 +1,217 @@
+//! A batch under way: submissions, room for more, and what is left in the end.
+
+use super::{
+    Chunk, DeviceFault, Remains, Rooms, Running, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING, STORAGE,
+    SimulateError, TrialState, WORD, binding_entry, check, entries, lay_out, read, sizes, zeros,
+};
+use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, INSIDE};
+use crate::layout::{LogRecord, TrialSetup};
+
+/// A stretch of a buffer that is copied: from, to, length [words].
+type Stretch = (u64, u64, u64);
+
+impl Running<'_> {
+    /// The setups as they lie in the buffers now.
+    pub fn setups(&self) -> &[TrialSetup] {
+        &self.setups
+    }
+
+    /// Room that each trial has now.
+    pub fn rooms(&self) -> Rooms {
+        self.rooms
+    }
+
+    /// Runs one submission: [`Rooms::ticks`] phases of each trial, nothing read back within.
+    /// Then makes room where a trial needs it.
+    ///
+    /// # Errors
+    /// [`SimulateError::TooLarge`] where there is no room to be made, [`SimulateError::Device`] where the device fails.
+    pub fn advance(&mut self) -> Result<Chunk, SimulateError> {
+        let device = self.simulator.device;
+        let (states, rows) = device.guarded("simulating", |_| self.submit())?;
+        let chunk = Chunk {
+            states: read(device, "reading the states back", &states)?,
+            rows: read::<LogRecord>(device, "reading the logs back", &rows)?,
+        };
+        self.make_room(&chunk.states)?;
+        Ok(chunk)
+    }
+
+    /// Submits the dispatches and the copies to be read back.
+    fn submit(&self) -> (wgpu::Buffer, wgpu::Buffer) {
+        let device = self.simulator.device;
+        let buffers = &self.buffers;
+        let bound = [
+            &buffers.header,
+            &buffers.setups,
+            &buffers.states,
+            &buffers.index,
+            &buffers.pool,
+            &buffers.columns,
+            &buffers.path,
+            &buffers.log,
+            &buffers.values,
+        ];
+        let entries: Vec<_> = (0..).zip(bound).map(|(binding, buffer)| binding_entry(binding, buffer)).collect();
+        let bindings = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("simulate bindings"),
+            layout: &self.simulator.kernels.layout,
+            entries: &entries,
+        });
+        let mut encoder = encoder(device);
+        {
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("simulate"), timestamp_writes: None });
+            pass.set_bind_group(0, &bindings, &[]);
+            for pipeline in (0..self.rooms.ticks).flat_map(|_| &self.simulator.kernels.pipelines) {
+                pass.set_pipeline(pipeline);
+                pass.dispatch_workgroups(self.setups.len() as u32, 1, 1);
+            }
+        }
+        let states = copy_out(device, &mut encoder, &buffers.states);
+        let rows = copy_out(device, &mut encoder, &buffers.log);
+        device.queue.submit([encoder.finish()]);
+        (states, rows)
+    }
+
+    /// Makes room for the trials that stand still for want of it, and lets them go on.
+    fn make_room(&mut self, states: &[TrialState]) -> Result<(), SimulateError> {
+        let needed = |status: u32| states.iter().filter(|state| state.status == status).map(|state| state.needed).max();
+        let mut rooms = self.rooms;
+        if let Some(bricks) = needed(STATUS_NEEDS_BRICKS) {
+            rooms.bricks = bricks.max(2 * rooms.bricks);
+        }
+        if let Some(lines) = needed(STATUS_NEEDS_COLUMNS) {
+            rooms.lines = lines.max(rooms.lines + rooms.lines / 4);
+        }
+        if rooms != self.rooms {
+            self.move_into(rooms)?;
+        }
+        let stands = |state: &TrialState| matches!(state.status, STATUS_NEEDS_BRICKS | STATUS_NEEDS_COLUMNS);
+        for trial in (0..states.len()).filter(|&trial| stands(&states[trial])) {
+            let at = trial * size_of::<TrialState>() + std::mem::offset_of!(TrialState, status);
+            let running = STATUS_RUNNING.to_le_bytes();
+            self.simulator.device.queue.write_buffer(&self.buffers.states, at as u64, &running);
+        }
+        Ok(())
+    }
+
+    /// Moves all trials into buffers with other room.
+    fn move_into(&mut self, rooms: Rooms) -> Result<(), SimulateError> {
+        let mut setups = self.setups.clone();
+        lay_out(&mut setups, rooms, self.shared, self.values_each);
+        let device = self.simulator.device;
+        check(device, (&setups, &self.header), rooms, self.shared)?;
+        let size = sizes(&setups, &self.header, rooms, self.shared);
+        let brick = u64::from(self.header.planes) * u64::from(BRICK_VOXELS);
+        let pairs = || self.setups.iter().zip(&setups);
+        let mut bricks = vec![(0, 0, self.shared * brick)];
+        bricks.extend(pairs().map(|(old, new)| {
+            (
+                u64::from(old.spare_first) * brick,
+                u64::from(new.spare_first) * brick,
+                u64::from(old.spare_bricks) * brick,
+            )
+        }));
+        let index: Vec<Stretch> = pairs()
+            .map(|(old, new)| {
+                (old.grid_dims[3].into(), new.grid_dims[3].into(), u64::from(entries(old) + old.spare_bricks))
+            })
+            .collect();
+        let columns: Vec<Stretch> = pairs().flat_map(|(old, new)| column_stretches(old, new)).collect();
+        let buffers = &mut self.buffers;
+        device.guarded("making room", |device| {
+            let mut encoder = encoder(device);
+            for (buffer, label, bytes, stretches) in [
+                (&mut buffers.pool, "bricks", size.pool, bricks),
+                (&mut buffers.index, "brick index", size.index, index),
+                (&mut buffers.columns, "columns", size.columns, columns),
+            ] {
+                let larger = zeros(device, label, bytes, STORAGE);
+                for (from, to, words) in stretches {
+                    encoder.copy_buffer_to_buffer(buffer, from * WORD, &larger, to * WORD, words * WORD);
+                }
+                *buffer = larger;
+            }
+            device.queue.write_buffer(&buffers.setups, 0, bytemuck::cast_slice(&setups));
+            device.queue.submit([encoder.finish()]);
+        })?;
+        (self.setups, self.rooms) = (setups, rooms);
+        Ok(())
+    }
+
+    /// Reads what the trials leave, in their order.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn remains(&self) -> Result<Vec<Remains>, DeviceFault> {
+        let device = self.simulator.device;
+        let index: Vec<u32> = self.read_all("reading the brick indices back", &self.buffers.index)?;
+        let values: Vec<f32> = self.read_all("reading the values back", &self.buffers.values)?;
+        let brick = self.header.planes as usize * BRICK_VOXELS as usize;
+        let each = self.setups.iter().enumerate().map(|(trial, setup)| {
+            let first = setup.grid_dims[3] as usize;
+            let own_index = index[first..first + entries(setup) as usize].to_vec();
+            let is_own = |slot: &&u32| **slot >= setup.shared_bricks && **slot < INSIDE;
+            let own = own_index.iter().filter(is_own).count();
+            let from = u64::from(setup.spare_first) * brick as u64 * WORD;
+            let bricks = if own == 0 {
+                Vec::new()
+            } else {
+                let during = "reading the bricks back";
+                let staged = device.guarded(during, |device| {
+                    let mut encoder = encoder(device);
+                    let bytes = (own * brick) as u64 * WORD;
+                    let staged = staging(device, bytes);
+                    encoder.copy_buffer_to_buffer(&self.buffers.pool, from, &staged, 0, bytes);
+                    device.queue.submit([encoder.finish()]);
+                    staged
+                })?;
+                read(device, during, &staged)?
+            };
+            let values = values[trial * self.values_each..(trial + 1) * self.values_each].to_vec();
+            Ok(Remains { index: own_index, bricks, values })
+        });
+        each.collect()
+    }
+
+    fn read_all<T: bytemuck::Pod>(&self, during: &str, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceFault> {
+        let device = self.simulator.device;
+        let staged = device.guarded(during, |device| {
+            let mut encoder = encoder(device);
+            let staged = copy_out(device, &mut encoder, buffer);
+            device.queue.submit([encoder.finish()]);
+            staged
+        })?;
+        read(device, during, &staged)
+    }
+}
+
+/// The arrays over a trial's columns.
+fn column_stretches(old: &TrialSetup, new: &TrialSetup) -> impl Iterator<Item = Stretch> {
+    let (old, new) = (*old, *new);
+    (0..COLUMN_ARRAYS).map(move |array| {
+        let first = |setup: &TrialSetup| u64::from(setup.column_first + array * setup.column_lines);
+        (first(&old), first(&new), u64::from(old.column_lines))
+    })
+}
+
+fn encoder(device: &crate::Device) -> wgpu::CommandEncoder {
+    device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("simulate") })
+}
+
+fn staging(device: &crate::Device, bytes: u64) -> wgpu::Buffer {
+    device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read back"),
+        size: bytes,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// Copies a whole buffer into one that can be mapped.
+fn copy_out(device: &crate::Device, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer) -> wgpu::Buffer {
+    let staged = staging(device, buffer.size());
+    encoder.copy_buffer_to_buffer(buffer, 0, &staged, 0, buffer.size());
+    staged
+}

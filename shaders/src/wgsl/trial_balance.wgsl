@@ -1,0 +1,141 @@
+// The travel at which the force is the one that the controller wants, one evaluation at a time; twin of control.rs.
+// Travels are those beyond `guess_base`, a multiple of 1/16 voxel, so that f32 resolves them near the balance.
+
+// Evaluations of the force before the best travel so far is taken.
+const EVALUATIONS: u32 = 40u;
+// Relative difference between force and setpoint that is good enough; the sums are good to 1e-6.
+const FORCE_TOLERANCE: f32 = 2e-5;
+// Travels that are not told apart [voxels].
+const RESOLUTION: f32 = 3e-8;
+// Furthest that the tool is first sent into what it has just touched, and its way into the surface at first [m].
+const FIRST_STRIDE: f32 = 5e-6;
+const FIRST_NUDGE: f32 = 1e-7;
+// Stands for no bound.
+const FAR: f32 = 1e30;
+// Parts of a voxel by which travels are split.
+const SPLIT: f32 = 16.0;
+
+// Force that the controller believes [N].
+fn force_reading(force: f32) -> f32 {
+    if !HAS_FORCE {
+        return force;
+    }
+    set_value(V_FORCE_READING, force);
+    let reading = formula_force();
+    note_fault(reading, FAULT_FORCE);
+    return reading;
+}
+
+// The travel where the step starts, beyond the base of the search.
+fn from_travel() -> f32 {
+    return (state.coarse - state.guess_base) + state.fine;
+}
+
+// Starts a search for the balance with so much damping and mass.
+fn start_balance(damping: f32, mass: f32) {
+    state.damping = damping;
+    state.mass = mass;
+    state.low = -FAR;
+    state.high = FAR;
+    state.stride = FIRST_STRIDE / setup.voxel;
+    state.nudge = 0.5 * FIRST_NUDGE / setup.voxel;
+    state.evaluations = 0u;
+    let reach = setup.search_reach;
+    let base = state.guess_base;
+    let guess = state.fine + state.speed * state.dt;
+    state.guess = clamp(guess, -reach - base, reach - base);
+    rebase();
+}
+
+// Moves whole sixteenths of a voxel from the travel to its base.
+fn rebase() {
+    let shift = round(state.guess * SPLIT) / SPLIT;
+    state.guess_base += shift;
+    state.guess -= shift;
+    if state.low > -FAR {
+        state.low -= shift;
+    }
+    if state.high < FAR {
+        state.high -= shift;
+    }
+}
+
+// Force in excess of what the controller lets stand [N].
+fn excess_force(force: f32) -> f32 {
+    let dt = state.dt;
+    let over = force - setup.force_setpoint;
+    if dt == 0.0 {
+        return over;
+    }
+    let speed = (state.guess - from_travel()) / dt;
+    return over - state.damping * speed - state.mass * (speed - state.speed) / dt;
+}
+
+// The next travel by Newton's step, or down to the surface and a little into it; FAR where there is no surface.
+fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
+    let dt = state.dt;
+    let drag = select(0.0, state.damping / dt + state.mass / (dt * dt), dt > 0.0);
+    let guess = state.guess;
+    if stiffness + drag > 0.0 {
+        let newton = guess + excess / (stiffness + drag);
+        state.stride *= 4.0;
+        return select(max(newton, guess - state.stride), newton, state.low > -FAR);
+    }
+    if depth <= -FAR {
+        return FAR;
+    }
+    state.nudge *= 2.0;
+    return guess + min(depth, 0.0) * (1.0 + 1e-6) - state.nudge;
+}
+
+// Takes up the force [N], its stiffness [N/voxel] and the depth under the tool [voxels] at the guess. Gives SEARCHING,
+// FOUND or NOTHING.
+fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
+    let excess = excess_force(force_reading(force));
+    if abs(excess) <= FORCE_TOLERANCE * setup.force_setpoint {
+        return FOUND;
+    }
+    if excess > 0.0 {
+        state.low = state.guess;
+    } else {
+        state.high = state.guess;
+    }
+    let low = state.low;
+    let high = state.high;
+    let step = next_guess(excess, stiffness, depth);
+    if step == FAR {
+        return NOTHING;
+    }
+    let between = (step > low && step < high) || low == -FAR || high == FAR;
+    var guess = select(0.5 * (low + high), step, between);
+    let least = -setup.search_reach - state.guess_base;
+    if is_bad(guess) || guess < least {
+        // The first touch of a wide tool is so soft that Newton's step leads far below the balance.
+        if is_bad(guess) || high <= least {
+            return NOTHING;
+        }
+        guess = least;
+    }
+    if high - low < RESOLUTION {
+        state.guess = low;
+        return FOUND;
+    }
+    state.guess = guess;
+    state.evaluations += 1u;
+    if state.evaluations >= EVALUATIONS {
+        return FOUND;
+    }
+    rebase();
+    return SEARCHING;
+}
+
+// One sample of an admittance controller (semi-implicit Euler).
+fn sample_admittance() {
+    let dt = state.dt;
+    let mass = setup.mass;
+    let over = force_reading(state.end_force) - setup.force_setpoint;
+    let speed = (mass * state.speed + dt * over) / (mass + dt * setup.damping);
+    state.found_speed = speed;
+    state.guess = state.fine + dt * speed;
+    rebase();
+}

@@ -1,0 +1,113 @@
+// The contact patch in the squares around the columns; twin of contact.rs. All lengths in voxels.
+
+// Depth, share and area of a square.
+struct Square {
+    mean: f32,
+    share: f32,
+    area: f32,
+}
+
+// First and second difference of the depth across a square.
+struct Difference {
+    mean: f32,
+    bend: f32,
+}
+
+fn difference(before: f32, here: f32, after: f32) -> Difference {
+    let near_before = abs(before - here) < WALL;
+    let near_after = abs(after - here) < WALL;
+    if near_before && near_after {
+        return Difference(0.5 * (after - before), (after - here) - (here - before));
+    }
+    return Difference(select(select(0.0, after - here, near_after), here - before, near_before), 0.0);
+}
+
+// Depth of a point of the tool's frame, from the lowest point, below the working surface.
+fn tool_depth(at: vec3f) -> f32 {
+    if setup.tool == TOOL_PAD {
+        return at.z;
+    }
+    // R - sqrt(flat² + (z - R)²) without the difference of two large numbers.
+    let radius = setup.tool_radius;
+    let flat = at.x * at.x + select(0.0, at.y * at.y, setup.tool == TOOL_SPHERE);
+    let arm = at.z - radius;
+    let round = (at.z * (2.0 * radius - at.z) - flat) / (radius + sqrt(flat + arm * arm));
+    return round - 0.5 * setup.tool_crown * at.y * at.y;
+}
+
+// Share of a square that lies under the working surface, as a mean over the sweep [u, v, up].
+fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> f32 {
+    if setup.tool == TOOL_SPHERE {
+        return 1.0;
+    }
+    let near = 1.0 + 0.5 * length(sweep);
+    var within = setup.tool_half_width - abs(at.y);
+    var inward = pose.y * -select(-1.0, 1.0, at.y >= 0.0);
+    if setup.tool == TOOL_PAD {
+        within = setup.tool_radius - length(at.xy);
+        inward = -normalized(pose.x * at.x + pose.y * at.y);
+    }
+    if abs(within) >= near {
+        return select(0.0, 1.0, within > 0.0);
+    }
+    let slope = slope_of(line);
+    let spans = 0.5 * abs(inward.xy + inward.z * slope);
+    let swept = 0.5 * abs(dot(sweep, inward));
+    if swept == 0.0 {
+        return wet_share(within, spans);
+    }
+    return wet_share(within, vec2f(length(spans), swept));
+}
+
+// Mean along the rim of what the depth's curvature adds to the linear depth across a square.
+fn bend_at_rim(depth: f32, along: Difference, sideways: Difference) -> f32 {
+    let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
+    let way = depth / steepness;
+    let off = min(way * way, 0.5 / steepness);
+    let widest = max(abs(along.mean), abs(sideways.mean));
+    let spread = 1.0 / (12.0 * widest * widest);
+    let a = along.mean * along.mean;
+    let b = sideways.mean * sideways.mean;
+    return 0.5 * (along.bend * (a * off + b * spread) + sideways.bend * (b * off + a * spread));
+}
+
+// Mean depth, share and area of a square that the patch's rim crosses.
+fn partly_wet(depth: f32, spans: vec2f, along: Difference, sideways: Difference) -> Square {
+    let share = wet_share(depth, spans);
+    let dry = 0.5 - share;
+    let wet_mean = (0.125 - dry * dry * dry) / 6.0;
+    let steep = spans.x > spans.y;
+    let bent = select(sideways.bend, along.bend, steep) * wet_mean + select(along.bend, sideways.bend, steep) * share / 24.0;
+    var area = share;
+    if share < 1.0 {
+        area = wet_share(depth + bend_at_rim(depth, along, sideways), spans);
+    }
+    return Square(ramp_mean(depth, spans) + bent, share, area);
+}
+
+// A square whose depths at the column and around it are in `depths`.
+fn square_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Square {
+    let dry = Square(0.0, 0.0, 0.0);
+    let depth = column_value(depths, line);
+    if depth <= -1.0 {
+        return dry;
+    }
+    let along = difference(column_value(depths, line - across()), depth, column_value(depths, line + across()));
+    let sideways = difference(column_value(depths, line - 1u), depth, column_value(depths, line + 1u));
+    let spans = 0.5 * abs(vec2f(along.mean, sideways.mean));
+    if depth <= -(spans.x + spans.y) {
+        return dry;
+    }
+    let covered = cover(line, local_point(line, pose), pose, sweep);
+    if covered == 0.0 {
+        return dry;
+    }
+    var square = Square(depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0);
+    if depth < spans.x + spans.y {
+        square = partly_wet(depth, spans, along, sideways);
+    }
+    if square.mean <= 0.0 {
+        return dry;
+    }
+    return Square(covered * square.mean, covered * square.share, covered * square.area);
+}

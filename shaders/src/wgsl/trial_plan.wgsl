@@ -1,0 +1,142 @@
+// What one invocation decides between the parallel parts of a step: clock, sheet and poses; twin of pass/mod.rs, seek.rs
+// and extent.rs.
+
+// Longest step, longest while the tool comes down [s].
+const LONGEST_STEP: f32 = 0.05;
+const APPROACH_STEP: f32 = 0.01;
+// Share of the setpoint that counts as touching the part.
+const TOUCH: f32 = 0.15;
+// Lines around the contact that a sheet holds in reserve.
+const MARGIN: i32 = 3;
+// Surface sought below the tool in contact, and looked at ahead of a step [voxels].
+const NEAR_BELOW: f32 = 4.0;
+const LOOK_AHEAD: f32 = 3.0;
+
+fn is_ideal() -> bool {
+    return state.controller == CONTROLLER_IDEAL;
+}
+
+fn period() -> f32 {
+    return select(FAR, setup.period, state.controller == CONTROLLER_ADMITTANCE);
+}
+
+fn path_speed() -> f32 {
+    return length(path[piece_at(now())].velocity.xyz);
+}
+
+// Time in which the tool moves by so many voxels [s]; 0 while it stands.
+fn time_for(way: f32) -> f32 {
+    let speed = path_speed();
+    return select(0.0, way / speed, speed > 0.0);
+}
+
+// Begins a step, or ends the pass.
+fn plan_step() {
+    let left = time_between(duration(), now());
+    state.left = left;
+    let most = setup.most_steps;
+    if left <= 0.0 || (most > 0u && state.steps >= most) {
+        if left > 0.0 {
+            state.status = STATUS_TOO_MANY_STEPS;
+        }
+        write_back(FINISH);
+        return;
+    }
+    state.piece = piece_at(now());
+    let approach = time_between(Time(setup.approach_blocks, setup.approach_rest), now());
+    take_over(approach <= 0.0);
+    let speed = path_speed();
+    var dt = min(min(state.dt_limit, setup.longest_step), left);
+    if speed > 0.0 {
+        dt = min(dt, setup.step_way / speed);
+    }
+    if setup.quasi_static == 0u {
+        dt = min(dt, period());
+    }
+    if approach > 0.0 {
+        dt = min(min(dt, APPROACH_STEP), approach);
+    }
+    state.step_dt = dt;
+    state.searched = 0u;
+    enter_moment();
+    set_spindle();
+    set_pose_change();
+    prepare_lanes();
+    state.phase = CHOOSE;
+}
+
+// Ends the approach when its time is up or the tool touches.
+fn take_over(over: bool) {
+    let touches = value(V_FORCE) > TOUCH * setup.force_setpoint;
+    if state.controller != setup.controller && (touches || over) {
+        state.controller = setup.controller;
+    }
+}
+
+// Widens the window [first u, first v, last u, last v], and its lowest height, by the contact's corners at a pose.
+fn widen(window: vec4i, lowest: i32, pose: Pose) -> array<vec4i, 2> {
+    let whole = whole_to_sheet(pose.whole);
+    let rest = to_sheet(pose.rest);
+    let x = to_sheet(pose.x);
+    let y = to_sheet(pose.y);
+    var result = window;
+    var low = lowest;
+    for (var n = 0u; n < 4u; n++) {
+        let at = rest + x * state.extent[n >> 1u] + y * state.extent[2u + (n & 1u)];
+        let first = whole + vec3i(floor(at));
+        let last = whole.xy + vec2i(ceil(at.xy));
+        result = vec4i(min(result.xy, first.xy), max(result.zw, last));
+        low = min(low, first.z);
+    }
+    return array<vec4i, 2>(result, vec4i(low));
+}
+
+fn no_window() -> array<vec4i, 2> {
+    return array<vec4i, 2>(vec4i(2147483647, 2147483647, -2147483647, -2147483647), vec4i(2147483647));
+}
+
+// The axis of the field that the tool approaches most directly, and which way is up.
+fn facing(approach: vec3f) -> vec2i {
+    let size = abs(approach);
+    var axis = select(0, 1, size.y > size.x);
+    axis = select(axis, 2, size.z > max(size.x, size.y));
+    return vec2i(axis, select(1, -1, approach[axis] < 0.0));
+}
+
+// Sees to a sheet that holds the contact of the step, and looks at its region of it.
+fn choose_sheet() {
+    let dt = state.step_dt;
+    let wanted = facing(nominal(now()).approach);
+    let turned = state.axis != u32(wanted.x) || state.up != wanted.y;
+    if state.has_sheet == 1u && turned {
+        write_back(CHOOSE);
+        return;
+    }
+    state.axis = u32(wanted.x);
+    state.up = wanted.y;
+    var window = no_window();
+    let ways = vec3f(0.0, dt, dt + time_for(LOOK_AHEAD));
+    for (var n = 0u; n < 3u; n++) {
+        window = widen(window[0], window[1].x, pose_at(later(now(), ways[n])));
+    }
+    let low = window[0].xy - MARGIN;
+    let size = max(window[0].zw + MARGIN - low + 1, vec2i(3));
+    state.wanted = vec4i(low, size);
+    let held = state.window_low.xy;
+    let end = held + vec2i(vec2u(state.window_size[0], across()));
+    if state.has_sheet == 1u && all(low + MARGIN >= held) && all(low + size - MARGIN <= end) {
+        look();
+        state.phase = TRY;
+    } else {
+        write_back(READ_SHEET);
+    }
+}
+
+// Looks at the part of the sheet that the step needs, of lines that have neighbours on all sides.
+fn look() {
+    let first = state.wanted.xy - state.window_low.xy;
+    let ends = vec2i(vec2u(state.window_size[0], across())) - 1;
+    let last = clamp(first + state.wanted.zw, vec2i(1), ends);
+    let from_line = clamp(first, vec2i(1), last);
+    state.region = vec4u(vec2u(from_line), vec2u(last - from_line));
+}

@@ -1,0 +1,113 @@
+// One step of the contact over the squares of the region, one invocation each in turn; twin of step/.
+
+// Relative change of depth over which the slope of the recession is taken.
+const PROBE: f32 = 1e-3;
+
+// Whether a line is in the rectangle in which the start of the step was measured.
+fn has_start(line: u32) -> bool {
+    let region = state.start_region;
+    let at = vec2u(line / across(), line % across());
+    return state.whole_step == 0u && all(at >= region.xy) && all(at < region.xy + region.zw);
+}
+
+// Mean depth, share and area at the start of the step.
+fn start_square(line: u32) -> Square {
+    if !has_start(line) {
+        return Square(0.0, 0.0, 0.0);
+    }
+    return Square(column_value(start_array(END_MEAN), line), column_value(start_array(END_SHARE), line), column_value(start_array(END_AREA), line));
+}
+
+fn end_square(line: u32) -> Square {
+    return Square(column_value(end_array(END_MEAN), line), column_value(end_array(END_SHARE), line), column_value(end_array(END_AREA), line));
+}
+
+// Mean depth over the wet share.
+fn wet_depth(square: Square) -> f32 {
+    return select(0.0, square.mean / square.share, square.share > 0.0);
+}
+
+fn on_border(line: u32, region: vec4u) -> bool {
+    let at = vec2u(line / across(), line % across()) - region.xy;
+    return at.x == 0u || at.y == 0u || at.x + 1u == region.z || at.y + 1u == region.w;
+}
+
+// Measures a square at one end of the step, in arrays that begin at `depths`.
+fn measure(line: u32, depths: u32, pose: Pose, sweep: vec3f) {
+    let square = square_at(line, depths, pose, sweep);
+    set_column(depths + (END_MEAN - END_DEPTH), line, square.mean);
+    set_column(depths + (END_SHARE - END_DEPTH), line, square.share);
+    set_column(depths + (END_AREA - END_DEPTH), line, square.area);
+    if square.share > 0.0 && on_border(line, state.region) {
+        maxima[MAX_BORDER] = 1.0;
+    }
+}
+
+// Force at the end of the step and how it depends on the travel, of one square.
+fn respond(line: u32, pose: Pose, middle: Pose) {
+    measure(line, end_array(END_DEPTH), pose, state.sweep.xyz);
+    let depth = column_value(end_array(END_DEPTH), line);
+    if depth > maxima[MAX_DEPTH] && cover(line, local_point(line, pose), pose, vec3f(0.0)) > 0.0 {
+        maxima[MAX_DEPTH] = depth;
+    }
+    let start = start_square(line);
+    let end = end_square(line);
+    set_column(RECESSION, line, 0.0);
+    set_column(MEAN_LOAD, line, 0.0);
+    if start.share + end.share > 0.0 {
+        if state.whole_step == 1u {
+            press_whole(line, end, pose, middle);
+        } else {
+            relax(line, start, end, pose, middle);
+        }
+    }
+}
+
+fn lane_here(line: u32, middle: Pose) -> Lane {
+    var lane = lane_at(line, middle);
+    lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
+    return lane;
+}
+
+// Force of a step that is taken as its middle.
+fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
+    let voxel = setup.voxel;
+    let depth = wet_depth(end);
+    let pressure = ground(lane_here(line, middle), depth, 0.0).x;
+    let load = pressure * end.share;
+    let facing = voxel * voxel * approach_share(line, pose.approach);
+    set_column(PRESSURE_START, line, pressure);
+    set_column(PRESSURE_END, line, pressure);
+    set_column(MEAN_LOAD, line, load);
+    totals[SUM_FORCE] += load * facing;
+    totals[SUM_STIFFNESS] += load / depth * facing;
+}
+
+// Integrates a square over the step.
+fn relax(line: u32, start: Square, end: Square, pose: Pose, middle: Pose) {
+    let voxel = setup.voxel;
+    let dt = state.dt;
+    let lane = lane_here(line, middle);
+    let depths = vec2f(wet_depth(start), wet_depth(end));
+    let depth_rate = select(0.0, (depths.y - depths.x) * voxel / dt, dt > 0.0);
+    let a = ground(lane, depths.x, depth_rate);
+    let b = ground(lane, depths.y, depth_rate);
+    let deeper_depth = max(depths.x, depths.y);
+    let deeper = select(b, a, depths.x > depths.y);
+    let probe = ground(lane, deeper_depth * (1.0 + PROBE), depth_rate);
+    let relaxation = max((probe.y - deeper.y) / (PROBE * deeper_depth * voxel), 0.0);
+    let weights = decay_weights(relaxation * dt);
+    let rates = vec2f(a.y * start.share, b.y * end.share);
+    let recession = dt * (rates.x * weights.x + (rates.y - rates.x) * weights.y) / voxel;
+    let loads = vec2f(a.x * start.share, b.x * end.share);
+    let left = select(0.0, max(1.0 - recession / end.mean, 0.0), end.mean > 0.0);
+    let mean_recession = dt * (rates.x * weights.y + (rates.y - rates.x) * weights.z) / voxel;
+    let stiffness = deeper.x / deeper_depth;
+    set_column(RECESSION, line, recession);
+    set_column(PRESSURE_START, line, a.x);
+    set_column(PRESSURE_END, line, b.x);
+    set_column(MEAN_LOAD, line, max(0.5 * (loads.x + loads.y) - stiffness * mean_recession, 0.0));
+    let facing = voxel * voxel * approach_share(line, pose.approach);
+    totals[SUM_FORCE] += loads.y * left * facing;
+    totals[SUM_STIFFNESS] += stiffness * end.share * (1.0 - relaxation * dt * weights.y) * facing;
+}

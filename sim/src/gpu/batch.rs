@@ -1,0 +1,327 @@
+//! Many trials in one submission.
+
+use std::collections::BTreeMap;
+
+use sdf_bake::BrickGrid;
+use sdf_bake::channels::Scalar;
+use sdf_bake::grid::BRICK_VOXELS;
+use shaders::Device;
+use shaders::constants::{
+    ABSENT, FAULT_DOSE, FAULT_FORCE, FAULT_POSE, FAULT_PRESSURE, FAULT_RATE, FAULT_SHAPE, FAULT_SPINDLE,
+    FAULT_TOOL_STATE, STATUS_DONE, STATUS_FORMULA, STATUS_TOO_MANY_STEPS,
+};
+use shaders::layout::{RunHeader, TrialState};
+use shaders::simulate::{Batch, Remains, Rooms, Running, SimulateError, Simulator};
+
+use super::setup::time_of;
+use super::{GpuError, refusal, remains, setup};
+use crate::effect::{DeviceModel, Place, Reset, States};
+use crate::pass::{Pass, Progress};
+use crate::physics::Physics;
+use crate::record::PassRecord;
+use crate::settings::PassError;
+use crate::tool_cells;
+
+/// A pass to be run on a part, which trials may share: each changes a copy of its own.
+#[derive(Clone, Copy)]
+pub struct Trial<'a> {
+    /// The part before the pass.
+    pub part: &'a BrickGrid,
+    /// The pass.
+    pub pass: Pass<'a>,
+    /// What the tool remembers.
+    pub tool: &'a States,
+}
+
+/// A pass that was run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The part afterwards; where the pass failed, at the last good step.
+    pub part: BrickGrid,
+    /// What the tool remembers afterwards.
+    pub tool: States,
+    /// Log and figures, or why there are none.
+    pub record: Result<PassRecord, GpuError>,
+}
+
+/// How a batch is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Room that each trial begins with; it grows where it must.
+    pub rooms: Rooms,
+    /// Most trials in one submission.
+    pub most_trials: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { rooms: Rooms::default(), most_trials: 4096 }
+    }
+}
+
+/// Runs one pass: changes `grid` and the tool's `states`, as [`crate::run_pass`] does.
+///
+/// # Errors
+/// [`GpuError`]; where the device failed, grid and states are as they were.
+pub fn run_pass(
+    device: &Device,
+    grid: &mut BrickGrid,
+    pass: Pass,
+    states: &mut States,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<PassRecord, GpuError> {
+    let trial = Trial { part: grid, pass, tool: states };
+    let outcome = run_batch(device, &[trial], Settings::default(), &mut |_, at| progress(at))?.remove(0)?;
+    (*grid, *states) = (outcome.part, outcome.tool);
+    outcome.record
+}
+
+/// Runs trials that know nothing of each other, as many at once as the device holds. Gives one result for each, in their
+/// order; `progress` is told of a trial by its number.
+///
+/// # Errors
+/// [`GpuError::Device`] where the device fails: then there are no results.
+pub fn run_batch(
+    device: &Device,
+    trials: &[Trial],
+    settings: Settings,
+    progress: &mut dyn FnMut(usize, Progress),
+) -> Result<Vec<Result<Outcome, GpuError>>, GpuError> {
+    let mut results: Vec<Option<Result<Outcome, GpuError>>> = trials.iter().map(|_| None).collect();
+    // Trials whose models have the same formulas share a kernel.
+    let mut groups: BTreeMap<String, (DeviceModel, Vec<Ready>)> = BTreeMap::new();
+    for (number, trial) in trials.iter().enumerate() {
+        match Ready::new(number, *trial) {
+            Ok((model, ready)) => {
+                groups.entry(model.text.clone()).or_insert_with(|| (model, Vec::new())).1.push(ready);
+            }
+            Err(error) => results[number] = Some(Err(error)),
+        }
+    }
+    for (model, group) in groups.into_values() {
+        let simulator = Simulator::new(device, &model.text)?;
+        let mut size = settings.most_trials.max(1);
+        let mut rest = group.as_slice();
+        while !rest.is_empty() {
+            let (now, later) = rest.split_at(size.min(rest.len()));
+            match run_group(&simulator, &model, now, settings.rooms, progress) {
+                Ok(outcomes) => {
+                    now.iter().zip(outcomes).for_each(|(ready, outcome)| results[ready.number] = Some(Ok(outcome)));
+                    rest = later;
+                }
+                Err(GpuError::Device(SimulateError::TooLarge { .. })) if now.len() > 1 => size = now.len() / 2,
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    Ok(results.into_iter().map(|result| result.expect("every trial was run or refused")).collect())
+}
+
+/// A trial that the device can run.
+struct Ready<'a> {
+    number: usize,
+    trial: Trial<'a>,
+    states: States,
+    setup: shaders::layout::TrialSetup,
+    sands: bool,
+    keeps_removed: bool,
+}
+
+impl<'a> Ready<'a> {
+    fn new(number: usize, trial: Trial<'a>) -> Result<(DeviceModel, Self), GpuError> {
+        let Trial { part, pass, tool } = trial;
+        if let Some(what) = refusal(&pass) {
+            return Err(GpuError::Unsupported(what));
+        }
+        let model = DeviceModel::new(pass.model, tool_cells::COUNT).expect("a model that is not refused");
+        let mut states = tool.clone();
+        states.reset(pass.model, Reset::Pass);
+        let physics = Physics::new(pass.model, &mut states, pass.process.coating);
+        let setup = setup::setup(part, &pass, &physics)?;
+        let (sands, keeps_removed) = (physics.sands(), setup::keeps_removed(&pass, &physics));
+        Ok((model, Self { number, trial, states, setup, sands, keeps_removed }))
+    }
+}
+
+/// Planes of the pool that a group of trials needs.
+fn header(group: &[Ready]) -> RunHeader {
+    let mut header: RunHeader = bytemuck::Zeroable::zeroed();
+    header.planes = 1;
+    let mut plane = |is_there: bool| {
+        if !is_there {
+            return ABSENT;
+        }
+        header.planes += 1;
+        header.planes - 1
+    };
+    let dose = plane(group.iter().any(|ready| ready.sands || !ready.trial.part.dose.is_empty()));
+    let removed = plane(group.iter().any(|ready| ready.keeps_removed || !ready.trial.part.removed.is_empty()));
+    let label = plane(group.iter().any(|ready| !ready.trial.part.label.is_empty()));
+    RunHeader { dose_plane: dose, removed_plane: removed, label_plane: label, ..header }
+}
+
+/// The arrays of a group; a part that trials share lies in them once.
+fn batch(group: &[Ready], model: &DeviceModel) -> Batch {
+    let header = header(group);
+    let mut batch = Batch {
+        header,
+        setups: Vec::new(),
+        states: Vec::new(),
+        index: Vec::new(),
+        bricks: Vec::new(),
+        path: Vec::new(),
+        values: Vec::new(),
+    };
+    let mut parts: Vec<(&BrickGrid, u32)> = Vec::new();
+    for ready in group {
+        let Trial { part, pass, .. } = ready.trial;
+        let first_brick = match parts.iter().find(|(known, _)| std::ptr::eq(*known, part)) {
+            Some((_, first)) => *first,
+            None => {
+                let first = (batch.bricks.len() / (header.planes as usize * BRICK_VOXELS)) as u32;
+                add_bricks(&mut batch.bricks, part, &header);
+                parts.push((part, first));
+                first
+            }
+        };
+        let path_first = batch.path.len() as u32;
+        batch.path.extend(setup::path(&pass, part.voxel));
+        let mut setup = ready.setup;
+        (setup.first_brick, setup.shared_bricks) = (first_brick, part.brick_count() as u32);
+        (setup.path_first, setup.path_pieces) = (path_first, batch.path.len() as u32 - path_first - 1);
+        let mut state = setup::state(&pass, &setup);
+        state.piece = path_first;
+        batch.setups.push(setup);
+        batch.states.push(state);
+        batch.index.extend_from_slice(&part.index);
+        batch.values.extend(setup::values(&pass, &ready.states, model));
+    }
+    batch
+}
+
+/// Adds the bricks of a part, plane by plane; a channel that it does not keep is zero.
+fn add_bricks(bricks: &mut Vec<f32>, part: &BrickGrid, header: &RunHeader) {
+    let planes = header.planes as usize;
+    let first = bricks.len();
+    bricks.resize(first + part.brick_count() * planes * BRICK_VOXELS, 0.0);
+    let label: Vec<f32> = part.label.iter().map(|&id| f32::from(id)).collect();
+    let channels = [
+        (0, part.phi.as_slice()),
+        (header.dose_plane, part.scalar(Scalar::Dose)),
+        (header.removed_plane, part.scalar(Scalar::Removed)),
+        (header.label_plane, label.as_slice()),
+    ];
+    for (plane, values) in channels.into_iter().filter(|(plane, _)| *plane != ABSENT) {
+        for (brick, from) in values.chunks_exact(BRICK_VOXELS).enumerate() {
+            let at = first + (brick * planes + plane as usize) * BRICK_VOXELS;
+            bricks[at..at + BRICK_VOXELS].copy_from_slice(from);
+        }
+    }
+}
+
+/// Runs a group that has one kernel, submission after submission until the last trial is at its end.
+fn run_group(
+    simulator: &Simulator,
+    model: &DeviceModel,
+    group: &[Ready],
+    rooms: Rooms,
+    progress: &mut dyn FnMut(usize, Progress),
+) -> Result<Vec<Outcome>, GpuError> {
+    let mut running = simulator.load(batch(group, model), rooms)?;
+    let header = header(group);
+    let mut records = vec![PassRecord::default(); group.len()];
+    let states = loop {
+        let setups = running.setups().to_vec();
+        let chunk = running.advance()?;
+        for (trial, ready) in group.iter().enumerate() {
+            let setup = &setups[trial];
+            let record = &mut records[trial];
+            let before = record.steps as u32;
+            for step in before..chunk.states[trial].steps {
+                let row = &chunk.rows[(setup.log_first + step % setup.log_rows) as usize];
+                remains::push(record, row, &ready.trial.pass, ready.trial.part.voxel);
+            }
+            if record.steps as u32 > before {
+                progress(ready.number, at(&chunk.states[trial], ready));
+            }
+        }
+        if chunk.states.iter().all(|state| state.status >= STATUS_FORMULA || state.status == STATUS_DONE) {
+            break chunk.states;
+        }
+    };
+    outcomes(&running, model, (group, &header), (records, &states))
+}
+
+/// How far a trial is.
+fn at(state: &TrialState, ready: &Ready) -> Progress {
+    Progress {
+        time: time_of(state.time_blocks, state.time_rest),
+        duration: ready.trial.pass.path.duration(),
+        force: state.end_force.into(),
+    }
+}
+
+fn outcomes(
+    running: &Running,
+    model: &DeviceModel,
+    (group, header): (&[Ready], &RunHeader),
+    (records, states): (Vec<PassRecord>, &[TrialState]),
+) -> Result<Vec<Outcome>, GpuError> {
+    let remains = running.remains()?;
+    let each = group.iter().zip(records).zip(remains).zip(running.setups().iter().zip(states));
+    Ok(each
+        .map(|(((ready, record), remains), (setup, state))| {
+            let part = changed_part(ready, &remains, (setup, header));
+            let tool = remains::states(ready.trial.pass.model, model, &remains.values, &ready.states);
+            Outcome { part, tool: tool.unwrap_or_else(|| ready.states.clone()), record: finish(record, state, ready) }
+        })
+        .collect())
+}
+
+fn changed_part(ready: &Ready, remains: &Remains, at: (&shaders::layout::TrialSetup, &RunHeader)) -> BrickGrid {
+    let mut part = ready.trial.part.clone();
+    if ready.sands {
+        part.scalar_or_zero(Scalar::Dose);
+    }
+    if ready.keeps_removed {
+        part.scalar_or_zero(Scalar::Removed);
+    }
+    remains::write_bricks(&mut part, remains, at);
+    if ready.setup.grinds == 1 {
+        part.release_uniform_bricks();
+    }
+    part
+}
+
+/// The record of a pass at its end, or why it ended early.
+fn finish(mut record: PassRecord, state: &TrialState, ready: &Ready) -> Result<PassRecord, GpuError> {
+    let process = ready.trial.pass.process;
+    let time = time_of(state.time_blocks, state.time_rest);
+    match state.status {
+        STATUS_FORMULA => return Err(GpuError::Formula { time, place: place_of(state.detail) }),
+        STATUS_TOO_MANY_STEPS => {
+            return Err(PassError::TooManySteps { time, most: process.most_steps.unwrap_or_default() }.into());
+        }
+        _ => {}
+    }
+    if state.too_soft == 1 && record.contact_time == 0.0 {
+        let (setpoint, reach) = (process.force_setpoint, process.search_reach);
+        return Err(PassError::TooSoft { setpoint, reach }.into());
+    }
+    record.finish(ready.trial.pass.path.duration());
+    Ok(record)
+}
+
+fn place_of(fault: u32) -> Place {
+    match fault {
+        FAULT_POSE => Place::Pose,
+        FAULT_SHAPE => Place::Shape,
+        FAULT_PRESSURE => Place::Pressure,
+        FAULT_SPINDLE => Place::Spindle,
+        FAULT_FORCE => Place::Force,
+        FAULT_RATE => Place::Rate,
+        FAULT_DOSE => Place::Dose,
+        FAULT_TOOL_STATE => Place::ToolState,
+        _ => Place::ToolCell,
+    }
+}

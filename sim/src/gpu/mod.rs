@@ -1,0 +1,64 @@
+//! Passes on a graphics processor: many independent trials in one submission, one workgroup each.
+//!
+//! The device runs the same list of passes as [`crate::run_pass`], shader by shader the twin of the files of this crate:
+//! sheet, contact, controller, removal, commit; in f32, with lengths counted from the tool's lowest point and the sheet's
+//! own level. [`refusal`] says what it cannot run.
+
+mod batch;
+mod remains;
+mod setup;
+
+pub use batch::{Outcome, Settings, Trial, run_batch, run_pass};
+
+use crate::effect::{CompiledModel, DeviceModel, Place};
+use crate::pass::Pass;
+use crate::settings::PassError;
+use crate::tool::Tool;
+use crate::tool_cells;
+
+/// Why a trial has no result.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum GpuError {
+    /// Something that the device does not run.
+    #[error("the GPU backend does not run {0}: --backend cpu does")]
+    Unsupported(String),
+    /// As on the CPU.
+    #[error(transparent)]
+    Pass(#[from] PassError),
+    /// A formula gave no finite number in f32.
+    #[error(
+        "at {time:.4} s of the pass: a formula at the hook {place} gives no finite number; the part holds the last good \
+         state, and --backend cpu names the formula"
+    )]
+    Formula {
+        /// Time in the pass [s].
+        time: f64,
+        /// Where.
+        place: Place,
+    },
+    /// The device failed, or has no room. The part is as it was before the pass.
+    #[error("{0}; the part is as it was before the pass")]
+    Device(#[from] shaders::simulate::SimulateError),
+}
+
+impl From<shaders::device::DeviceFault> for GpuError {
+    fn from(fault: shaders::device::DeviceFault) -> Self {
+        Self::Device(fault.into())
+    }
+}
+
+/// What of a pass the device does not run; `None` where it runs all of it.
+pub fn refusal(pass: &Pass) -> Option<String> {
+    if pass.covariates.is_some() {
+        return Some("maps of what each place goes through".to_owned());
+    }
+    refusal_of(pass.tool, pass.model)
+}
+
+/// The same of a tool and a model alone.
+pub fn refusal_of(tool: &Tool, model: &CompiledModel) -> Option<String> {
+    if matches!(tool, Tool::Field(_)) {
+        return Some("a tool baked into a field".to_owned());
+    }
+    DeviceModel::new(model, tool_cells::COUNT).err().map(|fault| format!("a model in which {fault}"))
+}

@@ -1,0 +1,188 @@
+//! A trial in the form in which the device reads it: lengths in voxels, f32.
+
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use sdf_bake::redistance::KEPT_VOXELS;
+use shaders::constants::{
+    CONTROLLER_ADMITTANCE, CONTROLLER_IDEAL, CONTROLLER_REPLAY, TIME_BLOCKS, TOOL_PAD, TOOL_SPHERE, TOOL_WHEEL,
+};
+use shaders::layout::{PathPiece, TrialSetup, TrialState};
+
+use crate::control::Controller;
+use crate::effect::{DeviceModel, Place, States, StepValues, Variable};
+use crate::pass::Pass;
+use crate::path::PathSample;
+use crate::physics::Physics;
+use crate::settings::{LONGEST_STEP, PassError};
+use crate::tool::Tool;
+use crate::tool_cells::ToolCells;
+
+/// Longest piece of a path [voxels]: f32 resolves places on it to 1e-6 voxel.
+const PIECE: f64 = 16.0;
+/// How far a tool sinks in at first [voxels].
+const SINK: f64 = 2.0;
+
+/// A time as blocks and the rest [s].
+fn clock(time: f64) -> (i32, f32) {
+    let blocks = (time * f64::from(TIME_BLOCKS)).floor();
+    (blocks as i32, (time - blocks / f64::from(TIME_BLOCKS)) as f32)
+}
+
+/// The time of a clock [s].
+pub(super) fn time_of(blocks: i32, rest: f32) -> f64 {
+    f64::from(blocks) / f64::from(TIME_BLOCKS) + f64::from(rest)
+}
+
+fn four(v: DVec3, last: f64) -> [f32; 4] {
+    [v.x as f32, v.y as f32, v.z as f32, last as f32]
+}
+
+/// The path in straight pieces, and its end.
+pub(super) fn path(pass: &Pass, voxel: f64) -> Vec<PathPiece> {
+    let samples = pass.path.samples();
+    let mut pieces = Vec::new();
+    for pair in samples.windows(2) {
+        let (a, b) = (&pair[0], &pair[1]);
+        let count = ((b.position - a.position).length() / (PIECE * voxel)).ceil().max(1.0);
+        let velocity = (b.position - a.position) / (b.time - a.time) / voxel;
+        let each = (b.time - a.time) / count;
+        pieces.extend((0..count as usize).map(|n| piece(a, b, n as f64 / count, (velocity, each), voxel)));
+    }
+    let last = &samples[samples.len() - 1];
+    pieces.push(piece(last, last, 0.0, (DVec3::ZERO, 1.0), voxel));
+    pieces
+}
+
+/// The piece that begins at a share of the way between two samples.
+fn piece(a: &PathSample, b: &PathSample, share: f64, (velocity, span): (DVec3, f64), voxel: f64) -> PathPiece {
+    let position = a.position.lerp(b.position, share) / voxel;
+    let whole = position.floor();
+    let (blocks, rest) = clock(a.time + (b.time - a.time) * share);
+    PathPiece {
+        whole: [whole.x as i32, whole.y as i32, whole.z as i32, blocks],
+        rest: [(position.x - whole.x) as f32, (position.y - whole.y) as f32, (position.z - whole.z) as f32, rest],
+        velocity: four(velocity, span),
+        approach: four(a.approach.lerp(b.approach, share), 0.0),
+        axis: four(a.axis.lerp(b.axis, share), 0.0),
+    }
+}
+
+/// What a trial is made with; where its arrays begin is the host's.
+///
+/// # Errors
+/// A setting out of range.
+pub(super) fn setup(grid: &BrickGrid, pass: &Pass, physics: &Physics) -> Result<TrialSetup, PassError> {
+    pass.process.check(grid, pass.tool)?;
+    let voxel = grid.voxel;
+    let in_voxels = |length: f64| (length / voxel) as f32;
+    let process = pass.process;
+    let mut setup: TrialSetup = bytemuck::Zeroable::zeroed();
+    setup.grid_origin = [grid.origin.x, grid.origin.y, grid.origin.z, 0];
+    setup.grid_dims = [grid.dims.x as u32, grid.dims.y as u32, grid.dims.z as u32, 0];
+    let (x, y) = pass.tool.half_footprint(SINK * voxel);
+    setup.extent = [-in_voxels(x), in_voxels(x), -in_voxels(y), in_voxels(y)];
+    let (x, y) = pass.tool.half_footprint(f64::INFINITY);
+    setup.whole_extent = [in_voxels(x), in_voxels(y), 0.0, 0.0];
+    (setup.voxel, setup.band_length, setup.band) = (voxel as f32, grid.band, in_voxels(grid.band.into()));
+    setup.kept_length = (KEPT_VOXELS * voxel) as f32;
+    setup.infinity = f32::INFINITY;
+    place_tool(&mut setup, pass.tool, voxel);
+    place_controller(&mut setup, process.controller, voxel);
+    setup.force_setpoint = process.force_setpoint as f32;
+    setup.spindle_speed = process.spindle_speed as f32;
+    let (step_way, commit_way) = process.ways(pass.tool, voxel, physics.grinds());
+    (setup.step_way, setup.commit_way) = (in_voxels(step_way), in_voxels(commit_way));
+    setup.search_reach = in_voxels(process.search_reach);
+    setup.coating = process.coating as f32;
+    setup.longest_step = process.longest_step(pass.model)? as f32;
+    setup.quasi_static = process.quasi_static.into();
+    (setup.grinds, setup.sands) = (physics.grinds().into(), physics.sands().into());
+    setup.pass_row = pass.row as u32;
+    setup.most_steps = process.most_steps.map_or(0, |most| most.max(1) as u32);
+    (setup.approach_blocks, setup.approach_rest) = clock(pass.approach);
+    (setup.duration_blocks, setup.duration_rest) = clock(pass.path.duration());
+    setup.trial_time = pass.trial_time as f32;
+    setup.path_length = pass.path.length() as f32;
+    Ok(setup)
+}
+
+fn place_tool(setup: &mut TrialSetup, tool: &Tool, voxel: f64) {
+    let in_voxels = |length: f64| (length / voxel) as f32;
+    (setup.tool, setup.tool_radius) = match tool {
+        Tool::Wheel(wheel) => (TOOL_WHEEL, in_voxels(wheel.radius)),
+        Tool::Pad(pad) => (TOOL_PAD, in_voxels(pad.radius)),
+        Tool::Sphere(radius) => (TOOL_SPHERE, in_voxels(*radius)),
+        Tool::Field(_) => unreachable!("a tool baked into a field is refused"),
+    };
+    if let Tool::Wheel(wheel) = tool {
+        setup.tool_half_width = in_voxels(0.5 * wheel.width);
+        setup.tool_crown = (wheel.crown * voxel) as f32;
+    }
+    setup.rim_radius = in_voxels(tool.rim_radius());
+    setup.drop = in_voxels(tool.drop());
+}
+
+fn place_controller(setup: &mut TrialSetup, controller: Controller, voxel: f64) {
+    setup.controller = controller_kind(controller);
+    if let Controller::Admittance { mass, damping, period } = controller {
+        setup.mass = (mass * voxel) as f32;
+        setup.damping = (damping * voxel) as f32;
+        setup.period = period as f32;
+    }
+}
+
+fn controller_kind(controller: Controller) -> u32 {
+    match controller {
+        Controller::Ideal => CONTROLLER_IDEAL,
+        Controller::Admittance { .. } => CONTROLLER_ADMITTANCE,
+        Controller::Replay => CONTROLLER_REPLAY,
+    }
+}
+
+/// A trial before its first step.
+pub(super) fn state(pass: &Pass, setup: &TrialSetup) -> TrialState {
+    let mut state: TrialState = bytemuck::Zeroable::zeroed();
+    let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.process.controller };
+    state.controller = controller_kind(controller);
+    state.up = 1;
+    state.axis = 2;
+    state.extent = setup.extent;
+    state.dt_limit = LONGEST_STEP as f32;
+    if controller == Controller::Ideal {
+        state.in_air = 1;
+        state.coarse = setup.search_reach.floor();
+        state.fine = setup.search_reach - state.coarse;
+    }
+    state
+}
+
+/// The values of a trial: variables of the step, parameters, states.
+pub(super) fn values(pass: &Pass, states: &States, model: &DeviceModel) -> Vec<f32> {
+    let mut step = StepValues::new();
+    let face_area = ToolCells::of(pass.tool).face_areas().iter().sum();
+    step.set(Variable::PassNumber, pass.number as f64)
+        .set(Variable::ForceSetpoint, pass.process.force_setpoint)
+        .set(Variable::SpindleSetpoint, pass.process.spindle_speed)
+        .set(Variable::SpindleSpeed, pass.process.spindle_speed)
+        .set(Variable::ToolRadius, pass.tool.rim_radius())
+        .set(Variable::ToolWidth, pass.tool.width())
+        .set(Variable::ToolFaceArea, face_area);
+    let mut values = vec![0.0; model.values];
+    for variable in Variable::ALL.iter().filter(|variable| variable.row().per == crate::effect::Per::Step) {
+        values[*variable as usize] = step.get(*variable) as f32;
+    }
+    let mut fill = |first: usize, from: &[f64]| {
+        values[first..first + from.len()].iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
+    };
+    let (tool, cells) = states.values();
+    fill(model.parameters, pass.model.values());
+    fill(model.tool_states, tool);
+    fill(model.cell_states, &cells.concat());
+    values
+}
+
+/// Whether the field must keep the removed depth for a pass.
+pub(super) fn keeps_removed(pass: &Pass, physics: &Physics) -> bool {
+    let scanner = pass.model.needs(Place::Height);
+    physics.wants(Variable::RemovedDepth) || scanner.contains(&Variable::RemovedDepth)
+}

@@ -1,0 +1,81 @@
+//! Many trials at once, and what goes wrong with them.
+
+use crate::common::{base, fresh, line, model};
+use crate::device;
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use shaders::simulate::{Rooms, SimulateError};
+use shaders::testing::{self, lose};
+use sim::effect::CompiledModel;
+use sim::gpu::{GpuError, Settings, Trial, refusal_of, run_batch, run_pass};
+use sim::{Pass, Path, Process, Tool, Wheel};
+
+fn slab() -> BrickGrid {
+    let half = DVec3::new(0.010, 0.006, 0.003);
+    BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.z - 0.13e-3)
+}
+
+fn tool() -> Tool {
+    Tool::from(Wheel::cylinder(0.02, 0.004))
+}
+
+fn path() -> Path {
+    Path::along(&line(-1e-3, 1e-3, 0.13e-3), 5e-3).unwrap()
+}
+
+#[test]
+fn trials_in_a_batch_leave_the_same_bits_as_alone_whatever_room_they_begin_with() {
+    let Some(device) = device() else { return };
+    let (part, tool, path, process) = (slab(), tool(), path(), Process { force_setpoint: 5.0, ..Process::default() });
+    let mut models: Vec<CompiledModel> = (0..3).map(|_| base()).collect();
+    for (n, model) in models.iter_mut().enumerate() {
+        let at = model.index("preston-threshold.grind_rate").unwrap();
+        model.set(at, 1e-9 * (1 + n) as f64);
+    }
+    let tools: Vec<_> = models.iter().map(fresh).collect();
+    let trials: Vec<Trial> = models
+        .iter()
+        .zip(&tools)
+        .map(|(model, states)| Trial { part: &part, pass: Pass::first(&tool, &path, &process, model), tool: states })
+        .collect();
+    // One brick and a few lines: both must grow.
+    let tight = Settings { rooms: Rooms { bricks: 1, lines: 16, ticks: 64 }, most_trials: 2 };
+    let batch = run_batch(device, &trials, tight, &mut |_, _| {}).unwrap();
+    let mut volumes = Vec::new();
+    for (outcome, trial) in batch.into_iter().zip(&trials) {
+        let outcome = outcome.unwrap();
+        let (mut alone, mut states) = (part.clone(), trial.tool.clone());
+        let record = run_pass(device, &mut alone, trial.pass, &mut states, &mut |_| {}).unwrap();
+        assert_eq!(outcome.record.unwrap(), record);
+        assert_eq!(outcome.part, alone);
+        volumes.push(record.removed_volume);
+    }
+    assert!(volumes.windows(2).all(|pair| pair[1] > 1.2 * pair[0]), "{volumes:?}");
+}
+
+#[test]
+fn what_the_device_does_not_run_is_refused_by_name() {
+    let edge = model("process = \"grinding\"\n[effect.edge-pressure]\n");
+    let refused = refusal_of(&tool(), &edge).expect("a refusal");
+    assert!(refused.contains("edge_distance"), "{refused}");
+    assert_eq!(refusal_of(&tool(), &base()), None);
+}
+
+#[test]
+fn a_device_that_is_lost_or_too_small_is_named_and_the_part_kept() {
+    let Some(device) = testing::device("a lost device") else { return };
+    let (part, tool, path, process, model) = (slab(), tool(), path(), Process::default(), base());
+    let pass = Pass::first(&tool, &path, &process, &model);
+    let states = fresh(&model);
+    let trial = Trial { part: &part, pass, tool: &states };
+    let vast = Settings { rooms: Rooms { bricks: 10_000_000, ..Rooms::default() }, ..Settings::default() };
+    let error = run_batch(&device, &[trial], vast, &mut |_, _| {}).unwrap_err();
+    assert!(matches!(error, GpuError::Device(SimulateError::TooLarge { array: "bricks", .. })), "{error}");
+    assert!(error.to_string().contains(&device.adapter().name), "{error}");
+    lose(&device);
+    let (mut kept, mut kept_states) = (part.clone(), states.clone());
+    let error = run_pass(&device, &mut kept, pass, &mut kept_states, &mut |_| {}).unwrap_err();
+    assert!(matches!(error, GpuError::Device(SimulateError::Device(_))), "{error}");
+    assert!(error.to_string().contains(&device.adapter().name), "{error}");
+    assert_eq!((kept, kept_states), (part, states));
+}

@@ -1,0 +1,95 @@
+//! Effects on the device against the same effects on the CPU, at work and at their null values.
+
+use crate::common::{fresh, line};
+use crate::device;
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use sdf_bake::redistance::KEPT_VOXELS;
+use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use sim::{Pad, Pass, Path, Process, Tool, Wheel, gpu, run_pass};
+
+fn slab() -> BrickGrid {
+    let half = DVec3::new(0.010, 0.006, 0.003);
+    BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.z - 0.13e-3)
+}
+
+fn compiled(process: Kind, effects: &[&str]) -> CompiledModel {
+    let model = effects.iter().fold(Model::new(process), |model, effect| model.with(effect));
+    CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model that compiles")
+}
+
+/// Fields and tools after a pass of a model, relative to what the pass changes.
+#[track_caller]
+fn agree(model: &CompiledModel, tool: &Tool) {
+    let Some(device) = device() else { return };
+    let path = Path::along(&line(-2e-3, 2e-3, 0.13e-3), 5e-3).unwrap();
+    let process = Process { force_setpoint: 5.0, ..Process::default() };
+    let pass = Pass::first(tool, &path, &process, model);
+    let (mut cpu, mut cpu_tool) = (slab(), fresh(model));
+    let record = run_pass(&mut cpu, pass, &mut cpu_tool, &mut |_| {}).unwrap();
+    let (mut part, mut tool_states) = (slab(), fresh(model));
+    let on_device = gpu::run_pass(device, &mut part, pass, &mut tool_states, &mut |_| {}).unwrap();
+    let apart = |at: usize| f64::from((cpu.phi[at] - part.phi_at(cpu.voxel_of(at))).abs()) / cpu.voxel;
+    // Beyond the zero set a distance is taken anew or left alone by a threshold.
+    let carries = |at: &usize| f64::from(cpu.phi[*at].abs()) < KEPT_VOXELS * cpu.voxel * (1.0 - 1e-6);
+    let field = (0..cpu.phi.len()).filter(carries).map(apart).fold(0.0, f64::max);
+    let impulse = on_device.impulse / record.impulse - 1.0;
+    println!("{} steps; field within {field:.1e} voxel, impulse off by {impulse:.1e}", record.steps);
+    assert!(field <= 1e-4 && impulse.abs() <= 1e-3);
+    let volumes =
+        [(record.removed_volume, on_device.removed_volume), (record.coating_volume, on_device.coating_volume)];
+    assert!(volumes.iter().any(|(a, _)| *a > 0.0), "nothing happened");
+    assert!(volumes.iter().all(|(a, b)| (a - b).abs() <= 1e-3 * a), "{volumes:?}");
+    let states = |states: &sim::effect::States| [states.values().0.to_vec(), states.values().1.concat()].concat();
+    let (a, b) = (states(&cpu_tool), states(&tool_states));
+    let most = a.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 2e-3 * a.abs() + 1e-4 * most), "{a:?} {b:?}");
+}
+
+#[test]
+fn one_effect_of_every_hook_acts_on_the_device_as_on_the_cpu() {
+    let effects = [
+        "tool-tilt",
+        "wheel-crown",
+        "contact-stiffening",
+        "lateral-coupling",
+        "spindle-droop",
+        "force-bias",
+        "grit-dulling",
+        "wheel-wear",
+    ];
+    agree(&compiled(Kind::Grinding, &effects), &Tool::from(Wheel::cylinder(0.02, 0.004)));
+}
+
+#[test]
+fn a_pad_that_loads_does_so_on_the_device_as_on_the_cpu() {
+    agree(&compiled(Kind::Sanding, &["pad-loading", "tool-tilt"]), &Tool::from(Pad { radius: 3e-3 }));
+}
+
+#[test]
+fn every_effect_at_its_null_value_leaves_the_same_bits_on_the_device() {
+    let Some(device) = device() else { return };
+    // The one that reads the distance from an edge is refused.
+    let known = Library::builtin().effects().iter();
+    let names: Vec<&str> = known
+        .filter(|effect| effect.acts_in(Kind::Grinding) && effect.name != "edge-pressure")
+        .map(|effect| effect.name.as_str())
+        .collect();
+    let mut full = compiled(Kind::Grinding, &names);
+    let nulls: Vec<(usize, f64)> =
+        full.parameters().iter().enumerate().filter_map(|(at, slot)| Some((at, slot.null?))).collect();
+    nulls.into_iter().for_each(|(at, null)| full.set(at, null));
+    let base = compiled(Kind::Grinding, &[]);
+    let tool = Tool::from(Wheel::cylinder(0.02, 0.004));
+    let path = Path::along(&line(-1e-3, 1e-3, 0.13e-3), 5e-3).unwrap();
+    let process = Process { force_setpoint: 5.0, ..Process::default() };
+    let run = |model: &CompiledModel| {
+        let (mut part, mut states) = (slab(), fresh(model));
+        let pass = Pass::first(&tool, &path, &process, model);
+        let record = gpu::run_pass(device, &mut part, pass, &mut states, &mut |_| {}).unwrap();
+        (part, record)
+    };
+    let (with, without) = (run(&full), run(&base));
+    assert!(without.1.removed_volume > 0.0);
+    assert_eq!(with, without, "{} effects", names.len());
+}

@@ -1,0 +1,19 @@
+//! The simulator on the device: the same passes as on the CPU.
+//!
+//! All tests share a device, and so the kernels that were compiled on it: that takes most of their time on a software driver.
+
+mod batch;
+#[path = "../common/mod.rs"]
+mod common;
+mod effects;
+mod parity;
+
+use std::sync::OnceLock;
+
+use shaders::Device;
+
+/// The device that the tests share; `None` where there is none and none is promised.
+pub(crate) fn device() -> Option<&'static Device> {
+    static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
+    DEVICE.get_or_init(|| shaders::testing::device("the simulator on the device")).as_ref()
+}

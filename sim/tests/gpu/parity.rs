@@ -1,0 +1,140 @@
+//! Passes on the device against the same passes on the CPU: field, force, tool.
+
+use crate::common::{WHEEL, base, fresh, line, model, welded_plate};
+use crate::device;
+use glam::DVec3;
+use sdf_bake::BrickGrid;
+use sdf_bake::redistance::KEPT_VOXELS;
+use shaders::Device;
+use sim::effect::{CompiledModel, States};
+use sim::{Controller, Pad, Pass, PassRecord, Path, Process, Tool, Wheel, gpu, run_pass};
+
+/// Largest difference of a field [voxels] and of a force [1] between device and CPU.
+const FIELD: f64 = 1e-4;
+const FORCE: f64 = 1e-3;
+/// Largest difference beyond the zero set [voxels], and share of the voxels there that differ by more than [`FIELD`].
+const FAR: f64 = 0.05;
+const FAR_SHARE: f64 = 1e-3;
+
+/// A slab with its top at z = `top`.
+fn slab(voxel: f64, half: DVec3, top: f64) -> BrickGrid {
+    BrickGrid::from_distance(-half, half, voxel, 3.0, move |p| p.z - top)
+}
+
+/// A pass on both, with what each leaves.
+struct Both {
+    cpu: (BrickGrid, States, PassRecord),
+    gpu: (BrickGrid, States, PassRecord),
+}
+
+fn run(device: &Device, part: &BrickGrid, pass: Pass) -> Both {
+    let states = fresh(pass.model);
+    let mut cpu = (part.clone(), states.clone());
+    let record = run_pass(&mut cpu.0, pass, &mut cpu.1, &mut |_| {}).expect("a pass on the CPU");
+    let mut gpu = (part.clone(), states);
+    let started = std::time::Instant::now();
+    let on_device = gpu::run_pass(device, &mut gpu.0, pass, &mut gpu.1, &mut |_| {}).expect("a pass on the device");
+    println!("{} steps on the device in {:.1} s", on_device.steps, started.elapsed().as_secs_f64());
+    Both { cpu: (cpu.0, cpu.1, record), gpu: (gpu.0, gpu.1, on_device) }
+}
+
+/// Largest difference of φ where it carries the zero set, largest beyond [voxels], and the share of voxels beyond that
+/// differ by more than [`FIELD`].
+fn field_difference(a: &BrickGrid, b: &BrickGrid) -> (f64, f64, f64) {
+    let (mut near, mut far, mut off, mut count) = (0.0f64, 0.0f64, 0, 0);
+    for (from, other) in [(a, b), (b, a)] {
+        for (at, &phi) in from.phi.iter().enumerate() {
+            let apart = f64::from((phi - other.phi_at(from.voxel_of(at))).abs()) / from.voxel;
+            if f64::from(phi.abs()) <= KEPT_VOXELS * from.voxel * (1.0 - 1e-6) {
+                near = near.max(apart);
+            } else {
+                far = far.max(apart);
+                off += usize::from(apart > FIELD);
+                count += usize::from(phi.abs() < from.band);
+            }
+        }
+    }
+    (near, far, off as f64 / count as f64)
+}
+
+/// Largest difference of the logged forces [setpoints], at equal places of the logs.
+fn force_difference(both: &Both, setpoint: f64) -> f64 {
+    let (a, b) = (&both.cpu.2.log, &both.gpu.2.log);
+    assert_eq!(a.len(), b.len(), "logs of different length");
+    a.iter().zip(b).map(|(a, b)| (a.force - b.force).abs() / setpoint).fold(0.0, f64::max)
+}
+
+#[track_caller]
+fn agree(name: &str, both: &Both, setpoint: f64) {
+    let (field, far, off) = field_difference(&both.cpu.0, &both.gpu.0);
+    let force = force_difference(both, setpoint);
+    let (cpu, gpu) = (&both.cpu.2, &both.gpu.2);
+    let volume = (gpu.removed_volume - cpu.removed_volume) / cpu.removed_volume.max(1e-15);
+    println!("{name}: field within {field:.1e} voxel, force within {force:.1e}, volume off by {volume:.1e}");
+    println!("  beyond the zero set within {far:.1e} voxel, {:.3} % of it off by more than {FIELD:e}", 100.0 * off);
+    assert_eq!(cpu.steps, gpu.steps, "{name}");
+    assert!(field <= FIELD && force <= FORCE, "{name}: field {field:e}, force {force:e}");
+    // Beyond it a distance is taken anew or left alone by a threshold, on either side of which rounding may put it.
+    assert!(far <= FAR && off <= FAR_SHARE, "{name}: {far:e}, {off:e}");
+}
+
+#[test]
+fn a_wheel_grinds_a_plate_as_on_the_cpu() {
+    let Some(device) = device() else { return };
+    let part = slab(0.5e-3, DVec3::new(0.012, 0.008, 0.003), 0.13e-3);
+    let tool = Tool::from(Wheel::cylinder(0.02, 0.006));
+    let path = Path::along(&line(-4e-3, 4e-3, 0.13e-3), 5e-3).unwrap();
+    let (process, model) = (Process::default(), base());
+    let both = run(device, &part, Pass::first(&tool, &path, &process, &model));
+    assert!(both.cpu.2.removed_volume > 1e-10);
+    agree("plate", &both, process.force_setpoint);
+}
+
+#[test]
+fn a_ball_tip_with_replay_and_an_admittance_do_as_on_the_cpu() {
+    let Some(device) = device() else { return };
+    let part = slab(0.5e-3, DVec3::new(0.010, 0.006, 0.003), 0.13e-3);
+    let model = base();
+    let ball = Tool::Sphere(0.02);
+    let path = Path::along(&line(-3e-3, 3e-3, 0.07e-3), 5e-3).unwrap();
+    let process = Process { controller: Controller::Replay, ..Process::default() };
+    agree("ball, replay", &run(device, &part, Pass::first(&ball, &path, &process, &model)), process.force_setpoint);
+    let controller = Controller::Admittance { mass: 2.0, damping: 2000.0, period: 1e-3 };
+    let process = Process { controller, ..Process::default() };
+    let path = Path::along(&line(-2e-3, 2e-3, 0.12e-3), 5e-3).unwrap();
+    let tool = Tool::from(Wheel { radius: 0.02, width: 0.006, crown: 2.0 });
+    agree(
+        "wheel, admittance",
+        &run(device, &part, Pass::first(&tool, &path, &process, &model)),
+        process.force_setpoint,
+    );
+}
+
+#[test]
+fn a_bead_is_ground_on_a_sheet_that_turns_as_on_the_cpu() {
+    let Some(device) = device() else { return };
+    let part = welded_plate(0.5e-3, 0.3);
+    let path = Path::along(&line(-5e-3, 5e-3, 3e-3), 20e-3).unwrap();
+    let (tool, process, model) = (Tool::from(WHEEL), Process::default(), base());
+    agree("bead", &run(device, &part, Pass::first(&tool, &path, &process, &model)), process.force_setpoint);
+}
+
+fn sanding() -> CompiledModel {
+    model("process = \"sanding\"\n[law.preston-sanding]\nsanding_rate = \"0.026 1/(MPa mm)\"\n")
+}
+
+#[test]
+fn a_pad_sands_a_plate_as_on_the_cpu() {
+    let Some(device) = device() else { return };
+    let part = slab(0.5e-3, DVec3::new(0.016, 0.010, 0.003), 0.13e-3);
+    let tool = Tool::from(Pad { radius: 5e-3 });
+    let path = Path::along(&line(-4e-3, 4e-3, 0.13e-3), 20e-3).unwrap();
+    let (process, model) = (Process::default(), sanding());
+    let both = run(device, &part, Pass::first(&tool, &path, &process, &model));
+    agree("pad", &both, process.force_setpoint);
+    let (a, b) = (&both.cpu.0, &both.gpu.0);
+    let apart = (0..a.dose.len()).map(|at| (a.dose[at] - b.dose[at]).abs()).fold(0.0, f32::max);
+    let most = a.dose.iter().copied().fold(0.0, f32::max);
+    println!("dose within {:.1e} of {most:.3}", apart / most);
+    assert!(most > 0.0 && apart <= 1e-3 * most);
+}

@@ -1,0 +1,112 @@
+//! One trial under many parameter sets: a table of them, and what each makes of the trial.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use serde::Serialize;
+use sim::effect::CompiledModel;
+
+use crate::rehearsal::residual;
+use crate::trial::Trial;
+use crate::twin::{SimulatedPass, TwinError};
+
+/// Name of the result file: one JSON object a line, in the order of the table.
+pub const BATCH_FILE: &str = "batch.jsonl";
+/// First column of the table.
+const NAME: &str = "name";
+
+/// A parameter set.
+pub struct BatchRun {
+    /// Its name in the table.
+    pub name: String,
+    /// The model with its values.
+    pub model: CompiledModel,
+    /// What the table gives, in the parameters' own units.
+    parameters: BTreeMap<String, f64>,
+}
+
+/// A line of the result.
+#[derive(Serialize)]
+pub struct BatchLine {
+    name: String,
+    parameters: BTreeMap<String, f64>,
+    /// Volume that Eq. (1) removes in each pass [mm³].
+    removed_mm3: Vec<f64>,
+    /// Volume of coating that Eq. (2) takes off in each pass [mm³].
+    coating_mm3: Vec<f64>,
+    /// Share of the scanned area that is exposed after each pass; empty when grinding.
+    exposed_share: Vec<f64>,
+    /// Root mean square of force minus setpoint in contact [N].
+    force_rms_error_n: Vec<f64>,
+    /// ∫ F dt of each pass [N s].
+    impulse_ns: Vec<f64>,
+    /// Measured minus simulated heights [µm rms]; empty when sanding.
+    residual_rms_um: Vec<f64>,
+    /// Steps of all passes.
+    steps: usize,
+    /// Why the run ended before its last pass; absent where it did not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped: Option<String>,
+}
+
+/// Reads a table of parameter sets: the first column is their name, the others are parameters of `model` as
+/// `effect.parameter` in their own units.
+///
+/// # Errors
+/// The first fault, with file and line.
+pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
+    let at = |line: usize| format!("--batch {}:{line}", file.display());
+    let mut table = csv::Reader::from_path(file).with_context(|| format!("--batch {}", file.display()))?;
+    let header = table.headers().with_context(|| at(1))?.clone();
+    ensure!(header.get(0) == Some(NAME), "{}: the first column is {:?}, `name` is accepted", at(1), header.get(0));
+    let index = |column: &str| {
+        let known = || model.parameters().iter().map(|slot| slot.name()).collect::<Vec<_>>().join(", ");
+        model
+            .index(column)
+            .with_context(|| format!("{}: the model has no parameter `{column}`; it has {}", at(1), known()))
+    };
+    let columns: Vec<usize> = header.iter().skip(1).map(index).collect::<Result<_>>()?;
+    let mut runs: Vec<BatchRun> = Vec::new();
+    for (line, row) in (2..).zip(table.records()) {
+        let row = row.with_context(|| at(line))?;
+        let mut run = BatchRun { name: row[0].to_owned(), model: model.clone(), parameters: BTreeMap::new() };
+        if run.name.is_empty() || runs.iter().any(|other| other.name == run.name) {
+            bail!("{}: the name is {:?}, one that no other line has is accepted", at(line), run.name);
+        }
+        for (&column, text) in columns.iter().zip(row.iter().skip(1)) {
+            let slot = &model.parameters()[column];
+            let value: f64 = text.trim().parse().ok().filter(|value: &f64| !value.is_nan()).with_context(|| {
+                format!("{}: {} is {text:?}, a number in {} is accepted", at(line), slot.name(), slot.unit_text)
+            })?;
+            run.model.set(column, slot.unit.to_si(value));
+            run.parameters.insert(slot.name(), value);
+        }
+        runs.push(run);
+    }
+    ensure!(!runs.is_empty(), "{}: no parameter set, one line for each is accepted", at(2));
+    Ok(runs)
+}
+
+impl BatchLine {
+    /// What a parameter set made of a trial.
+    pub fn new(run: &BatchRun, trial: &Trial, outcome: &Result<Vec<SimulatedPass>, TwinError>) -> Self {
+        let passes = outcome.as_deref().unwrap_or_default();
+        let each = |figure: fn(&SimulatedPass) -> f64| passes.iter().map(figure).collect();
+        Self {
+            name: run.name.clone(),
+            parameters: run.parameters.clone(),
+            removed_mm3: each(|pass| pass.record.removed_volume * 1e9),
+            coating_mm3: each(|pass| pass.record.coating_volume * 1e9),
+            exposed_share: passes.iter().filter_map(|pass| pass.exposed_share).collect(),
+            force_rms_error_n: each(|pass| pass.record.force_rms_error),
+            impulse_ns: each(|pass| pass.record.impulse),
+            residual_rms_um: (0..passes.len())
+                .filter_map(|pass| residual(trial, passes, pass))
+                .map(|r| r * 1e6)
+                .collect(),
+            steps: passes.iter().map(|pass| pass.record.steps).sum(),
+            stopped: outcome.as_ref().err().map(ToString::to_string),
+        }
+    }
+}
