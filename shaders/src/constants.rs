@@ -31,4 +31,10 @@ shared_constants! {
     FARTHEST_VOXEL = 1 << 22;
     /// Invocations in a workgroup of a kernel over a list: two waves of 32, one of 64, inside every limit.
     WORKGROUP_SIZE = 64;
+    /// A pixel shows the room behind the scene.
+    SEEN_BACKGROUND = 0;
+    /// A pixel shows the part.
+    SEEN_PART = 1;
+    /// A pixel shows the table.
+    SEEN_TABLE = 2;
 }

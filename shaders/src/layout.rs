@@ -60,6 +60,7 @@ macro_rules! shared_struct {
         }
     };
 }
+pub(crate) use shared_struct;
 
 shared_struct! {
     /// What a kernel must know of a brick grid besides its two arrays.

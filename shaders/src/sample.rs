@@ -127,12 +127,12 @@ impl<'a> Sampler<'a> {
     }
 }
 
-fn binding_entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+pub(crate) fn binding_entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
     wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
 }
 
 /// The largest storage buffer a kernel can bind [bytes].
-fn binding_limit(device: &Device) -> u64 {
+pub(crate) fn binding_limit(device: &Device) -> u64 {
     let limits = device.device.limits();
     limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
 }
@@ -161,7 +161,7 @@ fn pipeline(device: &Device) -> wgpu::ComputePipeline {
 }
 
 /// Waits for the device and maps a buffer.
-fn map(device: &Device, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, Box<dyn std::error::Error>> {
+pub(crate) fn map(device: &Device, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, Box<dyn std::error::Error>> {
     let (sender, receiver) = std::sync::mpsc::channel();
     // The receiver outlives the wait below, so sending cannot fail.
     buffer.map_async(wgpu::MapMode::Read, .., move |outcome| drop(sender.send(outcome)));
@@ -171,7 +171,7 @@ fn map(device: &Device, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, Box<d
 }
 
 /// A buffer that holds `bytes`. No bytes give four, since an empty buffer cannot be bound.
-fn upload(device: &Device, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+pub(crate) fn upload(device: &Device, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
     let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: bytes.len().max(4) as u64,

@@ -2,6 +2,7 @@
 
 use crate::constants;
 use crate::layout::GridHeader;
+use crate::stage::RenderStage;
 
 /// A WGSL file of this crate.
 #[derive(Clone, Copy, Debug)]
@@ -30,13 +31,33 @@ pub struct Kernel {
 /// φ at a list of points.
 pub const SAMPLE: Kernel = Kernel { entry: "sample", sources: &[source!("brick_grid.wgsl"), source!("sample.wgsl")] };
 
+/// Blocks of each brick that a ray must look into.
+pub const OCCUPANCY: Kernel =
+    Kernel { entry: "occupancy", sources: &[source!("brick_grid.wgsl"), source!("occupancy.wgsl")] };
+
+/// A picture of a scene.
+pub const RENDER: Kernel = Kernel {
+    entry: "render",
+    sources: &[
+        source!("brick_grid.wgsl"),
+        source!("cubic.wgsl"),
+        source!("walk.wgsl"),
+        source!("surface.wgsl"),
+        source!("microfacet.wgsl"),
+        source!("marks.wgsl"),
+        source!("lights.wgsl"),
+        source!("camera.wgsl"),
+        source!("render.wgsl"),
+    ],
+};
+
 /// Every kernel.
-pub const KERNELS: [Kernel; 1] = [SAMPLE];
+pub const KERNELS: [Kernel; 3] = [SAMPLE, OCCUPANCY, RENDER];
 
 impl Kernel {
     /// The whole WGSL text that is compiled.
     pub fn text(&self) -> String {
         let files = self.sources.iter().map(|source| format!("\n// {}\n{}", source.file, source.text));
-        constants::wgsl() + &GridHeader::wgsl() + &files.collect::<String>()
+        constants::wgsl() + &GridHeader::wgsl() + &RenderStage::wgsl() + &files.collect::<String>()
     }
 }
