@@ -46,7 +46,7 @@ pub fn overview(
 }
 
 /// Azimuth and elevation [rad] of the standard view that shows the most of a weld.
-fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>) -> (f64, f64) {
+pub fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>) -> (f64, f64) {
     let views = [32f64, -32.0].into_iter().flat_map(|elevation| {
         [-58f64, 32.0, 122.0, 212.0].map(|azimuth| (azimuth.to_radians(), elevation.to_radians()))
     });

@@ -118,6 +118,17 @@ fn place(folder: &Path, pass: usize, extension: &str) -> PathBuf {
     folder.join(format!("state-{pass}.{extension}"))
 }
 
+/// The fields of the states that a result folder keeps, in the order of their passes.
+///
+/// # Errors
+/// A folder without any.
+pub fn kept_fields(folder: &Path) -> Result<Vec<PathBuf>> {
+    let fields: Vec<PathBuf> =
+        (1..).map(|pass| place(folder, pass, "nvdb")).take_while(|field| field.is_file()).collect();
+    ensure!(!fields.is_empty(), "{}: no state-1.nvdb; `simulate --snapshot` keeps states", folder.display());
+    Ok(fields)
+}
+
 /// What a model contributes to an [`Origin`]: its process, every parameter, and the formulas of every law and effect.
 pub fn model_origin(model: &CompiledModel) -> Origin {
     let mut origin = Origin::from([("process".to_owned(), model.process().name().to_owned())]);

@@ -85,4 +85,10 @@ shared_constants! {
     FAULT_TOOL_STATE = 8;
     /// A state of a tool cell.
     FAULT_TOOL_CELL = 9;
+    /// A pixel shows the room behind the scene.
+    SEEN_BACKGROUND = 0;
+    /// A pixel shows the part.
+    SEEN_PART = 1;
+    /// A pixel shows the table.
+    SEEN_TABLE = 2;
 }

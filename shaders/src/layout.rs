@@ -63,6 +63,7 @@ macro_rules! shared_struct {
         }
     };
 }
+pub(crate) use shared_struct;
 
 mod trial;
 

@@ -30,14 +30,18 @@ pub mod choice;
 pub mod constants;
 pub mod device;
 pub mod layout;
+pub mod render;
 pub mod sample;
 mod self_check;
 pub mod simulate;
+pub mod stage;
 pub mod testing;
 pub mod wgsl;
 
 pub use brick_grid::{GridBuffers, GridError};
 pub use device::Device;
 pub use layout::GridHeader;
+pub use render::{PartBuffers, PartChannels, RenderError, Renderer};
 pub use sample::{SampleError, Sampler};
 pub use self_check::{SELF_CHECK_LIMIT, self_check};
+pub use stage::RenderStage;

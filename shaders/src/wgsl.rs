@@ -2,6 +2,7 @@
 
 use crate::constants;
 use crate::layout;
+use crate::stage::RenderStage;
 
 /// A WGSL file of this crate.
 #[derive(Clone, Copy, Debug)]
@@ -104,8 +105,29 @@ pub const SIMULATE_CONTROL: Kernel = simulation!(
     ]
 );
 
+/// Blocks of each brick that a ray must look into.
+pub const OCCUPANCY: Kernel =
+    Kernel { entry: "occupancy", sources: &[source!("brick_grid.wgsl"), source!("occupancy.wgsl")] };
+
+/// A picture of a scene.
+pub const RENDER: Kernel = Kernel {
+    entry: "render",
+    sources: &[
+        source!("brick_grid.wgsl"),
+        source!("cubic.wgsl"),
+        source!("walk.wgsl"),
+        source!("surface.wgsl"),
+        source!("microfacet.wgsl"),
+        source!("marks.wgsl"),
+        source!("lights.wgsl"),
+        source!("camera.wgsl"),
+        source!("render.wgsl"),
+    ],
+};
+
 /// Every kernel.
-pub const KERNELS: [Kernel; 5] = [SAMPLE, SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL];
+pub const KERNELS: [Kernel; 7] =
+    [SAMPLE, SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL, OCCUPANCY, RENDER];
 
 impl Kernel {
     /// The whole WGSL text that is compiled; a simulation is that of no model.
@@ -117,6 +139,6 @@ impl Kernel {
     pub fn with_formulas(&self, formulas: &str) -> String {
         let text = |source: &Source| if source.file == NO_MODEL.file { formulas } else { source.text };
         let files = self.sources.iter().map(|source| format!("\n// {}\n{}", source.file, text(source)));
-        constants::wgsl() + &layout::wgsl() + &files.collect::<String>()
+        constants::wgsl() + &layout::wgsl() + &RenderStage::wgsl() + &files.collect::<String>()
     }
 }

@@ -10,7 +10,7 @@ use sdf_bake::{BrickGrid, Scalar};
 use sim::render::{Camera, Field, Frame, Marks, ROLLED_STEEL, Raster, Scene, Seen, Table};
 
 const VOXEL: f64 = 0.5e-3;
-const FRAMES: u32 = 20;
+const FRAMES: u32 = 8;
 
 fn main() {
     let bare = bracket();

@@ -20,6 +20,7 @@ mod path;
 mod piece_flags;
 mod press;
 mod render;
+mod sensor_flags;
 mod simulate;
 mod study;
 mod trial;

@@ -1,31 +1,72 @@
-//! `robofin render`: a picture of an asset or a field.
+//! `robofin render`: a picture of an asset or a field, photographs with float buffers, a turntable, a time-lapse.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
+use glam::{DQuat, DVec3};
 use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
+use shaders::device::{BackendChoice, open as open_device};
+use sim::render::{Camera, Marks, Picture, Placement, ROLLED_STEEL, Raster, Scene, Sensor, Table};
 
 use super::flags::OutFlags;
-use crate::asset::{AssetFields, Manifest, WeldTruth, Welds};
+use super::sensor_flags::SensorFlags;
+use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
-use crate::folder::{refuse_occupied, write_file};
-use crate::picture::{SAMPLES_PER_SIDE, overview, to_png};
+use crate::folder::{StagedFolder, refuse_occupied, write_file};
+use crate::photo::{Darkroom, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
+use crate::picture::{SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
+use crate::snapshot::kept_fields;
 use crate::wrong_use;
 
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  robofin render out/bracket --out out/bracket.png\n  robofin render out/bracket.nvdb --size 640x480 --out out/field.png"
-)]
+#[command(after_help = "Examples:\n  robofin render out/bracket --out out/bracket.png\n  \
+                  robofin render out/bracket.nvdb --size 640x480 --out out/field.png\n  \
+                  robofin render out/bracket --camera=-58,32 --table --out out/photo\n  \
+                  robofin render out/bracket --turntable 24 --size 640x480 --out out/turntable\n  \
+                  robofin render out/ground --lapse --grind-along 1,0,0 --out out/lapse\n\n\
+                  --out NAME.png draws one picture; any other --out becomes a folder with a photograph \
+                  (picture.png), its float buffers (buffers.exr) and render.json.")]
 pub(super) struct RenderArgs {
-    /// Asset folder, or a NanoVDB file with a level set `phi`.
+    /// Asset folder, result folder of `simulate --snapshot`, or a NanoVDB file with a level set `phi`.
     source: PathBuf,
     #[command(flatten)]
     out: OutFlags,
     /// Width and height of the picture [pixels].
     #[arg(long, default_value = "960x720")]
     size: String,
+    #[command(flatten)]
+    photo: PhotoFlags,
+}
+
+/// What only photographs have.
+#[derive(Clone, Debug, Args)]
+struct PhotoFlags {
+    /// Where the camera stands, seen from the part: azimuth from x towards y and elevation [deg] [default: a
+    /// three-quarter view that shows the weld].
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
+    camera: Vec<f64>,
+    /// Where photographs are made: auto, cpu or gpu.
+    #[arg(long, value_name = "auto|cpu|gpu", default_value = "auto")]
+    backend: BackendChoice,
+    /// Colour samples along each side of a pixel.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    samples: usize,
+    /// Puts the part on a table.
+    #[arg(long)]
+    table: bool,
+    /// Direction of grinding marks in the part's frame [default: along the asset's weld; none without one].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
+    grind_along: Vec<f64>,
+    /// Pictures of one turn of the part, as a sequence and as an animated PNG.
+    #[arg(long, value_name = "N", conflicts_with = "lapse")]
+    turntable: Option<usize>,
+    /// One picture of every state that the folder holds, as a sequence and as an animated PNG.
+    #[arg(long)]
+    lapse: bool,
+    #[command(flatten)]
+    sensor: SensorFlags,
 }
 
 /// The answer of `render --json`.
@@ -34,36 +75,206 @@ struct RenderAnswer<'a> {
     out: &'a Path,
     width: usize,
     height: usize,
+    pictures: usize,
     seconds: f64,
 }
 
 pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let started = std::time::Instant::now();
     let size = parse_size(&args.size)?;
+    let out = &args.out.out;
+    let is_drawing = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    let pictures = if is_drawing { draw(args, size, console)? } else { photograph(args, size, console)? };
+    let seconds = started.elapsed().as_secs_f64();
+    console.answer(&RenderAnswer { out, width: size.0, height: size.1, pictures, seconds })
+}
+
+fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<usize> {
     refuse_occupied(&args.out.out, "", args.out.force)?;
+    let photo = &args.photo;
+    if !photo.camera.is_empty() || photo.table || photo.turntable.is_some() || photo.lapse {
+        return Err(wrong_use(format!(
+            "--out {}: a .png is a drawing without --camera, --table, --turntable and --lapse; give the name of a folder",
+            args.out.out.display()
+        )));
+    }
     let (grid, weld) = open(&args.source)?;
     let picture = overview(&grid, weld.as_ref(), size, SAMPLES_PER_SIDE)?;
     write_file(&args.out.out, &to_png(&picture)?, args.out.force)?;
     console.step("picture", format!("{} x {} in {}", size.0, size.1, args.out.out.display()));
-    let seconds = started.elapsed().as_secs_f64();
-    console.answer(&RenderAnswer { out: &args.out.out, width: size.0, height: size.1, seconds })
+    Ok(1)
+}
+
+fn photograph(args: &RenderArgs, (width, height): (usize, usize), console: &Console) -> Result<usize> {
+    let photo = &args.photo;
+    if !(1..=16).contains(&photo.samples) {
+        return Err(wrong_use(format!("--samples {}: 1 to 16 are accepted", photo.samples)));
+    }
+    let raster = Raster { width, height, samples_per_side: photo.samples };
+    let states = if photo.lapse { kept_fields(&args.source)? } else { Vec::new() };
+    let opened = open_device(photo.backend)?;
+    console.step("backend", &opened.decision.reason);
+    let darkroom = Darkroom::new(opened.device.as_ref())?;
+    let folder = StagedFolder::new(&args.out.out, RENDER_FILE, args.out.force)?;
+    let is_sequence = photo.lapse || photo.turntable.is_some();
+    let mut album = Album::new(folder.path(), is_sequence, (raster, photo.sensor.sensor()?));
+    let mut camera = None;
+    for state in &states {
+        let part = read_field(state)?;
+        let standing = photo.standing(&part, None, &raster)?;
+        let shot = (photo.scene(&part, None)?, *camera.get_or_insert(standing));
+        album.take(&darkroom, &part, &[shot])?;
+    }
+    if states.is_empty() {
+        let (part, weld) = open(&args.source)?;
+        let camera = photo.standing(&part, weld.as_ref(), &raster)?;
+        let scene = photo.scene(&part, weld.as_ref())?;
+        album.take(&darkroom, &part, &photo.turns(&part, scene, camera)?)?;
+    }
+    let backend = opened.device.as_ref().map_or_else(|| "cpu".to_owned(), |device| device.adapter().to_string());
+    let pictures = album.finish(args.source.display().to_string(), backend)?;
+    folder.commit()?;
+    console.step("pictures", format!("{pictures} of {width} x {height} in {}", args.out.out.display()));
+    Ok(pictures)
+}
+
+/// A folder of pictures in the making.
+struct Album<'a> {
+    folder: &'a Path,
+    /// A sequence keeps only pictures, a single photograph its buffers, too.
+    is_sequence: bool,
+    raster: Raster,
+    sensor: Sensor,
+    shown: Vec<Picture>,
+    records: Vec<PictureRecord>,
+}
+
+impl<'a> Album<'a> {
+    fn new(folder: &'a Path, is_sequence: bool, (raster, sensor): (Raster, Sensor)) -> Self {
+        Self { folder, is_sequence, raster, sensor, shown: Vec::new(), records: Vec::new() }
+    }
+
+    /// Files of the next picture and of its buffers.
+    fn names(&self) -> (String, Option<String>) {
+        if self.is_sequence {
+            return (format!("picture-{:04}.png", self.records.len()), None);
+        }
+        ("picture.png".to_owned(), Some("buffers.exr".to_owned()))
+    }
+
+    fn take(&mut self, darkroom: &Darkroom, part: &BrickGrid, shots: &[(Scene, Camera)]) -> Result<()> {
+        let raster = self.raster;
+        darkroom.photograph(part, shots, &raster, &mut |i, frame| {
+            let (picture, buffers) = self.names();
+            let shown = write_frame(self.folder, frame, &self.sensor, (&picture, buffers.as_deref()))?;
+            self.records.push(PictureRecord::new(picture, buffers, &shots[i]));
+            self.shown.push(shown);
+            Ok(())
+        })
+    }
+
+    /// Writes the animation and the record; gives the number of pictures.
+    fn finish(self, source: String, backend: String) -> Result<usize> {
+        if self.is_sequence {
+            let file = self.folder.join("animation.png");
+            std::fs::write(&file, to_animated_png(&self.shown)?)
+                .with_context(|| format!("{}: cannot write this file", file.display()))?;
+        }
+        let pictures = self.records.len();
+        let record = RenderRecord {
+            version: env!("CARGO_PKG_VERSION"),
+            source,
+            size: [self.raster.width, self.raster.height],
+            samples_per_side: self.raster.samples_per_side,
+            backend,
+            sensor: (&self.sensor).into(),
+            pictures: self.records,
+        };
+        write_json(&self.folder.join(RENDER_FILE), &record)?;
+        Ok(pictures)
+    }
+}
+
+impl PhotoFlags {
+    fn scene<'a>(&self, part: &'a BrickGrid, weld: Option<&WeldTruth>) -> Result<Scene<'a>> {
+        let mut scene = Scene::new(part);
+        scene.appearance.marks = match (self.grind_along.as_slice(), weld) {
+            (&[x, y, z], _) if DVec3::new(x, y, z).length() > 0.0 => Marks::parallel(DVec3::new(x, y, z)),
+            ([], Some(weld)) => Marks::along_path(&weld.curve.position),
+            ([], None) => Marks::default(),
+            (other, _) => {
+                return Err(wrong_use(format!("--grind-along {other:?}: X,Y,Z is expected, for example 1,0,0")));
+            }
+        };
+        if self.table {
+            let height = surface_bounds(part)?.0.z;
+            scene.table = Some(Table { height, material: ROLLED_STEEL });
+        }
+        Ok(scene)
+    }
+
+    fn standing(&self, part: &BrickGrid, weld: Option<&WeldTruth>, raster: &Raster) -> Result<Camera> {
+        let (azimuth, elevation) = match self.camera.as_slice() {
+            [] => three_quarter_view(part, weld),
+            &[azimuth, elevation] if azimuth.is_finite() && (-90.0..=90.0).contains(&elevation) => {
+                (azimuth.to_radians(), elevation.to_radians())
+            }
+            other => {
+                return Err(wrong_use(format!(
+                    "--camera {other:?}: AZIMUTH,ELEVATION in degrees is expected, elevation from -90 to 90, for example -58,32"
+                )));
+            }
+        };
+        let (mut low, mut high) = surface_bounds(part)?;
+        if self.turntable.is_some() {
+            // The cylinder that the part sweeps.
+            let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+            let reach = half.truncate().length();
+            (low, high) = (centre - DVec3::new(reach, reach, half.z), centre + DVec3::new(reach, reach, half.z));
+        }
+        let aspect = raster.width as f64 / raster.height as f64;
+        Ok(Camera { distortion: self.sensor.distortion()?, ..Camera::framing(low, high, azimuth, elevation, aspect) })
+    }
+
+    /// One photograph, or those of one turn about the upright axis through the part's middle.
+    fn turns<'a>(&self, part: &BrickGrid, scene: Scene<'a>, camera: Camera) -> Result<Vec<(Scene<'a>, Camera)>> {
+        let Some(pictures) = self.turntable else { return Ok(vec![(scene, camera)]) };
+        if !(2..=720).contains(&pictures) {
+            return Err(wrong_use(format!("--turntable {pictures}: 2 to 720 are accepted")));
+        }
+        let (low, high) = surface_bounds(part)?;
+        let centre = (0.5 * (low + high)).with_z(0.0);
+        let turned = |i: usize| {
+            let rotation = DQuat::from_rotation_z(std::f64::consts::TAU * i as f64 / pictures as f64);
+            let placement = Placement { rotation, translation: centre - rotation * centre };
+            (Scene { placement, ..scene.clone() }, camera)
+        };
+        Ok((0..pictures).map(turned).collect())
+    }
+}
+
+fn surface_bounds(part: &BrickGrid) -> Result<(DVec3, DVec3)> {
+    part.surface_bounds().or_else(|| part.near_surface_bounds()).context("the field holds no surface to draw")
 }
 
 /// The field to draw, and the weld that should be seen.
 fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
     if source.is_dir() {
+        if let Some(state) = kept_fields(source).ok().and_then(|mut states| states.pop()) {
+            return Ok((read_field(&state)?, None));
+        }
         Manifest::read(source)?;
         let weld = Welds::read(source)?.welds.into_iter().next();
         return Ok((AssetFields::open(source)?.welded, weld));
     }
+    Ok((read_field(source)?, None))
+}
+
+fn read_field(source: &Path) -> Result<BrickGrid> {
     let context = || source.display().to_string();
     let file = nvdb::read(&std::fs::read(source).with_context(context)?).with_context(context)?;
-    let phi = file.grid("phi").with_context(|| format!("{}: no grid `phi`", source.display()))?;
-    let mut grid = phi.to_bricks().with_context(context)?;
-    if let Some(labels) = file.grid("weld_id") {
-        labels.attach_labels(&mut grid).with_context(context)?;
-    }
-    Ok((grid, None))
+    file.grid("phi").with_context(|| format!("{}: no grid `phi`", source.display()))?;
+    file.to_field().with_context(context)
 }
 
 pub(super) fn parse_size(text: &str) -> Result<(usize, usize)> {

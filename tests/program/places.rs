@@ -41,11 +41,10 @@ fn force_replaces_what_is_ours_and_nothing_else() {
     for out in ["thesis", "asset"] {
         let simulate = &mut robofin(["simulate", "--force"]);
         run(simulate.arg(asset()).arg("--out").arg(place(out))).is_refused(2, &[out, "grind.json", "not a result"]);
-        for verb in ["render", "bake"] {
-            let source = if verb == "render" { asset().to_owned() } else { bracket() };
-            let command = &mut robofin([verb, "--force"]);
-            run(command.arg(source).arg("--out").arg(place(out))).is_refused(2, &[out, "is a folder", "a file"]);
-        }
+        let render = &mut robofin(["render", "--force", "--size", "16x16"]);
+        run(render.arg(asset()).arg("--out").arg(place(out))).is_refused(2, &[out, "render.json", "not a result"]);
+        let bake = &mut robofin(["bake", "--force"]);
+        run(bake.arg(bracket()).arg("--out").arg(place(out))).is_refused(2, &[out, "is a folder", "a file"]);
     }
     assert_eq!(names(&place("thesis")), ["chapter-1.txt"]);
     assert_eq!(names(folder.path()), ["asset", "thesis"]);

@@ -120,10 +120,7 @@ impl Camera {
         let across = DVec2::new(away.dot(self.right), -away.dot(self.up));
         let at = match self.projection {
             Projection::Perspective { vertical_field_of_view } => {
-                let depth = self.depth(point);
-                if !(depth > 0.0) {
-                    return None;
-                }
+                let depth = Some(self.depth(point)).filter(|depth| *depth > 0.0)?;
                 self.distortion.distort(across / depth) / (0.5 * vertical_field_of_view).tan()
             }
             Projection::Orthographic { height } => across / (0.5 * height),

@@ -78,7 +78,8 @@ impl Marks {
         }
         let along = along - normal * normal.dot(along);
         let length = along.length();
-        if !(length > 1e-6 * weights) {
+        let has_direction = length > 1e-6 * weights;
+        if !has_direction {
             return Groove { along: any_tangent(normal), tilt: 0.0, share: 0.0 };
         }
         let along = along / length;

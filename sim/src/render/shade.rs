@@ -108,13 +108,11 @@ pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, sprea
 /// Share of open space just above a point, 0 to 1: φ along the normal against the distance gone (Evans 2006), within
 /// the band, beyond which φ is truncated.
 pub(crate) fn ambient_occlusion(field: &Field, surface: &Surface) -> f32 {
-    let grid = field.grid;
     const STEPS: [f32; 3] = [0.3, 0.6, 0.95];
-    let point = surface.position.as_dvec3();
-    let normal = surface.normal.as_dvec3();
+    let (point, voxel) = (field.in_voxels(surface.position.as_dvec3()), field.grid.voxel as f32);
     let missing = |&part: &f32| {
-        let reach = part * grid.band;
-        1.0 - (grid.sample(point + normal * f64::from(reach)) / reach).clamp(0.0, 1.0)
+        let reach = part * field.grid.band;
+        1.0 - (field.phi(point + surface.normal * (reach / voxel)) / reach).clamp(0.0, 1.0)
     };
     let mean = STEPS.iter().map(missing).sum::<f32>() / STEPS.len() as f32;
     (1.0 - 1.5 * mean).max(0.15)

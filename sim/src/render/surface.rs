@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3, IVec3, Vec3};
 use rayon::prelude::*;
-use sdf_bake::grid::cell_corner;
-use sdf_bake::{BrickGrid, Scalar};
+use sdf_bake::Scalar;
+use sdf_bake::grid::{cell_corner, trilinear};
 
 use super::camera::{Camera, Ray};
 use super::field::Field;
@@ -11,7 +11,7 @@ use super::removed::removed_depth;
 use super::trace::Hit;
 
 /// Labels are read this far below the surface [voxels], where the metal that carries them is.
-const LABEL_DEPTH: f64 = 0.75;
+const LABEL_DEPTH: f32 = 0.75;
 
 /// The surface at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,12 +61,9 @@ pub(crate) fn see(field: &Field, before: Option<&Field>, camera: &Camera, (width
 impl Surface {
     /// What the channels of the grid tell of a point that a ray has met.
     pub(crate) fn new(field: &Field, camera: &Camera, ray: &Ray, hit: &Hit) -> Self {
-        let grid = field.grid;
-        let (weld, weld_share) = weld_at(grid, hit.point - hit.normal.as_dvec3() * (LABEL_DEPTH * grid.voxel));
-        let scalar = |channel| match grid.scalar(channel) {
-            [] => 0.0,
-            _ => grid.sample_scalar(channel, hit.point),
-        };
+        let at = field.in_voxels(hit.point);
+        let (weld, weld_share) = weld_at(field, at - hit.normal * LABEL_DEPTH);
+        let [dose, removed] = scalars_at(field, at);
         Self {
             depth: camera.depth(hit.point) as f32,
             position: hit.point.as_vec3(),
@@ -74,8 +71,8 @@ impl Surface {
             view: ray.direction.as_vec3(),
             weld,
             weld_share,
-            dose: scalar(Scalar::Dose),
-            removed: scalar(Scalar::Removed),
+            dose,
+            removed,
         }
     }
 
@@ -86,36 +83,50 @@ impl Surface {
     }
 }
 
-/// Weld id with the most weight among the metal voxels around a point [m], and the share of all welds.
-fn weld_at(grid: &BrickGrid, point: DVec3) -> (u16, f32) {
-    if grid.label.is_empty() {
+/// Coating dose D and removed depth [m] at a point in voxels, trilinear; 0 where no brick is.
+fn scalars_at(field: &Field, point: Vec3) -> [f32; 2] {
+    let channels = [Scalar::Dose, Scalar::Removed].map(|channel| field.grid.scalar(channel));
+    if channels.iter().all(|values| values.is_empty()) {
+        return [0.0; 2];
+    }
+    let corner = point.floor();
+    let places = field.cell_places(corner.as_ivec3());
+    channels.map(|values| {
+        let at = |place: Option<usize>| place.and_then(|place| values.get(place)).copied().unwrap_or(0.0);
+        trilinear(&places.map(at), point - corner)
+    })
+}
+
+/// Weld id with the most weight among the metal voxels around a point in voxels, and the share of all welds.
+fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
+    let labels = &field.grid.label;
+    if labels.is_empty() {
         return (0, 0.0);
     }
-    let (corner, at) = grid.cell(point);
-    let phi = grid.cell_phi(corner);
-    let weight = |i: usize| {
-        let c: IVec3 = cell_corner(i);
-        let near = |c: i32, f: f32| if c == 1 { f } else { 1.0 - f };
-        if phi[i] <= 0.0 { near(c.x, at.x) * near(c.y, at.y) * near(c.z, at.z) } else { 0.0 }
-    };
-    let labels: [u16; 8] = std::array::from_fn(|i| grid.label_at(corner + cell_corner(i)));
-    let weights: [f32; 8] = std::array::from_fn(weight);
+    let corner = point.floor();
+    let f = point - corner;
+    let phi = field.cell_phi(corner.as_ivec3());
+    let label = |place: Option<usize>| place.map_or(0, |place| labels[place]);
+    let labels = field.cell_places(corner.as_ivec3()).map(label);
+    let weights: [f32; 8] = std::array::from_fn(|i| {
+        let near = Vec3::select(cell_corner(i).cmpeq(IVec3::ONE), f, 1.0 - f);
+        if phi[i] <= 0.0 { near.x * near.y * near.z } else { 0.0 }
+    });
     let of = |wanted: &dyn Fn(u16) -> bool| -> f32 { (0..8).filter(|&i| wanted(labels[i])).map(|i| weights[i]).sum() };
     let (all, welds) = (of(&|_| true), of(&|label| label != 0));
     if all <= 0.0 {
-        let nearest = grid.label(point);
-        return (nearest, if nearest == 0 { 0.0 } else { 1.0 });
+        let nearest = label(field.cell_places((point + 0.5).floor().as_ivec3())[0]);
+        return (nearest, f32::from(nearest.min(1)));
     }
     if welds < 0.5 * all {
         return (0, welds / all);
     }
-    let mut most = 0usize;
-    let mut most_weight = 0.0;
+    let (mut most, mut most_weight) = (0, 0.0);
     for i in (0..8).filter(|&i| labels[i] != 0) {
         let weight = of(&|label| label == labels[i]);
         if weight > most_weight {
-            (most, most_weight) = (i, weight);
+            (most, most_weight) = (labels[i], weight);
         }
     }
-    (labels[most], welds / all)
+    (most, welds / all)
 }

@@ -30,7 +30,7 @@ impl Field<'_> {
     pub fn trace(&self, ray: &Ray) -> Option<Hit> {
         let distance = first_crossing(Walk::entering(self, ray)?)?;
         let point = ray.origin + ray.direction * distance;
-        let normal = self.normal(point).unwrap_or(-ray.direction.as_vec3());
+        let normal = self.normal(self.in_voxels(point)).unwrap_or(-ray.direction.as_vec3());
         Some(Hit { distance, point, normal })
     }
 

@@ -56,7 +56,6 @@ pub(crate) struct Walk<'a> {
     /// Blocks that must be looked into.
     blocks: &'a [Blocks],
     sense: Sense,
-    low: IVec3,
     origin: Vec3,
     direction: Vec3,
     inverse: Vec3,
@@ -99,9 +98,7 @@ impl<'a> Walk<'a> {
     }
 
     fn new(field: &'a Field<'a>, ray: &Ray, sense: Sense, (least, most): (Vec3, Vec3)) -> Option<Self> {
-        let grid = field.grid;
-        let low = grid.origin * BRICK_SIDE as i32;
-        let start = ray.origin / grid.voxel - low.as_dvec3();
+        let start = ray.origin / field.grid.voxel - field.lowest;
         let (mut enter, mut leave) = (0f64, f64::INFINITY);
         for axis in 0..3 {
             let (p, d) = (start[axis], ray.direction[axis]);
@@ -124,13 +121,12 @@ impl<'a> Walk<'a> {
             field,
             blocks: if sense == Sense::Entering { &field.metal } else { &field.air },
             sense,
-            low,
             origin: (start + ray.direction * enter).as_vec3(),
             direction,
             inverse: direction.recip(),
             backward: direction.cmplt(Vec3::ZERO),
-            nudge: NUDGE + NUDGE_PER_VOXEL * indexed_size(field).max_element(),
-            entry: enter * grid.voxel,
+            nudge: nudge(field),
+            entry: enter * field.grid.voxel,
             t: 0.0,
             end: (leave - enter) as f32,
         })
@@ -158,7 +154,7 @@ impl<'a> Walk<'a> {
                 self.t += length + self.nudge;
                 continue;
             }
-            let mut values = self.field.grid.cell_phi(corner + self.low);
+            let mut values = self.field.cell_phi(corner);
             let sign = self.sense.sign();
             values.iter_mut().for_each(|phi| *phi *= sign);
             return Some(Cell { values, from: at - low.as_vec3(), direction: self.direction, length });
@@ -168,8 +164,7 @@ impl<'a> Walk<'a> {
 
     /// log₂ of the side of the aligned cube around a cell in which no crossing can be; 0 where one can be in the cell.
     fn clear_shift(&self, corner: IVec3) -> i32 {
-        let grid = self.field.grid;
-        match grid.slot((corner >> BRICK_SHIFT) + grid.origin) {
+        match self.field.slot(corner >> BRICK_SHIFT) {
             code if code == self.sense.clear() => BRICK_SHIFT,
             OUTSIDE | INSIDE => 0,
             slot => self.blocks[slot as usize].clear_shift(corner),
@@ -180,12 +175,11 @@ impl<'a> Walk<'a> {
     fn phi_or_stride(&self) -> Result<f32, f32> {
         let at = self.origin + self.direction * self.t;
         let corner = self.corner(at);
-        let grid = self.field.grid;
         let brick = corner >> BRICK_SHIFT;
-        match grid.slot(brick + grid.origin) {
+        match self.field.slot(brick) {
             OUTSIDE => Err(self.length_in(at, (brick << BRICK_SHIFT).as_vec3(), BRICK_SIDE as f32) + self.nudge),
-            INSIDE => Ok(-grid.band),
-            _ => Ok(trilinear(&grid.cell_phi(corner + self.low), at - corner.as_vec3())),
+            INSIDE => Ok(-self.field.grid.band),
+            _ => Ok(trilinear(&self.field.cell_phi(corner), at - corner.as_vec3())),
         }
     }
 
@@ -232,6 +226,11 @@ impl<'a> Walk<'a> {
         let length = cell.crossing()?;
         Some(self.distance() + f64::from(length) * self.field.grid.voxel)
     }
+}
+
+/// Nudge of a ray across a border of a grid [voxels].
+pub(crate) fn nudge(field: &Field) -> f32 {
+    NUDGE + NUDGE_PER_VOXEL * indexed_size(field).max_element()
 }
 
 /// Size of the indexed box [voxels].

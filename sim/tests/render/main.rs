@@ -1,0 +1,7 @@
+//! Photographs held against closed forms and ray casts, and the device's against the CPU's.
+
+mod closed_form;
+mod device;
+mod ray_casts;
+mod scenes;
+mod shown;
