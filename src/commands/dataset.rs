@@ -1,6 +1,6 @@
 //! `robofin dataset`: from folders of meshes to thousands of assets.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Result, bail};
@@ -24,16 +24,6 @@ const MOST_PER_PART: u32 = 10_000;
 /// More processes at once than any machine for this can hold.
 pub(super) const MOST_JOBS: usize = 256;
 
-/// Assets, or with a word in front another kind of set.
-#[derive(Debug, Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = HELP)]
-pub(super) struct DatasetArgs {
-    #[command(subcommand)]
-    kind: Option<Kind>,
-    #[command(flatten)]
-    assets: Option<AssetsArgs>,
-}
-
 /// Other kinds of sets.
 #[derive(Debug, Subcommand)]
 enum Kind {
@@ -51,13 +41,16 @@ Examples:
   robofin dataset images --out out/images";
 
 #[derive(Debug, Args)]
-struct AssetsArgs {
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = HELP)]
+pub(super) struct DatasetArgs {
+    #[command(subcommand)]
+    kind: Option<Kind>,
     /// Folders with mesh files (OBJ, STL, PLY, GLB or glTF) anywhere below, and mesh files.
     #[arg(required = true, value_name = "FOLDER|MESH")]
     sources: Vec<PathBuf>,
     /// Folder of the data set.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(long, required = true, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Pieces of each part.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     per_part: u32,
@@ -95,14 +88,11 @@ struct PieceAnswer<'a> {
 }
 
 pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -> Result<()> {
-    match (&args.kind, &args.assets) {
-        (Some(Kind::Images(args)), _) => dataset_images::run(args, console),
-        (None, Some(assets)) => run_assets(assets, matches, console),
-        (None, None) => Err(wrong_use("folders of meshes and --out, or `images` and --out, are expected".to_owned())),
+    if let Some(Kind::Images(images)) = &args.kind {
+        return dataset_images::run(images, console);
     }
-}
-
-fn run_assets(args: &AssetsArgs, matches: &ArgMatches, console: &Console) -> Result<()> {
+    // Without a word in front the parser insists on it.
+    let out = args.out.as_deref().unwrap_or(Path::new(""));
     let jobs = jobs(args.jobs)?;
     let (wishes, limits) = (args.pieces.wishes()?, args.pieces.limits()?);
     let flags = PieceFlags::given(matches);
@@ -111,13 +101,13 @@ fn run_assets(args: &AssetsArgs, matches: &ArgMatches, console: &Console) -> Res
     let plan = plan(args)?;
     console.step("plan", describe(&plan));
     if args.dry_run {
-        return rehearse(args, &plan, console);
+        return rehearse(out, &plan, console);
     }
-    let dataset = Dataset::start(&args.out, recipe, args.resume)?;
+    let dataset = Dataset::start(out, recipe, args.resume)?;
     let run = Run { dataset: &dataset, plan: &plan, flags: &flags, limits, jobs };
     let summary = make(&run, console)?;
     let catalogue = Catalogue::update(&dataset)?;
-    console.step("dataset", format!("{} pieces listed in {}", catalogue.pieces, args.out.display()));
+    console.step("dataset", format!("{} pieces listed in {}", catalogue.pieces, out.display()));
     console.step("done", summary.describe(jobs));
     if let Some(outlook) = summary.outlook() {
         console.step("", outlook);
@@ -128,7 +118,7 @@ fn run_assets(args: &AssetsArgs, matches: &ArgMatches, console: &Console) -> Res
         failed => bail!(
             "{failed} of {} pieces failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
             summary.pieces,
-            args.out.display()
+            out.display()
         ),
     }
 }
@@ -174,7 +164,7 @@ pub(super) fn jobs(asked: Option<usize>) -> Result<usize> {
     }
 }
 
-fn plan(args: &AssetsArgs) -> Result<Plan> {
+fn plan(args: &DatasetArgs) -> Result<Plan> {
     if !(1..=MOST_PER_PART).contains(&args.per_part) {
         return Err(wrong_use(format!("--per-part {}: 1 to {MOST_PER_PART} are accepted", args.per_part)));
     }
@@ -215,8 +205,8 @@ struct PlanAnswer<'a> {
     is_there: bool,
 }
 
-fn rehearse(args: &AssetsArgs, plan: &Plan, console: &Console) -> Result<()> {
-    let dataset = Dataset::open(&args.out).ok();
+fn rehearse(out: &Path, plan: &Plan, console: &Console) -> Result<()> {
+    let dataset = Dataset::open(out).ok();
     let mut there = 0;
     for piece in &plan.pieces {
         let is_there = dataset.as_ref().is_some_and(|dataset| dataset.holds(&piece.id));
