@@ -21,6 +21,5 @@ mod program;
 mod repeatability;
 mod road;
 mod shared_parts;
-mod surface;
 mod trial_road;
 mod units;
