@@ -12,7 +12,7 @@ use crate::wrong_use;
 #[derive(Clone, Debug, Args)]
 pub(super) struct BackendFlags {
     /// Where passes run: `auto` takes a graphics processor where there is a real one, `gpu` any adapter.
-    #[arg(long, value_name = "auto|cpu|gpu", default_value = "auto")]
+    #[arg(long, value_name = "auto|cpu|gpu", default_value = "cpu")]
     backend: BackendChoice,
 }
 

@@ -48,7 +48,7 @@ struct PhotoFlags {
     #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
     camera: Vec<f64>,
     /// Where photographs are made: auto, cpu or gpu.
-    #[arg(long, value_name = "auto|cpu|gpu", default_value = "auto")]
+    #[arg(long, value_name = "auto|cpu|gpu", default_value = "cpu")]
     backend: BackendChoice,
     /// Colour samples along each side of a pixel.
     #[arg(long, value_name = "N", default_value_t = 2)]

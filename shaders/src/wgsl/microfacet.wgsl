@@ -79,7 +79,8 @@ fn reflected(facets: Facets, viewer: vec3f, light: vec3f, spread: f32) -> vec3f 
     let squares = h.x * h.x + h.y * h.y + h.z * h.z;
     let distribution = energy / (PI * wide.x * wide.y * squares * squares);
     let specular = fresnel * (distribution * visibility(facets, viewer, light, to_viewer, to_light));
-    return (facets.diffuse * (vec3f(1.0) - fresnel) / PI + specular) * to_light;
+    let mirrored = schlick(facets.mirror, min(min(dot(half, viewer), to_viewer), to_light));
+    return (facets.diffuse * (vec3f(1.0) - mirrored) / PI + specular) * to_light;
 }
 
 // Direction from which an environment is mirrored to the viewer (Revie 2012).

@@ -69,7 +69,9 @@ impl Facets {
         let squares = h_along * h_along + h_across * h_across + h_normal * h_normal;
         let distribution = energy / (PI * wide_along * wide_across * squares * squares);
         let specular = fresnel * (distribution * self.visibility(viewer, light, to_viewer, to_light));
-        (self.diffuse * (Vec3::ONE - fresnel) / PI + specular) * to_light
+        // What the facets mirror, coming or going, does not reach the base.
+        let mirrored = schlick(self.mirror, half.dot(viewer).min(to_viewer).min(to_light));
+        (self.diffuse * (Vec3::ONE - mirrored) / PI + specular) * to_light
     }
 
     /// Height-correlated masking and shadowing over 4 (n·v) (n·l) (Heitz 2014).
