@@ -73,7 +73,7 @@ enum Verb {
     /// Draw an asset or a field from its distance field.
     Render(render::RenderArgs),
     /// Weld folders of parts into a data set of thousands of assets; or `images`, labelled pictures of coated ones.
-    Dataset(dataset::DatasetArgs),
+    Dataset(Box<dataset::DatasetArgs>),
     /// Make one piece of a data set.
     #[command(hide = true)]
     DatasetPiece(dataset_piece::DatasetPieceArgs),

@@ -169,8 +169,8 @@ fn largest_rectangle(free: &[bool], nx: usize) -> Option<(IVec2, IVec2)> {
         }
         for left in 0..nx {
             let mut least = usize::MAX;
-            for right in left..nx {
-                least = least.min(depth[right]);
+            for (right, &depth) in depth.iter().enumerate().skip(left) {
+                least = least.min(depth);
                 if least == 0 {
                     break;
                 }

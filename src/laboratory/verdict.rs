@@ -36,6 +36,9 @@ pub enum Verdict {
     NotTestable,
 }
 
+/// How well a model with one effect more describes calibration and held-out data, and the effect's probability.
+pub(super) type Found<'a> = ([&'a [Agreement]; 2], f64);
+
 /// How a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SearchEnd {
@@ -88,11 +91,7 @@ impl Verdict {
     /// - `base`: how well the first model describes calibration and held-out data
     /// - `found`: the same for the model with each effect that can be named, and the effect's probability
     /// - `end`: how the search ended
-    pub(super) fn new(
-        base: [&[Agreement]; 2],
-        (found, end): (&[([&[Agreement]; 2], f64)], SearchEnd),
-        detectable: &[Detectable],
-    ) -> Self {
+    pub(super) fn new(base: [&[Agreement]; 2], (found, end): (&[Found], SearchEnd), detectable: &[Detectable]) -> Self {
         let Some(&(left, probability)) = found.last() else {
             let is_known = end == SearchEnd::Exhausted && !is_open(base[0]);
             return if is_known { Self::of_silence(base[1], detectable) } else { Self::Unknown };

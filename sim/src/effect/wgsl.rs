@@ -58,7 +58,8 @@ const STEP_HOOKS: [Place; 3] = [Place::Pose, Place::Spindle, Place::Force];
 impl DeviceModel {
     /// Writes out a model for a tool with so many cells.
     pub(crate) fn new(model: &CompiledModel, tool_cells: usize) -> Result<Self, Unwritable> {
-        for place in LANE_HOOKS.into_iter().filter(|place| model.needs(*place).contains(&Variable::EdgeDistance)) {
+        let reads_edges = |place: &Place| model.needs(*place).contains(&Variable::EdgeDistance);
+        if let Some(place) = LANE_HOOKS.into_iter().find(reads_edges) {
             return Err(Unwritable::EdgeDistance(place));
         }
         if let Some(state) = model.cell_states().first() {
