@@ -67,7 +67,6 @@ fn a_pad_that_loads_does_so_on_the_device_as_on_the_cpu() {
 }
 
 #[test]
-#[ignore = "effects at their null values leave other bits on the device"]
 fn every_effect_at_its_null_value_leaves_the_same_bits_on_the_device() {
     let Some(device) = device() else { return };
     // The one that reads the distance from an edge is refused.
