@@ -249,10 +249,10 @@ shared_struct! {
         contact_time: f32,
         /// Way since then [m].
         path_position: f32,
+        /// Whether the tool has gone its way on this sheet.
+        is_far: u32,
         /// Nothing.
-        padding_a: u32,
-        /// Nothing.
-        padding_b: u32,
+        padding: u32,
     }
 }
 

@@ -49,8 +49,9 @@ fn settle_complete() {
     state.receded = max(reduced(SUMS + MAX_RECEDED), 0.0);
     leave_moment(width);
     prepare_states();
-    let way = way_between(nominal(now()), nominal(later(now(), state.dt)));
-    state.travelled += length(way);
+    let way = length(way_between(nominal(now()), nominal(later(now(), state.dt))));
+    state.travelled += way;
+    state.is_far = select(0u, 1u, state.travelled + 0.5 * way > setup.commit_way);
     state.coarse = state.guess_base;
     state.fine = state.guess;
     state.speed = state.found_speed;
@@ -83,8 +84,7 @@ fn settle_apply() {
 }
 
 fn plan_after_step() {
-    let far = state.travelled > setup.commit_way;
-    if far || state.receded > COMMIT_RECESSION {
+    if state.is_far == 1u || state.receded > COMMIT_RECESSION {
         write_back(STEP);
     } else {
         state.phase = STEP;

@@ -311,7 +311,8 @@ impl<'a> Runner<'a> {
         self.time += dt;
         let row = self.log_row(end_force);
         self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
-        let far = self.travelled > self.commit_way();
+        // Half a step of slack: steps of equal ways would end on the limit itself, on a side that rounding decides.
+        let far = self.travelled + 0.5 * way.length() > self.commit_way();
         if far || receded > COMMIT_RECESSION * self.grid.voxel {
             self.write_back();
         }
