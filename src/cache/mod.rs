@@ -77,6 +77,7 @@ impl Cache {
         }
         if marker.is_file() {
             check_marker(&marker)?;
+            cache.drop_staged_markers();
             match occupied {
                 Occupied::Resume => {}
                 Occupied::Replace => cache.clear()?,
@@ -100,8 +101,18 @@ impl Cache {
             refuse_occupied(folder, MARKER_FILE, occupied == Occupied::Replace)?;
         }
         let text = serde_json::to_string(&Marker { format: CACHE_FORMAT.to_owned() })? + "\n";
-        write_file(&marker, text.as_bytes(), true)?;
+        let written = write_file(&marker, text.as_bytes(), true);
+        // Another process that was quicker may have dropped the staged file; then the marker is there.
+        check_marker(&marker).or(written)?;
+        cache.drop_staged_markers();
         Ok(cache)
+    }
+
+    /// Removes what processes left behind that were killed while they marked the folder.
+    fn drop_staged_markers(&self) {
+        for file in fs::read_dir(&self.folder).into_iter().flatten().flatten().filter(is_staged_marker) {
+            let _ = fs::remove_file(file.path());
+        }
     }
 
     /// The folder.
@@ -125,12 +136,13 @@ impl Cache {
 /// Whether a folder is absent, or holds at most what a run that was killed at its start leaves behind.
 fn is_unused(folder: &Path) -> bool {
     match fs::read_dir(folder) {
-        Ok(files) => {
-            let staging = format!(".{MARKER_FILE}.part-");
-            files.flatten().all(|file| file.file_name().to_string_lossy().starts_with(&staging))
-        }
+        Ok(mut files) => files.all(|file| file.is_ok_and(|file| is_staged_marker(&file))),
         Err(_) => folder.symlink_metadata().is_err(),
     }
+}
+
+fn is_staged_marker(file: &fs::DirEntry) -> bool {
+    file.file_name().to_string_lossy().starts_with(&format!(".{MARKER_FILE}.part-"))
 }
 
 fn check_marker(marker: &Path) -> Result<()> {
