@@ -89,6 +89,12 @@ pub struct Case {
 }
 
 impl Case {
+    /// The same campaign with nothing hidden in it.
+    pub fn clean(&self) -> Self {
+        let (family, size) = (Family::N, Sized::Visible);
+        Self { family, size, hidden: Vec::new(), left_out: false, ..self.clone() }
+    }
+
     /// Its name in file names and tables.
     pub fn id(&self) -> String {
         format!("{:?}{:02}", self.family, self.number)

@@ -14,5 +14,5 @@ mod outcome;
 mod rates;
 
 pub use cases::{Case, Design, Family, Instruments, Sized, cases};
-pub use outcome::{Baseline, BenchError, Outcome, baseline, run};
+pub use outcome::{BenchError, Outcome, run};
 pub use rates::{FamilyRates, Rate, Summary};

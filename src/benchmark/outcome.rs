@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use sim::effect::{Effect, Library, Model, Scale};
 
-use super::cases::{Case, Design, Family, Instruments, Sized, effect_process};
+use super::cases::{Case, Design, Instruments, Sized, effect_process};
 use crate::laboratory::{
     Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, ScanEvidence, Verdict, calibrate_scans,
     separating_trial,
@@ -14,13 +14,6 @@ use crate::virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, R
 
 /// Why a case gave no answer.
 pub type BenchError = anyhow::Error;
-
-/// What a campaign without hidden effects could have shown.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Baseline {
-    /// Least size of each effect.
-    pub detectable: Vec<Detectable>,
-}
 
 /// What came out of a case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -47,34 +40,20 @@ pub struct Outcome {
     pub suspects: Vec<String>,
     /// Whether a next trial was proposed.
     pub next_trial: bool,
+    /// Least size of each effect that this campaign could show.
+    pub detectable: Vec<Detectable>,
     /// Time that the diagnosis took [s].
     pub seconds: f64,
 }
 
-/// Diagnoses a design in which nothing is hidden.
-///
-/// # Errors
-/// When it cannot be made or diagnosed.
-pub fn baseline(design: &Design, size: Size, library: &Library) -> Result<Baseline, BenchError> {
-    let case = Case {
-        family: Family::N,
-        number: 0,
-        design: design.clone(),
-        hidden: Vec::new(),
-        size: Sized::Visible,
-        left_out: false,
-    };
-    Ok(Baseline { detectable: diagnosed(&case, Vec::new(), size, library)?.summary.detectable })
-}
-
 /// Makes a case, diagnoses it with the default settings and notes what came out.
 ///
-/// - `baseline`: of the same design, for sizes that are multiples of what it could detect
+/// - `detectable`: what the same design without an effect could show, for sizes that are multiples of it
 ///
 /// # Errors
 /// When it cannot be made or diagnosed.
-pub fn run(case: &Case, baseline: Option<&Baseline>, size: Size, library: &Library) -> Result<Outcome, BenchError> {
-    let hide = |name: &String| hidden(case, name, baseline, library);
+pub fn run(case: &Case, detectable: &[Detectable], size: Size, library: &Library) -> Result<Outcome, BenchError> {
+    let hide = |name: &String| hidden(case, name, detectable, library);
     let hidden: Vec<(Hidden, Option<bool>)> = case.hidden.iter().map(hide).collect();
     let testable = hidden.iter().map(|(_, testable)| *testable).reduce(|a, b| Some(a? && b?)).flatten();
     let hidden: Vec<Hidden> = hidden.into_iter().map(|(hidden, _)| hidden).collect();
@@ -92,6 +71,7 @@ pub fn run(case: &Case, baseline: Option<&Baseline>, size: Size, library: &Libra
         floor_um: summary.noise_floor_um,
         suspects: summary.suspects.iter().map(suspect).collect(),
         next_trial,
+        detectable: summary.detectable,
         seconds,
     })
 }
@@ -135,9 +115,9 @@ fn diagnosed(case: &Case, hidden: Vec<Hidden>, size: Size, library: &Library) ->
 }
 
 /// A hidden effect with its size, and whether the campaign could show it.
-fn hidden(case: &Case, name: &str, baseline: Option<&Baseline>, library: &Library) -> (Hidden, Option<bool>) {
+fn hidden(case: &Case, name: &str, detectable: &[Detectable], library: &Library) -> (Hidden, Option<bool>) {
     let Sized::Detectable(multiple) = case.size else { return (Hidden::effect(name), None) };
-    let known = baseline.and_then(|baseline| baseline.detectable.iter().find(|least| least.effect == name));
+    let known = detectable.iter().find(|least| least.effect == name);
     let effect = library.find(name).filter(|effect| effect.acts_in(effect_process(case.design.process)));
     let (Some(least), Some(effect)) = (known, effect) else { return (Hidden::effect(name), Some(false)) };
     let Some(size) = least.size.filter(|_| least.testable) else { return (Hidden::effect(name), Some(false)) };

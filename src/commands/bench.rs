@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sim::effect::Library;
 
-use crate::benchmark::{Case, Family, Outcome, Sized, Summary, baseline, cases, run as diagnosed};
+use crate::benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use crate::console::Console;
 use crate::virtual_lab::Size;
 
@@ -109,6 +109,7 @@ pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
             Err(error) => console.step(&case.id(), format!("not made: {error:#}")),
         }
     }
+    outcomes.extend(unasked(&outcomes, &args.out, library)?);
     let summary = Summary::new(&outcomes);
     let table = summary.to_markdown(&outcomes);
     write_whole(&args.out.join("benchmark.md"), table.as_bytes())?;
@@ -121,32 +122,37 @@ pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
     console.answer(&answer)
 }
 
-/// A case's outcome, from its file where it was finished before.
-fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
-    let file = folder.join(format!("{}-{}.json", case.id(), case.design.id()));
-    let known: Option<Outcome> = read(&file)?;
-    if let Some(known) = known.filter(|known| known.case == *case) {
-        return Ok(known);
+/// Campaigns without an effect from which the sizes of effects were taken, beyond those of family N.
+fn unasked(outcomes: &[Outcome], folder: &Path, library: &Library) -> Result<Vec<Outcome>> {
+    let mut known: Vec<String> =
+        outcomes.iter().filter(|o| o.case.hidden.is_empty()).map(|o| o.case.design.id()).collect();
+    let sized = outcomes.iter().filter(|outcome| matches!(outcome.case.size, Sized::Detectable(_)));
+    let mut clean = Vec::new();
+    for case in sized.map(|outcome| outcome.case.clean()) {
+        if !known.contains(&case.design.id()) {
+            known.push(case.design.id());
+            clean.push(outcome(&case, folder, library)?);
+        }
     }
-    let least = match case.size {
-        Sized::Detectable(_) => Some(finished(&folder.join(format!("clean-{}.json", case.design.id())), || {
-            baseline(&case.design, Size::Small, library)
-        })?),
-        Sized::Visible => None,
-    };
-    let outcome = diagnosed(case, least.as_ref(), Size::Small, library)?;
-    write_whole(&file, &serde_json::to_vec_pretty(&outcome)?)?;
-    Ok(outcome)
+    Ok(clean)
 }
 
-/// What a file holds, or what is made now and written there.
-fn finished<T: Serialize + DeserializeOwned>(file: &Path, make: impl FnOnce() -> Result<T>) -> Result<T> {
-    if let Some(known) = read(file)? {
-        return Ok(known);
+/// A case's outcome, from its file where it was finished before.
+fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
+    let name = if case.hidden.is_empty() { "clean".to_owned() } else { case.id() };
+    let file = folder.join(format!("{name}-{}.json", case.design.id()));
+    let known: Option<Outcome> = read(&file)?;
+    let is_same = |known: &Outcome| known.case == *case || case.hidden.is_empty();
+    if let Some(known) = known.filter(is_same) {
+        return Ok(Outcome { case: case.clone(), ..known });
     }
-    let made = make()?;
-    write_whole(file, &serde_json::to_vec_pretty(&made)?)?;
-    Ok(made)
+    let detectable = match case.size {
+        Sized::Detectable(_) => outcome(&case.clean(), folder, library)?.detectable,
+        Sized::Visible => Vec::new(),
+    };
+    let outcome = diagnosed(case, &detectable, Size::Small, library)?;
+    write_whole(&file, &serde_json::to_vec_pretty(&outcome)?)?;
+    Ok(outcome)
 }
 
 fn read<T: DeserializeOwned>(file: &Path) -> Result<Option<T>> {
