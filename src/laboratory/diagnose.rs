@@ -9,6 +9,7 @@ use sim::effect::{Library, Model, candidates};
 use super::detectable::{Detectable, detectable};
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::fit::Fit;
+use super::pair::pair;
 use super::probe::Candidate;
 use super::screen::{Projector, Screened};
 use super::significance::{chance, chance_gains};
@@ -53,6 +54,7 @@ pub struct Finding {
 }
 
 /// One search for a missing effect.
+#[derive(Clone)]
 pub struct Round {
     /// The model searched from, fitted.
     pub base: Fit,
@@ -66,6 +68,8 @@ pub struct Round {
     pub findings: Vec<Finding>,
     /// Standard deviation of what the best model leaves, whitened.
     pub spread: f64,
+    /// Whether its best effect was found together with that of the next search: alone it need not be an account.
+    pub is_half: bool,
 }
 
 /// A diagnosis.
@@ -142,24 +146,20 @@ impl Round {
         let (calibration, evaluation) = (calibration?, evaluation?);
         let finding = |suspect: Suspect| Finding::new(evidence, suspect, (&base, &calibration), (&chances, spread));
         let findings: Result<Vec<Finding>, EvidenceError> = fitted.into_par_iter().map(finding).collect();
-        let mut round = Self { calibration, evaluation, screened, findings: findings?, spread, base };
+        let mut round = Self { calibration, evaluation, screened, findings: findings?, spread, base, is_half: false };
         round.weigh();
         Ok(round)
     }
 
     /// Probabilities of the effects that gain more than chance (Schwarz 1978, tempered).
-    fn weigh(&mut self) {
+    pub(super) fn weigh(&mut self) {
         let data = (self.base.residuals.len() as f64).ln();
-        let cost = |finding: &Finding| -finding.gain + finding.suspect.freedoms() as f64 * data;
-        let best = self.findings.iter().filter(|f| f.is_sound).map(cost).fold(f64::INFINITY, f64::min);
-        let weight = |finding: &Finding| {
-            if finding.is_sound { (-(cost(finding) - best) / (2.0 * TEMPERATURE)).exp() } else { 0.0 }
+        let cost = |finding: &Finding| match finding.is_sound {
+            true => -finding.gain + finding.suspect.freedoms() as f64 * data,
+            false => f64::INFINITY,
         };
-        let weights: Vec<f64> = self.findings.iter().map(weight).collect();
-        let total: f64 = weights.iter().sum();
-        for (finding, weight) in self.findings.iter_mut().zip(weights) {
-            finding.probability = if total > 0.0 { weight / total } else { 0.0 };
-        }
+        let probabilities = probabilities(&self.findings.iter().map(cost).collect::<Vec<_>>());
+        self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| finding.probability = p);
         self.findings.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
     }
 
@@ -169,10 +169,10 @@ impl Round {
     }
 
     /// The best, unless it does harm to the held-out data or wants to be larger than it can be.
-    fn nameable(&self) -> Option<&Finding> {
+    pub(super) fn nameable(&self) -> Option<&Finding> {
         let is_cause =
             |best: &&Finding| carries_over(&self.evaluation, &best.evaluation) && !best.suspect.is_on_bound();
-        self.best().filter(is_cause)
+        self.best().filter(|best| self.is_half || is_cause(best))
     }
 
     /// Effects that the data cannot tell from the best.
@@ -183,8 +183,17 @@ impl Round {
     }
 }
 
+/// Probabilities of models from their costs; none where all costs are infinite.
+pub(super) fn probabilities(costs: &[f64]) -> Vec<f64> {
+    let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    let weight = |cost: &f64| if cost.is_finite() { (-(cost - best) / (2.0 * TEMPERATURE)).exp() } else { 0.0 };
+    let weights: Vec<f64> = costs.iter().map(weight).collect();
+    let total: f64 = weights.iter().sum();
+    weights.iter().map(|weight| if total > 0.0 { weight / total } else { 0.0 }).collect()
+}
+
 impl Finding {
-    fn new(
+    pub(super) fn new(
         evidence: &dyn Evidence,
         suspect: Suspect,
         (base, before): (&Fit, &[Agreement]),
@@ -201,6 +210,62 @@ impl Finding {
         let evaluation = if is_sound { evidence.agreement(&suspect.fit.model, Split::Evaluation)? } else { Vec::new() };
         let gain = gain / (spread * spread);
         Ok(Self { suspect, gain, chance, size, probability: 0.0, calibration, evaluation, is_sound })
+    }
+}
+
+/// Searches, and what they led to.
+struct Search {
+    rounds: Vec<Round>,
+    model: Model,
+    fit: Fit,
+    end: SearchEnd,
+}
+
+impl Search {
+    /// Effects one after the other, each the best beside those before it.
+    fn one_by_one(
+        evidence: &dyn Evidence,
+        (model, base): (&Model, &Fit),
+        library: &Library,
+        (seed, told): (u64, Told),
+        searches: usize,
+    ) -> Result<Self, EvidenceError> {
+        let (mut grown, mut fit) = (model.clone(), base.clone());
+        let mut rounds: Vec<Round> = Vec::new();
+        while rounds.len() < searches {
+            let round = Round::new(evidence, (&grown, fit.clone()), library, (seed, told))?;
+            let found = round.nameable().filter(|found| found.probability >= CERTAIN).cloned();
+            rounds.push(round);
+            let Some(found) = found else { break };
+            grown = with_values(&grown.with(found.suspect.name()), &found.suspect.fit);
+            fit = found.suspect.fit;
+            if !is_open(&found.calibration) {
+                break;
+            }
+        }
+        let end = match rounds.last() {
+            Some(last) if last.best().is_some() && last.nameable().is_none() => SearchEnd::Refused,
+            _ if searches < MOST_EFFECTS && rounds.len() == searches => SearchEnd::CutShort,
+            _ => SearchEnd::Exhausted,
+        };
+        Ok(Self { rounds, model: grown, fit, end })
+    }
+
+    /// Two effects that were found together, or the first of them where only one search is asked for.
+    fn of_pair(rounds: [Round; 2], model: &Model, searches: usize) -> Self {
+        let end = if searches < 2 { SearchEnd::CutShort } else { SearchEnd::Exhausted };
+        let rounds: Vec<Round> = rounds.into_iter().take(searches).collect();
+        let found: Vec<&Finding> = rounds.iter().filter_map(Round::nameable).collect();
+        let fit = found[found.len() - 1].suspect.fit.clone();
+        let grown = found.iter().fold(model.clone(), |grown, found| grown.with(found.suspect.name()));
+        Self { model: with_values(&grown, &fit), rounds, fit, end }
+    }
+
+    fn verdict(&self, detectable: &[Detectable]) -> Verdict {
+        let found = self.rounds.iter().filter_map(Round::nameable);
+        let account: Vec<_> = found.map(|f| ([&f.calibration[..], &f.evaluation], f.probability)).collect();
+        let base_errors = [&self.rounds[0].calibration[..], &self.rounds[0].evaluation];
+        Verdict::new(base_errors, (&account, self.end), detectable)
     }
 }
 
@@ -229,32 +294,18 @@ impl Diagnosis {
         (seed, told): (u64, Told),
         searches: usize,
     ) -> Result<Self, EvidenceError> {
-        let (mut grown, mut fit) = (model.clone(), base.clone());
-        let mut rounds: Vec<Round> = Vec::new();
-        while rounds.len() < searches {
-            let round = Round::new(evidence, (&grown, fit.clone()), library, (seed, told))?;
-            let found = round.nameable().filter(|found| found.probability >= CERTAIN).cloned();
-            rounds.push(round);
-            let Some(found) = found else { break };
-            grown = with_values(&grown.with(found.suspect.name()), &found.suspect.fit);
-            fit = found.suspect.fit;
-            if !is_open(&found.calibration) {
-                break;
-            }
+        let mut search = Search::one_by_one(evidence, (model, &base), library, (seed, told), searches)?;
+        let detectable = seen(evidence, &search.rounds[0]);
+        let blind = blind(evidence, library, &search.rounds);
+        let mut verdict = search.verdict(&detectable);
+        if verdict == Verdict::Unknown
+            && let Some(pair) = pair(evidence, &search.rounds[0], (model, library), (seed, told))?
+        {
+            search = Search::of_pair(pair, model, searches);
+            verdict = search.verdict(&detectable);
         }
-        let detectable = seen(evidence, &rounds[0]);
-        let blind = blind(evidence, library, &rounds);
-        let end = match rounds.last() {
-            Some(last) if last.best().is_some() && last.nameable().is_none() => SearchEnd::Refused,
-            _ if searches < MOST_EFFECTS && rounds.len() == searches => SearchEnd::CutShort,
-            _ => SearchEnd::Exhausted,
-        };
-        let found = rounds.iter().filter_map(Round::nameable);
-        let account: Vec<_> = found.map(|f| ([&f.calibration[..], &f.evaluation], f.probability)).collect();
-        let base_errors = [&rounds[0].calibration[..], &rounds[0].evaluation];
-        let verdict = Verdict::new(base_errors, (&account, end), &detectable);
-        let (model, fit) = if verdict == Verdict::Unknown { (model.clone(), base) } else { (grown, fit) };
-        Ok(Self { verdict, rounds, model, fit, detectable, blind })
+        let (model, fit) = if verdict == Verdict::Unknown { (model.clone(), base) } else { (search.model, search.fit) };
+        Ok(Self { verdict, rounds: search.rounds, model, fit, detectable, blind })
     }
 
     /// The effects that were found, in order; none where they are no account of what is missing.

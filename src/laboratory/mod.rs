@@ -18,6 +18,7 @@ mod forms;
 mod height_view;
 mod next_row;
 mod next_trial;
+mod pair;
 mod pass_trend;
 mod probe;
 mod rows;

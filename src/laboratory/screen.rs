@@ -144,6 +144,11 @@ impl Screened {
         }
     }
 
+    /// With the values at a share of the way from null to a probe as its best.
+    pub(super) fn moved_to(self, response: &Response, share: f64) -> Self {
+        Self { best: self.along(response, share), ..self }
+    }
+
     /// Values at a share of the way from null to a probe. An amplitude in ratios with an infinite null is a rate turned
     /// upside down: its reciprocal goes the way.
     fn along(&self, response: &Response, share: f64) -> Vec<f64> {

@@ -14,8 +14,8 @@ const THOROUGH: usize = 4;
 /// Fall of the sum of squares below which an effect is not fitted.
 const LEAST_GAIN: f64 = 4.0;
 /// What the two fits may cost.
-const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
-const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
+pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
+pub(super) const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
 /// Share of the best one's gain that another must have after the quick fit to be fitted to the end.
 const PROMISING: f64 = 0.3;
 
@@ -57,15 +57,22 @@ impl Suspect {
 
     /// Whether a size of the effect ended at the far end of its range.
     pub fn is_on_bound(&self) -> bool {
-        self.screened.candidate.coordinates.iter().any(|c| {
-            let (value, [least, greatest]) = (self.fit.model.value(c.index), c.slot.range);
-            let at = |end: f64| (value - end).abs() <= 1e-3 * end.abs();
-            let null = c.slot.null;
-            null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
-        })
+        self.screened.candidate.coordinates.iter().any(|c| is_at_far_end(c, self.fit.model.value(c.index)))
     }
 
-    fn quick(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
+    /// As it is fitted quickly.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated with it.
+    pub(super) fn quick(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
+        Ok(Self::begun(evidence, base, screened)?.refined(evidence, QUICK_FIT))
+    }
+
+    /// As its fit begins: at the best values of the first look, derivatives taken from there.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated with it.
+    pub(super) fn begun(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
         let model = screened.candidate.at(&screened.best);
         let own = |name: &str| base.coordinates.iter().any(|c| c.slot.name() == name);
         let effect = &screened.candidate.name;
@@ -76,8 +83,20 @@ impl Suspect {
             own.map_or_else(|| base.column(coordinate), |k| screened.slope(k))
         };
         fit.borrow_derivatives(evidence, lent);
-        Ok(Self { screened, fit: fit.refined(evidence, QUICK_FIT) })
+        Ok(Self { screened, fit })
     }
+
+    /// Its fit taken further.
+    pub(super) fn refined(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
+        Self { fit: self.fit.refined(evidence, options), ..self }
+    }
+}
+
+/// Whether a value of a parameter with a null is at the end of the range that is farthest from it.
+pub(super) fn is_at_far_end(coordinate: &Coordinate, value: f64) -> bool {
+    let [least, greatest] = coordinate.slot.range;
+    let at = |end: f64| (value - end).abs() <= 1e-3 * end.abs();
+    coordinate.slot.null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
 }
 
 /// Fits the most promising effects, the best of them thoroughly. Best first.
@@ -101,9 +120,9 @@ pub fn suspects(
     let worth = suspects.first().map_or(0.0, |best| PROMISING * gain(best));
     let promising = suspects.iter().take(THOROUGH).take_while(|suspect| gain(suspect) >= worth).count();
     let rest = suspects.split_off(promising);
-    let thorough = |mut suspect: Suspect| {
-        suspect.fit = suspect.fit.refined(evidence, THOROUGH_FIT);
-        told(&suspect.screened.candidate.name);
+    let thorough = |suspect: Suspect| {
+        let suspect = suspect.refined(evidence, THOROUGH_FIT);
+        told(suspect.name());
         suspect
     };
     let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();

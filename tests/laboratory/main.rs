@@ -5,6 +5,7 @@ mod campaigns;
 mod compared;
 mod hostile;
 mod orders;
+mod pair;
 #[path = "../common/shared_folder.rs"]
 mod shared_folder;
 mod steps;

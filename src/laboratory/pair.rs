@@ -1,0 +1,189 @@
+//! Two effects found together, where the best single one is no account of what is missing: alone each may be outdone by a third
+//! that takes a part of both for its own, and either may harm the held-out data until the other is there.
+//!
+//! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra. The most
+//! promising pairs are fitted.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+use sim::effect::{Library, Model};
+
+use super::coordinates::Coordinate;
+use super::diagnose::{Finding, Round, Told, probabilities, with_values};
+use super::evidence::{Evidence, EvidenceError, Split};
+use super::fit::Fit;
+use super::probe::Candidate;
+use super::screen::{Projector, Response, Screened};
+use super::significance::chance_gains;
+use super::suspect::{QUICK_FIT, Suspect, THOROUGH_FIT, is_at_far_end};
+use super::verdict::{CERTAIN, is_open, misses};
+
+/// Pairs that are fitted quickly, and those that are fitted to the end.
+const QUICK: usize = 6;
+const THOROUGH: usize = 2;
+/// Sine squared of the angle between two changes from which they are two.
+const APART: f64 = 1e-3;
+
+/// Two effects fitted together.
+struct Joint {
+    /// The one that is the better alone, at the values of the first look.
+    lead: Screened,
+    /// The other one, with the fit of both.
+    both: Suspect,
+}
+
+/// The pair of effects that is an account of what a first search could not name, as two searches one after the other;
+/// `None` where there is none, or several that share no effect.
+///
+/// # Errors
+/// When the model cannot be simulated.
+pub(super) fn pair(
+    evidence: &dyn Evidence,
+    first: &Round,
+    (model, library): (&Model, &Library),
+    (seed, told): (u64, Told),
+) -> Result<Option<[Round; 2]>, EvidenceError> {
+    let joints = fitted(evidence, first, (model, library), told);
+    let Some(best) = joints.first() else { return Ok(None) };
+    let lead = best.lead.candidate.name.clone();
+    let probabilities = probabilities(&joints.iter().map(|joint| cost(joint, first)).collect::<Vec<_>>());
+    let with_lead = |joint: &&Joint| joint.lead.candidate.name == lead;
+    let sure: f64 = joints.iter().zip(probabilities).filter(|(joint, _)| with_lead(joint)).map(|(_, p)| p).sum();
+    if sure < CERTAIN {
+        return Ok(None);
+    }
+    let left = &best.both.fit.residuals;
+    let spread = super::diagnose::spread(left);
+    let blocks = evidence.blocks(Split::Calibration);
+    let chances = chance_gains(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
+    let alone = alone(evidence, first, &best.lead)?;
+    let half = Finding::new(evidence, alone, (&first.base, &first.calibration), (&chances, spread))?;
+    let calibration = evidence.agreement(&half.suspect.fit.model, Split::Calibration)?;
+    let evaluation = evidence.agreement(&half.suspect.fit.model, Split::Evaluation)?;
+    let base = half.suspect.fit.clone();
+    let others = joints.into_iter().filter(|joint| with_lead(&joint)).map(|joint| joint.both);
+    let findings: Result<Vec<Finding>, EvidenceError> =
+        others.map(|both| Finding::new(evidence, both, (&base, &calibration), (&chances, spread))).collect();
+    let half = Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_sound: true, ..half };
+    let mut second =
+        Round { base, calibration, evaluation, screened: Vec::new(), findings: findings?, spread, is_half: false };
+    second.weigh();
+    let is_account = |both: &Finding| {
+        let at_end = |c: &Coordinate| is_at_far_end(c, value_of(c, &both.suspect.fit));
+        let lead_is_free = !half.suspect.screened.candidate.coordinates.iter().any(at_end);
+        lead_is_free && !is_open(&both.calibration) && !misses(&both.evaluation)
+    };
+    if !second.nameable().is_some_and(is_account) {
+        return Ok(None);
+    }
+    Ok(Some([halved(first, Finding { probability: sure, ..half }), second]))
+}
+
+/// The first search with one half of the pair as the effect that it led to.
+fn halved(first: &Round, half: Finding) -> Round {
+    let others = first.findings.iter().filter(|finding| finding.suspect.name() != half.suspect.name());
+    let others: Vec<Finding> = others.map(|other| Finding { probability: 0.0, ..other.clone() }).collect();
+    Round { findings: std::iter::once(half).chain(others).collect(), is_half: true, ..first.clone() }
+}
+
+/// Value of a parameter in a fit that varies it, perhaps at another place among the model's parameters.
+fn value_of(coordinate: &Coordinate, fit: &Fit) -> f64 {
+    let own = fit.coordinates.iter().find(|own| own.slot.name() == coordinate.slot.name());
+    own.map_or(f64::NAN, |own| fit.model.value(own.index))
+}
+
+/// Sum of squares with what the freedoms cost (Schwarz 1978).
+fn cost(joint: &Joint, first: &Round) -> f64 {
+    let data = first.base.residuals.len() as f64;
+    let freedoms = joint.both.freedoms() + joint.lead.candidate.coordinates.len();
+    joint.both.fit.chi2 / first.spread.powi(2) + freedoms as f64 * data.ln()
+}
+
+/// The fit of base and lead alone.
+fn alone(evidence: &dyn Evidence, first: &Round, lead: &Screened) -> Result<Suspect, EvidenceError> {
+    let known = first.findings.iter().find(|finding| finding.suspect.name() == lead.candidate.name);
+    match known {
+        Some(known) => Ok(known.suspect.clone()),
+        None => Suspect::quick(evidence, &first.base, lead.clone()),
+    }
+}
+
+/// The most promising pairs fitted, the best of them thoroughly. Best first.
+fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Library), told: Told) -> Vec<Joint> {
+    let base = with_values(model, &first.base);
+    let fit = |[lead, other]: [Screened; 2]| {
+        let begun = Suspect::begun(evidence, &first.base, lead.clone()).ok()?;
+        let with_lead = with_values(&base.clone().with(&lead.candidate.name), &begun.fit);
+        let effect = library.find(&other.candidate.name)?;
+        let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
+        let both = Suspect::begun(evidence, &begun.fit, Screened { candidate, ..other }).ok()?;
+        told(&format!("{} and {}", lead.candidate.name, both.name()), QUICK, QUICK);
+        Some(Joint { lead, both: both.refined(evidence, QUICK_FIT) })
+    };
+    let mut joints: Vec<Joint> = promising(first).into_par_iter().filter_map(fit).collect();
+    let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| cost(a, first).total_cmp(&cost(b, first)));
+    sort(&mut joints);
+    let rest = joints.split_off(THOROUGH.min(joints.len()));
+    let thorough = |joint: Joint| Joint { both: joint.both.refined(evidence, THOROUGH_FIT), ..joint };
+    let mut joints: Vec<Joint> = joints.into_par_iter().map(thorough).collect();
+    joints.extend(rest);
+    sort(&mut joints);
+    joints
+}
+
+/// The pairs that promise most, each with the better one first and at the values that are best together.
+fn promising(first: &Round) -> Vec<[Screened; 2]> {
+    let residuals = &Projector::new(&first.base).residuals;
+    let left = |effect: &Screened| {
+        let fitted = first.findings.iter().find(|finding| finding.suspect.name() == effect.candidate.name);
+        fitted.map_or(first.base.chi2 - effect.gain, |fitted| fitted.suspect.fit.chi2)
+    };
+    let mut pairs: Vec<([&Screened; 2], Together)> = Vec::new();
+    for (at, a) in first.screened.iter().enumerate() {
+        for b in &first.screened[at + 1..] {
+            let (lead, other) = if left(a) <= left(b) { (a, b) } else { (b, a) };
+            let best = couples(lead, other)
+                .filter_map(|couple| together(residuals, couple))
+                .max_by(|a, b| a.gain.total_cmp(&b.gain));
+            pairs.extend(best.map(|best| ([lead, other], best)));
+        }
+    }
+    pairs.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    pairs.truncate(QUICK);
+    let set = |(effects, Together { responses, shares, .. }): ([&Screened; 2], Together)| {
+        [0, 1].map(|k| effects[k].clone().moved_to(responses[k], shares[k]))
+    };
+    pairs.into_iter().map(set).collect()
+}
+
+/// All probes of one effect with all of another.
+fn couples<'a>(a: &'a Screened, b: &'a Screened) -> impl Iterator<Item = [&'a Response; 2]> {
+    let distinct = |effect: &'a Screened| effect.responses.iter().flatten().filter(|response| response.is_distinct());
+    distinct(a).flat_map(move |a| distinct(b).map(move |b| [a, b]))
+}
+
+/// Shares of two probes that are best together.
+struct Together<'a> {
+    responses: [&'a Response; 2],
+    shares: [f64; 2],
+    /// Expected fall of the sum of squares.
+    gain: f64,
+}
+
+/// The best shares of two probes, each within its reach; `None` where they change nearly the same.
+fn together<'a>(residuals: &DVector<f64>, responses: [&'a Response; 2]) -> Option<Together<'a>> {
+    let [a, b] = responses.map(|response| &response.change);
+    let (aa, bb, ab) = (a.norm_squared(), b.norm_squared(), a.dot(b));
+    let (ar, br) = (a.dot(residuals), b.dot(residuals));
+    let apart = aa * bb - ab * ab;
+    if apart <= APART * aa * bb {
+        return None;
+    }
+    let within = |k: usize, share: f64| share.clamp(responses[k].reach[0], responses[k].reach[1]);
+    let (s, t) = ((br * ab - ar * bb) / apart, (ar * ab - br * aa) / apart);
+    let held = (within(0, s), within(1, t));
+    let ends = [(held.0, within(1, -(br + held.0 * ab) / bb)), (within(0, -(ar + held.1 * ab) / aa), held.1)];
+    let gain = |(s, t): (f64, f64)| -(2.0 * (s * ar + t * br) + s * s * aa + 2.0 * s * t * ab + t * t * bb);
+    let best = if gain(ends[0]) >= gain(ends[1]) { ends[0] } else { ends[1] };
+    Some(Together { responses, shares: [best.0, best.1], gain: gain(best) })
+}
