@@ -76,13 +76,13 @@ pub(super) fn misses(held_out: &[Agreement]) -> bool {
 }
 
 /// Whether all is explained but for so much of the unexplained mean square.
-fn is_account(before: &[Agreement], after: &[Agreement], share: f64) -> bool {
-    !is_open(after) || unexplained(after).powi(2) <= share * unexplained(before).powi(2)
+fn leaves_at_most(share: f64, before: &[Agreement], after: &[Agreement]) -> bool {
+    unexplained(after).powi(2) <= share * unexplained(before).powi(2)
 }
 
 /// Whether an effect does not do harm to held-out data that no fit has seen.
 pub(super) fn carries_over(before: &[Agreement], after: &[Agreement]) -> bool {
-    is_account(before, after, 1.0)
+    !is_open(after) || leaves_at_most(1.0, before, after)
 }
 
 impl Verdict {
@@ -96,8 +96,9 @@ impl Verdict {
             let is_known = end == SearchEnd::Exhausted && !is_open(base[0]);
             return if is_known { Self::of_silence(base[1], detectable) } else { Self::Unknown };
         };
-        let all_accounted = || (0..2).all(|k| is_account(base[k], left[k], ACCOUNTED[k]));
-        let is_account = end == SearchEnd::CutShort || (all_accounted() && !exceeds(left[0], NEAR));
+        let of_calibration = !is_open(left[0]) || leaves_at_most(ACCOUNTED[0], base[0], left[0]);
+        let of_held_out = !misses(left[1]) || leaves_at_most(ACCOUNTED[1], base[1], left[1]);
+        let is_account = end == SearchEnd::CutShort || (of_calibration && of_held_out && !exceeds(left[0], NEAR));
         match (is_open(left[0]), probability >= CERTAIN) {
             _ if !is_account => Self::Unknown,
             (_, false) if found.len() == 1 => Self::Ambiguous,
@@ -146,6 +147,11 @@ mod tests {
         assert_eq!(verdict([60.0, 60.0], &[([20.0, 10.0], 1.0)], Exhausted), Verdict::Unknown, "far from the floor");
         assert_eq!(ends(&[([15.0, 3.2], 0.6)]), Verdict::Unknown);
         assert_eq!(ends(&[([3.1, 18.0], 1.0)]), Verdict::Unknown, "most of what is held out is left");
+        assert_eq!(
+            verdict([9.0, 6.2], &[([3.1, 5.3], 1.0)], Exhausted),
+            Verdict::Identified,
+            "what is left is as much as where nothing is missing"
+        );
         assert_eq!(verdict([20.0, 20.0], &[([15.0, 18.0], 1.0)], CutShort), Verdict::Partly, "the search may go on");
     }
 
