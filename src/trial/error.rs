@@ -20,7 +20,7 @@ pub struct Place {
 #[derive(Debug, Error)]
 pub enum TrialError {
     /// The file system refuses.
-    #[error("{}: cannot be read: {source}", file.display())]
+    #[error("{}: cannot be read", file.display())]
     Unreadable {
         /// The file or folder.
         file: PathBuf,
