@@ -1,8 +1,8 @@
 //! Two effects found together, where the best single one is no account of what is missing: alone each may be outdone by a third
 //! that takes a part of both for its own, and either may harm the held-out data until the other is there.
 //!
-//! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra. The most
-//! promising pairs are fitted.
+//! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra: beside the
+//! base model, and beside each effect that was fitted alone. The most promising pairs are fitted.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -21,6 +21,8 @@ use super::verdict::{CERTAIN, is_open, misses};
 /// Pairs that are fitted quickly, and those that are fitted to the end.
 const QUICK: usize = 6;
 const THOROUGH: usize = 2;
+/// Pairs that are fitted with the same lead.
+const PER_LEAD: usize = 2;
 /// Sine squared of the angle between two changes from which they are two.
 const APART: f64 = 1e-3;
 
@@ -56,7 +58,10 @@ pub(super) fn pair(
     let spread = super::diagnose::spread(left);
     let blocks = evidence.blocks(Split::Calibration);
     let chances = chance_gains(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
-    let alone = alone(evidence, first, &best.lead)?;
+    let alone = match known(first, &best.lead) {
+        Some(alone) => alone.clone(),
+        None => Suspect::quick(evidence, &first.base, best.lead.clone())?,
+    };
     let half = Finding::new(evidence, alone, (&first.base, &first.calibration), (&chances, spread))?;
     let calibration = evidence.agreement(&half.suspect.fit.model, Split::Calibration)?;
     let evaluation = evidence.agreement(&half.suspect.fit.model, Split::Evaluation)?;
@@ -99,20 +104,18 @@ fn cost(joint: &Joint, first: &Round) -> f64 {
     joint.both.fit.chi2 / first.spread.powi(2) + freedoms as f64 * data.ln()
 }
 
-/// The fit of base and lead alone.
-fn alone(evidence: &dyn Evidence, first: &Round, lead: &Screened) -> Result<Suspect, EvidenceError> {
-    let known = first.findings.iter().find(|finding| finding.suspect.name() == lead.candidate.name);
-    match known {
-        Some(known) => Ok(known.suspect.clone()),
-        None => Suspect::quick(evidence, &first.base, lead.clone()),
-    }
+/// An effect as it was fitted alone.
+fn known<'a>(first: &'a Round, effect: &Screened) -> Option<&'a Suspect> {
+    let alone = first.findings.iter().map(|finding| &finding.suspect);
+    alone.into_iter().find(|alone| alone.name() == effect.candidate.name)
 }
 
 /// The most promising pairs fitted, the best of them thoroughly. Best first.
 fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Library), told: Told) -> Vec<Joint> {
     let base = with_values(model, &first.base);
     let fit = |[lead, other]: [Screened; 2]| {
-        let begun = Suspect::begun(evidence, &first.base, lead.clone()).ok()?;
+        let alone = known(first, &lead).filter(|alone| alone.at_its_fit().best == lead.best).cloned();
+        let begun = alone.map_or_else(|| Suspect::begun(evidence, &first.base, lead.clone()), Ok).ok()?;
         let with_lead = with_values(&base.clone().with(&lead.candidate.name), &begun.fit);
         let effect = library.find(&other.candidate.name)?;
         let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
@@ -131,33 +134,71 @@ fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Li
     joints
 }
 
-/// The pairs that promise most, each with the better one first and at the values that are best together.
+/// A pair before it is fitted: the lead and the other one at the values that are expected to be best.
+struct Promise {
+    effects: [Screened; 2],
+    /// Expected sum of squares.
+    left: f64,
+}
+
+/// The pairs that promise most, a few for each lead.
 fn promising(first: &Round) -> Vec<[Screened; 2]> {
-    let residuals = &Projector::new(&first.base).residuals;
-    let left = |effect: &Screened| {
-        let fitted = first.findings.iter().find(|finding| finding.suspect.name() == effect.candidate.name);
-        fitted.map_or(first.base.chi2 - effect.gain, |fitted| fitted.suspect.fit.chi2)
-    };
-    let mut pairs: Vec<([&Screened; 2], Together)> = Vec::new();
-    for (at, a) in first.screened.iter().enumerate() {
-        for b in &first.screened[at + 1..] {
-            let (lead, other) = if left(a) <= left(b) { (a, b) } else { (b, a) };
-            let best = couples(lead, other)
-                .filter_map(|couple| together(residuals, couple))
-                .max_by(|a, b| a.gain.total_cmp(&b.gain));
-            pairs.extend(best.map(|best| ([lead, other], best)));
+    let mut promises = beside_fitted(first);
+    promises.extend(beside_base(first));
+    promises.sort_by(|a, b| a.left.total_cmp(&b.left));
+    let mut chosen: Vec<[Screened; 2]> = Vec::new();
+    for Promise { effects, .. } in promises {
+        let names = |pair: &[Screened; 2]| pair.each_ref().map(|effect| effect.candidate.name.clone());
+        let [lead, other] = names(&effects);
+        let known: Vec<[String; 2]> = chosen.iter().map(names).collect();
+        let is_new = known.iter().all(|[a, b]| [a, b] != [&lead, &other] && [b, a] != [&lead, &other]);
+        if is_new && known.iter().filter(|[a, _]| *a == lead).count() < PER_LEAD {
+            chosen.push(effects);
         }
     }
-    pairs.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
-    pairs.truncate(QUICK);
-    let set = |(effects, Together { responses, shares, .. }): ([&Screened; 2], Together)| {
-        [0, 1].map(|k| effects[k].clone().moved_to(responses[k], shares[k]))
+    chosen.truncate(QUICK);
+    chosen
+}
+
+/// Each effect that was fitted alone, with each other one beside it: the changes are those beside the base model.
+fn beside_fitted(first: &Round) -> Vec<Promise> {
+    let with = |finding: &Finding| {
+        let lead = &finding.suspect;
+        let projector = Projector::new(&lead.fit);
+        let others = first.screened.iter().filter(|other| other.candidate.name != lead.name());
+        let beside = others.filter_map(|other| {
+            let other = other.clone().beside(&projector);
+            let left = lead.fit.chi2 - other.gain;
+            (other.gain > 0.0).then(|| Promise { effects: [lead.at_its_fit(), other], left })
+        });
+        beside.collect::<Vec<_>>()
     };
-    pairs.into_iter().map(set).collect()
+    first.findings.par_iter().flat_map(with).collect()
+}
+
+/// All pairs at the shares of their probes that are best together beside the base model, the one that leaves less alone in the lead.
+fn beside_base(first: &Round) -> Vec<Promise> {
+    let residuals = &Projector::new(&first.base).residuals;
+    let alone = |effect: &Screened| known(first, effect).map_or(first.base.chi2 - effect.gain, |alone| alone.fit.chi2);
+    let mut promises = Vec::new();
+    for (at, a) in first.screened.iter().enumerate() {
+        for b in &first.screened[at + 1..] {
+            let effects = if alone(a) <= alone(b) { [a, b] } else { [b, a] };
+            let shares = couples(effects).filter_map(|couple| together(residuals, couple));
+            promises.extend(shares.max_by(|a, b| a.gain.total_cmp(&b.gain)).map(|best| (effects, best)));
+        }
+    }
+    promises.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    promises.truncate(QUICK);
+    let promise = |(effects, together): ([&Screened; 2], Together)| Promise {
+        effects: [0, 1].map(|k| effects[k].clone().moved_to(together.responses[k], together.shares[k])),
+        left: first.base.chi2 - together.gain,
+    };
+    promises.into_iter().map(promise).collect()
 }
 
 /// All probes of one effect with all of another.
-fn couples<'a>(a: &'a Screened, b: &'a Screened) -> impl Iterator<Item = [&'a Response; 2]> {
+fn couples<'a>([a, b]: [&'a Screened; 2]) -> impl Iterator<Item = [&'a Response; 2]> {
     let distinct = |effect: &'a Screened| effect.responses.iter().flatten().filter(|response| response.is_distinct());
     distinct(a).flat_map(move |a| distinct(b).map(move |b| [a, b]))
 }

@@ -144,6 +144,16 @@ impl Screened {
         }
     }
 
+    /// The same changes seen beside another fit.
+    pub(super) fn beside(mut self, projector: &Projector) -> Self {
+        for response in self.responses.iter_mut().flatten() {
+            response.change = projector.project(&response.raw);
+        }
+        self.gain = 0.0;
+        self.choose(&projector.residuals);
+        self
+    }
+
     /// With the values at a share of the way from null to a probe as its best.
     pub(super) fn moved_to(self, response: &Response, share: f64) -> Self {
         Self { best: self.along(response, share), ..self }

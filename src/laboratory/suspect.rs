@@ -39,6 +39,12 @@ impl Suspect {
         self.screened.candidate.coordinates.len()
     }
 
+    /// The first look at it with the fitted values as the best.
+    pub(super) fn at_its_fit(&self) -> Screened {
+        let best = self.screened.candidate.coordinates.iter().map(|c| self.fit.model.value(c.index)).collect();
+        Screened { best, ..self.screened.clone() }
+    }
+
     /// Whether the effect ended at its null, where it does nothing.
     pub fn is_null(&self) -> bool {
         let amplitudes = self.screened.candidate.coordinates.iter().filter(|c| c.slot.null.is_some());
