@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use sim::effect::{Library, Model};
 
 use super::coordinates::Coordinate;
-use super::diagnose::{Finding, Round, Told, probabilities, with_values};
+use super::diagnose::{Finding, Round, Told, probabilities, spread, with_values};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::probe::Candidate;
@@ -45,34 +45,19 @@ pub(super) fn pair(
     (model, library): (&Model, &Library),
     (seed, told): (u64, Told),
 ) -> Result<Option<[Round; 2]>, EvidenceError> {
-    let joints = fitted(evidence, first, (model, library), told);
-    let Some(best) = joints.first() else { return Ok(None) };
-    let lead = best.lead.candidate.name.clone();
-    let probabilities = probabilities(&joints.iter().map(|joint| cost(joint, first)).collect::<Vec<_>>());
-    let with_lead = |joint: &&Joint| joint.lead.candidate.name == lead;
+    let mut joints = fitted(evidence, first, (model, library), told);
+    let Some(least) = joints.first() else { return Ok(None) };
+    let spread = spread(&least.both.fit.residuals);
+    joints.sort_by(|a, b| a.cost(spread).total_cmp(&b.cost(spread)));
+    let lead = joints[0].lead.candidate.name.clone();
+    let probabilities = probabilities(&joints.iter().map(|joint| joint.cost(spread)).collect::<Vec<_>>());
+    let with_lead = |joint: &Joint| joint.lead.candidate.name == lead;
     let sure: f64 = joints.iter().zip(probabilities).filter(|(joint, _)| with_lead(joint)).map(|(_, p)| p).sum();
     if sure < CERTAIN {
         return Ok(None);
     }
-    let left = &best.both.fit.residuals;
-    let spread = super::diagnose::spread(left);
-    let blocks = evidence.blocks(Split::Calibration);
-    let chances = chance_gains(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
-    let alone = match known(first, &best.lead) {
-        Some(alone) => alone.clone(),
-        None => Suspect::quick(evidence, &first.base, best.lead.clone())?,
-    };
-    let half = Finding::new(evidence, alone, (&first.base, &first.calibration), (&chances, spread))?;
-    let calibration = evidence.agreement(&half.suspect.fit.model, Split::Calibration)?;
-    let evaluation = evidence.agreement(&half.suspect.fit.model, Split::Evaluation)?;
-    let base = half.suspect.fit.clone();
-    let others = joints.into_iter().filter(|joint| with_lead(&joint)).map(|joint| joint.both);
-    let findings: Result<Vec<Finding>, EvidenceError> =
-        others.map(|both| Finding::new(evidence, both, (&base, &calibration), (&chances, spread))).collect();
-    let half = Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_sound: true, ..half };
-    let mut second =
-        Round { base, calibration, evaluation, screened: Vec::new(), findings: findings?, spread, is_half: false };
-    second.weigh();
+    joints.retain(with_lead);
+    let (half, second) = two_searches(evidence, first, joints, (spread, seed))?;
     let is_account = |both: &Finding| {
         let at_end = |c: &Coordinate| is_at_far_end(c, value_of(c, &both.suspect.fit));
         let lead_is_free = !half.suspect.screened.candidate.coordinates.iter().any(at_end);
@@ -82,6 +67,32 @@ pub(super) fn pair(
         return Ok(None);
     }
     Ok(Some([halved(first, Finding { probability: sure, ..half }), second]))
+}
+
+/// The lead of some pairs as it is alone, and the search that it leads to, in which each pair's other effect is a finding.
+fn two_searches(
+    evidence: &dyn Evidence,
+    first: &Round,
+    joints: Vec<Joint>,
+    (spread, seed): (f64, u64),
+) -> Result<(Finding, Round), EvidenceError> {
+    let (lead, left) = (&joints[0].lead, &joints[0].both.fit.residuals);
+    let blocks = evidence.blocks(Split::Calibration);
+    let chances = chance_gains(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
+    let alone = match known(first, lead) {
+        Some(alone) => alone.clone(),
+        None => Suspect::quick(evidence, &first.base, lead.clone())?,
+    };
+    let half = Finding::new(evidence, alone, (&first.base, &first.calibration), (&chances, spread))?;
+    let base = half.suspect.fit.clone();
+    let calibration = evidence.agreement(&base.model, Split::Calibration)?;
+    let evaluation = evidence.agreement(&base.model, Split::Evaluation)?;
+    let finding = |joint: Joint| Finding::new(evidence, joint.both, (&base, &calibration), (&chances, spread));
+    let findings = joints.into_iter().map(finding).collect::<Result<_, _>>()?;
+    let half = Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_sound: true, ..half };
+    let mut second = Round { base, calibration, evaluation, screened: Vec::new(), findings, spread, is_half: false };
+    second.weigh();
+    Ok((half, second))
 }
 
 /// The first search with one half of the pair as the effect that it led to.
@@ -97,11 +108,12 @@ fn value_of(coordinate: &Coordinate, fit: &Fit) -> f64 {
     own.map_or(f64::NAN, |own| fit.model.value(own.index))
 }
 
-/// Sum of squares with what the freedoms cost (Schwarz 1978).
-fn cost(joint: &Joint, first: &Round) -> f64 {
-    let data = first.base.residuals.len() as f64;
-    let freedoms = joint.both.freedoms() + joint.lead.candidate.coordinates.len();
-    joint.both.fit.chi2 / first.spread.powi(2) + freedoms as f64 * data.ln()
+impl Joint {
+    /// Sum of squares over the spread of what the best pair leaves, with what the freedoms cost (Schwarz 1978).
+    fn cost(&self, spread: f64) -> f64 {
+        let freedoms = self.both.freedoms() + self.lead.candidate.coordinates.len();
+        self.both.fit.chi2 / spread.powi(2) + freedoms as f64 * (self.both.fit.residuals.len() as f64).ln()
+    }
 }
 
 /// An effect as it was fitted alone.
@@ -110,7 +122,7 @@ fn known<'a>(first: &'a Round, effect: &Screened) -> Option<&'a Suspect> {
     alone.into_iter().find(|alone| alone.name() == effect.candidate.name)
 }
 
-/// The most promising pairs fitted, the best of them thoroughly. Best first.
+/// The most promising pairs fitted, the best of them thoroughly. Least sum of squares first.
 fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Library), told: Told) -> Vec<Joint> {
     let base = with_values(model, &first.base);
     let fit = |[lead, other]: [Screened; 2]| {
@@ -124,7 +136,7 @@ fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Li
         Some(Joint { lead, both: both.refined(evidence, QUICK_FIT) })
     };
     let mut joints: Vec<Joint> = promising(first).into_par_iter().filter_map(fit).collect();
-    let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| cost(a, first).total_cmp(&cost(b, first)));
+    let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     sort(&mut joints);
     let rest = joints.split_off(THOROUGH.min(joints.len()));
     let thorough = |joint: Joint| Joint { both: joint.both.refined(evidence, THOROUGH_FIT), ..joint };
