@@ -144,7 +144,7 @@ fn a_manifest_that_names_other_figures_is_noticed() {
 
 #[test]
 fn a_removed_file_is_noticed() {
-    let names = ["phi.nvdb", "preview.png", "weld.nvdb", "welded.glb", "welds.json", "workpiece.glb"];
+    let names = ["phi.nvdb", "preview.png", "surface.glb", "weld.nvdb", "welded.glb", "welds.json", "workpiece.glb"];
     for name in names {
         let [honest, forged] = damaged(|asset| fs::remove_file(asset.join(name)).expect("it was there"));
         assert_named(&honest, "the file is missing");
