@@ -59,7 +59,8 @@ pub struct WeldTruth {
     pub run: usize,
     /// Height of the toes above the centreline [mm]: 0 on a face, more in a corner.
     pub toe_height_mm: f64,
-    /// Least radius of the toes in the fields [mm]; 0 for sharp ones.
+    /// Least radius of the toes in the fields [mm]; 0 for sharp ones, as all were before it was told.
+    #[serde(default)]
     pub toe_radius_mm: f64,
     /// Angle between the surface and the bead at its toes [deg].
     pub toe_angle_deg: f64,
@@ -170,8 +171,13 @@ impl Welds {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(WELDS_FILE);
         let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        let welds: Self = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not a truth file of format {WELDS_FORMAT}", path.display()))?;
+        let welds: Self = serde_json::from_str(&text).with_context(|| {
+            format!(
+                "{}: not a truth file of format {WELDS_FORMAT}; an asset of an earlier version is made anew by `robofin weld`, \
+                 a data set by `robofin validate --repair`",
+                path.display()
+            )
+        })?;
         ensure!(
             welds.format == WELDS_FORMAT,
             "{}: format is {:?}, {WELDS_FORMAT:?} is expected",

@@ -22,7 +22,10 @@ fn place(part: &Mesh, request: &WeldRequest, seed: u64) -> Weld {
 
 #[test]
 fn length_and_curvature_are_what_was_asked() {
-    for part in [icosphere(0.2, 4), closed_tube(), cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03))] {
+    // On flat triangles a tangent lies in its triangle and the side in the smoothed surface: what turns is known to 2 %. On
+    // a plate both are the curve's own.
+    let plate = cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03));
+    for (part, turning) in [(icosphere(0.2, 4), 0.02), (closed_tube(), 0.02), (plate, 0.01)] {
         for seed in 1..=5 {
             let ask = WeldRequest { length: [0.15; 2], curvature_rms: [5.0; 2], curvature_max: 30.0, ..request(&part) };
             let weld = place(&part, &ask, seed);
@@ -31,7 +34,7 @@ fn length_and_curvature_are_what_was_asked() {
             assert!((chords / 0.15 - 1.0).abs() < 1e-3, "the chords sum to {chords}");
             assert!((weld.curvature_rms / 5.0 - 1.0).abs() < 1e-3, "{}", weld.curvature_rms);
             let turned = turning_rms(&weld);
-            assert!((turned / 5.0 - 1.0).abs() < 0.01, "the tangents turn at {turned} 1/m");
+            assert!((turned / 5.0 - 1.0).abs() < turning, "the tangents turn at {turned} 1/m");
         }
     }
 }
