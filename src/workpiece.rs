@@ -151,7 +151,10 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
         (FIRST_WELD..).zip(place_welds_on(&Surface::new(&part.mesh, &query), &request, count, options.seed)?)
     {
         console.step("weld", describe_weld(&weld));
-        let with_bead = add(&welded, &weld, id, (&baking, options.wishes.toe_radius))?;
+        let mut with_bead = add(&welded, &weld, id, (&baking, options.wishes.toe_radius))?;
+        if !weld.cuts.triangles.is_empty() {
+            with_bead = cut(&with_bead, &weld, (&baking, &target), id)?;
+        }
         let volume = with_bead.difference_volume(&welded);
         if volume.is_nan() || volume <= 0.0 {
             bail!("the bead adds nothing to the part at a voxel of {:.4} mm", baking.voxel * 1e3);
@@ -163,7 +166,7 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     Ok(Workpiece { part, welds: placed, target, welded, baking: report })
 }
 
-/// The field with a weld: its bead united with sharp or rounded toes, then what imperfections take away cut out.
+/// The field with a weld: its bead united with sharp or rounded toes.
 fn add(
     welded: &BrickGrid,
     weld: &Weld,
@@ -171,18 +174,21 @@ fn add(
     (baking, toe_radius): (&BakeOptions, Option<f64>),
 ) -> Result<BrickGrid> {
     let (bead, _) = bake(&weld.bead, baking)?;
-    let with_bead = match toe_radius {
-        None => welded.united_with(&bead, id)?,
-        Some(radius) => {
-            let blended = welded.blended_with(&bead, id, weld.profile.blend_radius(radius));
-            blended.with_context(|| format!("--toe-radius-mm {:?}", 1e3 * radius))?
-        }
-    };
-    if weld.cuts.triangles.is_empty() {
-        return Ok(with_bead);
-    }
+    let Some(radius) = toe_radius else { return Ok(welded.united_with(&bead, id)?) };
+    let blended = welded.blended_with(&bead, id, weld.profile.blend_radius(radius));
+    blended.with_context(|| format!("--toe-radius-mm {:?}", 1e3 * radius))
+}
+
+/// The field less what a weld's imperfections take away. What they lay open moves the border of the weld metal, so voxels
+/// that hold some now and held none before get the weld's id.
+fn cut(welded: &BrickGrid, weld: &Weld, (baking, target): (&BakeOptions, &BrickGrid), id: u16) -> Result<BrickGrid> {
     let (cuts, _) = bake(&weld.cuts, baking)?;
-    Ok(with_bead.combined_with(&cuts, Combine::Difference)?)
+    let mut left = welded.combined_with(&cuts, Combine::Difference)?;
+    let share = left.difference_share(target);
+    for (label, _) in left.label.iter_mut().zip(share).filter(|(label, share)| **label == 0 && *share > 0.0) {
+        *label = id;
+    }
+    Ok(left)
 }
 
 impl WeldWishes {

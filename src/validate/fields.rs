@@ -45,7 +45,7 @@ fn cut_open(truth: &Welds, grid: &BrickGrid) -> Vec<(DVec3, f64)> {
         let place = curve.arc_length.partition_point(|s| s * 1e3 < cut.arc_length_mm);
         let place = place.min(curve.position.len().checked_sub(1)?);
         let centre = *curve.position.get(place)? + cut.offset_mm * 1e-3 * *curve.side.get(place)?;
-        let reach_mm = 0.5 * cut.size_mm + cut.depth_mm + 0.3 * weld.width_mm;
+        let reach_mm = 0.5 * cut.size_mm + cut.depth_mm + 0.3 * weld.width_mm + weld.toe_height_mm;
         Some((centre, reach_mm * 1e-3 + f64::from(grid.band)))
     };
     let of_weld = |weld| move |cut| ball(weld, cut);
