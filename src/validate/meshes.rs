@@ -34,8 +34,9 @@ impl Meshes {
             "welded.glb holds {} meshes; the part and at least one bead are expected",
             welded.len()
         );
-        let surface = read(SURFACE_FILE)
-            .context("the welded surface; an asset of an earlier version lacks it and is made anew by `robofin weld`")?;
+        let surface = read(SURFACE_FILE).context(
+            "the welded surface; an asset of an earlier version lacks it and is made anew by `robofin weld`",
+        )?;
         Ok(Self { part, welded, surface })
     }
 
