@@ -1,8 +1,8 @@
 //! From a part to a welded workpiece: a weld is placed, swept and united with the part in the field.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use sdf_bake::query::MeshQuery;
-use sdf_bake::{BakeOptions, BakeReport, BrickGrid, Mesh, SignChoice, bake};
+use sdf_bake::{BakeOptions, BakeReport, BrickGrid, Combine, Mesh, SignChoice, bake};
 use serde::Serialize;
 use weldgen::access::ToolShape;
 use weldgen::bead::{BeadShape, FormRequest};
@@ -62,6 +62,8 @@ pub struct WeldWishes {
     pub convexity: f64,
     /// Ripples, craters, imperfections.
     pub form: FormRequest,
+    /// Least radius of the toes in the field [m]; sharp without it.
+    pub toe_radius: Option<f64>,
     /// Length of the centreline, a range [m].
     pub length: Option<[f64; 2]>,
     /// Width of the bead [m].
@@ -106,6 +108,8 @@ pub struct PlacedWeld {
     pub weld: Weld,
     /// Volume that it adds to the part [m³], measured in the field.
     pub volume: f64,
+    /// Least radius of its toes in the field [m]; 0 for sharp ones.
+    pub toe_radius: f64,
 }
 
 impl Fineness {
@@ -147,17 +151,44 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
         (FIRST_WELD..).zip(place_welds_on(&Surface::new(&part.mesh, &query), &request, count, options.seed)?)
     {
         console.step("weld", describe_weld(&weld));
-        let (bead, _) = bake(&weld.bead, &baking)?;
-        let with_bead = welded.united_with(&bead, id)?;
+        let mut with_bead = add(&welded, &weld, id, (&baking, options.wishes.toe_radius))?;
+        if !weld.cuts.triangles.is_empty() {
+            with_bead = cut(&with_bead, &weld, (&baking, &target), id)?;
+        }
         let volume = with_bead.difference_volume(&welded);
         if volume.is_nan() || volume <= 0.0 {
             bail!("the bead adds nothing to the part at a voxel of {:.4} mm", baking.voxel * 1e3);
         }
         console.step("unite", format!("the bead adds {:.2} mm³", volume * 1e9));
         welded = with_bead;
-        placed.push(PlacedWeld { id, weld, volume });
+        placed.push(PlacedWeld { id, weld, volume, toe_radius: options.wishes.toe_radius.unwrap_or(0.0) });
     }
     Ok(Workpiece { part, welds: placed, target, welded, baking: report })
+}
+
+/// The field with a weld: its bead united with sharp or rounded toes.
+fn add(
+    welded: &BrickGrid,
+    weld: &Weld,
+    id: u16,
+    (baking, toe_radius): (&BakeOptions, Option<f64>),
+) -> Result<BrickGrid> {
+    let (bead, _) = bake(&weld.bead, baking)?;
+    let Some(radius) = toe_radius else { return Ok(welded.united_with(&bead, id)?) };
+    let blended = welded.blended_with(&bead, id, weld.profile.blend_radius(radius));
+    blended.with_context(|| format!("--toe-radius-mm {:?}", 1e3 * radius))
+}
+
+/// The field less what a weld's imperfections take away. What they lay open moves the border of the weld metal, so voxels
+/// that hold some now and held none before get the weld's id.
+fn cut(welded: &BrickGrid, weld: &Weld, (baking, target): (&BakeOptions, &BrickGrid), id: u16) -> Result<BrickGrid> {
+    let (cuts, _) = bake(&weld.cuts, baking)?;
+    let mut left = welded.combined_with(&cuts, Combine::Difference)?;
+    let share = left.difference_share(target);
+    for (label, _) in left.label.iter_mut().zip(share).filter(|(label, share)| **label == 0 && *share > 0.0) {
+        *label = id;
+    }
+    Ok(left)
 }
 
 impl WeldWishes {

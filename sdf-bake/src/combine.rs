@@ -49,7 +49,7 @@ pub enum CombineError {
 }
 
 /// Largest blend radius in bands: where both distances are below 5/4 of the radius the surface may move.
-const BLEND_REACH: f64 = 0.8;
+pub(crate) const BLEND_REACH: f64 = 0.8;
 
 /// What to make of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -165,6 +165,8 @@ struct Inexact {
     /// Its place in the brick.
     offset: usize,
     truth: Truth,
+    /// The lesser of both distances [m], which the union's does not exceed.
+    bound: f32,
 }
 
 /// What is known of the distance at a voxel.
@@ -244,13 +246,13 @@ impl<'a> Combination<'a> {
         let (mut slots, mut unknown, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
         for (slot, voxels) in free {
             let mut set = VoxelSet::default();
-            for Inexact { offset, truth } in voxels {
+            for Inexact { offset, truth, bound } in voxels {
                 let place = slot as usize * BRICK_VOXELS + offset;
                 let phi = &mut grid.phi[place];
                 if let Truth::Other(distance) = truth {
                     *phi = self.back * distance;
                 } else {
-                    bounds.push((place, *phi));
+                    bounds.push((place, bound));
                     *phi = grid.band.copysign(*phi);
                     insert(&mut set, offset);
                 }
@@ -261,11 +263,9 @@ impl<'a> Combination<'a> {
             }
         }
         grid.redistance_voxels(&slots, &unknown);
-        if self.radius == 0.0 {
-            // No point of a union is nearer to its surface than to that of the body it lies in.
-            for (place, bound) in bounds {
-                grid.phi[place] = self.back * (self.back * grid.phi[place]).min(self.back * bound);
-            }
+        // No point of a union is nearer to its surface than to that of the body it lies in.
+        for (place, bound) in bounds {
+            grid.phi[place] = self.back * (self.back * grid.phi[place]).min(bound);
         }
     }
 
@@ -299,7 +299,7 @@ impl<'a> Combination<'a> {
             let point = grids[0].position(voxel_at(brick, offset));
             let (value, truth) = self.value(values, point);
             if !matches!(truth, Truth::Exact) {
-                mixed.inexact.push(Inexact { offset, truth });
+                mixed.inexact.push(Inexact { offset, truth, bound: values[0].min(values[1]) });
             }
             mixed.phi[offset] = self.back * value;
         }
@@ -311,7 +311,7 @@ impl<'a> Combination<'a> {
         let band = self.bodies.grids[0].band;
         let least = values[0].min(values[1]);
         if self.radius > 0.0 && self.bodies.feet_are_within(values, self.radius, point) {
-            return (self.bodies.blended(values, self.radius, point).clamp(-band, band), Truth::Unknown);
+            return (self.bodies.blended(values, self.radius, point).clamp(-band, least), Truth::Unknown);
         }
         if !self.bodies.is_buried(values, point) {
             return (least, Truth::Exact);

@@ -96,6 +96,13 @@ impl BrickGrid {
         self.entry(brick).map_or(OUTSIDE, |entry| self.index[entry])
     }
 
+    /// Whether cells whose lowest corners are in a brick lie between bricks that are wholly inside and wholly outside. So
+    /// it is where a hole was closed for the sign only: the distance knows nothing of the patch, and φ jumps.
+    pub(crate) fn jumps_at(&self, brick: IVec3) -> bool {
+        let around = |side: u32| (0..8).any(|i| self.slot(brick + cell_corner(i)) == side);
+        around(INSIDE) && around(OUTSIDE)
+    }
+
     /// Position of a voxel in the pool, or `None` where no brick is.
     pub fn place(&self, voxel: IVec3) -> Option<usize> {
         match self.slot(voxel >> 3) {

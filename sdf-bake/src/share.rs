@@ -29,6 +29,9 @@ fn voxel_share(voxel: IVec3, kept: &Nodes, cut: &Nodes) -> f32 {
         .map(|octant| {
             let upper = cell_corner(octant);
             let cell = voxel - 1 + upper;
+            if !kept.is_below(cut, cell) {
+                return 0.0;
+            }
             let (kept, cut) = (kept.corners(cell), cut.corners(cell));
             if kept.iter().all(|&phi| phi >= 0.0) || cut.iter().all(|&phi| phi < 0.0) {
                 return 0.0;

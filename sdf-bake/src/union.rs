@@ -1,6 +1,6 @@
 //! Union of two fields on one lattice, remembering which body made the surface.
 
-use crate::combine::{Combination, Combine, LatticeError, inherit};
+use crate::combine::{BLEND_REACH, Combination, Combine, CombineError, LatticeError, inherit};
 use crate::grid::{BRICK_VOXELS, BrickGrid};
 use crate::redistance::contains;
 
@@ -14,7 +14,22 @@ impl BrickGrid {
     /// # Errors
     /// [`LatticeError`] when voxel or band differ.
     pub fn united_with(&self, added: &BrickGrid, id: u16) -> Result<BrickGrid, LatticeError> {
-        let (mut union, from_added) = Combination::of(self, added, Combine::Union)?.grid(true);
+        self.labelled_union(added, id, Combine::Union)
+    }
+
+    /// As [`BrickGrid::united_with`], with the inner edges filled as by [`Combine::SmoothUnion`] of this radius [m].
+    ///
+    /// # Errors
+    /// [`CombineError`] when voxel or band differ, or the radius is not 0 to 0.8 bands.
+    pub fn blended_with(&self, added: &BrickGrid, id: u16, radius: f64) -> Result<BrickGrid, CombineError> {
+        if !(0.0..=BLEND_REACH * f64::from(self.band)).contains(&radius) {
+            return Err(CombineError::Blend { radius, band: self.band });
+        }
+        Ok(self.labelled_union(added, id, Combine::SmoothUnion { radius })?)
+    }
+
+    fn labelled_union(&self, added: &BrickGrid, id: u16, how: Combine) -> Result<BrickGrid, LatticeError> {
+        let (mut union, from_added) = Combination::of(self, added, how)?.grid(true);
         let owned = |place: usize| contains(&from_added[place / BRICK_VOXELS], place % BRICK_VOXELS);
         union.inherit_scalars(self, added, owned);
         union.label = vec![0; union.phi.len()];

@@ -24,8 +24,8 @@ impl BrickGrid {
     /// Volume of {φ < 0} [m³] in the cells whose centres lie in the box from `low` to `high` [m].
     pub fn volume_within(&self, low: DVec3, high: DVec3) -> f64 {
         self.sum_bricks(low, high, |brick, counts| match self.slot(brick) {
-            OUTSIDE => 0.0,
-            INSIDE => (0..BRICK_VOXELS).filter(|&offset| counts(offset)).count() as f64,
+            OUTSIDE if !self.jumps_at(brick) => 0.0,
+            INSIDE if !self.jumps_at(brick) => (0..BRICK_VOXELS).filter(|&offset| counts(offset)).count() as f64,
             _ => {
                 let nodes = self.unbiased_nodes(brick);
                 sum_cells(counts, |cell| inside_fraction(&nodes.corners(cell)))
@@ -46,7 +46,10 @@ impl BrickGrid {
                 _ if self.is_alike(minus, brick) => 0.0,
                 _ => {
                     let (kept, cut) = (self.unbiased_nodes(brick), minus.unbiased_nodes(brick));
-                    sum_cells(counts, |cell| difference_fraction(&kept.corners(cell), &cut.corners(cell)))
+                    sum_cells(counts, |cell| match kept.is_below(&cut, cell) {
+                        true => difference_fraction(&kept.corners(cell), &cut.corners(cell)),
+                        false => 0.0,
+                    })
                 }
             }
         })
@@ -86,6 +89,8 @@ pub(crate) struct Nodes {
     /// Nodes before the brick's first voxel.
     margin: i32,
     phi: Vec<f32>,
+    /// The field as it is.
+    halo: Halo,
 }
 
 impl Nodes {
@@ -98,7 +103,13 @@ impl Nodes {
             let at = halo.at(IVec3::new(i / (side * side), i / side % side, i % side) - margin);
             halo.phi[at] - laplacian(&halo, at, grid.band) / 12.0
         };
-        Self { side, margin, phi: (0..side * side * side).map(node).collect() }
+        Self { side, margin, phi: (0..side * side * side).map(node).collect(), halo }
+    }
+
+    /// Whether the field is below another's at a corner of a cell [voxels from the brick's first voxel]. Where it is at
+    /// none it holds nothing that the other does not, although its corners, corrected by its own bend, may say so.
+    pub(crate) fn is_below(&self, other: &Self, cell: IVec3) -> bool {
+        (0..8).map(|i| self.halo.at(cell + cell_corner(i))).any(|at| self.halo.phi[at] < other.halo.phi[at])
     }
 
     /// Values at the corners of the cell at `cell` [voxels from the brick's first voxel].

@@ -3,6 +3,7 @@
 #[path = "common/field.rs"]
 mod field;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use field::{band_points, summed_winding_number};
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;
 use sdf_bake::read::{UnitChoice, read_mesh};
-use sdf_bake::{BakeOptions, Mesh, bake};
+use sdf_bake::{BakeOptions, Mesh, SignChoice, bake};
 
 const RESOLUTION: f64 = 96.0;
 
@@ -121,4 +122,35 @@ fn closed_shared_meshes_bake_exactly_and_without_a_wrong_sign() {
         assert_eq!(holes_in_balls, 0, "{name} has outside points nearer than φ says");
     }
     assert!(paths.is_empty() || closed >= 17, "only {closed} of {} meshes were closed", paths.len());
+}
+
+#[test]
+fn open_shared_meshes_have_a_closed_surface_with_the_volume_of_their_field() {
+    let paths = shared_meshes();
+    let mut open = 0;
+    for path in &paths {
+        let (mesh, report) = clean(read_mesh(path, UnitChoice::Auto).unwrap().mesh).unwrap();
+        if report.closed {
+            continue;
+        }
+        open += 1;
+        let (low, high) = mesh.bounds().unwrap();
+        let voxel = (high - low).max_element() / 128.0;
+        let options = BakeOptions { sign: SignChoice::Winding, ..BakeOptions::with_voxel(voxel) };
+        let grid = bake(&mesh, &options).unwrap().0;
+        let surface = grid.surface_mesh();
+        let mut balance: HashMap<[u32; 2], i32> = HashMap::new();
+        for &[a, b, c] in &surface.triangles {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                *balance.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+            }
+        }
+        let unbalanced = balance.values().filter(|balance| **balance != 0).count();
+        let apart = (surface.volume() - grid.volume()) / (surface.area() * voxel);
+        let name = path.file_name().unwrap().to_string_lossy();
+        println!("{name:75} {} triangles, volume {apart:+.4} voxels over the area", surface.triangles.len());
+        assert_eq!(unbalanced, 0, "{name}");
+        assert!(apart.abs() < 0.1, "{name}: {apart}");
+    }
+    assert!(paths.is_empty() || open > 0, "no mesh is open");
 }

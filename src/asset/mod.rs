@@ -1,9 +1,10 @@
 //! The asset folder: everything that is known of a welded workpiece, in formats that others read.
 //!
-//! `workpiece.glb`, `welded.glb`, `welded.usdc`, `phi.nvdb` (fields of the welded and of the bare part),
+//! `workpiece.glb`, `welded.glb`, `surface.glb`, `welded.usdc`, `phi.nvdb` (fields of the welded and of the bare part),
 //! `weld.nvdb` (weld id and weld share of each voxel), `welds.json`, `preview.png`, `asset.json`.
 
 mod manifest;
+mod surface;
 mod truth;
 mod usd;
 mod volumes;
@@ -22,7 +23,7 @@ use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
 use crate::workpiece::{WeldingOptions, Workpiece};
 
 pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
-pub use truth::{CurveTruth, WELDS_FORMAT, WeldTruth, Welds};
+pub use truth::{CurveTruth, Imperfection, WELDS_FORMAT, WeldTruth, Welds};
 pub use usd::UsdMode;
 pub use volumes::{AssetFields, PHI_FILE, WELD_FILE};
 
@@ -32,6 +33,8 @@ pub const WELDS_FILE: &str = "welds.json";
 pub const WORKPIECE_FILE: &str = "workpiece.glb";
 /// Name of the welded mesh file.
 pub const WELDED_FILE: &str = "welded.glb";
+/// Name of the mesh file of the welded surface.
+pub const SURFACE_FILE: &str = "surface.glb";
 /// Name of the USD file.
 pub const USD_FILE: &str = "welded.usdc";
 /// Name of the picture.
@@ -67,6 +70,7 @@ pub fn write(
     console: &Console,
 ) -> Result<PathBuf> {
     write_meshes(workpiece, folder.path())?;
+    surface::write(workpiece, folder.path())?;
     let truth = Welds::of(&workpiece.welds);
     write_json(&folder.path().join(WELDS_FILE), &truth)?;
     volumes::write(workpiece, folder.path())?;

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use weldgen::bead::{BeadShape, Defect, DefectKind};
-use weldgen::{Weld, WeldCurve};
+use weldgen::{Joint, Weld, WeldCurve};
 
 use super::WELDS_FILE;
 use crate::workpiece::PlacedWeld;
@@ -31,6 +31,8 @@ pub struct Welds {
 pub struct WeldTruth {
     /// Weld id in labels and vertex attributes; 0 is base metal.
     pub id: u16,
+    /// What it joins.
+    pub joint: Joint,
     /// Cross-section of the bead.
     pub profile: BeadShape,
     /// Width between the toes on flat ground [mm].
@@ -57,6 +59,9 @@ pub struct WeldTruth {
     pub run: usize,
     /// Height of the toes above the centreline [mm]: 0 on a face, more in a corner.
     pub toe_height_mm: f64,
+    /// Least radius of the toes in the fields [mm]; 0 for sharp ones, as all were before it was told.
+    #[serde(default)]
+    pub toe_radius_mm: f64,
     /// Angle between the surface and the bead at its toes [deg].
     pub toe_angle_deg: f64,
     /// Imperfections, as they were made.
@@ -80,18 +85,26 @@ pub struct Imperfection {
     pub arc_length_mm: f64,
     /// Offset of its middle to the left of the centreline [mm].
     pub offset_mm: f64,
-    /// Diameter, or length along the weld [mm].
+    /// Diameter of a pore, drop or hole, length of the others along the weld [mm].
     pub size_mm: f64,
-    /// Depth below, or for spatter height above, the surface without it [mm].
+    /// Depth below the surface without it [mm]; for spatter the height above it, for an overlap how far it hangs over.
     pub depth_mm: f64,
 }
 
 impl Imperfection {
+    /// Whether it takes metal from the part.
+    pub fn cuts(&self) -> bool {
+        [DefectKind::Undercut, DefectKind::BurnThrough].iter().any(|kind| kind.iso_6520() == self.iso_6520)
+    }
+
     fn of(defect: &Defect) -> Self {
         let kind = match defect.kind {
             DefectKind::SurfacePore => "surface-pore",
             DefectKind::Sagging => "sagging",
             DefectKind::Spatter => "spatter",
+            DefectKind::Overlap => "overlap",
+            DefectKind::Undercut => "undercut",
+            DefectKind::BurnThrough => "burn-through",
         };
         Self {
             kind: kind.to_owned(),
@@ -109,12 +122,14 @@ impl Imperfection {
 pub struct RequestedDials {
     /// Arc length of the centreline [mm].
     pub length_mm: f64,
-    /// Root mean square of the geodesic curvature [1/m]; absent along a seam, which has its own.
+    /// Root mean square of the geodesic curvature [1/m]; absent along a seam or a cut, which have their own.
     pub geodesic_curvature_rms_per_m: Option<f64>,
     /// Bound of the geodesic curvature [1/m]; likewise.
     pub geodesic_curvature_max_per_m: Option<f64>,
     /// Range of the least exposure, 0 to 1.
     pub exposure: [f64; 2],
+    /// What lies farther hides nothing [mm].
+    pub exposure_reach_mm: f64,
     /// Least mean tool access, 0 to 1.
     pub access_mean: f64,
     /// Width of the bead [mm].
@@ -156,8 +171,13 @@ impl Welds {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(WELDS_FILE);
         let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        let welds: Self = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not a truth file of format {WELDS_FORMAT}", path.display()))?;
+        let welds: Self = serde_json::from_str(&text).with_context(|| {
+            format!(
+                "{}: not a truth file of format {WELDS_FORMAT}; an asset of an earlier version is made anew by `robofin weld`, \
+                 a data set by `robofin validate --repair`",
+                path.display()
+            )
+        })?;
         ensure!(
             welds.format == WELDS_FORMAT,
             "{}: format is {:?}, {WELDS_FORMAT:?} is expected",
@@ -178,13 +198,14 @@ impl Welds {
 }
 
 impl WeldTruth {
-    fn of(PlacedWeld { id, weld, volume }: &PlacedWeld) -> Self {
+    fn of(PlacedWeld { id, weld, volume, toe_radius }: &PlacedWeld) -> Self {
         let points = &weld.curve.points;
         let count = points.len().max(1) as f64;
         let curvature = || points.iter().map(|p| p.geodesic_curvature);
         let exposure = || points.iter().map(|p| p.exposure);
         Self {
             id: *id,
+            joint: weld.joint,
             profile: weld.profile.shape,
             width_mm: weld.profile.width * 1e3,
             height_mm: weld.profile.height * 1e3,
@@ -198,6 +219,7 @@ impl WeldTruth {
             access_mean: weld.mean_access,
             run: weld.run,
             toe_height_mm: weld.profile.toe_height * 1e3,
+            toe_radius_mm: toe_radius * 1e3,
             toe_angle_deg: weld.profile.toe_angle().to_degrees(),
             imperfections: weld.defects.iter().map(Imperfection::of).collect(),
             requested: RequestedDials::of(weld),
@@ -209,12 +231,13 @@ impl WeldTruth {
 
 impl RequestedDials {
     fn of(weld: &Weld) -> Self {
-        let on_face = weld.profile.shape != BeadShape::Fillet;
+        let on_face = weld.joint == Joint::BeadOnPlate;
         Self {
             length_mm: weld.wanted.length * 1e3,
             geodesic_curvature_rms_per_m: on_face.then_some(weld.wanted.curvature_rms),
             geodesic_curvature_max_per_m: on_face.then_some(weld.request.curvature_max),
             exposure: weld.wanted.exposure,
+            exposure_reach_mm: weld.request.exposure_reach * 1e3,
             access_mean: weld.request.min_access,
             width_mm: weld.request.width * 1e3,
             height_mm: weld.request.height * 1e3,

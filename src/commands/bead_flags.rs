@@ -15,6 +15,9 @@ pub(super) struct BeadFlags {
     /// Rise of a fillet's face above the chord between its toes [widths]; below 0 it is concave.
     #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(super) convexity: f64,
+    /// Least radius of the toes in the field [mm]; without it they are sharp.
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    toe_radius_mm: Option<f64>,
     /// Distance between ripples [mm]; without it there are none.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     ripple_pitch_mm: Option<f64>,
@@ -48,6 +51,15 @@ pub(super) struct BeadFlags {
     /// Depth of a sag of the crown (ISO 6520-1: 509) [bead heights].
     #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
     sagging: f64,
+    /// How far a lobe of metal hangs over a toe (ISO 6520-1: 506) [bead widths].
+    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true)]
+    overlap: f64,
+    /// Depth of a groove along a toe (ISO 6520-1: 5012) [bead heights].
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    undercut: f64,
+    /// Number of holes burnt through bead and part, where it is thin (ISO 6520-1: 510).
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    burn_through: u32,
     /// Number of drops of spatter beside the bead (ISO 6520-1: 602).
     #[arg(long, value_name = "N", default_value_t = 0)]
     spatter: u32,
@@ -74,6 +86,11 @@ impl BeadFlags {
         }
     }
 
+    /// Least radius of the toes [m].
+    pub(super) fn toe_radius(&self) -> Result<Option<f64>> {
+        optional_mm("--toe-radius-mm", self.toe_radius_mm)
+    }
+
     /// The form asked for; what depends on the bead's width is checked when that is known.
     pub(super) fn request(&self) -> Result<FormRequest> {
         within("--convexity", self.convexity, (-0.2, 0.25))?;
@@ -93,6 +110,9 @@ impl BeadFlags {
             pores: self.pores,
             sagging: within("--sagging", self.sagging, (0.0, 0.7))?,
             spatter: self.spatter,
+            overlap: within("--overlap", self.overlap, (0.0, 0.3))?,
+            undercut: within("--undercut", self.undercut, (0.0, 0.5))?,
+            burn_through: self.burn_through,
         })
     }
 }

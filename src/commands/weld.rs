@@ -55,7 +55,7 @@ pub(super) struct WeldFlags {
     /// Length of the weld's centreline, or a range [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     length_mm: Option<RangeFlag>,
-    /// Where the weld runs; `seam` lays fillets in concave creases.
+    /// Where the weld runs; `seam` lays fillets in concave creases, `butt` joins halves that a plane parts.
     #[arg(long, value_enum, default_value_t)]
     place: PlaceFlag,
     /// Length of each bead of an intermittent weld [mm].
@@ -124,7 +124,9 @@ enum PlaceFlag {
     Surface,
     /// In a concave crease.
     Seam,
-    /// On either, as the seed has it.
+    /// Where a plane cuts smooth ground, as a butt joint of two halves.
+    Butt,
+    /// In a crease or on smooth ground, as the seed has it.
     Mixed,
 }
 
@@ -164,12 +166,14 @@ impl WeldFlags {
             placement: match self.place {
                 PlaceFlag::Surface => Placement::Surface,
                 PlaceFlag::Seam => Placement::Seam,
+                PlaceFlag::Butt => Placement::Butt,
                 PlaceFlag::Mixed => Placement::Mixed,
             },
             stitch: self.stitch()?,
             shape: self.form.shape(),
             convexity: self.form.convexity,
             form: self.form.request()?,
+            toe_radius: self.form.toe_radius()?,
             length: self.length_mm.map(|range| range.checked(mm("--length-mm"))).transpose()?,
             width: optional_mm("--width-mm", self.width_mm)?,
             height: optional_mm("--height-mm", self.height_mm)?,

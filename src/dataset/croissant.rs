@@ -8,7 +8,9 @@ use serde_json::{Map, Value, json};
 use super::Recipe;
 use super::catalogue::{CONTACT_FILE, FAILURES_FILE, ROWS_FILE, TABLE_FILE};
 use super::table::Table;
-use crate::asset::{FileRecord, PHI_FILE, PREVIEW_FILE, WELD_FILE, WELDED_FILE, WELDS_FILE, WORKPIECE_FILE};
+use crate::asset::{
+    FileRecord, PHI_FILE, PREVIEW_FILE, SURFACE_FILE, WELD_FILE, WELDED_FILE, WELDS_FILE, WORKPIECE_FILE,
+};
 
 /// Files of the set itself with their media types.
 const FILES: [(&str, &str); 4] = [
@@ -19,9 +21,10 @@ const FILES: [(&str, &str); 4] = [
 ];
 
 /// Files of each piece with their media types.
-const PIECE_FILES: [(&str, &str); 6] = [
+const PIECE_FILES: [(&str, &str); 7] = [
     (WORKPIECE_FILE, "model/gltf-binary"),
     (WELDED_FILE, "model/gltf-binary"),
+    (SURFACE_FILE, "model/gltf-binary"),
     (PHI_FILE, "application/octet-stream"),
     (WELD_FILE, "application/octet-stream"),
     (WELDS_FILE, "application/json"),

@@ -98,16 +98,27 @@ pub fn write_glb(parts: &[GlbPart<'_>], extras: Map<String, Value>) -> Result<Ve
     let materials = file.push_materials(parts);
     let mut children = Vec::with_capacity(parts.len());
     for part in parts {
-        check(part)?;
-        let shaded = shade(part.mesh, CREASE_ANGLE);
-        if shaded.triangles.is_empty() {
-            return Err(GlbWriteError::NoTriangles { part: part.name.to_owned() });
-        }
-        let material = materials.iter().find(|(kind, _)| *kind == part.material).map(|&(_, index)| index);
-        children.push(file.push_part(part, &shaded, material)?);
+        let primitive = file.push_primitive(part, &materials)?;
+        let extras = to_raw_value(&serde_json::json!({ "weld_id": part.weld_id }))?;
+        children.push(file.push_mesh(part.name, vec![primitive], Some(extras)));
     }
     file.push_scene(children);
     file.finish(asset_extras(parts, extras)?)
+}
+
+/// Writes the pieces of one surface as one mesh of a `.glb` file, a primitive for each piece.
+///
+/// Positions are kept along the borders of the pieces, so a surface that was closed is closed once they are merged.
+pub fn write_surface_glb(name: &str, pieces: &[GlbPart<'_>]) -> Result<Vec<u8>, GlbWriteError> {
+    if pieces.is_empty() {
+        return Err(GlbWriteError::NoParts);
+    }
+    let mut file = Glb::default();
+    let materials = file.push_materials(pieces);
+    let primitives = pieces.iter().map(|piece| file.push_primitive(piece, &materials)).collect::<Result<_, _>>()?;
+    let node = file.push_mesh(name, primitives, None);
+    file.push_scene(vec![node]);
+    file.finish(asset_extras(pieces, Map::new())?)
 }
 
 fn check(part: &GlbPart<'_>) -> Result<(), GlbWriteError> {
@@ -158,12 +169,16 @@ impl Glb {
         used.map(|kind| (kind, self.root.push(material(kind)))).collect()
     }
 
-    fn push_part(
+    fn push_primitive(
         &mut self,
         part: &GlbPart<'_>,
-        shaded: &ShadedMesh,
-        material: Option<Index<json::Material>>,
-    ) -> Result<Index<json::Node>, serde_json::Error> {
+        materials: &[(GlbMaterial, Index<json::Material>)],
+    ) -> Result<json::mesh::Primitive, GlbWriteError> {
+        check(part)?;
+        let shaded: ShadedMesh = shade(part.mesh, CREASE_ANGLE);
+        if shaded.triangles.is_empty() {
+            return Err(GlbWriteError::NoTriangles { part: part.name.to_owned() });
+        }
         let position = self.push_vectors(&shaded.positions, true);
         let normal = self.push_vectors(&shaded.normals, false);
         let weld_id = self.push_weld_ids(part.weld_id, shaded.positions.len());
@@ -181,28 +196,28 @@ impl Glb {
             (Semantic::Normals, normal),
             (Semantic::Extras("WELD_ID".to_owned()), weld_id),
         ];
-        let primitive = json::mesh::Primitive {
+        Ok(json::mesh::Primitive {
             attributes: attributes.into_iter().map(|(name, array)| (Checked::Valid(name), array)).collect(),
             extensions: None,
             extras: None,
             indices: Some(indices),
-            material,
+            material: materials.iter().find(|(kind, _)| *kind == part.material).map(|&(_, index)| index),
             mode: Checked::Valid(json::mesh::Mode::Triangles),
             targets: None,
-        };
-        let mesh = self.root.push(json::Mesh {
-            extensions: None,
-            extras: None,
-            name: Some(part.name.to_owned()),
-            primitives: vec![primitive],
-            weights: None,
-        });
-        Ok(self.root.push(json::Node {
-            mesh: Some(mesh),
-            name: Some(part.name.to_owned()),
-            extras: Some(to_raw_value(&serde_json::json!({ "weld_id": part.weld_id }))?),
-            ..Default::default()
-        }))
+        })
+    }
+
+    /// Adds a mesh and its node.
+    fn push_mesh(
+        &mut self,
+        name: &str,
+        primitives: Vec<json::mesh::Primitive>,
+        extras: Option<Box<RawValue>>,
+    ) -> Index<json::Node> {
+        let name = Some(name.to_owned());
+        let mesh = json::Mesh { extensions: None, extras: None, name: name.clone(), primitives, weights: None };
+        let mesh = Some(self.root.push(mesh));
+        self.root.push(json::Node { mesh, name, extras, ..Default::default() })
     }
 
     fn push_vectors(&mut self, vectors: &[[f32; 3]], bounded: bool) -> Index<json::Accessor> {

@@ -8,7 +8,7 @@ use gltf::accessor::{DataType, Dimensions, Iter};
 use gltf::{Document, Glb, Primitive, Semantic};
 use sdf_bake::Mesh;
 
-/// A part as it stands in the file.
+/// A part, or a piece of a surface, as it stands in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadPart {
     /// Name of its mesh.
@@ -53,7 +53,7 @@ pub enum GlbReadError {
     },
 }
 
-/// Reads and checks the parts of a file, in its order.
+/// Reads and checks the parts of a file, in its order; pieces of one mesh are parts of one name.
 pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
     let container = Glb::from_slice(bytes)?;
     let binary = container.bin.as_deref().ok_or(GlbReadError::NoGeometry)?;
@@ -65,7 +65,12 @@ pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
     if !file.scenes().flat_map(|scene| scene.nodes()).all(turned) {
         return Err(GlbReadError::NotTurned);
     }
-    let parts: Vec<ReadPart> = file.meshes().map(|mesh| read_part(&mesh, binary)).collect::<Result<_, _>>()?;
+    let mut parts = Vec::new();
+    for mesh in file.meshes() {
+        for primitive in mesh.primitives() {
+            parts.push(read_part(&mesh, &primitive, binary)?);
+        }
+    }
     if parts.is_empty() { Err(GlbReadError::NoGeometry) } else { Ok(parts) }
 }
 
@@ -84,17 +89,16 @@ fn document(header: &[u8]) -> Result<Document, GlbReadError> {
     Ok(Document::from_json(root)?)
 }
 
-fn read_part(mesh: &gltf::Mesh<'_>, binary: &[u8]) -> Result<ReadPart, GlbReadError> {
+fn read_part(mesh: &gltf::Mesh<'_>, primitive: &Primitive<'_>, binary: &[u8]) -> Result<ReadPart, GlbReadError> {
     let name = mesh.name().unwrap_or_default().to_owned();
     let missing = |attribute| GlbReadError::Attribute { mesh: name.clone(), attribute };
-    let primitive = mesh.primitives().next().ok_or_else(|| missing("primitives"))?;
-    let positions = vectors(&primitive, &Semantic::Positions, binary).ok_or_else(|| missing("POSITION"))?;
-    let normals = vectors(&primitive, &Semantic::Normals, binary).ok_or_else(|| missing("NORMAL"))?;
-    let weld_ids = weld_ids(&primitive, binary).ok_or_else(|| missing("_WELD_ID"))?;
-    let triangles = triangles(&primitive, binary).ok_or_else(|| missing("indices"))?;
+    let positions = vectors(primitive, &Semantic::Positions, binary).ok_or_else(|| missing("POSITION"))?;
+    let normals = vectors(primitive, &Semantic::Normals, binary).ok_or_else(|| missing("NORMAL"))?;
+    let weld_ids = weld_ids(primitive, binary).ok_or_else(|| missing("_WELD_ID"))?;
+    let triangles = triangles(primitive, binary).ok_or_else(|| missing("indices"))?;
     let fault = fault_in_numbers(&positions, &normals, &triangles)
         .or_else(|| fault_in_weld_ids(&weld_ids, positions.len()))
-        .or_else(|| fault_in_bounds(&primitive, &positions));
+        .or_else(|| fault_in_bounds(primitive, &positions));
     if let Some(fault) = fault {
         return Err(GlbReadError::Values { mesh: name, fault });
     }

@@ -5,12 +5,12 @@ use sdf_bake::BrickGrid;
 
 use super::Check;
 use super::meshes::Meshes;
-use crate::asset::{AssetFields, PHI_FILE, WELD_FILE};
+use crate::asset::{AssetFields, Imperfection, PHI_FILE, WELD_FILE, WeldTruth, Welds};
 
 /// Boxes of mesh and field may differ by this [voxels].
 const BOX_TOLERANCE: f64 = 1.0;
 
-pub(super) fn check(fields: &AssetFields, meshes: &Meshes) -> Vec<Check> {
+pub(super) fn check(fields: &AssetFields, meshes: &Meshes, truth: Option<&Welds>) -> Vec<Check> {
     let mut checks = Vec::new();
     for (name, grid) in [("phi", &fields.welded), ("target", &fields.target)] {
         let sane = grid.sanity_check();
@@ -19,7 +19,7 @@ pub(super) fn check(fields: &AssetFields, meshes: &Meshes) -> Vec<Check> {
     }
     checks.push(compare_boxes("target and workpiece.glb have one box", &fields.target, meshes.part.mesh.bounds()));
     checks.push(compare_boxes("phi and welded.glb have one box", &fields.welded, meshes.welded_bounds()));
-    checks.push(check_union(fields));
+    checks.push(check_union(fields, &truth.map_or_else(Vec::new, |truth| cut_open(truth, &fields.welded))));
     checks.push(check_labels(fields));
     checks
 }
@@ -38,17 +38,41 @@ fn compare_boxes(rule: &str, grid: &BrickGrid, mesh: Option<(DVec3, DVec3)>) -> 
     Check::new(PHI_FILE, rule, crossed.min(near) <= BOX_TOLERANCE, found)
 }
 
-/// Welding only adds: nowhere is the welded field above the bare part's.
-fn check_union(fields: &AssetFields) -> Check {
+/// Balls [m] around what imperfections cut out of the part: a groove or a hole, and the band around it.
+fn cut_open(truth: &Welds, grid: &BrickGrid) -> Vec<(DVec3, f64)> {
+    let ball = |weld: &WeldTruth, cut: &Imperfection| {
+        let curve = &weld.curve;
+        let place = curve.arc_length.partition_point(|s| s * 1e3 < cut.arc_length_mm);
+        let place = place.min(curve.position.len().checked_sub(1)?);
+        let centre = *curve.position.get(place)? + cut.offset_mm * 1e-3 * *curve.side.get(place)?;
+        let reach_mm = 0.5 * cut.size_mm + cut.depth_mm + 0.3 * weld.width_mm + weld.toe_height_mm;
+        Some((centre, reach_mm * 1e-3 + f64::from(grid.band)))
+    };
+    let of_weld = |weld| move |cut| ball(weld, cut);
+    truth
+        .welds
+        .iter()
+        .flat_map(|weld| weld.imperfections.iter().filter(|i| i.cuts()).filter_map(of_weld(weld)))
+        .collect()
+}
+
+/// Welding only adds, but for what imperfections cut out: nowhere else is the welded field above the bare part's.
+fn check_union(fields: &AssetFields, cut_open: &[(DVec3, f64)]) -> Check {
+    let is_cut = |voxel| {
+        let place = fields.welded.position(voxel);
+        cut_open.iter().any(|(centre, reach)| centre.distance(place) < *reach)
+    };
     let above = |(slot, &brick): (usize, &glam::IVec3)| {
         let first = slot * sdf_bake::grid::BRICK_VOXELS;
         let voxel = |offset| sdf_bake::grid::voxel_at(brick, offset);
         (0..sdf_bake::grid::BRICK_VOXELS)
             .filter(|&offset| fields.welded.phi[first + offset] > fields.target.phi_at(voxel(offset)))
+            .filter(|&offset| !is_cut(voxel(offset)))
             .count()
     };
     let above: usize = fields.welded.bricks.iter().enumerate().map(above).sum();
-    Check::new(PHI_FILE, "phi is nowhere above target", above == 0, format!("{above} voxels above"))
+    let rule = "phi is nowhere above target, but where imperfections cut the part";
+    Check::new(PHI_FILE, rule, above == 0, format!("{above} voxels above"))
 }
 
 /// Every voxel that holds weld metal carries a weld id.

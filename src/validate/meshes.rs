@@ -1,4 +1,4 @@
-//! The two glTF files: the bare part, and the part with its beads.
+//! The glTF files: the bare part, the part with its beads, and the surface of the whole.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use glam::DVec3;
 use sdf_bake::clean::clean;
 
 use super::Check;
-use crate::asset::{WELDED_FILE, WORKPIECE_FILE};
+use crate::asset::{SURFACE_FILE, WELDED_FILE, WORKPIECE_FILE};
 use crate::export::glb_read::{ReadPart, read_glb};
 
 /// What the glTF files hold.
@@ -17,6 +17,8 @@ pub(super) struct Meshes {
     pub(super) part: ReadPart,
     /// The welded workpiece: the part, then one bead for each weld.
     pub(super) welded: Vec<ReadPart>,
+    /// The pieces of the welded surface, one for each weld id.
+    pub(super) surface: Vec<ReadPart>,
 }
 
 impl Meshes {
@@ -32,7 +34,10 @@ impl Meshes {
             "welded.glb holds {} meshes; the part and at least one bead are expected",
             welded.len()
         );
-        Ok(Self { part, welded })
+        let surface = read(SURFACE_FILE).context(
+            "the welded surface; an asset of an earlier version lacks it and is made anew by `robofin weld`",
+        )?;
+        Ok(Self { part, welded, surface })
     }
 
     /// Box around all meshes of the welded workpiece [m].
@@ -49,8 +54,9 @@ impl Meshes {
 
 pub(super) fn check(meshes: &Meshes) -> Vec<Check> {
     let mut checks = Vec::new();
-    for (file, part) in
-        std::iter::once((WORKPIECE_FILE, &meshes.part)).chain(meshes.welded.iter().map(|part| (WELDED_FILE, part)))
+    for (file, part) in std::iter::once((WORKPIECE_FILE, &meshes.part))
+        .chain(meshes.welded.iter().map(|part| (WELDED_FILE, part)))
+        .chain(meshes.surface.iter().map(|piece| (SURFACE_FILE, piece)))
     {
         checks.push(check_numbers(file, part));
     }

@@ -1,8 +1,10 @@
 //! Opens every file of an asset and holds it against the others.
 
+mod dials;
 mod fields;
 mod files;
 mod meshes;
+mod surface;
 mod usd;
 mod welds;
 
@@ -50,18 +52,20 @@ pub struct Validation {
 pub fn validate(folder: &Path, usd: UsdMode) -> Result<Validation> {
     let manifest = Manifest::read(folder)?;
     let mut checks = files::check(folder, &manifest);
-    let meshes = opened(meshes::Meshes::open(folder), "workpiece.glb, welded.glb", &mut checks);
+    let meshes = opened(meshes::Meshes::open(folder), "workpiece.glb, welded.glb, surface.glb", &mut checks);
     let fields = opened(AssetFields::open(folder), "phi.nvdb, weld.nvdb", &mut checks);
     let truth = opened(Welds::read(folder), WELDS_FILE, &mut checks);
     if let Some(meshes) = &meshes {
         checks.extend(meshes::check(meshes));
     }
     if let (Some(fields), Some(meshes)) = (&fields, &meshes) {
-        checks.extend(fields::check(fields, meshes));
+        checks.extend(fields::check(fields, meshes, truth.as_ref()));
+        checks.extend(surface::check(&meshes.surface, fields, truth.as_ref()));
     }
     if let (Some(truth), Some(meshes), Some(fields)) = (&truth, &meshes, &fields) {
         checks.extend(welds::check(truth, meshes, fields));
         checks.push(welds::check_ids(truth, meshes, fields));
+        checks.extend(dials::check(truth, &meshes.part.mesh));
     }
     if let Some(truth) = &truth {
         checks.extend(welds::check_manifest(truth, &manifest));

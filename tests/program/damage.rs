@@ -144,7 +144,7 @@ fn a_manifest_that_names_other_figures_is_noticed() {
 
 #[test]
 fn a_removed_file_is_noticed() {
-    let names = ["phi.nvdb", "preview.png", "weld.nvdb", "welded.glb", "welds.json", "workpiece.glb"];
+    let names = ["phi.nvdb", "preview.png", "surface.glb", "weld.nvdb", "welded.glb", "welds.json", "workpiece.glb"];
     for name in names {
         let [honest, forged] = damaged(|asset| fs::remove_file(asset.join(name)).expect("it was there"));
         assert_named(&honest, "the file is missing");
@@ -227,6 +227,35 @@ fn what_is_no_number_is_noticed_without_the_hash() {
         });
         assert_named(&forged, "not a truth file");
     }
+}
+
+#[test]
+fn a_truth_file_of_an_earlier_version_is_refused_with_the_field_it_lacks() {
+    let without = |path: &'static str| {
+        damaged(move |asset| {
+            edit_json(&asset.join("welds.json"), |truth| {
+                let (parent, field) = path.rsplit_once('/').expect("a path");
+                let parent = truth.pointer_mut(parent).and_then(Value::as_object_mut);
+                parent.expect("an object").remove(field).expect("the field is there");
+            });
+        })
+    };
+    for (path, field) in [("/welds/0/joint", "joint"), ("/welds/0/requested/exposure_reach_mm", "exposure_reach_mm")] {
+        let [_, forged] = without(path);
+        for words in
+            ["welds.json: not a truth file", "is made anew by `robofin weld`", &format!("missing field `{field}`")]
+        {
+            assert_named(&forged, words);
+        }
+    }
+    // Toes were sharp before their radius was told.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let asset = copy_of_asset(folder.path());
+    edit_json(&asset.join("welds.json"), |truth| {
+        truth["welds"][0].as_object_mut().expect("an object").remove("toe_radius_mm").expect("the field is there");
+    });
+    forge_manifest(&asset);
+    validated(&asset).succeeds();
 }
 
 #[test]

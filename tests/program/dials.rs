@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use robofin::asset::{AssetFields, Welds};
 use serde_json::Value;
 
 use crate::program::{bracket, robofin, run};
@@ -72,4 +73,45 @@ fn an_exposure_that_the_part_does_not_have_is_refused_with_its_range() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let asked = ["--exposure", "0.01..0.02", "--length-mm", "30", "--width-mm", "6"];
     run(weld(&folder.path().join("out")).args(asked)).is_refused(1, &["the exposure is impossible", "fits"]);
+}
+
+#[test]
+fn imperfections_that_cut_and_hang_over_and_rounded_toes_make_a_whole_asset() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let form = ["--overlap", "0.15", "--undercut", "0.3", "--burn-through", "1", "--toe-radius-mm", "1.5"];
+    let place = ["--length-mm", "40", "--width-mm", "10"];
+    let found = welds(folder.path(), "imperfect", &[&form[..], &place].concat());
+    let listed = found[0]["imperfections"].as_array().expect("a list");
+    let numbers: Vec<u64> = listed.iter().filter_map(|i| i["iso_6520"].as_u64()).collect();
+    assert_eq!(numbers, [506, 5012, 510]);
+    assert_eq!(number(&found[0], "toe_radius_mm"), 1.5);
+    assert_eq!(found[0]["joint"], "bead-on-plate");
+    // The fields show them: the hole is open where the part was, the groove below its face.
+    let fields = AssetFields::open(&folder.path().join("imperfect")).expect("fields");
+    let at = |kind: &str| {
+        let truth = Welds::read(&folder.path().join("imperfect")).expect("a truth file");
+        let weld = truth.welds.into_iter().next().expect("a weld");
+        let cut = weld.imperfections.into_iter().find(|i| i.kind == kind).expect("it is listed");
+        let point = weld.curve.arc_length.partition_point(|s| s * 1e3 < cut.arc_length_mm);
+        let place = weld.curve.position[point] + cut.offset_mm * 1e-3 * weld.curve.side[point];
+        (place, weld.curve.normal[point], cut.depth_mm * 1e-3)
+    };
+    let (hole, normal, _) = at("burn-through");
+    let below = hole - 1e-3 * normal;
+    assert!(fields.welded.sample(below) > 0.0 && fields.target.sample(below) < 0.0, "the hole is closed");
+    let (groove, normal, depth) = at("undercut");
+    let within = groove - 0.5 * depth * normal;
+    assert!(fields.welded.sample(within) > 0.0 && fields.target.sample(within) < 0.0, "the groove is filled");
+    let refused = weld(&folder.path().join("wide")).args(place).args(["--toe-radius-mm", "9"]).output();
+    let said = String::from_utf8(refused.expect("it runs").stderr).expect("text");
+    assert!(said.contains("--toe-radius-mm 9.0") && said.contains("are accepted"), "{said}");
+}
+
+#[test]
+fn a_butt_joint_makes_a_whole_asset_in_one_plane() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let found = welds(folder.path(), "butt", &["--place", "butt", "--length-mm", "30", "--width-mm", "8"]);
+    assert_eq!(found[0]["joint"], "butt");
+    assert!((number(&found[0], "length_mm") - 30.0).abs() < 1e-6);
+    assert!(found[0]["requested"]["geodesic_curvature_rms_per_m"].is_null());
 }

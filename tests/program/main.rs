@@ -21,5 +21,6 @@ mod program;
 mod repeatability;
 mod road;
 mod shared_parts;
+mod surface;
 mod trial_road;
 mod units;

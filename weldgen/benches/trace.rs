@@ -6,6 +6,8 @@
 
 #[path = "../../sdf-bake/tests/common/parts.rs"]
 mod parts;
+#[path = "../tests/reference/mod.rs"]
+mod reference;
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;
 
@@ -56,16 +58,27 @@ fn row(mesh: &Mesh) {
         "  walked back, they miss their starts by at most {:.1e} of the diagonal",
         missed(mesh, &topology, &traces)
     );
+    let ends = |start| reference::geodesic_end(mesh, &topology, start, length);
+    let exact: Vec<Option<DVec3>> = starts.iter().map(ends).collect();
+    let ours: Vec<DVec3> = traces.iter().map(|trace| trace.points[1].position).collect();
+    println!("  ends off a reference of 32 digits: {}", off(mesh, &ours, &exact));
     match potpourri3d(mesh, &starts, length) {
         Ok((peer_build, peer_trace, ends)) => {
-            let apart = ends.iter().zip(&traces).map(|(end, trace)| end.distance(trace.points[1].position));
-            let worst = apart.fold(0.0, f64::max) / mesh.diagonal();
             println!("  potpourri3d in this run: {peer_build:.4} s and {peer_trace:.4} s");
             println!("  ratios {:.1} and {:.1}", peer_build / build_s, peer_trace / straight_s);
-            println!("  endpoints at most {worst:.1e} of the diagonal apart");
+            println!("  its ends off that reference: {}", off(mesh, &ends, &exact));
         }
         Err(why) => println!("  no figures of potpourri3d: {why}"),
     }
+}
+
+/// Distances of ends from those of the reference, in words.
+fn off(mesh: &Mesh, ends: &[DVec3], exact: &[Option<DVec3>]) -> String {
+    let known = ends.iter().zip(exact).filter_map(|(end, exact)| Some(end.distance((*exact)?) / mesh.diagonal()));
+    let mut apart: Vec<f64> = known.collect();
+    apart.sort_by(f64::total_cmp);
+    let (median, worst) = (apart[apart.len() / 2], apart[apart.len() - 1]);
+    format!("median {median:.1e}, at most {worst:.1e} of the diagonal, {} ends", apart.len())
 }
 
 /// How far traces that turn round at their end stay from their start, in diagonals.

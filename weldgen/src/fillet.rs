@@ -6,8 +6,8 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::bead::{BeadForm, BeadProfile, sweep_formed};
 use crate::curvature::CurvatureProfile;
-use crate::curve::{CurvePoint, Stretch, WeldCurve};
-use crate::propose::{CLEAR_WIDTHS, Candidate, POINTS_PER_WIDTH, Proposals, Refused, mix};
+use crate::curve::{CurvePoint, WeldCurve};
+use crate::propose::{Candidate, Layout, POINTS_PER_WIDTH, Proposals, Refused, mix};
 use crate::rejection::Rejection;
 use crate::seam::Seam;
 
@@ -23,9 +23,7 @@ impl Proposals<'_> {
     pub(crate) fn propose_fillet(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
         let seams = self.surface.seams();
-        let steps = (self.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
-        let spacing = self.length / steps as f64;
-        let clear = (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize;
+        let Layout { steps, spacing, clear } = self.layout();
         let reach = (steps + 2 * clear) as f64 * spacing;
         let cut_short = |run: f64| Refused { why: Rejection::SharpEdge, run };
         let whole: f64 = seams.iter().map(Seam::length).sum();
@@ -44,8 +42,7 @@ impl Proposals<'_> {
         let profile = self.fillet_profile(seam.openings([from, from + reach])).map_err(refuse)?;
         let points: Vec<_> =
             (0..=steps + 2 * clear).map(|i| seam.point_at(self.surface.part, from + i as f64 * spacing)).collect();
-        let half_window = (0.25 * profile.width / spacing).round() as usize;
-        let stretch = Stretch { first: clear, last: clear + steps, spacing, half_window, start: 0.0 };
+        let stretch = self.layout().stretch(profile.width, 0.0);
         let mut curve = WeldCurve::frame(&points, stretch, &CurvatureProfile::constant(0.0));
         curve.measure_curvature();
         self.finish_fillet(curve, profile, &mut rng).map_err(refuse)
@@ -77,7 +74,8 @@ impl Proposals<'_> {
         self.sees_the_sky(&curve)?;
         let form = BeadForm::new(self.request.form, [self.length, profile.width, profile.height], rng);
         let bead = sweep_formed(&curve, &profile, &form, root_depth).map_err(|_| Rejection::Fold)?;
-        Ok(Candidate { curve, bead, root_depth, profile, form })
+        let cuts = self.cuts(&curve, &profile, &form, rng)?;
+        Ok(Candidate { curve, bead, root_depth, profile, form, cuts })
     }
 
     /// Why a section does not fit its corner: its face must be in the open, its base in the walls.

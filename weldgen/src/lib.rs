@@ -34,8 +34,10 @@
 
 pub mod access;
 pub mod bead;
+mod butt;
 pub mod curvature;
 pub mod curve;
+mod cut;
 pub mod exposure;
 mod fillet;
 mod footprint;
@@ -55,5 +57,5 @@ pub mod trace;
 pub use bead::{BeadProfile, sweep};
 pub use curve::{CurvePoint, WeldCurve};
 pub use place::{PlaceError, Weld, place_weld, place_weld_on, place_welds_on};
-pub use request::{Difficulty, Placement, Stitch, WeldRequest};
+pub use request::{Difficulty, Joint, Placement, Stitch, WeldRequest};
 pub use surface::Surface;

@@ -18,14 +18,14 @@ use crate::offers::offers;
 pub use crate::place_error::PlaceError;
 use crate::propose::{Candidate, Proposals, Refused, Taken, mix};
 use crate::rejection::{Rejection, Tally};
-use crate::request::{Placement, WIDTHS_PER_LENGTH, WeldRequest};
+use crate::request::{Joint, Placement, WIDTHS_PER_LENGTH, WeldRequest};
 use crate::stitch::stitched;
 use crate::strata::ExposureField;
 use crate::surface::Surface;
 
-/// What is tried in turn when nothing fits: factors of the length and of the bead's width and height.
+/// What is tried in turn when nothing of the lengths asked fits: factors of the length and of the bead's width and height.
 ///
-/// The length never falls below three widths. Without leave to shrink, only the first stage is tried.
+/// The length never falls below three widths. Without leave to shrink, none of it is tried.
 pub const STAGES: [[f64; 2]; 8] =
     [[1.0, 1.0], [0.7, 1.0], [0.5, 1.0], [0.35, 1.0], [0.5, 0.7], [0.35, 0.7], [0.35, 0.5], [0.2, 0.35]];
 
@@ -44,6 +44,11 @@ pub struct Weld {
     /// The bead: closed, normals outwards [m]; drops of spatter are closed bodies beside it.
     #[serde(skip)]
     pub bead: Mesh,
+    /// What its imperfections take from bead and part: closed bodies [m] to be cut out, normals outwards.
+    #[serde(skip)]
+    pub cuts: Mesh,
+    /// What it joins.
+    pub joint: Joint,
     /// The bead's cross-section.
     pub profile: BeadProfile,
     /// Depth of the bead's flat bottom below the tangent plane [m].
@@ -88,7 +93,7 @@ impl Weld {
     }
 }
 
-/// The dials of one weld, as the seed drew them from the ranges of the request.
+/// The dials of one weld, as the seed drew them from the ranges of the request; the length may be a lesser one of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wanted {
     /// Length of the centreline [m].
@@ -131,7 +136,7 @@ pub fn place_welds_on(
         taken.push(Taken::by(&weld));
         match request.stitch {
             None => welds.push(Weld { run: number, ..weld }),
-            Some(stitch) => welds.extend(stitched(&Weld { run: number, ..weld }, stitch)?),
+            Some(stitch) => welds.extend(stitched(&Weld { run: number, ..weld }, stitch, surface)?),
         }
     }
     Ok(welds)
@@ -158,7 +163,7 @@ fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed:
                 if exposure != request.exposure {
                     weld.reasons.push(other_exposure(&weld, offered));
                 }
-                return Ok(Weld { wanted, ..weld });
+                return Ok(Weld { wanted: Wanted { exposure: wanted.exposure, ..weld.wanted }, ..weld });
             }
         }
     }
@@ -300,14 +305,20 @@ fn within([low, high]: [f64; 2]) -> [f64; 2] {
 
 fn finish(
     proposals: &Proposals,
-    Candidate { curve, mut bead, root_depth, profile, form }: Candidate,
+    Candidate { curve, mut bead, root_depth, profile, form, cuts }: Candidate,
     (wanted, seed): (&Wanted, u64),
     dropped: Tally,
 ) -> Weld {
     let request = proposals.request;
     let (length, width) = (curve.length(), profile.width);
     let mut reasons = request.reasons.clone();
-    reasons.extend(shrunk([length, width], [wanted.length, request.width]));
+    // Any length of the range is what was asked.
+    let asked = if length >= request.length[0] * (1.0 - 1e-9) { length } else { wanted.length };
+    if asked < wanted.length * (1.0 - 1e-9) {
+        let (now, drawn) = (1e3 * length, 1e3 * wanted.length);
+        reasons.push(format!("length {now:.2} mm: the {drawn:.2} mm drawn first from the range asked did not fit"));
+    }
+    reasons.extend(shrunk([length, width], [asked, request.width]));
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
     let bead_volume = bead.volume();
     let base = request.form.half_reach(profile.half_width_at(root_depth));
@@ -315,8 +326,10 @@ fn finish(
     let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
     let (spattered, drops) = spatter(request.form.spatter, &curve, ground, [width, base], &mut rng);
     bead.append(&drops);
-    let defects = [form.defects(), &spattered].concat();
+    let defects = [form.defects(), &spattered, &cuts.defects].concat();
     Weld {
+        cuts: cuts.bodies,
+        joint: proposals.joint(),
         length,
         bead_volume,
         curvature_rms: curve.curvature_rms(),
@@ -330,7 +343,7 @@ fn finish(
         run: 0,
         seed,
         request: request.clone(),
-        wanted: *wanted,
+        wanted: Wanted { length: asked, ..*wanted },
         dropped,
         reasons,
     }
@@ -350,13 +363,19 @@ fn shrunk([length, width]: [f64; 2], [long, wide]: [f64; 2]) -> Vec<String> {
     reasons
 }
 
-/// Lengths and sections to try in turn, without repeats.
+/// Lengths and sections to try in turn, without repeats: down to the least length asked, then what nobody asked for.
 fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
-    let count = if request.may_shrink { STAGES.len() } else { 1 };
+    let section = |factor: f64| BeadProfile::on_face(request.shape, factor * request.width, factor * request.height);
+    let least = request.length[0];
+    let asked = [wanted, 0.5 * (wanted + least), least].map(|length| (length, section(1.0)));
+    let smaller = |[length, bead]: &[f64; 2]| {
+        let profile = section(*bead);
+        ((length * wanted).max(wanted.min(WIDTHS_PER_LENGTH * profile.width)), profile)
+    };
+    let known = |(length, profile): &(f64, BeadProfile)| *length >= least && *profile == section(1.0);
+    let let_go = STAGES.iter().map(smaller).filter(|stage| request.may_shrink && !known(stage));
     let mut stages: Vec<(f64, BeadProfile)> = Vec::new();
-    for [length, bead] in &STAGES[..count] {
-        let profile = BeadProfile::on_face(request.shape, bead * request.width, bead * request.height);
-        let stage = ((length * wanted).max(wanted.min(WIDTHS_PER_LENGTH * profile.width)), profile);
+    for stage in asked.into_iter().chain(let_go) {
         if !stages.contains(&stage) {
             stages.push(stage);
         }
@@ -367,7 +386,7 @@ fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
 /// Whether to follow seams, in the order in which to try.
 fn ways(request: &WeldRequest, seed: u64) -> Vec<bool> {
     match request.placement {
-        Placement::Surface => vec![false],
+        Placement::Surface | Placement::Butt => vec![false],
         Placement::Seam => vec![true],
         Placement::Mixed => {
             let first = mix(seed, 0).is_multiple_of(2);

@@ -10,11 +10,12 @@ use sdf_bake::Mesh;
 use crate::bead::{BeadForm, BeadProfile, sweep_formed};
 use crate::curvature::CurvatureProfile;
 use crate::curve::{CurvePoint, Stretch, WeldCurve};
+use crate::cut::{Cuts, Laid};
 use crate::exposure::{ExposureRays, exposure};
 use crate::footprint::Footprint;
 use crate::place::Weld;
 use crate::rejection::Rejection;
-use crate::request::WeldRequest;
+use crate::request::{Placement, WeldRequest};
 use crate::strata::ExposureField;
 use crate::surface::Surface;
 use crate::trace::{TraceEnd, TraceLimits, TracePoint, TraceStart, trace};
@@ -32,7 +33,7 @@ const JUDGING_ERROR: f64 = 0.03;
 /// Multiples of it, modulo 1, fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 /// Steps of one trace at most.
-const MAX_STEPS: usize = 20_000;
+pub(crate) const MAX_STEPS: usize = 20_000;
 
 /// Everything that the proposals of one stage share.
 pub(crate) struct Proposals<'a> {
@@ -78,6 +79,27 @@ pub(crate) fn mix(seed: u64, number: usize) -> u64 {
     z ^ (z >> 31)
 }
 
+/// Points of a weld's curve.
+#[derive(Clone, Copy)]
+pub(crate) struct Layout {
+    /// Steps from its first point to its last.
+    pub(crate) steps: usize,
+    /// Arc length of a step [m].
+    pub(crate) spacing: f64,
+    /// Clear steps beyond each end.
+    pub(crate) clear: usize,
+}
+
+impl Layout {
+    /// The weld between its clear ends, smoothed over half a bead's width [m] in all; its first point is at `start` [m] of
+    /// the curvature.
+    pub(crate) fn stretch(self, width: f64, start: f64) -> Stretch {
+        let Self { steps, spacing, clear } = self;
+        let half_window = (0.25 * width / spacing).round() as usize;
+        Stretch { first: clear, last: clear + steps, spacing, half_window, start }
+    }
+}
+
 /// A proposal that passed every check.
 pub(crate) struct Candidate {
     pub(crate) curve: WeldCurve,
@@ -85,6 +107,7 @@ pub(crate) struct Candidate {
     pub(crate) root_depth: f64,
     pub(crate) profile: BeadProfile,
     pub(crate) form: BeadForm,
+    pub(crate) cuts: Cuts,
 }
 
 /// A proposal that did not.
@@ -102,7 +125,8 @@ impl Proposals<'_> {
         }
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
         let start = self.start(seed, number, &mut rng);
-        let curve = self.run(start, &mut rng)?;
+        let butt = self.request.placement == Placement::Butt;
+        let curve = if butt { self.section(start)? } else { self.run(start, &mut rng)? };
         let refuse = |why| Refused { why, run: self.length };
         self.bends_gently(&curve).map_err(refuse)?;
         self.keeps_apart(&curve).map_err(refuse)?;
@@ -112,7 +136,21 @@ impl Proposals<'_> {
         self.sees_the_sky(&curve).map_err(refuse)?;
         let form = BeadForm::new(self.request.form, [self.length, self.profile.width, self.profile.height], &mut rng);
         let bead = sweep_formed(&curve, &self.profile, &form, root_depth).map_err(|_| refuse(Rejection::Fold))?;
-        Ok(Candidate { curve, bead, root_depth, profile: self.profile, form })
+        let profile = self.profile;
+        let cuts = self.cuts(&curve, &profile, &form, &mut rng).map_err(refuse)?;
+        Ok(Candidate { curve, bead, root_depth, profile, form, cuts })
+    }
+
+    /// What imperfections take away from a bead that was laid.
+    pub(crate) fn cuts(
+        &self,
+        curve: &WeldCurve,
+        profile: &BeadProfile,
+        form: &BeadForm,
+        rng: &mut Pcg64Mcg,
+    ) -> Result<Cuts, Rejection> {
+        let laid = Laid { surface: self.surface, curve, profile, form };
+        if laid.overlaps_hang_free() { laid.cuts(&self.request.form, rng) } else { Err(Rejection::Wall) }
     }
 
     /// The section wide enough for all that the bead's form does to it.
@@ -136,9 +174,7 @@ impl Proposals<'_> {
 
     /// Traces both ways from the start until the wanted length and clear ends are there.
     fn run(&self, start: TraceStart, rng: &mut Pcg64Mcg) -> Result<WeldCurve, Refused> {
-        let steps = (self.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
-        let spacing = self.length / steps as f64;
-        let clear = (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize;
+        let Layout { steps, spacing, clear } = self.layout();
         let reach = (steps + 2 * clear) as f64 * spacing;
         let correlation = self.request.correlation.unwrap_or(0.5 * self.length);
         let (rms, max) = (self.curvature_rms, self.request.curvature_max);
@@ -159,10 +195,14 @@ impl Proposals<'_> {
         if points.len() <= steps + 2 * clear {
             return Err(refuse((end, points.len())));
         }
-        // Normals and tangents are smoothed over half a width in all.
-        let half_window = (0.25 * self.profile.width / spacing).round() as usize;
-        let stretch = Stretch { first: clear, last: clear + steps, spacing, half_window, start: first };
-        Ok(WeldCurve::frame(&points, stretch, &curvature))
+        Ok(WeldCurve::frame(&points, self.layout().stretch(self.profile.width, first), &curvature))
+    }
+
+    /// How many points of which spacing.
+    pub(crate) fn layout(&self) -> Layout {
+        let steps = (self.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
+        let spacing = self.length / steps as f64;
+        Layout { steps, spacing, clear: (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize }
     }
 
     /// How many of `steps` points to lay behind the start: half, or more where the way ahead is cut short.

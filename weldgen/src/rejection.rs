@@ -33,6 +33,10 @@ pub enum Rejection {
     DeepRoot,
     /// The part is too thin here for the root.
     Thin,
+    /// The part is too thick here to burn through.
+    Thick,
+    /// The surface is hollow along a butt joint.
+    Hollow,
     /// On a face that is hidden inside the part or turned inwards.
     Inside,
     /// Too little free sky.
@@ -54,6 +58,7 @@ impl Rejection {
             TraceEnd::Sharp => Self::SharpEdge,
             TraceEnd::Boundary => Self::Boundary,
             TraceEnd::NonManifold => Self::NonManifold,
+            TraceEnd::Hollow => Self::Hollow,
             TraceEnd::Length | TraceEnd::Degenerate | TraceEnd::Steps => Self::BadFaces,
         }
     }
@@ -76,6 +81,8 @@ impl Rejection {
             Self::Tilt => "had a surface that tilts away under the bead (narrower bead)",
             Self::DeepRoot => "needed a root deeper than the bead is high (narrower bead)",
             Self::Thin => "were on a sheet thinner than the root (narrower bead)",
+            Self::Thick => "were on ground thicker than a bead's width, which does not burn through (wider bead)",
+            Self::Hollow => "met a hollow before the length of the butt joint was reached (shorter length)",
             Self::Inside => "lay on faces inside the part or turned inwards (cleaner mesh)",
             Self::Exposure => "saw too little of the sky (lower least exposure)",
             Self::TooOpen => "saw too much of the sky (higher largest exposure)",

@@ -1,7 +1,7 @@
 //! What is asked of a weld: the dials.
 
 use sdf_bake::Mesh;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::access::ToolShape;
 use crate::bead::{BeadShape, FormRequest};
@@ -51,8 +51,22 @@ pub enum Placement {
     Surface,
     /// In a concave crease, as a fillet weld; the geometry of the crease gives the curvature.
     Seam,
+    /// Where a plane cuts smooth ground that is nowhere hollow, as a butt joint of two halves; the part gives the curvature.
+    Butt,
     /// In a crease or on smooth ground, as the seed has it; on the other where the one has no room.
     Mixed,
+}
+
+/// What a weld joins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Joint {
+    /// Nothing: a bead on a plate.
+    BeadOnPlate,
+    /// Two walls of a corner, by a fillet weld.
+    Fillet,
+    /// Two halves that meet in a plane, by a butt weld.
+    Butt,
 }
 
 /// An intermittent weld.
@@ -205,6 +219,8 @@ impl WeldRequest {
         let one = |name, value: f64, good, want| (name, value.to_string(), good, want);
         let round = self.shape != BeadShape::CircularSegment || self.height <= 0.5 * self.width;
         let convex = (-0.2..=0.25).contains(&self.convexity);
+        let fillets = matches!(self.placement, Placement::Seam | Placement::Mixed);
+        let lobed = self.form.overlap == 0.0 || !fillets;
         let apart = |stitch: Stitch| stitch.length >= self.width && stitch.pitch >= stitch.length + 1.5 * self.width;
         let stitch =
             self.stitch.map_or(String::new(), |stitch| format!("{} m every {} m", stitch.length, stitch.pitch));
@@ -213,6 +229,7 @@ impl WeldRequest {
             one("height", self.height, positive(self.height), "positive"),
             one("height", self.height, round, "at most half of the width for a circular segment"),
             ("shape", "fillet".to_owned(), self.shape != BeadShape::Fillet, "one for faces; fillets are for seams"),
+            one("overlap", self.form.overlap, lobed, "0 where fillets may be laid: they have no lobes"),
             one("convexity", self.convexity, convex, "within -0.2 to 0.25 widths"),
             (
                 "stitch",

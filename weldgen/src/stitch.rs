@@ -5,20 +5,25 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::bead::{BeadError, BeadForm, sweep_formed};
 use crate::curve::{CurvePoint, WeldCurve};
+use crate::cut::Laid;
 use crate::place::Weld;
 use crate::propose::mix;
 use crate::request::Stitch;
+use crate::surface::Surface;
 
 /// The beads of an intermittent weld on the curve of a continuous one, each to the curve's next point.
-pub(crate) fn stitched(weld: &Weld, stitch: Stitch) -> Result<Vec<Weld>, BeadError> {
+///
+/// What should be cut out of one and finds no ground there is left out.
+pub(crate) fn stitched(weld: &Weld, stitch: Stitch, surface: &Surface) -> Result<Vec<Weld>, BeadError> {
     let spacing = weld.length / (weld.curve.points.len() - 1) as f64;
     let steps = |length: f64| (length / spacing).round() as usize;
     let (length, last) = (steps(stitch.length).max(1), weld.curve.points.len() - 1);
     let starts = (0..).map(|i| steps(i as f64 * stitch.pitch)).take_while(|start| start + length <= last);
-    starts.enumerate().map(|(number, start)| one(weld, &weld.curve.points[start..=start + length], number)).collect()
+    let points = |start: usize| &weld.curve.points[start..=start + length];
+    starts.enumerate().map(|(number, start)| one(weld, points(start), number, surface)).collect()
 }
 
-fn one(weld: &Weld, points: &[CurvePoint], number: usize) -> Result<Weld, BeadError> {
+fn one(weld: &Weld, points: &[CurvePoint], number: usize, surface: &Surface) -> Result<Weld, BeadError> {
     let first = points[0].arc_length;
     let mut points = points.to_vec();
     for point in &mut points {
@@ -33,6 +38,8 @@ fn one(weld: &Weld, points: &[CurvePoint], number: usize) -> Result<Weld, BeadEr
         point.height = profile.height * form.height_factor(point.arc_length);
     }
     let bead = sweep_formed(&curve, &profile, &form, weld.root_depth)?;
+    let laid = Laid { surface, curve: &curve, profile: &profile, form: &form };
+    let cuts = laid.cuts(&weld.request.form, &mut rng).unwrap_or_default();
     let mut reasons = weld.reasons.clone();
     reasons.push(format!("bead {} of an intermittent weld of {:.2} mm", number + 1, 1e3 * weld.length));
     Ok(Weld {
@@ -43,7 +50,8 @@ fn one(weld: &Weld, points: &[CurvePoint], number: usize) -> Result<Weld, BeadEr
         mean_access: curve.mean_access(),
         curve,
         bead,
-        defects: form.defects().to_vec(),
+        defects: [form.defects(), &cuts.defects].concat(),
+        cuts: cuts.bodies,
         reasons,
         ..weld.clone()
     })

@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use sdf_bake::Mesh;
 use sdf_bake::bake::WindingTree;
+use sdf_bake::{BakeOptions, Mesh, bake};
 use shapes::Numbers;
 use weldgen::bead::{
     BeadError, BeadForm, BeadProfile, BeadShape, Crater, DefectKind, FormRequest, Ripples, Weave, sweep, sweep_formed,
@@ -254,6 +254,31 @@ fn ripples_have_their_pitch_and_height_and_a_crater_its_depth() {
         formed(FormRequest { crater: Some(Crater { depth: 0.6, hump: 0.0 }), ..FormRequest::default() });
     let end = crown(&cratered).into_iter().find(|p| (p.x - 0.1).abs() < 1e-12).unwrap();
     assert!((end.z - 0.4 * PROFILE.height).abs() < 1e-9, "{}", end.z);
+}
+
+#[test]
+fn toes_are_rounded_to_the_radius_asked() {
+    // On two planes at the toe angle: the blend's curve X(Y) across the bisector, and its radius of curvature.
+    let (radius, half) = (1.8e-3, 0.5 * PROFILE.toe_angle());
+    let r = PROFILE.blend_radius(radius);
+    let x = |y: f64| (0.25 * r + (half.sin() * y).powi(2) / r) / half.cos();
+    let step = 1e-6;
+    let bend = (x(step) - 2.0 * x(0.0) + x(-step)) / (step * step);
+    assert!((1.0 / bend / radius - 1.0).abs() < 1e-3, "{}", 1.0 / bend);
+    // In the field: the bisector of a straight bead's toe is filled up to there.
+    let plate = shapes::cuboid(DVec3::new(-0.02, -0.02, -0.01), DVec3::new(0.12, 0.02, 0.0));
+    let options = BakeOptions { band_voxels: 4.0, ..BakeOptions::with_voxel(0.25e-3) };
+    let field = |mesh: &Mesh| bake(mesh, &options).unwrap().0;
+    let (plate, bead) = (field(&plate), field(&sweep(&circular(0.1, 0.0, 160), &PROFILE, ROOT).unwrap()));
+    let (sharp, rounded) = (plate.united_with(&bead, 1).unwrap(), plate.blended_with(&bead, 1, r).unwrap());
+    let bisector = DVec3::new(0.0, half.sin(), half.cos());
+    for s in [0.02, 0.0513, 0.08] {
+        let at = |out: f64| DVec3::new(s, 0.5 * PROFILE.width, 0.0) + out * bisector;
+        assert!((rounded.sample(at(x(0.0))) as f64).abs() < 3e-5, "{}", rounded.sample(at(x(0.0))));
+        assert!(sharp.sample(at(x(0.0))) as f64 > 1e-4);
+        assert_eq!(rounded.label(at(0.8 * x(0.0))), 1, "what fills the toe is weld metal");
+    }
+    assert!(plate.blended_with(&bead, 1, 0.9e-3).is_err(), "farther than the band knows");
 }
 
 #[test]

@@ -9,28 +9,11 @@ use glam::DVec3;
 use sdf_bake::bake::WindingTree;
 use sdf_bake::clean::clean;
 use sdf_bake::{Mesh, query::MeshQuery};
-use shapes::{cuboid, sheet};
+use shapes::{angle, cuboid, sheet};
 use weldgen::bead::{BeadProfile, BeadShape};
 use weldgen::seam::find_seams;
 use weldgen::topology::Topology;
 use weldgen::{PlaceError, Placement, Stitch, Surface, WeldRequest, place_weld, place_welds_on};
-
-/// An L of 200 × 100 × 100 mm with walls of 20 mm: one concave edge, 200 mm long, along x at y = z = 20 mm.
-fn angle() -> Mesh {
-    let outline = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.02), (0.02, 0.02), (0.02, 0.1), (0.0, 0.1)];
-    let count = outline.len() as u32;
-    let at = |x: f64| outline.iter().map(move |&(y, z)| DVec3::new(x, y, z));
-    let positions = at(0.0).chain(at(0.2)).collect();
-    let sides = (0..count).flat_map(|i| {
-        let next = (i + 1) % count;
-        [[i, next, count + next], [i, count + next, count + i]]
-    });
-    // Both ends are fans around the inner corner, which sees all others.
-    let ends = [4, 5, 0, 1].map(|i| [3, i, (i + 1) % count]);
-    let front = ends.map(|t| t.map(|i| count + i));
-    let back = ends.map(|[a, b, c]| [a, c, b]);
-    Mesh { positions, triangles: sides.chain(back).chain(front).collect() }
-}
 
 fn request(part: &Mesh) -> WeldRequest {
     let ask = WeldRequest::for_part(part, part.diagonal() / 256.0);

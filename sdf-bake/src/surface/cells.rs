@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use super::around::{Around, Known};
 use super::cell::{NO_PIECE, Pieces, Signs};
 use super::place::Shape;
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, cell_corner, voxel_at, voxel_offset};
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, cell_corner, voxel_at, voxel_offset};
 use crate::halo::Halo;
+use crate::implicit::entry_brick;
 
 /// No cell in [`Brick::place`].
 const NO_CELL: u16 = u16::MAX;
@@ -75,6 +76,18 @@ impl Brick {
     }
 }
 
+/// Bricks that hold the lowest corners of cells that reach into a brick.
+fn lowest_bricks(brick: IVec3) -> impl Iterator<Item = IVec3> {
+    (0..8).map(move |i| brick - cell_corner(i))
+}
+
+/// As [`lowest_bricks`], where the surface passes between bricks that are wholly inside and wholly outside.
+fn between_sides(grid: &BrickGrid) -> impl ParallelIterator<Item = IVec3> {
+    let inside = (0..grid.index.len()).into_par_iter().filter(|&entry| grid.index[entry] == INSIDE);
+    let lowest = inside.flat_map_iter(|entry| lowest_bricks(grid.origin + entry_brick(entry, grid.dims)));
+    lowest.filter(|&brick| grid.jumps_at(brick))
+}
+
 pub(super) fn corner_values(halo: &Halo, low: IVec3) -> [f32; 8] {
     std::array::from_fn(|i| halo.phi[halo.at(low + cell_corner(i))])
 }
@@ -82,8 +95,8 @@ pub(super) fn corner_values(halo: &Halo, low: IVec3) -> [f32; 8] {
 impl CellMap {
     pub(super) fn of(grid: &BrickGrid) -> Self {
         // A cell whose lowest corner has no brick may still reach into one.
-        let mut at: Vec<IVec3> =
-            grid.bricks.iter().flat_map(|&brick| (0..8).map(move |i| brick - cell_corner(i))).collect();
+        let mut at: Vec<IVec3> = grid.bricks.iter().flat_map(|&brick| lowest_bricks(brick)).collect();
+        at.par_extend(between_sides(grid));
         at.par_sort_unstable_by_key(|brick| brick.to_array());
         at.dedup();
         let bricks: Vec<Brick> = at.into_par_iter().filter_map(|at| Brick::of(grid, at)).collect();

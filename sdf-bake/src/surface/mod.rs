@@ -24,7 +24,8 @@ impl BrickGrid {
     /// The surface {φ = 0} as a closed manifold mesh with outward triangles; sharp edges and corners are kept.
     ///
     /// Vertices and triangles are in the order of the bricks' coordinates, whatever the number of threads. Walls
-    /// and gaps thinner than a voxel may be absent.
+    /// and gaps thinner than a voxel may be absent. Where baking closed a hole for the sign only, the surface is where φ
+    /// jumps.
     pub fn surface_mesh(&self) -> Mesh {
         let map = CellMap::of(self);
         let vertices = map.vertices(self);

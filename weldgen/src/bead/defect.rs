@@ -2,7 +2,7 @@
 //!
 //! Sizes are drawn around what ISO 5817 allows at level D (moderate), so that some are within and some beyond.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use rand::RngExt;
@@ -10,6 +10,7 @@ use sdf_bake::Mesh;
 use sdf_bake::query::MeshQuery;
 use serde::Serialize;
 
+use super::loft::loft;
 use crate::curve::WeldCurve;
 
 /// What is wrong.
@@ -20,6 +21,12 @@ pub enum DefectKind {
     SurfacePore,
     /// Weld metal that sank: the crown is low over a stretch (509).
     Sagging,
+    /// Weld metal that flowed over the face beside the toe without fusing to it (506).
+    Overlap,
+    /// A groove that was melted into the part along a toe and not filled (5012, intermittent undercut).
+    Undercut,
+    /// A hole where the weld pool fell through (510).
+    BurnThrough,
     /// Drops of metal on the part beside the bead (602).
     Spatter,
 }
@@ -30,6 +37,9 @@ impl DefectKind {
         match self {
             Self::SurfacePore => 2017,
             Self::Sagging => 509,
+            Self::Overlap => 506,
+            Self::Undercut => 5012,
+            Self::BurnThrough => 510,
             Self::Spatter => 602,
         }
     }
@@ -44,10 +54,18 @@ pub struct Defect {
     pub arc_length: f64,
     /// Offset of its middle to the left [m].
     pub offset: f64,
-    /// Diameter of a pore or drop, length of a sag along the weld [m].
+    /// Diameter of a pore, drop or hole, length of the others along the weld [m].
     pub size: f64,
-    /// Depth below, or for spatter height above, the surface without it [m].
+    /// Depth below the surface without it [m]; for spatter the height above it, for an overlap how far it hangs over.
     pub depth: f64,
+}
+
+impl Defect {
+    /// Share, 0 to 1, of its depth at an arc length [m]: a bell as long as it is.
+    pub(crate) fn swell(&self, s: f64) -> f64 {
+        let along = 2.0 * (s - self.arc_length) / self.size;
+        0.5 + 0.5 * (PI * along.clamp(-1.0, 1.0)).cos()
+    }
 }
 
 /// Pores of a bead of a length, a width and a height [m]: 0.25 to 0.35 widths across, 0.3 to 0.6 heights deep.
@@ -70,6 +88,19 @@ pub(crate) fn sag(depth: f64, [length, width, height]: [f64; 3], rng: &mut impl 
         offset: 0.0,
         size: width * (1.5 + 1.5 * rng.random::<f64>()),
         depth: depth * height,
+    })
+}
+
+/// A lobe over one of the toes, one and a half to three widths long.
+///
+/// - `reach`: how far it hangs over, in widths
+pub(crate) fn overlap(reach: f64, [length, width, _]: [f64; 3], rng: &mut impl RngExt) -> Option<Defect> {
+    (reach > 0.0).then(|| Defect {
+        kind: DefectKind::Overlap,
+        arc_length: length * (0.3 + 0.4 * rng.random::<f64>()),
+        offset: if rng.random::<bool>() { 0.5 * width } else { -0.5 * width },
+        size: width * (1.5 + 1.5 * rng.random::<f64>()).min(0.6 * length / width),
+        depth: reach * width,
     })
 }
 
@@ -112,22 +143,12 @@ fn drop(centre: DVec3, radius: f64) -> Mesh {
     let [around, rows] = DROP;
     let ring = |row: u32| {
         let (sin, cos) = (0.5 * TAU * f64::from(row) / f64::from(rows)).sin_cos();
-        (0..around).map(move |i| {
+        let point = |i: u32| {
             let (y, x) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
             centre + radius * DVec3::new(sin * x, sin * y, -cos)
-        })
+        };
+        (0..around).map(point).collect()
     };
-    let mut mesh =
-        Mesh { positions: vec![centre - radius * DVec3::Z, centre + radius * DVec3::Z], triangles: Vec::new() };
-    mesh.positions.extend((1..rows).flat_map(ring));
-    let at = |row: u32, i: u32| 2 + (row - 1) * around + i % around;
-    for i in 0..around {
-        mesh.triangles.push([0, at(1, i + 1), at(1, i)]);
-        mesh.triangles.push([1, at(rows - 1, i), at(rows - 1, i + 1)]);
-        for row in 1..rows - 1 {
-            mesh.triangles.push([at(row, i), at(row, i + 1), at(row + 1, i + 1)]);
-            mesh.triangles.push([at(row, i), at(row + 1, i + 1), at(row + 1, i)]);
-        }
-    }
-    mesh
+    let rings: Vec<Vec<DVec3>> = (1..rows).map(ring).collect();
+    loft(&rings, [centre - radius * DVec3::Z, centre + radius * DVec3::Z])
 }

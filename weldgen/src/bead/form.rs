@@ -8,11 +8,16 @@ use std::f64::consts::{PI, TAU};
 use rand::RngExt;
 use serde::Serialize;
 
-use super::defect::{Defect, DefectKind, pores, sag};
+use super::defect::{Defect, DefectKind, overlap, pores, sag};
 use crate::curvature::CurvatureProfile;
 
 /// Least share of the crown's height that ripples, crater and variation together leave.
 const LEAST_HEIGHT: f64 = 0.1;
+
+/// Largest width of an undercut's groove, in bead widths.
+pub(crate) const WIDEST_GROOVE: f64 = 0.3;
+/// Height of an overlap's lobe above the toes, in bead heights.
+const LOBE_HEIGHT: f64 = 0.5;
 
 /// Ripples: the solidified edges of the weld pool.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -62,6 +67,12 @@ pub struct FormRequest {
     pub sagging: f64,
     /// Number of drops of spatter.
     pub spatter: u32,
+    /// How far a lobe hangs over a toe, in widths; 0 for none.
+    pub overlap: f64,
+    /// Depth of a groove along a toe, in heights; 0 for none.
+    pub undercut: f64,
+    /// Number of holes through bead and part.
+    pub burn_through: u32,
 }
 
 /// The form of one bead.
@@ -72,7 +83,7 @@ pub struct BeadForm {
     size: [f64; 2],
     /// Slow changes between -1 and 1 of width and height.
     slow: [CurvatureProfile; 2],
-    /// Pores and sags.
+    /// Pores, sags and overlaps.
     defects: Vec<Defect>,
     height: f64,
 }
@@ -95,6 +106,9 @@ impl FormRequest {
             ("weave pitch", swing / width, [1.5 + TAU * amplitude / width, 1e3], "widths"),
             ("width variation", self.width_variation, [0.0, 0.3], "widths"),
             ("sagging", self.sagging, [0.0, 0.7], "heights"),
+            ("overlap", self.overlap, [0.0, 0.3], "widths"),
+            ("undercut", self.undercut, [0.0, 0.5], "heights"),
+            ("number of burnt holes", f64::from(self.burn_through), [0.0, 10.0], ""),
             ("number of pores", f64::from(self.pores), [0.0, 1e3], ""),
             ("number of drops of spatter", f64::from(self.spatter), [0.0, 1e3], ""),
             ("height variation", self.height_variation, [0.0, 0.3], "heights"),
@@ -107,7 +121,9 @@ impl FormRequest {
 
     /// Farthest that something at this distance [m] from the centreline may get.
     pub(crate) fn half_reach(&self, half_width: f64) -> f64 {
-        (1.0 + self.width_variation) * half_width + self.weave.map_or(0.0, |weave| weave.amplitude)
+        let groove = if self.undercut > 0.0 { WIDEST_GROOVE } else { 0.0 };
+        let beside = 2.0 * self.overlap.max(groove);
+        (1.0 + self.width_variation + beside) * half_width + self.weave.map_or(0.0, |weave| weave.amplitude)
     }
 }
 
@@ -121,10 +137,11 @@ impl BeadForm {
         let slow = [slow(), slow()];
         let mut defects = pores(request.pores, size, rng);
         defects.extend(sag(request.sagging, size, rng));
+        defects.extend(overlap(request.overlap, size, rng));
         Self { request, size: [length, width], slow, defects, height }
     }
 
-    /// Pores and sags of the bead.
+    /// Pores, sags and overlaps of the bead.
     pub fn defects(&self) -> &[Defect] {
         &self.defects
     }
@@ -172,10 +189,30 @@ impl BeadForm {
             factor -= defect.depth / self.height
                 * match defect.kind {
                     DefectKind::SurfacePore => (1.0 - along * along - across * across).max(0.0).sqrt(),
-                    _ => 0.5 + 0.5 * (PI * along.clamp(-1.0, 1.0)).cos(),
+                    DefectKind::Sagging => defect.swell(s),
+                    _ => 0.0,
                 };
         }
         factor.max(LEAST_HEIGHT)
+    }
+
+    /// Shift to the left [m] of a point of the outline at an offset y and a height above the toes [m]: lobes that hang
+    /// over a toe.
+    ///
+    /// ```text
+    ///      '-.
+    ///         '-.__
+    ///          .___)   lobe, farthest out at a quarter of the bead's height
+    ///   ------o----------
+    /// ```
+    pub fn lobe(&self, s: f64, y: f64, above: f64) -> f64 {
+        let share = (above / (LOBE_HEIGHT * self.height)).clamp(0.0, 1.0);
+        let out = |defect: &Defect| {
+            let beyond = (0.5 * self.size[1] - y.abs()).max(0.0) + defect.depth;
+            y.signum() * (PI * share).sin() * defect.swell(s) * beyond
+        };
+        let hangs = |defect: &&Defect| defect.kind == DefectKind::Overlap && defect.offset * y > 0.0;
+        self.defects.iter().filter(hangs).map(out).sum()
     }
 }
 

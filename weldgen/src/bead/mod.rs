@@ -10,6 +10,7 @@
 
 pub(crate) mod defect;
 mod form;
+pub(crate) mod loft;
 mod sweep;
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -17,6 +18,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use serde::{Deserialize, Serialize};
 
 pub use defect::{Defect, DefectKind};
+pub(crate) use form::WIDEST_GROOVE;
 pub use form::{BeadForm, Crater, FormRequest, Ripples, Weave};
 pub use sweep::{BeadError, sweep, sweep_formed};
 
@@ -108,6 +110,16 @@ impl BeadProfile {
                 FRAC_PI_2 - half_opening + (4.0 * (self.height - self.toe_height) / self.width).atan()
             }
         }
+    }
+
+    /// Radius r [m] of the field's smooth union (`sdf_bake::Combine::SmoothUnion`) that rounds the toes so that they are
+    /// nowhere sharper than `toe_radius` [m].
+    ///
+    /// Between two planes at the toe angle α the blend is a parabola, (φ+ψ)/2 = r/4 + (φ−ψ)²/(4r); its least radius of
+    /// curvature is r cos(α/2) / (2 sin²(α/2)).
+    pub fn blend_radius(&self, toe_radius: f64) -> f64 {
+        let half_angle = 0.5 * self.toe_angle();
+        2.0 * toe_radius * half_angle.sin().powi(2) / half_angle.cos()
     }
 
     /// Distance y [m] from the centreline to which the bead reaches with a root this deep [m].

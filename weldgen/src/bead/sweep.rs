@@ -143,7 +143,7 @@ impl Builder<'_> {
         let s = point.arc_length;
         let (factor, shift) = (self.form.width_factor(s), self.form.shift(s));
         let place = |&(y, z): &(f64, f64)| {
-            let side = shift + scale * factor * y;
+            let side = shift + scale * (factor * y + self.form.lobe(s, y, z - self.toe_height));
             point.position + side * point.side + scale * self.formed(s, (y, z)) * point.normal
         };
         let vertices: Vec<DVec3> = self.outline.iter().map(place).collect();

@@ -9,6 +9,7 @@
 mod arc;
 mod face;
 mod fan;
+mod section;
 mod strip;
 
 use glam::{DVec2, DVec3};
@@ -19,6 +20,7 @@ use crate::topology::{Across, Topology};
 use arc::{Arc, LARGEST_TURN};
 use face::FlatFace;
 use fan::Fan;
+pub use section::trace_section;
 use strip::follow;
 
 /// Where a trace starts.
@@ -71,6 +73,8 @@ pub enum TraceEnd {
     NonManifold,
     /// An edge sharper than allowed.
     Sharp,
+    /// A hollow, where none is allowed.
+    Hollow,
     /// A triangle without area; or the start, a limit or the curvature is not a proper number.
     Degenerate,
     /// The step limit was reached.

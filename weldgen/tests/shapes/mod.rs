@@ -127,3 +127,34 @@ pub(crate) fn cuboid(low: DVec3, high: DVec3) -> Mesh {
         triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
     }
 }
+
+/// An L of 200 × 100 × 100 mm with walls of 20 mm: one concave edge, 200 mm long, along x at y = z = 20 mm.
+pub(crate) fn angle() -> Mesh {
+    let outline = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.02), (0.02, 0.02), (0.02, 0.1), (0.0, 0.1)];
+    let count = outline.len() as u32;
+    let at = |x: f64| outline.iter().map(move |&(y, z)| DVec3::new(x, y, z));
+    let positions = at(0.0).chain(at(0.2)).collect();
+    let sides = (0..count).flat_map(|i| {
+        let next = (i + 1) % count;
+        [[i, next, count + next], [i, count + next, count + i]]
+    });
+    // Both ends are fans around the inner corner, which sees all others.
+    let ends = [4, 5, 0, 1].map(|i| [3, i, (i + 1) % count]);
+    let front = ends.map(|t| t.map(|i| count + i));
+    let back = ends.map(|[a, b, c]| [a, c, b]);
+    Mesh { positions, triangles: sides.chain(back).chain(front).collect() }
+}
+
+/// A solid round bar of 24 flat sides.
+pub(crate) fn closed_tube() -> Mesh {
+    let mut mesh = tube(0.05, 0.3, 24, 4);
+    for (ring, z, up) in [(0u32, 0.0, false), (4, 0.3, true)] {
+        let centre = mesh.positions.len() as u32;
+        mesh.positions.push(DVec3::Z * z);
+        for i in 0..24u32 {
+            let (a, b) = (i * 5 + ring, (i + 1) % 24 * 5 + ring);
+            mesh.triangles.push(if up { [centre, a, b] } else { [centre, b, a] });
+        }
+    }
+    mesh
+}

@@ -1,0 +1,55 @@
+//! The surface of the welded workpiece as one mesh.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use sdf_bake::{BrickGrid, Mesh};
+
+use super::SURFACE_FILE;
+use crate::export::glb::{GlbMaterial, GlbPart, write_surface_glb};
+use crate::workpiece::Workpiece;
+
+/// A triangle is weld metal when its middle is farther than this outside the bare part [voxels].
+const OFF_PART: f32 = 0.1;
+
+pub(super) fn write(workpiece: &Workpiece, folder: &Path) -> Result<()> {
+    let surface = workpiece.welded.surface_mesh();
+    let pieces = pieces(&surface, &workpiece.welded, &workpiece.target);
+    let parts: Vec<GlbPart<'_>> = pieces
+        .iter()
+        .map(|(&weld_id, mesh)| {
+            let material = if weld_id == 0 { GlbMaterial::Base } else { GlbMaterial::Weld };
+            GlbPart { name: SURFACE_NAME, mesh, weld_id, material }
+        })
+        .collect();
+    let bytes = write_surface_glb(SURFACE_NAME, &parts)?;
+    fs::write(folder.join(SURFACE_FILE), bytes).with_context(|| SURFACE_FILE.to_owned())
+}
+
+/// Name of the mesh.
+const SURFACE_NAME: &str = "surface";
+
+/// The triangles of each weld id, with the vertices that they use.
+fn pieces(surface: &Mesh, welded: &BrickGrid, target: &BrickGrid) -> BTreeMap<u16, Mesh> {
+    let off_part = OFF_PART * welded.voxel as f32;
+    let mut pieces: BTreeMap<u16, Mesh> = BTreeMap::new();
+    let mut vertices: BTreeMap<u16, Vec<u32>> = BTreeMap::new();
+    for (triangle, corners) in surface.triangles.iter().enumerate() {
+        let [a, b, c] = surface.corners(triangle);
+        let middle = (a + b + c) / 3.0;
+        let id = if target.sample(middle) > off_part { welded.label(middle) } else { 0 };
+        let piece = pieces.entry(id).or_default();
+        let known = vertices.entry(id).or_insert_with(|| vec![u32::MAX; surface.positions.len()]);
+        piece.triangles.push(corners.map(|vertex| {
+            let place = &mut known[vertex as usize];
+            if *place == u32::MAX {
+                *place = piece.positions.len() as u32;
+                piece.positions.push(surface.positions[vertex as usize]);
+            }
+            *place
+        }));
+    }
+    pieces
+}

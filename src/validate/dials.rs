@@ -1,0 +1,41 @@
+//! The dials measured anew, more finely than when the weld was placed.
+
+use glam::DVec3;
+use sdf_bake::Mesh;
+use sdf_bake::query::MeshQuery;
+use weldgen::exposure::{ExposureRays, exposures};
+
+use super::Check;
+use crate::asset::{WELDS_FILE, WeldTruth, Welds};
+
+/// Rays at each point: 16 times those that placed the weld.
+const RAYS: u32 = 16 * 256;
+/// Largest number of points measured anew, the least exposed first.
+const POINTS: usize = 16;
+/// Height of the rays' origins above the surface, in heights of a bead on a face.
+const LIFT: f64 = 0.05;
+
+pub(super) fn check(truth: &Welds, part: &Mesh) -> Vec<Check> {
+    let query = MeshQuery::new(part);
+    truth.welds.iter().map(|weld| check_exposure(weld, &query)).collect()
+}
+
+/// The least exposure along a weld is within the range asked; not where the range was let go, which its figure tells.
+fn check_exposure(weld: &WeldTruth, query: &MeshQuery) -> Check {
+    let [low, high] = weld.requested.exposure;
+    let rule = format!("weld {}: {RAYS} rays find its exposure within {low} to {high}", weld.id);
+    let told = weld.exposure_min;
+    if !(low..=high).contains(&told) {
+        return Check::new(WELDS_FILE, rule, true, format!("the range was let go: {told} is told"));
+    }
+    let height = weld.width_mm * weld.requested.height_mm / weld.requested.width_mm;
+    let (reach, lift) = (1e-3 * weld.requested.exposure_reach_mm, 1e-3 * LIFT * height);
+    let curve = &weld.curve;
+    let mut places: Vec<(f64, (DVec3, DVec3))> =
+        curve.exposure.iter().copied().zip(curve.position.iter().copied().zip(curve.normal.iter().copied())).collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let darkest: Vec<(DVec3, DVec3)> = places.into_iter().take(POINTS).map(|(_, place)| place).collect();
+    let found = exposures(query, &darkest, ExposureRays { reach, lift, rays: RAYS });
+    let least = found.into_iter().fold(1.0, f64::min);
+    Check::new(WELDS_FILE, rule, (low..=high).contains(&least), format!("{least:.4}, {told:.4} is told"))
+}

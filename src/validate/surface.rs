@@ -1,0 +1,64 @@
+//! The welded surface as one mesh: closed, with the ids of the truth and the volume of the field.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use sdf_bake::Mesh;
+
+use super::Check;
+use crate::asset::{AssetFields, SURFACE_FILE, Welds};
+use crate::export::glb_read::ReadPart;
+
+/// Largest distance of a vertex from the field's surface [voxels]: both are in one cell, and the field rounds sharp edges.
+const OFF_FIELD: f64 = 1.0;
+/// Largest difference between the volumes of mesh and field, over the mesh's area [voxels].
+const OFF_VOLUME: f64 = 0.1;
+
+pub(super) fn check(pieces: &[ReadPart], fields: &AssetFields, truth: Option<&Welds>) -> Vec<Check> {
+    let mut surface = Mesh::default();
+    pieces.iter().for_each(|piece| surface.append(&piece.mesh));
+    let mut checks = vec![check_distance(&surface, fields), check_volume(&surface, fields)];
+    let open = open_edges(&surface);
+    checks.push(Check::new(SURFACE_FILE, "is closed", open == 0, format!("{open} open edges")));
+    if let Some(truth) = truth {
+        let told: BTreeSet<u16> = truth.welds.iter().map(|weld| weld.id).chain([0]).collect();
+        let found: BTreeSet<u16> = pieces.iter().map(|piece| piece.weld_id).collect();
+        let rule = "its pieces have the weld ids of the truth";
+        checks.push(Check::new(SURFACE_FILE, rule, found == told, format!("{found:?}, told {told:?}")));
+    }
+    checks
+}
+
+/// Edges that are not gone as often one way as the other, where vertices in one place are one: pieces meet there, and triangles
+/// may be flat.
+fn open_edges(surface: &Mesh) -> usize {
+    let mut places: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+    let vertices: Vec<u32> = surface
+        .positions
+        .iter()
+        .map(|position| {
+            let next = places.len() as u32;
+            *places.entry(position.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next)
+        })
+        .collect();
+    let mut balance: BTreeMap<(u32, u32), i32> = BTreeMap::new();
+    for corners in &surface.triangles {
+        let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *balance.entry((from.min(to), from.max(to))).or_default() += (to > from) as i32 - (to < from) as i32;
+        }
+    }
+    balance.values().filter(|balance| **balance != 0).count()
+}
+
+fn check_distance(surface: &Mesh, fields: &AssetFields) -> Check {
+    let off = |place: &glam::DVec3| f64::from(fields.welded.sample(*place)).abs() / fields.welded.voxel;
+    let worst = surface.positions.iter().map(off).fold(0.0, f64::max);
+    let rule = format!("its vertices lie within {OFF_FIELD} voxels of phi = 0");
+    Check::new(SURFACE_FILE, rule, worst <= OFF_FIELD, format!("at most {worst:.3} voxels off"))
+}
+
+fn check_volume(surface: &Mesh, fields: &AssetFields) -> Check {
+    let apart = (surface.volume() - fields.welded.volume()) / (surface.area() * fields.welded.voxel);
+    let rule = format!("its volume is that of phi within {OFF_VOLUME} voxels over its area");
+    Check::new(SURFACE_FILE, rule, apart.abs() <= OFF_VOLUME, format!("{apart:+.4} voxels"))
+}

@@ -1,0 +1,47 @@
+//! Proposals of butt welds: stretches of plane cuts through smooth ground that is nowhere hollow.
+
+use crate::curvature::CurvatureProfile;
+use crate::curve::WeldCurve;
+use crate::propose::{Layout, MAX_STEPS, Proposals, Refused};
+use crate::rejection::Rejection;
+use crate::request::{Joint, Placement};
+use crate::trace::{Trace, TraceEnd, TraceLimits, TracePoint, TraceStart, trace_section};
+
+impl Proposals<'_> {
+    /// What the weld joins.
+    pub(crate) fn joint(&self) -> Joint {
+        match (self.along_seams, self.request.placement) {
+            (true, _) => Joint::Fillet,
+            (false, Placement::Butt) => Joint::Butt,
+            (false, _) => Joint::BeadOnPlate,
+        }
+    }
+
+    /// The cut through a start, both ways; its curvature is that of the cut.
+    pub(crate) fn section(&self, start: TraceStart) -> Result<WeldCurve, Refused> {
+        let layout @ Layout { steps, spacing, clear } = self.layout();
+        let whole = steps + 2 * clear;
+        let [ahead, back] = [1.0, -1.0]
+            .map(|way| self.walk_section(TraceStart { heading: way * start.heading, ..start }, whole as f64 * spacing));
+        let [reached, behind] = [&ahead, &back].map(|trace| trace.points.len().saturating_sub(1));
+        if reached + behind < whole {
+            let end = if back.end == TraceEnd::Length { ahead.end } else { back.end };
+            let run = (reached + behind).saturating_sub(2 * clear) as f64 * spacing;
+            return Err(Refused { why: Rejection::cut_short(end), run });
+        }
+        let behind = behind.min(whole / 2).max(whole - reached.min(whole));
+        let turned = |point: &TracePoint| TracePoint { tangent: -point.tangent, ..*point };
+        let before = back.points.iter().skip(1).take(behind).rev().map(turned);
+        let points: Vec<TracePoint> = before.chain(ahead.points.iter().take(whole - behind + 1).copied()).collect();
+        let straight = CurvatureProfile::constant(0.0);
+        let mut curve = WeldCurve::frame(&points, layout.stretch(self.profile.width, 0.0), &straight);
+        curve.measure_curvature();
+        Ok(curve)
+    }
+
+    fn walk_section(&self, start: TraceStart, length: f64) -> Trace {
+        let (spacing, sharp_angle) = (self.layout().spacing, self.request.sharp_angle);
+        let limits = TraceLimits { length, spacing, sharp_angle, max_steps: MAX_STEPS };
+        trace_section(self.surface.part, &self.surface.topology, start, limits)
+    }
+}
