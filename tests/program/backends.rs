@@ -10,7 +10,7 @@ use serde_json::Value;
 use shaders::choice::DRIVER_PACKAGE;
 use tempfile::TempDir;
 
-use crate::program::{asset, names, robofin, run};
+use crate::program::{names, robofin, run};
 use crate::trial_road::{BREAKING, simulate, trial, written};
 
 const SOFT: &str = "process = \"grinding\"\n[law.winkler]\nstiffness = \"20 MPa/mm\"\n[law.preston-threshold]\ngrind_rate = \"1.4 mm/(MPa s)\"\n";
@@ -211,6 +211,6 @@ fn what_the_device_does_not_run_is_wrong_use_with_gpu_and_the_cpu_with_auto() {
     let said = run(&mut simulate(&place, &out("maps"), &["--covariates"])).succeeds().stderr;
     assert!(said.lines().any(|line| line.contains("CPU: the GPU backend does not run maps")), "{said}");
     let picture = folder.path().join("part.png");
-    run(robofin(["render", "--backend", "gpu"]).arg(asset()).arg("--out").arg(&picture))
+    run(robofin(["render", "--backend", "gpu"]).arg(&place).arg("--out").arg(&picture))
         .is_refused(2, &["part.png", "CPU"]);
 }
