@@ -172,12 +172,17 @@ fn a_formula_without_a_number_on_the_device_is_named_and_leaves_the_last_good_st
     let out = |name: &str| folder.path().join(name);
     let own = out("own");
     fs::create_dir(&own).unwrap();
-    written(&own, "my-effect.toml", BREAKING);
+    // Until it has no value this one changes next to nothing: its slope has a pole, which no rounding would follow.
+    let formula = "rate * (1 + 1e-6 * (1 - sqrt(1 - path_position / reach)))";
+    written(&own, "my-effect.toml", &BREAKING.replace("rate * sqrt(1 - path_position / reach)", formula));
     let model = written(folder.path(), "model.toml", "process = \"grinding\"\n[effect.my-effect]\n");
     let flags = ["--model", &model, "--effects", own.to_str().unwrap()];
-    run(&mut simulate(&place, &out("cpu"), &flags)).is_refused(1, &["pass 1", "my-effect", "hook rate"]);
-    let error = run(&mut on_device(&place, &out("gpu"), &flags)).is_refused(1, &["pass 1", "my-effect", "hook rate"]);
-    assert!(error.contains("last good state"), "{error}");
+    let words = ["pass 1", "my-effect", "hook rate", "last good state"];
+    let on_cpu = run(&mut simulate(&place, &out("cpu"), &flags)).is_refused(1, &words);
+    let on_device = run(&mut on_device(&place, &out("gpu"), &flags)).is_refused(1, &words);
+    let time =
+        |error: &str| error.split("at ").find_map(|rest| rest.split_once(" s of the pass")).unwrap().0.to_owned();
+    assert_eq!(time(&on_cpu), time(&on_device));
     assert_eq!(names(&out("gpu")), ["after.nvdb", "simulation.json"]);
     let (cpu, gpu) = (field(&out("cpu")), field(&out("gpu")));
     assert!(apart(&cpu, &gpu) <= 1e-4, "{} voxels", apart(&cpu, &gpu));
