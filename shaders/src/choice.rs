@@ -118,6 +118,14 @@ pub fn auto(adapters: &Adapters) -> Decision {
     }
 }
 
+/// What `auto` takes on a machine without a graphics processor, whatever drivers are installed.
+pub(crate) fn without_hardware() -> Decision {
+    Decision::cpu(&format!(
+        "this machine shows no graphics processor (no render node in /dev); --backend gpu takes a software driver \
+         (apt-get install {DRIVER_PACKAGE})"
+    ))
+}
+
 /// Why no adapter was found, and what to do about it.
 fn why_none(adapters: &Adapters) -> String {
     let filter = &adapters.filter;

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use crate::adapters::{self, AdapterReport, Filter};
 use crate::choice;
 pub use crate::choice::{Backend, BackendChoice, Decision, NoAdapter};
+use crate::hardware;
 use crate::simulate::Kernels;
 
 /// What this machine has and what `auto` makes of it: the data behind `robofin backends`.
@@ -22,7 +23,8 @@ pub struct Survey {
 /// Looks at the adapters of this machine, under `WGPU_BACKEND` and `WGPU_ADAPTER_NAME`. Opens none.
 pub fn survey() -> Survey {
     let adapters = adapters::list(&Filter::from_env());
-    Survey { auto: choice::auto(&adapters), gpu: choice::decide(BackendChoice::Gpu, &adapters), adapters }
+    let auto = if hardware::is_absent() { choice::without_hardware() } else { choice::auto(&adapters) };
+    Survey { auto, gpu: choice::decide(BackendChoice::Gpu, &adapters), adapters }
 }
 
 /// An open device and its queue.
@@ -70,6 +72,8 @@ pub struct DeviceFault {
     pub during: String,
     /// The driver's or the validator's words.
     pub message: String,
+    /// Whether less work at once might have gone well.
+    pub out_of_memory: bool,
 }
 
 /// Opens a device as the user chose, under `WGPU_BACKEND` and `WGPU_ADAPTER_NAME`.
@@ -88,6 +92,9 @@ pub fn open_with(choice: BackendChoice, filter: &Filter) -> Result<Opened, OpenE
     // The CPU needs no driver, so none is loaded.
     if choice == BackendChoice::Cpu {
         return Ok(Opened { decision: choice::decide(choice, &adapters::Adapters::default())?, device: None });
+    }
+    if choice == BackendChoice::Auto && hardware::is_absent() {
+        return Ok(Opened { decision: choice::without_hardware(), device: None });
     }
     let (adapters, handles) = adapters::enumerate(filter);
     let decision = choice::decide(choice, &adapters)?;
@@ -130,15 +137,17 @@ impl Device {
         let memory = pollster::block_on(memory.pop());
         let validation = pollster::block_on(validation.pop());
         let internal = pollster::block_on(internal.pop());
+        let out_of_memory = memory.is_some();
         match memory.or(validation).or(internal) {
-            Some(error) => Err(self.fault(during, &error)),
+            Some(error) => Err(DeviceFault { out_of_memory, ..self.fault(during, &error) }),
             None => Ok(result),
         }
     }
 
     /// A fault of this device.
     pub(crate) fn fault(&self, during: &str, error: &dyn std::error::Error) -> DeviceFault {
-        DeviceFault { adapter: self.adapter.to_string(), during: during.into(), message: error.to_string() }
+        let adapter = self.adapter.to_string();
+        DeviceFault { adapter, during: during.into(), message: error.to_string(), out_of_memory: false }
     }
 }
 

@@ -20,7 +20,7 @@
 //! In the order data meets them: [`constants`] and [`layout`] cross the border into WGSL, [`wgsl`] puts the
 //! sources together, [`adapters`] says what the machine has, [`choice`] picks, [`device`] opens, [`sample`] and [`simulate`] run.
 //!
-//! This crate never opens a file, prints nothing outside [`testing`], and knows no other room of the house:
+//! This crate never opens a file, looks for device nodes only by name, prints nothing outside [`testing`], and knows no other room of the house:
 //! grids arrive as slices.
 
 pub mod adapters;
@@ -29,6 +29,7 @@ mod buffers;
 pub mod choice;
 pub mod constants;
 pub mod device;
+mod hardware;
 pub mod layout;
 pub mod render;
 pub mod sample;

@@ -1,6 +1,14 @@
-//! A device for the tests of every room that has kernels, or a loud word where there is none.
+//! A device for the tests and benchmarks of every room that has kernels, or a loud word where there is none.
 
-use crate::device::{BackendChoice, Device, open};
+use std::time::Instant;
+
+use crate::buffers::zeros;
+use crate::device::{BackendChoice, Device, DeviceFault, open};
+
+/// Copied at once to measure bandwidth [bytes]: more than caches hold.
+const COPIED: u64 = 64 << 20;
+/// Copies of one measurement.
+const COPIES: u32 = 32;
 
 /// Any adapter, software drivers included. Without one this says on standard error what was not tested.
 ///
@@ -16,6 +24,32 @@ pub fn device(untested: &str) -> Option<Device> {
             None
         }
     }
+}
+
+/// Bytes that the device reads and writes each second when it copies from buffer to buffer.
+///
+/// # Errors
+/// [`DeviceFault`] where the device fails.
+pub fn copy_bandwidth(device: &Device) -> Result<f64, DeviceFault> {
+    let copy = |copies: u32| {
+        device.guarded("copying", |device| {
+            let [from, to] = ["from", "to"].map(|label| zeros(device, label, COPIED, wgpu::BufferUsages::STORAGE));
+            let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            for _ in 0..copies {
+                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, COPIED);
+            }
+            let started = Instant::now();
+            device.queue.submit([encoder.finish()]);
+            let waited = device.device.poll(wgpu::PollType::wait_indefinitely());
+            waited.map(|_| started.elapsed().as_secs_f64())
+        })
+    };
+    let mut seconds = 0.0;
+    // The first copies touch the memory.
+    for copies in [2, COPIES] {
+        seconds = copy(copies)?.map_err(|error| device.fault("copying", &error))?;
+    }
+    Ok(2.0 * f64::from(COPIES) * COPIED as f64 / seconds)
 }
 
 /// Takes the device away, as a driver that is reset does.

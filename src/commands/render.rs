@@ -7,9 +7,9 @@ use clap::Args;
 use glam::{DQuat, DVec3};
 use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
-use shaders::device::{BackendChoice, open as open_device};
 use sim::render::{Camera, Marks, Picture, Placement, ROLLED_STEEL, Raster, Scene, Sensor, Table};
 
+use super::backend_flags::{BackendFlags, name_of};
 use super::flags::OutFlags;
 use super::sensor_flags::SensorFlags;
 use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
@@ -47,9 +47,8 @@ struct PhotoFlags {
     /// three-quarter view that shows the weld].
     #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
     camera: Vec<f64>,
-    /// Where photographs are made: auto, cpu or gpu.
-    #[arg(long, value_name = "auto|cpu|gpu", default_value = "cpu")]
-    backend: BackendChoice,
+    #[command(flatten)]
+    backend: BackendFlags,
     /// Colour samples along each side of a pixel.
     #[arg(long, value_name = "N", default_value_t = 2)]
     samples: usize,
@@ -92,9 +91,10 @@ pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
 fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<usize> {
     refuse_occupied(&args.out.out, "", args.out.force)?;
     let photo = &args.photo;
-    if !photo.camera.is_empty() || photo.table || photo.turntable.is_some() || photo.lapse {
+    if !photo.camera.is_empty() || photo.table || photo.turntable.is_some() || photo.lapse || photo.backend.is_gpu() {
         return Err(wrong_use(format!(
-            "--out {}: a .png is a drawing without --camera, --table, --turntable and --lapse; give the name of a folder",
+            "--out {}: a .png is a drawing, made on the CPU without --camera, --table, --turntable and --lapse; give the name of \
+             a folder",
             args.out.out.display()
         )));
     }
@@ -112,27 +112,23 @@ fn photograph(args: &RenderArgs, (width, height): (usize, usize), console: &Cons
     }
     let raster = Raster { width, height, samples_per_side: photo.samples };
     let states = if photo.lapse { kept_fields(&args.source)? } else { Vec::new() };
-    let opened = open_device(photo.backend)?;
-    console.step("backend", &opened.decision.reason);
-    let darkroom = Darkroom::new(opened.device.as_ref())?;
     let folder = StagedFolder::new(&args.out.out, RENDER_FILE, args.out.force)?;
     let is_sequence = photo.lapse || photo.turntable.is_some();
     let mut album = Album::new(folder.path(), is_sequence, (raster, photo.sensor.sensor()?));
-    let mut camera = None;
-    for state in &states {
+    let (first, weld) = match states.first() {
+        Some(state) => (read_field(state)?, None),
+        None => open(&args.source)?,
+    };
+    let camera = photo.standing(&first, weld.as_ref(), &raster)?;
+    let shots = photo.turns(&first, photo.scene(&first, weld.as_ref())?, camera)?;
+    let device = photo.backend.device(None, console)?;
+    let darkroom = Darkroom::new(device.as_ref())?;
+    album.take(&darkroom, &first, &shots)?;
+    for state in states.iter().skip(1) {
         let part = read_field(state)?;
-        let standing = photo.standing(&part, None, &raster)?;
-        let shot = (photo.scene(&part, None)?, *camera.get_or_insert(standing));
-        album.take(&darkroom, &part, &[shot])?;
+        album.take(&darkroom, &part, &[(photo.scene(&part, None)?, camera)])?;
     }
-    if states.is_empty() {
-        let (part, weld) = open(&args.source)?;
-        let camera = photo.standing(&part, weld.as_ref(), &raster)?;
-        let scene = photo.scene(&part, weld.as_ref())?;
-        album.take(&darkroom, &part, &photo.turns(&part, scene, camera)?)?;
-    }
-    let backend = opened.device.as_ref().map_or_else(|| "cpu".to_owned(), |device| device.adapter().to_string());
-    let pictures = album.finish(args.source.display().to_string(), backend)?;
+    let pictures = album.finish(args.source.display().to_string(), name_of(device.as_ref()))?;
     folder.commit()?;
     console.step("pictures", format!("{pictures} of {width} x {height} in {}", args.out.out.display()));
     Ok(pictures)

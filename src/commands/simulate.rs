@@ -9,10 +9,10 @@ use serde::Serialize;
 use sim::effect::{CompiledModel, Process, RowCounts};
 use sim::{Tool, Wheel};
 
-use super::backend_flags::BackendFlags;
+use super::backend_flags::{BackendFlags, name_of};
 use super::flags::{OutFlags, within};
 use super::model_flags::ModelFlags;
-use crate::batch::{self, BATCH_FILE, BatchLine};
+use crate::batch::{self, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
@@ -166,6 +166,7 @@ impl ProcessFlags {
 #[derive(Serialize)]
 struct SimulateAnswer<'a> {
     out: &'a Path,
+    backend: String,
     real_time_factor: f64,
     seconds: f64,
     #[serde(flatten)]
@@ -176,6 +177,7 @@ struct SimulateAnswer<'a> {
 #[derive(Serialize)]
 struct TrialAnswer<'a> {
     out: &'a Path,
+    backend: String,
     real_time_factor: f64,
     #[serde(flatten)]
     summary: RehearsalSummary,
@@ -185,6 +187,7 @@ struct TrialAnswer<'a> {
 #[derive(Serialize)]
 struct BatchAnswer<'a> {
     out: &'a Path,
+    backend: String,
     runs: usize,
     real_time_factor: f64,
 }
@@ -212,12 +215,14 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     let keeping = args.state.keeping(trial.passes.len())?;
     let mut twin = Twin::new(&trial, voxel, args.replay)?;
     twin.covariates = args.covariates;
+    let runs = args.batch.as_deref().map(|file| batch::read(file, &model)).transpose()?;
+    let marker = if runs.is_some() { BATCH_FILE } else { REHEARSAL_FILE };
+    let folder = StagedFolder::new(&args.out.out, marker, args.out.force)?;
     let device = args.backend.device(twin.refusal(&model), console)?;
     twin.device = device.as_ref();
-    if let Some(file) = &args.batch {
-        return run_batch(file, (&twin, &model), args, console);
+    if let Some(runs) = runs {
+        return run_batch((&runs, folder), &twin, args, console);
     }
-    let folder = StagedFolder::new(&args.out.out, REHEARSAL_FILE, args.out.force)?;
     let rehearsal = Rehearsal::run(&twin, &model, (&keeping, folder.path()), console)?;
     let summary = rehearsal.summary(&trial, &model);
     rehearsal.describe(&summary, console);
@@ -228,18 +233,17 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
         );
     }
     console.step("done", format!("{}", args.out.out.display()));
-    console.answer(&TrialAnswer { out: &args.out.out, real_time_factor: rehearsal.real_time_factor, summary })
+    let backend = name_of(device.as_ref());
+    console.answer(&TrialAnswer { out: &args.out.out, backend, real_time_factor: rehearsal.real_time_factor, summary })
 }
 
 /// The trial under every parameter set of a table.
 fn run_batch(
-    file: &Path,
-    (twin, model): (&Twin, &CompiledModel),
+    (runs, folder): (&[BatchRun], StagedFolder),
+    twin: &Twin,
     args: &SimulateArgs,
     console: &Console,
 ) -> Result<()> {
-    let folder = StagedFolder::new(&args.out.out, BATCH_FILE, args.out.force)?;
-    let runs = batch::read(file, model)?;
     let started = Instant::now();
     let models: Vec<CompiledModel> = runs.iter().map(|run| run.model.clone()).collect();
     let outcomes = twin.run_models(&models)?;
@@ -260,7 +264,8 @@ fn run_batch(
         runs.len(),
         args.out.out.join(BATCH_FILE).display()
     );
-    console.answer(&BatchAnswer { out: &args.out.out, runs: runs.len(), real_time_factor: simulated / seconds })
+    let (backend, real_time_factor) = (name_of(twin.device), simulated / seconds);
+    console.answer(&BatchAnswer { out: &args.out.out, backend, runs: runs.len(), real_time_factor })
 }
 
 fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
@@ -288,6 +293,7 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&SimulateAnswer {
         out: &args.out.out,
+        backend: name_of(device.as_ref()),
         real_time_factor: ground.real_time_factor(),
         seconds: ground.seconds,
         summary: ground.summary(),

@@ -3,6 +3,7 @@
 //! Where Python, node or the shared parts (`ROBOFIN_SHARED`) cannot be had, the tests that need them say so on
 //! standard error; with `ROBOFIN_REQUIRE_OUTSIDE=1` they fail instead.
 
+mod backends;
 mod bake_folder;
 mod damage;
 mod dials;

@@ -12,7 +12,7 @@ use crate::program::{asset, files, names, robofin, run};
 
 const RADIUS: f64 = 0.02;
 /// A formula of one's own that has no value once the tool has gone 3 mm.
-const BREAKING: &str = "name = \"my-effect\"\ntitle = \"Mine\"\nsource = \"none\"\n\n[parameters.reach]\nunit = \"mm\"\n\
+pub(crate) const BREAKING: &str = "name = \"my-effect\"\ntitle = \"Mine\"\nsource = \"none\"\n\n[parameters.reach]\nunit = \"mm\"\n\
                         null = inf\nrange = [1.0, 1e3]\ndefault = 3.0\n\n\
                         [modify]\nrate = \"rate * sqrt(1 - path_position / reach)\"\n";
 
@@ -36,7 +36,7 @@ fn log(back: bool) -> Log {
 }
 
 /// A plate of 18 mm by 8 mm with a bead along x, ground twice, to and fro.
-fn trial() -> (TempDir, PathBuf) {
+pub(crate) fn trial() -> (TempDir, PathBuf) {
     let pixels = PixelGrid { origin: DVec2::new(-0.004, -0.004), pitch: 0.25e-3, nx: 73, ny: 33 };
     let scan = HeightMap::from_function(pixels, |p| (0.8e-3 * (1.0 - (p.y / 2.5e-3).powi(2))).max(0.0));
     let pass = |back: bool| Pass {
@@ -67,13 +67,13 @@ fn trial() -> (TempDir, PathBuf) {
     (folder, place)
 }
 
-fn written(folder: &Path, name: &str, text: &str) -> String {
+pub(crate) fn written(folder: &Path, name: &str, text: &str) -> String {
     let place = folder.join(name);
     fs::write(&place, text).unwrap();
     place.to_str().unwrap().to_owned()
 }
 
-fn simulate(trial: &Path, out: &Path, flags: &[&str]) -> std::process::Command {
+pub(crate) fn simulate(trial: &Path, out: &Path, flags: &[&str]) -> std::process::Command {
     let mut command = robofin(["simulate", "--json"]);
     command.arg(trial).args(flags).arg("--out").arg(out);
     command

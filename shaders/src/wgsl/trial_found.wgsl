@@ -64,7 +64,7 @@ fn settle_found() {
         return;
     }
     state.dt_limit = 2.0 * dt;
-    if state.left - dt < 1e-7 {
+    if state.left - dt < CLOCK {
         state.dt = state.left;
     }
     let half = 0.5 * (state.guess - from_travel());

@@ -4,6 +4,8 @@
 // Longest step, longest while the tool comes down [s].
 const LONGEST_STEP: f32 = 0.05;
 const APPROACH_STEP: f32 = 0.01;
+// Times that the clock does not tell apart [s]: a step of less would make all that follow it short, too.
+const CLOCK: f32 = 1e-7;
 // Share of the setpoint that counts as touching the part.
 const TOUCH: f32 = 0.15;
 // Lines around the contact that a sheet holds in reserve.
@@ -44,7 +46,8 @@ fn plan_step() {
     }
     state.piece = piece_at(now());
     let approach = time_between(Time(setup.approach_blocks, setup.approach_rest), now());
-    take_over(approach <= 0.0);
+    let comes_down = approach > CLOCK;
+    take_over(!comes_down);
     let speed = path_speed();
     var dt = min(min(state.dt_limit, setup.longest_step), left);
     if speed > 0.0 {
@@ -53,7 +56,7 @@ fn plan_step() {
     if setup.quasi_static == 0u {
         dt = min(dt, period());
     }
-    if approach > 0.0 {
+    if comes_down {
         dt = min(min(dt, APPROACH_STEP), approach);
     }
     state.step_dt = dt;

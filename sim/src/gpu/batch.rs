@@ -15,7 +15,7 @@ use shaders::simulate::{Batch, Remains, Rooms, Running, SimulateError, Simulator
 
 use super::setup::time_of;
 use super::{GpuError, refusal, remains, setup};
-use crate::effect::{DeviceModel, Place, Reset, States};
+use crate::effect::{CompiledModel, DeviceModel, Place, Reset, States};
 use crate::pass::{Pass, Progress};
 use crate::physics::Physics;
 use crate::record::PassRecord;
@@ -77,10 +77,11 @@ pub fn run_pass(
 }
 
 /// Runs trials that know nothing of each other, as many at once as the device holds. Gives one result for each, in their
-/// order; `progress` is told of a trial by its number.
+/// order; `progress` is told of a trial by its number. A trial for which there is no room even alone has an error of its
+/// own.
 ///
 /// # Errors
-/// [`GpuError::Device`] where the device fails: then there are no results.
+/// [`GpuError::Device`] where the device fails otherwise: then there are no results.
 pub fn run_batch(
     device: &Device,
     trials: &[Trial],
@@ -109,8 +110,12 @@ pub fn run_batch(
                     now.iter().zip(outcomes).for_each(|(ready, outcome)| results[ready.number] = Some(Ok(outcome)));
                     rest = later;
                 }
-                Err(GpuError::Device(SimulateError::TooLarge { .. })) if now.len() > 1 => size = now.len() / 2,
-                Err(error) => return Err(error),
+                Err(SimulateError::Device(fault)) if !fault.out_of_memory => return Err(fault.into()),
+                Err(_) if now.len() > 1 => size = now.len() / 2,
+                Err(too_large) => {
+                    results[now[0].number] = Some(Err(too_large.into()));
+                    rest = later;
+                }
             }
         }
     }
@@ -226,7 +231,7 @@ fn run_group(
     group: &[Ready],
     rooms: Rooms,
     progress: &mut dyn FnMut(usize, Progress),
-) -> Result<Vec<Outcome>, GpuError> {
+) -> Result<Vec<Outcome>, SimulateError> {
     let mut running = simulator.load(batch(group, model), rooms)?;
     let header = header(group);
     let mut records = vec![PassRecord::default(); group.len()];
@@ -266,7 +271,7 @@ fn outcomes(
     model: &DeviceModel,
     (group, header): (&[Ready], &RunHeader),
     (records, states): (Vec<PassRecord>, &[TrialState]),
-) -> Result<Vec<Outcome>, GpuError> {
+) -> Result<Vec<Outcome>, SimulateError> {
     let remains = running.remains()?;
     let each = group.iter().zip(records).zip(remains).zip(running.setups().iter().zip(states));
     Ok(each
@@ -298,7 +303,7 @@ fn finish(mut record: PassRecord, state: &TrialState, ready: &Ready) -> Result<P
     let process = ready.trial.pass.process;
     let time = time_of(state.time_blocks, state.time_rest);
     match state.status {
-        STATUS_FORMULA => return Err(GpuError::Formula { time, place: place_of(state.detail) }),
+        STATUS_FORMULA => return Err(formula_fault(time, place_of(state.detail), ready.trial.pass.model)),
         STATUS_TOO_MANY_STEPS => {
             return Err(PassError::TooManySteps { time, most: process.most_steps.unwrap_or_default() }.into());
         }
@@ -310,6 +315,13 @@ fn finish(mut record: PassRecord, state: &TrialState, ready: &Ready) -> Result<P
     }
     record.finish(ready.trial.pass.path.duration());
     Ok(record)
+}
+
+/// The fault of a formula somewhere.
+fn formula_fault(time: f64, place: Place, model: &CompiledModel) -> GpuError {
+    let names: Vec<&str> = model.acting(place).map(|effect| effect.name.as_str()).collect();
+    let effects = if names.is_empty() { "the base law".to_owned() } else { names.join(" or ") };
+    GpuError::Formula { time, effects, place }
 }
 
 fn place_of(fault: u32) -> Place {

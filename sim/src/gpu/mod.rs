@@ -27,12 +27,14 @@ pub enum GpuError {
     Pass(#[from] PassError),
     /// A formula gave no finite number in f32.
     #[error(
-        "at {time:.4} s of the pass: a formula at the hook {place} gives no finite number; the part holds the last good \
-         state, and --backend cpu names the formula"
+        "at {time:.4} s of the pass: a formula of {effects} gives no finite number at the hook {place}; the part holds the \
+         last good state, and --backend cpu shows the formula with its inputs"
     )]
     Formula {
         /// Time in the pass [s].
         time: f64,
+        /// The effects that act there, or the base law.
+        effects: String,
         /// Where.
         place: Place,
     },

@@ -69,7 +69,7 @@ fn a_device_that_is_lost_or_too_small_is_named_and_the_part_kept() {
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
     let vast = Settings { rooms: Rooms { bricks: 10_000_000, ..Rooms::default() }, ..Settings::default() };
-    let error = run_batch(&device, &[trial], vast, &mut |_, _| {}).unwrap_err();
+    let error = run_batch(&device, &[trial], vast, &mut |_, _| {}).unwrap().remove(0).unwrap_err();
     assert!(matches!(error, GpuError::Device(SimulateError::TooLarge { array: "bricks", .. })), "{error}");
     assert!(error.to_string().contains(&device.adapter().name), "{error}");
     lose(&device);
