@@ -35,6 +35,8 @@ const COMMIT_RECESSION: f64 = 0.4;
 const BENT: f64 = 0.02;
 /// Longest step while the tool comes down [s].
 const APPROACH_STEP: f64 = 0.01;
+/// Times that are one [s]: a step of what rounding leaves would make all that follow it short, too.
+const CLOCK: f64 = 1e-9;
 /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
 const INERTIA: f64 = 0.03;
 /// Change of the force in a step [setpoints] beyond which it is shortened, too.
@@ -221,7 +223,7 @@ impl<'a> Runner<'a> {
         if !self.pass.process.quasi_static {
             dt = dt.min(period);
         }
-        if self.time < self.pass.approach {
+        if self.comes_down() {
             dt = dt.min(APPROACH_STEP).min(self.pass.approach - self.time);
         }
         self.moment.enter(&self.pass, self.nominal(self.time, 0.0), self.time, &mut self.physics.step);
@@ -238,7 +240,7 @@ impl<'a> Runner<'a> {
                 continue;
             }
             self.dt = 2.0 * dt;
-            return self.accept(motion, if rest - dt < 1e-9 { rest } else { dt });
+            return self.accept(motion, if rest - dt < CLOCK { rest } else { dt });
         }
     }
 
@@ -252,11 +254,16 @@ impl<'a> Runner<'a> {
         self.pass.process.ways(self.pass.tool, self.grid.voxel, self.physics.grinds()).1
     }
 
+    /// Whether the path still leads the tool to the part.
+    fn comes_down(&self) -> bool {
+        self.pass.approach - self.time > CLOCK
+    }
+
     /// Ends the approach when its time is up or the tool touches.
     fn take_over(&mut self) {
-        let Pass { process, approach, .. } = self.pass;
+        let Pass { process, .. } = self.pass;
         let touches = self.physics.step.get(Variable::Force) > TOUCH * process.force_setpoint;
-        if self.controller != process.controller && (touches || self.time >= approach) {
+        if self.controller != process.controller && (touches || !self.comes_down()) {
             self.controller = process.controller;
         }
     }
