@@ -388,10 +388,8 @@ fn ways(request: &WeldRequest, seed: u64) -> Vec<bool> {
     match request.placement {
         Placement::Surface | Placement::Butt => vec![false],
         Placement::Seam => vec![true],
-        Placement::Mixed => {
-            let first = mix(seed, 0).is_multiple_of(2);
-            vec![first, !first]
-        }
+        Placement::Mixed if mix(seed, 0).is_multiple_of(2) => vec![true, false],
+        Placement::Mixed => vec![false, true],
     }
 }
 
