@@ -28,7 +28,7 @@ const APART: f64 = 1e-3;
 
 /// Two effects fitted together.
 struct Joint {
-    /// The one that is the better alone, at the values of the first look.
+    /// The one that is the better alone, at the values that the fit of both began from.
     lead: Screened,
     /// The other one, with the fit of both.
     both: Suspect,

@@ -8,11 +8,10 @@ use super::Check;
 use crate::asset::{AssetFields, SURFACE_FILE, Welds};
 use crate::export::glb_read::ReadPart;
 
-/// Largest distance of a vertex from the field's surface [voxels]: both are in one cell, whose diagonal this is. Where a thin edge
-/// of the part ends within a cell, the field rounds it away and the vertex stays.
+/// Largest distance of a vertex from the field's surface [voxels]: both are in one cell, whose diagonal this is.
 const OFF_FIELD: f64 = 1.733;
 /// Largest difference between the volumes of mesh and field, over the mesh's area [voxels]. Mostly it is
-/// below 0.03; a real part of 1 m at voxels of 8 mm, with walls of few voxels, has 0.14.
+/// below 0.03; a real part of 1 m at voxels of 8 mm has 0.14.
 const OFF_VOLUME: f64 = 0.25;
 
 pub(super) fn check(pieces: &[ReadPart], fields: &AssetFields, truth: Option<&Welds>) -> Vec<Check> {

@@ -11,6 +11,7 @@ use sim::{Controller, Pad, Pass, PassRecord, Path, Process, Tool, Wheel, gpu, ru
 /// Largest difference of a field [voxels] and of a force [1] between device and CPU.
 const FIELD: f64 = 1e-4;
 const FORCE: f64 = 1e-3;
+
 /// A slab with its top at z = `top`.
 fn slab(voxel: f64, half: DVec3, top: f64) -> BrickGrid {
     BrickGrid::from_distance(-half, half, voxel, 3.0, move |p| p.z - top)
