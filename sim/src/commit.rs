@@ -10,7 +10,6 @@ use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use sdf_bake::redistance::KEPT_VOXELS;
 
-use crate::lattice_line::LatticeLine;
 use crate::sheet::{NO_SURFACE, Sheet};
 
 /// Area ratio up to which a column's whole band is written.
@@ -40,9 +39,9 @@ pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
     for layer in 1..=layers {
         // All are found before any is written, so that the order of the lines does not matter.
         renewed.clear();
-        renewed
-            .extend(lines.iter().flat_map(|&line| [1, -1].map(|side| renewed_far(grid, sheet, line, (layer, side)))));
-        renewed.drain(..).flatten().for_each(|far| write_far(grid, sheet, &far));
+        let sides = lines.iter().flat_map(|&line| [(line, 1), (line, -1)]);
+        renewed.extend(sides.filter_map(|(line, side)| renewed_far(grid, sheet, line, (layer, side))));
+        renewed.drain(..).for_each(|far| write_far(grid, sheet, &far));
     }
 }
 
@@ -82,13 +81,12 @@ fn open_bricks(grid: &mut BrickGrid, sheet: &Sheet, lines: &[usize]) {
 
 /// Writes a line's value of a channel to the voxels around its surface.
 fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar, value: f64) {
-    let (i, j) = sheet.window.place(line);
     if sheet.height[line] <= NO_SURFACE {
         return;
     }
     let below = floor(sheet.height[line] / sheet.pitch);
     for k in below - 1..=below + 2 {
-        if let Some(at) = grid.place(sheet.facing.voxel(i, j, k)) {
+        if let Some(at) = sheet.lattice.place(grid, sheet.on[line], k) {
             grid.scalar_mut(channel)[at] = value as f32;
         }
     }
@@ -96,14 +94,12 @@ fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar,
 
 /// Raises the band's voxels of a line.
 fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
-    let (i, j) = sheet.window.place(line);
     let below = floor(sheet.read_height[line] / sheet.pitch);
-    let area_ratio = sheet.area_ratio(line);
-    let mut on_line = LatticeLine::new(grid, sheet.facing, i, j);
-    let beside = [below, below + 1].map(|k| f64::from(on_line.phi(k)));
+    let (area_ratio, on) = (sheet.area_ratio(line), sheet.on[line]);
+    let beside = [below, below + 1].map(|k| f64::from(sheet.lattice.phi(grid, on, k)));
     for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
         for step in 0..reach(grid, area_ratio) {
-            let Some(at) = grid.place(sheet.facing.voxel(i, j, first + side * step)) else { break };
+            let Some(at) = sheet.lattice.place(grid, on, first + side * step) else { break };
             let phi = f64::from(grid.phi[at]);
             let rise = (phi - nearer) * f64::from(side);
             if grid.phi[at].abs() >= grid.band || rise <= 0.0 {
@@ -135,12 +131,12 @@ fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
 fn sunk_at(sheet: &Sheet, line: usize, phi: f64) -> f64 {
     let shift = phi / (sheet.area_ratio(line) * sheet.pitch);
     let at = DVec2::from(sheet.slope[line]) * shift;
-    bilinear(sheet, line, at, |near, _| Some(sheet.read_height[near] - sheet.height[near])).unwrap_or(0.0)
+    bilinear(sheet, line, at, |near| Some(sheet.read_height[near] - sheet.height[near])).unwrap_or(0.0)
 }
 
 /// Interpolates between the columns around a line, `at` [columns] away from it; `None` beyond the window, or where a
-/// column has no value. `value` is told a column's line and how many columns it is away from this one.
-fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize, [i32; 2]) -> Option<f64>) -> Option<f64> {
+/// column has no value.
+fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize) -> Option<f64>) -> Option<f64> {
     let [rows, across] = sheet.window.size;
     let own = [line / across, line % across];
     let (row, column) = (own[0] as f64 + at.x, own[1] as f64 + at.y);
@@ -149,17 +145,16 @@ fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize, [i32; 2
     }
     let (r, c) = ((row as usize).min(rows - 2), (column as usize).min(across - 2));
     let (fr, fc) = (row - r as f64, column - c as f64);
-    let (down, right) = (r as i32 - own[0] as i32, c as i32 - own[1] as i32);
     let first = r * across + c;
     let mut sum = 0.0;
-    for (near, way, weight) in [
-        (first, [down, right], (1.0 - fr) * (1.0 - fc)),
-        (first + 1, [down, right + 1], (1.0 - fr) * fc),
-        (first + across, [down + 1, right], fr * (1.0 - fc)),
-        (first + across + 1, [down + 1, right + 1], fr * fc),
+    for (near, weight) in [
+        (first, (1.0 - fr) * (1.0 - fc)),
+        (first + 1, (1.0 - fr) * fc),
+        (first + across, fr * (1.0 - fc)),
+        (first + across + 1, fr * fc),
     ] {
         if weight > 0.0 {
-            sum += weight * value(near, way)?;
+            sum += weight * value(near)?;
         }
     }
     Some(sum)
@@ -175,11 +170,10 @@ struct Far {
 
 /// The voxel `layer` steps from the surface on a side of it; `None` where it carries the zero set, or has no nearer one.
 fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (layer, side): (i32, i32)) -> Option<Far> {
-    let (i, j) = sheet.window.place(line);
     let below = floor(sheet.height[line] / sheet.pitch);
     let kept = (KEPT_VOXELS * sheet.pitch) as f32;
     let k = if side > 0 { below + layer } else { below + 1 - layer };
-    let at = grid.place(sheet.facing.voxel(i, j, k))?;
+    let at = sheet.lattice.place(grid, sheet.on[line], k)?;
     let old = grid.phi[at];
     let wrong_side = old * (side as f32) < 0.0;
     if old.abs() <= kept || wrong_side {
@@ -191,9 +185,9 @@ fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (layer, side): (i32
 
 /// Writes a distance; a voxel that was beyond the band takes the label of the one above it.
 fn write_far(grid: &mut BrickGrid, sheet: &Sheet, far: &Far) {
-    let (i, j) = sheet.window.place(far.line);
     if grid.phi[far.at] == -grid.band && !grid.label.is_empty() {
-        grid.label[far.at] = grid.label_at(sheet.facing.voxel(i, j, far.k + 1));
+        let above = sheet.lattice.place(grid, sheet.on[far.line], far.k + 1);
+        grid.label[far.at] = above.map_or(0, |above| grid.label[above]);
     }
     grid.phi[far.at] = far.phi;
 }
@@ -201,11 +195,10 @@ fn write_far(grid: &mut BrickGrid, sheet: &Sheet, far: &Far) {
 /// Distance [m] of voxel `k` of a line from the surface: that of the point one voxel of height nearer to it on the
 /// normal, and the way there.
 fn distance_from_nearer(grid: &BrickGrid, sheet: &Sheet, line: usize, k: i32, side: i32) -> Option<f64> {
-    let (i, j) = sheet.window.place(line);
     let slope = DVec2::from(sheet.slope[line]);
     let area_ratio = sheet.area_ratio(line);
-    let value = |_, [di, dj]: [i32; 2]| {
-        let phi = f64::from(grid.phi_at(sheet.facing.voxel(i + di, j + dj, k - side)));
+    let value = |near: usize| {
+        let phi = f64::from(sheet.lattice.phi(grid, sheet.on[near], k - side));
         (phi.abs() < f64::from(grid.band)).then_some(phi)
     };
     let nearer = bilinear(sheet, line, slope * f64::from(side), value)?;

@@ -9,7 +9,7 @@ use std::cell::OnceCell;
 use glam::{DVec3, IVec3};
 use sdf_bake::BrickGrid;
 
-use crate::lattice_line::LatticeLine;
+use crate::lattice_line::{Lattice, Line};
 use crate::region::Region;
 
 /// Height of a column that meets no surface [m]: finite, so that sums over columns stay numbers.
@@ -51,9 +51,14 @@ impl Facing {
         v
     }
 
-    /// Coordinate of a voxel on the axis of the columns.
-    pub(crate) fn along(&self, voxel: IVec3) -> i32 {
-        voxel[self.axis]
+    /// The axis of the columns, 0 to 2.
+    pub(crate) fn axis(&self) -> usize {
+        self.axis
+    }
+
+    /// 1 or -1: whether columns run along the axis or against it.
+    pub(crate) fn up(&self) -> i32 {
+        self.up
     }
 
     /// The voxel at lattice place (i, j) across and `k` up.
@@ -123,6 +128,9 @@ pub struct Sheet {
     pub pitch: f64,
     /// Which columns.
     pub window: Window,
+    /// The field's lines along the columns, and that of each column.
+    pub(crate) lattice: Lattice,
+    pub(crate) on: Vec<Line>,
     /// Place of each line across the columns, u and v [m].
     place: Vec<[f64; 2]>,
     /// Height of the surface when it was read [m], or [`NO_SURFACE`].
@@ -148,10 +156,13 @@ impl Sheet {
     /// material, and are followed down to `floor` [m up].
     pub fn read(grid: &BrickGrid, facing: Facing, window: Window, level: f64, floor: f64) -> Self {
         let lines = window.lines();
+        let lattice = Lattice::new(grid, facing);
         let mut sheet = Self {
             facing,
             pitch: grid.voxel,
             window,
+            lattice,
+            on: (0..lines).map(|line| lattice.line(grid, window.place(line))).collect(),
             place: window.places(grid.voxel),
             read_height: Vec::new(),
             height: Vec::with_capacity(lines),
@@ -166,12 +177,11 @@ impl Sheet {
         let least = (floor / grid.voxel).floor() as i32;
         let mut guess = start;
         for line in 0..lines {
-            let (i, j) = window.place(line);
             if line % window.size[1] == 0 {
                 let above = line.checked_sub(window.size[1]).map_or(NO_SURFACE, |before| sheet.height[before]);
                 guess = if above > NO_SURFACE { (above / grid.voxel).ceil() as i32 } else { start };
             }
-            let met = LatticeLine::new(grid, facing, i, j).surface(guess, least);
+            let met = lattice.surface(grid, sheet.on[line], guess, least);
             guess = met.map_or(start, |height| height.ceil() as i32);
             sheet.height.push(met.map_or(NO_SURFACE, |height| height * grid.voxel));
         }
@@ -188,9 +198,8 @@ impl Sheet {
         }
         let value = |channel: &[f32], at: usize| channel.get(at).copied().map_or(0.0, f64::from);
         for line in (0..self.window.lines()).filter(|&line| self.height[line] > NO_SURFACE) {
-            let (i, j) = self.window.place(line);
             let nearest = (self.height[line] / self.pitch).round() as i32;
-            if let Some(at) = grid.place(self.facing.voxel(i, j, nearest)) {
+            if let Some(at) = self.lattice.place(grid, self.on[line], nearest) {
                 self.dose[line] = value(&grid.dose, at);
                 self.removed[line] = value(&grid.removed, at);
                 self.label[line] = grid.label.get(at).copied().unwrap_or(0);
