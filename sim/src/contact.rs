@@ -4,9 +4,12 @@
 //! the patch's rim or the border of the working surface crosses it, and integrated exactly; inside the patch it is taken
 //! as quadratic. So sums over squares are second order in the voxel size.
 
+mod rows;
+
 use glam::DVec3;
 use serde::Serialize;
 
+use self::rows::{Depths, Settle, UNSETTLED};
 use crate::ramp::{ramp_mean, wet_share};
 use crate::region::Region;
 use crate::sheet::Sheet;
@@ -69,15 +72,19 @@ impl Squares {
         self.region.clone_from(region);
         let across = sheet.window.size[1];
         let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, sweep);
-        self.measure_depths(&border, sheet);
+        let lanes = pulp::Arch::new();
+        lanes.dispatch(Depths { border: &border, sheet, region: region.grown(), depth: &mut self.depth });
         for (line, gap) in region.grown().lines(across).zip(gap) {
             self.depth[line] -= gap;
         }
+        lanes.dispatch(Settle { border: &border, sheet, squares: self });
         for row in region.rows.clone() {
             for line in row * across + region.columns.start..row * across + region.columns.end {
-                // The depth changes by less than a pitch across a square.
-                if self.depth[line] > -sheet.pitch {
+                if self.share[line] == UNSETTLED {
+                    self.share[line] = 0.0;
                     self.measure_square(&border, sheet, line);
+                } else if self.share[line] > 0.0 {
+                    self.wet.push(line as u32);
                 }
             }
         }
@@ -91,24 +98,6 @@ impl Squares {
         }
         for values in [&mut self.depth, &mut self.mean_depth, &mut self.share, &mut self.area] {
             values.resize(lines, 0.0);
-        }
-    }
-
-    fn measure_depths(&mut self, border: &Border, sheet: &Sheet) {
-        let (across, Region { rows, columns }) = (sheet.window.size[1], self.region.grown());
-        let frame = &border.frame;
-        for row in rows {
-            let lines = row * across + columns.start..row * across + columns.end;
-            let depths = self.depth[lines.clone()].iter_mut().zip(lines);
-            // One loop for each kind of tool, so that each is a plain sum of products.
-            match border.tool {
-                Tool::Wheel(wheel) => depths.for_each(|(depth, line)| {
-                    let at = frame.local(sheet.point(line));
-                    *depth = wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt();
-                }),
-                Tool::Pad(_) => depths.for_each(|(depth, line)| *depth = frame.local(sheet.point(line)).z),
-                tool => depths.for_each(|(depth, line)| *depth = tool.depth(frame.local(sheet.point(line)))),
-            }
         }
     }
 
@@ -223,6 +212,7 @@ impl SheetFrame {
     }
 
     /// A point of the sheet in the tool's frame.
+    #[inline(always)]
     pub(crate) fn local(&self, point: DVec3) -> DVec3 {
         let from = point - self.centre;
         DVec3::new(self.x.dot(from), self.y.dot(from), self.z.dot(from))

@@ -213,6 +213,11 @@ impl Sheet {
         self.height[line] -= way * self.area_ratio(line);
     }
 
+    /// Place of each line across the columns, u and v [m].
+    pub(crate) fn places(&self) -> &[[f64; 2]] {
+        &self.place
+    }
+
     /// A line's place on the surface as (u, v, up) [m].
     pub fn point(&self, line: usize) -> DVec3 {
         let [u, v] = self.place[line];

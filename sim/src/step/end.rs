@@ -47,17 +47,15 @@ impl End {
 /// Lines that are in either of two lists in order, in order.
 pub(super) fn merge(a: &[u32], b: &[u32], lines: &mut Vec<u32>) {
     lines.clear();
-    let (mut a, mut b) = (a.iter().copied().peekable(), b.iter().copied().peekable());
-    loop {
-        let next = match (a.peek(), b.peek()) {
-            (Some(first), Some(second)) => *first.min(second),
-            (Some(line), None) | (None, Some(line)) => *line,
-            (None, None) => return,
-        };
-        a.next_if_eq(&next);
-        b.next_if_eq(&next);
-        lines.push(next);
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() && j < b.len() {
+        let (first, second) = (a[i], b[j]);
+        lines.push(first.min(second));
+        i += usize::from(first <= second);
+        j += usize::from(second <= first);
     }
+    lines.extend_from_slice(&a[i..]);
+    lines.extend_from_slice(&b[j..]);
 }
 
 /// One lane at one end.
