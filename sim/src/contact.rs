@@ -164,6 +164,13 @@ impl Squares {
         self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line) > 0.0)
     }
 
+    /// A bound of [`Squares::top`] that takes no division [m]: a parabola's peak in a square lies within a quarter of its
+    /// rise across the square above the column.
+    pub fn top_at_most(&self, sheet: &Sheet, line: usize) -> f64 {
+        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
+        self.depth[line] + 0.26 * (along.mean.abs() + sideways.mean.abs())
+    }
+
     /// Depth [m] at the peak of the parabolas through a column and its neighbours, if it is in the column's square.
     pub fn top(&self, sheet: &Sheet, line: usize) -> f64 {
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
@@ -195,6 +202,11 @@ fn partly_wet(depth: f64, spans: (f64, f64), along: &Difference, sideways: &Diff
     let rim = if share < 1.0 { bend_at_rim(depth, along, sideways) } else { 0.0 };
     let area = if rim == 0.0 { share } else { wet_share(depth + rim, spans) };
     (ramp_mean(depth, spans) + bent, share, area)
+}
+
+/// Cuts lines in order into those that follow each other.
+pub(crate) fn runs(lines: &[u32]) -> impl Iterator<Item = std::ops::Range<usize>> {
+    lines.chunk_by(|line, next| line + 1 == *next).map(|run| run[0] as usize..run[0] as usize + run.len())
 }
 
 /// A tool's frame in the coordinates of a sheet (u, v, up).

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::contact::{Contact, SheetFrame, Squares};
+use crate::contact::{Contact, SheetFrame, Squares, runs};
 use crate::effect::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
 use crate::region::Region;
 use crate::sheet::Sheet;
@@ -185,9 +185,14 @@ impl<'a> Physics<'a> {
         for &variable in variables {
             let lane = &mut self.lanes[variable as usize];
             lane.clear();
+            if variable == Variable::SlipSpeed {
+                for run in runs(lines) {
+                    lane.extend(run.map(|line| tool.slip_speed(local(line), spindle, feed)));
+                }
+                continue;
+            }
             let value = |line: usize| -> f64 {
                 match variable {
-                    Variable::SlipSpeed => tool.slip_speed(local(line), spindle, feed),
                     Variable::X => sheet.facing.world(sheet.point(line)).x,
                     Variable::Y => sheet.facing.world(sheet.point(line)).y,
                     Variable::Z => sheet.facing.world(sheet.point(line)).z,

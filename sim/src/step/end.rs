@@ -1,6 +1,6 @@
 //! The squares in contact at one end of a step, one lane each.
 
-use crate::contact::Squares;
+use crate::contact::{Squares, runs};
 use crate::effect::RunError;
 use crate::physics::Physics;
 
@@ -20,10 +20,11 @@ impl End {
     pub(super) fn gather(&mut self, squares: &Squares, lines: &[u32]) {
         self.depth.clear();
         self.share.clear();
-        for &line in lines {
-            let share = squares.share[line as usize];
-            self.share.push(share);
-            self.depth.push(if share > 0.0 { squares.mean_depth[line as usize] / share } else { 0.0 });
+        for run in runs(lines) {
+            let shares = &squares.share[run.clone()];
+            self.share.extend_from_slice(shares);
+            let mean = |(mean, share): (&f64, &f64)| if *share > 0.0 { mean / share } else { 0.0 };
+            self.depth.extend(squares.mean_depth[run].iter().zip(shares).map(mean));
         }
     }
 
@@ -56,20 +57,6 @@ pub(super) fn merge(a: &[u32], b: &[u32], lines: &mut Vec<u32>) {
     }
     lines.extend_from_slice(&a[i..]);
     lines.extend_from_slice(&b[j..]);
-}
-
-/// One lane at one end.
-pub(super) struct Side {
-    pub(super) depth: f64,
-    pub(super) share: f64,
-    pub(super) pressure: f64,
-    pub(super) rate: f64,
-}
-
-impl Side {
-    pub(super) fn of(end: &End, lane: usize) -> Self {
-        Self { depth: end.depth[lane], share: end.share[lane], pressure: end.pressure[lane], rate: end.rate[lane] }
-    }
 }
 
 #[cfg(test)]

@@ -6,26 +6,21 @@
 //! is stable, and for Eq. (1) exact as long as s is constant.
 
 mod end;
+mod relax;
 mod sums;
 
 use glam::DVec3;
 
-use self::end::{End, Side, merge};
+use self::end::{End, merge};
+use self::relax::{PROBE, Relax, Relaxed};
 use self::sums::ApproachShare;
 use crate::contact::Squares;
-use crate::decay::Decay;
 use crate::effect::{RunError, Variable};
 use crate::physics::Physics;
 use crate::record::Removal;
 use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
-
-/// Relative change of depth over which the slope of the recession is taken.
-const PROBE: f64 = 1e-3;
-
-/// Relative difference up to which two lanes are integrated with the same weights.
-const SAME_DECAY: f64 = 1e-6;
 
 /// What a step does to each square in contact; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]
@@ -49,12 +44,8 @@ pub struct Step {
     start: End,
     end: End,
     probe: End,
-    /// Recession of the square's mean over the step [m].
-    recession: Vec<f64>,
-    /// Mean over the square of the pressure at the end [Pa].
-    end_load: Vec<f64>,
-    /// The same as a mean over the step.
-    mean_load: Vec<f64>,
+    /// What the step does to each lane.
+    relaxed: Relaxed,
     /// Dose that the square's mean takes up in the step [1].
     dose: Vec<f64>,
 }
@@ -96,8 +87,8 @@ impl Step {
         self.from = self.to;
         for (lane, &line) in self.lines.iter().enumerate() {
             let line = line as usize;
-            self.start_squares.depth[line] -= self.recession[lane];
-            let left = self.start_squares.mean_depth[line] - self.recession[lane];
+            self.start_squares.depth[line] -= self.relaxed.recession[lane];
+            let left = self.start_squares.mean_depth[line] - self.relaxed.recession[lane];
             self.start_squares.mean_depth[line] = left.max(0.0);
             if left <= 0.0 {
                 (self.start_squares.share[line], self.start_squares.area[line]) = (0.0, 0.0);
@@ -159,9 +150,9 @@ impl Step {
         self.dose.clear();
         if self.is_whole {
             physics.rate(&self.end.depth, &self.end.pressure, &mut self.end.rate)?;
-            self.recession.clear();
-            self.recession.resize(self.lines.len(), 0.0);
-            self.mean_load.clone_from(&self.end_load);
+            self.relaxed.recession.clear();
+            self.relaxed.recession.resize(self.lines.len(), 0.0);
+            self.relaxed.mean_load.clone_from(&self.relaxed.end_load);
             self.dose.extend(self.end.dose_rate.iter().zip(&self.end.share).map(|(rate, share)| dt * rate * share));
         } else {
             self.start.sand(physics)?;
@@ -217,11 +208,11 @@ impl Step {
         let normal = ApproachShare::new(pose, sheet);
         let area = sheet.pitch * sheet.pitch;
         let mut result = EndForce::default();
-        self.end_load.clear();
+        self.relaxed.end_load.clear();
         for (lane, &line) in self.lines.iter().enumerate() {
             let load = self.end.pressure[lane] * self.end.share[lane];
             let facing = area * normal.of(sheet, line as usize);
-            self.end_load.push(load);
+            self.relaxed.end_load.push(load);
             result.force += load * facing;
             result.stiffness += load / self.end.depth[lane] * facing;
         }
@@ -230,34 +221,16 @@ impl Step {
 
     /// Integrates each lane over the step.
     fn relax(&mut self, pose: &Pose, sheet: &Sheet, dt: f64) -> EndForce {
-        self.recession.clear();
-        self.end_load.clear();
-        self.mean_load.clear();
+        let Self { start, end, probe, relaxed, .. } = self;
+        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, out: relaxed });
         let normal = ApproachShare::new(pose, sheet);
         let area = sheet.pitch * sheet.pitch;
         let mut result = EndForce::default();
-        let mut decay = Decay::new(0.0);
-        for lane in 0..self.lines.len() {
-            let (a, b) = (Side::of(&self.start, lane), Side::of(&self.end, lane));
-            let deeper = if a.depth > b.depth { &a } else { &b };
-            let relaxation = ((self.probe.rate[lane] - deeper.rate) / (PROBE * deeper.depth)).max(0.0);
-            if (relaxation * dt - decay.x).abs() > SAME_DECAY * decay.x {
-                decay = Decay::new(relaxation * dt);
-            }
-            let (rate_a, rate_b) = (a.rate * a.share, b.rate * b.share);
-            let recession = dt * (rate_a * decay.phi1 + (rate_b - rate_a) * decay.phi2);
-            let (load_a, load_b) = (a.pressure * a.share, b.pressure * b.share);
-            let mean_depth = b.depth * b.share;
-            let left = if mean_depth > 0.0 { (1.0 - recession / mean_depth).max(0.0) } else { 0.0 };
-            // The mean of the recession up to a time, over the step.
-            let mean_recession = dt * (rate_a * decay.psi1 + (rate_b - rate_a) * decay.psi2);
-            let stiffness = deeper.pressure / deeper.depth;
-            self.recession.push(recession);
-            self.end_load.push(load_b * left);
-            self.mean_load.push((0.5 * (load_a + load_b) - stiffness * mean_recession).max(0.0));
-            let facing = area * normal.of(sheet, self.lines[lane] as usize);
-            result.force += load_b * left * facing;
-            result.stiffness += stiffness * b.share * (1.0 - decay.x * decay.phi2) * facing;
+        let loads = self.relaxed.end_load.iter().zip(&self.relaxed.stiffness);
+        for (&line, (load, stiffness)) in self.lines.iter().zip(loads) {
+            let facing = area * normal.of(sheet, line as usize);
+            result.force += load * facing;
+            result.stiffness += stiffness * facing;
         }
         result
     }
@@ -274,9 +247,9 @@ impl Step {
         for (lane, &line) in self.lines.iter().enumerate() {
             let line = line as usize;
             let surface = sheet.pitch * sheet.pitch * sheet.area_ratio(line);
-            if self.recession[lane] != 0.0 {
-                removal.volume += self.recession[lane] * surface;
-                sheet.recede(line, self.recession[lane]);
+            if self.relaxed.recession[lane] != 0.0 {
+                removal.volume += self.relaxed.recession[lane] * surface;
+                sheet.recede(line, self.relaxed.recession[lane]);
                 receded = receded.max((sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line));
             }
             let taken = self.dose[lane].min((1.0 - sheet.dose[line]).max(0.0));

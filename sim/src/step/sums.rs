@@ -35,13 +35,16 @@ impl Step {
         for (lane, &line) in self.lines.iter().enumerate() {
             let line = line as usize;
             let facing = area * normal.of(sheet, line);
-            contact.force += self.mean_load[lane] * facing;
-            contact.load += self.mean_load[lane] * area * sheet.area_ratio(line);
+            contact.force += self.relaxed.mean_load[lane] * facing;
+            contact.load += self.relaxed.mean_load[lane] * area * sheet.area_ratio(line);
             contact.area += 0.5 * (squares.area[line] + self.end_squares.area[line]) * facing;
             // The pressure belongs to the square's mean depth; its middle may be deeper.
-            if start.share[lane] > 0.0 {
-                let peak = (squares.top(sheet, line) / start.depth[lane]).max(1.0);
-                contact.pressure_max = contact.pressure_max.max(start.pressure[lane] * peak);
+            let (pressure, depth) = (start.pressure[lane], start.depth[lane]);
+            let highest = contact.pressure_max;
+            let may_exceed = || pressure * squares.top_at_most(sheet, line) > highest * depth * (1.0 - 1e-9);
+            if start.share[lane] > 0.0 && (pressure > highest || may_exceed()) {
+                let peak = (squares.top(sheet, line) / depth).max(1.0);
+                contact.pressure_max = highest.max(pressure * peak);
             }
         }
         contact
@@ -55,14 +58,14 @@ impl Step {
             let arm = sheet.facing.world(sheet.point(line as usize)) - pose.centre;
             arm.cross(pose.approach) * (load * area * normal.of(sheet, line as usize))
         };
-        self.mean_load.iter().zip(&self.lines).map(moment).sum()
+        self.relaxed.mean_load.iter().zip(&self.lines).map(moment).sum()
     }
 
     /// Force at the end of the step, after what it takes off [N].
     pub fn end_force(&self, pose: &Pose, sheet: &Sheet) -> f64 {
         let normal = ApproachShare::new(pose, sheet);
         let force = |(&line, load): (&u32, &f64)| load * normal.of(sheet, line as usize);
-        sheet.pitch * sheet.pitch * self.lines.iter().zip(&self.end_load).map(force).sum::<f64>()
+        sheet.pitch * sheet.pitch * self.lines.iter().zip(&self.relaxed.end_load).map(force).sum::<f64>()
     }
 
     /// What happened to each square in contact.
@@ -70,8 +73,8 @@ impl Step {
         self.lines.iter().enumerate().map(|(lane, &line)| Square {
             line: line as usize,
             share: 0.5 * (self.start().share[lane] + self.end.share[lane]),
-            load: self.mean_load[lane],
-            recession: self.recession[lane],
+            load: self.relaxed.mean_load[lane],
+            recession: self.relaxed.recession[lane],
             dose: self.dose[lane],
         })
     }
@@ -111,6 +114,6 @@ impl Step {
 
     /// Largest recession of a square in this step [m].
     pub fn recession_max(&self) -> f64 {
-        self.recession.iter().copied().fold(0.0, f64::max)
+        self.relaxed.recession.iter().copied().fold(0.0, f64::max)
     }
 }

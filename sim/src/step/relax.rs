@@ -1,0 +1,115 @@
+//! Lanes integrated over a step, in the processor's widest lanes.
+
+use super::end::End;
+use crate::decay::Decay;
+
+/// Relative change of depth over which the slope of the recession is taken.
+pub(super) const PROBE: f64 = 1e-3;
+
+/// Relative difference up to which two lanes are integrated with the same weights.
+const SAME_DECAY: f64 = 1e-6;
+
+/// What a step does to each lane; filled again and again.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Relaxed {
+    /// Recession of the square's mean over the step [m].
+    pub(super) recession: Vec<f64>,
+    /// Mean over the square of the pressure at the end [Pa].
+    pub(super) end_load: Vec<f64>,
+    /// The same as a mean over the step.
+    pub(super) mean_load: Vec<f64>,
+    /// How the load at the end falls as the tool is lifted, -dp/dz [Pa/m].
+    pub(super) stiffness: Vec<f64>,
+    /// Relaxation of each lane in the step, λ dt [1].
+    relaxation: Vec<f64>,
+}
+
+/// Integrates the lanes over a step of `dt` [s].
+pub(super) struct Relax<'a> {
+    pub(super) start: &'a End,
+    pub(super) end: &'a End,
+    /// Recession speed a little deeper than the deeper of both ends [m/s].
+    pub(super) probe: &'a [f64],
+    pub(super) dt: f64,
+    pub(super) out: &'a mut Relaxed,
+}
+
+impl pulp::NullaryFnOnce for Relax<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { start, end, probe, dt, out } = self;
+        let count = probe.len();
+        for lanes in [
+            &mut out.recession,
+            &mut out.end_load,
+            &mut out.mean_load,
+            &mut out.stiffness,
+            &mut out.relaxation,
+        ] {
+            lanes.resize(count, 0.0);
+        }
+        set_relaxation(start, end, (probe, dt), &mut out.relaxation);
+        let mut decay = Decay::new(0.0);
+        let mut first = 0;
+        while first < count {
+            let is_other = |x: f64, decay: &Decay| (x - decay.x).abs() > SAME_DECAY * decay.x;
+            if is_other(out.relaxation[first], &decay) {
+                decay = Decay::new(out.relaxation[first]);
+            }
+            let more = out.relaxation[first + 1..].iter().take_while(|x| !is_other(**x, &decay)).count();
+            let next = first + 1 + more;
+            integrate(start, end, (&decay, dt), (first, next - first), out);
+            first = next;
+        }
+    }
+}
+
+#[inline(always)]
+fn set_relaxation(start: &End, end: &End, (probe, dt): (&[f64], f64), out: &mut [f64]) {
+    let count = out.len();
+    let (depth_a, depth_b) = (&start.depth[..count], &end.depth[..count]);
+    let (rate_a, rate_b, probe) = (&start.rate[..count], &end.rate[..count], &probe[..count]);
+    for lane in 0..count {
+        let is_start = depth_a[lane] > depth_b[lane];
+        let depth = if is_start { depth_a[lane] } else { depth_b[lane] };
+        let rate = if is_start { rate_a[lane] } else { rate_b[lane] };
+        out[lane] = ((probe[lane] - rate) / (PROBE * depth)).max(0.0) * dt;
+    }
+}
+
+/// Integrates `count` lanes from `first` on, which relax alike.
+#[inline(always)]
+fn integrate(
+    start: &End,
+    end: &End,
+    (decay, dt): (&Decay, f64),
+    (first, count): (usize, usize),
+    out: &mut Relaxed,
+) {
+    let lanes = first..first + count;
+    let (depth_a, depth_b) = (&start.depth[lanes.clone()], &end.depth[lanes.clone()]);
+    let (share_a, share_b) = (&start.share[lanes.clone()], &end.share[lanes.clone()]);
+    let (pressure_a, pressure_b) = (&start.pressure[lanes.clone()], &end.pressure[lanes.clone()]);
+    let (rate_a, rate_b) = (&start.rate[lanes.clone()], &end.rate[lanes.clone()]);
+    let (recessions, end_loads) = (&mut out.recession[lanes.clone()], &mut out.end_load[lanes.clone()]);
+    let (mean_loads, stiffnesses) = (&mut out.mean_load[lanes.clone()], &mut out.stiffness[lanes]);
+    for lane in 0..count {
+        let is_start = depth_a[lane] > depth_b[lane];
+        let deeper = if is_start { depth_a[lane] } else { depth_b[lane] };
+        let highest = if is_start { pressure_a[lane] } else { pressure_b[lane] };
+        let (rate_a, rate_b) = (rate_a[lane] * share_a[lane], rate_b[lane] * share_b[lane]);
+        let recession = dt * (rate_a * decay.phi1 + (rate_b - rate_a) * decay.phi2);
+        let (load_a, load_b) = (pressure_a[lane] * share_a[lane], pressure_b[lane] * share_b[lane]);
+        let mean_depth = depth_b[lane] * share_b[lane];
+        let left = if mean_depth > 0.0 { (1.0 - recession / mean_depth).max(0.0) } else { 0.0 };
+        // The mean of the recession up to a time, over the step.
+        let mean_recession = dt * (rate_a * decay.psi1 + (rate_b - rate_a) * decay.psi2);
+        let stiffness = highest / deeper;
+        recessions[lane] = recession;
+        end_loads[lane] = load_b * left;
+        mean_loads[lane] = (0.5 * (load_a + load_b) - stiffness * mean_recession).max(0.0);
+        stiffnesses[lane] = stiffness * share_b[lane] * (1.0 - decay.x * decay.phi2);
+    }
+}
