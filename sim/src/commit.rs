@@ -34,13 +34,17 @@ pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
         }
     }
     sheet.set_slopes();
+    let below: Vec<i32> = lines.iter().map(|&line| floor(sheet.height[line] / sheet.pitch)).collect();
     let layers = lines.iter().map(|&line| reach(grid, sheet.area_ratio(line))).max().unwrap_or(0);
     let mut renewed = Vec::new();
     for layer in 1..=layers {
         // All are found before any is written, so that the order of the lines does not matter.
         renewed.clear();
-        let sides = lines.iter().flat_map(|&line| [(line, 1), (line, -1)]);
-        renewed.extend(sides.filter_map(|(line, side)| renewed_far(grid, sheet, line, (layer, side))));
+        for (&line, &below) in lines.iter().zip(&below) {
+            for (k, side) in [(below + layer, 1), (below + 1 - layer, -1)] {
+                renewed.extend(renewed_far(grid, sheet, line, (k, side)));
+            }
+        }
         renewed.drain(..).for_each(|far| write_far(grid, sheet, &far));
     }
 }
@@ -168,11 +172,9 @@ struct Far {
     phi: f32,
 }
 
-/// The voxel `layer` steps from the surface on a side of it; `None` where it carries the zero set, or has no nearer one.
-fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (layer, side): (i32, i32)) -> Option<Far> {
-    let below = floor(sheet.height[line] / sheet.pitch);
+/// Voxel `k` of a line, on a side of the surface; `None` where it carries the zero set, or has no nearer one.
+fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (k, side): (i32, i32)) -> Option<Far> {
     let kept = (KEPT_VOXELS * sheet.pitch) as f32;
-    let k = if side > 0 { below + layer } else { below + 1 - layer };
     let at = sheet.lattice.place(grid, sheet.on[line], k)?;
     let old = grid.phi[at];
     let wrong_side = old * (side as f32) < 0.0;

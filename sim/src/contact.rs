@@ -279,20 +279,27 @@ impl<'a> Border<'a> {
 
     /// The same for a square that the border may cross, its middle `at` a place of the tool's frame [m].
     fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> f64 {
-        let within = self.tool.within(at);
         let inward = match self.tool {
             Tool::Wheel(_) => self.frame.y * -at.y.signum(),
-            _ => -(self.frame.x * at.x + self.frame.y * at.y).normalize_or_zero(),
+            _ => self.to_middle(at),
         };
+        self.share_within(self.tool.within(at), inward, sheet.slope[line], 0.5 * sheet.pitch)
+    }
+
+    /// Unit vector of the sheet from a place of the tool's frame towards the middle of its face.
+    #[inline(always)]
+    fn to_middle(&self, at: DVec3) -> DVec3 {
+        -(self.frame.x * at.x + self.frame.y * at.y).normalize_or_zero()
+    }
+
+    /// Share of a square of half side `half` [m] whose middle lies `within` the border [m], which is crossed `inward`.
+    #[inline(always)]
+    fn share_within(&self, within: f64, inward: DVec3, [slope_u, slope_v]: [f64; 2], half: f64) -> f64 {
         let swept = 0.5 * self.sweep.dot(inward).abs();
-        let [slope_u, slope_v] = sheet.slope[line];
-        let half = 0.5 * sheet.pitch;
-        let spans = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
-        if swept == 0.0 {
-            return wet_share(within, spans);
-        }
+        let (u, v) = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
         // Two boxes have the spread of the square's own; the sweep is the other.
-        wet_share(within, (spans.0.hypot(spans.1), swept))
+        let spans = if swept == 0.0 { (u, v) } else { ((u * u + v * v).sqrt(), swept) };
+        wet_share(within, spans)
     }
 }
 

@@ -246,16 +246,15 @@ impl<'a> Physics<'a> {
 
     /// Pressure [Pa] at depths [m] that change by `depth_rate` [m/s].
     pub fn pressure(&self, depth: &[f64], depth_rate: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
-        out.clear();
         out.resize(depth.len(), 0.0);
         self.run(Place::Pressure, &[(Variable::Depth, depth), (Variable::DepthRate, depth_rate)], out)
     }
 
     /// Recession speed r [m/s].
     pub fn rate(&self, depth: &[f64], pressure: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
-        out.clear();
         out.resize(depth.len(), 0.0);
         if !self.grinds() {
+            out.fill(0.0);
             return Ok(());
         }
         self.run(Place::Rate, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
@@ -263,9 +262,9 @@ impl<'a> Physics<'a> {
 
     /// Dose per time [1/s].
     pub fn dose_rate(&self, depth: &[f64], pressure: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
-        out.clear();
         out.resize(depth.len(), 0.0);
         if !self.sands() {
+            out.fill(0.0);
             return Ok(());
         }
         self.run(Place::Dose, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)

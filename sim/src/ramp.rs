@@ -9,11 +9,13 @@ pub(crate) fn ramp_mean(depth: f64, spans: (f64, f64)) -> f64 {
 }
 
 /// Share of the same rectangle in which `depth + x + y` is positive.
+#[inline(always)]
 pub(crate) fn wet_share(depth: f64, spans: (f64, f64)) -> f64 {
     over_rectangle(depth, spans, step, ramp)
 }
 
 /// Mean over the narrow span of `along(z, wide)`, whose antiderivative in z is `integral(z, wide)`.
+#[inline(always)]
 fn over_rectangle(
     depth: f64,
     (a, b): (f64, f64),
@@ -28,6 +30,7 @@ fn over_rectangle(
 }
 
 /// Share of |x| ≤ span in which z + x > 0.
+#[inline(always)]
 fn step(z: f64, span: f64) -> f64 {
     if z <= -span {
         0.0
@@ -39,6 +42,7 @@ fn step(z: f64, span: f64) -> f64 {
 }
 
 /// Mean of max(z + x, 0) over |x| ≤ span.
+#[inline(always)]
 fn ramp(z: f64, span: f64) -> f64 {
     if z >= span {
         z

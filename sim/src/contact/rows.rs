@@ -53,7 +53,7 @@ impl pulp::NullaryFnOnce for Depths<'_> {
     }
 }
 
-/// Settles the squares that lie wholly under the tool or wholly in the air; the others get [`UNSETTLED`] for their share.
+/// Settles the squares that are wet all over or dry all over; the others get [`UNSETTLED`] for their share.
 pub(super) struct Settle<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
@@ -75,7 +75,8 @@ impl pulp::NullaryFnOnce for Settle<'_> {
     }
 }
 
-/// Share of each square from line `first` on that lies under the working surface: all, nothing, or [`UNSETTLED`].
+/// Share of each square from line `first` on that lies under the working surface; [`UNSETTLED`] where a wheel's border may
+/// cross it.
 #[inline(always)]
 fn cover_row(border: &Border, sheet: &Sheet, first: usize, cover: &mut [f64]) {
     let frame = &border.frame;
@@ -89,15 +90,34 @@ fn cover_row(border: &Border, sheet: &Sheet, first: usize, cover: &mut [f64]) {
                 *cover = if within >= border.near { 1.0 } else { beside };
             }
         }
-        Tool::Pad(_) => {
+        Tool::Pad(pad) => {
             for (cover, ([u, v], height)) in cover.iter_mut().zip(points) {
                 let at = frame.local(DVec3::new(*u, *v, *height));
                 let square = at.x * at.x + at.y * at.y;
                 let beside = if square >= border.ring.1 { 0.0 } else { UNSETTLED };
                 *cover = if square <= border.ring.0 { 1.0 } else { beside };
             }
+            let mut line = first;
+            for part in cover.chunk_by_mut(|one, next| (*one == UNSETTLED) == (*next == UNSETTLED)) {
+                if part[0] == UNSETTLED {
+                    cross_row(border, (sheet, pad.radius), line, part);
+                }
+                line += part.len();
+            }
         }
         Tool::Sphere(_) | Tool::Field(_) => cover.fill(1.0),
+    }
+}
+
+/// Share of squares that the border of a pad of a `radius` [m] may cross.
+#[inline(always)]
+fn cross_row(border: &Border, (sheet, radius): (&Sheet, f64), first: usize, cover: &mut [f64]) {
+    let lines = first..first + cover.len();
+    let points = sheet.places()[lines.clone()].iter().zip(&sheet.height[lines.clone()]);
+    for ((cover, ([u, v], height)), slope) in cover.iter_mut().zip(points).zip(&sheet.slope[lines]) {
+        let at = border.frame.local(DVec3::new(*u, *v, *height));
+        let within = radius - (at.x * at.x + at.y * at.y).sqrt();
+        *cover = border.share_within(within, border.to_middle(at), *slope, 0.5 * sheet.pitch);
     }
 }
 
@@ -122,9 +142,9 @@ fn settle_row(squares: &mut Squares, (first, count): (usize, usize), across: usi
         let mean = depth + bend / 24.0;
         // The depth changes by less than a pitch across a square.
         let is_dry = (cover == 0.0) | (depth <= -pitch) | (is_whole & (depth <= -span));
-        let is_full = (cover == 1.0) & is_whole & (depth >= span) & (mean > 0.0) & !is_dry;
-        means[i] = if is_full { mean } else { 0.0 };
-        areas[i] = if is_full { 1.0 } else { 0.0 };
+        let is_full = (cover > 0.0) & is_whole & (depth >= span) & (mean > 0.0) & !is_dry;
+        means[i] = if is_full { cover * mean } else { 0.0 };
+        areas[i] = if is_full { cover } else { 0.0 };
         shares[i] = if is_full | is_dry { areas[i] } else { UNSETTLED };
     }
 }

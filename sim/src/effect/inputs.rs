@@ -86,6 +86,7 @@ impl<'a> Lanes<'a> {
 
     /// Adds a variable.
     #[must_use]
+    #[inline]
     pub fn with(mut self, variable: Variable, values: &'a [f64]) -> Self {
         self.values[variable as usize] = values;
         self
@@ -94,6 +95,7 @@ impl<'a> Lanes<'a> {
     /// Adds the place of each contact cell among the tool cells: 2.25 is a quarter of the way from the centre of cell 2
     /// to that of cell 3.
     #[must_use]
+    #[inline]
     pub fn with_tool_cell(mut self, places: &'a [f64]) -> Self {
         self.tool_cell = places;
         self
@@ -101,6 +103,7 @@ impl<'a> Lanes<'a> {
 
     /// Adds the states of the workpiece cells, in the order of `CompiledModel::cell_states`.
     #[must_use]
+    #[inline]
     pub fn with_states(mut self, states: &'a [&'a [f64]]) -> Self {
         self.states = states;
         self
