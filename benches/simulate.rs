@@ -3,11 +3,12 @@
 //! Reads the campaigns beside the project, or those of `ROBOFIN_SHARED`.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use robofin::trial::{Campaign, Trial};
 use robofin::twin::Twin;
-use sim::Controller;
 use sim::effect::{CompiledModel, Library, Model, RowCounts};
+use sim::{Clock, Controller, Phase};
 
 /// Base laws near those of the campaigns.
 const GRINDING: &str = r#"process = "grinding"
@@ -42,11 +43,12 @@ fn main() {
 
 fn measure(trial: &Trial, model: &CompiledModel) {
     let pitch = trial.scans.before.pixels.pitch;
+    let clocks = [Clock::default(), Clock::default()];
     let mut twin = Twin::new(trial, pitch, false).expect("a twin");
     let start = cpu_seconds();
     let part = Twin::new(trial, pitch, false).expect("a twin").part;
     let baking = cpu_seconds() - start;
-    run(&format!("{}, quasi-static", trial.name), &twin, model);
+    run(&format!("{}, quasi-static", trial.name), &mut twin, model, &clocks[0]);
     twin.change_process(|process| {
         process.quasi_static = false;
         if let Controller::Admittance { period, .. } = &mut process.controller {
@@ -56,22 +58,60 @@ fn measure(trial: &Trial, model: &CompiledModel) {
     if std::env::var_os("QUASI").is_none()
         && matches!(trial.controller, Some(robofin::trial::Controller::Admittance { .. }))
     {
-        run(&format!("{}, admittance at 1 ms", trial.name), &twin, model);
+        run(&format!("{}, admittance at 1 ms", trial.name), &mut twin, model, &clocks[1]);
     }
     println!("  part from the scan in {baking:.3} s, {:.1} MB", part.bytes() as f64 / 1e6);
 }
 
-fn run(name: &str, twin: &Twin, model: &CompiledModel) {
-    let start = cpu_seconds();
-    let (passes, _) = twin.run(model, &mut Twin::fresh_states(model), 0, &mut |_, _| {}).expect("a trial");
-    let seconds = cpu_seconds() - start;
-    let steps: usize = passes.iter().map(|pass| pass.record.steps).sum();
+/// Runs a trial for its time, and once more for where that goes.
+fn run<'a>(name: &str, twin: &mut Twin<'a>, model: &CompiledModel, clock: &'a Clock) {
+    forget_peak();
+    let (steps, seconds) = run_once(twin, model);
+    let peak = peak_bytes() / 1e6;
     println!(
-        "{name}: {:.1} s in {seconds:.3} CPU s, {:.0} times real time, {steps} steps, {:.0} µs each",
+        "{name}: {:.1} s in {seconds:.3} CPU s, {:.0} times real time, {steps} steps, {:.0} µs each, {peak:.0} MB at most",
         twin.duration(0),
         twin.duration(0) / seconds,
         seconds / steps as f64 * 1e6
     );
+    twin.clock = Some(clock);
+    let start = Instant::now();
+    run_once(twin, model);
+    let all = start.elapsed().as_secs_f64();
+    twin.clock = None;
+    let shares = Phase::ALL.map(|phase| format!("{} {:.0} %", label(phase), clock.seconds(phase) / all * 100.0));
+    let rest = all - Phase::ALL.iter().map(|&phase| clock.seconds(phase)).sum::<f64>();
+    println!("  {}, scan and other {:.0} %", shares.join(", "), rest / all * 100.0);
+}
+
+/// Steps of a trial, and the CPU time that they took [s].
+fn run_once(twin: &Twin, model: &CompiledModel) -> (usize, f64) {
+    let start = cpu_seconds();
+    let (passes, _) = twin.run(model, &mut Twin::fresh_states(model), 0, &mut |_, _| {}).expect("a trial");
+    (passes.iter().map(|pass| pass.record.steps).sum(), cpu_seconds() - start)
+}
+
+fn label(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Read => "sheets read",
+        Phase::Squares => "squares",
+        Phase::Model => "model",
+        Phase::Integrate => "integration",
+        Phase::Apply => "sums and log",
+        Phase::Write => "field written",
+    }
+}
+
+/// Lets the peak of the memory begin anew.
+fn forget_peak() {
+    std::fs::write("/proc/self/clear_refs", "5").expect("Linux lets a process forget its peak");
+}
+
+/// Most memory that the process held since then, campaigns included [bytes].
+fn peak_bytes() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").expect("Linux tells of a process");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a peak");
+    line.trim().trim_end_matches(" kB").parse::<f64>().expect("kilobytes") * 1024.0
 }
 
 /// CPU time of the calling thread [s]; the simulator runs on it alone.

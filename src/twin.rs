@@ -78,6 +78,8 @@ pub struct Twin<'a> {
     pub replay: bool,
     /// Where the passes run: a graphics processor, or the CPU.
     pub device: Option<&'a shaders::Device>,
+    /// Where the CPU's time is summed up by phase.
+    pub clock: Option<&'a sim::Clock>,
     tool: sim::Tool,
     passes: Vec<Planned>,
 }
@@ -148,7 +150,7 @@ impl<'a> Twin<'a> {
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             passes.push(Planned { path, process: process(pass, trial, controller), approach, rest });
         }
-        Ok(Self { trial, part, covariates: false, replay, device: None, tool, passes })
+        Ok(Self { trial, part, covariates: false, replay, device: None, clock: None, tool, passes })
     }
 
     /// Changes how every pass is controlled and stepped.
@@ -247,6 +249,7 @@ impl<'a> Twin<'a> {
             row: state.first_row + state.passes,
             trial_time: state.trial_time + rest,
             approach: *approach,
+            clock: self.clock,
             ..sim::Pass::first(&self.tool, path, process, model)
         }
     }

@@ -30,6 +30,7 @@
 //! This crate never opens a file, never prints, and holds no state between calls. It computes the same
 //! bytes for any number of threads.
 
+pub mod clock;
 mod commit;
 pub mod contact;
 pub mod control;
@@ -58,6 +59,7 @@ pub mod tool;
 mod tool_cells;
 pub mod topography;
 
+pub use clock::{Clock, Phase};
 pub use contact::Contact;
 pub use control::Controller;
 pub use covariates::Covariates;

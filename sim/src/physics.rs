@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use crate::clock::{Clock, Phase};
 use crate::contact::{Contact, SheetFrame, Squares, runs};
 use crate::effect::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
 use crate::region::Region;
@@ -18,6 +19,8 @@ pub struct Physics<'a> {
     pub model: &'a CompiledModel,
     /// What the tool remembers.
     pub states: &'a mut States,
+    /// Where to sum up the time that a step takes.
+    pub clock: Option<&'a Clock>,
     /// Values of the step.
     pub step: StepValues,
     /// Coating thickness h_c [m].
@@ -57,6 +60,7 @@ impl<'a> Physics<'a> {
         Self {
             model,
             states,
+            clock: None,
             step: StepValues::new(),
             coating,
             lanes,
@@ -86,6 +90,13 @@ impl<'a> Physics<'a> {
             .set(Variable::ContactArea, contact.area)
             .set(Variable::PressureMean, contact.pressure_mean())
             .set(Variable::PatchWidth, patch_width);
+    }
+
+    /// Counts the time since the last call for a phase.
+    pub(crate) fn lap(&self, phase: Phase) {
+        if let Some(clock) = self.clock {
+            clock.lap(phase);
+        }
     }
 
     /// Whether the surface recedes.

@@ -14,6 +14,7 @@ use std::cell::RefCell;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 
+use crate::clock::{Clock, Phase};
 use crate::commit::commit;
 use crate::control::{Controller, Motion};
 use crate::covariates::Covariates;
@@ -78,12 +79,25 @@ pub struct Pass<'a> {
     pub approach: f64,
     /// Where to add up what each place of the surface goes through; `None` costs nothing.
     pub covariates: Option<&'a RefCell<Covariates>>,
+    /// Where to sum up the time that each phase of the work takes; `None` costs nothing.
+    pub clock: Option<&'a Clock>,
 }
 
 impl<'a> Pass<'a> {
     /// The first pass of a trial.
     pub fn first(tool: &'a Tool, path: &'a Path, process: &'a Process, model: &'a CompiledModel) -> Self {
-        Self { tool, path, process, model, number: 1, row: 0, trial_time: 0.0, approach: 0.0, covariates: None }
+        Self {
+            tool,
+            path,
+            process,
+            model,
+            number: 1,
+            row: 0,
+            trial_time: 0.0,
+            approach: 0.0,
+            covariates: None,
+            clock: None,
+        }
     }
 }
 
@@ -165,7 +179,11 @@ struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     fn new(grid: &'a mut BrickGrid, pass: Pass<'a>, states: &'a mut States) -> Self {
-        let physics = Physics::new(pass.model, states, pass.process.coating);
+        if let Some(clock) = pass.clock {
+            clock.skip();
+        }
+        let mut physics = Physics::new(pass.model, states, pass.process.coating);
+        physics.clock = pass.clock;
         if physics.sands() {
             grid.scalar_or_zero(Scalar::Dose);
         }
@@ -318,6 +336,7 @@ impl<'a> Runner<'a> {
         self.time += dt;
         let row = self.log_row(end_force);
         self.record.push(row, (&contact, &removal), dt, self.pass.process.force_setpoint);
+        self.physics.lap(Phase::Apply);
         // Half a step of slack: steps of equal ways would end on the limit itself, on a side that rounding decides.
         let far = self.travelled + 0.5 * way.length() > self.commit_way();
         if far || receded > COMMIT_RECESSION * self.grid.voxel {
@@ -359,6 +378,7 @@ impl<'a> Runner<'a> {
     fn write_back(&mut self) {
         if let Some(mut sheet) = self.sheet.take() {
             commit(self.grid, &mut sheet);
+            self.physics.lap(Phase::Write);
         }
         self.travelled = 0.0;
         self.bent = 0.0;

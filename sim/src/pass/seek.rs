@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{Pass, Runner};
+use crate::clock::Phase;
 use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
 use crate::effect::RunError;
 use crate::extent::{Extent, MARGIN};
@@ -162,5 +163,6 @@ impl Runner<'_> {
         };
         let falling = (-self.motion.speed).max(0.0) * LONGEST_STEP.max(dt);
         self.sheet = Some(Sheet::read(self.grid, facing, window, level, lowest.min(level) - below - falling));
+        self.physics.lap(Phase::Read);
     }
 }

@@ -14,6 +14,7 @@ use glam::DVec3;
 use self::end::{End, merge};
 use self::relax::{PROBE, Relax, Relaxed};
 use self::sums::ApproachShare;
+use crate::clock::Phase;
 use crate::contact::Squares;
 use crate::effect::{RunError, Variable};
 use crate::physics::Physics;
@@ -78,6 +79,7 @@ impl Step {
         self.from = pose.centre;
         physics.gap(tool, pose, (sheet, &self.region), &mut self.gap)?;
         self.start_squares.measure(tool, pose, (sheet, &self.region), (&self.gap, DVec3::ZERO));
+        physics.lap(Phase::Squares);
         Ok(())
     }
 
@@ -114,7 +116,10 @@ impl Step {
         let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
         self.probe.depth.extend(deeper);
         self.probe.grind(physics, &self.depth_rate)?;
-        Ok(self.relax(pose, sheet, dt))
+        physics.lap(Phase::Model);
+        let force = self.relax(pose, sheet, dt);
+        physics.lap(Phase::Integrate);
+        Ok(force)
     }
 
     /// Takes the whole step as its middle, where the tool is at `pose`, with the border of its working surface
@@ -134,7 +139,10 @@ impl Step {
         self.depth_rate.resize(self.lines.len(), 0.0);
         physics.place(tool, pose, sheet, Some(&self.end_squares), &self.lines);
         self.end.press(physics, &self.depth_rate)?;
-        Ok(self.press_whole(pose, sheet))
+        physics.lap(Phase::Model);
+        let force = self.press_whole(pose, sheet);
+        physics.lap(Phase::Integrate);
+        Ok(force)
     }
 
     /// Completes the step of `dt` [s] that ends at `pose` or has it as its middle, once its force is the one that is sought.
@@ -160,6 +168,7 @@ impl Step {
             let dose = |lane| 0.5 * dt * (of(&self.start, lane) + of(&self.end, lane));
             self.dose.extend((0..self.lines.len()).map(dose));
         }
+        physics.lap(Phase::Model);
         Ok(())
     }
 
@@ -172,6 +181,7 @@ impl Step {
         self.to = pose.centre;
         physics.gap(tool, pose, (sheet, &self.region), &mut self.gap)?;
         self.end_squares.measure(tool, pose, (sheet, &self.region), (&self.gap, sweep));
+        physics.lap(Phase::Squares);
         Ok(())
     }
 

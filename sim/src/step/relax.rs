@@ -41,13 +41,9 @@ impl pulp::NullaryFnOnce for Relax<'_> {
     fn call(self) {
         let Self { start, end, probe, dt, out } = self;
         let count = probe.len();
-        for lanes in [
-            &mut out.recession,
-            &mut out.end_load,
-            &mut out.mean_load,
-            &mut out.stiffness,
-            &mut out.relaxation,
-        ] {
+        for lanes in
+            [&mut out.recession, &mut out.end_load, &mut out.mean_load, &mut out.stiffness, &mut out.relaxation]
+        {
             lanes.resize(count, 0.0);
         }
         set_relaxation(start, end, (probe, dt), &mut out.relaxation);
@@ -81,13 +77,7 @@ fn set_relaxation(start: &End, end: &End, (probe, dt): (&[f64], f64), out: &mut 
 
 /// Integrates `count` lanes from `first` on, which relax alike.
 #[inline(always)]
-fn integrate(
-    start: &End,
-    end: &End,
-    (decay, dt): (&Decay, f64),
-    (first, count): (usize, usize),
-    out: &mut Relaxed,
-) {
+fn integrate(start: &End, end: &End, (decay, dt): (&Decay, f64), (first, count): (usize, usize), out: &mut Relaxed) {
     let lanes = first..first + count;
     let (depth_a, depth_b) = (&start.depth[lanes.clone()], &end.depth[lanes.clone()]);
     let (share_a, share_b) = (&start.share[lanes.clone()], &end.share[lanes.clone()]);
