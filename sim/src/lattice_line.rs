@@ -53,8 +53,8 @@ impl Lattice {
         let value = ((i & 7) * VALUE_STEPS[a] + (j & 7) * VALUE_STEPS[b]) as u32;
         let is_beside = bricks.iter().any(|&(axis, brick)| brick < 0 || brick >= grid.dims[axis]);
         let steps = entry_steps(grid);
-        let entry = bricks.iter().map(|&(axis, brick)| brick * steps[axis]).sum::<i32>() as u32;
-        Line { entry: if is_beside { BESIDE } else { entry }, value }
+        let entry = || bricks.iter().map(|&(axis, brick)| brick * steps[axis]).sum::<i32>() as u32;
+        Line { entry: if is_beside { BESIDE } else { entry() }, value }
     }
 
     /// Slot of the brick at `k` voxels up a line, and the voxel's place among its values.

@@ -4,12 +4,14 @@
 //! field is known at every voxel, so where the surface crosses it is a root of a cubic in one variable: no
 //! interpolation across lines, and fourth order where the surface is smooth.
 
+mod slopes;
+
 use std::cell::OnceCell;
-use std::ops::Range;
 
 use glam::{DVec3, IVec3};
 use sdf_bake::BrickGrid;
 
+use self::slopes::Bend;
 use crate::lattice_line::{Lattice, Line};
 use crate::region::Region;
 
@@ -278,83 +280,6 @@ impl Sheet {
         let Region { rows, columns } = region.grown();
         pulp::Arch::new().dispatch(Bend { sheet: self, rows, columns });
     }
-
-    /// Height of a neighbour, which may be beyond the window [m].
-    #[inline(always)]
-    fn beside(&self, [row, column]: [i64; 2]) -> f64 {
-        let [rows, across] = self.window.size;
-        let is_there = row >= 0 && column >= 0 && row < rows as i64 && column < across as i64;
-        if is_there { self.height[row as usize * across + column as usize] } else { NO_SURFACE }
-    }
-}
-
-/// Takes slopes from heights.
-struct Bend<'a> {
-    sheet: &'a mut Sheet,
-    rows: Range<usize>,
-    columns: Range<usize>,
-}
-
-impl pulp::NullaryFnOnce for Bend<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { sheet, rows, columns } = self;
-        let [last_row, across] = [sheet.window.size[0] - 1, sheet.window.size[1]];
-        for row in rows {
-            let inner = columns.start.max(1)..columns.end.min(across - 1);
-            if row == 0 || row == last_row {
-                columns.clone().for_each(|column| bend_one(sheet, [row, column]));
-                continue;
-            }
-            if columns.start == 0 {
-                bend_one(sheet, [row, 0]);
-            }
-            if columns.end == across {
-                bend_one(sheet, [row, across - 1]);
-            }
-            bend_row(sheet, row * across + inner.start, inner.len());
-        }
-    }
-}
-
-/// Slopes at a column that may have no neighbours on some sides.
-#[inline(always)]
-fn bend_one(sheet: &mut Sheet, [row, column]: [usize; 2]) {
-    let line = row * sheet.window.size[1] + column;
-    let (row, column) = (row as i64, column as i64);
-    let (before, after) = (sheet.beside([row - 1, column]), sheet.beside([row + 1, column]));
-    let (left, right) = (sheet.beside([row, column - 1]), sheet.beside([row, column + 1]));
-    let here = sheet.height[line];
-    let [u, v] = [slope(before, here, after, sheet.pitch), slope(left, here, right, sheet.pitch)];
-    sheet.slope[line] = [u, v];
-    sheet.area_ratio[line] = (1.0 + u * u + v * v).sqrt();
-}
-
-/// Slopes at `count` columns from line `first` on that have neighbours on all sides.
-#[inline(always)]
-fn bend_row(sheet: &mut Sheet, first: usize, count: usize) {
-    let across = sheet.window.size[1];
-    let from = |line: usize| &sheet.height[line..line + count];
-    let (here, before, after) = (from(first), from(first - across), from(first + across));
-    let (left, right) = (from(first - 1), from(first + 1));
-    let (slopes, ratios) = (&mut sheet.slope[first..first + count], &mut sheet.area_ratio[first..first + count]);
-    for i in 0..count {
-        let u = slope(before[i], here[i], after[i], sheet.pitch);
-        let v = slope(left[i], here[i], right[i], sheet.pitch);
-        slopes[i] = [u, v];
-        ratios[i] = (1.0 + u * u + v * v).sqrt();
-    }
-}
-
-/// Slope at a column from its neighbours; a step of more than two pitches is a wall and does not count.
-#[inline(always)]
-fn slope(before: f64, here: f64, after: f64, pitch: f64) -> f64 {
-    let (has_before, has_after) = ((before - here).abs() < 2.0 * pitch, (after - here).abs() < 2.0 * pitch);
-    let from = if has_before { before } else { here };
-    let to = if has_after { after } else { here };
-    (to - from) / if has_before & has_after { 2.0 * pitch } else { pitch }
 }
 
 #[cfg(test)]
@@ -377,6 +302,19 @@ mod tests {
             let (coarse, fine) = (worst(0.001, approach), worst(0.0005, approach));
             println!("ball read along {approach}: within {coarse:.1e} m at 1 mm, {fine:.1e} m at 0.5 mm");
             assert!(coarse < 1e-7 && fine < 2e-8);
+        }
+    }
+
+    #[test]
+    fn windows_of_one_line_have_no_slopes() {
+        let half = DVec3::splat(0.004);
+        let grid = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.z);
+        for size in [[1, 1], [1, 4], [4, 1], [2, 2]] {
+            let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), Window { low: [0, 0], size }, 0.002, -0.002);
+            assert!(
+                sheet.slope.iter().all(|slope| *slope == [0.0; 2])
+                    && sheet.area_ratio.iter().all(|&ratio| ratio == 1.0)
+            );
         }
     }
 
