@@ -143,6 +143,9 @@ struct SharpPoint {
 
 /// The point nearest to `centre` at which planes of different faces meet, or `None` if all face one way.
 fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<SharpPoint> {
+    if all_face_one_way(tangents) {
+        return None;
+    }
     let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for Tangent { foot, normal } in tangents {
         matrix += DMat3::from_cols(*normal * normal.x, *normal * normal.y, *normal * normal.z);
@@ -163,6 +166,15 @@ fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<SharpPoint> {
     Some(SharpPoint { at: centre + step(0) + step(1) + step(2), along })
 }
 
+/// Whether the planes have one large eigenvalue by a bound that is cheap: it is at least the square sum along the mean
+/// normal, and all three add up to the number of planes.
+fn all_face_one_way(tangents: &[Tangent]) -> bool {
+    let mean = tangents.iter().map(|t| t.normal).sum::<DVec3>().normalize_or_zero();
+    let along: f64 = tangents.iter().map(|t| t.normal.dot(mean).powi(2)).sum();
+    let across: f64 = tangents.iter().map(|t| t.normal.reject_from_normalized(mean).length_squared()).sum();
+    across < FACES * along
+}
+
 /// A point above or below `centre` of the smooth face that one of the tangents belongs to. On a curved face a tangent
 /// plane lies above the surface's top by as much as its foot lies below it.
 fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
@@ -172,7 +184,8 @@ fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
     centre + normal * (height / face.len() as f64)
 }
 
-/// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations.
+/// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations (Golub & Van Loan 2013,
+/// section 8.5).
 fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
     let mut axes = DMat3::IDENTITY;
     let small = 1e-14 * (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z);
@@ -182,15 +195,15 @@ fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
             if off.abs() <= small {
                 continue;
             }
-            let angle = 0.5 * (2.0 * off).atan2(matrix.col(q)[q] - matrix.col(p)[p]);
-            let (sin, cos) = angle.sin_cos();
-            let mut turn = DMat3::IDENTITY;
-            turn.col_mut(p)[p] = cos;
-            turn.col_mut(q)[q] = cos;
-            turn.col_mut(p)[q] = -sin;
-            turn.col_mut(q)[p] = sin;
-            matrix = turn.transpose() * matrix * turn;
-            axes *= turn;
+            let ratio = (matrix.col(q)[q] - matrix.col(p)[p]) / (2.0 * off);
+            let tan = 1f64.copysign(ratio) / (ratio.abs() + (ratio * ratio + 1.0).sqrt());
+            let cos = (tan * tan + 1.0).sqrt().recip();
+            let turned = |m: &DMat3| [cos * m.col(p) - cos * tan * m.col(q), cos * tan * m.col(p) + cos * m.col(q)];
+            for _ in 0..2 {
+                [*matrix.col_mut(p), *matrix.col_mut(q)] = turned(&matrix);
+                matrix = matrix.transpose();
+            }
+            [*axes.col_mut(p), *axes.col_mut(q)] = turned(&axes);
         }
     }
     (DVec3::new(matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z), axes)
