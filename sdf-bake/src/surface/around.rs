@@ -7,7 +7,7 @@ use glam::{DVec3, IVec3};
 use super::cell::edge_ends;
 use super::cells::corner_values;
 use super::place::{Site, Vertex};
-use crate::grid::{BrickGrid, cell_corner};
+use crate::grid::{BrickGrid, cell_corner, trilinear};
 use crate::halo::Halo;
 use crate::tangent::Tangent;
 
@@ -63,7 +63,16 @@ impl Around<'_> {
         let wider = || if all_clear { Vec::new() } else { self.wider() };
         let values = corner_values(&self.known.halo, self.low);
         let phi = values.map(|phi| f64::from(phi) / self.known.grid.voxel);
-        Site { tangents, centre: middle(&values, edges), phi, is_crossed: &is_crossed, wider: &wider }.vertex()
+        let height = |at: DVec3| self.height(at);
+        let centre = middle(&values, edges);
+        Site { tangents, centre, phi, height: &height, is_crossed: &is_crossed, wider: &wider }.vertex()
+    }
+
+    /// φ [voxels] at a place near the cell [voxels from its lowest corner], trilinear.
+    fn height(&self, at: DVec3) -> f64 {
+        let corner = at.floor();
+        let values = corner_values(&self.known.halo, self.low + corner.as_ivec3());
+        f64::from(trilinear(&values, (at - corner).as_vec3())) / self.known.grid.voxel
     }
 
     /// What the voxel at an offset from the cell's lowest corner knows of the surface.
