@@ -52,6 +52,11 @@ impl Console {
         Self { json: false, bars: false, steps: false }
     }
 
+    /// Whether it tells steps of the work.
+    pub fn tells_steps(&self) -> bool {
+        self.steps
+    }
+
     /// One step of the work, in one line: what it is about, and what came out.
     pub fn step(&self, about: &str, outcome: impl AsRef<str>) {
         if !self.steps {

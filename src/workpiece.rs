@@ -139,7 +139,9 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     let (target, report) = bake(&part.mesh, &baking)?;
     console.step("bake", describe_baking(&report, &target));
 
-    if let Some(warning) = describe_volume(&part.mesh, &target) {
+    if console.tells_steps()
+        && let Some(warning) = describe_volume(&part.mesh, &target)
+    {
         console.step("note", warning);
     }
 

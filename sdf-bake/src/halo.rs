@@ -55,6 +55,25 @@ impl BrickGrid {
         halo
     }
 
+    /// Whether another grid has the same values in a brick and `margin` (at most 8) voxels on each side of it.
+    pub(crate) fn equals_around(&self, other: &Self, brick: IVec3, margin: usize) -> bool {
+        (0..27).all(|i| {
+            let step = IVec3::new(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
+            let [(fx, _, nx), (fy, _, ny), (fz, _, nz)] = step.to_array().map(|s| overlap(s, margin));
+            let [ours, theirs] = [self, other].map(|grid| (grid.slot(brick + step), grid.band, &grid.phi));
+            if [ours.0, theirs.0].iter().all(|slot| [OUTSIDE, INSIDE].contains(slot)) {
+                return ours.0 == theirs.0 && ours.1 == theirs.1;
+            }
+            let value = |(slot, band, phi): (u32, f32, &Vec<f32>), offset: usize| match slot {
+                OUTSIDE => band,
+                INSIDE => -band,
+                slot => phi[slot as usize * BRICK_VOXELS + offset],
+            };
+            let offsets = (fx..fx + nx).flat_map(|x| (fy..fy + ny).map(move |y| x << 6 | y << 3));
+            offsets.flat_map(|row| row + fz..row + fz + nz).all(|at| value(ours, at) == value(theirs, at))
+        })
+    }
+
     fn copy_overlap(&self, brick: IVec3, step: IVec3, halo: &mut Halo) {
         let slot = self.slot(brick + step);
         let axes = step.to_array().map(|s| overlap(s, halo.margin));

@@ -57,7 +57,7 @@ impl BrickGrid {
 
     /// Whether both fields are the same in a brick and two voxels around it, on which [`Nodes`] depend.
     pub(crate) fn is_alike(&self, other: &BrickGrid, brick: IVec3) -> bool {
-        self.halo(brick, 2).phi == other.halo(brick, 2).phi
+        self.equals_around(other, brick, 2)
     }
 
     /// Sum over all indexed bricks, in the order of the index, of cells that count [m³].

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec3, IVec3};
+use glam::{DMat3, DVec2, DVec3, IVec3};
 use proptest::prelude::*;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, voxel_at};
 use sdf_bake::query::MeshQuery;
@@ -50,6 +50,14 @@ fn assert_closed_manifold(mesh: &Mesh) {
             .count()
             + 1;
         assert_eq!(turns, fan.len(), "the fan around vertex {vertex} is in pieces");
+    }
+}
+
+/// No vertex is where the trilinear field is farther than 0.6 voxels from 0.
+fn assert_near_field(grid: &BrickGrid, mesh: &Mesh) {
+    for p in &mesh.positions {
+        let off = f64::from(grid.sample(*p)).abs() / grid.voxel;
+        assert!(off < 0.601, "{p}: the field is {off} voxels there");
     }
 }
 
@@ -149,6 +157,26 @@ fn balls_and_rings_converge_at_second_order() {
 }
 
 #[test]
+fn a_hole_of_two_voxels_is_round() {
+    let voxel = 0.0005;
+    for radius in [2.2, 2.6, 3.1].map(|voxels| voxels * voxel) {
+        let (middle, half) = (0.5 * (radius + 0.006), DVec2::new(0.5 * (0.006 - radius), 0.0031));
+        let tube = |p: DVec3| {
+            let q = DVec2::new((p.x.hypot(p.y) - middle).abs(), p.z.abs()) - half;
+            q.max(DVec2::ZERO).length() + q.max_element().min(0.0)
+        };
+        let reach = DVec3::new(0.0061, 0.0061, 0.0032);
+        let mesh = BrickGrid::from_distance(-reach, reach, voxel, 3.0, tube).surface_mesh();
+        assert_closed_manifold(&mesh);
+        let in_hole = |p: &&DVec3| p.x.hypot(p.y) < radius + voxel && p.z.abs() < 0.002;
+        let off = mesh.positions.iter().filter(in_hole).map(|p| (p.x.hypot(p.y) - radius).abs() / voxel);
+        let (count, worst) = off.fold((0, 0.0), |(count, worst), off| (count + 1, f64::max(worst, off)));
+        println!("hole of {:.1} voxels: {count} vertices, at most {worst:.3} voxels off", radius / voxel);
+        assert!(count > 50 && worst < 0.12, "{worst} with {count} vertices");
+    }
+}
+
+#[test]
 fn an_inner_edge_of_a_union_is_sharp() {
     let voxel = 0.02 / 64.0;
     let (low, high) = (straight_box(DVec3::new(0.010, 0.008, 0.003), DVec3::ZERO), DVec3::new(0.00333, 0.0041, 0.005));
@@ -216,7 +244,9 @@ proptest! {
             grid.bricks = vec![IVec3::ZERO];
             grid.phi = (0..BRICK_VOXELS).map(|offset| (voxel_at(IVec3::ZERO, offset).x - 4) as f32 * 0.7).collect();
         }
-        assert_closed_manifold(&grid.surface_mesh());
+        let mesh = grid.surface_mesh();
+        assert_closed_manifold(&mesh);
+        assert_near_field(&grid, &mesh);
     }
 
     /// No distance at all: any signs, so every case of a cell and every pair of neighbours.
@@ -230,6 +260,8 @@ proptest! {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             ((state >> 40) as f32 / (1u64 << 24) as f32 - share) * 2.0
         }).collect();
-        assert_closed_manifold(&grid.surface_mesh());
+        let mesh = grid.surface_mesh();
+        assert_closed_manifold(&mesh);
+        assert_near_field(&grid, &mesh);
     }
 }

@@ -34,14 +34,14 @@ const SURFACE_NAME: &str = "surface";
 /// The triangles of each weld id, with the vertices that they use.
 fn pieces(surface: &Mesh, welded: &BrickGrid, target: &BrickGrid) -> BTreeMap<u16, Mesh> {
     let off_part = OFF_PART * welded.voxel as f32;
-    let mut pieces: BTreeMap<u16, Mesh> = BTreeMap::new();
-    let mut vertices: BTreeMap<u16, Vec<u32>> = BTreeMap::new();
+    let mut pieces: BTreeMap<u16, (Mesh, Vec<u32>)> = BTreeMap::new();
     for (triangle, corners) in surface.triangles.iter().enumerate() {
         let [a, b, c] = surface.corners(triangle);
         let middle = (a + b + c) / 3.0;
-        let id = if target.sample(middle) > off_part { welded.label(middle) } else { 0 };
-        let piece = pieces.entry(id).or_default();
-        let known = vertices.entry(id).or_insert_with(|| vec![u32::MAX; surface.positions.len()]);
+        let label = welded.label(middle);
+        let id = if label != 0 && target.sample(middle) > off_part { label } else { 0 };
+        let (piece, known) =
+            pieces.entry(id).or_insert_with(|| (Mesh::default(), vec![u32::MAX; surface.positions.len()]));
         piece.triangles.push(corners.map(|vertex| {
             let place = &mut known[vertex as usize];
             if *place == u32::MAX {
@@ -51,5 +51,5 @@ fn pieces(surface: &Mesh, welded: &BrickGrid, target: &BrickGrid) -> BTreeMap<u1
             *place
         }));
     }
-    pieces
+    pieces.into_iter().map(|(id, (piece, _))| (id, piece)).collect()
 }

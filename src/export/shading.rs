@@ -33,16 +33,16 @@ pub fn shade(mesh: &Mesh, crease_angle: f64) -> ShadedMesh {
     let faces = faces(mesh, &point_of_vertex);
     let (starts, corners) = corners_by_point(points.len(), &faces);
     let mut shaded = ShadedMesh { triangles: vec![[0; 3]; faces.len()], ..Default::default() };
-    let smooth = crease_angle.cos();
+    let mut fans = Fans { smooth: crease_angle.cos(), ..Default::default() };
     for (point, window) in starts.windows(2).enumerate() {
         let around = &corners[window[0]..window[1]];
-        let whole = fan_normal(&faces, around).unwrap_or(DVec3::Z);
-        for fan in fans(&faces, around, smooth) {
-            let normal = fan_normal(&faces, &fan).unwrap_or(whole);
+        for fan in 0..fans.find(&faces, around) {
+            let normal = fan_normal(&faces, fans.corners(around, fan));
+            let normal = normal.or_else(|| fan_normal(&faces, around.iter())).unwrap_or(DVec3::Z);
             let vertex = shaded.positions.len() as u32;
             shaded.positions.push(points[point]);
             shaded.normals.push(normal.as_vec3().to_array());
-            for corner in fan {
+            for corner in fans.corners(around, fan) {
                 shaded.triangles[corner.face as usize][corner.slot as usize] = vertex;
             }
         }
@@ -87,11 +87,10 @@ fn faces(mesh: &Mesh, point_of_vertex: &[u32]) -> Vec<Face> {
     let face = |index: usize| {
         let points = mesh.triangles[index].map(|vertex| point_of_vertex[vertex as usize]);
         let distinct = points[0] != points[1] && points[1] != points[2] && points[2] != points[0];
-        distinct.then(|| Face {
-            points,
-            doubled_area: mesh.doubled_area_normal(index),
-            unit: mesh.normal(index),
-            angles: corner_angles(mesh.corners(index)),
+        distinct.then(|| {
+            let doubled_area = mesh.doubled_area_normal(index);
+            let angles = corner_angles(mesh.corners(index));
+            Face { points, doubled_area, unit: doubled_area.normalize_or_zero(), angles }
         })
     };
     (0..mesh.triangles.len()).filter_map(face).collect()
@@ -123,35 +122,58 @@ fn corners_by_point(points: usize, faces: &[Face]) -> (Vec<usize>, Vec<Corner>) 
     (starts, corners)
 }
 
-/// Splits the corners around one point into fans that are smooth across every inner edge.
-fn fans(faces: &[Face], around: &[Corner], smooth: f64) -> Vec<Vec<Corner>> {
-    // Every corner touches two edges of the point; sorting by the far end brings the sides of an edge together.
-    let mut sides: Vec<(u32, usize)> = Vec::with_capacity(2 * around.len());
-    for (local, corner) in around.iter().enumerate() {
-        let [next, last] = [1, 2].map(|step| faces[corner.face as usize].points[(corner.slot as usize + step) % 3]);
-        sides.extend([(next, local), (last, local)]);
-    }
-    sides.sort_unstable();
-    let unit = |local: usize| faces[around[local].face as usize].unit;
-    let mut leader: Vec<usize> = (0..around.len()).collect();
-    for pair in sides.windows(2) {
-        let [(end_a, a), (end_b, b)] = [pair[0], pair[1]];
-        if end_a == end_b && unit(a).dot(unit(b)) >= smooth {
-            let (a, b) = (find(&mut leader, a), find(&mut leader, b));
-            leader[a.max(b)] = a.min(b);
+/// The fans around one point: its corners, split so that each fan is smooth across every inner edge.
+#[derive(Default)]
+struct Fans {
+    /// Cosine of the crease angle.
+    smooth: f64,
+    /// Far end of each edge at the point, and the corner on one side of it.
+    sides: Vec<(u32, usize)>,
+    /// Sets of corners that belong together.
+    leader: Vec<usize>,
+    /// Number of the fan of each corner.
+    fan_of: Vec<usize>,
+}
+
+impl Fans {
+    /// Finds the fans of the corners around a point, numbered by their first corner; how many there are.
+    fn find(&mut self, faces: &[Face], around: &[Corner]) -> usize {
+        // Every corner touches two edges of the point; sorting by the far end brings the sides of an edge together.
+        self.sides.clear();
+        for (local, corner) in around.iter().enumerate() {
+            let [next, last] = [1, 2].map(|step| faces[corner.face as usize].points[(corner.slot as usize + step) % 3]);
+            self.sides.extend([(next, local), (last, local)]);
         }
-    }
-    let mut fan_of = vec![usize::MAX; around.len()];
-    let mut fans: Vec<Vec<Corner>> = Vec::new();
-    for (local, &corner) in around.iter().enumerate() {
-        let first = find(&mut leader, local);
-        if fan_of[first] == usize::MAX {
-            fan_of[first] = fans.len();
-            fans.push(Vec::new());
+        self.sides.sort_unstable();
+        let unit = |local: usize| faces[around[local].face as usize].unit;
+        self.leader.clear();
+        self.leader.extend(0..around.len());
+        for pair in self.sides.windows(2) {
+            let [(end_a, a), (end_b, b)] = [pair[0], pair[1]];
+            if end_a == end_b && unit(a).dot(unit(b)) >= self.smooth {
+                let (a, b) = (find(&mut self.leader, a), find(&mut self.leader, b));
+                self.leader[a.max(b)] = a.min(b);
+            }
         }
-        fans[fan_of[first]].push(corner);
+        self.number(around.len())
     }
-    fans
+
+    fn number(&mut self, corners: usize) -> usize {
+        let mut count = 0;
+        self.fan_of.clear();
+        for local in 0..corners {
+            let first = find(&mut self.leader, local);
+            let fan = if first == local { count } else { self.fan_of[first] };
+            count += usize::from(first == local);
+            self.fan_of.push(fan);
+        }
+        count
+    }
+
+    /// Corners of a fan, in their order.
+    fn corners<'a>(&'a self, around: &'a [Corner], fan: usize) -> impl Iterator<Item = &'a Corner> {
+        around.iter().zip(&self.fan_of).filter(move |(_, of)| **of == fan).map(|(corner, _)| corner)
+    }
 }
 
 /// The smallest member of a set, with path halving.
@@ -164,10 +186,10 @@ fn find(leader: &mut [usize], mut member: usize) -> usize {
 }
 
 /// Unit mean normal of a fan; `None` when its triangles have no area.
-fn fan_normal(faces: &[Face], fan: &[Corner]) -> Option<DVec3> {
+fn fan_normal<'a>(faces: &[Face], fan: impl Iterator<Item = &'a Corner>) -> Option<DVec3> {
     let weighted = |corner: &Corner| {
         let face = &faces[corner.face as usize];
         face.doubled_area * face.angles[corner.slot as usize]
     };
-    fan.iter().map(weighted).sum::<DVec3>().try_normalize()
+    fan.map(weighted).sum::<DVec3>().try_normalize()
 }

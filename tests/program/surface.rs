@@ -21,9 +21,9 @@ const RESOLUTION: &str = "160";
 /// Largest distance of a sharp edge of the part from the surface [voxels], found on the rims of the bracket's round holes.
 const ALONG_EDGES: f64 = 0.2;
 
-/// Largest distance of a vertex from part and bead [voxels]: at the pointed feet of the bracket's ribs, where three faces meet
-/// and one is gone within a voxel, the vertex stays in its cell half a voxel away. Elsewhere it is 0.16.
-const AT_POINTED_FEET: f64 = 0.6;
+/// Largest distance of a vertex from part and bead [voxels]. At 96 voxels across it is 0.32 where a rib's foot ends beside
+/// a hole, at 160 it is 0.15.
+const OFF_SURFACE: f64 = 0.35;
 
 fn parts(file: &Path) -> Vec<ReadPart> {
     read_glb(&fs::read(file).expect("a GLB")).expect("what we write can be read")
@@ -78,7 +78,7 @@ fn it_is_closed_lies_on_part_and_bead_and_keeps_sharp_edges() {
     let worst = off.iter().copied().fold(0.0, f64::max);
     let mean = off.iter().sum::<f64>() / off.len() as f64;
     println!("vertices are {mean:.4} voxels off on average, at most {worst:.3}");
-    assert!(worst < AT_POINTED_FEET && mean < 0.01, "{mean} on average, at most {worst} voxels off");
+    assert!(worst < OFF_SURFACE && mean < 0.01, "{mean} on average, at most {worst} voxels off");
 
     let query = MeshQuery::new(&surface);
     let edges = sharp_edges(&part);
@@ -115,6 +115,6 @@ fn weld_ids_part_it_where_the_bead_begins() {
     for piece in parts(&asset.join("surface.glb")) {
         let own = &near[&piece.weld_id];
         let off = piece.mesh.positions.iter().map(|p| own.closest(*p).distance / voxel).fold(0.0, f64::max);
-        assert!(off < AT_POINTED_FEET, "a vertex of weld id {} is {off} voxels from it", piece.weld_id);
+        assert!(off < OFF_SURFACE, "a vertex of weld id {} is {off} voxels from it", piece.weld_id);
     }
 }

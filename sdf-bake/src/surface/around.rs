@@ -7,7 +7,7 @@ use glam::{DVec3, IVec3};
 use super::cell::edge_ends;
 use super::cells::corner_values;
 use super::place::{Site, Vertex};
-use crate::grid::{BrickGrid, cell_corner};
+use crate::grid::{BrickGrid, cell_corner, trilinear};
 use crate::halo::Halo;
 use crate::tangent::Tangent;
 
@@ -51,29 +51,28 @@ pub(super) struct Around<'a> {
 
 impl Around<'_> {
     /// The vertex of the piece with these crossed edges.
-    pub(super) fn vertex(&self, edges: &[usize]) -> Vertex {
-        let ends = edges.iter().fold(0u8, |bits, &edge| bits | 1 << edge_ends(edge).0 | 1 << edge_ends(edge).1);
-        let corners = (0..8).filter(|corner| ends >> corner & 1 != 0).map(cell_corner);
+    pub(super) fn vertex(&self, edges: impl Iterator<Item = usize> + Clone) -> Vertex {
+        let ends = edges.clone().map(edge_ends).fold(0u8, |bits, (low, high)| bits | 1 << low | 1 << high);
         let is_crossed = |step: IVec3| {
             let values = corner_values(&self.known.halo, self.low + step.clamp(-IVec3::ONE, IVec3::ONE));
             values.iter().any(|&phi| phi < 0.0) && values.iter().any(|&phi| phi >= 0.0)
         };
-        let tangents: Vec<Tangent> = corners.filter_map(|corner| self.tangent(corner)).collect();
+        let mut tangents = Vec::with_capacity(8);
+        tangents.extend((0..8).filter(|i| ends >> i & 1 != 0).filter_map(|i| self.tangent(cell_corner(i))));
         let all_clear = tangents.len() == ends.count_ones() as usize;
         let wider = || if all_clear { Vec::new() } else { self.wider() };
-        let phi = corner_values(&self.known.halo, self.low).map(|phi| f64::from(phi) / self.known.grid.voxel);
-        Site { tangents, centre: self.middle(edges), phi, is_crossed: &is_crossed, wider: &wider }.vertex()
+        let values = corner_values(&self.known.halo, self.low);
+        let phi = values.map(|phi| f64::from(phi) / self.known.grid.voxel);
+        let height = |at: DVec3| self.height(at);
+        let centre = middle(&values, edges);
+        Site { tangents, centre, phi, height: &height, is_crossed: &is_crossed, wider: &wider }.vertex()
     }
 
-    /// Mean of the points where φ vanishes along the edges [voxels from the cell's lowest corner].
-    fn middle(&self, edges: &[usize]) -> DVec3 {
-        let values = corner_values(&self.known.halo, self.low);
-        let crossing = |&edge: &usize| {
-            let (a, b) = edge_ends(edge);
-            let along = f64::from(values[a]) / (f64::from(values[a]) - f64::from(values[b]));
-            cell_corner(a).as_dvec3().lerp(cell_corner(b).as_dvec3(), along)
-        };
-        edges.iter().map(crossing).sum::<DVec3>() / edges.len() as f64
+    /// φ [voxels] at a place near the cell [voxels from its lowest corner], trilinear.
+    fn height(&self, at: DVec3) -> f64 {
+        let corner = at.floor();
+        let values = corner_values(&self.known.halo, self.low + corner.as_ivec3());
+        f64::from(trilinear(&values, (at - corner).as_vec3())) / self.known.grid.voxel
     }
 
     /// What the voxel at an offset from the cell's lowest corner knows of the surface.
@@ -86,4 +85,15 @@ impl Around<'_> {
     fn wider(&self) -> Vec<Tangent> {
         (0..64).filter_map(|i| self.tangent(IVec3::new(i >> 4, i >> 2 & 3, i & 3) - 1)).collect()
     }
+}
+
+/// Mean of the points where φ vanishes along the edges [voxels from the cell's lowest corner].
+fn middle(values: &[f32; 8], edges: impl Iterator<Item = usize>) -> DVec3 {
+    let crossing = |edge: usize| {
+        let (a, b) = edge_ends(edge);
+        let along = f64::from(values[a]) / (f64::from(values[a]) - f64::from(values[b]));
+        cell_corner(a).as_dvec3().lerp(cell_corner(b).as_dvec3(), along)
+    };
+    let (sum, count) = edges.map(crossing).fold((DVec3::ZERO, 0.0), |(sum, count), at| (sum + at, count + 1.0));
+    sum / count
 }

@@ -20,6 +20,23 @@ pub(super) struct Signs {
 pub(super) type Pieces = [u8; 12];
 pub(super) const NO_PIECE: u8 = u8::MAX;
 
+/// The pieces of cells that were met before.
+pub(super) struct PiecesOf(Vec<Option<(Pieces, u8)>>);
+
+impl Default for PiecesOf {
+    fn default() -> Self {
+        Self(vec![None; 1 << 14])
+    }
+}
+
+impl PiecesOf {
+    /// As [`Signs::pieces`].
+    pub(super) fn of(&mut self, signs: Signs) -> (Pieces, u8) {
+        let place = &mut self.0[usize::from(signs.joined) << 8 | usize::from(signs.inside)];
+        *place.get_or_insert_with(|| signs.pieces())
+    }
+}
+
 /// Corners at the lower and upper end of an edge. Edge 4a + 2u + v runs along axis a; u and v are the places on the
 /// following two axes, in turn.
 pub(super) fn edge_ends(edge: usize) -> (usize, usize) {

@@ -1,12 +1,10 @@
 //! All cells that the surface crosses, brick by brick.
 
-use std::collections::HashMap;
-
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use super::around::{Around, Known};
-use super::cell::{NO_PIECE, Pieces, Signs};
+use super::cell::{NO_PIECE, Pieces, PiecesOf, Signs};
 use super::place::Shape;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, cell_corner, voxel_at, voxel_offset};
 use crate::halo::Halo;
@@ -14,6 +12,10 @@ use crate::implicit::entry_brick;
 
 /// No cell in [`Brick::place`].
 const NO_CELL: u16 = u16::MAX;
+/// No brick in [`CellMap::position`].
+const NO_BRICK: u32 = u32::MAX;
+/// Nodes along the side of a brick's cells.
+const NODES: usize = BRICK_SIDE + 1;
 
 /// A cell that the surface crosses.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +49,11 @@ pub(super) struct Corner {
 /// The crossed cells of a grid.
 pub(super) struct CellMap {
     bricks: Vec<Brick>,
-    position: HashMap<IVec3, usize>,
+    /// Brick coordinates of the first entry of `position`, and entries per axis; x runs slowest.
+    origin: IVec3,
+    dims: IVec3,
+    /// Place in `bricks` of each brick, [`NO_BRICK`] where no cell is crossed.
+    position: Vec<u32>,
 }
 
 impl Brick {
@@ -58,14 +64,17 @@ impl Brick {
 
     fn of(grid: &BrickGrid, at: IVec3) -> Option<Self> {
         let halo = grid.halo(at, 1);
+        let inside = inside_rows(&halo);
         let mut brick = Self { at, cells: Vec::new(), place: Box::new([NO_CELL; BRICK_VOXELS]) };
-        for offset in 0..BRICK_VOXELS {
-            let signs = Signs::of(&corner_values(&halo, voxel_at(IVec3::ZERO, offset)));
-            if signs.inside != 0 && signs.inside != 255 {
+        for row in 0..BRICK_SIDE * BRICK_SIDE {
+            let mut crossed = crossed_in_row(&inside, row / BRICK_SIDE, row % BRICK_SIDE);
+            while crossed != 0 {
+                let offset = row * BRICK_SIDE + crossed.trailing_zeros() as usize;
+                crossed &= crossed - 1;
                 brick.place[offset] = brick.cells.len() as u16;
                 brick.cells.push(Cell {
                     offset: offset as u16,
-                    signs,
+                    signs: Signs::of(&corner_values(&halo, voxel_at(IVec3::ZERO, offset))),
                     first_vertex: 0,
                     pieces: [NO_PIECE; 12],
                     piece_count: 0,
@@ -74,6 +83,23 @@ impl Brick {
         }
         (!brick.cells.is_empty()).then_some(brick)
     }
+}
+
+/// For each row of a brick's nodes along z a bit for each node that is inside.
+fn inside_rows(halo: &Halo) -> [[u16; NODES]; NODES] {
+    let row = |x: usize, y: usize| {
+        let first = halo.at(IVec3::new(x as i32, y as i32, 0));
+        let nodes = halo.phi[first..first + NODES].iter();
+        nodes.rev().fold(0, |bits, &phi| bits << 1 | u16::from(phi < 0.0))
+    };
+    std::array::from_fn(|x| std::array::from_fn(|y| row(x, y)))
+}
+
+/// A bit for each cell of a row along z with corners inside and outside.
+fn crossed_in_row(inside: &[[u16; NODES]; NODES], x: usize, y: usize) -> u16 {
+    let rows = [inside[x][y], inside[x][y + 1], inside[x + 1][y], inside[x + 1][y + 1]];
+    let (any, all) = rows.iter().fold((0, u16::MAX), |(any, all), row| (any | row, all & row));
+    (any | any >> 1) & !(all & all >> 1) & 0xff
 }
 
 /// Bricks that hold the lowest corners of cells that reach into a brick.
@@ -100,8 +126,12 @@ impl CellMap {
         at.par_sort_unstable_by_key(|brick| brick.to_array());
         at.dedup();
         let bricks: Vec<Brick> = at.into_par_iter().filter_map(|at| Brick::of(grid, at)).collect();
-        let position = bricks.iter().enumerate().map(|(i, brick)| (brick.at, i)).collect();
-        let mut map = Self { bricks, position };
+        let (origin, dims) = (grid.origin - 1, grid.dims + 1);
+        let mut map = Self { bricks, origin, dims, position: vec![NO_BRICK; dims.as_usizevec3().element_product()] };
+        for place in 0..map.bricks.len() {
+            let entry = map.entry(map.bricks[place].at).expect("a crossed cell has a corner in an indexed brick");
+            map.position[entry] = place as u32;
+        }
         map.split_doubles();
         map.number();
         map
@@ -121,9 +151,16 @@ impl CellMap {
     }
 
     fn find(&self, voxel: IVec3) -> Option<(usize, usize)> {
-        let brick = *self.position.get(&(voxel >> 3))?;
-        let cell = self.bricks[brick].place[voxel_offset(voxel)];
+        let brick = self.position[self.entry(voxel >> 3)?] as usize;
+        let cell = self.bricks.get(brick)?.place[voxel_offset(voxel)];
         (cell != NO_CELL).then_some((brick, usize::from(cell)))
+    }
+
+    /// Position of a brick in `position`.
+    fn entry(&self, brick: IVec3) -> Option<usize> {
+        let at = brick - self.origin;
+        let within = at.cmpge(IVec3::ZERO).all() && at.cmplt(self.dims).all();
+        within.then(|| ((at.x * self.dims.y + at.y) as usize) * self.dims.z as usize + at.z as usize)
     }
 
     /// Turns the pairs of each face through which one piece passes twice on both sides. That splits both pieces and
@@ -150,8 +187,9 @@ impl CellMap {
 
     fn number(&mut self) {
         let mut vertices = 0;
+        let mut known = PiecesOf::default();
         for cell in self.bricks.iter_mut().flat_map(|brick| &mut brick.cells) {
-            (cell.pieces, cell.piece_count) = cell.signs.pieces();
+            (cell.pieces, cell.piece_count) = known.of(cell.signs);
             cell.first_vertex = vertices;
             vertices += u32::from(cell.piece_count);
         }
@@ -166,8 +204,8 @@ impl CellMap {
             for cell in &brick.cells {
                 let low = voxel_at(IVec3::ZERO, usize::from(cell.offset));
                 for piece in 0..cell.piece_count {
-                    let edges: Vec<usize> = (0..12).filter(|&edge| cell.pieces[edge] == piece).collect();
-                    let vertex = Around { known: &known, low }.vertex(&edges);
+                    let edges = (0..12).filter(|&edge| cell.pieces[edge] == piece);
+                    let vertex = Around { known: &known, low }.vertex(edges);
                     let at = ((corner + low).as_dvec3() + vertex.at) * grid.voxel;
                     vertices.push(Corner { at, shape: vertex.shape });
                 }

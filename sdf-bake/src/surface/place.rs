@@ -25,6 +25,18 @@ const FACES: f64 = 0.04;
 /// Cosine of the angle within which planes belong to one smooth face.
 const SAME_FACE: f64 = 0.7;
 
+/// Cosine of the angle from the mean normal within which planes may be those of one curved face.
+const CURVED: f64 = 0.8;
+/// Root mean square of the distances by which the planes of a curved face miss the point where they meet [voxels].
+const MISSED: f64 = 0.045;
+/// |φ| of the trilinear field above which a point is not taken for one of a face [voxels].
+const OFF_FACE: f64 = 0.15;
+/// Largest |φ| of the trilinear field on a sharp edge or corner [voxels].
+const OFF_EDGE: f64 = 0.6;
+
+/// Halvings of the way to φ = 0.
+const HALVINGS: usize = 20;
+
 /// A vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
@@ -51,6 +63,8 @@ pub(super) struct Site<'a> {
     pub(super) centre: DVec3,
     /// φ at the cell's corners [voxels].
     pub(super) phi: [f64; 8],
+    /// φ [voxels], trilinear, up to a voxel outside the cell.
+    pub(super) height: &'a dyn Fn(DVec3) -> f64,
     /// Whether the surface crosses the cell at an offset from this one.
     pub(super) is_crossed: &'a dyn Fn(IVec3) -> bool,
     /// Tangents of more voxels around; empty if those of all corners are known.
@@ -73,16 +87,44 @@ impl Site<'_> {
             a.foot.distance_squared(self.centre).total_cmp(&b.foot.distance_squared(self.centre))
         };
         let Some(nearest) = self.tangents.iter().min_by(by_distance) else {
-            return Vertex { at: self.centre, shape: Shape::Smooth };
+            return Vertex { at: self.near_field(self.centre), shape: Shape::Smooth };
         };
         // Perhaps it is, but no corner of this cell sees its other face.
         let mut wider = (self.wider)();
         wider.retain(|tangent| outside_by(tangent.foot) <= WIDER);
         let sharp = if make_consistent(&mut wider, self.centre) { self.sharp_vertex(&wider, MARGIN) } else { None };
-        sharp.unwrap_or_else(|| Vertex {
-            at: smooth_point(&self.tangents, nearest, self.centre).clamp(DVec3::ZERO, DVec3::ONE),
-            shape: Shape::Smooth,
-        })
+        sharp.unwrap_or_else(|| Vertex { at: self.near_field(self.face_point(nearest)), shape: Shape::Smooth })
+    }
+
+    /// A point of the nearest face in the cell. Where planes of several faces meet outside and the field is far from 0 at
+    /// that point, it is the point of one of the planes at which φ is nearest to 0.
+    fn face_point(&self, nearest: &Tangent) -> DVec3 {
+        let within = |at: DVec3| at.clamp(DVec3::ZERO, DVec3::ONE);
+        let off = |at: &DVec3| (self.height)(*at).abs();
+        let on_face = within(smooth_point(&self.tangents, nearest, self.centre));
+        if off(&on_face) <= OFF_FACE || all_face_one_way(&self.tangents) {
+            return on_face;
+        }
+        let on_plane = |t: &Tangent| within(self.centre - t.normal * t.normal.dot(self.centre - t.foot));
+        let on_planes = self.tangents.iter().map(on_plane);
+        std::iter::once(on_face).chain(on_planes).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(on_face)
+    }
+
+    /// A point of the cell, or where the field is farther from 0 there than on an edge, one on φ = 0 on the way to the
+    /// nearest corner on the other side.
+    fn near_field(&self, at: DVec3) -> DVec3 {
+        if (self.height)(at).abs() <= OFF_EDGE {
+            return at;
+        }
+        let is_inside = (self.height)(at) < 0.0;
+        let beyond = (0..8).filter(|&i| (self.phi[i] < 0.0) != is_inside).map(|i| cell_corner(i).as_dvec3());
+        let nearest = beyond.min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
+        let (mut near, mut far) = (at, nearest.expect("a crossed cell has corners on both sides"));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (near + far);
+            if ((self.height)(middle) < 0.0) == is_inside { near = middle } else { far = middle }
+        }
+        near
     }
 
     /// The vertex where the planes meet, if that is no farther outside the cell than `margin` or not another cell's to show.
@@ -91,7 +133,9 @@ impl Site<'_> {
         let at = sharp.along.and_then(|along| clipped(sharp.at, along)).unwrap_or(sharp.at);
         // A tip may lie in a cell whose corners are all on one side: then no other vertex stands for it.
         let alone = outside_by(at) <= TIP && !(self.is_crossed)(at.floor().as_ivec3());
-        (outside_by(at) <= margin || alone).then(|| Vertex { at, shape: self.bend(tangents) })
+        let near = outside_by(at) <= margin || alone;
+        let meets = near && !is_curved(tangents, at) && (self.height)(at).abs() <= OFF_EDGE;
+        meets.then(|| Vertex { at, shape: self.bend(tangents) })
     }
 
     /// Outer if φ is rather the greatest height over the planes than the least.
@@ -122,6 +166,13 @@ fn make_consistent(tangents: &mut Vec<Tangent>, centre: DVec3) -> bool {
     false
 }
 
+/// Whether planes that do not differ much miss the point where they should meet, as those of a strongly curved face do.
+fn is_curved(tangents: &[Tangent], at: DVec3) -> bool {
+    let mean = tangents.iter().map(|t| t.normal).sum::<DVec3>().normalize_or_zero();
+    let missed: f64 = tangents.iter().map(|t| t.normal.dot(at - t.foot).powi(2)).sum();
+    tangents.iter().all(|t| t.normal.dot(mean) > CURVED) && missed > tangents.len() as f64 * MISSED * MISSED
+}
+
 /// Distance of a point from the unit cell on the axis where it is farthest.
 fn outside_by(at: DVec3) -> f64 {
     (-at).max(at - 1.0).max_element()
@@ -143,6 +194,9 @@ struct SharpPoint {
 
 /// The point nearest to `centre` at which planes of different faces meet, or `None` if all face one way.
 fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<SharpPoint> {
+    if all_face_one_way(tangents) {
+        return None;
+    }
     let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for Tangent { foot, normal } in tangents {
         matrix += DMat3::from_cols(*normal * normal.x, *normal * normal.y, *normal * normal.z);
@@ -163,6 +217,15 @@ fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<SharpPoint> {
     Some(SharpPoint { at: centre + step(0) + step(1) + step(2), along })
 }
 
+/// Whether the planes have one large eigenvalue by a bound that is cheap: it is at least the square sum along the mean
+/// normal, and all three add up to the number of planes.
+fn all_face_one_way(tangents: &[Tangent]) -> bool {
+    let mean = tangents.iter().map(|t| t.normal).sum::<DVec3>().normalize_or_zero();
+    let along: f64 = tangents.iter().map(|t| t.normal.dot(mean).powi(2)).sum();
+    let across: f64 = tangents.iter().map(|t| t.normal.reject_from_normalized(mean).length_squared()).sum();
+    across < FACES * along
+}
+
 /// A point above or below `centre` of the smooth face that one of the tangents belongs to. On a curved face a tangent
 /// plane lies above the surface's top by as much as its foot lies below it.
 fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
@@ -172,7 +235,8 @@ fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
     centre + normal * (height / face.len() as f64)
 }
 
-/// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations.
+/// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations (Golub & Van Loan 2013,
+/// section 8.5).
 fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
     let mut axes = DMat3::IDENTITY;
     let small = 1e-14 * (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z);
@@ -182,15 +246,15 @@ fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
             if off.abs() <= small {
                 continue;
             }
-            let angle = 0.5 * (2.0 * off).atan2(matrix.col(q)[q] - matrix.col(p)[p]);
-            let (sin, cos) = angle.sin_cos();
-            let mut turn = DMat3::IDENTITY;
-            turn.col_mut(p)[p] = cos;
-            turn.col_mut(q)[q] = cos;
-            turn.col_mut(p)[q] = -sin;
-            turn.col_mut(q)[p] = sin;
-            matrix = turn.transpose() * matrix * turn;
-            axes *= turn;
+            let ratio = (matrix.col(q)[q] - matrix.col(p)[p]) / (2.0 * off);
+            let tan = 1f64.copysign(ratio) / (ratio.abs() + (ratio * ratio + 1.0).sqrt());
+            let cos = (tan * tan + 1.0).sqrt().recip();
+            let turned = |m: &DMat3| [cos * m.col(p) - cos * tan * m.col(q), cos * tan * m.col(p) + cos * m.col(q)];
+            for _ in 0..2 {
+                [*matrix.col_mut(p), *matrix.col_mut(q)] = turned(&matrix);
+                matrix = matrix.transpose();
+            }
+            [*axes.col_mut(p), *axes.col_mut(q)] = turned(&axes);
         }
     }
     (DVec3::new(matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z), axes)
@@ -208,7 +272,8 @@ mod tests {
     fn vertex(tangents: &[Tangent], centre: DVec3, is_crossed: &dyn Fn(IVec3) -> bool) -> Vertex {
         let heights = |at: DVec3| tangents.iter().map(move |t| t.normal.dot(at - t.foot));
         let phi = std::array::from_fn(|i| heights(cell_corner(i).as_dvec3()).fold(f64::NEG_INFINITY, f64::max));
-        Site { tangents: tangents.to_vec(), centre, phi, is_crossed, wider: &Vec::new }.vertex()
+        let height = |at: DVec3| heights(at).fold(f64::NEG_INFINITY, f64::max);
+        Site { tangents: tangents.to_vec(), centre, phi, height: &height, is_crossed, wider: &Vec::new }.vertex()
     }
 
     #[test]
