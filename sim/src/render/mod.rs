@@ -28,6 +28,7 @@
 
 // Units stand in brackets: `[m]` is no link.
 
+mod bundle;
 mod camera;
 mod clear_view;
 mod colour;
@@ -37,6 +38,7 @@ mod edges;
 mod field;
 mod font;
 mod frame;
+mod index;
 mod legend;
 mod lens;
 mod lights;
@@ -50,9 +52,11 @@ mod removed;
 mod scene;
 mod sensor;
 mod shade;
+mod shadow;
 mod sheet;
 mod surface;
 mod text;
+mod tile;
 mod trace;
 mod view;
 mod walk;

@@ -5,8 +5,9 @@
 
 use glam::Vec3;
 
-use super::camera::{Camera, Ray};
+use super::camera::Camera;
 use super::field::Field;
+use super::shadow::Towards;
 use super::surface::Surface;
 
 /// Albedo and reflectance at normal incidence, linear RGB.
@@ -42,7 +43,7 @@ const KEY_SPREAD: f32 = 0.16;
 const HIGHLIGHT: f32 = 38.0;
 const HIGHLIGHT_STRENGTH: f32 = 1.4;
 /// Start of a shadow ray above the surface [voxels].
-const SHADOW_START: f64 = 0.6;
+const SHADOW_START: f32 = 0.6;
 
 impl Studio {
     /// Key light over the camera's left shoulder, fill light from the right.
@@ -100,9 +101,12 @@ pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, sprea
     if surface.normal.dot(towards) <= 0.0 {
         return 0.0;
     }
-    let lift = surface.normal.as_dvec3() * (SHADOW_START * field.grid.voxel);
-    let direction = towards.as_dvec3().normalize_or_zero();
-    field.light_share(&Ray { origin: surface.position.as_dvec3() + lift, direction }, spread)
+    Towards::new(field, towards, spread).share(shadow_start(field, surface))
+}
+
+/// Where shadow rays leave a surface [voxels].
+pub(crate) fn shadow_start(field: &Field, surface: &Surface) -> Vec3 {
+    field.in_voxels(surface.position.as_dvec3()) + surface.normal * SHADOW_START
 }
 
 /// Share of open space just above a point, 0 to 1: φ along the normal against the distance gone (Evans 2006), within
