@@ -6,7 +6,7 @@
 //!          ╲ ╲ ╲
 //! ```
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3A};
 
 use super::camera::Ray;
 use super::field::Field;
@@ -25,18 +25,18 @@ pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
     let apart = farthest(&|ray| ray.origin.distance_squared(origin)).sqrt() * field.per_metre;
     let spread = farthest(&|ray| ray.direction.distance_squared(direction)).sqrt();
     let start = origin * field.per_metre - field.lowest;
-    let (line, size) = (Line::new(direction.as_vec3()), indexed_size(field));
+    let (line, size) = (Line::new(direction.as_vec3a()), Vec3A::from(indexed_size(field)));
     // Distances are counted from the point nearest to the box's middle, where single precision is good enough.
     let from = (0.5 * size.as_dvec3() - start).dot(direction).max(0.0);
-    let near = (start + direction * from).as_vec3();
+    let near = (start + direction * from).as_vec3a();
     let doubt = |t: f32| STEEPEST * ((from + f64::from(t)) * spread + apart) as f32;
     let most = doubt(size.length());
-    let (mut t, end) = line.span(near, (Vec3::splat(-most), size + most), -from as f32);
+    let (mut t, end) = line.span(near, (Vec3A::splat(-most), size + most), -from as f32);
     let band = field.grid.band * field.per_metre as f32;
     while t < end {
         let at = near + line.direction * t;
         // Metal may be cut off at the last voxels.
-        let within = at.clamp(Vec3::ZERO, size - 1.0);
+        let within = at.clamp(Vec3A::ZERO, size - 1.0);
         let step = match field.clearance(&line, within) {
             Err(free) if within == at && doubt(t + line.length_in_free(at, free)) < band => {
                 line.length_in_free(at, free) + nudge(field)

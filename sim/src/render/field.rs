@@ -1,11 +1,12 @@
 //! A grid ready to be looked at from any side.
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3, Vec3A};
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, trilinear, voxel_offset};
 
 use super::index::Index;
 use super::occupancy::{Blocks, occupancy};
+use super::walk::{integers, nearest_whole};
 
 /// A grid and where in it rays can meet the surface. Made once for a state of the part, used for any number of rays.
 #[derive(Clone, Debug)]
@@ -136,10 +137,10 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
 /// The cell of a point and where in the cell the point is, 0 to 1.
 #[inline]
 pub(crate) fn cell_of(at: Vec3) -> (IVec3, Vec3) {
-    let whole = at.as_ivec3();
-    // Rounding towards zero is too high below zero.
-    let corner = whole - IVec3::select(whole.as_vec3().cmpgt(at), IVec3::ONE, IVec3::ZERO);
-    (corner, at - corner.as_vec3())
+    let at = Vec3A::from(at);
+    let nearest = nearest_whole(at);
+    let low = nearest - Vec3A::select(nearest.cmpgt(at), Vec3A::ONE, Vec3A::ZERO);
+    (integers(low), (at - low).into())
 }
 
 /// Where the N³ voxels from a lowest one on are: in up to eight bricks.

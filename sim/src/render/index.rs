@@ -17,6 +17,9 @@ use super::occupancy::Blocks;
 /// Free bricks counted to one side; more would shorten no ray by much.
 const MOST_FREE: u8 = 100;
 
+/// Stands for a distance before the sweeps, which leave it to the border.
+const UNKNOWN: u8 = u8::MAX;
+
 /// One brick of the index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
@@ -45,18 +48,19 @@ impl Index {
     pub(crate) fn new(grid: &BrickGrid, metal: &[Blocks]) -> Self {
         let dims = grid.dims.as_uvec3();
         let (y, z) = (dims.y as usize + 2, dims.z as usize + 2);
-        let far = Entry { slot: OUTSIDE, to_metal: MOST_FREE, to_brick: MOST_FREE };
+        let far = Entry { slot: OUTSIDE, to_metal: UNKNOWN, to_brick: UNKNOWN };
         let mut index = Self { entries: vec![far; (dims.x as usize + 2) * y * z], dims, steps: [y * z, z, 1] };
         let rows: Vec<usize> = index.rows().collect();
         for (&row, slots) in rows.iter().zip(grid.index.chunks(dims.z.max(1) as usize)) {
             for (entry, &slot) in index.entries[row..].iter_mut().zip(slots) {
-                let free = |is_free: bool| if is_free { MOST_FREE } else { 0 };
+                let free = |is_free: bool| if is_free { UNKNOWN } else { 0 };
                 let has_metal = slot != OUTSIDE && (slot == INSIDE || metal[slot as usize].0 != 0);
                 *entry = Entry { slot, to_metal: free(!has_metal), to_brick: free(slot == OUTSIDE) };
             }
         }
         index.sweep(rows.iter().flat_map(|&row| row..row + dims.z as usize), |place, step| place - step);
         index.sweep(rows.iter().rev().flat_map(|&row| (row..row + dims.z as usize).rev()), |place, step| place + step);
+        index.entries.iter_mut().filter(|entry| entry.to_brick == UNKNOWN).for_each(|entry| *entry = BEYOND);
         index
     }
 
@@ -74,7 +78,7 @@ impl Index {
             let near = plane.into_iter().chain([y - z, y, y + z, z]).map(|step| self.entries[back(place, step)]);
             let Entry { to_metal, to_brick, .. } = self.entries[place];
             let (metal, brick) =
-                near.fold((MOST_FREE, MOST_FREE), |(m, b), near| (m.min(near.to_metal), b.min(near.to_brick)));
+                near.fold((MOST_FREE - 1, MOST_FREE - 1), |(m, b), near| (m.min(near.to_metal), b.min(near.to_brick)));
             let entry = &mut self.entries[place];
             (entry.to_metal, entry.to_brick) = (to_metal.min(metal + 1), to_brick.min(brick + 1));
         }

@@ -229,7 +229,8 @@ impl<'a> Stage<'a> {
     fn sample(&self, ray: &Ray, clear: f64) -> Sample {
         let direction = ray.direction.as_vec3();
         let table = self.table_distance(ray);
-        match self.scene.field.trace_from(ray, clear).filter(|hit| hit.distance <= table) {
+        let hit = (clear < f64::INFINITY).then(|| self.scene.field.trace_from(ray, clear)).flatten();
+        match hit.filter(|hit| hit.distance <= table) {
             Some(hit) => {
                 let surface = Surface::new(&self.scene.field, &self.camera, ray, &hit);
                 Sample { direction, seen: Seen::Part, surface: Some(surface) }

@@ -9,7 +9,7 @@
 //! Lengths are in voxels, from the lowest voxel of the index. [`Towards::share`] is the twin of `light_share_along` in
 //! `walk.wgsl`.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::field::Field;
 use super::walk::{Line, indexed_size, nudge};
@@ -32,7 +32,7 @@ pub(crate) struct Towards<'a> {
     field: &'a Field<'a>,
     line: Line,
     /// Size of the indexed box.
-    size: Vec3,
+    size: Vec3A,
     /// Tangent of the light's half angle.
     spread: f32,
     nudge: f32,
@@ -47,8 +47,8 @@ impl<'a> Towards<'a> {
         let band = field.grid.band * field.per_metre as f32;
         Self {
             field,
-            line: Line::new(direction),
-            size: indexed_size(field),
+            line: Line::new(direction.into()),
+            size: indexed_size(field).into(),
             spread,
             nudge: nudge(field),
             cap: PENUMBRA_BAND * band,
@@ -58,13 +58,14 @@ impl<'a> Towards<'a> {
 
     /// Unit vector to the light.
     pub(crate) fn direction(&self) -> Vec3 {
-        self.line.direction
+        self.line.direction.into()
     }
 
     /// Share of the light that reaches a point, 0 to 1: the least clearance along the ray against the radius of the
     /// light's cone there (after Quilez 2010), the cone capped at the band.
     pub(crate) fn share(&self, start: Vec3) -> f32 {
-        let (mut t, end) = self.line.span(start, (Vec3::ZERO, self.size), 0.0);
+        let start = Vec3A::from(start);
+        let (mut t, end) = self.line.span(start, (Vec3A::ZERO, self.size), 0.0);
         let mut share = 1f32;
         while t < end {
             let at = start + self.line.direction * t;
@@ -106,7 +107,8 @@ impl<'a> Towards<'a> {
             return None;
         }
         let doubt = STEEPEST * apart;
-        let (mut t, end) = self.line.span(middle, (Vec3::ZERO, self.size), 0.0);
+        let middle = Vec3A::from(middle);
+        let (mut t, end) = self.line.span(middle, (Vec3A::ZERO, self.size), 0.0);
         let mut is_lit = true;
         while t < end {
             let at = middle + self.line.direction * t;

@@ -9,7 +9,7 @@
 //! Lengths here are in voxels, from the lowest voxel of the index, in f32: the ray starts where it enters the box, which
 //! keeps f32 to about 10⁻³ voxel in a grid of 10⁴ voxels. Twin of `walk.wgsl`.
 
-use glam::{BVec3, IVec3, Vec3};
+use glam::{BVec3A, IVec3, Vec3, Vec3A};
 use sdf_bake::grid::{BRICK_SIDE, INSIDE, OUTSIDE, trilinear};
 
 use super::camera::Ray;
@@ -44,11 +44,11 @@ impl Sense {
 
 /// The direction of a ray through the cells.
 pub(crate) struct Line {
-    pub(crate) direction: Vec3,
+    pub(crate) direction: Vec3A,
     /// Of each component; a huge number for zero.
-    inverse: Vec3,
+    inverse: Vec3A,
     /// Axes along which the ray runs towards lower coordinates.
-    backward: BVec3,
+    backward: BVec3A,
 }
 
 /// A ray under way through a grid.
@@ -57,7 +57,7 @@ pub(crate) struct Walk<'a> {
     /// Blocks that must be looked into.
     blocks: &'a [Blocks],
     sense: Sense,
-    origin: Vec3,
+    origin: Vec3A,
     line: Line,
     nudge: f32,
     /// Distance of `origin` from the ray's own start [m].
@@ -73,8 +73,8 @@ pub(crate) struct Cell {
     /// φ at the eight corners, positive on the side that the ray comes from [m].
     values: [f32; 8],
     /// Entry of the ray, 0 to 1 within the cell.
-    from: Vec3,
-    direction: Vec3,
+    from: Vec3A,
+    direction: Vec3A,
     /// Length of the ray in the cell [voxels].
     length: f32,
 }
@@ -82,52 +82,61 @@ pub(crate) struct Cell {
 impl Line {
     /// `direction`: of unit length.
     #[inline]
-    pub(crate) fn new(direction: Vec3) -> Self {
-        let still = direction.cmpeq(Vec3::ZERO);
-        let inverse = Vec3::select(still, Vec3::MAX, direction.recip());
-        Self { direction, inverse, backward: direction.cmplt(Vec3::ZERO) }
+    pub(crate) fn new(direction: Vec3A) -> Self {
+        let still = direction.cmpeq(Vec3A::ZERO);
+        let inverse = Vec3A::select(still, Vec3A::MAX, direction.recip());
+        Self { direction, inverse, backward: direction.cmplt(Vec3A::ZERO) }
     }
 
     /// Lowest corner of the cell that the ray is in or, on a border, enters next. Without the second half a ray
     /// almost parallel to a border would creep along it by nudges.
     #[inline]
-    pub(crate) fn corner(&self, at: Vec3) -> IVec3 {
-        let whole = at.as_ivec3();
-        let on_border = self.backward & whole.as_vec3().cmpeq(at);
-        whole - IVec3::select(on_border, IVec3::ONE, IVec3::ZERO)
+    pub(crate) fn corner(&self, at: Vec3A) -> Vec3A {
+        let nearest = nearest_whole(at);
+        let is_beyond = nearest.cmpgt(at) | (self.backward & nearest.cmpeq(at));
+        nearest - Vec3A::select(is_beyond, Vec3A::ONE, Vec3A::ZERO)
     }
 
     /// Length [voxels] from `at` to where the ray leaves the cube with lowest corner `low`.
     #[inline]
-    pub(crate) fn length_in(&self, at: Vec3, low: Vec3, side: f32) -> f32 {
-        let border = Vec3::select(self.backward, low, low + side);
-        let length = (border - at) * self.inverse;
-        least(length.x, least(length.y, length.z)).max(0.0)
+    pub(crate) fn length_in(&self, at: Vec3A, low: Vec3A, side: f32) -> f32 {
+        let border = Vec3A::select(self.backward, low, low + side);
+        ((border - at) * self.inverse).min_element().max(0.0)
     }
 
     /// Length [voxels] from `at` to where the ray leaves the free cube around a brick that is `distance` bricks from the
     /// next.
     #[inline]
-    pub(crate) fn length_in_free(&self, at: Vec3, (brick, distance): (IVec3, u8)) -> f32 {
+    pub(crate) fn length_in_free(&self, at: Vec3A, (brick, distance): (IVec3, u8)) -> f32 {
         let (low, side) = free_cube(brick, distance);
-        self.length_in(at, low.as_vec3(), side as f32)
+        self.length_in(at, low.as_vec3a(), side as f32)
     }
 
     /// Where a ray is in a box, from `first` on; empty for one that misses it. Lengths from `start`.
     #[inline]
-    pub(crate) fn span(&self, start: Vec3, (low, high): (Vec3, Vec3), first: f32) -> (f32, f32) {
-        let beside = (start.cmplt(low) | start.cmpgt(high)) & self.direction.cmpeq(Vec3::ZERO);
+    pub(crate) fn span(&self, start: Vec3A, (low, high): (Vec3A, Vec3A), first: f32) -> (f32, f32) {
+        let beside = (start.cmplt(low) | start.cmpgt(high)) & self.direction.cmpeq(Vec3A::ZERO);
         let (near, far) = ((low - start) * self.inverse, (high - start) * self.inverse);
-        let (near, far) = (Vec3::select(self.backward, far, near), Vec3::select(self.backward, near, far));
+        let (near, far) = (Vec3A::select(self.backward, far, near), Vec3A::select(self.backward, near, far));
         let (enter, leave) = (near.max_element().max(first), far.min_element());
         if beside.any() || !(enter < leave) { (0.0, 0.0) } else { (enter, leave) }
     }
 }
 
-/// The smaller of two numbers, in one instruction.
+/// Added to a number of less than 2²², it leaves no bits for a fraction.
+const WHOLE: f32 = 12_582_912.0;
+
+/// The nearest whole number to each component.
 #[inline]
-fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
+pub(crate) fn nearest_whole(at: Vec3A) -> Vec3A {
+    (at + WHOLE) - WHOLE
+}
+
+/// Whole numbers as integers; far beyond any index for those of 2²² and more.
+#[inline]
+pub(crate) fn integers(whole: Vec3A) -> IVec3 {
+    let integer = |x: f32| ((x + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32);
+    IVec3::new(integer(whole.x), integer(whole.y), integer(whole.z))
 }
 
 impl<'a> Walk<'a> {
@@ -166,8 +175,8 @@ impl<'a> Walk<'a> {
             field,
             blocks: if sense == Sense::Entering { &field.metal } else { &field.air },
             sense,
-            origin: (start + ray.direction * enter).as_vec3(),
-            line: Line::new(ray.direction.as_vec3()),
+            origin: (start + ray.direction * enter).as_vec3a(),
+            line: Line::new(ray.direction.as_vec3a()),
             nudge: nudge(field),
             entry: enter * field.grid.voxel,
             t: 0.0,
@@ -189,14 +198,15 @@ impl<'a> Walk<'a> {
     pub(crate) fn next_cell(&mut self) -> Option<Cell> {
         while self.t < self.end {
             let at = self.origin + self.line.direction * self.t;
-            let corner = self.line.corner(at);
+            let low = self.line.corner(at);
+            let corner = integers(low);
             if let Some((low, side)) = self.clear_cube(corner) {
-                self.t += self.line.length_in(at, low.as_vec3(), side as f32) + self.nudge;
+                self.t += self.line.length_in(at, low.as_vec3a(), side as f32) + self.nudge;
                 continue;
             }
-            let low = corner.as_vec3();
             let sign = self.sense.sign();
-            let values = self.field.cell_phi(corner).map(|phi| sign * phi);
+            let mut values = self.field.cell_phi(corner);
+            values.iter_mut().for_each(|phi| *phi *= sign);
             let length = self.line.length_in(at, low, 1.0);
             return Some(Cell { values, from: at - low, direction: self.line.direction, length });
         }
@@ -233,14 +243,15 @@ impl<'a> Walk<'a> {
 impl Field<'_> {
     /// φ [voxels] at a point of a ray, or where no brick is the brick that would be and its distance from the next.
     #[inline]
-    pub(crate) fn clearance(&self, line: &Line, at: Vec3) -> Result<f32, (IVec3, u8)> {
-        let corner = line.corner(at);
+    pub(crate) fn clearance(&self, line: &Line, at: Vec3A) -> Result<f32, (IVec3, u8)> {
+        let low = line.corner(at);
+        let corner = integers(low);
         let brick = corner >> BRICK_SHIFT;
         let distance = self.index.entry(brick).to_brick;
         if distance > 0 {
             return Err((brick, distance));
         }
-        Ok(trilinear(&self.cell_phi(corner), at - corner.as_vec3()) * self.per_metre as f32)
+        Ok(trilinear(&self.cell_phi(corner), (at - low).into()) * self.per_metre as f32)
     }
 }
 
@@ -264,10 +275,10 @@ pub(crate) fn indexed_size(field: &Field) -> Vec3 {
 impl Cell {
     /// Length of the ray up to the first zero of φ [voxels].
     fn crossing(&self) -> Option<f32> {
-        if self.values.iter().all(|&phi| phi > 0.0) {
+        if self.values.iter().fold(true, |all, &phi| all & (phi > 0.0)) {
             return None;
         }
-        let phi = |s: f32| trilinear(&self.values, self.from + self.direction * (s * self.length));
+        let phi = |s: f32| trilinear(&self.values, (self.from + self.direction * (s * self.length)).into());
         first_root([phi(0.0), phi(1.0 / 3.0), phi(2.0 / 3.0), phi(1.0)]).map(|s| s * self.length)
     }
 }
