@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3, Vec3, Vec3A};
 use sdf_bake::BrickGrid;
-use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, trilinear, voxel_offset};
+use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 
 use super::index::Index;
 use super::occupancy::{Blocks, occupancy};
@@ -84,13 +84,6 @@ impl<'a> Field<'a> {
     #[inline]
     pub(crate) fn cell_phi(&self, corner: IVec3) -> [f32; 8] {
         self.cell(corner, &self.grid.phi, self.grid.band, -self.grid.band)
-    }
-
-    /// φ [m] at a point in voxels from the lowest voxel of the index, trilinear.
-    #[inline]
-    pub(crate) fn phi(&self, at: Vec3) -> f32 {
-        let (corner, within) = cell_of(at);
-        trilinear(&self.cell_phi(corner), within)
     }
 
     /// Outward unit normal at a point in voxels from differences two voxels wide, or `None` where φ is flat. They equal

@@ -37,6 +37,7 @@ mod cubic;
 mod edges;
 mod field;
 mod font;
+mod four;
 mod frame;
 mod index;
 mod legend;

@@ -9,10 +9,11 @@
 //! Lengths are in voxels, from the lowest voxel of the index. [`Towards::share`] is the twin of `light_share_along` in
 //! `walk.wgsl`.
 
-use glam::{Vec3, Vec3A};
+use glam::{Vec3, Vec3A, Vec4};
 
 use super::field::Field;
-use super::walk::{Line, indexed_size, nudge};
+use super::four::Four;
+use super::walk::{BRICK_SHIFT, Line, indexed_size, nudge};
 
 /// Part of the band over which a penumbra is drawn; beyond it φ is truncated and says nothing.
 const PENUMBRA_BAND: f32 = 0.9;
@@ -22,10 +23,8 @@ const LEAST_STEP: f32 = 0.5;
 pub(crate) const STEEPEST: f32 = 1.1;
 /// Largest distance of a ray from the one that tells for it [voxels]: farther ones are seldom as clear as that.
 const MOST_APART: f32 = 0.45;
-/// Shortest step of a ray that tells for others [voxels].
-const SHORTEST: f32 = 0.05;
-/// Points for which one ray is tried before each has its own.
-const FEW: usize = 4;
+/// Points whose rays go in lanes.
+const FOUR: usize = 4;
 
 /// Rays towards a light.
 pub(crate) struct Towards<'a> {
@@ -90,11 +89,44 @@ impl<'a> Towards<'a> {
             && let Some(share) = self.common_share(starts)
         {
             shares.fill(share);
-        } else if starts.len() > FEW {
-            starts.chunks(FEW).zip(shares.chunks_mut(FEW)).for_each(|(starts, shares)| self.shares(starts, shares));
-        } else {
-            starts.iter().zip(shares).for_each(|(&start, share)| *share = self.share(start));
+        } else if starts.len() > FOUR {
+            starts.chunks(FOUR).zip(shares.chunks_mut(FOUR)).for_each(|(starts, shares)| self.shares(starts, shares));
+        } else if !starts.is_empty() {
+            let last = starts.len() - 1;
+            let own = |starts: &[Vec3]| self.shares_of_four(std::array::from_fn(|i| starts[i.min(last)]));
+            shares.iter_mut().zip(own(starts)).for_each(|(share, own)| *share = own);
         }
+    }
+
+    /// [`Towards::share`] of four points.
+    fn shares_of_four(&self, starts: [Vec3; FOUR]) -> [f32; FOUR] {
+        let ends = starts.map(|start| self.line.span(start.into(), (Vec3A::ZERO, self.size), 0.0));
+        let (starts, direction) = (Four::of(&starts), self.line.direction);
+        let (mut t, end) = (Vec4::from(ends.map(|span| span.0)), Vec4::from(ends.map(|span| span.1)));
+        let backward = [0, 1, 2].map(|axis| self.line.backward.test(axis));
+        let mut share = Vec4::ONE;
+        let mut under_way = t.cmplt(end);
+        while under_way.any() {
+            let at = starts.moved(direction, t);
+            let low = at.corners(backward);
+            let (mut values, mut stride) = ([[self.field.grid.band; 8]; FOUR], [0.0; FOUR]);
+            for (lane, corner) in low.integers().into_iter().enumerate() {
+                let brick = corner >> BRICK_SHIFT;
+                match self.field.index.entry(brick).to_brick {
+                    0 => values[lane] = self.field.cell_phi(corner),
+                    free => stride[lane] = self.line.length_in_free(at.point(lane), (brick, free)) + self.nudge,
+                }
+            }
+            let (stride, clearance) = (Vec4::from(stride), at.trilinear(&low, &values) * self.field.per_metre as f32);
+            let is_near = under_way & stride.cmpeq(Vec4::ZERO);
+            let is_dark = is_near & !clearance.cmpgt(Vec4::ZERO);
+            let cone = (self.spread * t).min(Vec4::splat(self.cap));
+            let is_less = is_near & clearance.cmplt(share * cone);
+            share = Vec4::select(is_dark, Vec4::ZERO, Vec4::select(is_less, clearance / cone, share));
+            t += Vec4::select(stride.cmpgt(Vec4::ZERO), stride, clearance.max(Vec4::splat(LEAST_STEP)));
+            under_way &= t.cmplt(end) & !is_dark;
+        }
+        share.to_array()
     }
 
     /// 1 or 0 where the ray in the middle of several shows that it is the share of them all.
@@ -128,9 +160,10 @@ impl<'a> Towards<'a> {
             if clearance < -(doubt + LEAST_STEP) {
                 return Some(0.0);
             }
-            let step = (clearance - doubt - self.cone(t)) / (STEEPEST + self.spread);
-            is_lit &= step > SHORTEST;
-            t += if is_lit { step } else { clearance.max(LEAST_STEP) };
+            // No finer than the steps of a single ray.
+            let slack = clearance - doubt - self.cone(t);
+            is_lit &= slack > 0.0;
+            t += (if is_lit { slack / (STEEPEST + self.spread) } else { clearance }).max(LEAST_STEP);
         }
         is_lit.then_some(1.0)
     }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::frame::Seen;
 use super::scene::Stage;
-use super::shade::{ambient_occlusion, shadow_start};
+use super::shade::{ambient_occlusion_of_four, shadow_start};
 use super::shadow::Towards;
 use super::surface::Surface;
 
@@ -53,8 +53,11 @@ impl Shelter {
     pub(crate) fn of(stage: &Stage, lamps: &[Towards], samples: &[Sample]) -> Self {
         let field = &stage.scene.field;
         let surfaces = || samples.iter().enumerate().filter_map(|(i, sample)| Some((i, sample.surface.as_ref()?)));
-        let mut open = [1.0; MOST_SAMPLES];
-        surfaces().for_each(|(i, surface)| open[i] = ambient_occlusion(field, surface));
+        let (mut open, on_surface) = ([1.0; MOST_SAMPLES], surfaces().collect::<Vec<_>>());
+        for four in on_surface.chunks(4) {
+            let found = ambient_occlusion_of_four(field, std::array::from_fn(|i| four[i.min(four.len() - 1)].1));
+            four.iter().zip(found.to_array()).for_each(|((place, _), share)| open[*place] = share);
+        }
         let of_lamp = |towards: &Towards| {
             let (mut shares, mut found) = ([0.0; MOST_SAMPLES], [0.0; MOST_SAMPLES]);
             let (mut starts, mut places, mut count) = ([Vec3::ZERO; MOST_SAMPLES], [0; MOST_SAMPLES], 0);

@@ -48,7 +48,7 @@ pub(crate) struct Line {
     /// Of each component; a huge number for zero.
     inverse: Vec3A,
     /// Axes along which the ray runs towards lower coordinates.
-    backward: BVec3A,
+    pub(crate) backward: BVec3A,
 }
 
 /// A ray under way through a grid.
@@ -124,7 +124,7 @@ impl Line {
 }
 
 /// Added to a number of less than 2²², it leaves no bits for a fraction.
-const WHOLE: f32 = 12_582_912.0;
+pub(crate) const WHOLE: f32 = 12_582_912.0;
 
 /// The nearest whole number to each component.
 #[inline]
