@@ -44,7 +44,8 @@ pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
             Err(_) => (band - at.distance(within) - doubt(t)) / (STEEPEST + spread as f32),
             Ok(phi) => (phi - at.distance(within) - doubt(t)) / (STEEPEST + spread as f32),
         };
-        if !(step > SHORTEST) {
+        let goes_on = step > SHORTEST;
+        if !goes_on {
             return (from + f64::from(t)).max(0.0) / field.per_metre;
         }
         t += step;

@@ -70,8 +70,11 @@ impl<'a> Towards<'a> {
             let at = start + self.line.direction * t;
             match self.field.clearance(&self.line, at) {
                 Err(free) => t += self.line.length_in_free(at, free) + self.nudge,
-                Ok(clearance) if !(clearance > 0.0) => return 0.0,
                 Ok(clearance) => {
+                    let is_outside = clearance > 0.0;
+                    if !is_outside {
+                        return 0.0;
+                    }
                     let cone = self.cone(t);
                     if clearance < share * cone {
                         share = clearance / cone;
@@ -135,7 +138,8 @@ impl<'a> Towards<'a> {
             starts.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
         let middle = 0.5 * (low + high);
         let apart = starts.iter().map(|start| start.distance_squared(middle)).fold(0.0, f32::max).sqrt();
-        if !(apart <= MOST_APART) {
+        let is_close = apart <= MOST_APART;
+        if !is_close {
             return None;
         }
         let doubt = STEEPEST * apart;

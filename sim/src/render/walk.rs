@@ -119,7 +119,8 @@ impl Line {
         let (near, far) = ((low - start) * self.inverse, (high - start) * self.inverse);
         let (near, far) = (Vec3A::select(self.backward, far, near), Vec3A::select(self.backward, near, far));
         let (enter, leave) = (near.max_element().max(first), far.min_element());
-        if beside.any() || !(enter < leave) { (0.0, 0.0) } else { (enter, leave) }
+        let meets = enter < leave && !beside.any();
+        if meets { (enter, leave) } else { (0.0, 0.0) }
     }
 }
 
