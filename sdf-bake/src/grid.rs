@@ -19,6 +19,7 @@ pub const OUTSIDE: u32 = u32::MAX;
 pub const INSIDE: u32 = u32::MAX - 1;
 
 /// Position of a voxel within its brick's 512 values; z runs fastest, as in an OpenVDB leaf.
+#[inline]
 pub fn voxel_offset(voxel: IVec3) -> usize {
     let local = voxel & 7;
     ((local.x << 6) | (local.y << 3) | local.z) as usize
@@ -213,11 +214,13 @@ impl BrickGrid {
 }
 
 /// Offset of corner `i` of a cell, z fastest.
+#[inline]
 pub fn cell_corner(i: usize) -> IVec3 {
     IVec3::new(i as i32 >> 2, i as i32 >> 1 & 1, i as i32 & 1)
 }
 
 /// Trilinear interpolation of eight corner values, z fastest, at `f` (0 to 1 on each axis).
+#[inline]
 pub fn trilinear(values: &[f32; 8], f: Vec3) -> f32 {
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
     let z = |i: usize| mix(values[i], values[i + 1], f.z);

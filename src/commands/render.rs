@@ -40,12 +40,24 @@ pub(super) struct RenderArgs {
     photo: PhotoFlags,
 }
 
+/// What `--camera` accepts.
+const CAMERA_FORM: &str = "AZIMUTH,ELEVATION in degrees is expected, elevation from -90 to 90, for example -58,32";
+/// What `--grind-along` accepts.
+const GRIND_FORM: &str = "X,Y,Z is expected, for example 1,0,0";
+
 /// What only photographs have.
 #[derive(Clone, Debug, Args)]
 struct PhotoFlags {
     /// Where the camera stands, seen from the part: azimuth from x towards y and elevation [deg] [default: a
     /// three-quarter view that shows the weld].
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION",
+        allow_hyphen_values = true,
+        value_delimiter = ',',
+        num_args = 1,
+        value_parser = |text: &str| number_of(text, CAMERA_FORM)
+    )]
     camera: Vec<f64>,
     #[command(flatten)]
     backend: BackendFlags,
@@ -56,7 +68,14 @@ struct PhotoFlags {
     #[arg(long)]
     table: bool,
     /// Direction of grinding marks in the part's frame [default: along the asset's weld; none without one].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        value_delimiter = ',',
+        num_args = 1,
+        value_parser = |text: &str| number_of(text, GRIND_FORM)
+    )]
     grind_along: Vec<f64>,
     /// Pictures of one turn of the part, as a sequence and as an animated PNG.
     #[arg(long, value_name = "N", conflicts_with = "lapse")]
@@ -90,11 +109,10 @@ pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
 
 fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<usize> {
     refuse_occupied(&args.out.out, "", args.out.force)?;
-    let photo = &args.photo;
-    if !photo.camera.is_empty() || photo.table || photo.turntable.is_some() || photo.lapse || photo.backend.is_gpu() {
+    if let Some(flag) = args.photo.first_given() {
         return Err(wrong_use(format!(
-            "--out {}: a .png is a drawing, made on the CPU without --camera, --table, --turntable and --lapse; give the name of \
-             a folder",
+            "{flag} with --out {}: a .png is a drawing, made on the CPU; a photograph takes {flag}, and --out is the \
+             name of its folder",
             args.out.out.display()
         )));
     }
@@ -199,7 +217,7 @@ impl PhotoFlags {
             ([], Some(weld)) => Marks::along_path(&weld.curve.position),
             ([], None) => Marks::default(),
             (other, _) => {
-                return Err(wrong_use(format!("--grind-along {other:?}: X,Y,Z is expected, for example 1,0,0")));
+                return Err(wrong_use(format!("--grind-along {other:?}: {GRIND_FORM}")));
             }
         };
         if self.table {
@@ -209,17 +227,25 @@ impl PhotoFlags {
         Ok(scene)
     }
 
+    /// A flag that was given, if any, that a drawing does not take.
+    fn first_given(&self) -> Option<&'static str> {
+        let flags = [
+            (!self.camera.is_empty(), "--camera"),
+            (self.table, "--table"),
+            (self.turntable.is_some(), "--turntable"),
+            (self.lapse, "--lapse"),
+            (self.backend.is_gpu(), "--backend gpu"),
+        ];
+        flags.into_iter().find(|(is_given, _)| *is_given).map(|(_, flag)| flag)
+    }
+
     fn standing(&self, part: &BrickGrid, weld: Option<&WeldTruth>, raster: &Raster) -> Result<Camera> {
         let (azimuth, elevation) = match self.camera.as_slice() {
             [] => three_quarter_view(part, weld),
             &[azimuth, elevation] if azimuth.is_finite() && (-90.0..=90.0).contains(&elevation) => {
                 (azimuth.to_radians(), elevation.to_radians())
             }
-            other => {
-                return Err(wrong_use(format!(
-                    "--camera {other:?}: AZIMUTH,ELEVATION in degrees is expected, elevation from -90 to 90, for example -58,32"
-                )));
-            }
+            other => return Err(wrong_use(format!("--camera {other:?}: {CAMERA_FORM}"))),
         };
         let (mut low, mut high) = surface_bounds(part)?;
         if self.turntable.is_some() {
@@ -268,9 +294,20 @@ fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
 
 fn read_field(source: &Path) -> Result<BrickGrid> {
     let context = || source.display().to_string();
-    let file = nvdb::read(&std::fs::read(source).with_context(context)?).with_context(context)?;
+    let bytes = std::fs::read(source).with_context(|| {
+        format!(
+            "{}: an asset folder, a result folder of `simulate --snapshot` or a NanoVDB file with a level set `phi` is \
+             expected",
+            source.display()
+        )
+    })?;
+    let file = nvdb::read(&bytes).with_context(context)?;
     file.grid("phi").with_context(|| format!("{}: no grid `phi`", source.display()))?;
     file.to_field().with_context(context)
+}
+
+fn number_of(text: &str, form: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| form.to_owned())
 }
 
 pub(super) fn parse_size(text: &str) -> Result<(usize, usize)> {

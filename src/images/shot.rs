@@ -43,23 +43,22 @@ enum Coat {
 /// Photographs a part with its dose, and labels it by the same part unsanded and bare in the same scene.
 pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
     let camera = camera(scene);
-    let (mut stage, table) = (stage(part, scene), table(scene));
-    let mut photograph = |coat: Coat| {
-        stage.appearance = appearance(&scene.material, coat);
-        // The table sheds no light on the part, and only the part is compared.
-        stage.table = matches!(coat, Coat::AsDosed).then_some(table);
-        stage.photograph(&camera, &Raster { width, height, samples_per_side: 1 })
-    };
-    let [frame, unsanded, bare] = [Coat::AsDosed, Coat::Whole, Coat::Gone].map(&mut photograph);
+    let stage = stage(part, scene);
+    let others = [Coat::Whole, Coat::Gone].map(|coat| appearance(&scene.material, coat));
+    let raster = Raster { width, height, samples_per_side: 1 };
+    let (frame, in_others) = stage.photograph_as(&others, &camera, &raster);
     let exposure = exposure(&frame, scene.sensor.aim);
     let mut image = frame.clone();
     sensor(scene, exposure).expose(&mut image);
     let on_part = |pixel: usize| frame.seen[pixel] == Seen::Part;
-    let code = |frame: &Frame, pixel: usize| -> Colour {
-        let signal = (frame.colour[pixel] * exposure as f32).clamp(Vec3::ZERO, Vec3::ONE);
+    let code = |colour: Vec3| -> Colour {
+        let signal = (colour * exposure as f32).clamp(Vec3::ZERO, Vec3::ONE);
         signal.powf(1.0 / GAMMA).to_array()
     };
-    let seen = |pixel: usize| seen_share(code(&frame, pixel), code(&unsanded, pixel), code(&bare, pixel));
+    let seen = |pixel: usize| {
+        let [unsanded, bare] = in_others[pixel].map(code);
+        seen_share(code(frame.colour[pixel]), unsanded, bare)
+    };
     let gone = |pixel: usize| frame.dose[pixel].min(1.0);
     let pixels = (0..width * height).filter(|&pixel| on_part(pixel));
     let exposed = pixels.clone().filter(|&pixel| frame.dose[pixel] >= 1.0).count();
@@ -99,7 +98,7 @@ fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
         field: Field::new(part),
         placement: Placement { rotation: scene.placement.rotation, translation: scene.placement.translation_m },
         appearance: appearance(&scene.material, Coat::AsDosed),
-        table: None,
+        table: Some(table(scene)),
         lights: Lights { keys: keys.collect(), environment },
     }
 }

@@ -1,6 +1,7 @@
 // First root of phi along a ray within one cell; twin of cubic.rs, same names and order of operations.
 
-const HALVINGS: i32 = 18;
+const MOST_STEPS: i32 = 18;
+const RESOLUTION: f32 = 1e-5;
 // What `first_root` gives where there is none.
 const NO_ROOT: f32 = -1.0;
 
@@ -37,19 +38,38 @@ fn extrema(k: vec4f) -> vec2f {
     return vec2f(within_cell(min(u, v)), within_cell(max(u, v)));
 }
 
-// Root between a place above zero and one at or below it.
-fn bisect(k: vec4f, low: f32, high: f32) -> f32 {
+fn slope_at(k: vec4f, u: f32) -> f32 {
+    return k.y + u * (2.0 * k.z + u * (3.0 * k.w));
+}
+
+// Root between a place above zero and one at or below it: Newton's steps from the chord's root, halving where one would
+// leave the bracket.
+fn root_between(k: vec4f, low: f32, high: f32) -> f32 {
     var above = low;
     var below = high;
-    for (var i = 0; i < HALVINGS; i++) {
-        let middle = 0.5 * (above + below);
-        if cubic_at(k, middle) > 0.0 {
-            above = middle;
+    let at_above = cubic_at(k, above);
+    var u = above + (below - above) * (at_above / (at_above - cubic_at(k, below)));
+    for (var i = 0; i < MOST_STEPS; i++) {
+        let value = cubic_at(k, u);
+        if value > 0.0 {
+            above = u;
         } else {
-            below = middle;
+            below = u;
+        }
+        var next = 0.5 * (above + below);
+        let slope = slope_at(k, u);
+        // A slope of zero has no Newton step.
+        if slope != 0.0 {
+            let newton = u - value / slope;
+            next = select(next, newton, newton >= above && newton <= below);
+        }
+        let moved = abs(next - u);
+        u = next;
+        if moved < RESOLUTION {
+            break;
         }
     }
-    return 0.5 * (above + below);
+    return u;
 }
 
 // First place (0 to 1) at which a cubic is zero or below, or NO_ROOT; `values` at 0, 1/3, 2/3 and 1.
@@ -62,18 +82,18 @@ fn first_root(values: vec4f) -> f32 {
     var low = 0.0;
     if turns.x > 0.0 {
         if cubic_at(k, turns.x) <= 0.0 {
-            return bisect(k, low, turns.x) / 3.0;
+            return root_between(k, low, turns.x) / 3.0;
         }
         low = turns.x;
     }
     if turns.y > 0.0 {
         if cubic_at(k, turns.y) <= 0.0 {
-            return bisect(k, low, turns.y) / 3.0;
+            return root_between(k, low, turns.y) / 3.0;
         }
         low = turns.y;
     }
     if cubic_at(k, 3.0) <= 0.0 {
-        return bisect(k, low, 3.0) / 3.0;
+        return root_between(k, low, 3.0) / 3.0;
     }
     return select(NO_ROOT, 1.0, values.w <= 0.0);
 }

@@ -99,18 +99,30 @@ impl Camera {
     /// - `at`: from the left and from the top of the image, 0 to 1
     /// - `aspect`: width of the image by its height
     pub fn ray(&self, at: DVec2, aspect: f64) -> Ray {
-        let (x, y) = ((2.0 * at.x - 1.0) * aspect, 1.0 - 2.0 * at.y);
+        self.ray_within(at, aspect, self.half_image())
+    }
+
+    /// As [`Camera::ray`], of many rays; `half_image`: [`Camera::half_image`].
+    #[inline]
+    pub(crate) fn ray_within(&self, at: DVec2, aspect: f64, half_image: f64) -> Ray {
+        let image = DVec2::new((2.0 * at.x - 1.0) * aspect, 2.0 * at.y - 1.0) * half_image;
         match self.projection {
-            Projection::Perspective { vertical_field_of_view } => {
-                let slope = (0.5 * vertical_field_of_view).tan();
-                let plane = self.distortion.undistort(DVec2::new(x, -y) * slope);
+            Projection::Perspective { .. } => {
+                let plane = self.distortion.undistort(image);
                 let direction = self.forward + self.right * plane.x - self.up * plane.y;
                 Ray { origin: self.eye, direction: direction.normalize_or(self.forward) }
             }
-            Projection::Orthographic { height } => {
-                let offset = (self.right * x + self.up * y) * (0.5 * height);
-                Ray { origin: self.eye + offset, direction: self.forward }
+            Projection::Orthographic { .. } => {
+                Ray { origin: self.eye + self.right * image.x - self.up * image.y, direction: self.forward }
             }
+        }
+    }
+
+    /// Length from the middle of the image to its upper edge: of parallel rays [m], else at unit distance [1].
+    pub(crate) fn half_image(&self) -> f64 {
+        match self.projection {
+            Projection::Perspective { vertical_field_of_view } => (0.5 * vertical_field_of_view).tan(),
+            Projection::Orthographic { height } => 0.5 * height,
         }
     }
 
@@ -135,11 +147,13 @@ impl Camera {
 
     /// Length [m] that one pixel of an image `height` pixels high spans at `depth` [m].
     pub fn pixel_size(&self, depth: f64, height: usize) -> f64 {
-        let shown = match self.projection {
-            Projection::Perspective { vertical_field_of_view } => 2.0 * depth * (0.5 * vertical_field_of_view).tan(),
-            Projection::Orthographic { height } => height,
-        };
-        shown / height.max(1) as f64
+        self.pixel_size_within(depth, height, self.half_image())
+    }
+
+    /// As [`Camera::pixel_size`], of many pixels; `half_image`: [`Camera::half_image`].
+    pub(crate) fn pixel_size_within(&self, depth: f64, height: usize, half_image: f64) -> f64 {
+        let distance = if matches!(self.projection, Projection::Orthographic { .. }) { 1.0 } else { depth };
+        2.0 * half_image * distance / height.max(1) as f64
     }
 
     /// A camera at the origin that looks along a unit vector.

@@ -1,12 +1,14 @@
 //! φ along a ray within one cell is a cubic polynomial (Parker et al. 1998), so the surface is met at its first root.
 
-/// Halvings of the bracket: 3 cells' thirds / 2¹⁸ is below the resolution of f32 in a large grid.
-const HALVINGS: usize = 18;
+/// Steps towards a root: as many halvings of 3 cells' thirds are below the resolution of f32 in a large grid.
+const MOST_STEPS: usize = 18;
+/// Step below which the root is found [thirds of a cell].
+const RESOLUTION: f32 = 1e-5;
 
 /// First place (0 to 1) at which a cubic is zero or below, or `None` if it stays above.
 ///
 /// `values`: the cubic at 0, 1/3, 2/3 and 1. The interval is split at the extrema, between which the cubic is
-/// monotone and bisection cannot miss (Marmitt et al. 2004).
+/// monotone and a bracket cannot miss (Marmitt et al. 2004).
 pub(crate) fn first_root(values: [f32; 4]) -> Option<f32> {
     if values[0] <= 0.0 {
         return Some(0.0);
@@ -15,7 +17,7 @@ pub(crate) fn first_root(values: [f32; 4]) -> Option<f32> {
     let mut low = 0.0;
     for high in extrema(cubic).into_iter().flatten().chain([3.0]) {
         if at(cubic, high) <= 0.0 {
-            return Some(bisect(cubic, low, high) / 3.0);
+            return Some(root_between(cubic, low, high) / 3.0);
         }
         low = high;
     }
@@ -43,17 +45,31 @@ fn extrema([_, b, c, d]: [f32; 4]) -> [Option<f32>; 2] {
     if u < v { [within(u), within(v)] } else { [within(v), within(u)] }
 }
 
-/// Root between a place above zero and one at or below it; the lower side, where the cubic is still above.
-fn bisect(cubic: [f32; 4], mut above: f32, mut below: f32) -> f32 {
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (above + below);
-        if at(cubic, middle) > 0.0 {
-            above = middle;
+/// Root between a place above zero and one at or below it: Newton's steps from the chord's root, halving where one would
+/// leave the bracket.
+fn root_between(cubic: [f32; 4], mut above: f32, mut below: f32) -> f32 {
+    let (high, low) = (at(cubic, above), at(cubic, below));
+    let mut u = above + (below - above) * (high / (high - low));
+    for _ in 0..MOST_STEPS {
+        let value = at(cubic, u);
+        if value > 0.0 {
+            above = u;
         } else {
-            below = middle;
+            below = u;
+        }
+        let newton = u - value / slope(cubic, u);
+        let next = if newton >= above && newton <= below { newton } else { 0.5 * (above + below) };
+        let moved = (next - u).abs();
+        u = next;
+        if moved < RESOLUTION {
+            break;
         }
     }
-    0.5 * (above + below)
+    u
+}
+
+fn slope([_, b, c, d]: [f32; 4], u: f32) -> f32 {
+    b + u * (2.0 * c + u * (3.0 * d))
 }
 
 #[cfg(test)]

@@ -1,16 +1,20 @@
 //! A grid ready to be looked at from any side.
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3, Vec3A};
 use sdf_bake::BrickGrid;
-use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, cell_corner, trilinear, voxel_offset};
+use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 
+use super::index::Index;
 use super::occupancy::{Blocks, occupancy};
+use super::walk::{integers, nearest_whole};
 
 /// A grid and where in it rays can meet the surface. Made once for a state of the part, used for any number of rays.
 #[derive(Clone, Debug)]
 pub struct Field<'a> {
     /// The part.
     pub grid: &'a BrickGrid,
+    /// The grid's index with what is free around each brick.
+    pub(crate) index: Index,
     /// Blocks of each brick with a voxel in the metal.
     pub(crate) metal: Vec<Blocks>,
     /// Blocks of each brick with a voxel outside.
@@ -19,6 +23,8 @@ pub struct Field<'a> {
     pub(crate) metal_box: (Vec3, Vec3),
     /// Lowest voxel of the index [voxels].
     pub(crate) lowest: DVec3,
+    /// Voxels in a metre.
+    pub(crate) per_metre: f64,
 }
 
 impl<'a> Field<'a> {
@@ -36,71 +42,133 @@ impl<'a> Field<'a> {
         let metal_box =
             if low.cmple(high).all() { (voxels(low), voxels(high + IVec3::ONE)) } else { (Vec3::ZERO, Vec3::ZERO) };
         let lowest = (grid.origin * BRICK_SIDE as i32).as_dvec3();
-        Self { grid, metal, air, metal_box, lowest }
+        Self { grid, index: Index::new(grid, &metal), metal, air, metal_box, lowest, per_metre: grid.voxel.recip() }
     }
 
     /// A point [m] in voxels from the lowest voxel of the index.
+    #[inline]
     pub(crate) fn in_voxels(&self, point: DVec3) -> Vec3 {
-        (point / self.grid.voxel - self.lowest).as_vec3()
+        (point * self.per_metre - self.lowest).as_vec3()
     }
 
-    /// Slot of a brick counted from the first of the index, [`OUTSIDE`] or [`INSIDE`].
+    /// The eight corners of a cell, z fastest, of values kept for each voxel of the pool; its lowest corner is counted
+    /// from the lowest voxel of the index.
     #[inline]
-    pub(crate) fn slot(&self, brick: IVec3) -> u32 {
-        let (at, dims) = (brick.as_uvec3(), self.grid.dims.as_uvec3());
-        if at.x >= dims.x || at.y >= dims.y || at.z >= dims.z {
-            return OUTSIDE;
-        }
-        self.grid.index[((at.x * dims.y + at.y) * dims.z + at.z) as usize]
-    }
-
-    /// φ [m] at the eight corners of a cell, z fastest; its lowest corner is counted from the lowest voxel of the index.
-    #[inline]
-    pub(crate) fn cell_phi(&self, corner: IVec3) -> [f32; 8] {
-        let local = corner & 7;
+    pub(crate) fn cell<T: Copy>(&self, corner: IVec3, values: &[T], outside: T, inside: T) -> [T; 8] {
+        let (local, Some(place)) = (corner & 7, self.index.place(corner >> 3)) else { return [outside; 8] };
         if local.x == 7 || local.y == 7 || local.z == 7 {
-            return std::array::from_fn(|i| self.phi_at(corner + cell_corner(i)));
+            return self.cell_between(place, local, values, outside, inside);
         }
-        match self.slot(corner >> 3) {
-            OUTSIDE => [self.grid.band; 8],
-            INSIDE => [-self.grid.band; 8],
+        match self.index.slot(place) {
+            OUTSIDE => [outside; 8],
+            INSIDE => [inside; 8],
             slot => {
                 let from = slot as usize * BRICK_VOXELS + voxel_offset(corner);
-                let phi = &self.grid.phi[from..from + 74];
-                [phi[0], phi[1], phi[8], phi[9], phi[64], phi[65], phi[72], phi[73]]
+                let v = &values[from..from + 74];
+                [v[0], v[1], v[8], v[9], v[64], v[65], v[72], v[73]]
             }
         }
     }
 
-    fn phi_at(&self, voxel: IVec3) -> f32 {
-        match self.slot(voxel >> 3) {
-            OUTSIDE => self.grid.band,
-            INSIDE => -self.grid.band,
-            slot => self.grid.phi[slot as usize * BRICK_VOXELS + voxel_offset(voxel)],
+    /// As [`Field::cell`] for a cell between bricks.
+    fn cell_between<T: Copy>(&self, place: usize, local: IVec3, values: &[T], outside: T, inside: T) -> [T; 8] {
+        let block = Block::<2>::new(self, place, local);
+        let mut cell = [outside; 8];
+        for (i, value) in cell.iter_mut().enumerate() {
+            *value = block.at(i >> 2, i >> 1 & 1, i & 1, values, outside, inside);
         }
+        cell
     }
 
-    /// Positions in the pool of the eight corners of a cell, z fastest; `None` where no brick is.
-    pub(crate) fn cell_places(&self, corner: IVec3) -> [Option<usize>; 8] {
-        let place = |voxel: IVec3| match self.slot(voxel >> 3) {
-            OUTSIDE | INSIDE => None,
-            slot => Some(slot as usize * BRICK_VOXELS + voxel_offset(voxel)),
-        };
-        std::array::from_fn(|i| place(corner + cell_corner(i)))
-    }
-
-    /// φ [m] at a point in voxels from the lowest voxel of the index, trilinear.
+    /// φ [m] at the eight corners of a cell.
     #[inline]
-    pub(crate) fn phi(&self, at: Vec3) -> f32 {
-        let corner = at.floor();
-        trilinear(&self.cell_phi(corner.as_ivec3()), at - corner)
+    pub(crate) fn cell_phi(&self, corner: IVec3) -> [f32; 8] {
+        self.cell(corner, &self.grid.phi, self.grid.band, -self.grid.band)
     }
 
     /// Outward unit normal at a point in voxels from differences two voxels wide, or `None` where φ is flat. They equal
     /// the voxels' central differences interpolated trilinearly, so unlike narrower ones they do not jump or kink from
     /// cell to cell.
     pub(crate) fn normal(&self, at: Vec3) -> Option<Vec3> {
-        let along = |axis: Vec3| self.phi(at + axis) - self.phi(at - axis);
-        Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).try_normalize()
+        let (corner, f) = cell_of(at);
+        let low = corner - 1;
+        let place = self.index.place(low >> 3)?;
+        let block = Block::<4>::new(self, place, low & 7);
+        let (phi, band) = (&self.grid.phi[..], self.grid.band);
+        let voxel = |x: usize, y: usize, z: usize| block.at(x, y, z, phi, band, -band);
+        let (mut middle, mut columns) = ([[0.0; 4]; 4], [[[0.0; 4]; 2]; 2]);
+        for x in 0..4 {
+            for y in 0..4 {
+                let is_inner = (x == 1 || x == 2, y == 1 || y == 2);
+                match is_inner {
+                    (true, true) => {
+                        let column = [voxel(x, y, 0), voxel(x, y, 1), voxel(x, y, 2), voxel(x, y, 3)];
+                        (columns[x - 1][y - 1], middle[x][y]) = (column, mix(column[1], column[2], f.z));
+                    }
+                    (false, false) => {}
+                    _ => middle[x][y] = mix(voxel(x, y, 1), voxel(x, y, 2), f.z),
+                }
+            }
+        }
+        let level = |m: [[f32; 2]; 2]| mix(mix(m[0][0], m[0][1], f.y), mix(m[1][0], m[1][1], f.y), f.x);
+        let around =
+            |x: usize, y: usize| level([[middle[x][y], middle[x][y + 1]], [middle[x + 1][y], middle[x + 1][y + 1]]]);
+        let layer = |z: usize| {
+            let of = |column: &[f32; 4]| mix(column[z], column[z + 1], f.z);
+            level([[of(&columns[0][0]), of(&columns[0][1])], [of(&columns[1][0]), of(&columns[1][1])]])
+        };
+        let across = [around(2, 1) - around(0, 1), around(1, 2) - around(1, 0), layer(2) - layer(0)];
+        Vec3::from_array(across).try_normalize()
+    }
+}
+
+#[inline]
+fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+/// The cell of a point and where in the cell the point is, 0 to 1.
+#[inline]
+pub(crate) fn cell_of(at: Vec3) -> (IVec3, Vec3) {
+    let at = Vec3A::from(at);
+    let nearest = nearest_whole(at);
+    let low = nearest - Vec3A::select(nearest.cmpgt(at), Vec3A::ONE, Vec3A::ZERO);
+    (integers(low), (at - low).into())
+}
+
+/// Where the N³ voxels from a lowest one on are: in up to eight bricks.
+struct Block<'a, const N: usize> {
+    index: &'a Index,
+    /// Entry of the brick of the lowest.
+    place: usize,
+    /// For each axis and each step along it: how much farther the entry is, and part of the offset in the brick.
+    steps: [[(usize, usize); N]; 3],
+}
+
+impl<'a, const N: usize> Block<'a, N> {
+    /// `place`: entry of the brick of the lowest voxel; `local`: that voxel in the brick.
+    #[inline]
+    fn new(field: &'a Field, place: usize, local: IVec3) -> Self {
+        let index = &field.index;
+        let mut steps = [[(0, 0); N]; 3];
+        for (axis, steps) in steps.iter_mut().enumerate() {
+            for (i, step) in steps.iter_mut().enumerate() {
+                let at = local[axis] as usize + i;
+                let entry = if at < BRICK_SIDE { 0 } else { index.steps[axis] };
+                *step = (entry, (at % BRICK_SIDE) << (6 - 3 * axis));
+            }
+        }
+        Self { index, place, steps }
+    }
+
+    /// Value of a voxel, counted from the lowest.
+    #[inline]
+    fn at<T: Copy>(&self, x: usize, y: usize, z: usize, values: &[T], outside: T, inside: T) -> T {
+        let (x, y, z) = (self.steps[0][x], self.steps[1][y], self.steps[2][z]);
+        match self.index.slot(self.place + x.0 + y.0 + z.0) {
+            OUTSIDE => outside,
+            INSIDE => inside,
+            slot => values[slot as usize * BRICK_VOXELS + (x.1 | y.1 | z.1)],
+        }
     }
 }

@@ -2,8 +2,10 @@
 
 use glam::DVec2;
 
-/// Steps of the inversion; each gains about one digit for the distortion of a real lens.
+/// Most steps of the inversion; each gains about one digit for the distortion of a real lens.
 const INVERSION_STEPS: usize = 16;
+/// Last step of the inversion, at unit distance: far below what any ray can show.
+const INVERTED: f64 = 1e-11;
 
 /// Distortion of the image plane at unit distance: x to the right, y downwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,7 +32,16 @@ impl Distortion {
         if self.is_none() {
             return imaged;
         }
-        (0..INVERSION_STEPS).fold(imaged, |at, _| (imaged - self.shift(at)) / self.stretch(at))
+        let mut at = imaged;
+        for _ in 0..INVERSION_STEPS {
+            let next = (imaged - self.shift(at)) * self.stretch(at).recip();
+            let moved = (next - at).abs().max_element();
+            at = next;
+            if moved < INVERTED {
+                break;
+            }
+        }
+        at
     }
 
     fn stretch(&self, at: DVec2) -> f64 {

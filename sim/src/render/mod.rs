@@ -28,6 +28,7 @@
 
 // Units stand in brackets: `[m]` is no link.
 
+mod bundle;
 mod camera;
 mod clear_view;
 mod colour;
@@ -36,7 +37,9 @@ mod cubic;
 mod edges;
 mod field;
 mod font;
+mod four;
 mod frame;
+mod index;
 mod legend;
 mod lens;
 mod lights;
@@ -50,9 +53,11 @@ mod removed;
 mod scene;
 mod sensor;
 mod shade;
+mod shadow;
 mod sheet;
 mod surface;
 mod text;
+mod tile;
 mod trace;
 mod view;
 mod walk;

@@ -129,10 +129,7 @@ fn render_stage(stage: &Stage) -> RenderStage {
     let coating = appearance.coating.unwrap_or(appearance.ground);
     let table_top = scene.table.map_or(appearance.metal, |table| table.material);
     let ([k1, k2, k3], [p1, p2]) = (camera.distortion.radial, camera.distortion.tangential);
-    let (parallel, half_image) = match camera.projection {
-        Projection::Perspective { vertical_field_of_view } => (false, (0.5 * vertical_field_of_view).tan()),
-        Projection::Orthographic { height } => (true, 0.5 * height),
-    };
+    let parallel = matches!(camera.projection, Projection::Orthographic { .. });
     let voxel = field.grid.voxel;
     RenderStage {
         eye: field.in_voxels(camera.eye).extend(0.0).to_array(),
@@ -152,7 +149,7 @@ fn render_stage(stage: &Stage) -> RenderStage {
         metallic: [appearance.metal, appearance.weld, appearance.ground, coating].map(|material| material.metallic),
         lens_askew: p2 as f32,
         aspect: stage.aspect as f32,
-        half_image: half_image as f32,
+        half_image: stage.half_image as f32,
         nudge: nudge(field),
         table: scene.table.map_or(0.0, |_| (stage.table / voxel - stage.up.dot(field.lowest)) as f32),
         table_metallic: table_top.metallic,

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
+use super::bundle::common_clear_length;
 use super::camera::{Camera, Ray};
 use super::field::Field;
 use super::frame::{Frame, Seen};
@@ -12,8 +13,10 @@ use super::marks::any_tangent;
 use super::material::{Appearance, Material, PRIMER};
 use super::microfacet::Facets;
 use super::placement::Placement;
-use super::shade::{ambient_occlusion, facing, light_share};
+use super::shade::facing;
+use super::shadow::Towards;
 use super::surface::Surface;
+use super::tile::{MOST_SAMPLES, Sample, Shelter, Sheltered, TILE, tile_pixels};
 
 /// A level table without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,31 +72,42 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Photographs the scene; rows in parallel. Colour is linear light before the [`Sensor`](super::Sensor).
+    /// Photographs the scene; tiles of pixels in parallel. Colour is linear light before the [`Sensor`](super::Sensor).
     pub fn photograph(&self, camera: &Camera, raster: &Raster) -> Frame {
+        self.photograph_as(&[], camera, raster).0
+    }
+
+    /// As [`Scene::photograph`], with the colour of each pixel on the part in `N` other appearances, black elsewhere:
+    /// what is seen and what shelters it are found once.
+    pub fn photograph_as<const N: usize>(
+        &self,
+        others: &[Appearance; N],
+        camera: &Camera,
+        raster: &Raster,
+    ) -> (Frame, Vec<[Vec3; N]>) {
         let mut frame = Frame::empty(raster.width, raster.height);
-        let width = raster.width.max(1);
+        let mut colours = vec![[Vec3::ZERO; N]; frame.colour.len()];
         let stage = Stage::new(self, camera, raster);
+        let lamps: Vec<Towards> =
+            stage.lamps.iter().map(|lamp| Towards::new(&self.field, lamp.towards, lamp.spread)).collect();
+        let rows = TILE * raster.width.max(1);
         let Frame { colour, depth, normal, position, weld, dose, removed, seen, .. } = &mut frame;
-        let floats = (depth.par_chunks_mut(width), dose.par_chunks_mut(width), removed.par_chunks_mut(width));
-        let vectors = (colour.par_chunks_mut(width), normal.par_chunks_mut(width), position.par_chunks_mut(width));
-        let marks = (weld.par_chunks_mut(width), seen.par_chunks_mut(width));
+        let floats = (depth.par_chunks_mut(rows), dose.par_chunks_mut(rows), removed.par_chunks_mut(rows));
+        let vectors = (colour.par_chunks_mut(rows), normal.par_chunks_mut(rows), position.par_chunks_mut(rows));
+        let marks = (weld.par_chunks_mut(rows), seen.par_chunks_mut(rows), colours.par_chunks_mut(rows));
         (vectors, floats, marks).into_par_iter().enumerate().for_each(|(y, (vectors, floats, marks))| {
-            let ((colour, normal, position), (depth, dose, removed), (weld, seen)) = (vectors, floats, marks);
-            (0..width).for_each(|x| {
-                let sample = stage.centre(x, y);
-                colour[x] = if raster.samples_per_side > 1 { stage.mean(x, y) } else { stage.light(&sample) };
-                seen[x] = sample.seen;
-                let Some(surface) = sample.surface else { return };
-                depth[x] = surface.depth;
-                normal[x] = surface.normal;
-                position[x] = surface.position;
-                weld[x] = surface.weld;
-                dose[x] = surface.dose;
-                removed[x] = surface.removed;
-            });
+            let ((colour, normal, position), (depth, dose, removed), (weld, seen, colours)) = (vectors, floats, marks);
+            for x in (0..raster.width).step_by(TILE) {
+                stage.tile(&lamps, (x, TILE * y), others, |(x, y), sample, light| {
+                    let at = y % TILE * raster.width + x;
+                    (colour[at], colours[at], seen[at]) = (light.0, light.1, sample.seen);
+                    let Some(surface) = sample.surface else { return };
+                    (depth[at], normal[at], position[at]) = (surface.depth, surface.normal, surface.position);
+                    (weld[at], dose[at], removed[at]) = (surface.weld, surface.dose, surface.removed);
+                });
+            }
         });
-        frame
+        (frame, colours)
     }
 }
 
@@ -109,19 +123,14 @@ pub(crate) struct Stage<'a> {
     pub(crate) scene: &'a Scene<'a>,
     pub(crate) raster: &'a Raster,
     pub(crate) aspect: f64,
+    /// Of the camera.
+    pub(crate) half_image: f64,
     pub(crate) camera: Camera,
     pub(crate) lamps: Vec<Lamp>,
     /// Unit direction that is up in the scene.
     pub(crate) up: DVec3,
     /// Height of the table along `up` [m]; none at minus infinity.
     pub(crate) table: f64,
-}
-
-/// What a ray meets.
-struct Sample {
-    direction: Vec3,
-    seen: Seen,
-    surface: Option<Surface>,
 }
 
 impl<'a> Stage<'a> {
@@ -136,6 +145,7 @@ impl<'a> Stage<'a> {
             scene,
             raster,
             aspect: raster.width as f64 / raster.height.max(1) as f64,
+            half_image: camera.half_image(),
             camera: placement.camera_to_part(camera),
             lamps: scene.lights.keys.iter().map(lamp).collect(),
             up: placement.direction_to_part(DVec3::Z),
@@ -143,27 +153,86 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// What the ray through a pixel's centre meets.
-    fn centre(&self, x: usize, y: usize) -> Sample {
-        self.sample(x as f64 + 0.5, y as f64 + 0.5)
+    /// Gives for each pixel of a tile what its centre shows, and its light: in the scene's appearance and, where the
+    /// centre shows the part, in others. `corner`: the tile's first pixel.
+    fn tile<const N: usize>(
+        &self,
+        lamps: &[Towards],
+        corner: (usize, usize),
+        others: &[Appearance; N],
+        mut each: impl FnMut((usize, usize), &Sample, (Vec3, [Vec3; N])),
+    ) {
+        let pixels = tile_pixels(corner).filter(|&(x, y)| x < self.raster.width && y < self.raster.height);
+        let pixels: Vec<_> = pixels.collect();
+        let centres: Vec<_> = pixels.iter().map(|&(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).collect();
+        let centres = self.samples(&centres);
+        if self.raster.samples_per_side > 1 {
+            for (pixel, centre) in pixels.into_iter().zip(&centres) {
+                each(pixel, centre, self.mean(lamps, pixel, centre.seen == Seen::Part, others));
+            }
+            return;
+        }
+        let shelter = Shelter::of(self, lamps, &centres);
+        for (i, (pixel, centre)) in pixels.into_iter().zip(&centres).enumerate() {
+            each(pixel, centre, self.lights(centre, centre.seen == Seen::Part, others, &shelter.of_sample(i)));
+        }
     }
 
-    /// Mean light of a pixel.
-    fn mean(&self, x: usize, y: usize) -> Vec3 {
+    /// Mean light of a pixel; in other appearances, too, if it is `on_part`.
+    fn mean<const N: usize>(
+        &self,
+        lamps: &[Towards],
+        (x, y): (usize, usize),
+        on_part: bool,
+        others: &[Appearance; N],
+    ) -> (Vec3, [Vec3; N]) {
         let side = self.raster.samples_per_side;
         let along = |i: usize| (i as f64 + 0.5) / side as f64;
-        let light = |i: usize| self.light(&self.sample(x as f64 + along(i % side), y as f64 + along(i / side)));
-        (0..side * side).map(light).sum::<Vec3>() / (side * side) as f32
+        let at = |i: usize| DVec2::new(x as f64 + along(i % side), y as f64 + along(i / side));
+        let samples = self.samples(&(0..side * side).map(at).collect::<Vec<_>>());
+        let mut sum = (Vec3::ZERO, [Vec3::ZERO; N]);
+        for samples in samples.chunks(MOST_SAMPLES) {
+            let shelter = Shelter::of(self, lamps, samples);
+            for (i, sample) in samples.iter().enumerate() {
+                let (light, in_others) = self.lights(sample, on_part, others, &shelter.of_sample(i));
+                sum.0 += light;
+                sum.1.iter_mut().zip(in_others).for_each(|(sum, light)| *sum += light);
+            }
+        }
+        let count = (side * side) as f32;
+        (sum.0 / count, sum.1.map(|sum| sum / count))
     }
 
-    fn sample(&self, x: f64, y: f64) -> Sample {
-        let at = DVec2::new(x / self.raster.width as f64, y / self.raster.height as f64);
-        let ray = self.camera.ray(at, self.aspect);
+    /// Light of a sample in the scene's appearance and, if wanted, in others.
+    fn lights<const N: usize>(
+        &self,
+        sample: &Sample,
+        wanted: bool,
+        others: &[Appearance; N],
+        sheltered: &Sheltered,
+    ) -> (Vec3, [Vec3; N]) {
+        let light = |appearance: &Appearance| self.light(sample, appearance, sheltered);
+        let in_others = if wanted { others.each_ref().map(light) } else { [Vec3::ZERO; N] };
+        (light(&self.scene.appearance), in_others)
+    }
+
+    /// What rays through neighbouring points of the image meet; from the top left [pixels].
+    fn samples(&self, points: &[DVec2]) -> Vec<Sample> {
+        let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
+        let ray = |at: &DVec2| self.camera.ray_within(at / size, self.aspect, self.half_image);
+        let rays: Vec<Ray> = points.iter().map(ray).collect();
+        let clear = common_clear_length(&self.scene.field, &rays);
+        rays.iter().map(|ray| self.sample(ray, clear)).collect()
+    }
+
+    /// What a ray meets; `clear`: length on which it meets no metal [m].
+    fn sample(&self, ray: &Ray, clear: f64) -> Sample {
         let direction = ray.direction.as_vec3();
-        let table = self.table_distance(&ray);
-        match self.scene.field.trace(&ray).filter(|hit| hit.distance <= table) {
+        let table = self.table_distance(ray);
+        let hit = (clear < f64::INFINITY).then(|| self.scene.field.trace_from(ray, clear)).flatten();
+        match hit.filter(|hit| hit.distance <= table) {
             Some(hit) => {
-                let surface = Surface::new(&self.scene.field, &self.camera, &ray, &hit);
+                let surface = Surface::new(&self.scene.field, &self.camera, ray, &hit);
                 Sample { direction, seen: Seen::Part, surface: Some(surface) }
             }
             None if table < f64::INFINITY => {
@@ -182,29 +251,24 @@ impl<'a> Stage<'a> {
     }
 
     /// Light that comes along a ray, linear RGB.
-    fn light(&self, sample: &Sample) -> Vec3 {
-        let Some(surface) = &sample.surface else {
-            return self.scene.lights.environment.radiance(sample.direction.dot(self.up.as_vec3()), 0.0);
-        };
-        let facets = self.facets(surface, sample.seen);
-        let (viewer, field) = (-surface.view, &self.scene.field);
+    fn light(&self, sample: &Sample, appearance: &Appearance, sheltered: &Sheltered) -> Vec3 {
         let environment = &self.scene.lights.environment;
         let up = self.up.as_vec3();
+        let Some(surface) = &sample.surface else {
+            return environment.radiance(sample.direction.dot(up), 0.0);
+        };
+        let facets = self.facets(surface, sample.seen, appearance);
+        let viewer = -surface.view;
         let mirrored = environment.radiance(facets.mirrored(viewer).dot(up), facets.roughness());
         let around = environment.radiance(facets.normal.dot(up), 1.0);
-        let open = ambient_occlusion(field, surface);
-        let mut light = (facets.diffuse_share() * around + facets.environment_share(viewer) * mirrored) * open;
-        for lamp in &self.lamps {
-            let reflected = facets.reflected(viewer, lamp.towards, lamp.spread);
-            if reflected != Vec3::ZERO {
-                light += reflected * lamp.irradiance * light_share(field, surface, lamp.towards, lamp.spread);
-            }
-        }
-        light
+        let open = (facets.diffuse_share() * around + facets.environment_share(viewer) * mirrored) * sheltered.open;
+        let lamps = self.lamps.iter().zip(sheltered.shares()).filter(|(_, share)| *share > 0.0);
+        lamps.fold(open, |light, (lamp, share)| {
+            light + facets.reflected(viewer, lamp.towards, lamp.spread) * lamp.irradiance * share
+        })
     }
 
-    fn facets(&self, surface: &Surface, seen: Seen) -> Facets {
-        let appearance = &self.scene.appearance;
+    fn facets(&self, surface: &Surface, seen: Seen, appearance: &Appearance) -> Facets {
         let normal = facing(surface.normal, surface.view);
         if let (Seen::Table, Some(table)) = (seen, &self.scene.table) {
             return Facets::new(&table.material, normal, any_tangent(normal), 0.0);
@@ -213,7 +277,8 @@ impl<'a> Stage<'a> {
         if blend.ground <= 0.0 || appearance.marks.path.is_empty() {
             return Facets::new(&blend.material, normal, any_tangent(normal), 0.0);
         }
-        let footprint = self.camera.pixel_size(f64::from(surface.depth), self.raster.height) as f32;
+        let footprint =
+            self.camera.pixel_size_within(f64::from(surface.depth), self.raster.height, self.half_image) as f32;
         let groove = appearance.marks.at(surface.position, normal, footprint);
         let across = normal.cross(groove.along);
         let tilted = (normal + across * (groove.tilt * blend.ground)).normalize_or(normal);

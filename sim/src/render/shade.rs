@@ -3,10 +3,11 @@
 //! The lights stand relative to the camera, so that every view of a part is lit the same way. Pure functions of their
 //! arguments.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
-use super::camera::{Camera, Ray};
+use super::camera::Camera;
 use super::field::Field;
+use super::shadow::Towards;
 use super::surface::Surface;
 
 /// Albedo and reflectance at normal incidence, linear RGB.
@@ -42,7 +43,7 @@ const KEY_SPREAD: f32 = 0.16;
 const HIGHLIGHT: f32 = 38.0;
 const HIGHLIGHT_STRENGTH: f32 = 1.4;
 /// Start of a shadow ray above the surface [voxels].
-const SHADOW_START: f64 = 0.6;
+const SHADOW_START: f32 = 0.6;
 
 impl Studio {
     /// Key light over the camera's left shoulder, fill light from the right.
@@ -100,22 +101,33 @@ pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, sprea
     if surface.normal.dot(towards) <= 0.0 {
         return 0.0;
     }
-    let lift = surface.normal.as_dvec3() * (SHADOW_START * field.grid.voxel);
-    let direction = towards.as_dvec3().normalize_or_zero();
-    field.light_share(&Ray { origin: surface.position.as_dvec3() + lift, direction }, spread)
+    Towards::new(field, towards, spread).share(shadow_start(field, surface))
+}
+
+/// Where shadow rays leave a surface [voxels].
+pub(crate) fn shadow_start(field: &Field, surface: &Surface) -> Vec3 {
+    field.in_voxels(surface.position.as_dvec3()) + surface.normal * SHADOW_START
 }
 
 /// Share of open space just above a point, 0 to 1: φ along the normal against the distance gone (Evans 2006), within
 /// the band, beyond which φ is truncated.
 pub(crate) fn ambient_occlusion(field: &Field, surface: &Surface) -> f32 {
+    ambient_occlusion_of_four(field, [surface; 4]).x
+}
+
+/// As [`ambient_occlusion`] of four points.
+pub(crate) fn ambient_occlusion_of_four(field: &Field, surfaces: [&Surface; 4]) -> Vec4 {
     const STEPS: [f32; 3] = [0.3, 0.6, 0.95];
-    let (point, voxel) = (field.in_voxels(surface.position.as_dvec3()), field.grid.voxel as f32);
-    let missing = |&part: &f32| {
+    let points = surfaces.map(|surface| field.in_voxels(surface.position.as_dvec3()));
+    let missing = |part: f32| {
         let reach = part * field.grid.band;
-        1.0 - (field.phi(point + surface.normal * (reach / voxel)) / reach).clamp(0.0, 1.0)
+        let voxels = reach * field.per_metre as f32;
+        let above = |i: usize| points[i] + surfaces[i].normal * voxels;
+        let phi = field.phi_of_four(&[above(0), above(1), above(2), above(3)]);
+        1.0 - (phi / reach).clamp(Vec4::ZERO, Vec4::ONE)
     };
-    let mean = STEPS.iter().map(missing).sum::<f32>() / STEPS.len() as f32;
-    (1.0 - 1.5 * mean).max(0.15)
+    let mean = STEPS.into_iter().map(missing).sum::<Vec4>() / STEPS.len() as f32;
+    (1.0 - 1.5 * mean).max(Vec4::splat(0.15))
 }
 
 /// The normal, turned just enough to face the camera: blended normals tip over at silhouettes.

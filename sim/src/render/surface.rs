@@ -6,7 +6,7 @@ use sdf_bake::Scalar;
 use sdf_bake::grid::{cell_corner, trilinear};
 
 use super::camera::{Camera, Ray};
-use super::field::Field;
+use super::field::{Field, cell_of};
 use super::removed::removed_depth;
 use super::trace::Hit;
 
@@ -85,29 +85,25 @@ impl Surface {
 
 /// Coating dose D and removed depth [m] at a point in voxels, trilinear; 0 where no brick is.
 fn scalars_at(field: &Field, point: Vec3) -> [f32; 2] {
-    let channels = [Scalar::Dose, Scalar::Removed].map(|channel| field.grid.scalar(channel));
-    if channels.iter().all(|values| values.is_empty()) {
-        return [0.0; 2];
-    }
-    let corner = point.floor();
-    let places = field.cell_places(corner.as_ivec3());
-    channels.map(|values| {
-        let at = |place: Option<usize>| place.and_then(|place| values.get(place)).copied().unwrap_or(0.0);
-        trilinear(&places.map(at), point - corner)
+    let (corner, within) = cell_of(point);
+    [Scalar::Dose, Scalar::Removed].map(|channel| match field.grid.scalar(channel) {
+        [] => 0.0,
+        values => trilinear(&field.cell(corner, values, 0.0, 0.0), within),
     })
 }
 
 /// Weld id with the most weight among the metal voxels around a point in voxels, and the share of all welds.
 fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
-    let labels = &field.grid.label;
-    if labels.is_empty() {
+    let label = &field.grid.label;
+    if label.is_empty() {
         return (0, 0.0);
     }
-    let corner = point.floor();
-    let f = point - corner;
-    let phi = field.cell_phi(corner.as_ivec3());
-    let label = |place: Option<usize>| place.map_or(0, |place| labels[place]);
-    let labels = field.cell_places(corner.as_ivec3()).map(label);
+    let (corner, f) = cell_of(point);
+    let labels = field.cell(corner, label, 0, 0);
+    if labels.iter().all(|&label| label == labels[0]) {
+        return (labels[0], f32::from(labels[0].min(1)));
+    }
+    let phi = field.cell_phi(corner);
     let weights: [f32; 8] = std::array::from_fn(|i| {
         let near = Vec3::select(cell_corner(i).cmpeq(IVec3::ONE), f, 1.0 - f);
         if phi[i] <= 0.0 { near.x * near.y * near.z } else { 0.0 }
@@ -115,7 +111,7 @@ fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
     let of = |wanted: &dyn Fn(u16) -> bool| -> f32 { (0..8).filter(|&i| wanted(labels[i])).map(|i| weights[i]).sum() };
     let (all, welds) = (of(&|_| true), of(&|label| label != 0));
     if all <= 0.0 {
-        let nearest = label(field.cell_places((point + 0.5).floor().as_ivec3())[0]);
+        let nearest = labels[(0..3).map(|axis| usize::from(f[axis] >= 0.5) << (2 - axis)).sum::<usize>()];
         return (nearest, f32::from(nearest.min(1)));
     }
     if welds < 0.5 * all {

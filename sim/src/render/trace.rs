@@ -1,16 +1,10 @@
-//! Where a ray meets the surface, solved exactly in its trilinear cell, and how much of a light reaches a point, by
-//! sphere tracing (Hart 1996).
+//! Where a ray meets the surface, solved exactly in its trilinear cell.
 
 use glam::{DVec3, Vec3};
 
 use super::camera::Ray;
 use super::field::Field;
 use super::walk::Walk;
-
-/// Part of the band over which a penumbra is drawn; beyond it φ is truncated and says nothing.
-const PENUMBRA_BAND: f32 = 0.9;
-/// Least step towards a light [voxels]: what throws no shadow is thinner than this.
-const LEAST_STEP: f32 = 0.5;
 
 /// Where a ray meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +22,12 @@ impl Field<'_> {
     ///
     /// A ray that starts in the metal, or enters the indexed box in it, meets it right there.
     pub fn trace(&self, ray: &Ray) -> Option<Hit> {
-        let distance = first_crossing(Walk::entering(self, ray)?)?;
+        self.trace_from(ray, 0.0)
+    }
+
+    /// As [`Field::trace`] for a ray that meets nothing on a length `clear` [m].
+    pub(crate) fn trace_from(&self, ray: &Ray, clear: f64) -> Option<Hit> {
+        let distance = first_crossing(Walk::entering(self, ray, clear)?)?;
         let point = ray.origin + ray.direction * distance;
         let normal = self.normal(self.in_voxels(point)).unwrap_or(-ray.direction.as_vec3());
         Some(Hit { distance, point, normal })
@@ -41,27 +40,6 @@ impl Field<'_> {
         let Some(walk) = Walk::leaving(self, ray) else { return 0.0 };
         let end = walk.end();
         first_crossing(walk).unwrap_or(end)
-    }
-
-    /// Share of a light that reaches the start of a ray towards it, 0 to 1.
-    ///
-    /// `spread` is the tangent of the light's half angle. The share is the least clearance along the ray against the
-    /// radius of the light's cone there (after Quilez 2010), the cone capped at the band.
-    pub(crate) fn light_share(&self, ray: &Ray, spread: f32) -> f32 {
-        let Some(mut walk) = Walk::towards_light(self, ray) else {
-            return 1.0;
-        };
-        let mut share = 1f32;
-        while let Some((clearance, distance)) = walk.next_clearance(LEAST_STEP) {
-            if clearance <= 0.0 {
-                return 0.0;
-            }
-            let cone = (spread * distance).min(PENUMBRA_BAND * self.grid.band);
-            if clearance < share * cone {
-                share = clearance / cone;
-            }
-        }
-        share
     }
 }
 
@@ -179,16 +157,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn shadow_is_full_behind_the_ball_and_none_beside_it() {
-        let grid = ball();
-        let field = Field::new(&grid);
-        assert_eq!(field.light_share(&ray([0.0, 0.0, -0.1], [0.0, 0.0, 1.0]), 0.1), 0.0);
-        assert_eq!(field.light_share(&ray([0.0, 0.013, -0.1], [0.0, 0.0, 1.0]), 0.1), 1.0);
-        let penumbra = field.light_share(&ray([0.0, 0.0106, -0.1], [0.0, 0.0, 1.0]), 0.1);
-        assert!(penumbra > 0.2 && penumbra < 0.8, "{penumbra}");
     }
 
     #[test]

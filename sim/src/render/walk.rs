@@ -9,7 +9,7 @@
 //! Lengths here are in voxels, from the lowest voxel of the index, in f32: the ray starts where it enters the box, which
 //! keeps f32 to about 10⁻³ voxel in a grid of 10⁴ voxels. Twin of `walk.wgsl`.
 
-use glam::{BVec3, IVec3, Vec3};
+use glam::{BVec3A, IVec3, Vec3, Vec3A};
 use sdf_bake::grid::{BRICK_SIDE, INSIDE, OUTSIDE, trilinear};
 
 use super::camera::Ray;
@@ -18,7 +18,7 @@ use super::field::Field;
 use super::occupancy::Blocks;
 
 /// Cells to bricks by shifting.
-const BRICK_SHIFT: i32 = BRICK_SIDE.trailing_zeros() as i32;
+pub(crate) const BRICK_SHIFT: i32 = BRICK_SIDE.trailing_zeros() as i32;
 
 /// Nudge across a border [voxels], and what rounding adds for each voxel of the grid's extent.
 const NUDGE: f32 = 1e-4;
@@ -40,14 +40,15 @@ impl Sense {
             Self::Leaving => -1.0,
         }
     }
+}
 
-    /// Index entry of bricks in which no crossing can be.
-    fn clear(self) -> u32 {
-        match self {
-            Self::Entering => OUTSIDE,
-            Self::Leaving => INSIDE,
-        }
-    }
+/// The direction of a ray through the cells.
+pub(crate) struct Line {
+    pub(crate) direction: Vec3A,
+    /// Of each component; a huge number for zero.
+    inverse: Vec3A,
+    /// Axes along which the ray runs towards lower coordinates.
+    pub(crate) backward: BVec3A,
 }
 
 /// A ray under way through a grid.
@@ -56,11 +57,8 @@ pub(crate) struct Walk<'a> {
     /// Blocks that must be looked into.
     blocks: &'a [Blocks],
     sense: Sense,
-    origin: Vec3,
-    direction: Vec3,
-    inverse: Vec3,
-    /// Axes along which the ray runs towards lower coordinates.
-    backward: BVec3,
+    origin: Vec3A,
+    line: Line,
     nudge: f32,
     /// Distance of `origin` from the ray's own start [m].
     entry: f64,
@@ -75,31 +73,88 @@ pub(crate) struct Cell {
     /// φ at the eight corners, positive on the side that the ray comes from [m].
     values: [f32; 8],
     /// Entry of the ray, 0 to 1 within the cell.
-    from: Vec3,
-    direction: Vec3,
+    from: Vec3A,
+    direction: Vec3A,
     /// Length of the ray in the cell [voxels].
     length: f32,
 }
 
+impl Line {
+    /// `direction`: of unit length.
+    #[inline]
+    pub(crate) fn new(direction: Vec3A) -> Self {
+        let still = direction.cmpeq(Vec3A::ZERO);
+        let inverse = Vec3A::select(still, Vec3A::MAX, direction.recip());
+        Self { direction, inverse, backward: direction.cmplt(Vec3A::ZERO) }
+    }
+
+    /// Lowest corner of the cell that the ray is in or, on a border, enters next. Without the second half a ray
+    /// almost parallel to a border would creep along it by nudges.
+    #[inline]
+    pub(crate) fn corner(&self, at: Vec3A) -> Vec3A {
+        let nearest = nearest_whole(at);
+        let is_beyond = nearest.cmpgt(at) | (self.backward & nearest.cmpeq(at));
+        nearest - Vec3A::select(is_beyond, Vec3A::ONE, Vec3A::ZERO)
+    }
+
+    /// Length [voxels] from `at` to where the ray leaves the cube with lowest corner `low`.
+    #[inline]
+    pub(crate) fn length_in(&self, at: Vec3A, low: Vec3A, side: f32) -> f32 {
+        let border = Vec3A::select(self.backward, low, low + side);
+        ((border - at) * self.inverse).min_element().max(0.0)
+    }
+
+    /// Length [voxels] from `at` to where the ray leaves the free cube around a brick that is `distance` bricks from the
+    /// next.
+    #[inline]
+    pub(crate) fn length_in_free(&self, at: Vec3A, (brick, distance): (IVec3, u8)) -> f32 {
+        let (low, side) = free_cube(brick, distance);
+        self.length_in(at, low.as_vec3a(), side as f32)
+    }
+
+    /// Where a ray is in a box, from `first` on; empty for one that misses it. Lengths from `start`.
+    #[inline]
+    pub(crate) fn span(&self, start: Vec3A, (low, high): (Vec3A, Vec3A), first: f32) -> (f32, f32) {
+        let beside = (start.cmplt(low) | start.cmpgt(high)) & self.direction.cmpeq(Vec3A::ZERO);
+        let (near, far) = ((low - start) * self.inverse, (high - start) * self.inverse);
+        let (near, far) = (Vec3A::select(self.backward, far, near), Vec3A::select(self.backward, near, far));
+        let (enter, leave) = (near.max_element().max(first), far.min_element());
+        let meets = enter < leave && !beside.any();
+        if meets { (enter, leave) } else { (0.0, 0.0) }
+    }
+}
+
+/// Added to a number of less than 2²², it leaves no bits for a fraction.
+pub(crate) const WHOLE: f32 = 12_582_912.0;
+
+/// The nearest whole number to each component.
+#[inline]
+pub(crate) fn nearest_whole(at: Vec3A) -> Vec3A {
+    (at + WHOLE) - WHOLE
+}
+
+/// Whole numbers as integers; far beyond any index for those of 2²² and more.
+#[inline]
+pub(crate) fn integers(whole: Vec3A) -> IVec3 {
+    let integer = |x: f32| ((x + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32);
+    IVec3::new(integer(whole.x), integer(whole.y), integer(whole.z))
+}
+
 impl<'a> Walk<'a> {
-    /// Starts a walk in the box that holds all metal, or `None` for a ray that misses it.
-    pub(crate) fn entering(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
-        Self::new(field, ray, Sense::Entering, field.metal_box)
+    /// Starts a walk in the box that holds all metal, or `None` for a ray that misses it. `clear`: length from the ray's
+    /// start on which it meets nothing [m].
+    pub(crate) fn entering(field: &'a Field<'a>, ray: &Ray, clear: f64) -> Option<Self> {
+        Self::new(field, ray, clear * field.per_metre, Sense::Entering, field.metal_box)
     }
 
     /// Starts a walk that looks for the way out of the metal, in the whole indexed box.
     pub(crate) fn leaving(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
-        Self::new(field, ray, Sense::Leaving, (Vec3::ZERO, indexed_size(field)))
+        Self::new(field, ray, 0.0, Sense::Leaving, (Vec3::ZERO, indexed_size(field)))
     }
 
-    /// Starts a walk towards a light through the whole indexed box.
-    pub(crate) fn towards_light(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
-        Self::new(field, ray, Sense::Entering, (Vec3::ZERO, indexed_size(field)))
-    }
-
-    fn new(field: &'a Field<'a>, ray: &Ray, sense: Sense, (least, most): (Vec3, Vec3)) -> Option<Self> {
-        let start = ray.origin / field.grid.voxel - field.lowest;
-        let (mut enter, mut leave) = (0f64, f64::INFINITY);
+    fn new(field: &'a Field<'a>, ray: &Ray, clear: f64, sense: Sense, (least, most): (Vec3, Vec3)) -> Option<Self> {
+        let start = ray.origin * field.per_metre - field.lowest;
+        let (mut enter, mut leave) = (clear, f64::INFINITY);
         for axis in 0..3 {
             let (p, d) = (start[axis], ray.direction[axis]);
             let (least, most) = (f64::from(least[axis]), f64::from(most[axis]));
@@ -108,7 +163,8 @@ impl<'a> Walk<'a> {
                     return None;
                 }
             } else {
-                let (a, b) = ((least - p) / d, (most - p) / d);
+                let inverse = d.recip();
+                let (a, b) = ((least - p) * inverse, (most - p) * inverse);
                 enter = enter.max(a.min(b));
                 leave = leave.min(a.max(b));
             }
@@ -116,15 +172,12 @@ impl<'a> Walk<'a> {
         if !(enter < leave && leave.is_finite()) {
             return None;
         }
-        let direction = ray.direction.as_vec3();
         Some(Self {
             field,
             blocks: if sense == Sense::Entering { &field.metal } else { &field.air },
             sense,
-            origin: (start + ray.direction * enter).as_vec3(),
-            direction,
-            inverse: direction.recip(),
-            backward: direction.cmplt(Vec3::ZERO),
+            origin: (start + ray.direction * enter).as_vec3a(),
+            line: Line::new(ray.direction.as_vec3a()),
             nudge: nudge(field),
             entry: enter * field.grid.voxel,
             t: 0.0,
@@ -145,80 +198,40 @@ impl<'a> Walk<'a> {
     /// The next cell in which the surface can be; the walk stands at its entry.
     pub(crate) fn next_cell(&mut self) -> Option<Cell> {
         while self.t < self.end {
-            let at = self.origin + self.direction * self.t;
-            let corner = self.corner(at);
-            let shift = self.clear_shift(corner);
-            let low = (corner >> shift) << shift;
-            let length = self.length_in(at, low.as_vec3(), (1 << shift) as f32);
-            if shift > 0 {
-                self.t += length + self.nudge;
+            let at = self.origin + self.line.direction * self.t;
+            let low = self.line.corner(at);
+            let corner = integers(low);
+            if let Some((low, side)) = self.clear_cube(corner) {
+                self.t += self.line.length_in(at, low.as_vec3a(), side as f32) + self.nudge;
                 continue;
             }
-            let mut values = self.field.cell_phi(corner);
             let sign = self.sense.sign();
+            let mut values = self.field.cell_phi(corner);
             values.iter_mut().for_each(|phi| *phi *= sign);
-            return Some(Cell { values, from: at - low.as_vec3(), direction: self.direction, length });
+            let length = self.line.length_in(at, low, 1.0);
+            return Some(Cell { values, from: at - low, direction: self.line.direction, length });
         }
         None
     }
 
-    /// log₂ of the side of the aligned cube around a cell in which no crossing can be; 0 where one can be in the cell.
-    fn clear_shift(&self, corner: IVec3) -> i32 {
-        match self.field.slot(corner >> BRICK_SHIFT) {
-            code if code == self.sense.clear() => BRICK_SHIFT,
-            OUTSIDE | INSIDE => 0,
-            slot => self.blocks[slot as usize].clear_shift(corner),
-        }
-    }
-
-    /// φ where the walk stands [m], or how far to go on where no brick is [voxels].
-    fn phi_or_stride(&self) -> Result<f32, f32> {
-        let at = self.origin + self.direction * self.t;
-        let corner = self.corner(at);
+    /// Lowest corner and side of a cube around a cell in which no crossing can be, or `None` where one can be in the
+    /// cell.
+    #[inline]
+    fn clear_cube(&self, corner: IVec3) -> Option<(IVec3, i32)> {
         let brick = corner >> BRICK_SHIFT;
-        match self.field.slot(brick) {
-            OUTSIDE => Err(self.length_in(at, (brick << BRICK_SHIFT).as_vec3(), BRICK_SIDE as f32) + self.nudge),
-            INSIDE => Ok(-self.field.grid.band),
-            _ => Ok(trilinear(&self.field.cell_phi(corner), at - corner.as_vec3())),
-        }
-    }
-
-    /// φ [m] at the next point of a sphere tracing (Hart 1996) towards a light, which then goes on by φ but at least by
-    /// `least` [voxels]; with it the distance from the start of the ray [m].
-    pub(crate) fn next_clearance(&mut self, least: f32) -> Option<(f32, f32)> {
-        while self.t < self.end {
-            match self.phi_or_stride() {
-                Err(stride) => self.t += stride,
-                Ok(phi) => {
-                    let distance = self.distance() as f32;
-                    self.t += (phi / self.field.grid.voxel as f32).max(least);
-                    return Some((phi, distance));
-                }
-            }
-        }
-        None
-    }
-
-    /// Lowest corner of the cell that the ray is in or, on a border, enters next. Without the second half a ray
-    /// almost parallel to a border would creep along it by nudges.
-    fn corner(&self, at: Vec3) -> IVec3 {
-        let whole = at.as_ivec3();
-        let on_border = self.backward & whole.as_vec3().cmpeq(at);
-        whole - IVec3::select(on_border, IVec3::ONE, IVec3::ZERO)
+        let entry = self.field.index.entry(brick);
+        let shift = match (self.sense, entry.slot) {
+            (Sense::Entering, _) if entry.to_metal > 0 => return Some(free_cube(brick, entry.to_metal)),
+            (Sense::Leaving, INSIDE) => BRICK_SHIFT,
+            (_, OUTSIDE | INSIDE) => 0,
+            (_, slot) => self.blocks[slot as usize].clear_shift(corner),
+        };
+        (shift > 0).then(|| ((corner >> shift) << shift, 1 << shift))
     }
 
     /// Goes on past a cell without a crossing.
     pub(crate) fn pass(&mut self, cell: &Cell) {
         self.t += cell.length + self.nudge;
-    }
-
-    /// Length [voxels] from `at` to where the ray leaves the cube with lowest corner `low`.
-    fn length_in(&self, at: Vec3, low: Vec3, side: f32) -> f32 {
-        // Along an axis that the ray does not run, the border is infinitely far, or 0 · ∞ where it lies on it.
-        let border = Vec3::select(self.backward, low, low + side);
-        let length = (border - at) * self.inverse;
-        let far = Vec3::splat(f32::INFINITY);
-        Vec3::select(self.direction.cmpeq(Vec3::ZERO), far, length).min_element().max(0.0)
     }
 
     /// Distance from the ray's start to the crossing in the cell at which the walk stands [m].
@@ -228,23 +241,45 @@ impl<'a> Walk<'a> {
     }
 }
 
+impl Field<'_> {
+    /// φ [voxels] at a point of a ray, or where no brick is the brick that would be and its distance from the next.
+    #[inline]
+    pub(crate) fn clearance(&self, line: &Line, at: Vec3A) -> Result<f32, (IVec3, u8)> {
+        let low = line.corner(at);
+        let corner = integers(low);
+        let brick = corner >> BRICK_SHIFT;
+        let distance = self.index.entry(brick).to_brick;
+        if distance > 0 {
+            return Err((brick, distance));
+        }
+        Ok(trilinear(&self.cell_phi(corner), (at - low).into()) * self.per_metre as f32)
+    }
+}
+
+/// Lowest corner and side [voxels] of the free cube around a brick that is `distance` bricks from the next.
+#[inline]
+pub(crate) fn free_cube(brick: IVec3, distance: u8) -> (IVec3, i32) {
+    let reach = i32::from(distance) - 1;
+    ((brick - reach) << BRICK_SHIFT, (2 * reach + 1) << BRICK_SHIFT)
+}
+
 /// Nudge of a ray across a border of a grid [voxels].
 pub(crate) fn nudge(field: &Field) -> f32 {
     NUDGE + NUDGE_PER_VOXEL * indexed_size(field).max_element()
 }
 
 /// Size of the indexed box [voxels].
-fn indexed_size(field: &Field) -> Vec3 {
+pub(crate) fn indexed_size(field: &Field) -> Vec3 {
     (field.grid.dims * BRICK_SIDE as i32).as_vec3()
 }
 
 impl Cell {
     /// Length of the ray up to the first zero of φ [voxels].
     fn crossing(&self) -> Option<f32> {
-        if self.values.iter().all(|&phi| phi > 0.0) {
+        if self.values.iter().fold(true, |all, &phi| all & (phi > 0.0)) {
             return None;
         }
-        let phi = |s: f32| trilinear(&self.values, self.from + self.direction * (s * self.length));
+        let phi = |s: f32| trilinear(&self.values, (self.from + self.direction * (s * self.length)).into());
         first_root([phi(0.0), phi(1.0 / 3.0), phi(2.0 / 3.0), phi(1.0)]).map(|s| s * self.length)
     }
 }
@@ -268,7 +303,7 @@ mod tests {
                     direction[axis] = sign;
                     let direction = direction.normalize();
                     let ray = Ray { origin: direction * -8.0, direction };
-                    let mut walk = Walk::entering(&field, &ray).unwrap();
+                    let mut walk = Walk::entering(&field, &ray, 0.0).unwrap();
                     let mut cells = 0;
                     while let Some(cell) = walk.next_cell() {
                         walk.pass(&cell);
