@@ -93,7 +93,8 @@ impl Verdict {
     /// - `end`: how the search ended
     pub(super) fn new(base: [&[Agreement]; 2], (found, end): (&[Found], SearchEnd), detectable: &[Detectable]) -> Self {
         let Some(&(left, probability)) = found.last() else {
-            let is_known = end == SearchEnd::Exhausted && !is_open(base[0]);
+            // An effect that was refused fits noise where the first model is an account of all data already.
+            let is_known = !is_open(base[0]) && (end == SearchEnd::Exhausted || !misses(base[1]));
             return if is_known { Self::of_silence(base[1], detectable) } else { Self::Unknown };
         };
         let of_calibration = !is_open(left[0]) || leaves_at_most(ACCOUNTED[0], base[0], left[0]);
@@ -135,7 +136,9 @@ mod tests {
     fn one_verdict_for_each_end_of_a_search() {
         use SearchEnd::{CutShort, Exhausted, Refused};
         assert_eq!(verdict([3.1, 3.2], &[], Exhausted), Verdict::NothingMissing);
-        assert_eq!(verdict([3.1, 3.2], &[], Refused), Verdict::Unknown);
+        assert_eq!(verdict([3.1, 3.2], &[], Refused), Verdict::NothingMissing, "it does harm where nothing is left");
+        assert_eq!(verdict([3.1, 9.0], &[], Refused), Verdict::Unknown);
+        assert_eq!(verdict([9.0, 3.2], &[], Refused), Verdict::Unknown);
         assert_eq!(verdict([3.1, 9.0], &[], Exhausted), Verdict::NotTestable, "the held-out passes say more");
         let ends = |found: &[([f64; 2], f64)]| verdict([20.0, 20.0], found, Exhausted);
         assert_eq!(ends(&[]), Verdict::Unknown);
