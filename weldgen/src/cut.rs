@@ -69,10 +69,10 @@ impl Laid<'_> {
     /// Whether nothing rises into the lobe of an overlap.
     pub(crate) fn overlaps_hang_free(&self) -> bool {
         let free = |defect: &Defect| {
-            let reach = defect.offset + defect.depth.copysign(defect.offset);
             let at = |point: &&CurvePoint| (point.arc_length - defect.arc_length).abs() < 0.25 * defect.size;
             let clear = |point: &CurvePoint| {
-                let aside = self.form.shift(point.arc_length) + reach;
+                let aside =
+                    self.form.made_offset(point.arc_length, defect.offset) + defect.depth.copysign(defect.offset);
                 let over = point.position + aside * point.side + self.profile.height * point.normal;
                 !self.surface.query.occluded(over, -point.normal, 0.95 * self.profile.height)
             };
@@ -104,7 +104,7 @@ impl Laid<'_> {
             (0..AROUND).map(point).collect::<Vec<DVec3>>()
         };
         let rings: Vec<Vec<DVec3>> = inner.iter().map(ring).collect();
-        let offset = left * (0.5 * width + half);
+        let offset = self.form.made_offset(middle, left * 0.5 * width) + left * half;
         let defect = Defect { kind: DefectKind::Undercut, arc_length: middle, offset, size, depth };
         (!rings.is_empty()).then(|| (loft(&rings, [*first, *last]), defect))
     }
@@ -116,7 +116,7 @@ impl Laid<'_> {
     fn beside_toe(&self, point: &CurvePoint, off: f64, depth: f64) -> Option<[DVec3; 3]> {
         let Surface { query, part, .. } = self.surface;
         let (profile, s) = (self.profile, point.arc_length);
-        let toe = self.form.shift(s) + (0.5 * profile.width * self.form.width_factor(s)).copysign(off);
+        let toe = self.form.made_offset(s, (0.5 * profile.width).copysign(off));
         let at = point.position + toe * point.side + profile.toe_height * point.normal;
         let foot = query.closest_within(at, 0.5 * profile.height)?;
         let upright = part.normal(foot.triangle as usize);

@@ -326,7 +326,7 @@ fn finish(
     let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
     let (spattered, drops) = spatter(request.form.spatter, &curve, ground, [width, base], &mut rng);
     bead.append(&drops);
-    let defects = [form.defects(), &spattered, &cuts.defects].concat();
+    let defects = [&form.made_defects()[..], &spattered, &cuts.defects].concat();
     Weld {
         cuts: cuts.bodies,
         joint: proposals.joint(),

@@ -50,7 +50,7 @@ fn one(weld: &Weld, points: &[CurvePoint], number: usize, surface: &Surface) -> 
         mean_access: curve.mean_access(),
         curve,
         bead,
-        defects: [form.defects(), &cuts.defects].concat(),
+        defects: [&form.made_defects()[..], &cuts.defects].concat(),
         cuts: cuts.bodies,
         reasons,
         ..weld.clone()

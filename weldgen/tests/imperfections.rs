@@ -8,7 +8,7 @@ use glam::DVec3;
 use sdf_bake::bake::WindingTree;
 use sdf_bake::{Mesh, query::MeshQuery};
 use shapes::{angle, closed_tube, cuboid};
-use weldgen::bead::{Defect, DefectKind, FormRequest};
+use weldgen::bead::{Defect, DefectKind, FormRequest, Weave};
 use weldgen::curve::CurvePoint;
 use weldgen::rejection::Rejection;
 use weldgen::{PlaceError, Placement, Stitch, Surface, Weld, WeldRequest, place_weld, place_welds_on};
@@ -90,6 +90,34 @@ fn an_undercut_is_a_groove_of_its_depth_and_length_beside_a_toe() {
             assert!((span / defect.size - 1.0).abs() < 0.13, "{span} long instead of {}", defect.size);
         }
     }
+}
+
+#[test]
+fn offsets_follow_the_weave_and_the_width() {
+    let plate = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.02));
+    let weave = Some(Weave { amplitude: 0.001, pitch: 0.021 });
+    let form = FormRequest { overlap: 0.2, undercut: 0.3, weave, width_variation: 0.2, ..FormRequest::default() };
+    let mut farthest: f64 = 0.0;
+    for seed in 1..=6 {
+        let weld = place_weld(&plate, &MeshQuery::new(&plate), &request(&plate, form), seed).unwrap();
+        let (lobe, beside) = one(&weld, DefectKind::Overlap);
+        let bead = WindingTree::new(&weld.bead);
+        let metal = |out: f64| {
+            let offset = lobe.offset + out.copysign(lobe.offset);
+            bead.winding_number(beside.position + offset * beside.side + 0.25 * 0.0024 * beside.normal) > 0.5
+        };
+        assert!(metal(0.8 * lobe.depth) && !metal(1.2 * lobe.depth), "seed {seed}: the lobe ends elsewhere");
+        let (groove, beside) = one(&weld, DefectKind::Undercut);
+        let cuts = WindingTree::new(&weld.cuts);
+        let cut = |out: f64| {
+            let at = beside.position + (groove.offset + out) * beside.side - 0.1 * groove.depth * beside.normal;
+            cuts.winding_number(at) > 0.5
+        };
+        assert!([-0.09, 0.0, 0.09].iter().all(|out| cut(out * 0.008)), "seed {seed}: the groove lies elsewhere");
+        assert!(!cut(-0.17 * 0.008) && !cut(0.17 * 0.008), "seed {seed}: the groove lies elsewhere");
+        farthest = farthest.max((lobe.offset.abs() - 0.004).abs());
+    }
+    assert!(farthest > 0.0006, "at most {farthest} m from where an even bead has its toe");
 }
 
 #[test]

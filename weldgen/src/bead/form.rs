@@ -141,9 +141,20 @@ impl BeadForm {
         Self { request, size: [length, width], slow, defects, height }
     }
 
-    /// Pores, sags and overlaps of the bead.
+    /// Pores, sags and overlaps of the bead's outline, before weave and width variation.
     pub fn defects(&self) -> &[Defect] {
         &self.defects
+    }
+
+    /// Pores, sags and overlaps where they lie beside the centreline.
+    pub fn made_defects(&self) -> Vec<Defect> {
+        let made = |defect: &Defect| Defect { offset: self.made_offset(defect.arc_length, defect.offset), ..*defect };
+        self.defects.iter().map(made).collect()
+    }
+
+    /// Offset to the left of the centreline [m] of a place of the bead's outline, at an arc length [m].
+    pub(crate) fn made_offset(&self, s: f64, outline_offset: f64) -> f64 {
+        self.shift(s) + self.width_factor(s) * outline_offset
     }
 
     /// Farthest that something at this distance [m] from the centreline may get.
