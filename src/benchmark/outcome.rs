@@ -7,7 +7,7 @@ use sim::effect::{Effect, Library, Model, Scale};
 
 use super::cases::{Case, Design, Instruments, Sized, effect_process};
 use crate::laboratory::{
-    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, ScanEvidence, Verdict, calibrate_scans,
+    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, ScanEvidence, Sides, Verdict, calibrate_scans,
     separating_trial,
 };
 use crate::virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
@@ -136,7 +136,7 @@ fn sized(effect: &Effect, least: &Detectable, departs: f64, low: f64, case: &Cas
     let wanted = match parameter.scale {
         _ if null.is_infinite() => low,
         Scale::Log => null + departs,
-        Scale::Linear if null + departs <= to => null + departs,
+        Scale::Linear if null + departs <= to && least.sides != Sides::Below => null + departs,
         Scale::Linear => null - departs,
     };
     let value = wanted.clamp(from, to);

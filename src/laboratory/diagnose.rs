@@ -11,7 +11,8 @@ use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::pair::pair;
 use super::probe::Candidate;
-use super::screen::{Projector, Screened};
+use super::response::{Look, Projector};
+use super::screen::Screened;
 use super::significance::{chance, chance_gains};
 use super::suspect::{Suspect, suspects};
 use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_open, misses, rms};
@@ -125,6 +126,7 @@ impl Round {
         (seed, told): (u64, Told),
     ) -> Result<Self, EvidenceError> {
         let projector = Projector::new(&base);
+        let look = Look { evidence, base: &base, projector: &projector };
         let model = with_values(model, &base);
         let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
         let tried: Vec<Candidate> =
@@ -132,7 +134,7 @@ impl Round {
         let (count, done) = (tried.len(), std::sync::atomic::AtomicUsize::new(0));
         let screen = |candidate: Candidate| {
             let name = candidate.name.clone();
-            let screened = Screened::new(evidence, &base, &projector, candidate);
+            let screened = Screened::new(&look, candidate);
             told(&name, 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed), count);
             screened
         };
@@ -151,16 +153,29 @@ impl Round {
         Ok(round)
     }
 
-    /// Probabilities of the effects that gain more than chance (Schwarz 1978, tempered).
+    /// Probabilities of the effects that gain more than chance (Schwarz 1978, tempered). Those that cannot be the cause are out
+    /// of it where the calibration data cannot tell the best of the others from them.
     pub(super) fn weigh(&mut self) {
         let data = (self.base.residuals.len() as f64).ln();
         let cost = |finding: &Finding| match finding.is_sound {
             true => -finding.gain + finding.suspect.freedoms() as f64 * data,
             false => f64::INFINITY,
         };
-        let probabilities = probabilities(&self.findings.iter().map(cost).collect::<Vec<_>>());
+        let costs: Vec<f64> = self.findings.iter().map(cost).collect();
+        let is_cause = |finding: &Finding| self.is_half || self.is_cause(finding);
+        let of_causes =
+            self.findings.iter().zip(&costs).map(|(f, &cost)| if is_cause(f) { cost } else { f64::INFINITY });
+        let of_causes: Vec<f64> = of_causes.collect();
+        let [least, least_of_causes] = [&costs, &of_causes].map(|of| of.iter().copied().fold(f64::INFINITY, f64::min));
+        let weighed = if least_of_causes - least < SEPARABLE { &of_causes } else { &costs };
+        let probabilities = probabilities(weighed);
         self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| finding.probability = p);
         self.findings.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
+    }
+
+    /// Whether an effect does no harm to the held-out data and does not want to be larger than it can be.
+    fn is_cause(&self, finding: &Finding) -> bool {
+        carries_over(&self.evaluation, &finding.evaluation) && !finding.suspect.is_on_bound()
     }
 
     /// The most probable effect that is sound.
@@ -170,15 +185,14 @@ impl Round {
 
     /// The best, unless it does harm to the held-out data or wants to be larger than it can be.
     pub(super) fn nameable(&self) -> Option<&Finding> {
-        let is_cause =
-            |best: &&Finding| carries_over(&self.evaluation, &best.evaluation) && !best.suspect.is_on_bound();
-        self.best().filter(|best| self.is_half || is_cause(best))
+        self.best().filter(|best| self.is_half || self.is_cause(best))
     }
 
     /// Effects that the data cannot tell from the best.
     pub fn look_alikes(&self) -> Vec<&Finding> {
         let Some(best) = self.best() else { return Vec::new() };
-        let near = |finding: &&Finding| finding.is_sound && best.gain - finding.gain < SEPARABLE;
+        let near =
+            |finding: &&Finding| finding.is_sound && finding.probability > 0.0 && best.gain - finding.gain < SEPARABLE;
         self.findings[1..].iter().filter(near).collect()
     }
 }
@@ -330,7 +344,9 @@ impl Diagnosis {
 /// What each effect must be to be seen beside the first model.
 fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
     let needed = (round.spread, least_size(&round.calibration));
-    round.screened.iter().flat_map(|screened| detectable(evidence, screened, needed)).collect()
+    let projector = Projector::new(&round.base);
+    let look = Look { evidence, base: &round.base, projector: &projector };
+    round.screened.par_iter().flat_map_iter(|screened| detectable(&look, screened, needed)).collect()
 }
 
 /// Effects that were not weighed, and why.

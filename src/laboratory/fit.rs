@@ -161,7 +161,7 @@ impl Fit {
     fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
         let worth = CONVERGED * (self.chi2 / self.residuals.len() as f64).max(1.0);
         for _ in 0..TRIES {
-            let Some((at, promised)) = self.step(*damping) else { return Step::None };
+            let Some((at, promised)) = self.step(&self.residuals, *damping) else { return Step::None };
             if promised < worth {
                 return Step::None;
             }
@@ -180,12 +180,18 @@ impl Fit {
         Step::None
     }
 
-    /// Where a damped step leads, kept within the bounds, and what it promises.
-    fn step(&self, damping: f64) -> Option<(Vec<f64>, f64)> {
+    /// How far the coordinates follow a change of the residuals to make up for it, and by how much its sum of squares falls.
+    pub(super) fn following(&self, change: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let (at, taken_up) = self.step(change, DAMPING.0)?;
+        Some((at.iter().zip(&self.at).map(|(b, a)| b - a).collect(), taken_up))
+    }
+
+    /// Where a damped step against residuals leads, kept within the bounds, and what it promises.
+    fn step(&self, residuals: &[f64], damping: f64) -> Option<(Vec<f64>, f64)> {
         let weights = weights(&self.residuals);
         let mut jacobian = self.jacobian.clone();
         jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
-        let residuals = DVector::from_column_slice(&self.residuals).component_mul(&weights);
+        let residuals = DVector::from_column_slice(residuals).component_mul(&weights);
         let mut held = vec![false; self.at.len()];
         loop {
             let free: Vec<usize> =

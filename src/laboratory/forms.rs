@@ -7,7 +7,8 @@ use super::diagnose::with_values;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::probe::Candidate;
-use super::screen::{Projector, Screened};
+use super::response::{Look, Projector};
+use super::screen::Screened;
 use super::significance::{chance, chance_gains};
 use super::suspect::{Suspect, suspects};
 
@@ -80,6 +81,7 @@ pub fn suggest(
     let files: Vec<(String, String)> = FORMS.iter().map(|form| (format!("{}.toml", form.0), text(form, 0.1))).collect();
     let own = |(file, text): &(String, String)| library.with(&[(file.clone(), text.clone())]).ok();
     let projector = Projector::new(fit);
+    let look = Look { evidence, base: fit, projector: &projector };
     let model = with_values(model, fit);
     let candidate = |(form, with): (&(&str, &str, &str, f64, &str), Option<Library>)| {
         let with = with?;
@@ -87,7 +89,7 @@ pub fn suggest(
         Candidate::new(evidence, &model, effect, &with).ok()
     };
     let candidates = FORMS.iter().zip(files.iter().map(own)).filter_map(candidate);
-    let screened: Vec<Screened> = candidates.map(|c| Screened::new(evidence, fit, &projector, c)).collect();
+    let screened: Vec<Screened> = candidates.map(|c| Screened::new(&look, c)).collect();
     let fitted = suspects(evidence, fit, &screened, &|_| {});
     let Some(best) = fitted.first() else { return Ok(None) };
     let chances = chance_gains(&projector, &screened, &best.fit.residuals, &evidence.blocks(Split::Calibration), seed);

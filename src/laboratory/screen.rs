@@ -1,128 +1,79 @@
 //! A first look at every effect of the library: what it would change, beside what the base parameters can change
 //! already.
 
-use nalgebra::{DMatrix, DVector, QR};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sim::effect::Scale;
 
 use super::coordinates::Coordinate;
-use super::evidence::{Evidence, Split};
-use super::fit::{Fit, weights};
 use super::probe::{Candidate, Probe};
+use super::response::{Look, Projector, Response};
 
-/// Longest extrapolation of a secant beyond the probe that it was taken at.
-const FARTHEST: f64 = 1.5;
-/// Share of a change that must be left beside the base parameters' changes: less is rounding.
-const LEAST_LEFT: f64 = 1e-3;
-
-/// Takes out of data what the base parameters can explain.
-pub struct Projector {
-    weights: DVector<f64>,
-    base: Option<DMatrix<f64>>,
-    /// The base fit's residuals without what the base parameters can explain.
-    pub residuals: DVector<f64>,
-}
-
-/// What an effect changes at one probe.
-#[derive(Clone, Debug)]
-pub struct Response {
-    /// Where.
-    pub probe: Probe,
-    /// Change of the whitened residuals from null to probe, without what the base parameters can do.
-    pub change: DVector<f64>,
-    /// The whole change.
-    pub raw: Vec<f64>,
-    /// Shares of the way from null to probe to which the change may be extrapolated, least and greatest.
-    pub reach: [f64; 2],
-}
+/// Change beside the base parameters' changes that a probe should make [standard deviations, all data together], or share of
+/// the base fit's residuals where that is more. A far larger one bends away from small effects, a smaller one from large.
+const APT: (f64, f64) = (12.0, 0.5);
+/// Times by which a probe may miss that.
+const NEARLY_APT: f64 = 3.0;
+/// Least way between two probes, as a share of that from the null.
+const LEAST_APART: f64 = 0.2;
 
 /// The first look at an effect.
 #[derive(Clone)]
 pub struct Screened {
     /// The effect.
     pub candidate: Candidate,
-    /// All probes that could be simulated, group by group.
+    /// All probes that could be simulated, group by group; where none of a group is apt, with one that is.
     pub responses: Vec<Vec<Response>>,
     /// Expected fall of the sum of squares.
     pub gain: f64,
     /// The values at which it is expected [SI].
     pub best: Vec<f64>,
+    /// How far the base parameters are expected to follow [coordinates]; empty where they stay.
+    pub shift: Vec<f64>,
 }
 
-impl Projector {
-    /// From a base fit with its derivatives.
-    pub fn new(base: &Fit) -> Self {
-        let weights = weights(&base.residuals);
-        let mut jacobian = base.jacobian.clone();
-        jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
-        let held = base.held_back();
-        let moves = |&k: &usize| jacobian.column(k).norm() > 0.0 && !held[k];
-        let kept: Vec<usize> = (0..jacobian.ncols()).filter(moves).collect();
-        let base_space = (!kept.is_empty()).then(|| QR::new(jacobian.select_columns(&kept)).q());
-        let mut projector = Self { weights, base: base_space, residuals: DVector::zeros(0) };
-        projector.residuals = projector.project(&base.residuals);
-        projector
-    }
-
-    /// Weighted data without what the base parameters can explain.
-    pub fn project(&self, data: &[f64]) -> DVector<f64> {
-        self.strip(DVector::from_column_slice(data).component_mul(&self.weights))
-    }
-
-    /// As [`Projector::project`], for data that are weighted already.
-    pub fn strip(&self, mut left: DVector<f64>) -> DVector<f64> {
-        if let Some(base) = &self.base {
-            left -= base * base.tr_mul(&left);
-        }
-        left
-    }
-}
-
-/// Shares of the way from a null to a probed value that stay within a parameter's range and near the probe.
-fn reach(coordinate: &Coordinate, probed: f64) -> [f64; 2] {
-    let [least, greatest] = coordinate.slot.range;
-    let null = coordinate.slot.null.unwrap_or(0.0);
-    if !(least..=greatest).contains(&null) {
-        return [0.0, FARTHEST];
-    }
-    let mut ends = [least, greatest].map(|end| ((end - null) / (probed - null)).clamp(-FARTHEST, FARTHEST));
-    ends.sort_by(f64::total_cmp);
-    ends
-}
-
-impl Response {
-    /// Whether anything is left of the change beside the base parameters' changes.
-    pub fn is_distinct(&self) -> bool {
-        let raw = self.raw.iter().map(|x| x * x).sum::<f64>().sqrt();
-        self.change.norm() > LEAST_LEFT * raw && self.change.norm() > 0.0
-    }
-
-    /// Share of the way from null to probe at which the sum of squares is least, and its fall.
-    pub fn optimum(&self, residuals: &DVector<f64>) -> (f64, f64) {
-        let square = self.change.norm_squared();
-        if square == 0.0 {
-            return (0.0, 0.0);
-        }
-        let share = (-self.change.dot(residuals) / square).clamp(self.reach[0], self.reach[1]);
-        (share, -2.0 * share * self.change.dot(residuals) - share * share * square)
-    }
+/// The probe of a group that needs the least extrapolation to its optimum.
+fn aptest<'a>(group: &'a [Response], residuals: &DVector<f64>) -> Option<&'a Response> {
+    let far = |response: &&Response| response.optimum(residuals).0.abs().ln().abs();
+    group.iter().filter(|response| response.is_distinct()).min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
 impl Screened {
-    /// Simulates a candidate's probes around a base fit.
-    pub fn new(evidence: &dyn Evidence, base: &Fit, projector: &Projector, candidate: Candidate) -> Self {
-        let respond = |probe: &Probe| {
-            let residuals = evidence.residuals(&candidate.at(&probe.values), Split::Calibration).ok()?;
-            let raw: Vec<f64> = residuals.iter().zip(&base.residuals).map(|(b, a)| b - a).collect();
-            let reach = reach(&candidate.coordinates[probe.amplitude], probe.values[probe.amplitude]);
-            Some(Response { probe: probe.clone(), change: projector.project(&raw), raw, reach })
+    /// Simulates a candidate's probes.
+    pub fn new(look: &Look, candidate: Candidate) -> Self {
+        let group = |probes: &Vec<Probe>| -> Vec<Response> {
+            probes.par_iter().filter_map(|probe| look.at(&candidate, probe)).collect()
         };
-        let group = |probes: &Vec<Probe>| -> Vec<Response> { probes.par_iter().filter_map(respond).collect() };
         let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
         let nulls: Vec<f64> = candidate.coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
-        let mut screened = Self { candidate, responses, gain: 0.0, best: nulls };
-        screened.choose(&projector.residuals);
+        let mut screened = Self { candidate, responses, gain: 0.0, best: nulls, shift: Vec::new() };
+        let wanted = APT.0.max(APT.1 * look.projector.residuals.norm());
+        let apt: Vec<Option<Response>> = screened
+            .responses
+            .par_iter()
+            .map(|group| look.at(&screened.candidate, &screened.apter(group, wanted)?))
+            .collect();
+        screened.responses.iter_mut().zip(apt).for_each(|(group, response)| group.extend(response));
+        screened.choose(&look.projector.residuals);
         screened
+    }
+
+    /// Where to look again if no probe of a group changes about as much as wanted.
+    fn apter(&self, group: &[Response], wanted: f64) -> Option<Probe> {
+        let share = |response: &&Response| wanted / response.change.norm();
+        let off = |response: &&Response| share(response).ln().abs();
+        let distinct = group.iter().filter(|response| response.is_distinct());
+        let nearest = distinct.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        if off(&nearest) < NEARLY_APT.ln() {
+            return None;
+        }
+        let (k, values) = (nearest.probe.amplitude, self.along(nearest, share(&nearest)));
+        let null = self.candidate.coordinates[k].slot.null.filter(|null| null.is_finite()).unwrap_or(0.0);
+        let is_apart = |other: &Response| {
+            let other = other.probe.values[k];
+            (values[k] - other).abs() > LEAST_APART * (other - null).abs()
+        };
+        group.iter().all(is_apart).then_some(Probe { values, amplitude: k })
     }
 
     /// Whether any probe could be simulated.
@@ -130,33 +81,35 @@ impl Screened {
         self.responses.iter().any(|group| !group.is_empty())
     }
 
-    /// Finds the expected best values: the best single probe, or all amplitudes of one shape together.
+    /// Finds the expected best values: the best of single amplitudes, or all amplitudes of one shape together.
     fn choose(&mut self, residuals: &DVector<f64>) {
-        for response in self.responses.iter().flatten().filter(|response| response.is_distinct()) {
+        for response in self.responses.iter().filter_map(|group| aptest(group, residuals)) {
             let (share, gain) = response.optimum(residuals);
             if gain > self.gain {
                 self.gain = gain;
                 self.best = self.along(response, share);
+                self.shift = response.shift.iter().map(|shift| share * shift).collect();
             }
         }
-        if let Some((values, gain)) = self.together(residuals).filter(|(_, gain)| *gain > self.gain) {
-            (self.best, self.gain) = (values, gain);
+        if let Some((values, shift, gain)) = self.together(residuals).filter(|(_, _, gain)| *gain > self.gain) {
+            (self.best, self.shift, self.gain) = (values, shift, gain);
         }
     }
 
     /// The same changes seen beside another fit.
     pub(super) fn beside(mut self, projector: &Projector) -> Self {
         for response in self.responses.iter_mut().flatten() {
-            response.change = projector.project(&response.raw);
+            response.change = projector.project(&response.followed);
         }
-        self.gain = 0.0;
+        (self.gain, self.shift) = (0.0, Vec::new());
         self.choose(&projector.residuals);
         self
     }
 
     /// With the values at a share of the way from null to a probe as its best.
     pub(super) fn moved_to(self, response: &Response, share: f64) -> Self {
-        Self { best: self.along(response, share), ..self }
+        let shift = response.shift.iter().map(|shift| share * shift).collect();
+        Self { best: self.along(response, share), shift, ..self }
     }
 
     /// Values at a share of the way from null to a probe. An amplitude in ratios with an infinite null is a rate turned
@@ -194,18 +147,20 @@ impl Screened {
         Some(DVector::from_column_slice(&nearest.raw) * per_coordinate)
     }
 
-    /// All amplitudes of the typical shape at once, by least squares over the better probe of each.
-    fn together(&self, residuals: &DVector<f64>) -> Option<(Vec<f64>, f64)> {
-        let typical = self.responses.iter().zip(&self.candidate.probes).filter(|(_, probes)| {
+    /// The probes of the typical shape, a group for each amplitude.
+    pub(super) fn typical(&self) -> impl Iterator<Item = &[Response]> {
+        let is_typical = |probes: &[Probe]| {
             let first = &self.candidate.probes[0][0].values;
             let shape = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
             (0..first.len()).filter(shape).all(|k| probes[0].values[k] == first[k])
-        });
-        let better = |group: &Vec<Response>| {
-            let gain = |response: &&Response| response.optimum(residuals).1;
-            group.iter().filter(|response| response.is_distinct()).max_by(|a, b| gain(a).total_cmp(&gain(b))).cloned()
         };
-        let columns: Vec<Response> = typical.filter_map(|(group, _)| better(group)).collect();
+        let groups = self.responses.iter().zip(&self.candidate.probes);
+        groups.filter(move |(_, probes)| is_typical(probes)).map(|(group, _)| &group[..])
+    }
+
+    /// All amplitudes of the typical shape at once, by least squares over the aptest probe of each.
+    fn together(&self, residuals: &DVector<f64>) -> Option<(Vec<f64>, Vec<f64>, f64)> {
+        let columns: Vec<&Response> = self.typical().filter_map(|group| aptest(group, residuals)).collect();
         if columns.len() < 2 {
             return None;
         }
@@ -213,10 +168,12 @@ impl Screened {
         let shares = matrix.clone().svd(true, true).solve(&(-residuals), 1e-6).ok()?;
         let left = residuals + &matrix * &shares;
         let mut values = columns[0].probe.values.clone();
+        let mut shift = vec![0.0; columns.iter().map(|response| response.shift.len()).max()?];
         for (response, share) in columns.iter().zip(shares.iter()) {
             let k = response.probe.amplitude;
             values[k] = self.along(response, *share)[k];
+            shift.iter_mut().zip(&response.shift).for_each(|(sum, shift)| *sum += share * shift);
         }
-        Some((values, residuals.norm_squared() - left.norm_squared()))
+        Some((values, shift, residuals.norm_squared() - left.norm_squared()))
     }
 }

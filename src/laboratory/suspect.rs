@@ -6,6 +6,7 @@ use sim::effect::Scale;
 use super::coordinates::Coordinate;
 use super::evidence::{Evidence, EvidenceError};
 use super::fit::{Fit, FitOptions};
+use super::response::shifted;
 use super::screen::Screened;
 
 /// Effects that are fitted quickly, and those that are fitted to the end.
@@ -42,7 +43,7 @@ impl Suspect {
     /// The first look at it with the fitted values as the best.
     pub(super) fn at_its_fit(&self) -> Screened {
         let best = self.screened.candidate.coordinates.iter().map(|c| self.fit.model.value(c.index)).collect();
-        Screened { best, ..self.screened.clone() }
+        Screened { best, shift: Vec::new(), ..self.screened.clone() }
     }
 
     /// Whether the effect ended at its null, where it does nothing.
@@ -79,7 +80,7 @@ impl Suspect {
     /// # Errors
     /// When the model cannot be simulated with it.
     pub(super) fn begun(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
-        let model = screened.candidate.at(&screened.best);
+        let model = shifted(screened.candidate.at(&screened.best), base, &screened.shift);
         let own = |name: &str| base.coordinates.iter().any(|c| c.slot.name() == name);
         let effect = &screened.candidate.name;
         let coordinates = Coordinate::of(&model, |slot| own(&slot.name()) || slot.owner == *effect);

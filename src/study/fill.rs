@@ -15,7 +15,7 @@ use super::simulated::Simulated;
 use super::waterfall::{Scans, Step};
 use crate::laboratory::{
     BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterSummary, RowEvidence,
-    ScanEvidence, ScanView, Suggestion, Verdict,
+    ScanEvidence, ScanView, Sides, Suggestion, Verdict,
 };
 use crate::measure::Registration;
 use crate::study_report as page;
@@ -318,7 +318,12 @@ pub(super) fn detectable(detectable: &crate::laboratory::Detectable) -> page::De
         size: detectable.size,
         typical: None,
         map_rms: None,
-        note: if detectable.testable { String::new() } else { "not testable with these passes".to_owned() },
+        note: match (detectable.testable, detectable.sides) {
+            (false, _) => "not testable with these passes".to_owned(),
+            (true, Sides::All) => String::new(),
+            (true, Sides::Above) => "only above its null".to_owned(),
+            (true, Sides::Below) => "only below its null".to_owned(),
+        },
     }
 }
 
