@@ -7,6 +7,7 @@ use sdf_bake::HeightMap;
 
 use super::covariance::{Freedom, TileNoise, Whitener};
 use super::tiles::{TileGrid, Tiles};
+use crate::measure::despiked;
 
 /// Freedoms of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
 const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
@@ -164,11 +165,12 @@ impl HeightView {
     }
 
     /// Root mean square of what is left over the tiles' pixels, what the scans' noise alone would leave, and the mean
-    /// depth that was removed [m].
+    /// depth that was removed [m]. Spikes that a steep rim has hidden until the simulation was taken off it do not count.
     ///
     /// - `noise`: root mean square of one scan's noise [m]
     pub fn agreement(&self, simulated: &HeightMap, before: &HeightMap, noise: f64) -> [f64; 3] {
-        let left = self.left(simulated);
+        let (left, _) = despiked(&HeightMap { heights: self.left(simulated), ..simulated.clone() });
+        let left = left.heights;
         let (mut squares, mut floor, mut removed, mut count) = (0.0, 0.0, 0.0, 0.0);
         for (tile, at) in self.tiles.pixels().filter(|(_, at)| left[*at].is_finite()) {
             squares += left[at] * left[at];

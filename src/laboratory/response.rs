@@ -5,12 +5,14 @@ use sim::effect::CompiledModel;
 
 use super::coordinates::Coordinate;
 use super::evidence::{Evidence, Split};
-use super::fit::{Fit, weights};
+use super::fit::{Fit, robust_sum, weights};
 use super::probe::{Candidate, Probe};
 
 /// Change that base parameters make when they follow an effect from which it is looked at again beside them [standard
 /// deviations, all data together].
 const FOLLOWED: f64 = 12.0;
+/// Times that they do.
+const STEPS_AFTER: usize = 3;
 /// Longest extrapolation of a secant beyond the probe that it was taken at.
 const FARTHEST: f64 = 1.5;
 /// Share of a change that must be left beside the base parameters' changes: less is rounding.
@@ -122,9 +124,16 @@ impl Look<'_> {
             Some(residuals.iter().zip(&self.base.residuals).map(|(b, a)| b - a).collect::<Vec<f64>>())
         };
         let raw = seen(&[])?;
-        let following = self.base.following(&raw).filter(|(_, taken_up)| *taken_up > FOLLOWED * FOLLOWED);
-        let beside = following.and_then(|(shift, _)| Some((seen(&shift)?, shift)));
-        let (followed, shift) = beside.unwrap_or_else(|| (raw.clone(), Vec::new()));
+        let (mut followed, mut shift) = (raw.clone(), Vec::new());
+        for _ in 0..STEPS_AFTER {
+            let Some((step, taken_up)) = self.base.following(&followed) else { break };
+            if taken_up < FOLLOWED * FOLLOWED {
+                break;
+            }
+            let farther: Vec<f64> = step.iter().enumerate().map(|(k, s)| s + shift.get(k).unwrap_or(&0.0)).collect();
+            let Some(there) = seen(&farther).filter(|there| robust_sum(there) < robust_sum(&followed)) else { break };
+            (followed, shift) = (there, farther);
+        }
         let reach = reach(&candidate.coordinates[probe.amplitude], probe.values[probe.amplitude]);
         let change = self.projector.project(&followed);
         Some(Response { probe: probe.clone(), change, followed, shift, raw, reach })

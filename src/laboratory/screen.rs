@@ -106,6 +106,20 @@ impl Screened {
         self
     }
 
+    /// The same, then with the best values of each other shape, the most promising first.
+    pub(super) fn starts(&self, residuals: &DVector<f64>) -> Vec<Self> {
+        let single = self.responses.iter().filter_map(|group| {
+            let response = aptest(group, residuals)?;
+            let (share, gain) = response.optimum(residuals);
+            Some((gain, self.clone().moved_to(response, share)))
+        });
+        let shapes = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
+        let differs = |start: &Self| (0..self.best.len()).filter(shapes).any(|k| start.best[k] != self.best[k]);
+        let mut starts: Vec<(f64, Self)> = single.filter(|(_, start)| differs(start)).collect();
+        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        std::iter::once(self.clone()).chain(starts.into_iter().map(|(_, start)| start)).collect()
+    }
+
     /// With the values at a share of the way from null to a probe as its best.
     pub(super) fn moved_to(self, response: &Response, share: f64) -> Self {
         let shift = response.shift.iter().map(|shift| share * shift).collect();

@@ -6,12 +6,14 @@ use sim::effect::Scale;
 use super::coordinates::Coordinate;
 use super::evidence::{Evidence, EvidenceError};
 use super::fit::{Fit, FitOptions};
-use super::response::shifted;
+use super::response::{Projector, shifted};
 use super::screen::Screened;
 
 /// Effects that are fitted quickly, and those that are fitted to the end.
 const QUICK: usize = 9;
 const THOROUGH: usize = 4;
+/// Places from which an effect of several shapes is fitted quickly.
+const STARTS: usize = 2;
 /// Fall of the sum of squares below which an effect is not fitted.
 const LEAST_GAIN: f64 = 4.0;
 /// What the two fits may cost.
@@ -116,10 +118,12 @@ pub fn suspects(
     let mut order: Vec<&Screened> = screened.iter().filter(|screened| screened.gain > LEAST_GAIN).collect();
     order.sort_by(|a, b| b.gain.total_cmp(&a.gain).then_with(|| a.candidate.name.cmp(&b.candidate.name)));
     order.truncate(QUICK);
+    let residuals = Projector::new(base).residuals;
     let quick = |screened: &&Screened| {
-        let suspect = Suspect::quick(evidence, base, (*screened).clone()).ok();
+        let starts = screened.starts(&residuals).into_par_iter().take(STARTS);
+        let suspects: Vec<Suspect> = starts.filter_map(|start| Suspect::quick(evidence, base, start).ok()).collect();
         told(&screened.candidate.name);
-        suspect
+        suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))
     };
     let mut suspects: Vec<Suspect> = order.par_iter().filter_map(quick).collect();
     sort(&mut suspects);

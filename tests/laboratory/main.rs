@@ -4,6 +4,7 @@
 mod campaigns;
 mod compared;
 mod hostile;
+mod look;
 mod orders;
 mod pair;
 #[path = "../common/shared_folder.rs"]

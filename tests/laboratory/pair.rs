@@ -39,15 +39,34 @@ const PATTERNS: [Pattern; 3] = [
     },
 ];
 
+/// Both do nearly the same to the calibration data, and one of them the opposite to what is held out.
+const LOOK_ALIKES: [Pattern; 3] = [
+    Pattern { effect: "cutting-direction", parameter: "asymmetry", unit: 0.1, shift: |at, _| wave(at) },
+    Pattern { effect: "force-bias", parameter: "bias", unit: 2.0, shift: |_, _| 0.0 },
+    Pattern {
+        effect: "speed-exponent",
+        parameter: "exponent",
+        unit: 0.5,
+        shift: |at, split| if split == Split::Calibration { wave(at) + 0.08 * (23.0 * at).cos() } else { -wave(at) },
+    },
+];
+
 /// Measurements of a truth, with noise of one standard deviation.
 struct ByHand {
+    patterns: &'static [Pattern; 3],
     truth: [f64; 3],
+    /// What else is in the calibration data.
+    besides: fn(f64) -> f64,
 }
 
 impl ByHand {
-    fn shift(amounts: [f64; 3], number: usize, split: Split) -> f64 {
+    fn shift(&self, amounts: [f64; 3], number: usize, split: Split) -> f64 {
         let at = number as f64 / DATA as f64;
-        PATTERNS.iter().zip(amounts).map(|(pattern, amount)| 10.0 * amount * (pattern.shift)(at, split)).sum()
+        self.patterns.iter().zip(amounts).map(|(pattern, amount)| 10.0 * amount * (pattern.shift)(at, split)).sum()
+    }
+
+    fn beside(&self, number: usize, split: Split) -> f64 {
+        if split == Split::Calibration { (self.besides)(number as f64 / DATA as f64) } else { 0.0 }
     }
 
     fn left(&self, model: &CompiledModel, split: Split) -> Vec<f64> {
@@ -57,11 +76,12 @@ impl ByHand {
                 known.clone().position(|slot| slot.owner == pattern.effect && slot.parameter == pattern.parameter);
             place.map_or(0.0, |place| model.value(place) / pattern.unit)
         };
-        let amounts = PATTERNS.each_ref().map(value);
+        let amounts = self.patterns.each_ref().map(value);
         let mut random = Pcg64Mcg::seed_from_u64(if split == Split::Calibration { 7 } else { 8 });
         // The sum of twelve uniform numbers is normal enough.
         let mut noise = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
-        let left = |n| Self::shift(self.truth, n, split) - Self::shift(amounts, n, split) + noise();
+        let left =
+            |n| self.shift(self.truth, n, split) - self.shift(amounts, n, split) + self.beside(n, split) + noise();
         (0..DATA).map(left).collect()
     }
 }
@@ -93,7 +113,7 @@ impl Evidence for ByHand {
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
-        let known = PATTERNS.iter().any(|pattern| pattern.effect == effect.name);
+        let known = self.patterns.iter().any(|pattern| pattern.effect == effect.name);
         (!known).then(|| "made by hand without it".to_owned())
     }
 
@@ -103,11 +123,15 @@ impl Evidence for ByHand {
 }
 
 fn diagnosed(truth: [f64; 3], searches: usize) -> Diagnosis {
-    let (evidence, library) = (ByHand { truth }, Library::builtin());
+    diagnosed_from(&ByHand { patterns: &PATTERNS, truth, besides: |_| 0.0 }, searches)
+}
+
+fn diagnosed_from(evidence: &ByHand, searches: usize) -> Diagnosis {
+    let library = Library::builtin();
     let model = Model::new(Process::Grinding);
     let compiled = CompiledModel::new(&model, library, evidence.rows()).unwrap();
-    let fit = Fit::new(&evidence, &compiled, evidence.coordinates(&compiled), FitOptions::default()).unwrap();
-    Diagnosis::within(&evidence, (&model, fit), library, (1, &|_, _, _| {}), searches).unwrap()
+    let fit = Fit::new(evidence, &compiled, evidence.coordinates(&compiled), FitOptions::default()).unwrap();
+    Diagnosis::within(evidence, (&model, fit), library, (1, &|_, _, _| {}), searches).unwrap()
 }
 
 fn names(diagnosis: &Diagnosis) -> Vec<&str> {
@@ -145,4 +169,18 @@ fn one_search_gives_the_first_of_the_two() {
 fn one_effect_is_not_made_into_two() {
     let diagnosis = diagnosed([0.0, 1.0, 0.0], 3);
     assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Identified, vec!["force-bias"]));
+}
+
+#[test]
+fn a_look_alike_that_harms_what_is_held_out_gives_way() {
+    let besides = |at: f64| 0.45 * (23.0 * at).cos();
+    let diagnosis = diagnosed_from(&ByHand { patterns: &LOOK_ALIKES, truth: [1.0, 0.0, 0.0], besides }, 3);
+    let gain = |name: &str| {
+        let finding = diagnosis.rounds[0].findings.iter().find(|finding| finding.suspect.name() == name);
+        finding.expect("it was fitted").gain
+    };
+    let lead = gain("speed-exponent") - gain("cutting-direction");
+    println!("{:?} {:?}; the calibration data prefer the other by {lead:.1}", diagnosis.verdict, names(&diagnosis));
+    assert!(lead > 0.0 && lead < 7.85, "{lead}");
+    assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Identified, vec!["cutting-direction"]));
 }
