@@ -12,7 +12,7 @@ use super::probe::{Candidate, Probe};
 /// deviations, all data together].
 const FOLLOWED: f64 = 12.0;
 /// Times that they do.
-const STEPS_AFTER: usize = 3;
+const STEPS_AFTER: usize = 2;
 /// Longest extrapolation of a secant beyond the probe that it was taken at.
 const FARTHEST: f64 = 1.5;
 /// Share of a change that must be left beside the base parameters' changes: less is rounding.

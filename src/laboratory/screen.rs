@@ -14,6 +14,8 @@ use super::response::{Look, Projector, Response};
 const APT: (f64, f64) = (12.0, 0.5);
 /// Times by which a probe may miss that.
 const NEARLY_APT: f64 = 3.0;
+/// Share of the best shape's gain that another must promise to be fitted, too.
+const NEARLY: f64 = 0.3;
 /// Least way between two probes, as a share of that from the null.
 const LEAST_APART: f64 = 0.2;
 
@@ -106,7 +108,7 @@ impl Screened {
         self
     }
 
-    /// The same, then with the best values of each other shape, the most promising first.
+    /// The same, then with the best values of each other shape that promises nearly as much, the most promising first.
     pub(super) fn starts(&self, residuals: &DVector<f64>) -> Vec<Self> {
         let single = self.responses.iter().filter_map(|group| {
             let response = aptest(group, residuals)?;
@@ -115,7 +117,8 @@ impl Screened {
         });
         let shapes = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
         let differs = |start: &Self| (0..self.best.len()).filter(shapes).any(|k| start.best[k] != self.best[k]);
-        let mut starts: Vec<(f64, Self)> = single.filter(|(_, start)| differs(start)).collect();
+        let mut starts: Vec<(f64, Self)> =
+            single.filter(|(gain, start)| *gain > NEARLY * self.gain && differs(start)).collect();
         starts.sort_by(|a, b| b.0.total_cmp(&a.0));
         std::iter::once(self.clone()).chain(starts.into_iter().map(|(_, start)| start)).collect()
     }
