@@ -65,6 +65,7 @@ macro_rules! simulation {
 pub const SIMULATE_FIRST: Kernel = simulation!(
     "simulate_first",
     [
+        "trial_wall.wgsl",
         "trial_step.wgsl",
         "trial_apply.wgsl",
         "trial_commit.wgsl",

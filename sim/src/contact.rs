@@ -5,6 +5,7 @@
 //! as quadratic. So sums over squares are second order in the voxel size.
 
 mod rows;
+mod wall;
 
 use glam::DVec3;
 use serde::Serialize;
@@ -77,6 +78,7 @@ impl Squares {
         for (line, gap) in region.grown().lines(across).zip(gap) {
             self.depth[line] -= gap;
         }
+        self.leave_walls(&border, sheet);
         lanes.dispatch(Settle { border: &border, sheet, squares: self });
         for row in region.rows.clone() {
             for line in row * across + region.columns.start..row * across + region.columns.end {

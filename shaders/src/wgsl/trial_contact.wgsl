@@ -35,6 +35,17 @@ fn tool_depth(at: vec3f) -> f32 {
     return round - 0.5 * setup.tool_crown * at.y * at.y;
 }
 
+// Share of a square that lies within a border at a distance from its middle, which is crossed `inward`.
+fn share_within(line: u32, within: f32, inward: vec3f, sweep: vec3f) -> f32 {
+    let slope = slope_of(line);
+    let spans = 0.5 * abs(inward.xy + inward.z * slope);
+    let swept = 0.5 * abs(dot(sweep, inward));
+    if swept == 0.0 {
+        return wet_share(within, spans);
+    }
+    return wet_share(within, vec2f(length(spans), swept));
+}
+
 // Share of a square that lies under the working surface, as a mean over the sweep [u, v, up].
 fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> f32 {
     if setup.tool == TOOL_SPHERE {
@@ -50,13 +61,7 @@ fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> f32 {
     if abs(within) >= near {
         return select(0.0, 1.0, within > 0.0);
     }
-    let slope = slope_of(line);
-    let spans = 0.5 * abs(inward.xy + inward.z * slope);
-    let swept = 0.5 * abs(dot(sweep, inward));
-    if swept == 0.0 {
-        return wet_share(within, spans);
-    }
-    return wet_share(within, vec2f(length(spans), swept));
+    return share_within(line, within, inward, sweep);
 }
 
 // Mean along the rim of what the depth's curvature adds to the linear depth across a square.

@@ -54,8 +54,8 @@ impl Runner<'_> {
     fn try_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let reads_anew = self.controller == Controller::Ideal && self.physics.grinds() && !self.goes_on;
         if self.in_air() || reads_anew {
-            // An ideal controller is in balance from the first touch on, and on every new sheet: there the force of partly
-            // covered squares is another one, by up to 1.5 %.
+            // An ideal controller is in balance from the first touch on, and on every new sheet: what it
+            // reads from the field differs a little from what was written, beside walls most of all.
             let Some(motion) = self.try_step(0.0, self.time)? else { return Ok(None) };
             self.motion.travel = motion.travel;
         }

@@ -1,0 +1,116 @@
+//! The wall that a wheel leaves beside it.
+//!
+//! The border of the working surface cuts squares. Where the wheel has sunk in, the height of such a square's column is the
+//! mean of the groove's and of the wall's, which keeps the volume; but the wheel meets the groove alone. So much higher
+//! is the wall as the surface beside the wheel and the surface under it, both continued straight to the column, lie apart: on
+//! a smooth surface that is third order in the pitch.
+
+use super::{Border, Squares};
+use crate::region::Region;
+use crate::sheet::Sheet;
+use crate::tool::Tool;
+
+impl Squares {
+    /// Takes the wall out of the depths of the squares that a wheel's border crosses and of those next to them.
+    pub(super) fn leave_walls(&mut self, border: &Border, sheet: &Sheet) {
+        if !matches!(border.tool, Tool::Wheel(_)) {
+            return;
+        }
+        let axis = border.frame.y;
+        let is_along_u = axis.x.abs() > axis.y.abs();
+        let rising = if is_along_u { axis.x } else { axis.y }.signum();
+        let (mut rims, rows) = ([usize::MAX; 2], Row::all(&self.region, sheet.window.size[1], is_along_u));
+        for row in rows {
+            let mut walls = [None; 2];
+            for ((rim, wall), outwards) in rims.iter_mut().zip(&mut walls).zip([1, -1]) {
+                let side = Side { border, sheet, row, outwards, sign: rising * outwards as f64 };
+                *rim = side.rim((*rim).min(row.count - 1));
+                *wall = side.wall(&self.depth, *rim);
+            }
+            for (line, part) in walls.into_iter().flatten().flatten() {
+                self.depth[line] -= part;
+            }
+        }
+    }
+}
+
+/// A row of columns that runs along a wheel's axis more than across it.
+#[derive(Clone, Copy)]
+struct Row {
+    first: usize,
+    /// From one line to the next.
+    stride: usize,
+    count: usize,
+}
+
+impl Row {
+    /// The rows of a region in a window `across` lines wide, with the lines before and after them.
+    fn all(region: &Region, across: usize, is_along_u: bool) -> impl Iterator<Item = Self> {
+        let Region { rows, columns } = region.grown();
+        let first = rows.start * across + columns.start;
+        let (stride, count, step, lanes) =
+            if is_along_u { (across, rows.len(), 1, columns.len()) } else { (1, columns.len(), across, rows.len()) };
+        (1..lanes - 1).map(move |lane| Self { first: first + lane * step, stride, count })
+    }
+}
+
+/// One of a wheel's sides across a row.
+struct Side<'a> {
+    border: &'a Border<'a>,
+    sheet: &'a Sheet,
+    row: Row,
+    /// Step in the row that leads out of the wheel, and the sign of the wheel's y on this side.
+    outwards: isize,
+    sign: f64,
+}
+
+impl Side<'_> {
+    /// The line some steps out from a place in the row.
+    fn line(&self, place: usize, steps: isize) -> Option<usize> {
+        let place = place.checked_add_signed(steps * self.outwards).filter(|place| *place < self.row.count)?;
+        Some(self.row.first + place * self.row.stride)
+    }
+
+    /// How far a column is within this side [m].
+    fn within(&self, line: usize) -> f64 {
+        0.5 * self.border.tool.width() - self.sign * self.border.frame.local(self.sheet.point(line)).y
+    }
+
+    /// Share of a column's square within this side.
+    fn share(&self, line: usize) -> f64 {
+        let inward = self.border.frame.y * -self.sign;
+        self.border.share_within(self.within(line), inward, self.sheet.slope[line], 0.5 * self.sheet.pitch)
+    }
+
+    /// Place of the outermost square in the row of which a part is within this side, sought from `place` on.
+    fn rim(&self, mut place: usize) -> usize {
+        let axis = self.border.frame.y;
+        let reach = -0.5 * self.sheet.pitch * (axis.x.abs() + axis.y.abs());
+        let is_within = |line: &usize| self.within(*line) > reach;
+        while self.line(place, 1).filter(is_within).is_some() {
+            place = place.strict_add_signed(self.outwards);
+        }
+        while self.line(place, 0).filter(is_within).is_none() && self.line(place, -1).is_some() {
+            place = place.strict_add_signed(-self.outwards);
+        }
+        place
+    }
+
+    /// Lines around the rim with what the wall makes them too deep by [m]; `None` where no wall stands.
+    fn wall(&self, depth: &[f64], rim: usize) -> Option<[(usize, f64); 3]> {
+        let [inmost, far, inner] = [self.line(rim, -3)?, self.line(rim, -2)?, self.line(rim, -1)?];
+        let [here, outer, outmost] = [self.line(rim, 0)?, self.line(rim, 1)?, self.line(rim, 2)?];
+        if depth[here] <= -self.sheet.pitch {
+            return None;
+        }
+        let wall = (2.0 * depth[outer] - depth[outmost]) - (2.0 * depth[inner] - depth[far]);
+        if wall <= 0.0 || wall >= 2.0 * self.sheet.pitch {
+            return None;
+        }
+        let inner_part = (1.0 - self.share(inner)) * wall;
+        // The surface under the wheel, bent as it is there: none of it lies deeper.
+        let groove = 3.0 * (depth[inner] - inner_part - depth[far]) + depth[inmost];
+        let part = ((1.0 - self.share(here)) * wall).min((depth[here] - groove).max(0.0));
+        Some([(inner, inner_part), (here, part), (outer, wall)])
+    }
+}
