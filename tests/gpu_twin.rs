@@ -37,7 +37,8 @@ fn the_device_samples_a_brick_grid_as_the_cpu_does() {
         field.band,
         field.brick_count() as u32,
     );
-    let buffers = GridBuffers { header, index: &field.index, phi: &field.phi };
+    let index = field.index.dense();
+    let buffers = GridBuffers { header, index: &index, phi: &field.phi };
     let sampler = Sampler::new(&device, &buffers).unwrap();
     let seed = 20_u64;
     let mut random = Pcg64Mcg::seed_from_u64(seed);

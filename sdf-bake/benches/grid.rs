@@ -52,7 +52,7 @@ fn diagonal_rod(across: f64, radius: f64) -> BrickGrid {
 }
 
 fn memory(name: &str, across: f64, grid: &BrickGrid) {
-    let (pool, index) = (4 * BRICK_VOXELS * grid.brick_count(), 4 * grid.index.len());
+    let (pool, index) = (4 * BRICK_VOXELS * grid.brick_count(), grid.index.bytes());
     let ratio = grid.bytes() as f64 / pool as f64;
     let megabytes = |bytes: usize| bytes as f64 / 1e6;
     println!(

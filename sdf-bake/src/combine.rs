@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use crate::channels::Scalar;
 use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at};
-use crate::implicit::entry_brick;
+use crate::index::columns;
 use crate::redistance::{VoxelSet, contains, insert};
 use crate::seam::Bodies;
 
@@ -103,6 +103,7 @@ impl BrickGrid {
         grid.label = inherit(&grid, [(self, &self.label), (other, &other.label)], owned);
         grid.inherit_scalars(self, other, owned);
         grid.release_uniform_bricks();
+        grid.index.tidy();
         Ok(grid)
     }
 
@@ -185,6 +186,12 @@ enum Part {
     Mixed(Box<Mixed>),
 }
 
+impl Part {
+    fn is_outside(&self) -> bool {
+        matches!(self, Self::Uniform(OUTSIDE))
+    }
+}
+
 impl<'a> Combination<'a> {
     pub(crate) fn of(first: &'a BrickGrid, second: &'a BrickGrid, how: Combine) -> Result<Self, LatticeError> {
         if first.voxel != second.voxel || first.band != second.band {
@@ -211,18 +218,18 @@ impl<'a> Combination<'a> {
             (first.origin, first.dims)
         };
         let mut grid = BrickGrid::empty(first.voxel, first.band, origin, dims);
-        let parts: Vec<Part> = (0..grid.index.len())
-            .into_par_iter()
-            .map(|entry| self.part(origin + entry_brick(entry, dims), keeps_core))
-            .collect();
+        let parts = columns(dims).flat_map_iter(|column| {
+            let bricks = (0..dims.z).map(move |z| origin + column.extend(z));
+            bricks.map(|brick| (brick, self.part(brick, keeps_core))).filter(|(_, part)| !part.is_outside())
+        });
         let (mut from_second, mut inexact) = (Vec::new(), Vec::new());
-        for (entry, part) in parts.into_iter().enumerate() {
+        for (brick, part) in parts.collect::<Vec<_>>() {
             match part {
-                Part::Uniform(state) => grid.index[entry] = state,
+                Part::Uniform(side) => grid.set_slot(brick, side),
                 Part::Mixed(mixed) => {
                     let slot = grid.bricks.len() as u32;
-                    grid.index[entry] = slot;
-                    grid.bricks.push(origin + entry_brick(entry, dims));
+                    grid.set_slot(brick, slot);
+                    grid.bricks.push(brick);
                     grid.phi.extend_from_slice(&mixed.phi);
                     from_second.push(mixed.from_second);
                     if !mixed.inexact.is_empty() {

@@ -1,4 +1,4 @@
-//! A sparse signed distance field: 8³-voxel bricks in one pool under a dense top-level index.
+//! A sparse signed distance field: 8³-voxel bricks in one pool under a top-level index ([`BrickIndex`]).
 //!
 //! φ < 0 inside. Values are exact distances [m] within the band and ±band outside it. Voxel (i, j, k) is
 //! the *point* `voxel · (i, j, k)` of the part's frame, not a cell. Inside or outside is known everywhere,
@@ -7,6 +7,7 @@
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::channels::Scalar;
+use crate::index::BrickIndex;
 
 /// Voxels along the side of a brick.
 pub const BRICK_SIDE: usize = 8;
@@ -42,8 +43,8 @@ pub struct BrickGrid {
     pub origin: IVec3,
     /// Index entries per axis [bricks]; x runs slowest.
     pub dims: IVec3,
-    /// Slot of each brick, or [`OUTSIDE`] or [`INSIDE`]; shape `[dims.x, dims.y, dims.z]`.
-    pub index: Vec<u32>,
+    /// Slot of each brick, or [`OUTSIDE`] or [`INSIDE`].
+    pub index: BrickIndex,
     /// Brick coordinates of each slot [bricks], shape `[bricks]`.
     pub bricks: Vec<IVec3>,
     /// Signed distance [m], shape `[bricks, 512]`.
@@ -59,13 +60,12 @@ pub struct BrickGrid {
 impl BrickGrid {
     /// An empty grid: everything is outside.
     pub fn empty(voxel: f64, band: f32, origin: IVec3, dims: IVec3) -> Self {
-        let entries = dims.x as usize * dims.y as usize * dims.z as usize;
         Self {
             voxel,
             band,
             origin,
             dims,
-            index: vec![OUTSIDE; entries],
+            index: BrickIndex::new(dims),
             bricks: Vec::new(),
             phi: Vec::new(),
             label: Vec::new(),
@@ -82,11 +82,11 @@ impl BrickGrid {
     /// Bytes held by the pool and the index.
     pub fn bytes(&self) -> usize {
         let scalars: usize = Scalar::ALL.iter().map(|&channel| self.scalar(channel).len()).sum();
-        4 * (self.phi.len() + scalars + self.index.len()) + 2 * self.label.len() + 12 * self.bricks.len()
+        4 * (self.phi.len() + scalars) + 2 * self.label.len() + 12 * self.bricks.len() + self.index.bytes()
     }
 
-    /// Position of a brick in `index`, or `None` outside the indexed box.
-    pub fn entry(&self, brick: IVec3) -> Option<usize> {
+    /// Number of a brick in the order of the index, x slowest, or `None` outside the indexed box.
+    pub(crate) fn entry(&self, brick: IVec3) -> Option<usize> {
         let at = brick - self.origin;
         let within = at.cmpge(IVec3::ZERO).all() && at.cmplt(self.dims).all();
         within.then(|| ((at.x * self.dims.y + at.y) as usize) * self.dims.z as usize + at.z as usize)
@@ -94,7 +94,15 @@ impl BrickGrid {
 
     /// Slot of a brick, [`OUTSIDE`] or [`INSIDE`].
     pub fn slot(&self, brick: IVec3) -> u32 {
-        self.entry(brick).map_or(OUTSIDE, |entry| self.index[entry])
+        self.index.get(brick - self.origin)
+    }
+
+    /// Gives a brick a slot, [`OUTSIDE`] or [`INSIDE`].
+    ///
+    /// # Panics
+    /// If the brick is outside the indexed box.
+    pub fn set_slot(&mut self, brick: IVec3, slot: u32) {
+        self.index.set(brick - self.origin, slot);
     }
 
     /// Whether cells whose lowest corners are in a brick lie between bricks that are wholly inside and wholly outside. So
@@ -246,7 +254,7 @@ mod tests {
     fn linear_grid() -> (BrickGrid, impl Fn(DVec3) -> f64) {
         let plane = |p: DVec3| 0.02 * p.x - 0.05 * p.y + 0.01 * p.z + 0.001;
         let mut grid = BrickGrid::empty(0.5, 1.0, IVec3::splat(-1), IVec3::ONE);
-        grid.index[0] = 0;
+        grid.set_slot(IVec3::splat(-1), 0);
         grid.bricks.push(IVec3::splat(-1));
         grid.phi = (0..BRICK_VOXELS).map(|o| plane(voxel_at(IVec3::splat(-1), o).as_dvec3() * 0.5) as f32).collect();
         (grid, plane)

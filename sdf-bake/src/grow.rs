@@ -12,7 +12,7 @@ impl BrickGrid {
         let mut kept = 0;
         for slot in 0..before {
             let values = slot * BRICK_VOXELS..(slot + 1) * BRICK_VOXELS;
-            let entry = self.entry(self.bricks[slot]);
+            let brick = self.bricks[slot];
             let beyond = |sign: f32| self.phi[values.clone()].iter().all(|&phi| phi * sign >= self.band);
             let labelled = self.label.get(values.clone()).is_some_and(|labels| labels.iter().any(|&id| id != 0));
             let state = if beyond(1.0) {
@@ -24,8 +24,8 @@ impl BrickGrid {
                 kept += 1;
                 kept as u32 - 1
             };
-            if let Some(entry) = entry {
-                self.index[entry] = state;
+            if state != slot as u32 {
+                self.set_slot(brick, state);
             }
         }
         self.truncate_pool(kept);
@@ -44,9 +44,7 @@ impl BrickGrid {
 
     fn add_inside_brick(&mut self, brick: IVec3) -> u32 {
         let slot = self.bricks.len() as u32;
-        if let Some(entry) = self.entry(brick) {
-            self.index[entry] = slot;
-        }
+        self.set_slot(brick, slot);
         self.bricks.push(brick);
         self.phi.resize(self.phi.len() + BRICK_VOXELS, -self.band);
         self.extend_channels();

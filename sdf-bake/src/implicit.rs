@@ -4,6 +4,7 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, voxel_at};
+use crate::index::columns;
 
 impl BrickGrid {
     /// Samples a signed distance function on the lattice.
@@ -38,19 +39,22 @@ impl BrickGrid {
         fill: impl Fn(IVec3) -> Filled + Sync,
     ) -> Self {
         let mut grid = Self::empty(lattice.0, lattice.1 as f32, first, dims);
-        let filled: Vec<Filled> =
-            (0..grid.index.len()).into_par_iter().map(|entry| fill(first + entry_brick(entry, dims))).collect();
-        for (entry, brick) in filled.into_iter().enumerate() {
-            match brick {
+        let filled = columns(dims).flat_map_iter(|column| {
+            let bricks = (0..dims.z).map(move |z| first + column.extend(z));
+            bricks.map(|brick| (brick, fill(brick))).filter(|(_, filled)| !matches!(filled, Filled::Outside))
+        });
+        for (brick, filled) in filled.collect::<Vec<_>>() {
+            match filled {
                 Filled::Outside => {}
-                Filled::Inside => grid.index[entry] = INSIDE,
+                Filled::Inside => grid.set_slot(brick, INSIDE),
                 Filled::Band(values) => {
-                    grid.index[entry] = grid.bricks.len() as u32;
-                    grid.bricks.push(first + entry_brick(entry, dims));
+                    grid.set_slot(brick, grid.bricks.len() as u32);
+                    grid.bricks.push(brick);
                     grid.phi.extend_from_slice(values.as_slice());
                 }
             }
         }
+        grid.index.tidy();
         grid
     }
 }
@@ -78,12 +82,6 @@ impl Filled {
             Self::Band(values)
         }
     }
-}
-
-/// Brick coordinates, relative to the first, of an index entry.
-pub(crate) fn entry_brick(entry: usize, dims: IVec3) -> IVec3 {
-    let entry = entry as i32;
-    IVec3::new(entry / (dims.y * dims.z), entry / dims.z % dims.y, entry % dims.z)
 }
 
 fn fill(brick: IVec3, (voxel, band): (f64, f32), distance: &(impl Fn(DVec3) -> f64 + Sync)) -> Filled {

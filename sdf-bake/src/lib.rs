@@ -34,6 +34,7 @@ mod grow;
 pub mod halo;
 pub mod heights;
 mod implicit;
+pub mod index;
 pub mod mesh;
 pub mod nvdb;
 mod project;

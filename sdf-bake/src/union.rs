@@ -42,6 +42,7 @@ impl BrickGrid {
             }
         }
         union.release_uniform_bricks();
+        union.index.tidy();
         Ok(union)
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, cell_corner};
 use crate::halo::Halo;
-use crate::implicit::entry_brick;
+use crate::index::columns;
 
 /// Columns along each side of a cell.
 const COLUMNS: usize = 4;
@@ -62,18 +62,19 @@ impl BrickGrid {
 
     /// Sum over all indexed bricks, in the order of the index, of cells that count [m³].
     fn sum_bricks(&self, low: DVec3, high: DVec3, cells: impl Fn(IVec3, &dyn Fn(usize) -> bool) -> f64 + Sync) -> f64 {
-        let per_brick: Vec<f64> = (0..self.index.len())
-            .into_par_iter()
-            .map(|entry| {
-                let brick = self.origin + entry_brick(entry, self.dims);
-                let counts = |offset: usize| {
-                    let centre = (crate::grid::voxel_at(brick, offset).as_dvec3() + 0.5) * self.voxel;
-                    centre.cmpge(low).all() && centre.cmplt(high).all()
-                };
-                cells(brick, &counts)
-            })
-            .collect();
-        per_brick.iter().sum::<f64>() * self.voxel.powi(3)
+        let of_brick = |brick: IVec3| {
+            let counts = |offset: usize| {
+                let centre = (crate::grid::voxel_at(brick, offset).as_dvec3() + 0.5) * self.voxel;
+                centre.cmpge(low).all() && centre.cmplt(high).all()
+            };
+            cells(brick, &counts)
+        };
+        let (origin, dims) = (self.origin, self.dims);
+        let per_brick = columns(dims).flat_map_iter(|column| {
+            let bricks = (0..dims.z).map(move |z| origin + column.extend(z));
+            bricks.map(&of_brick).filter(|&cells| cells != 0.0)
+        });
+        per_brick.collect::<Vec<f64>>().iter().fold(0.0, |sum, cells| sum + cells) * self.voxel.powi(3)
     }
 
     /// The 9³ nodes of a brick's cells, less the mean chord error of the cells around them.

@@ -108,16 +108,15 @@ fn a_large_ball_needs_tiles_of_whole_lower_nodes() {
     assert!(tree.tiles.iter().any(|tile| tile.side_log2 == 7 && tile.value == -grid.band));
     assert!(tree.tiles.iter().all(|tile| tile.value == -grid.band && !tile.active));
     let inside: u64 = tree.tiles.iter().map(|tile| 1 << (3 * (tile.side_log2 - 3))).sum();
-    assert_eq!(inside, grid.index.iter().filter(|slot| **slot == INSIDE).count() as u64);
+    assert_eq!(inside, grid.index.dense().iter().filter(|slot| **slot == INSIDE).count() as u64);
 }
 
 #[test]
 fn an_index_with_room_to_spare_loses_only_the_room() {
     let mut grid = BrickGrid::empty(VOXEL, 0.0015, IVec3::new(-40, -3, 100), IVec3::new(50, 6, 20));
     let brick = IVec3::new(-33, 1, 111);
-    let entry = grid.entry(brick).unwrap();
-    grid.index[entry] = 0;
-    grid.index[entry + 1] = INSIDE;
+    grid.set_slot(brick, 0);
+    grid.set_slot(brick + IVec3::Z, INSIDE);
     grid.bricks.push(brick);
     grid.phi = (0..BRICK_VOXELS).map(|i| 0.0015 - i as f32 * 3e-6).collect();
     let file = read(&write(&[GridRef::LevelSet { name: "φ", grid: &grid }], Codec::Zip).unwrap()).unwrap();
@@ -261,7 +260,7 @@ fn what_cannot_be_written_is_refused_by_name() {
     let short = GridRef::Density { name: "dose", grid: &grid, values: &dose[1..] };
     assert!(matches!(write(&[short], Codec::None), Err(WriteError::Values { .. })));
     let mut broken = grid.clone();
-    broken.index[3] = 1_000_000;
+    broken.set_slot(broken.origin + IVec3::Z, 1_000_000);
     let error = write(&[GridRef::LevelSet { name: "phi", grid: &broken }], Codec::None).unwrap_err();
     assert!(error.to_string().contains("slot 1000000"), "{error}");
     broken.dims = IVec3::splat(i32::MAX / 16);

@@ -11,12 +11,10 @@ fn small() -> BrickGrid {
     let mut grid = BrickGrid::empty(0.001, 0.003, IVec3::new(-2, 0, 0), IVec3::new(4, 1, 2));
     for (slot, x) in (-2..2).enumerate() {
         let brick = IVec3::new(x, 0, 0);
-        let entry = grid.entry(brick).unwrap();
-        grid.index[entry] = slot as u32;
+        grid.set_slot(brick, slot as u32);
         grid.bricks.push(brick);
     }
-    let last = grid.index.len() - 1;
-    grid.index[last] = INSIDE;
+    grid.set_slot(IVec3::new(1, 0, 1), INSIDE);
     grid.phi = (0..4 * BRICK_VOXELS).map(|i| ((i * 37) % 601) as f32 * 1e-5 - 0.003).collect();
     grid.label = (0..4 * BRICK_VOXELS).map(|i| u16::from(i % 5 == 0)).collect();
     grid

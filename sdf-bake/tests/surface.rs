@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec2, DVec3, IVec3};
 use proptest::prelude::*;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, voxel_at};
+use sdf_bake::index::BrickIndex;
 use sdf_bake::query::MeshQuery;
 use sdf_bake::{BakeOptions, BrickGrid, Combine, Mesh, SignChoice, SignMethod, bake};
 
@@ -238,9 +239,10 @@ proptest! {
     #[test]
     fn any_sides_of_bricks_give_a_closed_manifold(sides in prop::collection::vec(0..3u8, 27)) {
         let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::splat(-1), IVec3::splat(3));
-        grid.index = sides.iter().map(|&side| if side == 0 { OUTSIDE } else { INSIDE }).collect();
+        let sides_of: Vec<u32> = sides.iter().map(|&side| if side == 0 { OUTSIDE } else { INSIDE }).collect();
+        grid.index = BrickIndex::from_dense(grid.dims, &sides_of);
         if sides[13] == 2 {
-            grid.index[13] = 0;
+            grid.set_slot(IVec3::ZERO, 0);
             grid.bricks = vec![IVec3::ZERO];
             grid.phi = (0..BRICK_VOXELS).map(|offset| (voxel_at(IVec3::ZERO, offset).x - 4) as f32 * 0.7).collect();
         }
@@ -253,7 +255,7 @@ proptest! {
     #[test]
     fn any_values_give_a_closed_manifold(seed in any::<u64>(), share in 0.05..0.95f32) {
         let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::ZERO, IVec3::new(2, 1, 1));
-        grid.index = vec![0, 1];
+        grid.index = BrickIndex::from_dense(grid.dims, &[0, 1]);
         grid.bricks = vec![IVec3::ZERO, IVec3::X];
         let mut state = seed;
         grid.phi = (0..2 * BRICK_VOXELS).map(|_| {

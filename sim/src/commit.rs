@@ -70,14 +70,16 @@ fn lines_to_change(sheet: &Sheet) -> Option<Vec<usize>> {
 }
 
 /// Gives bricks to what lies ahead of the receding surface.
-fn open_bricks(grid: &mut BrickGrid, sheet: &Sheet, lines: &[usize]) {
+fn open_bricks(grid: &mut BrickGrid, sheet: &mut Sheet, lines: &[usize]) {
     let mut last = IVec3::MAX;
     for &line in lines {
         let (i, j) = sheet.window.place(line);
         let below = floor(sheet.height[line] / sheet.pitch) - reach(grid, sheet.area_ratio(line));
         let brick = sheet.facing.voxel(i, j, below) >> 3;
         if brick != last {
-            grid.open_inside_brick(brick);
+            if let Some(slot) = grid.open_inside_brick(brick) {
+                sheet.lattice.opened(brick, slot);
+            }
             last = brick;
         }
     }
@@ -90,7 +92,7 @@ fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar,
     }
     let below = floor(sheet.height[line] / sheet.pitch);
     for k in below - 1..=below + 2 {
-        if let Some(at) = sheet.lattice.place(grid, sheet.on[line], k) {
+        if let Some(at) = sheet.lattice.place(sheet.on[line], k) {
             grid.scalar_mut(channel)[at] = value as f32;
         }
     }
@@ -103,7 +105,7 @@ fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
     let beside = [below, below + 1].map(|k| f64::from(sheet.lattice.phi(grid, on, k)));
     for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
         for step in 0..reach(grid, area_ratio) {
-            let Some(at) = sheet.lattice.place(grid, on, first + side * step) else { break };
+            let Some(at) = sheet.lattice.place(on, first + side * step) else { break };
             let phi = f64::from(grid.phi[at]);
             let rise = (phi - nearer) * f64::from(side);
             if grid.phi[at].abs() >= grid.band || rise <= 0.0 {
@@ -175,7 +177,7 @@ struct Far {
 /// Voxel `k` of a line, on a side of the surface; `None` where it carries the zero set, or has no nearer one.
 fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (k, side): (i32, i32)) -> Option<Far> {
     let kept = (KEPT_VOXELS * sheet.pitch) as f32;
-    let at = sheet.lattice.place(grid, sheet.on[line], k)?;
+    let at = sheet.lattice.place(sheet.on[line], k)?;
     let old = grid.phi[at];
     let wrong_side = old * (side as f32) < 0.0;
     if old.abs() <= kept || wrong_side {
@@ -188,7 +190,7 @@ fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (k, side): (i32, i3
 /// Writes a distance; a voxel that was beyond the band takes the label of the one above it.
 fn write_far(grid: &mut BrickGrid, sheet: &Sheet, far: &Far) {
     if grid.phi[far.at] == -grid.band && !grid.label.is_empty() {
-        let above = sheet.lattice.place(grid, sheet.on[far.line], far.k + 1);
+        let above = sheet.lattice.place(sheet.on[far.line], far.k + 1);
         grid.label[far.at] = above.map_or(0, |above| grid.label[above]);
     }
     grid.phi[far.at] = far.phi;

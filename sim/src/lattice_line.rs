@@ -1,78 +1,96 @@
 //! The signed distance along lattice lines, and where they leave the material.
 
+use glam::IVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE};
 
 use crate::crossing::way_to_zero;
-use crate::sheet::Facing;
+use crate::sheet::{Facing, Window};
 
 /// Voxels by which a column is followed upwards out of the material.
 const CLIMB: i32 = 400;
-/// Entry of a line that passes beside the field.
-const BESIDE: u32 = u32::MAX;
 /// Steps between neighbours along x, y and z among a brick's values.
 const VALUE_STEPS: [i32; 3] = [64, 8, 1];
 
-/// The lattice lines of a field along one axis. It stays right while bricks are opened: the index keeps its shape.
-#[derive(Clone, Copy, Debug)]
+/// The lattice lines of a window of a field, along one axis, with the slots of the bricks that they pass.
+#[derive(Clone, Debug)]
 pub(crate) struct Lattice {
     facing: Facing,
+    /// Lowest brick across the lines, and bricks along the second of the two axes.
+    low: [i32; 2],
+    across: i32,
     /// First brick along the lines, and how many there are.
     first: i32,
     bricks: u32,
-    /// Step from brick to brick along the lines in the field's index, and from voxel to voxel among a brick's values.
-    entry_step: u32,
+    /// Shape `[bricks across, bricks across, bricks along]`.
+    slots: Vec<u32>,
+    /// Step from voxel to voxel along the lines among a brick's values.
     value_step: u32,
 }
 
 /// One line: where its voxels lie in the field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
-    /// Entry of its first brick in the field's index, or [`BESIDE`].
-    entry: u32,
+    /// Place of its first brick's slot.
+    brick: u32,
     /// Place of its first voxel among a brick's values.
     value: u32,
 }
 
 impl Lattice {
-    pub(crate) fn new(grid: &BrickGrid, facing: Facing) -> Self {
-        let axis = facing.axis();
-        Self {
-            facing,
-            first: grid.origin[axis],
-            bricks: grid.dims[axis] as u32,
-            entry_step: entry_steps(grid)[axis] as u32,
-            value_step: VALUE_STEPS[axis] as u32,
+    pub(crate) fn new(grid: &BrickGrid, facing: Facing, window: &Window) -> Self {
+        let (axis, (a, b)) = (facing.axis(), facing.across());
+        let low = window.low.map(|low| low >> 3);
+        let end = [0, 1].map(|d| ((window.low[d] + window.size[d] as i32 - 1) >> 3) + 1);
+        let (first, bricks) = (grid.origin[axis], grid.dims[axis]);
+        let mut slots = Vec::new();
+        let mut brick = IVec3::ZERO;
+        for (i, j) in (low[0]..end[0]).flat_map(|i| (low[1]..end[1]).map(move |j| (i, j))) {
+            (brick[a], brick[b]) = (i, j);
+            slots.extend((first..first + bricks).map(|k| {
+                brick[axis] = k;
+                grid.slot(brick)
+            }));
         }
+        let (across, value_step) = (end[1] - low[1], VALUE_STEPS[axis] as u32);
+        Self { facing, low, across, first, bricks: bricks as u32, slots, value_step }
     }
 
-    /// The line at lattice place (i, j).
-    pub(crate) fn line(&self, grid: &BrickGrid, (i, j): (i32, i32)) -> Line {
+    /// The line at lattice place (i, j) of the window.
+    pub(crate) fn line(&self, (i, j): (i32, i32)) -> Line {
         let (a, b) = self.facing.across();
-        let bricks = [(a, (i >> 3) - grid.origin[a]), (b, (j >> 3) - grid.origin[b])];
         let value = ((i & 7) * VALUE_STEPS[a] + (j & 7) * VALUE_STEPS[b]) as u32;
-        let is_beside = bricks.iter().any(|&(axis, brick)| brick < 0 || brick >= grid.dims[axis]);
-        let steps = entry_steps(grid);
-        let entry = || bricks.iter().map(|&(axis, brick)| brick * steps[axis]).sum::<i32>() as u32;
-        Line { entry: if is_beside { BESIDE } else { entry() }, value }
+        Line { brick: self.place_of([i >> 3, j >> 3]), value }
+    }
+
+    /// Takes note of the slot that a brick of the window was given.
+    pub(crate) fn opened(&mut self, brick: IVec3, slot: u32) {
+        let (a, b) = self.facing.across();
+        let place = self.place_of([brick[a], brick[b]]) + (brick[self.facing.axis()] - self.first) as u32;
+        self.slots[place as usize] = slot;
+    }
+
+    /// Place of the first slot of a line's bricks.
+    fn place_of(&self, [i, j]: [i32; 2]) -> u32 {
+        ((i - self.low[0]) * self.across + j - self.low[1]) as u32 * self.bricks
     }
 
     /// Slot of the brick at `k` voxels up a line, and the voxel's place among its values.
     #[inline]
-    fn slot(&self, grid: &BrickGrid, line: Line, k: i32) -> (u32, usize) {
+    fn slot(&self, line: Line, k: i32) -> (u32, usize) {
         let along = self.facing.up() * k;
         let brick = ((along >> 3) - self.first) as u32;
-        if line.entry == BESIDE || brick >= self.bricks {
+        if brick >= self.bricks {
             return (OUTSIDE, 0);
         }
         let value = line.value + (along & 7) as u32 * self.value_step;
-        (grid.index[(line.entry + brick * self.entry_step) as usize], value as usize)
+        (self.slots[(line.brick + brick) as usize], value as usize)
     }
 
     /// Position in the pool of the voxel at `k` up a line, or `None` where no brick is.
     #[inline]
-    pub(crate) fn place(&self, grid: &BrickGrid, line: Line, k: i32) -> Option<usize> {
-        match self.slot(grid, line, k) {
+    pub(crate) fn place(&self, line: Line, k: i32) -> Option<usize> {
+        match self.slot(line, k) {
             (OUTSIDE | INSIDE, _) => None,
             (slot, value) => Some(slot as usize * BRICK_VOXELS + value),
         }
@@ -81,7 +99,7 @@ impl Lattice {
     /// φ [m] at `k` voxels up a line.
     #[inline]
     pub(crate) fn phi(&self, grid: &BrickGrid, line: Line, k: i32) -> f32 {
-        match self.slot(grid, line, k) {
+        match self.slot(line, k) {
             (OUTSIDE, _) => grid.band,
             (INSIDE, _) => -grid.band,
             (slot, value) => grid.phi[slot as usize * BRICK_VOXELS + value],
@@ -126,11 +144,6 @@ impl Lattice {
     }
 }
 
-/// Steps between neighbours along x, y and z in a field's index.
-fn entry_steps(grid: &BrickGrid) -> [i32; 3] {
-    [grid.dims.y * grid.dims.z, grid.dims.z, 1]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,13 +155,14 @@ mod tests {
         let grid = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.length() - 0.005);
         for approach in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
             let facing = Facing::of(approach);
-            let lattice = Lattice::new(&grid, facing);
+            let window = Window { low: [-40; 2], size: [79; 2] };
+            let lattice = Lattice::new(&grid, facing, &window);
             for (i, j) in (-40..40).step_by(3).flat_map(|i| (-40..40).step_by(3).map(move |j| (i, j))) {
-                let line = lattice.line(&grid, (i, j));
+                let line = lattice.line((i, j));
                 for k in -40..40 {
                     let voxel = facing.voxel(i, j, k);
                     assert_eq!(lattice.phi(&grid, line, k), grid.phi_at(voxel), "{voxel}");
-                    assert_eq!(lattice.place(&grid, line, k), grid.place(voxel), "{voxel}");
+                    assert_eq!(lattice.place(line, k), grid.place(voxel), "{voxel}");
                 }
             }
         }

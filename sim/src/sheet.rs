@@ -159,13 +159,14 @@ impl Sheet {
     /// material, and are followed down to `floor` [m up].
     pub fn read(grid: &BrickGrid, facing: Facing, window: Window, level: f64, floor: f64) -> Self {
         let lines = window.lines();
-        let lattice = Lattice::new(grid, facing);
+        let lattice = Lattice::new(grid, facing, &window);
+        let on = (0..lines).map(|line| lattice.line(window.place(line))).collect();
         let mut sheet = Self {
             facing,
             pitch: grid.voxel,
             window,
             lattice,
-            on: (0..lines).map(|line| lattice.line(grid, window.place(line))).collect(),
+            on,
             place: window.places(grid.voxel),
             read_height: Vec::new(),
             height: Vec::with_capacity(lines),
@@ -184,7 +185,7 @@ impl Sheet {
                 let above = line.checked_sub(window.size[1]).map_or(NO_SURFACE, |before| sheet.height[before]);
                 guess = if above > NO_SURFACE { (above / grid.voxel).ceil() as i32 } else { start };
             }
-            let met = lattice.surface(grid, sheet.on[line], guess, least);
+            let met = sheet.lattice.surface(grid, sheet.on[line], guess, least);
             guess = met.map_or(start, |height| height.ceil() as i32);
             sheet.height.push(met.map_or(NO_SURFACE, |height| height * grid.voxel));
         }
@@ -202,7 +203,7 @@ impl Sheet {
         let value = |channel: &[f32], at: usize| channel.get(at).copied().map_or(0.0, f64::from);
         for line in (0..self.window.lines()).filter(|&line| self.height[line] > NO_SURFACE) {
             let nearest = (self.height[line] / self.pitch).round() as i32;
-            if let Some(at) = self.lattice.place(grid, self.on[line], nearest) {
+            if let Some(at) = self.lattice.place(self.on[line], nearest) {
                 self.dose[line] = value(&grid.dose, at);
                 self.removed[line] = value(&grid.removed, at);
                 self.label[line] = grid.label.get(at).copied().unwrap_or(0);

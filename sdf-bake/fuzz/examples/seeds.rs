@@ -67,7 +67,7 @@ fn mesh_files(mesh: &Mesh) -> Vec<(&'static str, String, Vec<u8>)> {
 /// The smallest field with a leaf.
 fn one_brick() -> BrickGrid {
     let mut grid = BrickGrid::empty(0.001, 0.003, IVec3::ZERO, IVec3::ONE);
-    grid.index[0] = 0;
+    grid.set_slot(IVec3::ZERO, 0);
     grid.bricks.push(IVec3::ZERO);
     grid.phi = (0..BRICK_VOXELS).map(|i| (i % 7) as f32 * 1e-3 - 0.003).collect();
     grid

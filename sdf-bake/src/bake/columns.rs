@@ -17,7 +17,7 @@ use super::facet::Facet;
 use super::scatter::BrickTriangles;
 use super::skin::Skin;
 use crate::grid::{BRICK_SIDE, BrickGrid};
-use crate::implicit::entry_brick;
+use crate::index::entry_brick;
 
 /// Inside voxels of a brick: bit z + 8 y of word x.
 pub(super) type InsideMask = [u64; BRICK_SIDE];

@@ -8,7 +8,7 @@ use super::options::BakeOptions;
 use super::side::{Scene, Side};
 use super::{scatter::BrickTriangles, sign};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE};
-use crate::implicit::entry_brick;
+use crate::index::entry_brick;
 
 /// Counts of voxels, of a brick or of all.
 #[derive(Clone, Copy, Default)]
@@ -61,16 +61,16 @@ pub(super) fn fill(scene: &Scene, options: &BakeOptions, reach: f64, grid: &mut 
 /// Moves the bricks that hold a part of the band, or both sides, into the grid, and says of the others where they are.
 fn collect(mut phi: Vec<f32>, counts: &[Counts], near: &BrickTriangles, grid: &mut BrickGrid) {
     for (b, brick) in counts.iter().enumerate() {
-        let entry = near.entry(b);
+        let at = entry_brick(near.entry(b), grid.dims);
         if brick.in_band > 0 || (brick.inside > 0 && brick.inside < BRICK_VOXELS) {
             let slot = grid.bricks.len();
-            grid.index[entry] = slot as u32;
-            grid.bricks.push(grid.origin + entry_brick(entry, grid.dims));
+            grid.index.set(at, slot as u32);
+            grid.bricks.push(grid.origin + at);
             if slot < b {
                 phi.copy_within(b * BRICK_VOXELS..(b + 1) * BRICK_VOXELS, slot * BRICK_VOXELS);
             }
         } else if brick.inside > 0 {
-            grid.index[entry] = INSIDE;
+            grid.index.set(at, INSIDE);
         }
     }
     phi.truncate(grid.bricks.len() * BRICK_VOXELS);

@@ -24,10 +24,13 @@ mod skin;
 mod walls;
 mod winding;
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BrickGrid, INSIDE};
+use crate::index::entry_brick;
 use crate::mesh::Mesh;
 use fill::{Counts, fill};
 use side::{Plan, Side};
@@ -37,7 +40,7 @@ pub use error::BakeError;
 pub use options::{BakeOptions, BakeReport, SignChoice, SignMethod};
 pub use winding::WindingTree;
 
-/// Largest top-level index [bricks]: 512 MiB of entries.
+/// Largest box around a part [bricks].
 const MAX_INDEX: f64 = 1.28e8;
 
 /// Largest ambiguous share of the band that the automatic sign accepts.
@@ -66,10 +69,11 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     }
     let filled = fill(&scene, options, reach, &mut grid);
     match &scene.side {
-        Side::Columns(insides) => insides.gaps.iter().for_each(|gap| grid.index[gap.clone()].fill(INSIDE)),
+        Side::Columns(insides) => insides.gaps.iter().for_each(|gap| fill_column(&mut grid, gap)),
         Side::Winding(_) | Side::Normals(_) => sign::flood_empty(&mut grid),
         Side::Shell => {}
     }
+    grid.index.tidy();
     let guessed = sign::ambiguous_share(plan.guesses(), &scene.near, &grid);
     let report = BakeReport {
         voxel_m: options.voxel,
@@ -84,6 +88,12 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     };
     check(&report, &filled, options)?;
     Ok((grid, report))
+}
+
+/// Marks bricks above one another as inside.
+fn fill_column(grid: &mut BrickGrid, entries: &Range<usize>) {
+    let (low, last) = (entry_brick(entries.start, grid.dims), entry_brick(entries.end - 1, grid.dims));
+    grid.index.fill(low, last + 1, INSIDE);
 }
 
 /// Refuses a surface without a clear inside.

@@ -78,7 +78,7 @@ pub(super) fn scatter(skin: &Skin, grid: &BrickGrid, reach: f64) -> BrickTriangl
             pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid, reach })
         })
         .collect();
-    gather(&scattered, grid.index.len())
+    gather(&scattered, grid.dims.as_usizevec3().element_product())
 }
 
 /// A call that is compiled for each kind of lanes; all that it calls is inlined into it.

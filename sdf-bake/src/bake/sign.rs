@@ -17,7 +17,7 @@ use super::winding::WindingTree;
 use crate::Mesh;
 use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, cell_corner, voxel_at, voxel_offset};
-use crate::implicit::entry_brick;
+use crate::index::entry_brick;
 
 /// Winding numbers farther than this from a whole number count as ambiguous.
 const AMBIGUOUS: f64 = 0.25;
@@ -181,15 +181,15 @@ const FACES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3
 /// Marks the entries without a brick: each connected region takes the side that most of the bordering voxels
 /// have; a region that reaches the edge of the index is outside.
 pub(super) fn flood_empty(grid: &mut BrickGrid) {
-    let mut seen = vec![false; grid.index.len()];
-    for start in 0..grid.index.len() {
-        if grid.index[start] != OUTSIDE || seen[start] {
+    let mut seen = vec![false; grid.dims.as_usizevec3().element_product()];
+    for start in 0..seen.len() {
+        if seen[start] || grid.index.get(entry_brick(start, grid.dims)) != OUTSIDE {
             continue;
         }
         let region = region(start, grid, &mut seen);
         if region.votes < 0 && !region.at_edge {
             for entry in region.entries {
-                grid.index[entry] = INSIDE;
+                grid.index.set(entry_brick(entry, grid.dims), INSIDE);
             }
         }
     }
@@ -210,15 +210,18 @@ fn region(start: usize, grid: &BrickGrid, seen: &mut [bool]) -> Region {
         region.entries.push(entry);
         let brick = grid.origin + entry_brick(entry, grid.dims);
         for face in FACES {
-            match grid.entry(brick + face) {
-                None => region.at_edge = true,
-                Some(next) if grid.index[next] == OUTSIDE => {
-                    if !seen[next] {
-                        seen[next] = true;
-                        queue.push_back(next);
-                    }
+            let Some(next) = grid.entry(brick + face) else {
+                region.at_edge = true;
+                continue;
+            };
+            match grid.slot(brick + face) {
+                OUTSIDE if seen[next] => {}
+                OUTSIDE => {
+                    seen[next] = true;
+                    queue.push_back(next);
                 }
-                Some(next) => region.votes += face_votes(grid, grid.index[next], face),
+                INSIDE => region.votes -= (BRICK_SIDE * BRICK_SIDE) as i64,
+                slot => region.votes += face_votes(grid, slot, face),
             }
         }
     }

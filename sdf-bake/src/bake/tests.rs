@@ -1,5 +1,7 @@
+use glam::IVec3;
+
 use super::*;
-use crate::grid::BRICK_VOXELS;
+use crate::grid::{BRICK_VOXELS, OUTSIDE};
 use crate::mesh::tests::{cuboid, uv_sphere};
 
 fn brute_distance(mesh: &Mesh, point: DVec3) -> f64 {
@@ -265,6 +267,19 @@ fn overlapping_balls_have_the_distance_of_their_union() {
         // The balls are polyhedra: their facets are 0.012 voxels inside at most.
         assert!((phi - exact).abs() < 0.02 * grid.voxel, "φ is {phi}, exact {exact}, at {point}");
     });
+}
+
+#[test]
+fn what_is_enclosed_by_bricks_and_by_the_inside_is_inside() {
+    let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::splat(-2), IVec3::splat(5));
+    for (slot, face) in [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z].into_iter().enumerate() {
+        grid.set_slot(face, slot as u32);
+        grid.bricks.push(face);
+        grid.phi.extend([-1.0; BRICK_VOXELS]);
+    }
+    grid.set_slot(IVec3::NEG_Z, INSIDE);
+    sign::flood_empty(&mut grid);
+    assert_eq!((grid.slot(IVec3::ZERO), grid.slot(IVec3::ONE)), (INSIDE, OUTSIDE));
 }
 
 #[test]

@@ -7,8 +7,9 @@ use super::tree::{GridClass, NvdbGrid, Tile, Tree, Values};
 use crate::channels::Scalar;
 use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at};
 
-/// Index entries allowed for a tree: so many for each of its leaves and tiles, and some for a small one.
-const ENTRIES_PER_NODE: u128 = 512;
+/// Index entries allowed for a tree: so many for each of its leaves and tiles, and some for a small one. A leaf's 2 KiB
+/// allow 256 bytes of the index's root.
+const ENTRIES_PER_NODE: u128 = 1 << 15;
 const ENTRIES_AT_LEAST: u128 = 1 << 22;
 
 /// Least share of the band at which a value counts as beyond it; other writers round.
@@ -19,7 +20,7 @@ impl NvdbGrid {
     /// inside or outside where no brick is. Bricks are in index order; the index spans the bricks and the inside.
     ///
     /// # Errors
-    /// Not a Float level set, moved away from the origin, too sparse for a dense index, or values that are
+    /// Not a Float level set, moved away from the origin, too sparse, or values that are
     /// no truncated distances.
     pub fn to_bricks(&self) -> Result<BrickGrid, BricksError> {
         let tree = match (&self.values, self.class) {
@@ -37,7 +38,7 @@ impl NvdbGrid {
         let mut grid = self.empty_over(tree, &inside)?;
         for tile in &inside {
             let low = tile.voxel >> 3;
-            fill(&mut grid, low, low + (1 << (tile.side_log2 - 3)));
+            grid.index.fill(low - grid.origin, low + (1 << (tile.side_log2 - 3)) - grid.origin, INSIDE);
         }
         let mut order: Vec<usize> = (0..tree.leaves.len()).collect();
         order.sort_by_key(|&leaf| tree.leaves[leaf].to_array());
@@ -45,6 +46,7 @@ impl NvdbGrid {
         for leaf in order {
             self.push_leaf(tree, leaf, &mut grid)?;
         }
+        grid.index.tidy();
         Ok(grid)
     }
 
@@ -157,8 +159,7 @@ impl NvdbGrid {
         if let Some(offset) = values.iter().position(|phi| phi.is_nan()) {
             return Err(self.bad_value(voxel_at(brick, offset), "NaN; a distance is needed".to_owned()));
         }
-        let entry = grid.entry(brick).expect("the index spans all leaves");
-        grid.index[entry] = grid.bricks.len() as u32;
+        grid.set_slot(brick, grid.bricks.len() as u32);
         grid.bricks.push(brick);
         grid.phi.extend(values.iter().map(|phi| phi.clamp(-grid.band, grid.band)));
         Ok(())
@@ -174,15 +175,5 @@ impl NvdbGrid {
 
     fn bad_value(&self, voxel: IVec3, what: String) -> BricksError {
         BricksError::Value { grid: self.name.clone(), voxel, what }
-    }
-}
-
-/// Marks a box of bricks as inside; it lies within the index.
-fn fill(grid: &mut BrickGrid, low: IVec3, high: IVec3) {
-    for x in low.x..high.x {
-        for y in low.y..high.y {
-            let Some(first) = grid.entry(IVec3::new(x, y, low.z)) else { continue };
-            grid.index[first..first + (high.z - low.z) as usize].fill(INSIDE);
-        }
     }
 }

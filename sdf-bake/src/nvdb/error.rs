@@ -126,14 +126,14 @@ pub enum BricksError {
         /// Position of voxel (0, 0, 0) [m].
         translation: glam::DVec3,
     },
-    /// Too much empty space between the bricks for a dense index.
+    /// Too much empty space between the bricks.
     #[error("grid {grid:?} has {leaves} bricks spread over {entries} index entries; the limit is {limit}")]
     Sparse {
         /// The grid.
         grid: String,
         /// Bricks.
         leaves: usize,
-        /// Entries a dense index would need.
+        /// Bricks that the box around them would hold.
         entries: u128,
         /// Entries that would be accepted.
         limit: u128,

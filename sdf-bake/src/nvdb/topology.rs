@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::layout::{LOWER, UPPER};
 use crate::grid::{BrickGrid, INSIDE, OUTSIDE};
-use crate::implicit::entry_brick;
+use crate::index::{columns, entry_brick};
 
 /// What a cell of the tree is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,14 +149,14 @@ pub(super) struct Topology {
 impl Topology {
     /// The tree of the bricks whose slot is `kept`, with inside tiles if the field has an `inside`.
     pub(super) fn new(grid: &BrickGrid, kept: impl Fn(usize) -> bool + Sync, inside: bool) -> Self {
-        let cell = |&slot: &u32| match slot {
+        let cell = |slot: u32| match slot {
             OUTSIDE => Cell::Outside,
             INSIDE if inside => Cell::Inside,
             INSIDE => Cell::Outside,
             slot if kept(slot as usize) => Cell::Node(0),
             _ => Cell::Outside,
         };
-        let cells = grid.index.par_iter().map(cell).collect();
+        let cells = columns(grid.dims).flat_map_iter(|at| grid.index.row(at.x, at.y).map(cell)).collect();
         let brick_cells = Cells { origin: grid.origin, dims: grid.dims, cells };
         let lower_cells = brick_cells.coarsen(LOWER.log2);
         Self::over(brick_cells, lower_cells)
@@ -177,6 +177,7 @@ impl Topology {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::index::BrickIndex;
 
     fn at(cells: &Cells, wanted: IVec3) -> Option<Cell> {
         cells.rows().flat_map(|row| cells.row(row)).find(|(at, _)| *at == wanted).map(|(_, cell)| cell)
@@ -185,7 +186,7 @@ mod tests {
     #[test]
     fn a_node_that_is_inside_throughout_becomes_a_tile() {
         let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::splat(-17), IVec3::splat(34));
-        grid.index.fill(INSIDE);
+        grid.index.fill(IVec3::ZERO, grid.dims, INSIDE);
         let tree = Topology::new(&grid, |_| true, true);
         assert_eq!(at(&tree.lower_cells, IVec3::splat(-1)), Some(Cell::Inside));
         assert_eq!(at(&tree.lower_cells, IVec3::ZERO), Some(Cell::Inside));
@@ -206,7 +207,7 @@ mod tests {
     #[test]
     fn nodes_follow_their_parents_in_order() {
         let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::new(-3, 0, 14), IVec3::new(6, 1, 4));
-        (0..24).for_each(|slot| grid.index[slot as usize] = slot);
+        grid.index = BrickIndex::from_dense(grid.dims, &(0..24).collect::<Vec<u32>>());
         let tree = Topology::new(&grid, |slot| slot != 5, true);
         assert_eq!(tree.leaves.at.len(), 23);
         assert_eq!(tree.lowers.at, [(-1, 0, 0), (-1, 0, 1), (0, 0, 0), (0, 0, 1)].map(|(x, y, z)| IVec3::new(x, y, z)));

@@ -9,7 +9,7 @@ use super::encode::{Plan, Written};
 use super::field::{Density, Labels, LevelSet};
 use super::layout::{FileHeader, FileMeta, MAGIC, NAME_BYTES, Version};
 use super::{Codec, GridRef, WriteError};
-use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE};
+use crate::grid::{BRICK_VOXELS, BrickGrid};
 
 /// The bytes of a `.nvdb` file that holds the given grids, in their order.
 ///
@@ -164,11 +164,10 @@ fn check_shape(name: &str, grid: &BrickGrid) -> Result<(), WriteError> {
     if grid.dims.min_element() < 0 || first.min_element() < -reach || end.max_element() > reach {
         return wrong(format!("bricks {} and {} more on each axis do not fit 32-bit voxels", grid.origin, grid.dims));
     }
-    let entries: i128 = grid.dims.to_array().iter().map(|&dim| i128::from(dim)).product();
-    if usize::try_from(entries) != Ok(grid.index.len()) {
-        return wrong(format!("the index has {} entries for {} bricks", grid.index.len(), grid.dims));
+    if grid.dims != grid.index.dims() {
+        return wrong(format!("the index has {} entries for {} bricks", grid.index.dims(), grid.dims));
     }
-    match grid.index.iter().find(|&&slot| slot < INSIDE && slot as usize >= grid.bricks.len()) {
+    match grid.index.slots().find(|&slot| slot as usize >= grid.bricks.len()) {
         Some(slot) => wrong(format!("the index names slot {slot} of {}", grid.bricks.len())),
         None => Ok(()),
     }

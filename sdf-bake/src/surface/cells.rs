@@ -6,14 +6,12 @@ use rayon::prelude::*;
 use super::around::{Around, Known};
 use super::cell::{NO_PIECE, Pieces, PiecesOf, Signs};
 use super::place::Shape;
-use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, cell_corner, voxel_at, voxel_offset};
+use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, cell_corner, voxel_at, voxel_offset};
 use crate::halo::Halo;
-use crate::implicit::entry_brick;
+use crate::index::BrickIndex;
 
 /// No cell in [`Brick::place`].
 const NO_CELL: u16 = u16::MAX;
-/// No brick in [`CellMap::position`].
-const NO_BRICK: u32 = u32::MAX;
 /// Nodes along the side of a brick's cells.
 const NODES: usize = BRICK_SIDE + 1;
 
@@ -49,11 +47,10 @@ pub(super) struct Corner {
 /// The crossed cells of a grid.
 pub(super) struct CellMap {
     bricks: Vec<Brick>,
-    /// Brick coordinates of the first entry of `position`, and entries per axis; x runs slowest.
+    /// Brick coordinates of the first entry of `position`.
     origin: IVec3,
-    dims: IVec3,
-    /// Place in `bricks` of each brick, [`NO_BRICK`] where no cell is crossed.
-    position: Vec<u32>,
+    /// Place in `bricks` of each brick with a crossed cell.
+    position: BrickIndex,
 }
 
 impl Brick {
@@ -109,8 +106,8 @@ fn lowest_bricks(brick: IVec3) -> impl Iterator<Item = IVec3> {
 
 /// As [`lowest_bricks`], where the surface passes between bricks that are wholly inside and wholly outside.
 fn between_sides(grid: &BrickGrid) -> impl ParallelIterator<Item = IVec3> {
-    let inside = (0..grid.index.len()).into_par_iter().filter(|&entry| grid.index[entry] == INSIDE);
-    let lowest = inside.flat_map_iter(|entry| lowest_bricks(grid.origin + entry_brick(entry, grid.dims)));
+    let inside = (0..grid.index.tile_count()).into_par_iter().flat_map_iter(|tile| grid.index.inside_of(tile));
+    let lowest = inside.flat_map_iter(|brick| lowest_bricks(grid.origin + brick));
     lowest.filter(|&brick| grid.jumps_at(brick))
 }
 
@@ -126,11 +123,10 @@ impl CellMap {
         at.par_sort_unstable_by_key(|brick| brick.to_array());
         at.dedup();
         let bricks: Vec<Brick> = at.into_par_iter().filter_map(|at| Brick::of(grid, at)).collect();
-        let (origin, dims) = (grid.origin - 1, grid.dims + 1);
-        let mut map = Self { bricks, origin, dims, position: vec![NO_BRICK; dims.as_usizevec3().element_product()] };
-        for place in 0..map.bricks.len() {
-            let entry = map.entry(map.bricks[place].at).expect("a crossed cell has a corner in an indexed brick");
-            map.position[entry] = place as u32;
+        // A crossed cell has a corner in an indexed brick.
+        let mut map = Self { bricks, origin: grid.origin - 1, position: BrickIndex::new(grid.dims + 1) };
+        for (place, brick) in map.bricks.iter().enumerate() {
+            map.position.set(brick.at - map.origin, place as u32);
         }
         map.split_doubles();
         map.number();
@@ -151,16 +147,9 @@ impl CellMap {
     }
 
     fn find(&self, voxel: IVec3) -> Option<(usize, usize)> {
-        let brick = self.position[self.entry(voxel >> 3)?] as usize;
+        let brick = self.position.get((voxel >> 3) - self.origin) as usize;
         let cell = self.bricks.get(brick)?.place[voxel_offset(voxel)];
         (cell != NO_CELL).then_some((brick, usize::from(cell)))
-    }
-
-    /// Position of a brick in `position`.
-    fn entry(&self, brick: IVec3) -> Option<usize> {
-        let at = brick - self.origin;
-        let within = at.cmpge(IVec3::ZERO).all() && at.cmplt(self.dims).all();
-        within.then(|| ((at.x * self.dims.y + at.y) as usize) * self.dims.z as usize + at.z as usize)
     }
 
     /// Turns the pairs of each face through which one piece passes twice on both sides. That splits both pieces and

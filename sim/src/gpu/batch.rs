@@ -198,7 +198,7 @@ fn batch(group: &[Ready], model: &DeviceModel) -> Batch {
         state.piece = path_first;
         batch.setups.push(setup);
         batch.states.push(state);
-        batch.index.extend_from_slice(&part.index);
+        batch.index.extend(part.index.dense());
         batch.values.extend(setup::values(&pass, &ready.states, model));
     }
     batch

@@ -32,10 +32,8 @@ impl<'a> Field<'a> {
     pub fn new(grid: &'a BrickGrid) -> Self {
         let (metal, air) = occupancy(grid);
         let occupied = grid.bricks.iter().zip(&metal).filter(|(_, blocks)| blocks.0 != 0).map(|(&brick, _)| brick);
-        let inside = (0..grid.index.len()).filter(|&entry| grid.index[entry] == INSIDE).map(|entry| {
-            let (y, z) = (grid.dims.y as usize, grid.dims.z as usize);
-            grid.origin + IVec3::new((entry / (y * z)) as i32, (entry / z % y) as i32, (entry % z) as i32)
-        });
+        let inside = (0..grid.index.tile_count()).flat_map(|tile| grid.index.inside_of(tile));
+        let inside = inside.map(|brick| grid.origin + brick);
         let none = (IVec3::MAX, IVec3::MIN);
         let (low, high) = occupied.chain(inside).fold(none, |(low, high), brick| (low.min(brick), high.max(brick)));
         let voxels = |brick: IVec3| ((brick - grid.origin) * BRICK_SIDE as i32).as_vec3();

@@ -51,8 +51,9 @@ impl Index {
         let far = Entry { slot: OUTSIDE, to_metal: UNKNOWN, to_brick: UNKNOWN };
         let mut index = Self { entries: vec![far; (dims.x as usize + 2) * y * z], dims, steps: [y * z, z, 1] };
         let rows: Vec<usize> = index.rows().collect();
-        for (&row, slots) in rows.iter().zip(grid.index.chunks(dims.z.max(1) as usize)) {
-            for (entry, &slot) in index.entries[row..].iter_mut().zip(slots) {
+        let columns = (0..grid.dims.x).flat_map(|x| (0..grid.dims.y).map(move |y| (x, y)));
+        for (&row, (x, y)) in rows.iter().zip(columns) {
+            for (entry, slot) in index.entries[row..].iter_mut().zip(grid.index.row(x, y)) {
                 let free = |is_free: bool| if is_free { UNKNOWN } else { 0 };
                 let has_metal = slot != OUTSIDE && (slot == INSIDE || metal[slot as usize].0 != 0);
                 *entry = Entry { slot, to_metal: free(!has_metal), to_brick: free(slot == OUTSIDE) };

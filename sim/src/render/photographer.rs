@@ -41,8 +41,9 @@ impl<'a> Photographer<'a> {
             part.band,
             part.brick_count() as u32,
         );
+        let index = part.index.dense();
         self.renderer.load(&PartChannels {
-            grid: GridBuffers { header, index: &part.index, phi: &part.phi },
+            grid: GridBuffers { header, index: &index, phi: &part.phi },
             label: &part.label,
             dose: &part.dose,
             removed: &part.removed,
