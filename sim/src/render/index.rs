@@ -64,6 +64,11 @@ impl Index {
         index
     }
 
+    /// Number of places.
+    pub(crate) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
     /// First entry of each row of the grid along z.
     fn rows(&self) -> impl Iterator<Item = usize> + use<> {
         let ([x, y, z], dims) = (self.steps, self.dims.as_usizevec3());

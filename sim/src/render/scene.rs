@@ -8,7 +8,9 @@ use super::bundle::common_clear_length;
 use super::camera::{Camera, Ray};
 use super::field::Field;
 use super::frame::{Frame, Seen};
+use super::lanes::LANES;
 use super::lights::Lights;
+use super::lockstep::Crossings;
 use super::marks::any_tangent;
 use super::material::{Appearance, Material, PRIMER};
 use super::microfacet::Facets;
@@ -16,7 +18,7 @@ use super::placement::Placement;
 use super::shade::facing;
 use super::shadow::Towards;
 use super::surface::Surface;
-use super::tile::{MOST_SAMPLES, Sample, Shelter, Sheltered, TILE, tile_pixels};
+use super::tile::{Sample, Shelter, Sheltered, TILE, tile_pixels};
 
 /// A level table without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +90,7 @@ impl<'a> Scene<'a> {
         let mut frame = Frame::empty(raster.width, raster.height);
         let mut colours = vec![[Vec3::ZERO; N]; frame.colour.len()];
         let stage = Stage::new(self, camera, raster);
+        self.field.padded();
         let lamps: Vec<Towards> =
             stage.lamps.iter().map(|lamp| Towards::new(&self.field, lamp.towards, lamp.spread)).collect();
         let rows = TILE * raster.width.max(1);
@@ -162,18 +165,17 @@ impl<'a> Stage<'a> {
         others: &[Appearance; N],
         mut each: impl FnMut((usize, usize), &Sample, (Vec3, [Vec3; N])),
     ) {
-        let pixels = tile_pixels(corner).filter(|&(x, y)| x < self.raster.width && y < self.raster.height);
-        let pixels: Vec<_> = pixels.collect();
-        let centres: Vec<_> = pixels.iter().map(|&(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).collect();
-        let centres = self.samples(&centres);
+        let within = |&(x, y): &(usize, usize)| x < self.raster.width && y < self.raster.height;
+        let pixels = || tile_pixels(corner).filter(within);
+        let centres = self.samples(pixels().map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
         if self.raster.samples_per_side > 1 {
-            for (pixel, centre) in pixels.into_iter().zip(&centres) {
+            for (pixel, centre) in pixels().zip(&centres) {
                 each(pixel, centre, self.mean(lamps, pixel, centre.seen == Seen::Part, others));
             }
             return;
         }
         let shelter = Shelter::of(self, lamps, &centres);
-        for (i, (pixel, centre)) in pixels.into_iter().zip(&centres).enumerate() {
+        for (i, (pixel, centre)) in pixels().zip(&centres).enumerate() {
             each(pixel, centre, self.lights(centre, centre.seen == Seen::Part, others, &shelter.of_sample(i)));
         }
     }
@@ -189,11 +191,12 @@ impl<'a> Stage<'a> {
         let side = self.raster.samples_per_side;
         let along = |i: usize| (i as f64 + 0.5) / side as f64;
         let at = |i: usize| DVec2::new(x as f64 + along(i % side), y as f64 + along(i / side));
-        let samples = self.samples(&(0..side * side).map(at).collect::<Vec<_>>());
         let mut sum = (Vec3::ZERO, [Vec3::ZERO; N]);
-        for samples in samples.chunks(MOST_SAMPLES) {
-            let shelter = Shelter::of(self, lamps, samples);
-            for (i, sample) in samples.iter().enumerate() {
+        for first in (0..side * side).step_by(LANES) {
+            let count = LANES.min(side * side - first);
+            let samples = self.samples((first..first + count).map(at));
+            let shelter = Shelter::of(self, lamps, &samples);
+            for (i, sample) in samples[..count].iter().enumerate() {
                 let (light, in_others) = self.lights(sample, on_part, others, &shelter.of_sample(i));
                 sum.0 += light;
                 sum.1.iter_mut().zip(in_others).for_each(|(sum, light)| *sum += light);
@@ -216,31 +219,42 @@ impl<'a> Stage<'a> {
         (light(&self.scene.appearance), in_others)
     }
 
-    /// What rays through neighbouring points of the image meet; from the top left [pixels].
-    fn samples(&self, points: &[DVec2]) -> Vec<Sample> {
+    /// What rays through at most [`LANES`] neighbouring points of the image meet; from the top left [pixels].
+    fn samples(&self, points: impl Iterator<Item = DVec2>) -> [Sample; LANES] {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
-        let ray = |at: &DVec2| self.camera.ray_within(at / size, self.aspect, self.half_image);
-        let rays: Vec<Ray> = points.iter().map(ray).collect();
-        let clear = common_clear_length(&self.scene.field, &rays);
-        rays.iter().map(|ray| self.sample(ray, clear)).collect()
+        let field = &self.scene.field;
+        let (mut rays, mut count) = ([Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }; LANES], 0);
+        for at in points {
+            rays[count] = self.camera.ray_within(at / size, self.aspect, self.half_image);
+            count += 1;
+        }
+        let rays = &rays[..count];
+        let clear = common_clear_length(field, rays);
+        let distances = if clear < f64::INFINITY {
+            pulp::Arch::new().dispatch(Crossings { field, padded: field.padded(), rays, clear })
+        } else {
+            [f64::INFINITY; LANES]
+        };
+        let mut samples = [Sample::NOTHING; LANES];
+        for ((sample, ray), distance) in samples.iter_mut().zip(rays).zip(distances) {
+            *sample = self.sample(ray, distance);
+        }
+        samples
     }
 
-    /// What a ray meets; `clear`: length on which it meets no metal [m].
-    fn sample(&self, ray: &Ray, clear: f64) -> Sample {
+    /// What a ray meets; `distance`: from its start to the part [m].
+    fn sample(&self, ray: &Ray, distance: f64) -> Sample {
         let direction = ray.direction.as_vec3();
         let table = self.table_distance(ray);
-        let hit = (clear < f64::INFINITY).then(|| self.scene.field.trace_from(ray, clear)).flatten();
-        match hit.filter(|hit| hit.distance <= table) {
-            Some(hit) => {
-                let surface = Surface::new(&self.scene.field, &self.camera, ray, &hit);
-                Sample { direction, seen: Seen::Part, surface: Some(surface) }
-            }
-            None if table < f64::INFINITY => {
-                let point = ray.origin + ray.direction * table;
-                let surface = Surface::bare(self.camera.depth(point), point, self.up.as_vec3(), direction);
-                Sample { direction, seen: Seen::Table, surface: Some(surface) }
-            }
-            None => Sample { direction, seen: Seen::Background, surface: None },
+        if distance <= table && distance < f64::INFINITY {
+            let surface = Surface::new(&self.scene.field, &self.camera, ray, &self.scene.field.hit(ray, distance));
+            Sample { direction, seen: Seen::Part, surface: Some(surface) }
+        } else if table < f64::INFINITY {
+            let point = ray.origin + ray.direction * table;
+            let surface = Surface::bare(self.camera.depth(point), point, self.up.as_vec3(), direction);
+            Sample { direction, seen: Seen::Table, surface: Some(surface) }
+        } else {
+            Sample { direction, ..Sample::NOTHING }
         }
     }
 

@@ -3,16 +3,14 @@
 use glam::Vec3;
 
 use super::frame::Seen;
+use super::lanes::LANES;
 use super::scene::Stage;
 use super::shade::{ambient_occlusion_of_four, shadow_start};
 use super::shadow::Towards;
 use super::surface::Surface;
 
-/// Pixels along each side of a tile.
+/// Pixels along each side of a tile, which fills the lanes.
 pub(crate) const TILE: usize = 4;
-/// Most samples that are looked at together.
-pub(crate) const MOST_SAMPLES: usize = TILE * TILE;
-
 /// What a ray meets.
 #[derive(Clone, Copy)]
 pub(crate) struct Sample {
@@ -21,12 +19,17 @@ pub(crate) struct Sample {
     pub(crate) surface: Option<Surface>,
 }
 
+impl Sample {
+    /// Of no ray.
+    pub(crate) const NOTHING: Self = Self { direction: Vec3::ZERO, seen: Seen::Background, surface: None };
+}
+
 /// What stands between samples and the light.
 pub(crate) struct Shelter {
     /// Share of open space above each sample, 0 to 1.
-    open: [f32; MOST_SAMPLES],
+    open: [f32; LANES],
     /// Share of each lamp that reaches each sample, 0 to 1.
-    shares: Vec<[f32; MOST_SAMPLES]>,
+    shares: Vec<[f32; LANES]>,
 }
 
 /// What stands between one sample and the light.
@@ -45,22 +48,22 @@ impl Sheltered<'_> {
 
 /// Pixels (x, y) of the tile whose first one is given, every four a square.
 pub(crate) fn tile_pixels((x, y): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
-    (0..MOST_SAMPLES).map(move |i| (x + (i & 1 | i >> 1 & 2), y + (i >> 1 & 1 | i >> 2 & 2)))
+    (0..LANES).map(move |i| (x + (i & 1 | i >> 1 & 2), y + (i >> 1 & 1 | i >> 2 & 2)))
 }
 
 impl Shelter {
-    /// Of at most [`MOST_SAMPLES`] samples. `lamps`: rays towards those of the stage.
+    /// Of at most [`LANES`] samples. `lamps`: rays towards those of the stage.
     pub(crate) fn of(stage: &Stage, lamps: &[Towards], samples: &[Sample]) -> Self {
         let field = &stage.scene.field;
         let surfaces = || samples.iter().enumerate().filter_map(|(i, sample)| Some((i, sample.surface.as_ref()?)));
-        let (mut open, on_surface) = ([1.0; MOST_SAMPLES], surfaces().collect::<Vec<_>>());
+        let (mut open, on_surface) = ([1.0; LANES], surfaces().collect::<Vec<_>>());
         for four in on_surface.chunks(4) {
             let found = ambient_occlusion_of_four(field, std::array::from_fn(|i| four[i.min(four.len() - 1)].1));
             four.iter().zip(found.to_array()).for_each(|((place, _), share)| open[*place] = share);
         }
         let of_lamp = |towards: &Towards| {
-            let (mut shares, mut found) = ([0.0; MOST_SAMPLES], [0.0; MOST_SAMPLES]);
-            let (mut starts, mut places, mut count) = ([Vec3::ZERO; MOST_SAMPLES], [0; MOST_SAMPLES], 0);
+            let (mut shares, mut found) = ([0.0; LANES], [0.0; LANES]);
+            let (mut starts, mut places, mut count) = ([Vec3::ZERO; LANES], [0; LANES], 0);
             for (i, surface) in surfaces().filter(|(_, surface)| surface.normal.dot(towards.direction()) > 0.0) {
                 (starts[count], places[count]) = (shadow_start(field, surface), i);
                 count += 1;

@@ -1,0 +1,212 @@
+//! φ of each brick together with the voxels around it, so that any cell or stencil of a brick is read at one place.
+//!
+//! ```text
+//!    ┌─┬────────┬──┐
+//!    │·│········│··│   one voxel before the brick's 8 and two after them along every axis: the 4³ voxels around any of
+//!    └─┴────────┴──┘   its cells
+//! ```
+
+use glam::{IVec3, Vec3, Vec4};
+use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE};
+
+use super::field::{Field, cell_of};
+use super::lanes::{LANES, Lanes, Points};
+use super::walk::{BRICK_SHIFT, WHOLE};
+
+/// Voxels along a side.
+const SIDE: usize = 11;
+/// From a voxel to the next along x, y and z.
+const STEPS: [usize; 3] = [SIDE * SIDE, SIDE, 1];
+/// From the first voxel to the brick's own first.
+const OWN: usize = STEPS[0] + STEPS[1] + STEPS[2];
+/// Voxels of a padded brick.
+const VOXELS: usize = SIDE * SIDE * SIDE;
+/// Last voxel of a cell, and one more.
+const CELL: usize = OWN + 1;
+
+/// What a place of the index holds.
+#[derive(Clone, Copy, Debug)]
+struct Site {
+    /// Of its padded brick's first voxel.
+    first: u32,
+    /// Free bricks around, as in [`Entry`](super::index::Entry).
+    to_metal: u8,
+    to_brick: u8,
+}
+
+/// Padded bricks. Those without a cell across φ's range share one.
+#[derive(Clone, Debug)]
+pub(crate) struct Padded {
+    values: Vec<f32>,
+    /// For each place of the index; the last one for all places beyond.
+    sites: Vec<Site>,
+    dims: [u32; 3],
+    steps: [u32; 3],
+}
+
+/// Cells of the samples.
+pub(crate) struct Cells {
+    /// Lowest corners [voxels].
+    pub(crate) low: Points,
+    /// φ at the eight corners [m], z fastest.
+    pub(crate) values: [Lanes; 8],
+    /// Bricks by their place in the grid.
+    pub(crate) bricks: [[i32; LANES]; 3],
+    /// Bricks to the nearest that holds metal, and to the nearest that is not outside.
+    pub(crate) to_metal: [i32; LANES],
+    pub(crate) to_brick: [i32; LANES],
+    sites: [u32; LANES],
+    voxels: [u32; LANES],
+}
+
+impl Padded {
+    /// Copies φ of all bricks with the surface or next to them.
+    pub(crate) fn new(field: &Field) -> Self {
+        let (index, grid) = (&field.index, field.grid);
+        let [x, y, z] = index.steps;
+        let dims = grid.dims.as_uvec3().to_array();
+        let none = Site { first: 0, to_metal: 1, to_brick: 1 };
+        let mut padded = Self {
+            values: [[grid.band; VOXELS], [-grid.band; VOXELS]].concat(),
+            sites: vec![none; index.len() + 1],
+            dims,
+            steps: index.steps.map(|step| step as u32),
+        };
+        let bricks = (-1..grid.dims.x)
+            .flat_map(|x| (-1..grid.dims.y).flat_map(move |y| (-1..grid.dims.z).map(move |z| IVec3::new(x, y, z))));
+        for brick in bricks {
+            let place = index.place(brick).expect("a brick of the index");
+            let entry = index.entry(brick);
+            let corners = [0, z, y, y + z, x, x + z, x + y, x + y + z].map(|step| index.slot(place + step));
+            let first = match corners {
+                [OUTSIDE, ..] if corners == [OUTSIDE; 8] => 0,
+                [INSIDE, ..] if corners == [INSIDE; 8] => VOXELS,
+                _ => padded.push(field, brick),
+            };
+            padded.sites[place] = Site { first: first as u32, to_metal: entry.to_metal, to_brick: entry.to_brick };
+        }
+        padded
+    }
+
+    /// Adds a brick and says where it begins.
+    fn push(&mut self, field: &Field, brick: IVec3) -> usize {
+        let first = self.values.len();
+        self.values.resize(first + VOXELS, 0.0);
+        let (constant, rest) = self.values.split_at_mut(2 * VOXELS);
+        let around: [&[f32]; 27] = std::array::from_fn(|i| {
+            let step = IVec3::new(i as i32 / 9, i as i32 / 3 % 3, i as i32 % 3) - 1;
+            match field.index.entry(brick + step).slot {
+                OUTSIDE => &constant[..BRICK_VOXELS],
+                INSIDE => &constant[VOXELS..VOXELS + BRICK_VOXELS],
+                slot => &field.grid.phi[slot as usize * BRICK_VOXELS..(slot as usize + 1) * BRICK_VOXELS],
+            }
+        });
+        // Brick before, own or after, and the voxel in it.
+        let split = |i: usize| ((i + 7) / 8, (i + 7) % 8);
+        for (i, row) in rest[first - 2 * VOXELS..].chunks_exact_mut(SIDE).enumerate() {
+            let ((brick_x, x), (brick_y, y)) = (split(i / SIDE), split(i % SIDE));
+            let of = |brick_z: usize| &around[9 * brick_x + 3 * brick_y + brick_z][64 * x + 8 * y..][..8];
+            row[0] = of(0)[7];
+            row[1..9].copy_from_slice(of(1));
+            row[9..].copy_from_slice(&of(2)[..2]);
+        }
+        first
+    }
+
+    /// Reads the cells of the samples that are `wanted`, whose lowest corners stand in `cells`.
+    #[inline(always)]
+    pub(crate) fn read(&self, wanted: &[bool; LANES], cells: &mut Cells) {
+        self.find(cells);
+        for (lane, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
+            let site = self.sites[cells.sites[lane] as usize];
+            let first = (site.first + cells.voxels[lane]) as usize;
+            let v = &self.values[first..first + CELL];
+            let cell = [v[0], v[1], v[11], v[12], v[121], v[122], v[132], v[133]];
+            for (values, value) in cells.values.iter_mut().zip(cell) {
+                values[lane] = value;
+            }
+            (cells.to_metal[lane], cells.to_brick[lane]) = (i32::from(site.to_metal), i32::from(site.to_brick));
+        }
+    }
+
+    #[inline(always)]
+    fn find(&self, cells: &mut Cells) {
+        let ([across, along, up], [step_x, step_y, step_z]) = (self.dims, self.steps);
+        let beyond = self.sites.len() as u32 - 1;
+        for i in 0..LANES {
+            let (x, y, z) = (integer(cells.low.x[i]), integer(cells.low.y[i]), integer(cells.low.z[i]));
+            let [bx, by, bz] = [x >> BRICK_SHIFT, y >> BRICK_SHIFT, z >> BRICK_SHIFT];
+            (cells.bricks[0][i], cells.bricks[1][i], cells.bricks[2][i]) = (bx, by, bz);
+            let [ax, ay, az] = [bx.wrapping_add(1) as u32, by.wrapping_add(1) as u32, bz.wrapping_add(1) as u32];
+            let is_within = (ax <= across) & (ay <= along) & (az <= up);
+            let place = ax.wrapping_mul(step_x).wrapping_add(ay.wrapping_mul(step_y)).wrapping_add(az * step_z);
+            cells.sites[i] = if is_within { place } else { beyond };
+            let [x, y, z] = [(x & 7) as u32, (y & 7) as u32, (z & 7) as u32];
+            cells.voxels[i] = OWN as u32 + x * STEPS[0] as u32 + y * STEPS[1] as u32 + z;
+        }
+    }
+
+    /// As [`Field::normal`].
+    #[inline(always)]
+    pub(crate) fn normal(&self, field: &Field, at: Vec3) -> Option<Vec3> {
+        let (corner, f) = cell_of(at);
+        let place = field.index.place(corner >> BRICK_SHIFT)?;
+        let local = (corner & 7).as_usizevec3();
+        let first = self.sites[place].first as usize + local.x * STEPS[0] + local.y * STEPS[1] + local.z;
+        let v = &self.values[first..first + 3 * OWN + 1];
+        let column = |x: usize, y: usize| {
+            let from = x * STEPS[0] + y * STEPS[1];
+            Vec4::from_slice(&v[from..from + 4])
+        };
+        let mix = |a: Vec4, b: Vec4, t: f32| a + (b - a) * t;
+        let inner = [column(1, 1), column(1, 2), column(2, 1), column(2, 2)];
+        let along_x =
+            |y: usize, [low, high]: [Vec4; 2]| mix(high - column(0, y), column(3, y) - low, f.x);
+        let along_y =
+            |x: usize, [low, high]: [Vec4; 2]| mix(high - column(x, 0), column(x, 3) - low, f.y);
+        let x = mix(along_x(1, [inner[0], inner[2]]), along_x(2, [inner[1], inner[3]]), f.y);
+        let y = mix(along_y(1, [inner[0], inner[1]]), along_y(2, [inner[2], inner[3]]), f.x);
+        let z = mix(mix(inner[0], inner[1], f.y), mix(inner[2], inner[3], f.y), f.x);
+        let level = |m: Vec4| m.y + (m.z - m.y) * f.z;
+        let up = (z.z - z.x) + ((z.w - z.y) - (z.z - z.x)) * f.z;
+        Vec3::new(level(x), level(y), up).try_normalize()
+    }
+}
+
+impl Cells {
+    pub(crate) fn new(band: f32) -> Self {
+        Self {
+            low: Points::ZERO,
+            values: [[band; LANES]; 8],
+            bricks: [[0; LANES]; 3],
+            to_metal: [0; LANES],
+            to_brick: [0; LANES],
+            sites: [0; LANES],
+            voxels: [0; LANES],
+        }
+    }
+
+    /// φ [m] of a lane at a place in its cell, 0 to 1, as [`trilinear`](sdf_bake::grid::trilinear).
+    #[inline(always)]
+    pub(crate) fn phi(&self, lane: usize, within: Vec3) -> f32 {
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let z = |i: usize| mix(self.values[i][lane], self.values[i + 1][lane], within.z);
+        let y = |i: usize| mix(z(i), z(i + 2), within.y);
+        mix(y(0), y(4), within.x)
+    }
+
+    /// Lowest corner and side [voxels] of the free cube around the brick of a lane that is `distance` bricks, 1 or more,
+    /// from the next.
+    #[inline(always)]
+    pub(crate) fn free_cube(&self, lane: usize, distance: i32) -> (Vec3, f32) {
+        let reach = distance - 1;
+        let low = |axis: usize| ((self.bricks[axis][lane] - reach) << BRICK_SHIFT) as f32;
+        (Vec3::new(low(0), low(1), low(2)), ((2 * reach + 1) << BRICK_SHIFT) as f32)
+    }
+}
+
+/// A whole number of less than 2²² as an integer; far beyond any index for others.
+#[inline(always)]
+fn integer(whole: f32) -> i32 {
+    ((whole + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32)
+}
