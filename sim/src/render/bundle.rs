@@ -7,11 +7,10 @@
 //! ```
 
 use glam::{DVec3, Vec3A};
-use sdf_bake::grid::trilinear;
 
 use super::camera::Ray;
 use super::field::Field;
-use super::index::Entry;
+use super::index::{BEYOND, Entry};
 use super::shadow::STEEPEST;
 use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 
@@ -63,10 +62,13 @@ impl Field<'_> {
         let low = line.corner(at);
         let corner = integers(low);
         let brick = corner >> BRICK_SHIFT;
-        let Entry { to_metal, to_brick, .. } = self.index.entry(brick);
+        let place = self.index.place(brick);
+        let Entry { to_metal, to_brick, .. } = place.map_or(BEYOND, |place| self.index.at(place));
         let free = (to_metal > 0).then(|| free_cube(brick, to_metal));
-        let phi =
-            if to_brick > 0 { self.grid.band } else { trilinear(&self.cell_phi(corner), (at - low).into()) };
+        let phi = match place {
+            Some(place) if to_brick == 0 => self.padded().phi(place, corner, (at - low).into()),
+            _ => self.grid.band,
+        };
         (free.map(|(low, side)| (low.as_vec3a(), side as f32)), phi * self.per_metre as f32)
     }
 }

@@ -103,6 +103,12 @@ impl Index {
         self.place(brick).map_or(BEYOND, |place| self.entries[place])
     }
 
+    /// Entry at a place.
+    #[inline]
+    pub(crate) fn at(&self, place: usize) -> Entry {
+        self.entries[place]
+    }
+
     /// Slot at a place.
     #[inline]
     pub(crate) fn slot(&self, place: usize) -> u32 {

@@ -3,7 +3,7 @@
 //! Every lane does the same operations in the same order, none of them fused, so a lane has the same bits wherever it
 //! stands and on every processor.
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 
 use super::walk::WHOLE;
 
@@ -83,7 +83,7 @@ impl Directions {
 
     /// The same for all lanes.
     #[inline(always)]
-    pub(crate) fn all(direction: Vec3A) -> Self {
+    pub(crate) fn all(direction: Vec3) -> Self {
         let [x, y, z] = direction.to_array().map(|component| [component; LANES]);
         Self::new(Points { x, y, z })
     }

@@ -28,6 +28,7 @@
 
 // Units stand in brackets: `[m]` is no link.
 
+mod beam;
 mod bundle;
 mod camera;
 mod clear_view;
@@ -37,7 +38,6 @@ mod cubic;
 mod edges;
 mod field;
 mod font;
-mod four;
 mod frame;
 mod index;
 mod legend;
@@ -58,6 +58,7 @@ mod sensor;
 mod shade;
 mod shadow;
 mod sheet;
+mod skyline;
 mod surface;
 mod text;
 mod tile;

@@ -7,10 +7,12 @@
 //! ```
 
 use glam::{IVec3, Vec3, Vec4};
-use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE};
+use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, trilinear};
 
 use super::field::{Field, cell_of};
 use super::lanes::{LANES, Lanes, Points};
+use super::occupancy::Blocks;
+use super::shadow::PENUMBRA_BAND;
 use super::walk::{BRICK_SHIFT, WHOLE};
 
 /// Voxels along a side.
@@ -38,6 +40,8 @@ struct Site {
 #[derive(Clone, Debug)]
 pub(crate) struct Padded {
     values: Vec<f32>,
+    /// Bricks by their place in the grid, with the blocks of each from which a shadow can come, as in [`Blocks`].
+    pub(crate) near: Vec<(IVec3, Blocks)>,
     /// For each place of the index; the last one for all places beyond.
     sites: Vec<Site>,
     dims: [u32; 3],
@@ -68,6 +72,7 @@ impl Padded {
         let none = Site { first: 0, to_metal: 1, to_brick: 1 };
         let mut padded = Self {
             values: [[grid.band; VOXELS], [-grid.band; VOXELS]].concat(),
+            near: Vec::new(),
             sites: vec![none; index.len() + 1],
             dims,
             steps: index.steps.map(|step| step as u32),
@@ -80,7 +85,10 @@ impl Padded {
             let corners = [0, z, y, y + z, x, x + z, x + y, x + y + z].map(|step| index.slot(place + step));
             let first = match corners {
                 [OUTSIDE, ..] if corners == [OUTSIDE; 8] => 0,
-                [INSIDE, ..] if corners == [INSIDE; 8] => VOXELS,
+                [INSIDE, ..] if corners == [INSIDE; 8] => {
+                    padded.near.push((brick, Blocks(u64::MAX)));
+                    VOXELS
+                }
                 _ => padded.push(field, brick),
             };
             padded.sites[place] = Site { first: first as u32, to_metal: entry.to_metal, to_brick: entry.to_brick };
@@ -109,6 +117,10 @@ impl Padded {
             row[0] = of(0)[7];
             row[1..9].copy_from_slice(of(1));
             row[9..].copy_from_slice(&of(2)[..2]);
+        }
+        let near = blocks_below(&self.values[first..], 1.001 * PENUMBRA_BAND * field.grid.band);
+        if near.0 != 0 {
+            self.near.push((brick, near));
         }
         first
     }
@@ -146,6 +158,15 @@ impl Padded {
         }
     }
 
+    /// φ [m] at a place (0 to 1) in a cell, given with its brick's place in the index.
+    #[inline]
+    pub(crate) fn phi(&self, place: usize, corner: IVec3, within: Vec3) -> f32 {
+        let local = (corner & 7).as_usizevec3();
+        let first = self.sites[place].first as usize + OWN + local.x * STEPS[0] + local.y * STEPS[1] + local.z;
+        let v = &self.values[first..first + CELL];
+        trilinear(&[v[0], v[1], v[11], v[12], v[121], v[122], v[132], v[133]], within)
+    }
+
     /// As [`Field::normal`].
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, at: Vec3) -> Option<Vec3> {
@@ -171,6 +192,22 @@ impl Padded {
         let up = (z.z - z.x) + ((z.w - z.y) - (z.z - z.x)) * f.z;
         Vec3::new(level(x), level(y), up).try_normalize()
     }
+}
+
+/// Blocks of a padded brick with a corner below a limit.
+fn blocks_below(values: &[f32], limit: f32) -> Blocks {
+    let least = |of: &dyn Fn(usize) -> f32, block: usize| of(2 * block + 1).min(of(2 * block + 2)).min(of(2 * block + 3));
+    let mut bits = 0;
+    for x in (0..4).rev() {
+        for y in (0..4).rev() {
+            for z in (0..4).rev() {
+                let of_row = |x: usize, y: usize| least(&|z| values[x * STEPS[0] + y * STEPS[1] + z], z);
+                let is_below = least(&|x| least(&|y| of_row(x, y), y), x) < limit;
+                bits = bits << 1 | u64::from(is_below);
+            }
+        }
+    }
+    Blocks(bits)
 }
 
 impl Cells {

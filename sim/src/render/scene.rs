@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
+use super::beam::Beam;
 use super::bundle::common_clear_length;
 use super::camera::{Camera, Ray};
 use super::field::Field;
@@ -16,7 +17,6 @@ use super::material::{Appearance, Material, PRIMER};
 use super::microfacet::Facets;
 use super::placement::Placement;
 use super::shade::facing;
-use super::shadow::Towards;
 use super::surface::Surface;
 use super::tile::{Sample, Shelter, Sheltered, TILE, tile_pixels};
 
@@ -90,9 +90,8 @@ impl<'a> Scene<'a> {
         let mut frame = Frame::empty(raster.width, raster.height);
         let mut colours = vec![[Vec3::ZERO; N]; frame.colour.len()];
         let stage = Stage::new(self, camera, raster);
-        self.field.padded();
-        let lamps: Vec<Towards> =
-            stage.lamps.iter().map(|lamp| Towards::new(&self.field, lamp.towards, lamp.spread)).collect();
+        let beam = |lamp: &Lamp| Beam::new(&self.field, lamp.towards, lamp.spread);
+        let lamps: Vec<Beam> = stage.lamps.par_iter().map(beam).collect();
         let rows = TILE * raster.width.max(1);
         let Frame { colour, depth, normal, position, weld, dose, removed, seen, .. } = &mut frame;
         let floats = (depth.par_chunks_mut(rows), dose.par_chunks_mut(rows), removed.par_chunks_mut(rows));
@@ -160,7 +159,7 @@ impl<'a> Stage<'a> {
     /// centre shows the part, in others. `corner`: the tile's first pixel.
     fn tile<const N: usize>(
         &self,
-        lamps: &[Towards],
+        lamps: &[Beam],
         corner: (usize, usize),
         others: &[Appearance; N],
         mut each: impl FnMut((usize, usize), &Sample, (Vec3, [Vec3; N])),
@@ -183,7 +182,7 @@ impl<'a> Stage<'a> {
     /// Mean light of a pixel; in other appearances, too, if it is `on_part`.
     fn mean<const N: usize>(
         &self,
-        lamps: &[Towards],
+        lamps: &[Beam],
         (x, y): (usize, usize),
         on_part: bool,
         others: &[Appearance; N],

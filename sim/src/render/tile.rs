@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
+use super::beam::Beam;
 use super::frame::Seen;
-use super::lanes::LANES;
+use super::lanes::{LANES, Points, any};
 use super::scene::Stage;
-use super::shade::{ambient_occlusion_of_four, shadow_start};
-use super::shadow::Towards;
+use super::shade::{Openness, SHADOW_START};
 use super::surface::Surface;
 
 /// Pixels along each side of a tile, which fills the lanes.
@@ -53,24 +53,22 @@ pub(crate) fn tile_pixels((x, y): (usize, usize)) -> impl Iterator<Item = (usize
 
 impl Shelter {
     /// Of at most [`LANES`] samples. `lamps`: rays towards those of the stage.
-    pub(crate) fn of(stage: &Stage, lamps: &[Towards], samples: &[Sample]) -> Self {
+    pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &[Sample]) -> Self {
         let field = &stage.scene.field;
-        let surfaces = || samples.iter().enumerate().filter_map(|(i, sample)| Some((i, sample.surface.as_ref()?)));
-        let (mut open, on_surface) = ([1.0; LANES], surfaces().collect::<Vec<_>>());
-        for four in on_surface.chunks(4) {
-            let found = ambient_occlusion_of_four(field, std::array::from_fn(|i| four[i.min(four.len() - 1)].1));
-            four.iter().zip(found.to_array()).for_each(|((place, _), share)| open[*place] = share);
+        let (mut points, mut normals, mut wanted) = (Points::ZERO, Points::ZERO, [false; LANES]);
+        for (i, surface) in samples.iter().enumerate().filter_map(|(i, sample)| Some((i, sample.surface.as_ref()?))) {
+            points.set(i, field.in_voxels(surface.position.as_dvec3()));
+            normals.set(i, surface.normal);
+            wanted[i] = true;
         }
-        let of_lamp = |towards: &Towards| {
-            let (mut shares, mut found) = ([0.0; LANES], [0.0; LANES]);
-            let (mut starts, mut places, mut count) = ([Vec3::ZERO; LANES], [0; LANES], 0);
-            for (i, surface) in surfaces().filter(|(_, surface)| surface.normal.dot(towards.direction()) > 0.0) {
-                (starts[count], places[count]) = (shadow_start(field, surface), i);
-                count += 1;
-            }
-            towards.shares(&starts[..count], &mut found[..count]);
-            places.iter().zip(found).take(count).for_each(|(&place, share)| shares[place] = share);
-            shares
+        if !any(&wanted) {
+            return Self { open: [1.0; LANES], shares: vec![[0.0; LANES]; lamps.len()] };
+        }
+        let open = pulp::Arch::new().dispatch(Openness { field, points: &points, normals: &normals, wanted: &wanted });
+        let starts = points.moved(&normals, &[SHADOW_START; LANES]);
+        let of_lamp = |beam: &Beam| {
+            let faces = std::array::from_fn(|i| wanted[i] && normals.get(i).dot(beam.direction()) > 0.0);
+            if any(&faces) { beam.shares(&starts, &faces) } else { [0.0; LANES] }
         };
         Self { open, shares: lamps.iter().map(of_lamp).collect() }
     }
