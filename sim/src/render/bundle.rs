@@ -44,7 +44,11 @@ pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
         let by_cube = free.map_or(0.0, |(low, side)| {
             let margin = Vec3A::splat(doubt(t + line.length_in(at, low, side)));
             let (least, most) = (low + margin, low + side - margin);
-            if at.cmpge(least).all() && at.cmple(most).all() { line.length_in(at, least, most.x - least.x) } else { 0.0 }
+            if at.cmpge(least).all() && at.cmple(most).all() {
+                line.length_in(at, least, most.x - least.x)
+            } else {
+                0.0
+            }
         });
         let step = by_phi.max(by_cube);
         let goes_on = step > SHORTEST;

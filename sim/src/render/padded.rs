@@ -181,10 +181,8 @@ impl Padded {
         };
         let mix = |a: Vec4, b: Vec4, t: f32| a + (b - a) * t;
         let inner = [column(1, 1), column(1, 2), column(2, 1), column(2, 2)];
-        let along_x =
-            |y: usize, [low, high]: [Vec4; 2]| mix(high - column(0, y), column(3, y) - low, f.x);
-        let along_y =
-            |x: usize, [low, high]: [Vec4; 2]| mix(high - column(x, 0), column(x, 3) - low, f.y);
+        let along_x = |y: usize, [low, high]: [Vec4; 2]| mix(high - column(0, y), column(3, y) - low, f.x);
+        let along_y = |x: usize, [low, high]: [Vec4; 2]| mix(high - column(x, 0), column(x, 3) - low, f.y);
         let x = mix(along_x(1, [inner[0], inner[2]]), along_x(2, [inner[1], inner[3]]), f.y);
         let y = mix(along_y(1, [inner[0], inner[1]]), along_y(2, [inner[2], inner[3]]), f.x);
         let z = mix(mix(inner[0], inner[1], f.y), mix(inner[2], inner[3], f.y), f.x);
@@ -196,7 +194,8 @@ impl Padded {
 
 /// Blocks of a padded brick with a corner below a limit.
 fn blocks_below(values: &[f32], limit: f32) -> Blocks {
-    let least = |of: &dyn Fn(usize) -> f32, block: usize| of(2 * block + 1).min(of(2 * block + 2)).min(of(2 * block + 3));
+    let least =
+        |of: &dyn Fn(usize) -> f32, block: usize| of(2 * block + 1).min(of(2 * block + 2)).min(of(2 * block + 3));
     let mut bits = 0;
     for x in (0..4).rev() {
         for y in (0..4).rev() {

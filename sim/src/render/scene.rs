@@ -9,16 +9,14 @@ use super::bundle::common_clear_length;
 use super::camera::{Camera, Ray};
 use super::field::Field;
 use super::frame::{Frame, Seen};
-use super::lanes::LANES;
+use super::lanes::{LANES, Points};
 use super::lights::Lights;
+use super::lit::{Lit, Shown};
 use super::lockstep::Crossings;
-use super::marks::any_tangent;
 use super::material::{Appearance, Material, PRIMER};
-use super::microfacet::Facets;
 use super::placement::Placement;
-use super::shade::facing;
 use super::surface::Surface;
-use super::tile::{Sample, Shelter, Sheltered, TILE, tile_pixels};
+use super::tile::{Sample, Shelter, TILE, tile_pixels};
 
 /// A level table without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,9 +171,11 @@ impl<'a> Stage<'a> {
             }
             return;
         }
-        let shelter = Shelter::of(self, lamps, &centres);
+        let lit = self.lights(lamps, &centres, others, centres.iter().any(|centre| centre.seen == Seen::Part));
         for (i, (pixel, centre)) in pixels().zip(&centres).enumerate() {
-            each(pixel, centre, self.lights(centre, centre.seen == Seen::Part, others, &shelter.of_sample(i)));
+            let is_part = centre.seen == Seen::Part;
+            let in_others = lit.1.each_ref().map(|light| if is_part { light.get(i) } else { Vec3::ZERO });
+            each(pixel, centre, (lit.0.get(i), in_others));
         }
     }
 
@@ -194,27 +194,27 @@ impl<'a> Stage<'a> {
         for first in (0..side * side).step_by(LANES) {
             let count = LANES.min(side * side - first);
             let samples = self.samples((first..first + count).map(at));
-            let shelter = Shelter::of(self, lamps, &samples);
-            for (i, sample) in samples[..count].iter().enumerate() {
-                let (light, in_others) = self.lights(sample, on_part, others, &shelter.of_sample(i));
-                sum.0 += light;
-                sum.1.iter_mut().zip(in_others).for_each(|(sum, light)| *sum += light);
+            let lit = self.lights(lamps, &samples, others, on_part);
+            for i in 0..count {
+                sum.0 += lit.0.get(i);
+                sum.1.iter_mut().zip(&lit.1).for_each(|(sum, light)| *sum += light.get(i));
             }
         }
         let count = (side * side) as f32;
         (sum.0 / count, sum.1.map(|sum| sum / count))
     }
 
-    /// Light of a sample in the scene's appearance and, if wanted, in others.
+    /// Light of samples in the scene's appearance and, if `wanted`, in others.
     fn lights<const N: usize>(
         &self,
-        sample: &Sample,
-        wanted: bool,
+        lamps: &[Beam],
+        samples: &[Sample; LANES],
         others: &[Appearance; N],
-        sheltered: &Sheltered,
-    ) -> (Vec3, [Vec3; N]) {
-        let light = |appearance: &Appearance| self.light(sample, appearance, sheltered);
-        let in_others = if wanted { others.each_ref().map(light) } else { [Vec3::ZERO; N] };
+        wanted: bool,
+    ) -> (Points, [Points; N]) {
+        let (shown, shelter) = (&Shown::new(samples), &Shelter::of(self, lamps, samples));
+        let light = |appearance| pulp::Arch::new().dispatch(Lit { stage: self, appearance, shown, shelter });
+        let in_others = if wanted { others.each_ref().map(light) } else { [Points::ZERO; N] };
         (light(&self.scene.appearance), in_others)
     }
 
@@ -261,41 +261,5 @@ impl<'a> Stage<'a> {
     fn table_distance(&self, ray: &Ray) -> f64 {
         let (height, fall) = (ray.origin.dot(self.up) - self.table, -ray.direction.dot(self.up));
         if height > 0.0 && height < f64::INFINITY && fall > 1e-9 { height / fall } else { f64::INFINITY }
-    }
-
-    /// Light that comes along a ray, linear RGB.
-    fn light(&self, sample: &Sample, appearance: &Appearance, sheltered: &Sheltered) -> Vec3 {
-        let environment = &self.scene.lights.environment;
-        let up = self.up.as_vec3();
-        let Some(surface) = &sample.surface else {
-            return environment.radiance(sample.direction.dot(up), 0.0);
-        };
-        let facets = self.facets(surface, sample.seen, appearance);
-        let viewer = -surface.view;
-        let mirrored = environment.radiance(facets.mirrored(viewer).dot(up), facets.roughness());
-        let around = environment.radiance(facets.normal.dot(up), 1.0);
-        let open = (facets.diffuse_share() * around + facets.environment_share(viewer) * mirrored) * sheltered.open;
-        let lamps = self.lamps.iter().zip(sheltered.shares()).filter(|(_, share)| *share > 0.0);
-        lamps.fold(open, |light, (lamp, share)| {
-            light + facets.reflected(viewer, lamp.towards, lamp.spread) * lamp.irradiance * share
-        })
-    }
-
-    fn facets(&self, surface: &Surface, seen: Seen, appearance: &Appearance) -> Facets {
-        let normal = facing(surface.normal, surface.view);
-        if let (Seen::Table, Some(table)) = (seen, &self.scene.table) {
-            return Facets::new(&table.material, normal, any_tangent(normal), 0.0);
-        }
-        let blend = appearance.blend(surface);
-        if blend.ground <= 0.0 || appearance.marks.path.is_empty() {
-            return Facets::new(&blend.material, normal, any_tangent(normal), 0.0);
-        }
-        let footprint =
-            self.camera.pixel_size_within(f64::from(surface.depth), self.raster.height, self.half_image) as f32;
-        let groove = appearance.marks.at(surface.position, normal, footprint);
-        let across = normal.cross(groove.along);
-        let tilted = (normal + across * (groove.tilt * blend.ground)).normalize_or(normal);
-        let anisotropy = appearance.marks.anisotropy * blend.ground * groove.share;
-        Facets::new(&blend.material, facing(tilted, surface.view), groove.along, anisotropy)
     }
 }

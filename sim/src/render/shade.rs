@@ -165,9 +165,11 @@ fn openness(missing: f32) -> f32 {
 }
 
 /// The normal, turned just enough to face the camera: blended normals tip over at silhouettes.
+#[inline(always)]
 pub(crate) fn facing(normal: Vec3, view: Vec3) -> Vec3 {
     let away = normal.dot(view);
-    if away > 0.0 { (normal - view * away).normalize_or(-view) } else { normal }
+    let across = (normal - view * away).normalize_or(-view);
+    if away > 0.0 { across } else { normal }
 }
 
 fn reflect(view: Vec3, normal: Vec3) -> Vec3 {
@@ -182,6 +184,7 @@ fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
 }
 
 /// Cubic step from 0 at `low` to 1 at `high`.
+#[inline(always)]
 pub(crate) fn smooth_step(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::beam::Beam;
 use super::frame::Seen;
-use super::lanes::{LANES, Points, any};
+use super::lanes::{LANES, Lanes, Points, any};
 use super::scene::Stage;
 use super::shade::{Openness, SHADOW_START};
 use super::surface::Surface;
@@ -27,23 +27,9 @@ impl Sample {
 /// What stands between samples and the light.
 pub(crate) struct Shelter {
     /// Share of open space above each sample, 0 to 1.
-    open: [f32; LANES],
+    pub(crate) open: Lanes,
     /// Share of each lamp that reaches each sample, 0 to 1.
-    shares: Vec<[f32; LANES]>,
-}
-
-/// What stands between one sample and the light.
-pub(crate) struct Sheltered<'a> {
-    pub(crate) open: f32,
-    shelter: &'a Shelter,
-    sample: usize,
-}
-
-impl Sheltered<'_> {
-    /// Share of each lamp.
-    pub(crate) fn shares(&self) -> impl Iterator<Item = f32> {
-        self.shelter.shares.iter().map(|shares| shares[self.sample])
-    }
+    pub(crate) shares: Vec<Lanes>,
 }
 
 /// Pixels (x, y) of the tile whose first one is given, every four a square.
@@ -52,8 +38,8 @@ pub(crate) fn tile_pixels((x, y): (usize, usize)) -> impl Iterator<Item = (usize
 }
 
 impl Shelter {
-    /// Of at most [`LANES`] samples. `lamps`: rays towards those of the stage.
-    pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &[Sample]) -> Self {
+    /// Of a tile's samples. `lamps`: rays towards those of the stage.
+    pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &[Sample; LANES]) -> Self {
         let field = &stage.scene.field;
         let (mut points, mut normals, mut wanted) = (Points::ZERO, Points::ZERO, [false; LANES]);
         for (i, surface) in samples.iter().enumerate().filter_map(|(i, sample)| Some((i, sample.surface.as_ref()?))) {
@@ -71,10 +57,5 @@ impl Shelter {
             if any(&faces) { beam.shares(&starts, &faces) } else { [0.0; LANES] }
         };
         Self { open, shares: lamps.iter().map(of_lamp).collect() }
-    }
-
-    /// Of one of the samples.
-    pub(crate) fn of_sample(&self, sample: usize) -> Sheltered<'_> {
-        Sheltered { open: self.open[sample], shelter: self, sample }
     }
 }
