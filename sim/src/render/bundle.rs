@@ -31,16 +31,18 @@ pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
     // Distances are counted from the point nearest to the box's middle, where single precision is good enough.
     let from = ((0.5 * (low + high)).as_dvec3() - start).dot(direction).max(0.0);
     let near = (start + direction * from).as_vec3a();
-    let doubt = |t: f32| STEEPEST * ((from + f64::from(t)) * spread + apart) as f32;
+    let (apart, spread) = (STEEPEST * (from * spread + apart) as f32, STEEPEST * spread as f32);
+    let doubt = |t: f32| t * spread + apart;
     let most = doubt((high - low).length());
     let (mut t, end) = line.span(near, (low - most, high + most), -from as f32);
+    let (per_step, nudge) = ((STEEPEST + spread).recip(), nudge(field));
     while t < end {
         let at = near + line.direction * t;
         let nearest = at.clamp(low, high);
         let (free, phi) = field.around(&line, nearest);
         // The nearest place of the box lies between the point and all metal, at no less than a right angle.
-        let clearance = phi.max(0.0).hypot(at.distance(nearest));
-        let by_phi = (clearance - doubt(t)) / (STEEPEST + spread as f32);
+        let clearance = (phi.max(0.0) * phi + at.distance_squared(nearest)).sqrt();
+        let by_phi = (clearance - doubt(t)) * per_step;
         let by_cube = free.map_or(0.0, |(low, side)| {
             let margin = Vec3A::splat(doubt(t + line.length_in(at, low, side)));
             let (least, most) = (low + margin, low + side - margin);
@@ -55,7 +57,7 @@ pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
         if !goes_on {
             return (from + f64::from(t)).max(0.0) / field.per_metre;
         }
-        t += step + nudge(field);
+        t += step + nudge;
     }
     f64::INFINITY
 }

@@ -133,3 +133,9 @@ fn inverse_of(component: f32) -> f32 {
     let inverse = 1.0 / component;
     if component == 0.0 { f32::MAX } else { inverse }
 }
+
+/// A whole number of less than 2²² as an integer; far beyond any index for others.
+#[inline(always)]
+pub(crate) fn integer(whole: f32) -> i32 {
+    ((whole + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32)
+}

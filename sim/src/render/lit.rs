@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::frame::Seen;
 use super::lanes::{LANES, Lanes, Points, any};
 use super::marks::{Grooves, any_tangent};
-use super::material::{Appearance, Material};
+use super::material::{Appearance, Blend, Material};
 use super::microfacet::{FacetLanes, Facets};
 use super::scene::Stage;
 use super::shade::facing;
@@ -108,28 +108,40 @@ impl Lit<'_> {
 
     #[inline(always)]
     fn facets(&self) -> FacetLanes {
-        let Self { stage, appearance, shown, .. } = self;
-        let table = stage.scene.table.map_or(appearance.metal, |table| table.material);
-        let (mut materials, mut ground) = ([table; LANES], [0.0; LANES]);
+        let Self { appearance, shown, .. } = self;
+        let (mut facets, mut ground) = (FacetLanes::NONE, [0.0; LANES]);
         for i in 0..LANES {
-            let blend = appearance.blend(shown.weld_share[i], shown.dose[i], shown.removed[i]);
-            materials[i] = if shown.is_table[i] { table } else { blend.material };
-            ground[i] = if shown.is_table[i] { 0.0 } else { blend.ground };
+            let (material, share) = self.material(i);
+            let normal = shown.normals.get(i);
+            facets.set(i, &Facets::new(&material, normal, any_tangent(normal), 0.0));
+            ground[i] = share;
         }
-        let mut facets = FacetLanes::NONE;
         let is_ground = ground.iter().fold(false, |any, ground| any | (*ground > 0.0));
         if is_ground && !appearance.marks.path.is_empty() {
             let grooves = self.grooves();
             for i in 0..LANES {
-                facets.set(i, &self.marked(i, &materials[i], ground[i], &grooves));
-            }
-        } else {
-            for i in 0..LANES {
-                let normal = shown.normals.get(i);
-                facets.set(i, &Facets::new(&materials[i], normal, any_tangent(normal), 0.0));
+                facets.set(i, &self.marked(i, &facets.get(i), ground[i], &grooves));
             }
         }
         facets
+    }
+
+    /// Material of a lane and how much of it is ground metal.
+    #[inline(always)]
+    fn material(&self, i: usize) -> (Material, f32) {
+        let Self { stage, appearance, shown, .. } = self;
+        let table = stage.scene.table.map_or(appearance.metal, |table| table.material);
+        let Blend { material, ground } = appearance.blend(shown.weld_share[i], shown.dose[i], shown.removed[i]);
+        let of_table = if shown.is_table[i] { 1.0 } else { 0.0 };
+        let select = |on_table: f32, on_part: f32| if of_table > 0.0 { on_table } else { on_part };
+        let colour = Vec3::new(
+            select(table.colour.x, material.colour.x),
+            select(table.colour.y, material.colour.y),
+            select(table.colour.z, material.colour.z),
+        );
+        let (roughness, metallic) =
+            (select(table.roughness, material.roughness), select(table.metallic, material.metallic));
+        (Material { colour, roughness, metallic }, select(0.0, ground))
     }
 
     #[inline(always)]
@@ -143,21 +155,16 @@ impl Lit<'_> {
         appearance.marks.grooves(&shown.positions, &shown.normals, &footprints)
     }
 
+    /// Facets of a lane with the marks on it.
     #[inline(always)]
-    fn marked(&self, i: usize, material: &Material, ground: f32, grooves: &Grooves) -> Facets {
-        let normal = self.shown.normals.get(i);
-        let is_ground = ground > 0.0;
-        let along = grooves.along.get(i);
+    fn marked(&self, i: usize, plain: &Facets, ground: f32, grooves: &Grooves) -> Facets {
+        let Self { appearance, shown, .. } = self;
+        let (normal, along) = (shown.normals.get(i), grooves.along.get(i));
         let across = normal.cross(along);
         let tilted = (normal + across * (grooves.tilt[i] * ground)).normalize_or(normal);
-        let tilted = facing(tilted, self.shown.directions.get(i));
-        let select = |marked: Vec3, plain: Vec3| if is_ground { marked } else { plain };
-        let anisotropy = self.appearance.marks.anisotropy * ground * grooves.share[i];
-        Facets::new(
-            material,
-            select(tilted, normal),
-            select(along, any_tangent(normal)),
-            if is_ground { anisotropy } else { 0.0 },
-        )
+        let tilted = facing(tilted, shown.directions.get(i));
+        let anisotropy = appearance.marks.anisotropy * ground * grooves.share[i];
+        let marked = plain.turned(tilted, along, anisotropy);
+        if ground > 0.0 { marked } else { *plain }
     }
 }

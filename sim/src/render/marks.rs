@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::lanes::{LANES, Lanes, Points};
+use super::lanes::{LANES, Lanes, Points, integer};
 
 /// Points of a path that are kept: marks turn slowly against their distance.
 pub const MOST_POINTS: usize = 48;
@@ -148,7 +148,7 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec3 {
 fn noise_slope(u: f32, v: f32) -> f32 {
     let (low_u, low_v) = (u.floor(), v.floor());
     let (fu, fv) = (u - low_u, v - low_v);
-    let (iu, iv) = (low_u as i32, low_v as i32);
+    let (iu, iv) = (integer(low_u), integer(low_v));
     let smooth = fv * fv * (3.0 - 2.0 * fv);
     let row = |iv: i32| lattice_value(iu.wrapping_add(1), iv) - lattice_value(iu, iv);
     let (here, next) = (row(iv), row(iv.wrapping_add(1)));

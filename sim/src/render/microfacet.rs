@@ -86,18 +86,21 @@ impl Facets {
     /// - `anisotropy`: 0 for the same width in all directions, 1 for the strongest
     #[inline(always)]
     pub(crate) fn new(material: &Material, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
-        let width = (material.roughness * material.roughness).max(LEAST_WIDTH);
+        let (diffuse, mirror) = (
+            material.colour * (1.0 - material.metallic),
+            Vec3::splat(DIELECTRIC).lerp(material.colour, material.metallic),
+        );
+        let (across, widths, roughness) = (Vec3::ZERO, [0.0; 2], material.roughness);
+        Self { normal, along, across, diffuse, mirror, widths, roughness, anisotropy }.turned(normal, along, anisotropy)
+    }
+
+    /// The same material with another normal and other marks, as in [`Facets::new`].
+    #[inline(always)]
+    pub(crate) fn turned(&self, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
+        let width = (self.roughness * self.roughness).max(LEAST_WIDTH);
         let aspect = (1.0 - 0.9 * anisotropy).sqrt();
-        Self {
-            normal,
-            along,
-            across: normal.cross(along),
-            diffuse: material.colour * (1.0 - material.metallic),
-            mirror: Vec3::splat(DIELECTRIC).lerp(material.colour, material.metallic),
-            widths: [(width * aspect).max(LEAST_WIDTH), width / aspect],
-            roughness: material.roughness,
-            anisotropy,
-        }
+        let widths = [(width * aspect).max(LEAST_WIDTH), width / aspect];
+        Self { normal, along, across: normal.cross(along), widths, anisotropy, ..*self }
     }
 
     /// Light sent to the viewer from a light of irradiance 1 straight on, π times the reflectance factor times the cosine.

@@ -10,10 +10,10 @@ use glam::{IVec3, Vec3, Vec4};
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, trilinear};
 
 use super::field::{Field, cell_of};
-use super::lanes::{LANES, Lanes, Points};
+use super::lanes::{LANES, Lanes, Points, integer};
 use super::occupancy::Blocks;
 use super::shadow::PENUMBRA_BAND;
-use super::walk::{BRICK_SHIFT, WHOLE};
+use super::walk::BRICK_SHIFT;
 
 /// Voxels along a side.
 const SIDE: usize = 11;
@@ -34,6 +34,10 @@ struct Site {
     /// Free bricks around, as in [`Entry`](super::index::Entry).
     to_metal: u8,
     to_brick: u8,
+    /// Label of all voxels of its cells, if they have but one.
+    label: Option<u16>,
+    /// Whether no voxel of its cells has a dose or removed depth.
+    is_plain: bool,
 }
 
 /// Padded bricks. Those without a cell across φ's range share one.
@@ -69,7 +73,7 @@ impl Padded {
         let (index, grid) = (&field.index, field.grid);
         let [x, y, z] = index.steps;
         let dims = grid.dims.as_uvec3().to_array();
-        let none = Site { first: 0, to_metal: 1, to_brick: 1 };
+        let none = Site { first: 0, to_metal: 1, to_brick: 1, label: Some(0), is_plain: true };
         let mut padded = Self {
             values: [[grid.band; VOXELS], [-grid.band; VOXELS]].concat(),
             near: Vec::new(),
@@ -77,12 +81,23 @@ impl Padded {
             dims,
             steps: index.steps.map(|step| step as u32),
         };
+        let labels: Vec<Option<u16>> = grid.label.chunks(BRICK_VOXELS).map(only).collect();
+        let scalars = [&grid.dose[..], &grid.removed];
+        let is_zero = |slot: usize| {
+            let of = |values: &[f32]| {
+                values.chunks(BRICK_VOXELS).nth(slot).is_none_or(|brick| brick.iter().all(|v| *v == 0.0))
+            };
+            scalars.into_iter().all(of)
+        };
+        let plain: Vec<bool> = (0..grid.bricks.len()).map(is_zero).collect();
         let bricks = (-1..grid.dims.x)
             .flat_map(|x| (-1..grid.dims.y).flat_map(move |y| (-1..grid.dims.z).map(move |z| IVec3::new(x, y, z))));
         for brick in bricks {
             let place = index.place(brick).expect("a brick of the index");
             let entry = index.entry(brick);
             let corners = [0, z, y, y + z, x, x + z, x + y, x + y + z].map(|step| index.slot(place + step));
+            let label = common(corners.map(|slot| labels.get(slot as usize).copied().unwrap_or(Some(0))));
+            let is_plain = corners.iter().all(|&slot| plain.get(slot as usize).is_none_or(|is_plain| *is_plain));
             let first = match corners {
                 [OUTSIDE, ..] if corners == [OUTSIDE; 8] => 0,
                 [INSIDE, ..] if corners == [INSIDE; 8] => {
@@ -91,7 +106,8 @@ impl Padded {
                 }
                 _ => padded.push(field, brick),
             };
-            padded.sites[place] = Site { first: first as u32, to_metal: entry.to_metal, to_brick: entry.to_brick };
+            padded.sites[place] =
+                Site { first: first as u32, to_metal: entry.to_metal, to_brick: entry.to_brick, label, is_plain };
         }
         padded
     }
@@ -167,6 +183,16 @@ impl Padded {
         trilinear(&[v[0], v[1], v[11], v[12], v[121], v[122], v[132], v[133]], within)
     }
 
+    /// Label of all voxels of the cells of a brick, if they have but one.
+    pub(crate) fn label(&self, brick: IVec3, field: &Field) -> Option<u16> {
+        field.index.place(brick).map_or(Some(0), |place| self.sites[place].label)
+    }
+
+    /// Whether no voxel of the cells of a brick has a dose or removed depth.
+    pub(crate) fn is_plain(&self, brick: IVec3, field: &Field) -> bool {
+        field.index.place(brick).is_none_or(|place| self.sites[place].is_plain)
+    }
+
     /// As [`Field::normal`].
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, at: Vec3) -> Option<Vec3> {
@@ -190,6 +216,17 @@ impl Padded {
         let up = (z.z - z.x) + ((z.w - z.y) - (z.z - z.x)) * f.z;
         Vec3::new(level(x), level(y), up).try_normalize()
     }
+}
+
+/// The only label of some voxels.
+fn only(labels: &[u16]) -> Option<u16> {
+    let first = *labels.first()?;
+    labels.iter().fold(true, |same, label| same & (*label == first)).then_some(first)
+}
+
+/// The label that all eight have.
+fn common(labels: [Option<u16>; 8]) -> Option<u16> {
+    labels[0].filter(|_| labels.iter().all(|label| *label == labels[0]))
 }
 
 /// Blocks of a padded brick with a corner below a limit.
@@ -239,10 +276,4 @@ impl Cells {
         let low = |axis: usize| ((self.bricks[axis][lane] - reach) << BRICK_SHIFT) as f32;
         (Vec3::new(low(0), low(1), low(2)), ((2 * reach + 1) << BRICK_SHIFT) as f32)
     }
-}
-
-/// A whole number of less than 2²² as an integer; far beyond any index for others.
-#[inline(always)]
-fn integer(whole: f32) -> i32 {
-    ((whole + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32)
 }

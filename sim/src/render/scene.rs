@@ -246,7 +246,8 @@ impl<'a> Stage<'a> {
         let direction = ray.direction.as_vec3();
         let table = self.table_distance(ray);
         if distance <= table && distance < f64::INFINITY {
-            let surface = Surface::new(&self.scene.field, &self.camera, ray, &self.scene.field.hit(ray, distance));
+            let surface =
+                Surface::by_padded(&self.scene.field, &self.camera, ray, &self.scene.field.hit(ray, distance));
             Sample { direction, seen: Seen::Part, surface: Some(surface) }
         } else if table < f64::INFINITY {
             let point = ray.origin + ray.direction * table;
