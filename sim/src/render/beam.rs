@@ -48,14 +48,11 @@ impl<'a> Beam<'a> {
 
     /// The shares of those of a tile's points that are `wanted`, 0 for others.
     pub(crate) fn shares(&self, starts: &Points, wanted: &[bool; LANES]) -> Lanes {
-        match self.common_share(starts, wanted) {
-            Some(share) => wanted.map(|wanted| if wanted { share } else { 0.0 }),
-            None => pulp::Arch::new().dispatch(Shares { beam: self, starts, wanted }),
-        }
+        pulp::Arch::new().dispatch(Shares { beam: self, starts, wanted })
     }
 
     /// As [`Field::clearance`].
-    #[inline]
+    #[inline(always)]
     fn clearance(&self, at: Vec3A) -> Result<f32, (IVec3, u8)> {
         let Towards { field, line, .. } = &self.towards;
         let low = line.corner(at);
@@ -69,13 +66,10 @@ impl<'a> Beam<'a> {
     }
 
     /// 1 or 0 where the ray in the middle of several shows that it is the share of them all.
+    #[inline(always)]
     fn common_share(&self, starts: &Points, wanted: &[bool; LANES]) -> Option<f32> {
         let towards = &self.towards;
-        let points = || (0..LANES).filter(|&i| wanted[i]).map(|i| starts.get(i));
-        let (low, high) =
-            points().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-        let middle = 0.5 * (low + high);
-        let apart = points().map(|start| start.distance_squared(middle)).fold(0.0, f32::max).sqrt();
+        let (middle, apart) = starts.around(wanted);
         let is_close = apart <= MOST_APART;
         if !is_close {
             return None;
@@ -126,6 +120,9 @@ impl pulp::NullaryFnOnce for Shares<'_> {
     #[inline(always)]
     fn call(self) -> Lanes {
         let Self { beam: Beam { towards, directions, .. }, starts, wanted } = self;
+        if let Some(common) = self.beam.common_share(starts, wanted) {
+            return wanted.map(|wanted| if wanted { common } else { 0.0 });
+        }
         let field = towards.field;
         let (padded, per_metre) = (field.padded(), field.per_metre as f32);
         let (mut t, end) = self.spans();

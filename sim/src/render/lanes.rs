@@ -42,6 +42,27 @@ impl Points {
         (self.x[lane], self.y[lane], self.z[lane]) = (point.x, point.y, point.z);
     }
 
+    /// Middle of the box around those that are `wanted`, and the largest distance from it.
+    #[inline(always)]
+    pub(crate) fn around(&self, wanted: &[bool; LANES]) -> (Vec3, f32) {
+        let range = |axis: &Lanes| {
+            let [mut low, mut high] = [[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]];
+            for i in 0..LANES {
+                low[i] = if wanted[i] { axis[i] } else { low[i] };
+                high[i] = if wanted[i] { axis[i] } else { high[i] };
+            }
+            [joined(low, smaller), joined(high, larger)]
+        };
+        let [x, y, z] = [range(&self.x), range(&self.y), range(&self.z)];
+        let middle = 0.5 * Vec3::new(x[0] + x[1], y[0] + y[1], z[0] + z[1]);
+        let mut squares = [0.0; LANES];
+        for i in 0..LANES {
+            let square = self.get(i).distance_squared(middle);
+            squares[i] = if wanted[i] { square } else { 0.0 };
+        }
+        (middle, joined(squares, larger).sqrt())
+    }
+
     /// The points moved along directions, each by its own length.
     #[inline(always)]
     pub(crate) fn moved(&self, directions: &Self, lengths: &Lanes) -> Self {
@@ -101,6 +122,19 @@ impl Directions {
         let z = along(at.z, low.z, d.z[lane], inverse.z[lane]);
         larger(smaller(smaller(x, y), z), 0.0)
     }
+}
+
+/// All lanes joined two by two.
+#[inline(always)]
+fn joined(mut lanes: Lanes, join: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for i in 0..half {
+            lanes[i] = join(lanes[i], lanes[i + half]);
+        }
+        half /= 2;
+    }
+    lanes[0]
 }
 
 /// The larger of two numbers of which none is NaN.

@@ -80,6 +80,7 @@ impl Skyline {
 
     /// Length of a ray to the lamp from where on all rays that start within `apart` of it are clear; of a ray that is
     /// clear all the way, less than 0.
+    #[inline(always)]
     pub(crate) fn length(&self, start: Vec3, apart: f32) -> f32 {
         let [height, x, y] = self.axes.map(|axis| axis.dot(start));
         let mut highest = f32::NEG_INFINITY;
