@@ -83,9 +83,9 @@ fn slope([_, b, c, d]: [f32; 4], u: f32) -> f32 {
     b + u * (2.0 * c + u * (3.0 * d))
 }
 
-/// As [`first_root`] for the cubic of each lane; infinite where one stays above zero.
+/// As [`first_root`] for the cubic of each lane that is `wanted`; infinite where one stays above zero.
 #[inline(always)]
-pub(crate) fn first_roots(values: &[Lanes; 4]) -> Lanes {
+pub(crate) fn first_roots(values: &[Lanes; 4], wanted: &[bool; LANES]) -> Lanes {
     let (mut cubics, mut above, mut below) = ([[0.0; LANES]; 4], [0.0; LANES], [0.0; LANES]);
     let (mut u, mut is_bracketed, mut moves) = ([0.0; LANES], [false; LANES], [false; LANES]);
     for i in 0..LANES {
@@ -100,7 +100,7 @@ pub(crate) fn first_roots(values: &[Lanes; 4]) -> Lanes {
         let (low, high) = if in_second { (after_first, second) } else { (after_second, 3.0) };
         (above[i], below[i]) = if in_first { (0.0, first) } else { (low, high) };
         is_bracketed[i] = in_first | in_second | (at(cubic, 3.0) <= 0.0);
-        moves[i] = is_bracketed[i] & (values[0][i] > 0.0);
+        moves[i] = wanted[i] & is_bracketed[i] & (values[0][i] > 0.0);
         let (high, low) = (at(cubic, above[i]), at(cubic, below[i]));
         u[i] = above[i] + (below[i] - above[i]) * (high / (high - low));
     }
@@ -146,7 +146,7 @@ mod tests {
         for _ in 0..500 {
             let lift = random();
             let values: [Lanes; 4] = std::array::from_fn(|_| std::array::from_fn(|_| random() + lift));
-            let roots = first_roots(&values);
+            let roots = first_roots(&values, &[true; LANES]);
             for i in 0..LANES {
                 let alone = first_root(values.map(|lanes| lanes[i]));
                 assert_eq!(Some(roots[i]).filter(|root| root.is_finite()), alone);

@@ -97,6 +97,9 @@ impl Lit<'_> {
             light.set(i, open * shelter.open[i]);
         }
         for (lamp, shares) in stage.lamps.iter().zip(&shelter.shares) {
+            if shares.iter().all(|share| *share <= 0.0) {
+                continue;
+            }
             for i in 0..LANES {
                 let reflected = facets.get(i).reflected(-shown.directions.get(i), lamp.towards, lamp.spread);
                 let added = light.get(i) + reflected * lamp.irradiance * shares[i];

@@ -118,7 +118,7 @@ impl Crossings<'_> {
                 stride[i] = larger(across + nudge, if is_clear { by_phi } else { 0.0 });
             }
             if any(&may_cross) {
-                let roots = roots(&cells, &at, &directions.along, &length);
+                let roots = roots(&cells, &at, &directions.along, &length, &may_cross);
                 for i in 0..LANES {
                     let crosses = may_cross[i] & (roots[i] <= 1.0);
                     found[i] = if crosses { t[i] + roots[i] * length[i] } else { found[i] };
@@ -134,9 +134,10 @@ impl Crossings<'_> {
     }
 }
 
-/// First zeros of φ along the rays' ways through their cells, as parts of their `lengths`; above 1 where there is none.
+/// First zeros of φ along the `wanted` rays' ways through their cells, as parts of their `lengths`; above 1 where there is
+/// none.
 #[inline(always)]
-fn roots(cells: &Cells, at: &Points, directions: &Points, lengths: &Lanes) -> Lanes {
+fn roots(cells: &Cells, at: &Points, directions: &Points, lengths: &Lanes, wanted: &[bool; LANES]) -> Lanes {
     let mut along = [[0.0; LANES]; 4];
     for (third, values) in along.iter_mut().enumerate() {
         let part = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0][third];
@@ -145,5 +146,51 @@ fn roots(cells: &Cells, at: &Points, directions: &Points, lengths: &Lanes) -> La
             values[i] = cells.phi(i, from + directions.get(i) * (part * lengths[i]));
         }
     }
-    first_roots(&along)
+    first_roots(&along, wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+    use sdf_bake::BrickGrid;
+
+    use super::*;
+    use crate::render::bundle::common_clear_length;
+    use crate::render::camera::Camera;
+    use crate::render::tile::tile_pixels;
+
+    const VOXEL: f64 = 0.0005;
+
+    #[test]
+    fn rays_in_lockstep_meet_what_each_meets_alone() {
+        let half = DVec3::new(0.02, 0.015, 0.01);
+        let shape = |p: DVec3| {
+            let q = (p - DVec3::new(0.0, 0.0, -0.007)).abs() - DVec3::new(0.02, 0.015, 0.0007);
+            let plate = q.max(DVec3::ZERO).length() + q.max_element().min(0.0);
+            plate.min((p - DVec3::new(0.004, 0.0, -0.002)).length() - 0.005)
+        };
+        let grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, shape);
+        let field = Field::new(&grid);
+        for (elevation, size) in [(0.7, 96.0), (0.05, 160.0), (1.4, 24.0)] {
+            let camera = Camera::framing(-half, half, -1.1, elevation, 1.0);
+            let (mut hits, mut others) = (0, 0);
+            for corner in (0..size as usize).step_by(4).flat_map(|y| (0..size as usize).step_by(4).map(move |x| (x, y)))
+            {
+                let ray = |(x, y): (usize, usize)| camera.ray(DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / size, 1.0);
+                let rays: Vec<Ray> = tile_pixels(corner).map(ray).collect();
+                let clear = common_clear_length(&field, &rays).min(1e3);
+                let call = Crossings { field: &field, padded: field.padded(), rays: &rays, clear };
+                let together = pulp::Arch::new().dispatch(call);
+                for (ray, distance) in rays.iter().zip(together) {
+                    match field.trace(ray) {
+                        Some(hit) if (hit.distance - distance).abs() < 2e-3 * VOXEL => hits += 1,
+                        None if distance == f64::INFINITY => {}
+                        // A ray that grazes an edge goes by on either side of it.
+                        _ => others += 1,
+                    }
+                }
+            }
+            assert!(hits as f64 > 0.05 * size * size && others as f64 <= 1e-3 * size * size, "{hits} and {others}");
+        }
+    }
 }

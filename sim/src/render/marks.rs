@@ -171,7 +171,7 @@ fn lattice_value(u: i32, v: i32) -> f32 {
 mod tests {
     use super::*;
 
-    fn at(marks: &Marks, point: Vec3, normal: Vec3, footprint: f32) -> Groove {
+    fn groove_at(marks: &Marks, point: Vec3, normal: Vec3, footprint: f32) -> Groove {
         let [mut points, mut normals] = [Points::ZERO; 2];
         points.set(5, point);
         normals.set(5, normal);
@@ -192,7 +192,7 @@ mod tests {
         assert!((length - 0.05 * std::f32::consts::FRAC_PI_2).abs() < 0.003, "{length}");
         for i in [20, 100, 150, 200, 280] {
             let at = points[i].as_vec3() + Vec3::Z * 0.001;
-            let groove = at(&marks, at, Vec3::Z, 0.0);
+            let groove = groove_at(&marks, at, Vec3::Z, 0.0);
             let tangent = (points[i + 1] - points[i - 1]).normalize().as_vec3();
             assert!(groove.along.dot(tangent) > 0.999 && groove.along.z.abs() < 1e-6, "{groove:?}");
         }
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn grooves_are_long_along_the_path_and_fade_below_a_pixel() {
         let marks = Marks::parallel(DVec3::X);
-        let tilt = |x: f32, y: f32, footprint: f32| at(&marks, Vec3::new(x, y, 0.0), Vec3::Z, footprint).tilt;
+        let tilt = |x: f32, y: f32, footprint: f32| groove_at(&marks, Vec3::new(x, y, 0.0), Vec3::Z, footprint).tilt;
         let spread = |tilts: &[f32]| tilts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f32>();
         let step = 2e-5;
         let across: Vec<f32> = (0..500).map(|i| tilt(0.001, i as f32 * step, 0.0)).collect();
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn without_a_direction_there_are_no_marks() {
         for marks in [Marks::default(), Marks::parallel(DVec3::Z)] {
-            let groove = at(&marks, Vec3::splat(0.01), Vec3::Z, 0.0);
+            let groove = groove_at(&marks, Vec3::splat(0.01), Vec3::Z, 0.0);
             assert_eq!((groove.tilt, groove.share), (0.0, 0.0));
             assert!(groove.along.is_finite() && groove.along.dot(Vec3::Z).abs() < 1e-6);
         }

@@ -277,3 +277,54 @@ impl Cells {
         (Vec3::new(low(0), low(1), low(2)), ((2 * reach + 1) << BRICK_SHIFT) as f32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use sdf_bake::BrickGrid;
+    use sdf_bake::grid::trilinear;
+
+    use super::*;
+
+    #[test]
+    fn padded_bricks_hold_the_cells_and_normals_of_the_field() {
+        let half = DVec3::new(0.012, 0.009, 0.01);
+        // Cut off at one side, so that there is metal at the border of the index.
+        let shape = |p: DVec3| (p.length() - 0.0105).max(p.y.abs() - 0.02);
+        let mut grid = BrickGrid::from_distance(-half, half, 0.0005, 3.0, shape);
+        grid.label = (0..grid.phi.len()).map(|i| u16::from(grid.position(grid.voxel_of(i)).x > 0.004)).collect();
+        let field = Field::new(&grid);
+        let padded = field.padded();
+        let point = |i: usize| {
+            let i = i as f64;
+            field.in_voxels(DVec3::new((2.4 * i).cos(), (2.4 * i).sin(), (0.7 * i).sin()) * (0.0004 * (i % 37.0)))
+        };
+        let (mut cells, mut normals, mut labels) = (Cells::new(grid.band), 0, 0);
+        for first in (0..6000).step_by(LANES) {
+            let mut at = Points::ZERO;
+            (0..LANES).for_each(|lane| at.set(lane, point(first + lane)));
+            at.set(3, Vec3::splat(1e5));
+            cells.low = at.corners(&Points::ZERO);
+            padded.read(&[true; LANES], &mut cells);
+            for lane in 0..LANES {
+                let (corner, within) = cell_of(at.get(lane));
+                let brick = corner >> BRICK_SHIFT;
+                let entry = field.index.entry(brick);
+                assert_eq!(cells.phi(lane, within), trilinear(&field.cell_phi(corner), within), "at {corner}");
+                assert_eq!(cells.to_brick[lane], i32::from(entry.to_brick));
+                assert_eq!(cells.to_metal[lane], i32::from(entry.to_metal));
+                if let Some(label) = padded.label(brick, &field) {
+                    assert_eq!(field.cell(corner, &grid.label, 0, 0), [label; 8], "at {corner}");
+                    labels += 1;
+                }
+                let in_metal = field.cell_phi(corner).map(|phi| phi <= 0.0);
+                let is_crossed = in_metal.contains(&true) && in_metal.contains(&false);
+                if let (true, Some(normal)) = (is_crossed, field.normal(at.get(lane))) {
+                    assert!((padded.normal(&field, at.get(lane)).unwrap() - normal).length() < 1e-5, "at {corner}");
+                    normals += 1;
+                }
+            }
+        }
+        assert!(normals > 1000 && labels > 1000, "{normals} normals, {labels} labels");
+    }
+}
