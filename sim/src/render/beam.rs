@@ -144,7 +144,8 @@ impl pulp::NullaryFnOnce for Shares<'_> {
                 let clearance = cells.phi(i, point - low) * per_metre;
                 let cone = smaller(towards.spread * t[i], towards.cap);
                 let is_near = under_way[i] & !is_free;
-                let is_dark = is_near & !(clearance > 0.0);
+                let is_outside = clearance > 0.0;
+                let is_dark = is_near & !is_outside;
                 let is_less = is_near & (clearance < share[i] * cone);
                 let less = if is_less { clearance / cone } else { share[i] };
                 share[i] = if is_dark { 0.0 } else { less };

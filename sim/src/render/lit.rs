@@ -70,7 +70,7 @@ impl pulp::NullaryFnOnce for Lit<'_> {
             light.set(i, environment.radiance(shown.directions.get(i).dot(up), 0.0));
         }
         if any(&shown.is_part) || any(&shown.is_table) {
-            let on_surface = self.from_surfaces();
+            let on_surface = self.of_surfaces();
             for i in 0..LANES {
                 let is_surface = shown.is_part[i] | shown.is_table[i];
                 light.set(i, if is_surface { on_surface.get(i) } else { light.get(i) });
@@ -84,7 +84,7 @@ impl pulp::NullaryFnOnce for Lit<'_> {
 
 impl Lit<'_> {
     #[inline(always)]
-    fn from_surfaces(&self) -> Points {
+    fn of_surfaces(&self) -> Points {
         let Self { stage, shown, shelter, .. } = self;
         let (environment, up) = (&stage.scene.lights.environment, stage.up.as_vec3());
         let facets = self.facets();

@@ -28,6 +28,9 @@
 
 // Units stand in brackets: `[m]` is no link.
 
+// Loops over lanes index several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
 mod beam;
 mod bundle;
 mod camera;
