@@ -1,7 +1,7 @@
 //! Time of a picture of 640 × 480 pixels: `cargo bench -p sim --bench render`.
 //!
 //! Prints wall time and CPU time of all threads a frame; on a quiet machine of two cores the first is half the second.
-//! `PICTURES=DIR` keeps each picture there as a portable pixmap.
+//! `PICTURES=DIR` keeps each picture there as a portable pixmap. A word after `--` leaves only views whose names hold it.
 
 use std::time::Instant;
 
@@ -32,9 +32,13 @@ fn main() {
 }
 
 fn photographed(name: &str, view: &str, scene: &Scene, camera: &Camera) {
+    let of_view = format!("{name}, {view}");
+    if std::env::args().skip(1).any(|word| !word.starts_with("--") && !of_view.contains(&word)) {
+        return;
+    }
     let (frame, [wall, cpu]) = timed(|| scene.photograph(camera, &Raster::default()));
     let covered = frame.seen.iter().filter(|seen| **seen == Seen::Part).count() as f64 / frame.seen.len() as f64;
-    println!("{name}, {view}: {wall:.1} ms, {cpu:.1} ms CPU, part in {:.0} % of the pixels", 100.0 * covered);
+    println!("{of_view}: {wall:.1} ms, {cpu:.1} ms CPU, part in {:.0} % of the pixels", 100.0 * covered);
     if let Some(folder) = std::env::var_os("PICTURES") {
         let place = std::path::Path::new(&folder).join(format!("{name} {view}.ppm").replace(' ', "-"));
         std::fs::write(place, portable_pixmap(&frame)).expect("a picture");

@@ -10,8 +10,9 @@ use glam::{DVec3, Vec3A};
 
 use super::camera::Ray;
 use super::field::Field;
+use super::index::{BEYOND, Entry};
 use super::shadow::STEEPEST;
-use super::walk::{Line, indexed_size, nudge};
+use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 
 /// Step below which the middle ray stops [voxels].
 const SHORTEST: f32 = 0.3;
@@ -25,30 +26,55 @@ pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
     let apart = farthest(&|ray| ray.origin.distance_squared(origin)).sqrt() * field.per_metre;
     let spread = farthest(&|ray| ray.direction.distance_squared(direction)).sqrt();
     let start = origin * field.per_metre - field.lowest;
-    let (line, size) = (Line::new(direction.as_vec3a()), Vec3A::from(indexed_size(field)));
+    let (line, (low, high)) = (Line::new(direction.as_vec3a()), field.metal_box);
+    let (low, high) = (Vec3A::from(low), Vec3A::from(high));
     // Distances are counted from the point nearest to the box's middle, where single precision is good enough.
-    let from = (0.5 * size.as_dvec3() - start).dot(direction).max(0.0);
+    let from = ((0.5 * (low + high)).as_dvec3() - start).dot(direction).max(0.0);
     let near = (start + direction * from).as_vec3a();
-    let doubt = |t: f32| STEEPEST * ((from + f64::from(t)) * spread + apart) as f32;
-    let most = doubt(size.length());
-    let (mut t, end) = line.span(near, (Vec3A::splat(-most), size + most), -from as f32);
-    let band = field.grid.band * field.per_metre as f32;
+    let (apart, spread) = (STEEPEST * (from * spread + apart) as f32, STEEPEST * spread as f32);
+    let doubt = |t: f32| t * spread + apart;
+    let most = doubt((high - low).length());
+    let (mut t, end) = line.span(near, (low - most, high + most), -from as f32);
+    let (per_step, nudge) = ((STEEPEST + spread).recip(), nudge(field));
     while t < end {
         let at = near + line.direction * t;
-        // Metal may be cut off at the last voxels.
-        let within = at.clamp(Vec3A::ZERO, size - 1.0);
-        let step = match field.clearance(&line, within) {
-            Err(free) if within == at && doubt(t + line.length_in_free(at, free)) < band => {
-                line.length_in_free(at, free) + nudge(field)
+        let nearest = at.clamp(low, high);
+        let (free, phi) = field.around(&line, nearest);
+        // The nearest place of the box lies between the point and all metal, at no less than a right angle.
+        let clearance = (phi.max(0.0) * phi + at.distance_squared(nearest)).sqrt();
+        let by_phi = (clearance - doubt(t)) * per_step;
+        let by_cube = free.map_or(0.0, |(low, side)| {
+            let margin = Vec3A::splat(doubt(t + line.length_in(at, low, side)));
+            let (least, most) = (low + margin, low + side - margin);
+            if at.cmpge(least).all() && at.cmple(most).all() {
+                line.length_in(at, least, most.x - least.x)
+            } else {
+                0.0
             }
-            Err(_) => (band - at.distance(within) - doubt(t)) / (STEEPEST + spread as f32),
-            Ok(phi) => (phi - at.distance(within) - doubt(t)) / (STEEPEST + spread as f32),
-        };
+        });
+        let step = by_phi.max(by_cube);
         let goes_on = step > SHORTEST;
         if !goes_on {
             return (from + f64::from(t)).max(0.0) / field.per_metre;
         }
-        t += step;
+        t += step + nudge;
     }
     f64::INFINITY
+}
+
+impl Field<'_> {
+    /// What is around a point: lowest corner and side of a cube of bricks without metal, if there is one, and φ [voxels].
+    fn around(&self, line: &Line, at: Vec3A) -> (Option<(Vec3A, f32)>, f32) {
+        let low = line.corner(at);
+        let corner = integers(low);
+        let brick = corner >> BRICK_SHIFT;
+        let place = self.index.place(brick);
+        let Entry { to_metal, to_brick, .. } = place.map_or(BEYOND, |place| self.index.at(place));
+        let free = (to_metal > 0).then(|| free_cube(brick, to_metal));
+        let phi = match place {
+            Some(place) if to_brick == 0 => self.padded().phi(place, corner, (at - low).into()),
+            _ => self.grid.band,
+        };
+        (free.map(|(low, side)| (low.as_vec3a(), side as f32)), phi * self.per_metre as f32)
+    }
 }

@@ -151,6 +151,7 @@ impl Camera {
     }
 
     /// As [`Camera::pixel_size`], of many pixels; `half_image`: [`Camera::half_image`].
+    #[inline(always)]
     pub(crate) fn pixel_size_within(&self, depth: f64, height: usize, half_image: f64) -> f64 {
         let distance = if matches!(self.projection, Projection::Orthographic { .. }) { 1.0 } else { depth };
         2.0 * half_image * distance / height.max(1) as f64

@@ -1,11 +1,14 @@
 //! A grid ready to be looked at from any side.
 
+use std::sync::OnceLock;
+
 use glam::{DVec3, IVec3, Vec3, Vec3A};
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 
 use super::index::Index;
 use super::occupancy::{Blocks, occupancy};
+use super::padded::Padded;
 use super::walk::{integers, nearest_whole};
 
 /// A grid and where in it rays can meet the surface. Made once for a state of the part, used for any number of rays.
@@ -25,6 +28,8 @@ pub struct Field<'a> {
     pub(crate) lowest: DVec3,
     /// Voxels in a metre.
     pub(crate) per_metre: f64,
+    /// φ for many samples at a time, made when first asked for.
+    padded: OnceLock<Padded>,
 }
 
 impl<'a> Field<'a> {
@@ -40,7 +45,14 @@ impl<'a> Field<'a> {
         let metal_box =
             if low.cmple(high).all() { (voxels(low), voxels(high + IVec3::ONE)) } else { (Vec3::ZERO, Vec3::ZERO) };
         let lowest = (grid.origin * BRICK_SIDE as i32).as_dvec3();
-        Self { grid, index: Index::new(grid, &metal), metal, air, metal_box, lowest, per_metre: grid.voxel.recip() }
+        let (index, per_metre) = (Index::new(grid, &metal), grid.voxel.recip());
+        Self { grid, index, metal, air, metal_box, lowest, per_metre, padded: OnceLock::new() }
+    }
+
+    /// φ of each brick with what lies around it.
+    pub(crate) fn padded(&self) -> &Padded {
+        // On this thread alone: others that wait for it may be those that would help.
+        self.padded.get_or_init(|| Padded::new(self))
     }
 
     /// A point [m] in voxels from the lowest voxel of the index.

@@ -65,6 +65,11 @@ impl Index {
         index
     }
 
+    /// Number of places.
+    pub(crate) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
     /// First entry of each row of the grid along z.
     fn rows(&self) -> impl Iterator<Item = usize> + use<> {
         let ([x, y, z], dims) = (self.steps, self.dims.as_usizevec3());
@@ -97,6 +102,12 @@ impl Index {
     #[inline]
     pub(crate) fn entry(&self, brick: IVec3) -> Entry {
         self.place(brick).map_or(BEYOND, |place| self.entries[place])
+    }
+
+    /// Entry at a place.
+    #[inline]
+    pub(crate) fn at(&self, place: usize) -> Entry {
+        self.entries[place]
     }
 
     /// Slot at a place.

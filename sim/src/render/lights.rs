@@ -61,6 +61,7 @@ impl Environment {
     /// Radiance from around a direction whose sine above the horizon is given.
     ///
     /// `roughness`: 0 for a mirror; rough surfaces see it blurred.
+    #[inline(always)]
     pub(crate) fn radiance(&self, height: f32, roughness: f32) -> Vec3 {
         let blur = 0.12 + 0.88 * roughness;
         let above = smooth_step(-blur, blur, height);

@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::lanes::{LANES, Lanes, Points, integer};
+
 /// Points of a path that are kept: marks turn slowly against their distance.
 pub const MOST_POINTS: usize = 48;
 /// Length of a groove in widths.
@@ -60,49 +62,81 @@ impl Marks {
         Self { path: (0..points.len()).step_by(stride).map(at).collect(), ..Self::default() }
     }
 
-    /// Direction of the marks at a point [m] of a surface with a unit normal, and the tilt of the normal across them:
+    /// Directions of the marks at points [m] of a surface with unit normals, and the tilts of the normal across them:
     /// directions of the path mixed by the inverse fourth power of the distance (Shepard 1968).
     ///
-    /// `footprint`: length that a pixel spans on the surface [m]; finer grooves fade into roughness.
-    pub(crate) fn at(&self, point: Vec3, normal: Vec3, footprint: f32) -> Groove {
-        let (mut along, mut centre, mut arc, mut weights) = (Vec3::ZERO, Vec3::ZERO, 0f32, 0f32);
+    /// `footprints`: lengths that pixels span on the surface [m]; finer grooves fade into roughness.
+    #[inline(always)]
+    pub(crate) fn grooves(&self, points: &Points, normals: &Points, footprints: &Lanes) -> Grooves {
+        let (mut along, mut centre, mut arc, mut weights) = (Points::ZERO, Points::ZERO, [0.0; LANES], [0.0; LANES]);
         for mark in &self.path {
-            let away = point - mark.point;
-            // A tenth of a millimetre keeps the weight finite.
-            let near = 1.0 / (away.dot(away) + 1e-8);
-            let weight = near * near;
-            along += mark.along * weight;
-            centre += mark.point * weight;
-            arc += (mark.arc + mark.along.dot(away)) * weight;
-            weights += weight;
+            for i in 0..LANES {
+                let away = points.get(i) - mark.point;
+                // A tenth of a millimetre keeps the weight finite.
+                let near = 1.0 / (away.dot(away) + 1e-8);
+                let weight = near * near;
+                along.set(i, along.get(i) + mark.along * weight);
+                centre.set(i, centre.get(i) + mark.point * weight);
+                arc[i] += (mark.arc + mark.along.dot(away)) * weight;
+                weights[i] += weight;
+            }
         }
-        let along = along - normal * normal.dot(along);
+        let mut grooves = Grooves { along: Points::ZERO, tilt: [0.0; LANES], share: [0.0; LANES] };
+        for i in 0..LANES {
+            let mix = Mix { along: along.get(i), centre: centre.get(i), arc: arc[i], weights: weights[i] };
+            let groove = self.groove(&mix, points.get(i), normals.get(i), footprints[i]);
+            grooves.along.set(i, groove.along);
+            (grooves.tilt[i], grooves.share[i]) = (groove.tilt, groove.share);
+        }
+        grooves
+    }
+
+    #[inline(always)]
+    fn groove(&self, mix: &Mix, point: Vec3, normal: Vec3, footprint: f32) -> Groove {
+        let along = mix.along - normal * normal.dot(mix.along);
         let length = along.length();
-        let has_direction = length > 1e-6 * weights;
-        if !has_direction {
-            return Groove { along: any_tangent(normal), tilt: 0.0, share: 0.0 };
-        }
+        let has_direction = length > 1e-6 * mix.weights;
         let along = along / length;
-        let across = normal.cross(along).dot(point - centre / weights) / self.width;
-        let down = arc / weights / (self.width * ELONGATION);
+        let across = normal.cross(along).dot(point - mix.centre / mix.weights) / self.width;
+        let down = mix.arc / mix.weights / (self.width * ELONGATION);
         let fade = 1.0 - ((footprint / self.width - 0.4) / 0.8).clamp(0.0, 1.0);
         let slope = noise_slope(across, down) + 0.6 * noise_slope(2.7 * across + 11.3, 1.3 * down);
-        Groove { along, tilt: self.slope * fade * slope, share: 1.0 }
+        Groove {
+            along: if has_direction { along } else { any_tangent(normal) },
+            tilt: if has_direction { self.slope * fade * slope } else { 0.0 },
+            share: if has_direction { 1.0 } else { 0.0 },
+        }
     }
+}
+
+/// Sums over a path, weighted by its nearness to a point.
+struct Mix {
+    along: Vec3,
+    centre: Vec3,
+    arc: f32,
+    weights: f32,
+}
+
+/// The marks at the samples of a tile, as in [`Groove`].
+pub(crate) struct Grooves {
+    pub(crate) along: Points,
+    pub(crate) tilt: Lanes,
+    pub(crate) share: Lanes,
 }
 
 /// The marks at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Groove {
+struct Groove {
     /// Unit tangent along the marks.
-    pub(crate) along: Vec3,
+    along: Vec3,
     /// Slope of the surface across them [1].
-    pub(crate) tilt: f32,
+    tilt: f32,
     /// 1 where the path gives a direction, else 0.
-    pub(crate) share: f32,
+    share: f32,
 }
 
 /// A unit vector across another one (Duff et al. 2017).
+#[inline(always)]
 pub(crate) fn any_tangent(normal: Vec3) -> Vec3 {
     let sign = 1f32.copysign(normal.z);
     let a = -1.0 / (sign + normal.z);
@@ -110,10 +144,11 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec3 {
 }
 
 /// Derivative along u of value noise on the lattice of whole (u, v), within ±2.
+#[inline(always)]
 fn noise_slope(u: f32, v: f32) -> f32 {
     let (low_u, low_v) = (u.floor(), v.floor());
     let (fu, fv) = (u - low_u, v - low_v);
-    let (iu, iv) = (low_u as i32, low_v as i32);
+    let (iu, iv) = (integer(low_u), integer(low_v));
     let smooth = fv * fv * (3.0 - 2.0 * fv);
     let row = |iv: i32| lattice_value(iu.wrapping_add(1), iv) - lattice_value(iu, iv);
     let (here, next) = (row(iv), row(iv.wrapping_add(1)));
@@ -121,6 +156,7 @@ fn noise_slope(u: f32, v: f32) -> f32 {
 }
 
 /// A number from 0 to 1 for a lattice point: the first of PCG2D (Jarzynski & Olano 2020).
+#[inline(always)]
 fn lattice_value(u: i32, v: i32) -> f32 {
     let x = (u as u32).wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     let y = (v as u32).wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -135,6 +171,14 @@ fn lattice_value(u: i32, v: i32) -> f32 {
 mod tests {
     use super::*;
 
+    fn groove_at(marks: &Marks, point: Vec3, normal: Vec3, footprint: f32) -> Groove {
+        let [mut points, mut normals] = [Points::ZERO; 2];
+        points.set(5, point);
+        normals.set(5, normal);
+        let grooves = marks.grooves(&points, &normals, &[footprint; LANES]);
+        Groove { along: grooves.along.get(5), tilt: grooves.tilt[5], share: grooves.share[5] }
+    }
+
     #[test]
     fn marks_follow_a_bent_path_and_lie_in_the_surface() {
         let arc = |i: usize| {
@@ -148,7 +192,7 @@ mod tests {
         assert!((length - 0.05 * std::f32::consts::FRAC_PI_2).abs() < 0.003, "{length}");
         for i in [20, 100, 150, 200, 280] {
             let at = points[i].as_vec3() + Vec3::Z * 0.001;
-            let groove = marks.at(at, Vec3::Z, 0.0);
+            let groove = groove_at(&marks, at, Vec3::Z, 0.0);
             let tangent = (points[i + 1] - points[i - 1]).normalize().as_vec3();
             assert!(groove.along.dot(tangent) > 0.999 && groove.along.z.abs() < 1e-6, "{groove:?}");
         }
@@ -157,7 +201,7 @@ mod tests {
     #[test]
     fn grooves_are_long_along_the_path_and_fade_below_a_pixel() {
         let marks = Marks::parallel(DVec3::X);
-        let tilt = |x: f32, y: f32, footprint: f32| marks.at(Vec3::new(x, y, 0.0), Vec3::Z, footprint).tilt;
+        let tilt = |x: f32, y: f32, footprint: f32| groove_at(&marks, Vec3::new(x, y, 0.0), Vec3::Z, footprint).tilt;
         let spread = |tilts: &[f32]| tilts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f32>();
         let step = 2e-5;
         let across: Vec<f32> = (0..500).map(|i| tilt(0.001, i as f32 * step, 0.0)).collect();
@@ -170,7 +214,7 @@ mod tests {
     #[test]
     fn without_a_direction_there_are_no_marks() {
         for marks in [Marks::default(), Marks::parallel(DVec3::Z)] {
-            let groove = marks.at(Vec3::splat(0.01), Vec3::Z, 0.0);
+            let groove = groove_at(&marks, Vec3::splat(0.01), Vec3::Z, 0.0);
             assert_eq!((groove.tilt, groove.share), (0.0, 0.0));
             assert!(groove.along.is_finite() && groove.along.dot(Vec3::Z).abs() < 1e-6);
         }

@@ -4,7 +4,6 @@ use glam::Vec3;
 
 use super::marks::Marks;
 use super::shade::smooth_step;
-use super::surface::Surface;
 
 /// Share of weld metal over which its appearance sets in.
 pub(crate) const WELD_BORDER: (f32, f32) = (0.35, 0.65);
@@ -22,6 +21,7 @@ pub struct Material {
 
 impl Material {
     /// Both mixed in colour, roughness and metallic response, `share` of `other` (0 to 1).
+    #[inline(always)]
     pub fn mixed(self, other: Self, share: f32) -> Self {
         Self {
             colour: self.colour.lerp(other.colour, share),
@@ -81,14 +81,17 @@ pub(crate) struct Blend {
 impl Appearance {
     /// Coated and exposed appearance mixed by min(D, 1); what is exposed is ground where a tool has removed metal or
     /// coating, else base or weld metal.
-    pub(crate) fn blend(&self, surface: &Surface) -> Blend {
-        let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, surface.weld_share);
+    ///
+    /// - `weld_share`, `dose`, `removed`: as in [`Surface`](super::surface::Surface)
+    #[inline(always)]
+    pub(crate) fn blend(&self, weld_share: f32, dose: f32, removed: f32) -> Blend {
+        let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, weld_share);
         let untouched = self.metal.mixed(self.weld, weld);
-        let ground = smooth_step(0.0, self.ground_depth, surface.removed);
+        let ground = smooth_step(0.0, self.ground_depth, removed);
         let Some(coating) = self.coating else {
             return Blend { material: untouched.mixed(self.ground, ground), ground };
         };
-        let exposed = surface.dose.clamp(0.0, 1.0);
+        let exposed = dose.clamp(0.0, 1.0);
         Blend { material: coating.mixed(self.ground, exposed), ground: ground * exposed }
     }
 }

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::lanes::{LANES, Lanes, Points};
 use super::material::Material;
 
 /// Reflectance of paint at normal incidence.
@@ -31,34 +32,85 @@ pub(crate) struct Facets {
     anisotropy: f32,
 }
 
-impl Facets {
-    /// - `normal`, `along`: unit vectors across each other
-    /// - `anisotropy`: 0 for the same width in all directions, 1 for the strongest
-    pub(crate) fn new(material: &Material, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
-        let width = (material.roughness * material.roughness).max(LEAST_WIDTH);
-        let aspect = (1.0 - 0.9 * anisotropy).sqrt();
-        Self {
+/// Surface elements of a tile's samples.
+pub(crate) struct FacetLanes {
+    normals: Points,
+    along: Points,
+    diffuse: Points,
+    mirror: Points,
+    widths: [Lanes; 2],
+    roughness: Lanes,
+    anisotropy: Lanes,
+}
+
+impl FacetLanes {
+    /// Yet to be set.
+    pub(crate) const NONE: Self = Self {
+        normals: Points::ZERO,
+        along: Points::ZERO,
+        diffuse: Points::ZERO,
+        mirror: Points::ZERO,
+        widths: [[0.0; LANES]; 2],
+        roughness: [0.0; LANES],
+        anisotropy: [0.0; LANES],
+    };
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, facets: &Facets) {
+        self.normals.set(lane, facets.normal);
+        self.along.set(lane, facets.along);
+        self.diffuse.set(lane, facets.diffuse);
+        self.mirror.set(lane, facets.mirror);
+        [self.widths[0][lane], self.widths[1][lane]] = facets.widths;
+        (self.roughness[lane], self.anisotropy[lane]) = (facets.roughness, facets.anisotropy);
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Facets {
+        let (normal, along) = (self.normals.get(lane), self.along.get(lane));
+        Facets {
             normal,
             along,
             across: normal.cross(along),
-            diffuse: material.colour * (1.0 - material.metallic),
-            mirror: Vec3::splat(DIELECTRIC).lerp(material.colour, material.metallic),
-            widths: [(width * aspect).max(LEAST_WIDTH), width / aspect],
-            roughness: material.roughness,
-            anisotropy,
+            diffuse: self.diffuse.get(lane),
+            mirror: self.mirror.get(lane),
+            widths: [self.widths[0][lane], self.widths[1][lane]],
+            roughness: self.roughness[lane],
+            anisotropy: self.anisotropy[lane],
         }
+    }
+}
+
+impl Facets {
+    /// - `normal`, `along`: unit vectors across each other
+    /// - `anisotropy`: 0 for the same width in all directions, 1 for the strongest
+    #[inline(always)]
+    pub(crate) fn new(material: &Material, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
+        let (diffuse, mirror) = (
+            material.colour * (1.0 - material.metallic),
+            Vec3::splat(DIELECTRIC).lerp(material.colour, material.metallic),
+        );
+        let (across, widths, roughness) = (Vec3::ZERO, [0.0; 2], material.roughness);
+        Self { normal, along, across, diffuse, mirror, widths, roughness, anisotropy }.turned(normal, along, anisotropy)
+    }
+
+    /// The same material with another normal and other marks, as in [`Facets::new`].
+    #[inline(always)]
+    pub(crate) fn turned(&self, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
+        let width = (self.roughness * self.roughness).max(LEAST_WIDTH);
+        let aspect = (1.0 - 0.9 * anisotropy).sqrt();
+        let widths = [(width * aspect).max(LEAST_WIDTH), width / aspect];
+        Self { normal, along, across: normal.cross(along), widths, anisotropy, ..*self }
     }
 
     /// Light sent to the viewer from a light of irradiance 1 straight on, π times the reflectance factor times the cosine.
     ///
     /// - `viewer`, `light`: unit vectors from the surface
     /// - `spread`: tangent of the light's half angle; it widens the highlight (Karis 2013)
+    #[inline(always)]
     pub(crate) fn reflected(&self, viewer: Vec3, light: Vec3, spread: f32) -> Vec3 {
         let (to_light, to_viewer) = (self.normal.dot(light), self.normal.dot(viewer).max(1e-4));
         let is_lit = to_light > 0.0;
-        if !is_lit {
-            return Vec3::ZERO;
-        }
         let half = (viewer + light).normalize_or(self.normal);
         let fresnel = schlick(self.mirror, half.dot(viewer));
         let [along, across] = self.widths;
@@ -71,10 +123,12 @@ impl Facets {
         let specular = fresnel * (distribution * self.visibility(viewer, light, to_viewer, to_light));
         // What the facets mirror, coming or going, does not reach the base.
         let mirrored = schlick(self.mirror, half.dot(viewer).min(to_viewer).min(to_light));
-        (self.diffuse * (Vec3::ONE - mirrored) / PI + specular) * to_light
+        let light = (self.diffuse * (Vec3::ONE - mirrored) / PI + specular) * to_light;
+        if is_lit { light } else { Vec3::ZERO }
     }
 
     /// Height-correlated masking and shadowing over 4 (n·v) (n·l) (Heitz 2014).
+    #[inline(always)]
     fn visibility(&self, viewer: Vec3, light: Vec3, to_viewer: f32, to_light: f32) -> f32 {
         let [a, b] = self.widths;
         let spread = |w: Vec3, cosine: f32| Vec3::new(a * self.along.dot(w), b * self.across.dot(w), cosine).length();
@@ -83,6 +137,7 @@ impl Facets {
 
     /// Direction from which an environment is mirrored to the viewer: bent towards the marks' cross-section
     /// (Revie 2012).
+    #[inline(always)]
     pub(crate) fn mirrored(&self, viewer: Vec3) -> Vec3 {
         let in_section = (viewer - self.along * self.along.dot(viewer)).normalize_or(self.normal);
         let bend = 0.5 * self.anisotropy * (5.0 * self.roughness).min(1.0);
@@ -92,27 +147,32 @@ impl Facets {
 
     /// Share of an environment that is the same all around that the facets mirror to the viewer, light that goes on from
     /// facet to facet included (Lagarde 2011).
+    #[inline(always)]
     pub(crate) fn environment_share(&self, viewer: Vec3) -> Vec3 {
         let grazing = Vec3::splat(1.0 - self.roughness).max(self.mirror);
         self.mirror + (grazing - self.mirror) * fifth_power(1.0 - self.normal.dot(viewer).clamp(0.0, 1.0))
     }
 
     /// Diffuse albedo under light from all around.
+    #[inline(always)]
     pub(crate) fn diffuse_share(&self) -> Vec3 {
         self.diffuse
     }
 
     /// Perceptual roughness.
+    #[inline(always)]
     pub(crate) fn roughness(&self) -> f32 {
         self.roughness
     }
 }
 
 /// Reflectance at an angle whose cosine is given (Schlick 1994).
+#[inline(always)]
 fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
     straight + (Vec3::ONE - straight) * fifth_power(1.0 - cosine.clamp(0.0, 1.0))
 }
 
+#[inline(always)]
 fn fifth_power(x: f32) -> f32 {
     let square = x * x;
     square * square * x

@@ -28,6 +28,10 @@
 
 // Units stand in brackets: `[m]` is no link.
 
+// Loops over lanes index several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
+mod beam;
 mod bundle;
 mod camera;
 mod clear_view;
@@ -37,16 +41,19 @@ mod cubic;
 mod edges;
 mod field;
 mod font;
-mod four;
 mod frame;
 mod index;
+mod lanes;
 mod legend;
 mod lens;
 mod lights;
+mod lit;
+mod lockstep;
 mod marks;
 mod material;
 mod microfacet;
 mod occupancy;
+mod padded;
 mod photographer;
 mod placement;
 mod removed;
@@ -55,6 +62,7 @@ mod sensor;
 mod shade;
 mod shadow;
 mod sheet;
+mod skyline;
 mod surface;
 mod text;
 mod tile;

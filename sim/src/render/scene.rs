@@ -4,19 +4,19 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
+use super::beam::Beam;
 use super::bundle::common_clear_length;
 use super::camera::{Camera, Ray};
 use super::field::Field;
 use super::frame::{Frame, Seen};
+use super::lanes::{LANES, Points};
 use super::lights::Lights;
-use super::marks::any_tangent;
+use super::lit::{Lit, Shown};
+use super::lockstep::Crossings;
 use super::material::{Appearance, Material, PRIMER};
-use super::microfacet::Facets;
 use super::placement::Placement;
-use super::shade::facing;
-use super::shadow::Towards;
 use super::surface::Surface;
-use super::tile::{MOST_SAMPLES, Sample, Shelter, Sheltered, TILE, tile_pixels};
+use super::tile::{Sample, Shelter, TILE, tile_pixels};
 
 /// A level table without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,8 +88,8 @@ impl<'a> Scene<'a> {
         let mut frame = Frame::empty(raster.width, raster.height);
         let mut colours = vec![[Vec3::ZERO; N]; frame.colour.len()];
         let stage = Stage::new(self, camera, raster);
-        let lamps: Vec<Towards> =
-            stage.lamps.iter().map(|lamp| Towards::new(&self.field, lamp.towards, lamp.spread)).collect();
+        let beam = |lamp: &Lamp| Beam::new(&self.field, lamp.towards, lamp.spread);
+        let lamps: Vec<Beam> = stage.lamps.par_iter().map(beam).collect();
         let rows = TILE * raster.width.max(1);
         let Frame { colour, depth, normal, position, weld, dose, removed, seen, .. } = &mut frame;
         let floats = (depth.par_chunks_mut(rows), dose.par_chunks_mut(rows), removed.par_chunks_mut(rows));
@@ -157,31 +157,32 @@ impl<'a> Stage<'a> {
     /// centre shows the part, in others. `corner`: the tile's first pixel.
     fn tile<const N: usize>(
         &self,
-        lamps: &[Towards],
+        lamps: &[Beam],
         corner: (usize, usize),
         others: &[Appearance; N],
         mut each: impl FnMut((usize, usize), &Sample, (Vec3, [Vec3; N])),
     ) {
-        let pixels = tile_pixels(corner).filter(|&(x, y)| x < self.raster.width && y < self.raster.height);
-        let pixels: Vec<_> = pixels.collect();
-        let centres: Vec<_> = pixels.iter().map(|&(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).collect();
-        let centres = self.samples(&centres);
+        let within = |&(x, y): &(usize, usize)| x < self.raster.width && y < self.raster.height;
+        let pixels = || tile_pixels(corner).filter(within);
+        let centres = self.samples(pixels().map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
         if self.raster.samples_per_side > 1 {
-            for (pixel, centre) in pixels.into_iter().zip(&centres) {
+            for (pixel, centre) in pixels().zip(&centres) {
                 each(pixel, centre, self.mean(lamps, pixel, centre.seen == Seen::Part, others));
             }
             return;
         }
-        let shelter = Shelter::of(self, lamps, &centres);
-        for (i, (pixel, centre)) in pixels.into_iter().zip(&centres).enumerate() {
-            each(pixel, centre, self.lights(centre, centre.seen == Seen::Part, others, &shelter.of_sample(i)));
+        let lit = self.lights(lamps, &centres, others, centres.iter().any(|centre| centre.seen == Seen::Part));
+        for (i, (pixel, centre)) in pixels().zip(&centres).enumerate() {
+            let is_part = centre.seen == Seen::Part;
+            let in_others = lit.1.each_ref().map(|light| if is_part { light.get(i) } else { Vec3::ZERO });
+            each(pixel, centre, (lit.0.get(i), in_others));
         }
     }
 
     /// Mean light of a pixel; in other appearances, too, if it is `on_part`.
     fn mean<const N: usize>(
         &self,
-        lamps: &[Towards],
+        lamps: &[Beam],
         (x, y): (usize, usize),
         on_part: bool,
         others: &[Appearance; N],
@@ -189,58 +190,71 @@ impl<'a> Stage<'a> {
         let side = self.raster.samples_per_side;
         let along = |i: usize| (i as f64 + 0.5) / side as f64;
         let at = |i: usize| DVec2::new(x as f64 + along(i % side), y as f64 + along(i / side));
-        let samples = self.samples(&(0..side * side).map(at).collect::<Vec<_>>());
         let mut sum = (Vec3::ZERO, [Vec3::ZERO; N]);
-        for samples in samples.chunks(MOST_SAMPLES) {
-            let shelter = Shelter::of(self, lamps, samples);
-            for (i, sample) in samples.iter().enumerate() {
-                let (light, in_others) = self.lights(sample, on_part, others, &shelter.of_sample(i));
-                sum.0 += light;
-                sum.1.iter_mut().zip(in_others).for_each(|(sum, light)| *sum += light);
+        for first in (0..side * side).step_by(LANES) {
+            let count = LANES.min(side * side - first);
+            let samples = self.samples((first..first + count).map(at));
+            let lit = self.lights(lamps, &samples, others, on_part);
+            for i in 0..count {
+                sum.0 += lit.0.get(i);
+                sum.1.iter_mut().zip(&lit.1).for_each(|(sum, light)| *sum += light.get(i));
             }
         }
         let count = (side * side) as f32;
         (sum.0 / count, sum.1.map(|sum| sum / count))
     }
 
-    /// Light of a sample in the scene's appearance and, if wanted, in others.
+    /// Light of samples in the scene's appearance and, if `wanted`, in others.
     fn lights<const N: usize>(
         &self,
-        sample: &Sample,
-        wanted: bool,
+        lamps: &[Beam],
+        samples: &[Sample; LANES],
         others: &[Appearance; N],
-        sheltered: &Sheltered,
-    ) -> (Vec3, [Vec3; N]) {
-        let light = |appearance: &Appearance| self.light(sample, appearance, sheltered);
-        let in_others = if wanted { others.each_ref().map(light) } else { [Vec3::ZERO; N] };
+        wanted: bool,
+    ) -> (Points, [Points; N]) {
+        let (shown, shelter) = (&Shown::new(samples), &Shelter::of(self, lamps, samples));
+        let light = |appearance| pulp::Arch::new().dispatch(Lit { stage: self, appearance, shown, shelter });
+        let in_others = if wanted { others.each_ref().map(light) } else { [Points::ZERO; N] };
         (light(&self.scene.appearance), in_others)
     }
 
-    /// What rays through neighbouring points of the image meet; from the top left [pixels].
-    fn samples(&self, points: &[DVec2]) -> Vec<Sample> {
+    /// What rays through at most [`LANES`] neighbouring points of the image meet; from the top left [pixels].
+    fn samples(&self, points: impl Iterator<Item = DVec2>) -> [Sample; LANES] {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
-        let ray = |at: &DVec2| self.camera.ray_within(at / size, self.aspect, self.half_image);
-        let rays: Vec<Ray> = points.iter().map(ray).collect();
-        let clear = common_clear_length(&self.scene.field, &rays);
-        rays.iter().map(|ray| self.sample(ray, clear)).collect()
+        let field = &self.scene.field;
+        let (mut rays, mut count) = ([Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }; LANES], 0);
+        for at in points {
+            rays[count] = self.camera.ray_within(at / size, self.aspect, self.half_image);
+            count += 1;
+        }
+        let rays = &rays[..count];
+        let clear = common_clear_length(field, rays);
+        let distances = if clear < f64::INFINITY {
+            pulp::Arch::new().dispatch(Crossings { field, padded: field.padded(), rays, clear })
+        } else {
+            [f64::INFINITY; LANES]
+        };
+        let mut samples = [Sample::NOTHING; LANES];
+        for ((sample, ray), distance) in samples.iter_mut().zip(rays).zip(distances) {
+            *sample = self.sample(ray, distance);
+        }
+        samples
     }
 
-    /// What a ray meets; `clear`: length on which it meets no metal [m].
-    fn sample(&self, ray: &Ray, clear: f64) -> Sample {
+    /// What a ray meets; `distance`: from its start to the part [m].
+    fn sample(&self, ray: &Ray, distance: f64) -> Sample {
         let direction = ray.direction.as_vec3();
         let table = self.table_distance(ray);
-        let hit = (clear < f64::INFINITY).then(|| self.scene.field.trace_from(ray, clear)).flatten();
-        match hit.filter(|hit| hit.distance <= table) {
-            Some(hit) => {
-                let surface = Surface::new(&self.scene.field, &self.camera, ray, &hit);
-                Sample { direction, seen: Seen::Part, surface: Some(surface) }
-            }
-            None if table < f64::INFINITY => {
-                let point = ray.origin + ray.direction * table;
-                let surface = Surface::bare(self.camera.depth(point), point, self.up.as_vec3(), direction);
-                Sample { direction, seen: Seen::Table, surface: Some(surface) }
-            }
-            None => Sample { direction, seen: Seen::Background, surface: None },
+        if distance <= table && distance < f64::INFINITY {
+            let surface =
+                Surface::by_padded(&self.scene.field, &self.camera, ray, &self.scene.field.hit(ray, distance));
+            Sample { direction, seen: Seen::Part, surface: Some(surface) }
+        } else if table < f64::INFINITY {
+            let point = ray.origin + ray.direction * table;
+            let surface = Surface::bare(self.camera.depth(point), point, self.up.as_vec3(), direction);
+            Sample { direction, seen: Seen::Table, surface: Some(surface) }
+        } else {
+            Sample { direction, ..Sample::NOTHING }
         }
     }
 
@@ -248,41 +262,5 @@ impl<'a> Stage<'a> {
     fn table_distance(&self, ray: &Ray) -> f64 {
         let (height, fall) = (ray.origin.dot(self.up) - self.table, -ray.direction.dot(self.up));
         if height > 0.0 && height < f64::INFINITY && fall > 1e-9 { height / fall } else { f64::INFINITY }
-    }
-
-    /// Light that comes along a ray, linear RGB.
-    fn light(&self, sample: &Sample, appearance: &Appearance, sheltered: &Sheltered) -> Vec3 {
-        let environment = &self.scene.lights.environment;
-        let up = self.up.as_vec3();
-        let Some(surface) = &sample.surface else {
-            return environment.radiance(sample.direction.dot(up), 0.0);
-        };
-        let facets = self.facets(surface, sample.seen, appearance);
-        let viewer = -surface.view;
-        let mirrored = environment.radiance(facets.mirrored(viewer).dot(up), facets.roughness());
-        let around = environment.radiance(facets.normal.dot(up), 1.0);
-        let open = (facets.diffuse_share() * around + facets.environment_share(viewer) * mirrored) * sheltered.open;
-        let lamps = self.lamps.iter().zip(sheltered.shares()).filter(|(_, share)| *share > 0.0);
-        lamps.fold(open, |light, (lamp, share)| {
-            light + facets.reflected(viewer, lamp.towards, lamp.spread) * lamp.irradiance * share
-        })
-    }
-
-    fn facets(&self, surface: &Surface, seen: Seen, appearance: &Appearance) -> Facets {
-        let normal = facing(surface.normal, surface.view);
-        if let (Seen::Table, Some(table)) = (seen, &self.scene.table) {
-            return Facets::new(&table.material, normal, any_tangent(normal), 0.0);
-        }
-        let blend = appearance.blend(surface);
-        if blend.ground <= 0.0 || appearance.marks.path.is_empty() {
-            return Facets::new(&blend.material, normal, any_tangent(normal), 0.0);
-        }
-        let footprint =
-            self.camera.pixel_size_within(f64::from(surface.depth), self.raster.height, self.half_image) as f32;
-        let groove = appearance.marks.at(surface.position, normal, footprint);
-        let across = normal.cross(groove.along);
-        let tilted = (normal + across * (groove.tilt * blend.ground)).normalize_or(normal);
-        let anisotropy = appearance.marks.anisotropy * blend.ground * groove.share;
-        Facets::new(&blend.material, facing(tilted, surface.view), groove.along, anisotropy)
     }
 }

@@ -3,10 +3,13 @@
 //! The lights stand relative to the camera, so that every view of a part is lit the same way. Pure functions of their
 //! arguments.
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
+use sdf_bake::grid::trilinear;
 
 use super::camera::Camera;
-use super::field::Field;
+use super::field::{Field, cell_of};
+use super::lanes::{LANES, Lanes, Points};
+use super::padded::Cells;
 use super::shadow::Towards;
 use super::surface::Surface;
 
@@ -43,7 +46,7 @@ const KEY_SPREAD: f32 = 0.16;
 const HIGHLIGHT: f32 = 38.0;
 const HIGHLIGHT_STRENGTH: f32 = 1.4;
 /// Start of a shadow ray above the surface [voxels].
-const SHADOW_START: f32 = 0.6;
+pub(crate) const SHADOW_START: f32 = 0.6;
 
 impl Studio {
     /// Key light over the camera's left shoulder, fill light from the right.
@@ -101,39 +104,72 @@ pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, sprea
     if surface.normal.dot(towards) <= 0.0 {
         return 0.0;
     }
-    Towards::new(field, towards, spread).share(shadow_start(field, surface))
-}
-
-/// Where shadow rays leave a surface [voxels].
-pub(crate) fn shadow_start(field: &Field, surface: &Surface) -> Vec3 {
-    field.in_voxels(surface.position.as_dvec3()) + surface.normal * SHADOW_START
+    let start = field.in_voxels(surface.position.as_dvec3()) + surface.normal * SHADOW_START;
+    Towards::new(field, towards, spread).share(start)
 }
 
 /// Share of open space just above a point, 0 to 1: φ along the normal against the distance gone (Evans 2006), within
 /// the band, beyond which φ is truncated.
 pub(crate) fn ambient_occlusion(field: &Field, surface: &Surface) -> f32 {
-    ambient_occlusion_of_four(field, [surface; 4]).x
-}
-
-/// As [`ambient_occlusion`] of four points.
-pub(crate) fn ambient_occlusion_of_four(field: &Field, surfaces: [&Surface; 4]) -> Vec4 {
-    const STEPS: [f32; 3] = [0.3, 0.6, 0.95];
-    let points = surfaces.map(|surface| field.in_voxels(surface.position.as_dvec3()));
+    let (point, per_metre) = (field.in_voxels(surface.position.as_dvec3()), field.per_metre as f32);
     let missing = |part: f32| {
         let reach = part * field.grid.band;
-        let voxels = reach * field.per_metre as f32;
-        let above = |i: usize| points[i] + surfaces[i].normal * voxels;
-        let phi = field.phi_of_four(&[above(0), above(1), above(2), above(3)]);
-        1.0 - (phi / reach).clamp(Vec4::ZERO, Vec4::ONE)
+        let (corner, within) = cell_of(point + surface.normal * (reach * per_metre));
+        occlusion(trilinear(&field.cell_phi(corner), within), reach)
     };
-    let mean = STEPS.into_iter().map(missing).sum::<Vec4>() / STEPS.len() as f32;
-    (1.0 - 1.5 * mean).max(Vec4::splat(0.15))
+    openness(OCCLUSION_STEPS.into_iter().map(missing).sum())
+}
+
+/// As [`ambient_occlusion`] of the samples that are `wanted`: a call that is compiled for each kind of lanes.
+pub(crate) struct Openness<'a> {
+    pub(crate) field: &'a Field<'a>,
+    /// Of the surfaces [voxels].
+    pub(crate) points: &'a Points,
+    pub(crate) normals: &'a Points,
+    pub(crate) wanted: &'a [bool; LANES],
+}
+
+impl pulp::NullaryFnOnce for Openness<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn call(self) -> Lanes {
+        let Self { field, points, normals, wanted } = self;
+        let (mut missing, mut cells) = ([0.0; LANES], Cells::new(field.grid.band));
+        for part in OCCLUSION_STEPS {
+            let reach = part * field.grid.band;
+            let at = points.moved(normals, &[reach * field.per_metre as f32; LANES]);
+            cells.low = at.corners(&Points::ZERO);
+            field.padded().read(wanted, &mut cells);
+            for i in 0..LANES {
+                missing[i] += occlusion(cells.phi(i, at.get(i) - cells.low.get(i)), reach);
+            }
+        }
+        missing.map(openness)
+    }
+}
+
+/// Parts of the band at which occlusion is looked for.
+const OCCLUSION_STEPS: [f32; 3] = [0.3, 0.6, 0.95];
+
+/// What is missing of an open space at a distance `reach` from the surface, 0 to 1.
+#[inline(always)]
+fn occlusion(phi: f32, reach: f32) -> f32 {
+    1.0 - (phi / reach).clamp(0.0, 1.0)
+}
+
+/// Share of open space, from the sum of what is missing.
+#[inline(always)]
+fn openness(missing: f32) -> f32 {
+    (1.0 - 1.5 * (missing / OCCLUSION_STEPS.len() as f32)).max(0.15)
 }
 
 /// The normal, turned just enough to face the camera: blended normals tip over at silhouettes.
+#[inline(always)]
 pub(crate) fn facing(normal: Vec3, view: Vec3) -> Vec3 {
     let away = normal.dot(view);
-    if away > 0.0 { (normal - view * away).normalize_or(-view) } else { normal }
+    let across = (normal - view * away).normalize_or(-view);
+    if away > 0.0 { across } else { normal }
 }
 
 fn reflect(view: Vec3, normal: Vec3) -> Vec3 {
@@ -148,6 +184,7 @@ fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
 }
 
 /// Cubic step from 0 at `low` to 1 at `high`.
+#[inline(always)]
 pub(crate) fn smooth_step(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

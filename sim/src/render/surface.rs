@@ -9,6 +9,7 @@ use super::camera::{Camera, Ray};
 use super::field::{Field, cell_of};
 use super::removed::removed_depth;
 use super::trace::Hit;
+use super::walk::BRICK_SHIFT;
 
 /// Labels are read this far below the surface [voxels], where the metal that carries them is.
 const LABEL_DEPTH: f32 = 0.75;
@@ -62,8 +63,23 @@ impl Surface {
     /// What the channels of the grid tell of a point that a ray has met.
     pub(crate) fn new(field: &Field, camera: &Camera, ray: &Ray, hit: &Hit) -> Self {
         let at = field.in_voxels(hit.point);
-        let (weld, weld_share) = weld_at(field, at - hit.normal * LABEL_DEPTH);
-        let [dose, removed] = scalars_at(field, at);
+        Self::of(camera, ray, hit, weld_at(field, at - hit.normal * LABEL_DEPTH), scalars_at(field, at))
+    }
+
+    /// As [`Surface::new`], by what the padded bricks know.
+    pub(crate) fn by_padded(field: &Field, camera: &Camera, ray: &Ray, hit: &Hit) -> Self {
+        let (at, padded) = (field.in_voxels(hit.point), field.padded());
+        let below = at - hit.normal * LABEL_DEPTH;
+        let brick = |point: Vec3| cell_of(point).0 >> BRICK_SHIFT;
+        let weld = match padded.label(brick(below), field) {
+            Some(label) => (label, f32::from(label.min(1))),
+            None => weld_at(field, below),
+        };
+        let scalars = if padded.is_plain(brick(at), field) { [0.0; 2] } else { scalars_at(field, at) };
+        Self::of(camera, ray, hit, weld, scalars)
+    }
+
+    fn of(camera: &Camera, ray: &Ray, hit: &Hit, (weld, weld_share): (u16, f32), [dose, removed]: [f32; 2]) -> Self {
         Self {
             depth: camera.depth(hit.point) as f32,
             position: hit.point.as_vec3(),

@@ -22,15 +22,17 @@ impl Field<'_> {
     ///
     /// A ray that starts in the metal, or enters the indexed box in it, meets it right there.
     pub fn trace(&self, ray: &Ray) -> Option<Hit> {
-        self.trace_from(ray, 0.0)
-    }
-
-    /// As [`Field::trace`] for a ray that meets nothing on a length `clear` [m].
-    pub(crate) fn trace_from(&self, ray: &Ray, clear: f64) -> Option<Hit> {
-        let distance = first_crossing(Walk::entering(self, ray, clear)?)?;
+        let distance = first_crossing(Walk::entering(self, ray)?)?;
         let point = ray.origin + ray.direction * distance;
         let normal = self.normal(self.in_voxels(point)).unwrap_or(-ray.direction.as_vec3());
         Some(Hit { distance, point, normal })
+    }
+
+    /// What a ray meets at a distance [m], by the padded bricks.
+    pub(crate) fn hit(&self, ray: &Ray, distance: f64) -> Hit {
+        let point = ray.origin + ray.direction * distance;
+        let normal = self.padded().normal(self, self.in_voxels(point)).unwrap_or(-ray.direction.as_vec3());
+        Hit { distance, point, normal }
     }
 
     /// Distance [m] from a ray's start in the metal to where it leaves it; zero for a ray that starts outside.

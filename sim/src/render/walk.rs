@@ -141,20 +141,19 @@ pub(crate) fn integers(whole: Vec3A) -> IVec3 {
 }
 
 impl<'a> Walk<'a> {
-    /// Starts a walk in the box that holds all metal, or `None` for a ray that misses it. `clear`: length from the ray's
-    /// start on which it meets nothing [m].
-    pub(crate) fn entering(field: &'a Field<'a>, ray: &Ray, clear: f64) -> Option<Self> {
-        Self::new(field, ray, clear * field.per_metre, Sense::Entering, field.metal_box)
+    /// Starts a walk in the box that holds all metal, or `None` for a ray that misses it.
+    pub(crate) fn entering(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
+        Self::new(field, ray, Sense::Entering, field.metal_box)
     }
 
     /// Starts a walk that looks for the way out of the metal, in the whole indexed box.
     pub(crate) fn leaving(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
-        Self::new(field, ray, 0.0, Sense::Leaving, (Vec3::ZERO, indexed_size(field)))
+        Self::new(field, ray, Sense::Leaving, (Vec3::ZERO, indexed_size(field)))
     }
 
-    fn new(field: &'a Field<'a>, ray: &Ray, clear: f64, sense: Sense, (least, most): (Vec3, Vec3)) -> Option<Self> {
+    fn new(field: &'a Field<'a>, ray: &Ray, sense: Sense, (least, most): (Vec3, Vec3)) -> Option<Self> {
         let start = ray.origin * field.per_metre - field.lowest;
-        let (mut enter, mut leave) = (clear, f64::INFINITY);
+        let (mut enter, mut leave) = (0f64, f64::INFINITY);
         for axis in 0..3 {
             let (p, d) = (start[axis], ray.direction[axis]);
             let (least, most) = (f64::from(least[axis]), f64::from(most[axis]));
@@ -303,7 +302,7 @@ mod tests {
                     direction[axis] = sign;
                     let direction = direction.normalize();
                     let ray = Ray { origin: direction * -8.0, direction };
-                    let mut walk = Walk::entering(&field, &ray, 0.0).unwrap();
+                    let mut walk = Walk::entering(&field, &ray).unwrap();
                     let mut cells = 0;
                     while let Some(cell) = walk.next_cell() {
                         walk.pass(&cell);

@@ -1,0 +1,223 @@
+//! How much of a lamp's light reaches the samples of a tile.
+//!
+//! ```text
+//!   ↗ ↗ ↗ ↗ ↗     rays of neighbouring points towards one lamp run side by side. One ray in their middle tells for all
+//!   · · ◉ · ·     of them, as φ changes by no more than the distance: what is far enough from the middle's cone is
+//!  ───────────    clear of all cones, and what is deep in the metal there is in the metal for all. Else each goes by
+//!                 itself, in lanes.
+//! ```
+//!
+//! Each share is that of [`Towards::share`]. Lengths are in voxels, from the lowest voxel of the index.
+
+use glam::{IVec3, Vec3, Vec3A};
+
+use super::field::Field;
+use super::index::BEYOND;
+use super::lanes::{Directions, LANES, Lanes, Points, any, larger, smaller};
+use super::padded::Cells;
+use super::shadow::{LEAST_STEP, STEEPEST, Towards};
+use super::skyline::Skyline;
+use super::walk::{BRICK_SHIFT, integers};
+
+/// Largest distance of a ray from the one that tells for it [voxels]: farther ones are seldom as clear as that.
+const MOST_APART: f32 = 0.45;
+
+/// Rays towards a lamp from any tile.
+pub(crate) struct Beam<'a> {
+    towards: Towards<'a>,
+    directions: Directions,
+    skyline: Skyline,
+    band: f32,
+}
+
+impl<'a> Beam<'a> {
+    /// `direction`: unit vector to the lamp; `spread`: tangent of its half angle.
+    pub(crate) fn new(field: &'a Field<'a>, direction: Vec3, spread: f32) -> Self {
+        Self {
+            towards: Towards::new(field, direction, spread),
+            directions: Directions::all(direction),
+            skyline: Skyline::new(field.padded(), direction),
+            band: field.grid.band * field.per_metre as f32,
+        }
+    }
+
+    /// Unit vector to the lamp.
+    pub(crate) fn direction(&self) -> Vec3 {
+        self.towards.line.direction.into()
+    }
+
+    /// The shares of those of a tile's points that are `wanted`, 0 for others.
+    pub(crate) fn shares(&self, starts: &Points, wanted: &[bool; LANES]) -> Lanes {
+        pulp::Arch::new().dispatch(Shares { beam: self, starts, wanted })
+    }
+
+    /// As [`Field::clearance`].
+    #[inline(always)]
+    fn clearance(&self, at: Vec3A) -> Result<f32, (IVec3, u8)> {
+        let Towards { field, line, .. } = &self.towards;
+        let low = line.corner(at);
+        let corner = integers(low);
+        let brick = corner >> BRICK_SHIFT;
+        let Some(place) = field.index.place(brick) else { return Err((brick, BEYOND.to_brick)) };
+        match field.index.at(place).to_brick {
+            0 => Ok(field.padded().phi(place, corner, (at - low).into()) * field.per_metre as f32),
+            distance => Err((brick, distance)),
+        }
+    }
+
+    /// 1 or 0 where the ray in the middle of several shows that it is the share of them all.
+    #[inline(always)]
+    fn common_share(&self, starts: &Points, wanted: &[bool; LANES]) -> Option<f32> {
+        let towards = &self.towards;
+        let (middle, apart) = starts.around(wanted);
+        let is_close = apart <= MOST_APART;
+        if !is_close {
+            return None;
+        }
+        let doubt = STEEPEST * apart;
+        let clear = self.skyline.length(middle, apart);
+        let middle = Vec3A::from(middle);
+        let (mut t, end) = towards.line.span(middle, (Vec3A::ZERO, towards.size), 0.0);
+        let end = end.min(clear);
+        let mut is_lit = true;
+        while t < end {
+            let at = middle + towards.line.direction * t;
+            let clearance = match self.clearance(at) {
+                Ok(clearance) => clearance,
+                // All rays are within the cube that is smaller by a brick.
+                Err((brick, distance @ 2..)) => {
+                    t += towards.line.length_in_free(at, (brick, distance - 1)) + towards.nudge;
+                    continue;
+                }
+                Err(free) => {
+                    t += towards.line.length_in_free(at, free) + towards.nudge;
+                    is_lit &= towards.cone(t) <= self.band - doubt;
+                    continue;
+                }
+            };
+            if clearance < -(doubt + LEAST_STEP) {
+                return Some(0.0);
+            }
+            // No finer than the steps of a single ray.
+            let slack = clearance - doubt - towards.cone(t);
+            is_lit &= slack > 0.0;
+            t += (if is_lit { slack / (STEEPEST + towards.spread) } else { clearance }).max(LEAST_STEP);
+        }
+        is_lit.then_some(1.0)
+    }
+}
+
+/// The shares of a tile's points, each by its own ray: a call that is compiled for each kind of lanes.
+struct Shares<'a> {
+    beam: &'a Beam<'a>,
+    starts: &'a Points,
+    wanted: &'a [bool; LANES],
+}
+
+impl pulp::NullaryFnOnce for Shares<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn call(self) -> Lanes {
+        let Self { beam: Beam { towards, directions, .. }, starts, wanted } = self;
+        if let Some(common) = self.beam.common_share(starts, wanted) {
+            return wanted.map(|wanted| if wanted { common } else { 0.0 });
+        }
+        let field = towards.field;
+        let (padded, per_metre) = (field.padded(), field.per_metre as f32);
+        let (mut t, end) = self.spans();
+        let (mut share, mut under_way) = ([0.0; LANES], [false; LANES]);
+        for i in 0..LANES {
+            share[i] = if wanted[i] { 1.0 } else { 0.0 };
+            under_way[i] = wanted[i] & (t[i] < end[i]);
+        }
+        let mut cells = Cells::new(field.grid.band);
+        while any(&under_way) {
+            let at = starts.moved(&directions.along, &t);
+            cells.low = at.corners(&directions.along);
+            padded.read(&under_way, &mut cells);
+            for i in 0..LANES {
+                let (point, low) = (at.get(i), cells.low.get(i));
+                let is_free = cells.to_brick[i] > 0;
+                let (cube, side) = cells.free_cube(i, cells.to_brick[i]);
+                let stride = directions.length_in(i, point, cube, side) + towards.nudge;
+                let clearance = cells.phi(i, point - low) * per_metre;
+                let cone = smaller(towards.spread * t[i], towards.cap);
+                let is_near = under_way[i] & !is_free;
+                let is_outside = clearance > 0.0;
+                let is_dark = is_near & !is_outside;
+                let is_less = is_near & (clearance < share[i] * cone);
+                let less = if is_less { clearance / cone } else { share[i] };
+                share[i] = if is_dark { 0.0 } else { less };
+                t[i] += if is_free { stride } else { larger(clearance, LEAST_STEP) };
+                under_way[i] &= (t[i] < end[i]) & !is_dark;
+            }
+        }
+        share
+    }
+}
+
+impl Shares<'_> {
+    /// Where each ray is in the indexed box, up to where it is clear. Inlined into the call, as all that it calls.
+    #[inline(always)]
+    fn spans(&self) -> (Lanes, Lanes) {
+        let Beam { towards, directions, skyline, .. } = self.beam;
+        let mut ends = skyline.lengths(self.starts);
+        let mut begins = [0.0; LANES];
+        for i in 0..LANES {
+            let (point, along, inverse) = (self.starts.get(i), directions.along.get(i), directions.inverse.get(i));
+            for axis in 0..3 {
+                let (low, high) = (-point[axis] * inverse[axis], (towards.size[axis] - point[axis]) * inverse[axis]);
+                let (near, far) = if along[axis] < 0.0 { (high, low) } else { (low, high) };
+                begins[i] = larger(begins[i], near);
+                ends[i] = smaller(ends[i], far);
+            }
+        }
+        (begins, ends)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use sdf_bake::BrickGrid;
+
+    use super::*;
+
+    const VOXEL: f64 = 0.0005;
+
+    #[test]
+    fn one_ray_tells_of_its_neighbours_what_their_own_rays_do() {
+        // A rib on a plate: lit, in its shadow and between.
+        let cuboid = |p: DVec3, centre: DVec3, half: DVec3| {
+            let q = (p - centre).abs() - half;
+            q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+        };
+        let shape = move |p: DVec3| {
+            let plate = cuboid(p, DVec3::ZERO, DVec3::new(0.02, 0.01, 0.001));
+            plate.min(cuboid(p, DVec3::new(0.0, 0.0, 0.005), DVec3::new(0.0011, 0.01, 0.005)))
+        };
+        let half = DVec3::new(0.02, 0.01, 0.01);
+        let grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, shape);
+        let field = Field::new(&grid);
+        let beam = Beam::new(&field, Vec3::new(-0.7, 0.1, 0.9).normalize(), 0.15);
+        let mut told = [0; 2];
+        for i in 0..1500 {
+            let x = -0.019 + 0.038 * f64::from(i) / 1500.0;
+            let start = |j: usize| {
+                let (dx, dy) = (6e-5 * (j % 4) as f64, 6e-5 * (j / 4) as f64);
+                field.in_voxels(DVec3::new(x + dx, 0.003 + dy, 0.001)) + 0.6 * Vec3::Z
+            };
+            let mut starts = Points::ZERO;
+            (0..LANES).for_each(|lane| starts.set(lane, start(lane)));
+            let wanted: [bool; LANES] = std::array::from_fn(|lane| (i + lane as i32) % 7 != 0);
+            let own: Lanes =
+                std::array::from_fn(|lane| if wanted[lane] { beam.towards.share(start(lane)) } else { 0.0 });
+            assert_eq!(beam.shares(&starts, &wanted), own, "at x = {x}");
+            if let Some(share) = beam.common_share(&starts, &wanted) {
+                told[usize::from(share > 0.5)] += 1;
+            }
+        }
+        assert!(told[0] > 100 && told[1] > 600 && told[0] + told[1] < 1500, "{told:?}");
+    }
+}
