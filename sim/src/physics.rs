@@ -13,10 +13,6 @@ use crate::step::Step;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
 
-/// Values of cells that those who run a hook hand to it.
-const OWN: [Variable; 5] =
-    [Variable::Depth, Variable::DepthRate, Variable::Pressure, Variable::Rate, Variable::DoseRate];
-
 /// A model with the state of its tool, and the values of the step under way.
 pub struct Physics<'a> {
     /// Laws and effects.
@@ -31,7 +27,7 @@ pub struct Physics<'a> {
     pub coating: f64,
     /// Values of cells by [`Variable`], of those that a hook reads.
     lanes: Vec<Vec<f64>>,
-    /// Cell variables that some hook reads, but [`OWN`].
+    /// Cell variables that some hook reads.
     wanted: Vec<Variable>,
     /// Those of them that decide the balance of forces.
     balancing: Vec<Variable>,
@@ -50,8 +46,7 @@ impl<'a> Physics<'a> {
     pub fn new(model: &'a CompiledModel, states: &'a mut States, coating: f64) -> Self {
         let of_cells = |hooks: &[Place]| {
             let read = hooks.iter().flat_map(|&place| model.needs(place)).copied();
-            let is_placed = |variable: &Variable| variable.row().per == Per::Cell && !OWN.contains(variable);
-            let mut read: Vec<Variable> = read.filter(is_placed).collect();
+            let mut read: Vec<Variable> = read.filter(|variable| variable.row().per == Per::Cell).collect();
             read.sort_unstable_by_key(|&variable| variable as usize);
             read.dedup();
             read
@@ -266,36 +261,24 @@ impl<'a> Physics<'a> {
         self.run(Place::Pressure, &[(Variable::Depth, depth), (Variable::DepthRate, depth_rate)], out)
     }
 
-    /// Recession speed r [m/s] at depths and pressures.
-    pub fn rate(
-        &self,
-        (depth, depth_rate): (&[f64], &[f64]),
-        pressure: &[f64],
-        out: &mut Vec<f64>,
-    ) -> Result<(), RunError> {
+    /// Recession speed r [m/s].
+    pub fn rate(&self, depth: &[f64], pressure: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
         out.resize(depth.len(), 0.0);
         if !self.grinds() {
             out.fill(0.0);
             return Ok(());
         }
-        let own = [(Variable::Depth, depth), (Variable::DepthRate, depth_rate), (Variable::Pressure, pressure)];
-        self.run(Place::Rate, &own, out)
+        self.run(Place::Rate, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
     }
 
-    /// Dose per time [1/s] at depths and pressures.
-    pub fn dose_rate(
-        &self,
-        (depth, depth_rate): (&[f64], &[f64]),
-        pressure: &[f64],
-        out: &mut Vec<f64>,
-    ) -> Result<(), RunError> {
+    /// Dose per time [1/s].
+    pub fn dose_rate(&self, depth: &[f64], pressure: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
         out.resize(depth.len(), 0.0);
         if !self.sands() {
             out.fill(0.0);
             return Ok(());
         }
-        let own = [(Variable::Depth, depth), (Variable::DepthRate, depth_rate), (Variable::Pressure, pressure)];
-        self.run(Place::Dose, &own, out)
+        self.run(Place::Dose, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
     }
 
     fn run(&self, place: Place, own: &[(Variable, &[f64])], out: &mut [f64]) -> Result<(), RunError> {

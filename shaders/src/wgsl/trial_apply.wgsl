@@ -28,9 +28,6 @@ fn dose_gain(line: u32, start: Square, end: Square, middle: Pose) -> f32 {
     var lane = lane_at(line, middle);
     lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
     let dt = state.dt;
-    if state.whole_step == 0u && dt > 0.0 {
-        lane.depth_rate = (wet_depth(end) - wet_depth(start)) * setup.voxel / dt;
-    }
     let at_end = sanded(lane, wet_depth(end), column_value(PRESSURE_END, line)) * end.share;
     if state.whole_step == 1u {
         return dt * at_end;

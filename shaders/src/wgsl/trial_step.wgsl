@@ -1,14 +1,7 @@
 // One step of the contact over the squares of the region, one invocation each in turn; twin of step/.
 
-// Least distance between a square's mean depth and the two depths at which it is looked at, of the mean.
-const LEAST_SPREAD: f32 = 1e-3;
-
-// Pressure and recession speed [Pa, m/s], and how fast the latter rises with the depth [1/s].
-struct Response {
-    pressure: f32,
-    rate: f32,
-    relaxation: f32,
-}
+// Relative change of depth over which the slope of the recession is taken.
+const PROBE: f32 = 1e-3;
 
 // Whether a line is in the rectangle in which the start of the step was measured.
 fn has_start(line: u32) -> bool {
@@ -90,18 +83,6 @@ fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
     totals[SUM_STIFFNESS] += load / depth * facing;
 }
 
-// What the laws say of a square in whose column's line the depths are in `depths`: means of those at Gauss's two points.
-fn response(line: u32, depths: u32, lane: Lane, depth: f32, depth_rate: f32) -> Response {
-    let u = 0.25 * (column_value(depths, line + across()) - column_value(depths, line - across()));
-    let v = 0.25 * (column_value(depths, line + 1u) - column_value(depths, line - 1u));
-    let spread = max(min(sqrt((u * u + v * v) / 3.0), depth / sqrt(3.0)), LEAST_SPREAD * depth);
-    let shallow = ground(lane, depth - spread, depth_rate);
-    let deep = ground(lane, depth + spread, depth_rate);
-    let mean = 0.5 * (shallow + deep);
-    let relaxation = select(0.0, (deep.y - shallow.y) / (2.0 * spread * setup.voxel), spread > 0.0);
-    return Response(mean.x, mean.y, max(relaxation, 0.0));
-}
-
 // Integrates a square over the step.
 fn relax(line: u32, start: Square, end: Square, pose: Pose, middle: Pose) {
     let voxel = setup.voxel;
@@ -109,20 +90,22 @@ fn relax(line: u32, start: Square, end: Square, pose: Pose, middle: Pose) {
     let lane = lane_here(line, middle);
     let depths = vec2f(wet_depth(start), wet_depth(end));
     let depth_rate = select(0.0, (depths.y - depths.x) * voxel / dt, dt > 0.0);
-    let a = response(line, start_array(END_DEPTH), lane, depths.x, depth_rate);
-    let b = response(line, end_array(END_DEPTH), lane, depths.y, depth_rate);
-    let is_start = depths.x > depths.y;
-    let relaxation = select(b.relaxation, a.relaxation, is_start);
+    let a = ground(lane, depths.x, depth_rate);
+    let b = ground(lane, depths.y, depth_rate);
+    let deeper_depth = max(depths.x, depths.y);
+    let deeper = select(b, a, depths.x > depths.y);
+    let probe = ground(lane, deeper_depth * (1.0 + PROBE), depth_rate);
+    let relaxation = max((probe.y - deeper.y) / (PROBE * deeper_depth * voxel), 0.0);
     let weights = decay_weights(relaxation * dt);
-    let rates = vec2f(a.rate * start.share, b.rate * end.share);
+    let rates = vec2f(a.y * start.share, b.y * end.share);
     let recession = dt * (rates.x * weights.x + (rates.y - rates.x) * weights.y) / voxel;
-    let loads = vec2f(a.pressure * start.share, b.pressure * end.share);
+    let loads = vec2f(a.x * start.share, b.x * end.share);
     let left = select(0.0, max(1.0 - recession / end.mean, 0.0), end.mean > 0.0);
     let mean_recession = dt * (rates.x * weights.y + (rates.y - rates.x) * weights.z) / voxel;
-    let stiffness = select(b.pressure / depths.y, a.pressure / depths.x, is_start);
+    let stiffness = deeper.x / deeper_depth;
     set_column(RECESSION, line, recession);
-    set_column(PRESSURE_START, line, a.pressure);
-    set_column(PRESSURE_END, line, b.pressure);
+    set_column(PRESSURE_START, line, a.x);
+    set_column(PRESSURE_END, line, b.x);
     set_column(MEAN_LOAD, line, max(0.5 * (loads.x + loads.y) - stiffness * mean_recession, 0.0));
     let facing = voxel * voxel * approach_share(line, pose.approach);
     totals[SUM_FORCE] += loads.y * left * facing;

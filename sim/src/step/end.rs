@@ -1,6 +1,5 @@
 //! The squares in contact at one end of a step, one lane each.
 
-use super::spread::{Point, Spread};
 use crate::contact::{Squares, runs};
 use crate::effect::RunError;
 use crate::physics::Physics;
@@ -11,8 +10,6 @@ pub(super) struct End {
     /// Mean depth over the wet share [m].
     pub(super) depth: Vec<f64>,
     pub(super) share: Vec<f64>,
-    /// A shallower and a deeper point of the wet share.
-    pub(super) points: [Point; 2],
     pub(super) pressure: Vec<f64>,
     pub(super) rate: Vec<f64>,
     pub(super) dose_rate: Vec<f64>,
@@ -31,29 +28,20 @@ impl End {
         }
     }
 
-    /// Spreads the depths of `lines` over their squares, in a window that is `across` lines wide.
-    pub(super) fn spread(&mut self, squares: &Squares, across: usize, lines: &[u32]) {
-        let Self { depth, points, .. } = self;
-        pulp::Arch::new().dispatch(Spread { squares, across, lines, mean: depth, points });
-    }
-
     /// Pressure at the depths.
     pub(super) fn press(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
         physics.pressure(&self.depth, depth_rate, &mut self.pressure)
     }
 
-    /// Pressure and recession speed at both points of each square.
+    /// Pressure and recession speed at the depths.
     pub(super) fn grind(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
-        for Point { depth, pressure, rate } in &mut self.points {
-            physics.pressure(depth, depth_rate, pressure)?;
-            physics.rate((depth, depth_rate), pressure, rate)?;
-        }
-        Ok(())
+        self.press(physics, depth_rate)?;
+        physics.rate(&self.depth, &self.pressure, &mut self.rate)
     }
 
     /// Dose per time under the pressures.
-    pub(super) fn sand(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
-        physics.dose_rate((&self.depth, depth_rate), &self.pressure, &mut self.dose_rate)
+    pub(super) fn sand(&mut self, physics: &Physics) -> Result<(), RunError> {
+        physics.dose_rate(&self.depth, &self.pressure, &mut self.dose_rate)
     }
 }
 

@@ -7,13 +7,12 @@
 
 mod end;
 mod relax;
-mod spread;
 mod sums;
 
 use glam::DVec3;
 
 use self::end::{End, merge};
-use self::relax::{Relax, Relaxed};
+use self::relax::{PROBE, Relax, Relaxed};
 use self::sums::ApproachShare;
 use crate::clock::Phase;
 use crate::contact::Squares;
@@ -45,6 +44,7 @@ pub struct Step {
     depth_rate: Vec<f64>,
     start: End,
     end: End,
+    probe: End,
     /// What the step does to each lane.
     relaxed: Relaxed,
     /// Dose that the square's mean takes up in the step [1].
@@ -110,11 +110,12 @@ impl Step {
         self.measure_end((tool, pose, DVec3::ZERO), sheet, physics)?;
         self.gather(dt);
         physics.place(tool, &self.middle(pose), sheet, Some(&self.end_squares), &self.lines);
-        let across = sheet.window.size[1];
-        self.start.spread(&self.start_squares, across, &self.lines);
-        self.end.spread(&self.end_squares, across, &self.lines);
         self.start.grind(physics, &self.depth_rate)?;
         self.end.grind(physics, &self.depth_rate)?;
+        self.probe.depth.clear();
+        let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
+        self.probe.depth.extend(deeper);
+        self.probe.grind(physics, &self.depth_rate)?;
         physics.lap(Phase::Model);
         let force = self.relax(pose, sheet, dt);
         physics.lap(Phase::Integrate);
@@ -153,17 +154,16 @@ impl Step {
         dt: f64,
     ) -> Result<(), RunError> {
         physics.place_rest(tool, &self.middle(pose), sheet, &self.end_squares, &self.lines);
-        self.end.sand(physics, &self.depth_rate)?;
+        self.end.sand(physics)?;
         self.dose.clear();
         if self.is_whole {
-            let End { depth, pressure, rate, .. } = &mut self.end;
-            physics.rate((depth, &self.depth_rate), pressure, rate)?;
+            physics.rate(&self.end.depth, &self.end.pressure, &mut self.end.rate)?;
             self.relaxed.recession.clear();
             self.relaxed.recession.resize(self.lines.len(), 0.0);
             self.relaxed.mean_load.clone_from(&self.relaxed.end_load);
             self.dose.extend(self.end.dose_rate.iter().zip(&self.end.share).map(|(rate, share)| dt * rate * share));
         } else {
-            self.start.sand(physics, &self.depth_rate)?;
+            self.start.sand(physics)?;
             let of = |end: &End, lane: usize| end.dose_rate[lane] * end.share[lane];
             let dose = |lane| 0.5 * dt * (of(&self.start, lane) + of(&self.end, lane));
             self.dose.extend((0..self.lines.len()).map(dose));
@@ -231,8 +231,8 @@ impl Step {
 
     /// Integrates each lane over the step.
     fn relax(&mut self, pose: &Pose, sheet: &Sheet, dt: f64) -> EndForce {
-        let Self { start, end, relaxed, .. } = self;
-        pulp::Arch::new().dispatch(Relax { start, end, dt, out: relaxed });
+        let Self { start, end, probe, relaxed, .. } = self;
+        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, out: relaxed });
         let normal = ApproachShare::new(pose, sheet);
         let area = sheet.pitch * sheet.pitch;
         let mut result = EndForce::default();

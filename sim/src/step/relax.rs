@@ -3,6 +3,9 @@
 use super::end::End;
 use crate::decay::Decay;
 
+/// Relative change of depth over which the slope of the recession is taken.
+pub(super) const PROBE: f64 = 1e-3;
+
 /// Relative difference up to which two lanes are integrated with the same weights.
 const SAME_DECAY: f64 = 1e-6;
 
@@ -23,8 +26,10 @@ pub(super) struct Relaxed {
 
 /// Integrates the lanes over a step of `dt` [s].
 pub(super) struct Relax<'a> {
-    pub(super) start: &'a mut End,
-    pub(super) end: &'a mut End,
+    pub(super) start: &'a End,
+    pub(super) end: &'a End,
+    /// Recession speed a little deeper than the deeper of both ends [m/s].
+    pub(super) probe: &'a [f64],
     pub(super) dt: f64,
     pub(super) out: &'a mut Relaxed,
 }
@@ -34,16 +39,14 @@ impl pulp::NullaryFnOnce for Relax<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { start, end, dt, out } = self;
-        let count = start.depth.len();
+        let Self { start, end, probe, dt, out } = self;
+        let count = probe.len();
         for lanes in
             [&mut out.recession, &mut out.end_load, &mut out.mean_load, &mut out.stiffness, &mut out.relaxation]
         {
             lanes.resize(count, 0.0);
         }
-        take_means(start);
-        take_means(end);
-        set_relaxation(start, end, dt, &mut out.relaxation);
+        set_relaxation(start, end, (probe, dt), &mut out.relaxation);
         let mut decay = Decay::new(0.0);
         let mut first = 0;
         while first < count {
@@ -59,37 +62,16 @@ impl pulp::NullaryFnOnce for Relax<'_> {
     }
 }
 
-/// Takes pressure and rate of each lane as the means over its points.
 #[inline(always)]
-fn take_means(end: &mut End) {
-    let count = end.depth.len();
-    let [shallow, deep] = &end.points;
-    let to = [(&mut end.pressure, &shallow.pressure, &deep.pressure), (&mut end.rate, &shallow.rate, &deep.rate)];
-    for (mean, shallow, deep) in to {
-        mean.resize(count, 0.0);
-        for ((mean, a), b) in mean.iter_mut().zip(shallow).zip(deep) {
-            *mean = 0.5 * (a + b);
-        }
-    }
-}
-
-/// Depths and rates of an end: mean depth, depths of its points, rates there.
-#[inline(always)]
-fn columns(end: &End, count: usize) -> [&[f64]; 5] {
-    let [shallow, deep] = &end.points;
-    [&end.depth, &shallow.depth, &deep.depth, &shallow.rate, &deep.rate].map(|values| &values[..count])
-}
-
-#[inline(always)]
-fn set_relaxation(start: &End, end: &End, dt: f64, out: &mut [f64]) {
+fn set_relaxation(start: &End, end: &End, (probe, dt): (&[f64], f64), out: &mut [f64]) {
     let count = out.len();
-    let ([depth_a, from_a, to_a, low_a, high_a], [depth_b, from_b, to_b, low_b, high_b]) =
-        (columns(start, count), columns(end, count));
+    let (depth_a, depth_b) = (&start.depth[..count], &end.depth[..count]);
+    let (rate_a, rate_b, probe) = (&start.rate[..count], &end.rate[..count], &probe[..count]);
     for lane in 0..count {
         let is_start = depth_a[lane] > depth_b[lane];
-        let way = if is_start { to_a[lane] - from_a[lane] } else { to_b[lane] - from_b[lane] };
-        let rise = if is_start { high_a[lane] - low_a[lane] } else { high_b[lane] - low_b[lane] };
-        out[lane] = (rise / way).max(0.0) * dt;
+        let depth = if is_start { depth_a[lane] } else { depth_b[lane] };
+        let rate = if is_start { rate_a[lane] } else { rate_b[lane] };
+        out[lane] = ((probe[lane] - rate) / (PROBE * depth)).max(0.0) * dt;
     }
 }
 
