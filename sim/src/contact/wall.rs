@@ -48,11 +48,8 @@ impl Row {
     fn all(region: &Region, across: usize, is_along_u: bool) -> impl Iterator<Item = Self> {
         let Region { rows, columns } = region.grown();
         let first = rows.start * across + columns.start;
-        let (stride, count, step, lanes) = if is_along_u {
-            (across, rows.len(), 1, columns.len())
-        } else {
-            (1, columns.len(), across, rows.len())
-        };
+        let (stride, count, step, lanes) =
+            if is_along_u { (across, rows.len(), 1, columns.len()) } else { (1, columns.len(), across, rows.len()) };
         (1..lanes - 1).map(move |lane| Self { first: first + lane * step, stride, count })
     }
 }
