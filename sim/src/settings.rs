@@ -33,7 +33,7 @@ pub struct Process {
     pub step_voxels: f64,
     /// Whether an admittance is stepped at its own period only where its dynamics matter. Default: yes.
     pub quasi_static: bool,
-    /// Way of the tool after which the field is written [voxels]. Default 8.
+    /// Way of the tool after which the field is written [voxels]. Default 4.
     pub commit_voxels: f64,
     /// Thickness of the coating h_c [m], for sanding. Default 50e-6.
     pub coating: f64,
