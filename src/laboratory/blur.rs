@@ -14,37 +14,53 @@ const REACH: f64 = 3.0;
 pub fn blurred(simulated: &HeightMap, before: &HeightMap, blur: f64) -> HeightMap {
     let kernel = Kernel::new(blur / simulated.pixels.pitch);
     let mut seen = simulated.clone();
-    if kernel.reach < 1 {
+    if kernel.reach == 0 {
         return seen;
     }
-    let (nx, ny) = (simulated.pixels.nx as i64, simulated.pixels.ny as i64);
-    let near = |i: i64, n: i64| (i - kernel.reach).max(0)..=(i + kernel.reach).min(n - 1);
-    let changed = |at: usize| (simulated.heights[at] - before.heights[at]).abs() > CHANGED;
-    let mut touched = vec![false; simulated.heights.len()];
-    for at in (0..touched.len()).filter(|&at| changed(at)) {
-        let (i, j) = (at as i64 % nx, at as i64 / nx);
-        for row in near(j, ny) {
-            near(i, nx).for_each(|column| touched[(row * nx + column) as usize] = true);
+    let size = [simulated.pixels.nx, simulated.pixels.ny];
+    let change = |(a, b): (&f64, &f64)| f64::from((a - b).abs() > CHANGED);
+    let changed: Vec<f64> = simulated.heights.iter().zip(&before.heights).map(change).collect();
+    let touched = spread(&changed, size, &vec![1.0; kernel.reach + 1]);
+    let known = |height: &f64| f64::from(height.is_finite());
+    let weights = spread(&simulated.heights.iter().map(known).collect::<Vec<_>>(), size, &kernel.weights);
+    let height = |height: &f64| if height.is_finite() { *height } else { 0.0 };
+    let sums = spread(&simulated.heights.iter().map(height).collect::<Vec<_>>(), size, &kernel.weights);
+    for (at, seen) in seen.heights.iter_mut().enumerate().filter(|(_, seen)| seen.is_finite()) {
+        if touched[at] > 0.0 {
+            *seen = sums[at] / weights[at];
         }
-    }
-    for at in (0..touched.len()).filter(|&at| touched[at] && simulated.heights[at].is_finite()) {
-        let (i, j) = (at as i64 % nx, at as i64 / nx);
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for row in near(j, ny) {
-            for column in near(i, nx) {
-                let height = simulated.heights[(row * nx + column) as usize];
-                let w = if height.is_finite() { kernel.at(column - i) * kernel.at(row - j) } else { 0.0 };
-                (sum, weight) = (sum + if w > 0.0 { w * height } else { 0.0 }, weight + w);
-            }
-        }
-        seen.heights[at] = sum / weight;
     }
     seen
 }
 
+/// Values weighed with those around them, first along rows, then along columns; nothing comes from beyond the border.
+///
+/// - `size`: columns and rows
+/// - `weights`: by distance [pixels]
+fn spread(values: &[f64], [nx, ny]: [usize; 2], weights: &[f64]) -> Vec<f64> {
+    let add = |to: &mut [f64], from: &[f64], weight: f64| {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to += weight * from);
+    };
+    let mut along = vec![0.0; values.len()];
+    for (to, from) in along.chunks_exact_mut(nx).zip(values.chunks_exact(nx)) {
+        add(to, from, weights[0]);
+        for (d, &weight) in weights.iter().enumerate().take(nx).skip(1) {
+            add(&mut to[d..], from, weight);
+            add(to, &from[d..], weight);
+        }
+    }
+    let mut both = vec![0.0; values.len()];
+    for (j, to) in both.chunks_exact_mut(nx).enumerate() {
+        for row in (j + 1).saturating_sub(weights.len())..(j + weights.len()).min(ny) {
+            add(to, &along[row * nx..][..nx], weights[row.abs_diff(j)]);
+        }
+    }
+    both
+}
+
 /// A Gaussian along one axis of the pixels.
 struct Kernel {
-    reach: i64,
+    reach: usize,
     weights: Vec<f64>,
 }
 
@@ -55,14 +71,10 @@ impl Kernel {
     /// changes evenly with the blur.
     fn new(sigma: f64) -> Self {
         let span = REACH * sigma;
-        let reach = span.ceil() as i64;
-        let fade = |d: i64| (span + 1.0 - d as f64).clamp(0.0, 1.0);
-        let weight = |d: i64| fade(d) * (-0.5 * (d as f64 / sigma).powi(2)).exp();
+        let reach = span.ceil() as usize;
+        let fade = |d: usize| (span + 1.0 - d as f64).clamp(0.0, 1.0);
+        let weight = |d: usize| fade(d) * (-0.5 * (d as f64 / sigma).powi(2)).exp();
         Self { reach: if sigma > 0.0 { reach } else { 0 }, weights: (0..=reach).map(weight).collect() }
-    }
-
-    fn at(&self, offset: i64) -> f64 {
-        self.weights[offset.unsigned_abs() as usize]
     }
 }
 

@@ -14,7 +14,7 @@ const FOLLOWED: f64 = 12.0;
 /// Times that they do.
 const STEPS_AFTER: usize = 2;
 /// Longest extrapolation of a secant beyond the probe that it was taken at.
-const FARTHEST: f64 = 1.5;
+pub(super) const FARTHEST: f64 = 1.5;
 /// Share of a change that must be left beside the base parameters' changes: less is rounding.
 const LEAST_LEFT: f64 = 1e-3;
 
@@ -103,14 +103,21 @@ impl Response {
         self.change.norm() > LEAST_LEFT * raw && self.change.norm() > 0.0
     }
 
-    /// Share of the way from null to probe at which the sum of squares is least, and its fall.
-    pub fn optimum(&self, residuals: &DVector<f64>) -> (f64, f64) {
+    /// Share of the way from null to probe at which the sum of squares were least if the effect went on as to the probe.
+    pub(super) fn wanted(&self, residuals: &DVector<f64>) -> f64 {
         let square = self.change.norm_squared();
-        if square == 0.0 {
-            return (0.0, 0.0);
-        }
-        let share = (-self.change.dot(residuals) / square).clamp(self.reach[0], self.reach[1]);
-        (share, -2.0 * share * self.change.dot(residuals) - share * share * square)
+        if square == 0.0 { 0.0 } else { -self.change.dot(residuals) / square }
+    }
+
+    /// Share of the way from null to probe, within its reach, at which the sum of squares is least, and its fall.
+    pub fn optimum(&self, residuals: &DVector<f64>) -> (f64, f64) {
+        let share = self.wanted(residuals).clamp(self.reach[0], self.reach[1]);
+        (share, -2.0 * share * self.change.dot(residuals) - share * share * self.change.norm_squared())
+    }
+
+    /// How far its optimum is from the probe, in ratios; infinite where that is the null.
+    pub(super) fn extrapolation(&self, residuals: &DVector<f64>) -> f64 {
+        if self.optimum(residuals).0 == 0.0 { f64::INFINITY } else { self.wanted(residuals).abs().ln().abs() }
     }
 }
 

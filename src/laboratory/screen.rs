@@ -7,7 +7,7 @@ use sim::effect::Scale;
 
 use super::coordinates::Coordinate;
 use super::probe::{Candidate, Probe};
-use super::response::{Look, Projector, Response};
+use super::response::{FARTHEST, Look, Projector, Response};
 
 /// Change beside the base parameters' changes that a probe should make [standard deviations, all data together], or share of
 /// the base fit's residuals where that is more. A far larger one bends away from small effects, a smaller one from large.
@@ -18,6 +18,10 @@ const NEARLY_APT: f64 = 3.0;
 const NEARLY: f64 = 0.3;
 /// Least way between two probes, as a share of that from the null.
 const LEAST_APART: f64 = 0.2;
+/// Looks at larger sizes, by how many times each at most, and the expected fall of the sum of squares that is worth one.
+const FARTHER: usize = 3;
+const LONGEST_STEP: f64 = 4.0;
+const WORTH: f64 = 16.0;
 
 /// The first look at an effect.
 #[derive(Clone)]
@@ -36,7 +40,7 @@ pub struct Screened {
 
 /// The probe of a group that needs the least extrapolation to its optimum.
 fn aptest<'a>(group: &'a [Response], residuals: &DVector<f64>) -> Option<&'a Response> {
-    let far = |response: &&Response| response.optimum(residuals).0.abs().ln().abs();
+    let far = |response: &Response| response.extrapolation(residuals);
     group.iter().filter(|response| response.is_distinct()).min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
@@ -56,8 +60,38 @@ impl Screened {
             .map(|group| look.at(&screened.candidate, &screened.apter(group, wanted)?))
             .collect();
         screened.responses.iter_mut().zip(apt).for_each(|(group, response)| group.extend(response));
+        let mut responses = std::mem::take(&mut screened.responses);
+        responses.par_iter_mut().for_each(|group| screened.go_farther(look, group));
+        screened.responses = responses;
         screened.choose(&look.projector.residuals);
         screened
+    }
+
+    /// Looks at larger sizes as long as the data promise to want the effect larger than all that were looked at.
+    fn go_farther(&self, look: &Look, group: &mut Vec<Response>) {
+        let residuals = &look.projector.residuals;
+        for _ in 0..FARTHER {
+            let Some(nearest) = aptest(group, residuals) else { return };
+            let wanted = nearest.wanted(residuals);
+            if wanted.abs() <= FARTHEST || nearest.optimum(residuals).1 < WORTH {
+                return;
+            }
+            let values = self.along(nearest, wanted.clamp(-LONGEST_STEP, LONGEST_STEP));
+            let probe = Probe { values, amplitude: nearest.probe.amplitude };
+            if !self.is_apart(group, &probe) {
+                return;
+            }
+            let Some(response) = look.at(&self.candidate, &probe) else { return };
+            group.push(response);
+        }
+    }
+
+    /// Whether a probe is none of a group.
+    fn is_apart(&self, group: &[Response], probe: &Probe) -> bool {
+        let k = probe.amplitude;
+        let null = self.candidate.coordinates[k].slot.null.filter(|null| null.is_finite()).unwrap_or(0.0);
+        let apart = |other: f64| (probe.values[k] - other).abs() > LEAST_APART * (other - null).abs();
+        group.iter().all(|response| apart(response.probe.values[k]))
     }
 
     /// Where to look again if no probe of a group changes about as much as wanted.
@@ -69,13 +103,8 @@ impl Screened {
         if off(&nearest) < NEARLY_APT.ln() {
             return None;
         }
-        let (k, values) = (nearest.probe.amplitude, self.along(nearest, share(&nearest)));
-        let null = self.candidate.coordinates[k].slot.null.filter(|null| null.is_finite()).unwrap_or(0.0);
-        let is_apart = |other: &Response| {
-            let other = other.probe.values[k];
-            (values[k] - other).abs() > LEAST_APART * (other - null).abs()
-        };
-        group.iter().all(is_apart).then_some(Probe { values, amplitude: k })
+        let probe = Probe { values: self.along(nearest, share(&nearest)), amplitude: nearest.probe.amplitude };
+        self.is_apart(group, &probe).then_some(probe)
     }
 
     /// Whether any probe could be simulated.
