@@ -20,10 +20,10 @@ use super::suspect::{QUICK_FIT, Suspect, THOROUGH_FIT, is_at_far_end};
 use super::verdict::{CERTAIN, is_open, misses};
 
 /// Pairs that are fitted quickly, and those that are fitted to the end.
-const QUICK: usize = 6;
+const QUICK: usize = 9;
 const THOROUGH: usize = 2;
 /// Pairs that are fitted with the same lead.
-const PER_LEAD: usize = 2;
+const PER_LEAD: usize = 3;
 /// Sine squared of the angle between two changes from which they are two.
 const APART: f64 = 1e-3;
 
