@@ -1,8 +1,10 @@
 //! Baking against parry3d and OpenVDB's `vdb_tool` in the same run: CPU seconds and ratios.
 //!
 //! `cargo bench -p sdf-bake --bench bake [-- MESH...]` bakes the gear, the sliver plate, three parts of the shared folder
-//! (`ROBOFIN_SHARED`) and meshes named; `--alone` leaves the others out. Each figure is the least of five runs that
-//! take turns with `vdb_tool`; parry is asked once. All work for a mesh in memory is counted; of `vdb_tool`, whose process
+//! (`ROBOFIN_SHARED`) and meshes named; `--alone` leaves the other programs out, `--only=NAME` all meshes but those
+//! whose names begin so. Each figure is the least of five runs that take turns with `vdb_tool`, short bakes run more
+//! often; parry is asked once. `apart` is how much two bakes on a thread each gain when they run at once: what the
+//! machine's two cores have to give. All work for a mesh in memory is counted; of `vdb_tool`, whose process
 //! also reads the file, what a run that only reads takes is taken off.
 
 #[path = "../tests/common/parts.rs"]
@@ -11,7 +13,7 @@ mod parts;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::OnceLock;
+use std::sync::{Barrier, OnceLock};
 use std::time::Instant;
 
 use parry3d::math::Vector;
@@ -26,8 +28,11 @@ use tempfile::NamedTempFile;
 /// Of the band's points, parry is asked about one in this many; its time is scaled up.
 const SAMPLED: usize = 16;
 
-/// Runs of which the fastest counts.
+/// Runs of which the fastest counts, at least.
 const RUNS: usize = 5;
+
+/// For how long short bakes are run again [s].
+const ENOUGH: f64 = 3.0;
 
 /// Parts of the shared folder: a long bracket, a curved solid, an open surface of a real weldment.
 const SHARED: [&str; 3] = [
@@ -43,14 +48,28 @@ fn main() {
         let name = file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into());
         (name, clean(read.mesh).expect("a usable mesh").0)
     }));
+    if let Some(only) = std::env::args().find_map(|argument| argument.strip_prefix("--only=").map(str::to_string)) {
+        cases.retain(|(name, _)| name.starts_with(&only));
+    }
     let alone = std::env::args().any(|argument| argument == "--alone");
     let vdb_tool = !alone && Command::new("vdb_tool").arg("-version").output().is_ok();
     if !alone && !vdb_tool {
         println!("vdb_tool is not installed: no figures of OpenVDB");
     }
     println!(
-        "{:24} {:>9} {:>5} {:>9} {:>7} {:>8} {:>6} {:>8} {:>6} {:>9} {:>6}",
-        "mesh", "triangles", "res", "band", "bake s", "parry s", "ratio", "vdb s", "ratio", "2 threads", "faster"
+        "{:24} {:>9} {:>5} {:>9} {:>7} {:>8} {:>6} {:>8} {:>6} {:>9} {:>6} {:>6}",
+        "mesh",
+        "triangles",
+        "res",
+        "band",
+        "bake s",
+        "parry s",
+        "ratio",
+        "vdb s",
+        "ratio",
+        "2 threads",
+        "faster",
+        "apart"
     );
     for (name, mesh) in &cases {
         for resolution in [256.0, 512.0] {
@@ -75,40 +94,63 @@ fn row(name: &str, mesh: &Mesh, resolution: f64, alone: bool, vdb_tool: bool) {
     let voxel = (high - low).max_element() / resolution;
     let options = BakeOptions { sign: SignChoice::Winding, ..BakeOptions::with_voxel(voxel) };
     let pools = [1, 2].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads"));
+    let Ok((grid, report)) = bake(mesh, &options) else {
+        println!("{name:24} is refused");
+        return;
+    };
     let file = vdb_tool.then(|| write_obj(mesh));
-    let (mut bake_s, mut clocks, mut vdb_s) = (f64::INFINITY, [f64::INFINITY; 2], f64::INFINITY);
-    let mut baked = None;
-    for _ in 0..RUNS {
+    let (mut bake_s, mut clocks, mut apart, mut vdb_s) = (f64::INFINITY, [f64::INFINITY; 2], f64::INFINITY, f64::NAN);
+    let started = Instant::now();
+    for run in 0.. {
+        if run >= RUNS && started.elapsed().as_secs_f64() > ENOUGH {
+            break;
+        }
         for (pool, clock) in pools.iter().zip(&mut clocks) {
-            let (seconds, wall) = pool.install(|| {
-                let (cpu, started) = (cpu_seconds(), Instant::now());
-                baked = Some(bake(mesh, &options));
-                (cpu_seconds() - cpu, started.elapsed().as_secs_f64())
-            });
+            let (seconds, wall) = pool.install(|| timed(mesh, &options));
             if pool.current_num_threads() == 1 {
                 bake_s = bake_s.min(seconds);
             }
             *clock = clock.min(wall);
         }
-        if let Some(file) = &file {
+        apart = apart.min(two_apart(mesh, &options));
+        if let Some(file) = file.as_ref().filter(|_| run < RUNS) {
             vdb_s = vdb_s.min(vdb_seconds(file.path(), voxel));
         }
     }
-    let Some(Ok((grid, report))) = baked else {
-        println!("{name:24} is refused");
-        return;
-    };
     let parry = if alone { f64::NAN } else { pools[0].install(|| parry_seconds(mesh, &grid)) };
-    let vdb = if vdb_tool { vdb_s } else { f64::NAN };
     println!(
-        "{name:24.24} {:9} {resolution:5} {:9} {bake_s:7.3} {parry:8.3} {:6.2} {vdb:8.3} {:6.2} {:9.3} {:6.2}",
+        "{name:24.24} {:9} {resolution:5} {:9} {bake_s:7.3} {parry:8.3} {:6.2} {vdb_s:8.3} {:6.2} {:9.3} {:6.2} {:6.2}",
         mesh.triangles.len(),
         report.active_voxels,
         parry / bake_s,
-        vdb / bake_s,
+        vdb_s / bake_s,
         clocks[1],
-        clocks[0] / clocks[1]
+        clocks[0] / clocks[1],
+        2.0 * clocks[0] / apart
     );
+}
+
+/// Seconds this thread spends on a bake, and seconds by the clock.
+fn timed(mesh: &Mesh, options: &BakeOptions) -> (f64, f64) {
+    let (cpu, started) = (cpu_seconds(), Instant::now());
+    let baked = bake(mesh, options);
+    let seconds = (cpu_seconds() - cpu, started.elapsed().as_secs_f64());
+    drop(baked);
+    seconds
+}
+
+/// Seconds by the clock until two bakes that begin together, on a thread each, have both ended.
+fn two_apart(mesh: &Mesh, options: &BakeOptions) -> f64 {
+    let begin = Barrier::new(2);
+    let one = || {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        begin.wait();
+        pool.install(|| timed(mesh, options).1)
+    };
+    std::thread::scope(|scope| {
+        let other = scope.spawn(one);
+        one().max(other.join().expect("a bake that ends"))
+    })
 }
 
 fn write_obj(mesh: &Mesh) -> NamedTempFile {

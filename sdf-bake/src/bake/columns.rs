@@ -28,6 +28,9 @@ const COLUMNS: usize = BRICK_SIDE * BRICK_SIDE;
 /// Signed crossings of each of a brick's columns, sorted by how many of its voxels lie below them.
 type Crossings = [[i32; BRICK_SIDE + 1]; COLUMNS];
 
+/// Most stacks of bricks handed to one task; any number gives the same result.
+const STACKS: usize = 8;
+
 /// Where inside is.
 #[derive(Default)]
 pub(super) struct Insides {
@@ -42,7 +45,8 @@ pub(super) struct Insides {
 /// Inside voxels of each touched brick, and the untouched bricks inside.
 pub(super) fn insides(near: &BrickTriangles, skin: &Skin, grid: &BrickGrid) -> Insides {
     let of_stack = |stack: Range<usize>| pulp::Arch::new().dispatch(Stack { bricks: stack, near, skin, grid });
-    let stacks: Vec<Insides> = near.stacks(grid.dims.z as usize).into_par_iter().map(of_stack).collect();
+    let stacks = near.stacks(grid.dims.z as usize).into_par_iter().with_max_len(STACKS);
+    let stacks: Vec<Insides> = stacks.map(of_stack).collect();
     let mut all = Insides { masks: Vec::with_capacity(near.brick_count()), ..Insides::default() };
     for stack in stacks {
         all.masks.extend(stack.masks);

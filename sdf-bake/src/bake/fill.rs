@@ -1,5 +1,7 @@
 //! The values of all touched bricks.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::columns;
@@ -9,6 +11,9 @@ use super::side::{Scene, Side};
 use super::{scatter::BrickTriangles, sign};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE};
 use crate::index::entry_brick;
+
+/// Most bricks handed to one task; any number gives the same result.
+const BRICKS: usize = 32;
 
 /// Counts of voxels, of a brick or of all.
 #[derive(Clone, Copy, Default)]
@@ -32,6 +37,7 @@ pub(super) fn fill(scene: &Scene, options: &BakeOptions, reach: f64, grid: &mut 
     let counts: Vec<Counts> = phi
         .par_chunks_exact_mut(BRICK_VOXELS)
         .enumerate()
+        .with_max_len(BRICKS)
         .map_init(Scratch::default, |scratch, (b, phi)| {
             let brick = frame.origin + entry_brick(scene.near.entry(b), frame.dims);
             let centre = brick.as_dvec3() * BRICK_SIDE as f64 + 3.5;
@@ -60,19 +66,52 @@ pub(super) fn fill(scene: &Scene, options: &BakeOptions, reach: f64, grid: &mut 
 
 /// Moves the bricks that hold a part of the band, or both sides, into the grid, and says of the others where they are.
 fn collect(mut phi: Vec<f32>, counts: &[Counts], near: &BrickTriangles, grid: &mut BrickGrid) {
+    let mut runs: Vec<Range<usize>> = Vec::new();
     for (b, brick) in counts.iter().enumerate() {
         let at = entry_brick(near.entry(b), grid.dims);
         if brick.in_band > 0 || (brick.inside > 0 && brick.inside < BRICK_VOXELS) {
-            let slot = grid.bricks.len();
-            grid.index.set(at, slot as u32);
+            grid.index.set(at, grid.bricks.len() as u32);
             grid.bricks.push(grid.origin + at);
-            if slot < b {
-                phi.copy_within(b * BRICK_VOXELS..(b + 1) * BRICK_VOXELS, slot * BRICK_VOXELS);
+            let values = b * BRICK_VOXELS..(b + 1) * BRICK_VOXELS;
+            match runs.last_mut() {
+                Some(run) if run.end == values.start => run.end = values.end,
+                _ => runs.push(values),
             }
         } else if brick.inside > 0 {
             grid.index.set(at, INSIDE);
         }
     }
+    close_gaps(&mut phi, &runs);
     phi.truncate(grid.bricks.len() * BRICK_VOXELS);
     grid.phi = phi;
+}
+
+/// Moves runs of values down to the start, one behind the other, the two halves at once.
+fn close_gaps(phi: &mut [f32], runs: &[Range<usize>]) {
+    let (lower, upper) = runs.split_at(runs.partition_point(|run| run.start < phi.len() / 2));
+    let kept: usize = lower.iter().map(Range::len).sum();
+    let middle = upper.first().map_or(phi.len(), |run| run.start);
+    let (low, high) = phi.split_at_mut(middle);
+    let (_, head) = rayon::join(|| pack(low, 0, lower, 0), || pack(high, middle, upper, middle - kept));
+    low[kept..kept + head.len()].copy_from_slice(&head);
+}
+
+/// Moves runs down to the start of `values`, without the first `ahead` of their values, which are returned.
+///
+/// - `first`: where `values` start in what the runs count
+fn pack(values: &mut [f32], first: usize, runs: &[Range<usize>], ahead: usize) -> Vec<f32> {
+    let mut head = Vec::with_capacity(ahead);
+    let mut end = 0;
+    for run in runs {
+        let start = run.start - first;
+        let split = start + run.len().min(ahead - head.len());
+        head.extend_from_slice(&values[start..split]);
+        let rest = split..run.end - first;
+        let length = rest.len();
+        if end < rest.start {
+            values.copy_within(rest, end);
+        }
+        end += length;
+    }
+    head
 }

@@ -8,6 +8,7 @@
 use std::borrow::Cow;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::patch::{Patch, RimCorner};
 use super::skin::Corners;
@@ -58,10 +59,11 @@ impl<'a> Closed<'a> {
     }
 
     fn patch(&mut self, edges: &EdgeMap) {
-        for rim in rims(arcs(&self.mesh, edges)) {
-            let corner = |arc: &Arc| RimCorner { position: self.mesh.positions[arc.from as usize], normal: arc.normal };
-            let patch = Patch::over(rim.iter().map(corner).collect());
-            self.holes += 1;
+        let corner = |arc: &Arc| RimCorner { position: self.mesh.positions[arc.from as usize], normal: arc.normal };
+        let over = |rim: Vec<Arc>| Patch::over(rim.iter().map(corner).collect());
+        let patches: Vec<Patch> = rims(arcs(&self.mesh, edges)).into_par_iter().with_max_len(1).map(over).collect();
+        self.holes += patches.len();
+        for patch in patches {
             if !patch.continues {
                 self.guesses.extend_from_slice(&patch.triangles);
             }

@@ -103,10 +103,9 @@ impl Continuation {
         for span in 2..n {
             for i in 0..n - span {
                 let j = i + span;
-                let total = |k: usize| least[i * n + k] + least[k * n + j] + cost(rim, [i, k, j]);
-                let first = (total(i + 1), i + 1);
-                let best = (i + 2..j).map(|k| (total(k), k)).fold(first, |a, b| if b.0 < a.0 { b } else { a });
+                let best = best_apex(rim, &least, [i, j]);
                 (least[i * n + j], apex[i * n + j]) = best;
+                least[j * n + i] = best.0;
             }
         }
         let mut chords = vec![(0, n - 1)];
@@ -125,6 +124,24 @@ impl Continuation {
             chords.extend([(i, k), (k, j)]);
         }
     }
+}
+
+/// The least cost of all triangles between a chord and the rim from `i` to `j`, and the corner of the triangle at the
+/// chord that has it, the first of equals. `least` holds that cost of each shorter chord, both ways round.
+fn best_apex(rim: &[RimCorner], least: &[f64], [i, j]: [usize; 2]) -> (f64, usize) {
+    let (from_i, from_j) = (&least[i * rim.len()..], &least[j * rim.len()..]);
+    let chords = |k: usize| from_i[k] + from_j[k];
+    let total = |k: usize| chords(k) + cost(rim, [i, k, j]);
+    let promising = (i + 2..j).fold(i + 1, |a, b| if chords(b) < chords(a) { b } else { a });
+    let mut best = (total(promising), promising);
+    for k in i + 1..j {
+        // No triangle costs less than nothing, so most need not be looked at.
+        if chords(k) <= best.0 {
+            let other = (total(k), k);
+            best = if other < best { other } else { best };
+        }
+    }
+    best
 }
 
 fn normal_of([a, b, c]: Corners) -> DVec3 {

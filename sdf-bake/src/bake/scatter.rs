@@ -13,10 +13,18 @@ use super::skin::Skin;
 use crate::grid::{BRICK_SIDE, BrickGrid};
 
 /// Triangles of each touched brick; bricks in index order, triangles in the skin's order.
+#[derive(Default)]
 pub(super) struct BrickTriangles {
     entries: Vec<u32>,
-    first: Vec<usize>,
-    triangles: Vec<NearTriangle>,
+    places: Vec<Place>,
+    /// Triangles of the bricks of each slab.
+    slabs: Vec<Vec<NearTriangle>>,
+}
+
+/// Where the triangles of a brick are.
+struct Place {
+    slab: usize,
+    triangles: Range<usize>,
 }
 
 /// Index of a triangle, and in the highest bit whether it may cross columns within the brick.
@@ -47,7 +55,8 @@ impl BrickTriangles {
 
     /// Triangles within reach of touched brick `b`.
     pub(super) fn triangles(&self, b: usize) -> &[NearTriangle] {
-        &self.triangles[self.first[b]..self.first[b + 1]]
+        let Place { slab, triangles } = &self.places[b];
+        &self.slabs[*slab][triangles.clone()]
     }
 
     /// Runs of touched bricks above one another, each from low to high; `height` is the index's extent along z.
@@ -63,22 +72,31 @@ impl BrickTriangles {
 }
 
 /// Triangles handed to one task; any number gives the same result.
-const CHUNK: usize = 1024;
+const CHUNK: usize = 256;
+
+/// Most slabs: runs of index entries whose triangles are sorted by one task each; any number gives the same result.
+const SLABS: usize = 16;
 
 /// A brick's index entry and a triangle near it.
 type Pair = (u32, NearTriangle);
 
+/// The pairs of each slab.
+type SlabPairs = [Vec<Pair>; SLABS];
+
 /// Brings each facet of a skin to the bricks within `reach` [voxels] of it.
 pub(super) fn scatter(skin: &Skin, grid: &BrickGrid, reach: f64) -> BrickTriangles {
-    let scattered: Vec<Vec<Pair>> = skin
+    let entries = grid.dims.as_usizevec3().element_product();
+    let slab = entries.div_ceil(SLABS).next_power_of_two();
+    let scattered: Vec<SlabPairs> = skin
         .facets
         .par_chunks(CHUNK)
         .enumerate()
+        .with_max_len(1)
         .map(|(chunk, facets)| {
-            pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid, reach })
+            pulp::Arch::new().dispatch(ScatterChunk { first: chunk * CHUNK, facets, skin, grid, reach, slab })
         })
         .collect();
-    gather(&scattered, grid.dims.as_usizevec3().element_product())
+    gather(&scattered, slab)
 }
 
 /// A call that is compiled for each kind of lanes; all that it calls is inlined into it.
@@ -90,15 +108,17 @@ struct ScatterChunk<'a> {
     grid: &'a BrickGrid,
     /// How far from those that serve the distance bricks matter [voxels].
     reach: f64,
+    /// Index entries in a slab, a power of two.
+    slab: usize,
 }
 
 impl pulp::NullaryFnOnce for ScatterChunk<'_> {
-    type Output = Vec<Pair>;
+    type Output = SlabPairs;
 
     #[inline(always)]
-    fn call(self) -> Vec<Pair> {
-        let Self { first, facets, skin, grid, reach } = self;
-        let (mut pairs, mut pieces) = (Vec::with_capacity(8 * facets.len()), Vec::new());
+    fn call(self) -> SlabPairs {
+        let Self { first, facets, skin, grid, reach, slab } = self;
+        let (mut slabs, mut pieces) = (SlabPairs::default(), Vec::new());
         for (i, facet) in facets.iter().enumerate() {
             let reach = skin.reach(first + i, reach) * (1.0 + 1e-6);
             let outline = Outline { bounds: facet.bounds(), slabs: facet.slabs(), reach };
@@ -108,35 +128,51 @@ impl pulp::NullaryFnOnce for ScatterChunk<'_> {
                 |brick, crosses| {
                     if let Some(entry) = grid.entry(brick) {
                         let mark = if crosses { CROSSES } else { 0 };
-                        pairs.push((entry as u32, NearTriangle((first + i) as u32 | mark)));
+                        let pair = (entry as u32, NearTriangle((first + i) as u32 | mark));
+                        slabs[entry >> slab.trailing_zeros()].push(pair);
                     }
                 },
             );
         }
-        pairs
+        slabs
     }
 }
 
-/// Sorts pairs by entry, by counting; those of one entry keep their order.
-fn gather(scattered: &[Vec<Pair>], entries: usize) -> BrickTriangles {
-    let mut count = vec![0u32; entries];
-    scattered.iter().flatten().for_each(|&(entry, _)| count[entry as usize] += 1);
-    let mut near = BrickTriangles { entries: Vec::new(), first: vec![0], triangles: Vec::new() };
+/// Sorts the pairs of all tasks by entry, `slab` entries at a time.
+fn gather(scattered: &[SlabPairs], slab: usize) -> BrickTriangles {
+    let sorted: Vec<BrickTriangles> =
+        (0..SLABS).into_par_iter().with_max_len(1).map(|at| gather_slab(scattered, at, slab)).collect();
+    let mut near = BrickTriangles::default();
+    for slab in sorted {
+        near.entries.extend(slab.entries);
+        near.places.extend(slab.places);
+        near.slabs.extend(slab.slabs);
+    }
+    near
+}
+
+/// Sorts the pairs of a slab by entry, by counting; those of one entry keep their order.
+fn gather_slab(scattered: &[SlabPairs], at: usize, slab: usize) -> BrickTriangles {
+    let pairs = || scattered.iter().flat_map(|slabs| &slabs[at]);
+    let mut count = vec![0u32; slab];
+    pairs().for_each(|&(entry, _)| count[entry as usize & (slab - 1)] += 1);
+    let mut near = BrickTriangles::default();
     // From here on, a touched entry's count is where its next triangle goes.
     let mut total = 0;
     for (entry, count) in count.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
         let start = total;
         total += *count;
         *count = start;
-        near.entries.push(entry as u32);
-        near.first.push(total as usize);
+        near.entries.push((at * slab + entry) as u32);
+        near.places.push(Place { slab: at, triangles: start as usize..total as usize });
     }
-    near.triangles = vec![NearTriangle::default(); total as usize];
-    for &(entry, triangle) in scattered.iter().flatten() {
-        let at = &mut count[entry as usize];
-        near.triangles[*at as usize] = triangle;
-        *at += 1;
+    let mut triangles = vec![NearTriangle::default(); total as usize];
+    for &(entry, triangle) in pairs() {
+        let place = &mut count[entry as usize & (slab - 1)];
+        triangles[*place as usize] = triangle;
+        *place += 1;
     }
+    near.slabs.push(triangles);
     near
 }
 

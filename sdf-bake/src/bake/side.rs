@@ -8,7 +8,7 @@ use super::options::{BakeOptions, SignChoice, SignMethod};
 use super::scatter::{BrickTriangles, scatter};
 use super::sign::Surface;
 use super::skin::{Corners, Skin};
-use super::walls;
+use super::walls::{self, Bodies, Sides};
 use crate::clean::EdgeMap;
 use crate::grid::BrickGrid;
 use crate::mesh::Mesh;
@@ -121,10 +121,22 @@ impl<'a> Plan<'a> {
 fn united<'a>(closed: &Closed, skin: Skin, edges: &EdgeMap, grid: &BrickGrid, reach: f64) -> Scene<'a> {
     let whole = closed.patches.is_empty() && closed.turned == 0;
     let mut skin = if whole { skin } else { Skin::new(&closed.patches, &closed.mesh, &[], grid.voxel) };
-    let mut near = scatter(&skin, grid, reach);
-    let mut insides = columns::insides(&near, &skin, grid);
-    let bodies = walls::Bodies::of(&closed.mesh, edges, insides.deepest > 1);
-    let found = bodies.and_then(|bodies| walls::within(closed, edges, &bodies, grid.voxel));
+    let ((bodies, sides), (mut near, mut insides)) = rayon::join(
+        || {
+            let bodies = Bodies::of(&closed.mesh, edges);
+            let sides = bodies.are_close().then(|| Sides::of(closed, grid.voxel));
+            (bodies, sides)
+        },
+        || {
+            let near = scatter(&skin, grid, reach);
+            let insides = columns::insides(&near, &skin, grid);
+            (near, insides)
+        },
+    );
+    let found = bodies.suspects(&closed.mesh, insides.deepest > 1).and_then(|suspects| {
+        let sides = sides.unwrap_or_else(|| Sides::of(closed, grid.voxel));
+        walls::within(&closed.mesh, edges, &suspects, &sides, grid.voxel)
+    });
     let inner_triangles = found.as_ref().map_or(0, |walls| walls.sign_only.len());
     if let Some(walls) = found {
         let sign_only = [&closed.patches[..], &walls.sign_only].concat();

@@ -32,6 +32,9 @@ const AGREEMENT: f64 = 0.1;
 /// Voxels asked for the ambiguous share: an accepted share of 0.5 % is then known to 0.06 %.
 const MOST_ASKED: usize = 1 << 14;
 
+/// Most bricks handed to one task; any number gives the same result.
+const BRICKS: usize = 32;
+
 /// Points asked about at once.
 const LANES: usize = 8;
 
@@ -117,7 +120,7 @@ pub(super) fn ambiguous_share(patches: &[Corners], near: &BrickTriangles, grid: 
         let windings = tree.winding_numbers::<LANES>(&std::array::from_fn(point));
         windings.into_iter().filter(|&winding| is_ambiguous(winding)).count()
     };
-    let ambiguous: usize = asked.par_iter().map(of_brick).sum();
+    let ambiguous: usize = asked.par_iter().with_max_len(BRICKS).map(of_brick).sum();
     ambiguous as f64 / (LANES * asked.len()) as f64
 }
 

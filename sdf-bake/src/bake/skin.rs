@@ -10,6 +10,9 @@ use crate::Mesh;
 /// A facet that serves the sign only matters where it crosses a column; this much is more than enough [voxels].
 const CROSSING_REACH: f64 = 1.0;
 
+/// Most facets handed to one task; any number gives the same result.
+const FACETS: usize = 1024;
+
 /// The three corners of a triangle [m].
 pub(super) type Corners = [DVec3; 3];
 
@@ -35,7 +38,7 @@ impl Skin {
     pub(super) fn new(sign_only: &[Corners], both: &Mesh, distance_only: &[Corners], voxel: f64) -> Self {
         let first_distance = sign_only.len();
         let sign_end = first_distance + both.triangles.len();
-        let facets = (0..sign_end + distance_only.len()).into_par_iter().map(|i| {
+        let facets = (0..sign_end + distance_only.len()).into_par_iter().with_max_len(FACETS).map(|i| {
             let corners = if i < first_distance {
                 sign_only[i]
             } else if i < sign_end {

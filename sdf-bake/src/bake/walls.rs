@@ -21,14 +21,25 @@ const ASIDE: f64 = 1e-3;
 /// Points closer than this to a plane lie in it [voxels].
 const TOLERANCE: f64 = 1e-5;
 
-/// Parts of a mesh that may meet.
+/// Most triangles handed to one task; any number gives the same result.
+const TRIANGLES: usize = 64;
+
+/// Parts of a mesh: what hangs together across edges of two triangles.
 pub(super) struct Bodies {
     /// Body of each triangle.
     labels: Vec<u32>,
+    /// The box around each body.
+    boxes: Vec<Bounds>,
+    /// The bodies whose boxes that of each body overlaps.
+    neighbours: Vec<Vec<usize>>,
+}
+
+/// Triangles that others may meet.
+pub(super) struct Suspects<'a> {
+    bodies: &'a Bodies,
     /// Whether bodies may also pass through themselves.
     may_meet_itself: bool,
-    /// Triangles within the box of another body.
-    suspects: Vec<u32>,
+    triangles: Vec<u32>,
 }
 
 /// The triangles of a mesh, parted by what they are for.
@@ -42,8 +53,7 @@ pub(super) struct Walls {
 }
 
 impl Bodies {
-    /// Bodies are what hangs together across edges of two triangles; `None` if there is nothing to meet.
-    pub(super) fn of(mesh: &Mesh, edges: &EdgeMap, overlaps: bool) -> Option<Self> {
+    pub(super) fn of(mesh: &Mesh, edges: &EdgeMap) -> Self {
         let (labels, count) = edges.components(|uses| uses.len() == 2);
         let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); count];
         for (t, &label) in labels.iter().enumerate() {
@@ -52,17 +62,35 @@ impl Bodies {
                 (*low, *high) = (low.min(corner), high.max(corner));
             }
         }
-        let margin = 1e-6 * mesh.diagonal();
-        let neighbours = overlapping(&boxes, margin);
+        let neighbours = overlapping(&boxes, margin(mesh));
+        Self { labels, boxes, neighbours }
+    }
+
+    /// Whether boxes of bodies overlap.
+    pub(super) fn are_close(&self) -> bool {
+        self.neighbours.iter().any(|neighbours| !neighbours.is_empty())
+    }
+
+    /// Triangles within the box of another body, or all where bodies are known to overlap; `None` if there are none.
+    pub(super) fn suspects(&self, mesh: &Mesh, overlaps: bool) -> Option<Suspects<'_>> {
+        if !overlaps && !self.are_close() {
+            return None;
+        }
+        let margin = margin(mesh);
         let is_suspect = |t: &u32| {
             let [a, b, c] = mesh.corners(*t as usize);
             let bounds = (a.min(b).min(c), a.max(b).max(c));
-            overlaps
-                || neighbours[labels[*t as usize] as usize].iter().any(|&other| overlap(&bounds, &boxes[other], margin))
+            let neighbours = &self.neighbours[self.labels[*t as usize] as usize];
+            overlaps || neighbours.iter().any(|&other| overlap(&bounds, &self.boxes[other], margin))
         };
-        let suspects: Vec<u32> = (0..labels.len() as u32).filter(is_suspect).collect();
-        (!suspects.is_empty()).then_some(Self { labels, may_meet_itself: overlaps, suspects })
+        let triangles: Vec<u32> = (0..self.labels.len() as u32).filter(is_suspect).collect();
+        (!triangles.is_empty()).then_some(Suspects { bodies: self, may_meet_itself: overlaps, triangles })
     }
+}
+
+/// How far apart boxes that overlap may be [m], for rounding.
+fn margin(mesh: &Mesh) -> f64 {
+    1e-6 * mesh.diagonal()
 }
 
 /// Lowest and highest coordinates [m].
@@ -90,16 +118,14 @@ fn overlapping(boxes: &[Bounds], margin: f64) -> Vec<Vec<usize>> {
 /// Parts the triangles of a closed surface; `None` without a wall.
 ///
 /// - `edges`: of the closed surface's triangles or the same turned otherwise
+/// - `sides`: of the closed surface
 /// - `voxel`: distance between voxels [m]
-pub(super) fn within(closed: &Closed, edges: &EdgeMap, bodies: &Bodies, voxel: f64) -> Option<Walls> {
-    let mesh: &Mesh = &closed.mesh;
-    let mut corners: Vec<Corners> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
-    corners.extend_from_slice(&closed.patches);
-    let sides = Sides { boxes: BoxTree::new(corners, TOLERANCE * voxel), aside: ASIDE * voxel };
-    let segments = segments(mesh, bodies, &sides.boxes, TOLERANCE * voxel);
-    let mut is_wall = whole_triangles(mesh, edges, bodies, &segments, &sides);
+pub(super) fn within(mesh: &Mesh, edges: &EdgeMap, suspects: &Suspects, sides: &Sides, voxel: f64) -> Option<Walls> {
+    let segments = segments(mesh, suspects, &sides.boxes, TOLERANCE * voxel);
+    let mut is_wall = whole_triangles(mesh, edges, suspects, &segments, sides);
     let cut: Vec<(usize, Vec<Corners>)> = (0..mesh.triangles.len())
         .into_par_iter()
+        .with_max_len(TRIANGLES)
         .filter(|&t| !segments[t].is_empty())
         .filter_map(|t| {
             let pieces = cuts::pieces(&mesh.corners(t), &segments[t], TOLERANCE * voxel)?;
@@ -121,7 +147,7 @@ pub(super) fn within(closed: &Closed, edges: &EdgeMap, bodies: &Bodies, voxel: f
 }
 
 /// What is on the two sides of a piece of surface.
-struct Sides {
+pub(super) struct Sides {
     /// The closed surface.
     boxes: BoxTree,
     /// How far off the piece to look [m].
@@ -129,6 +155,13 @@ struct Sides {
 }
 
 impl Sides {
+    /// - `voxel`: distance between voxels [m]
+    pub(super) fn of(closed: &Closed, voxel: f64) -> Self {
+        let mut corners: Vec<Corners> = (0..closed.mesh.triangles.len()).map(|t| closed.mesh.corners(t)).collect();
+        corners.extend_from_slice(&closed.patches);
+        Self { boxes: BoxTree::new(corners, TOLERANCE * voxel), aside: ASIDE * voxel }
+    }
+
     fn is_wall(&self, [a, b, c]: &Corners) -> bool {
         let step = self.aside * (b - a).cross(c - a).normalize_or_zero();
         let middle = (a + b + c) / 3.0;
@@ -140,14 +173,14 @@ impl Sides {
 /// Where other triangles meet each triangle.
 ///
 /// - `boxes`: the mesh's triangles first
-fn segments(mesh: &Mesh, bodies: &Bodies, boxes: &BoxTree, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
+fn segments(mesh: &Mesh, suspects: &Suspects, boxes: &BoxTree, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
     let mut is_suspect = vec![false; boxes.triangles.len()];
-    bodies.suspects.iter().for_each(|&t| is_suspect[t as usize] = true);
+    suspects.triangles.iter().for_each(|&t| is_suspect[t as usize] = true);
     let of_suspect = |&t: &u32| {
         let t = t as usize;
         let mut others = Vec::new();
         boxes.near(t, |u| {
-            if u != t && is_suspect[u] && bodies.may_meet(mesh, t, u) {
+            if u != t && is_suspect[u] && suspects.may_meet(mesh, t, u) {
                 others.push(u);
             }
         });
@@ -156,17 +189,18 @@ fn segments(mesh: &Mesh, bodies: &Bodies, boxes: &BoxTree, tolerance: f64) -> Ve
         (t, met.collect::<Vec<_>>())
     };
     let mut segments = vec![Vec::new(); mesh.triangles.len()];
-    for (t, met) in bodies.suspects.par_iter().map(of_suspect).collect::<Vec<_>>() {
+    let met = suspects.triangles.par_iter().with_max_len(TRIANGLES).map(of_suspect);
+    for (t, met) in met.collect::<Vec<_>>() {
         segments[t] = met;
     }
     segments
 }
 
-impl Bodies {
+impl Suspects<'_> {
     /// Neighbours of one body share a corner and meet nowhere else, as far as cutting is concerned.
     fn may_meet(&self, mesh: &Mesh, t: usize, u: usize) -> bool {
         let shares_corner = || mesh.triangles[t].iter().any(|corner| mesh.triangles[u].contains(corner));
-        self.labels[t] != self.labels[u] || (self.may_meet_itself && !shares_corner())
+        self.bodies.labels[t] != self.bodies.labels[u] || (self.may_meet_itself && !shares_corner())
     }
 }
 
@@ -174,7 +208,7 @@ impl Bodies {
 fn whole_triangles(
     mesh: &Mesh,
     edges: &EdgeMap,
-    bodies: &Bodies,
+    suspects: &Suspects,
     segments: &[Vec<[DVec3; 2]>],
     sides: &Sides,
 ) -> Vec<bool> {
@@ -189,9 +223,10 @@ fn whole_triangles(
         }
     }
     let mut suspected = vec![false; count];
-    bodies.suspects.iter().for_each(|&t| suspected[patches[t as usize] as usize] = true);
+    suspects.triangles.iter().for_each(|&t| suspected[patches[t as usize] as usize] = true);
     let asked: Vec<bool> = largest
         .par_iter()
+        .with_max_len(TRIANGLES)
         .zip(&suspected)
         .map(|(largest, suspected)| *suspected && largest.is_some_and(|t| sides.is_wall(&mesh.corners(t))))
         .collect();

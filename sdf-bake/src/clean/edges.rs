@@ -27,29 +27,30 @@ pub struct EdgeMap {
 }
 
 impl EdgeMap {
-    /// Collects the edges of a mesh in O(n log n).
+    /// Collects the edges of a mesh in O(n log m) for n triangles, at most m of them at a vertex.
     pub fn new(mesh: &Mesh) -> Self {
-        let mut sides: Vec<(u64, u32)> = Vec::with_capacity(3 * mesh.triangles.len());
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            for side in 0..3 {
-                let (a, b) = (corners[side], corners[(side + 1) % 3]);
-                sides.push((key(a, b), 3 * t as u32 + side as u32));
-            }
-        }
-        sides.sort_unstable();
+        let (mut sides, ends) = sides_by_vertex(&mesh.triangles);
         let mut map = Self { of_triangle: vec![[0; 3]; mesh.triangles.len()], ..Self::default() };
+        map.vertices.reserve(sides.len() / 2);
+        map.first.reserve(sides.len() / 2 + 1);
         map.uses.reserve_exact(sides.len());
-        let mut last = None;
-        for (key, side) in sides {
-            if last != Some(key) {
-                map.vertices.push([(key >> 32) as u32, key as u32]);
-                map.first.push(map.uses.len() as u32);
-                last = Some(key);
+        let mut start = 0;
+        for (low, end) in ends.into_iter().enumerate() {
+            let sides = &mut sides[start..end as usize];
+            start = end as usize;
+            sides.sort_unstable();
+            let mut last = None;
+            for &Side { high, number } in sides.iter() {
+                if last != Some(high) {
+                    map.vertices.push([low as u32, high]);
+                    map.first.push(map.uses.len() as u32);
+                    last = Some(high);
+                }
+                let (triangle, side) = (number / 3, number as usize % 3);
+                let corners = &mesh.triangles[triangle as usize];
+                map.of_triangle[triangle as usize][side] = map.vertices.len() as u32 - 1;
+                map.uses.push(EdgeUse { triangle, forward: corners[side] as usize == low });
             }
-            let (triangle, side) = (side / 3, side as usize % 3);
-            let from = mesh.triangles[triangle as usize][side];
-            map.of_triangle[triangle as usize][side] = map.vertices.len() as u32 - 1;
-            map.uses.push(EdgeUse { triangle, forward: u64::from(from) == key >> 32 });
         }
         map.first.push(map.uses.len() as u32);
         map
@@ -138,6 +139,30 @@ impl EdgeMap {
     }
 }
 
-fn key(a: u32, b: u32) -> u64 {
-    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+/// A side of a triangle, at its smaller vertex.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    /// Its larger vertex.
+    high: u32,
+    /// Three times the triangle's index, and which side it is.
+    number: u32,
+}
+
+/// The sides of triangles by their smaller vertex, sorted by counting; and where those of each vertex end.
+fn sides_by_vertex(triangles: &[[u32; 3]]) -> (Vec<Side>, Vec<u32>) {
+    let vertices = triangles.iter().flatten().max().map_or(0, |&last| last as usize + 1);
+    let ends_of = |[a, b, c]: [u32; 3]| [(a.min(b), a.max(b)), (b.min(c), b.max(c)), (c.min(a), c.max(a))];
+    let mut places = vec![0u32; vertices];
+    triangles.iter().flat_map(|&corners| ends_of(corners)).for_each(|(low, _)| places[low as usize] += 1);
+    let mut total = 0;
+    for place in &mut places {
+        total += std::mem::replace(place, total);
+    }
+    let mut sides = vec![Side::default(); total as usize];
+    for ((low, high), number) in triangles.iter().flat_map(|&corners| ends_of(corners)).zip(0..) {
+        let place = &mut places[low as usize];
+        sides[*place as usize] = Side { high, number };
+        *place += 1;
+    }
+    (sides, places)
 }
