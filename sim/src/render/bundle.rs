@@ -6,11 +6,11 @@
 //!          ╲ ╲ ╲
 //! ```
 
-use glam::{DVec3, Vec3A};
+use glam::Vec3A;
 
-use super::camera::Ray;
 use super::field::Field;
 use super::index::{BEYOND, Entry};
+use super::rays::Rays;
 use super::shadow::STEEPEST;
 use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 
@@ -18,13 +18,12 @@ use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 const SHORTEST: f32 = 0.3;
 
 /// Length from the start of each ray on which none of them meets the metal [m]; infinite if none ever does.
-pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
-    let count = rays.len().max(1) as f64;
-    let origin = rays.iter().map(|ray| ray.origin).sum::<DVec3>() / count;
-    let direction = (rays.iter().map(|ray| ray.direction).sum::<DVec3>() / count).normalize_or_zero();
-    let farthest = |of: &dyn Fn(&Ray) -> f64| rays.iter().map(of).fold(0.0, f64::max);
-    let apart = farthest(&|ray| ray.origin.distance_squared(origin)).sqrt() * field.per_metre;
-    let spread = farthest(&|ray| ray.direction.distance_squared(direction)).sqrt();
+#[inline(always)]
+pub(crate) fn common_clear_length(field: &Field, rays: &Rays) -> f64 {
+    let (origins, directions, count) = rays.sums();
+    let (origin, direction) = (origins / count, (directions / count).normalize_or_zero());
+    let (apart, spread) = (rays.farthest(&rays.origins, origin), rays.farthest(&rays.directions, direction));
+    let apart = apart * field.per_metre;
     let start = origin * field.per_metre - field.lowest;
     let (line, (low, high)) = (Line::new(direction.as_vec3a()), field.metal_box);
     let (low, high) = (Vec3A::from(low), Vec3A::from(high));

@@ -5,18 +5,18 @@ use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
 use super::beam::Beam;
-use super::bundle::common_clear_length;
-use super::camera::{Camera, Ray};
+use super::camera::Camera;
 use super::field::Field;
-use super::frame::{Frame, Seen};
-use super::lanes::{LANES, Points};
+use super::frame::Frame;
+use super::lanes::{LANES, Points, any};
 use super::lights::Lights;
-use super::lit::{Lit, Shown};
-use super::lockstep::Crossings;
+use super::lit::Lit;
 use super::material::{Appearance, Material, PRIMER};
 use super::placement::Placement;
-use super::surface::Surface;
-use super::tile::{Sample, Shelter, TILE, tile_pixels};
+use super::rays::Places;
+use super::rows::Rows;
+use super::sight::{Samples, Sight};
+use super::tile::{Shelter, TILE, tile_pixels};
 
 /// A level table without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,21 +90,10 @@ impl<'a> Scene<'a> {
         let stage = Stage::new(self, camera, raster);
         let beam = |lamp: &Lamp| Beam::new(&self.field, lamp.towards, lamp.spread);
         let lamps: Vec<Beam> = stage.lamps.par_iter().map(beam).collect();
-        let rows = TILE * raster.width.max(1);
-        let Frame { colour, depth, normal, position, weld, dose, removed, seen, .. } = &mut frame;
-        let floats = (depth.par_chunks_mut(rows), dose.par_chunks_mut(rows), removed.par_chunks_mut(rows));
-        let vectors = (colour.par_chunks_mut(rows), normal.par_chunks_mut(rows), position.par_chunks_mut(rows));
-        let marks = (weld.par_chunks_mut(rows), seen.par_chunks_mut(rows), colours.par_chunks_mut(rows));
-        (vectors, floats, marks).into_par_iter().enumerate().for_each(|(y, (vectors, floats, marks))| {
-            let ((colour, normal, position), (depth, dose, removed), (weld, seen, colours)) = (vectors, floats, marks);
+        Rows::of(&mut frame, &mut colours).enumerate().for_each(|(y, mut rows)| {
             for x in (0..raster.width).step_by(TILE) {
-                stage.tile(&lamps, (x, TILE * y), others, |(x, y), sample, light| {
-                    let at = y % TILE * raster.width + x;
-                    (colour[at], colours[at], seen[at]) = (light.0, light.1, sample.seen);
-                    let Some(surface) = sample.surface else { return };
-                    (depth[at], normal[at], position[at]) = (surface.depth, surface.normal, surface.position);
-                    (weld[at], dose[at], removed[at]) = (surface.weld, surface.dose, surface.removed);
-                });
+                let (samples, light, in_others) = stage.tile(&lamps, (x, TILE * y), others);
+                rows.put(x, &samples, (&light, &in_others));
             }
         });
         (frame, colours)
@@ -153,30 +142,28 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Gives for each pixel of a tile what its centre shows, and its light: in the scene's appearance and, where the
-    /// centre shows the part, in others. `corner`: the tile's first pixel.
+    /// What the centres of a tile's pixels show, and their light: in the scene's appearance and, where a centre shows the
+    /// part, in others. `corner`: the tile's first pixel.
     fn tile<const N: usize>(
         &self,
         lamps: &[Beam],
         corner: (usize, usize),
         others: &[Appearance; N],
-        mut each: impl FnMut((usize, usize), &Sample, (Vec3, [Vec3; N])),
-    ) {
-        let within = |&(x, y): &(usize, usize)| x < self.raster.width && y < self.raster.height;
-        let pixels = || tile_pixels(corner).filter(within);
-        let centres = self.samples(pixels().map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
-        if self.raster.samples_per_side > 1 {
-            for (pixel, centre) in pixels().zip(&centres) {
-                each(pixel, centre, self.mean(lamps, pixel, centre.seen == Seen::Part, others));
+    ) -> (Samples, Points, [Points; N]) {
+        let centres = self.samples(tile_pixels(corner).map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
+        if self.raster.samples_per_side <= 1 {
+            let (light, in_others) = self.lights(lamps, &centres, others, any(&centres.is_part));
+            return (centres, light, in_others);
+        }
+        let (mut light, mut in_others) = (Points::ZERO, [Points::ZERO; N]);
+        for (i, (x, y)) in tile_pixels(corner).enumerate() {
+            if x < self.raster.width && y < self.raster.height {
+                let mean = self.mean(lamps, (x, y), centres.is_part[i], others);
+                light.set(i, mean.0);
+                in_others.iter_mut().zip(mean.1).for_each(|(light, mean)| light.set(i, mean));
             }
-            return;
         }
-        let lit = self.lights(lamps, &centres, others, centres.iter().any(|centre| centre.seen == Seen::Part));
-        for (i, (pixel, centre)) in pixels().zip(&centres).enumerate() {
-            let is_part = centre.seen == Seen::Part;
-            let in_others = lit.1.each_ref().map(|light| if is_part { light.get(i) } else { Vec3::ZERO });
-            each(pixel, centre, (lit.0.get(i), in_others));
-        }
+        (centres, light, in_others)
     }
 
     /// Mean light of a pixel; in other appearances, too, if it is `on_part`.
@@ -208,59 +195,25 @@ impl<'a> Stage<'a> {
     fn lights<const N: usize>(
         &self,
         lamps: &[Beam],
-        samples: &[Sample; LANES],
+        samples: &Samples,
         others: &[Appearance; N],
         wanted: bool,
     ) -> (Points, [Points; N]) {
-        let (shown, shelter) = (&Shown::new(samples), &Shelter::of(self, lamps, samples));
-        let light = |appearance| pulp::Arch::new().dispatch(Lit { stage: self, appearance, shown, shelter });
+        let shelter = &Shelter::of(self, lamps, samples);
+        let light = |appearance| pulp::Arch::new().dispatch(Lit { stage: self, appearance, samples, shelter });
         let in_others = if wanted { others.each_ref().map(light) } else { [Points::ZERO; N] };
         (light(&self.scene.appearance), in_others)
     }
 
-    /// What rays through at most [`LANES`] neighbouring points of the image meet; from the top left [pixels].
-    fn samples(&self, points: impl Iterator<Item = DVec2>) -> [Sample; LANES] {
+    /// What rays through at most [`LANES`] neighbouring points meet, those beyond the image left out; from the top left
+    /// [pixels].
+    fn samples(&self, points: impl Iterator<Item = DVec2>) -> Samples {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
-        let field = &self.scene.field;
-        let (mut rays, mut count) = ([Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }; LANES], 0);
-        for at in points {
-            rays[count] = self.camera.ray_within(at / size, self.aspect, self.half_image);
-            count += 1;
+        let mut places = Places { across: [0.0; LANES], down: [0.0; LANES], wanted: [false; LANES] };
+        for (i, at) in points.enumerate() {
+            (places.across[i], places.down[i]) = (at / size).into();
+            places.wanted[i] = at.cmplt(size).all();
         }
-        let rays = &rays[..count];
-        let clear = common_clear_length(field, rays);
-        let distances = if clear < f64::INFINITY {
-            pulp::Arch::new().dispatch(Crossings { field, padded: field.padded(), rays, clear })
-        } else {
-            [f64::INFINITY; LANES]
-        };
-        let mut samples = [Sample::NOTHING; LANES];
-        for ((sample, ray), distance) in samples.iter_mut().zip(rays).zip(distances) {
-            *sample = self.sample(ray, distance);
-        }
-        samples
-    }
-
-    /// What a ray meets; `distance`: from its start to the part [m].
-    fn sample(&self, ray: &Ray, distance: f64) -> Sample {
-        let direction = ray.direction.as_vec3();
-        let table = self.table_distance(ray);
-        if distance <= table && distance < f64::INFINITY {
-            let surface =
-                Surface::by_padded(&self.scene.field, &self.camera, ray, &self.scene.field.hit(ray, distance));
-            Sample { direction, seen: Seen::Part, surface: Some(surface) }
-        } else if table < f64::INFINITY {
-            let point = ray.origin + ray.direction * table;
-            let surface = Surface::bare(self.camera.depth(point), point, self.up.as_vec3(), direction);
-            Sample { direction, seen: Seen::Table, surface: Some(surface) }
-        } else {
-            Sample { direction, ..Sample::NOTHING }
-        }
-    }
-
-    /// Distance along a ray to the table's top [m]; infinite for one that misses it or starts below.
-    fn table_distance(&self, ray: &Ray) -> f64 {
-        let (height, fall) = (ray.origin.dot(self.up) - self.table, -ray.direction.dot(self.up));
-        if height > 0.0 && height < f64::INFINITY && fall > 1e-9 { height / fall } else { f64::INFINITY }
+        pulp::Arch::new().dispatch(Sight { stage: self, at: &places })
     }
 }
