@@ -15,13 +15,12 @@ use super::shadow::STEEPEST;
 use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 
 /// Step below which the middle ray stops [voxels].
-const SHORTEST: f32 = 0.3;
+const SHORTEST: f32 = 0.5;
 
 /// Length from the start of each ray on which none of them meets the metal [m]; infinite if none ever does.
 #[inline(always)]
 pub(crate) fn common_clear_length(field: &Field, rays: &Rays) -> f64 {
-    let (origins, directions, count) = rays.sums();
-    let (origin, direction) = (origins / count, (directions / count).normalize_or_zero());
+    let (origin, direction) = rays.middle();
     let (apart, spread) = (rays.farthest(&rays.origins, origin), rays.farthest(&rays.directions, direction));
     let apart = apart * field.per_metre;
     let start = origin * field.per_metre - field.lowest;

@@ -1,10 +1,8 @@
 //! Light that the samples of a tile send to the camera, in lanes.
 
-use glam::Vec3;
-
 use super::lanes::{LANES, Points, any};
 use super::marks::{Grooves, any_tangent};
-use super::material::{Appearance, Blend, Material};
+use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
 use super::scene::Stage;
 use super::shade::facing;
@@ -77,13 +75,13 @@ impl Lit<'_> {
         for i in 0..LANES {
             normals.set(i, facing(samples.normals.get(i), samples.directions.get(i)));
         }
-        let (mut facets, mut ground) = (FacetLanes::NONE, [0.0; LANES]);
+        let mut facets = FacetLanes::NONE;
+        let materials = self.materials();
         for i in 0..LANES {
-            let (material, share) = self.material(i);
             let normal = normals.get(i);
-            facets.set(i, &Facets::new(&material, normal, any_tangent(normal), 0.0));
-            ground[i] = share;
+            facets.set(i, &Facets::new(&materials.get(i), normal, any_tangent(normal), 0.0));
         }
+        let ground = &materials.ground;
         let is_ground = ground.iter().fold(false, |any, ground| any | (*ground > 0.0));
         if is_ground && !appearance.marks.path.is_empty() {
             let grooves = self.grooves(&normals);
@@ -94,22 +92,19 @@ impl Lit<'_> {
         facets
     }
 
-    /// Material of a lane and how much of it is ground metal.
+    /// Materials of part and table.
     #[inline(always)]
-    fn material(&self, i: usize) -> (Material, f32) {
+    fn materials(&self) -> MaterialLanes {
         let Self { stage, appearance, samples, .. } = self;
-        let table = stage.scene.table.map_or(appearance.metal, |table| table.material);
-        let Blend { material, ground } = appearance.blend(samples.weld_share[i], samples.dose[i], samples.removed[i]);
-        let of_table = if samples.is_table[i] { 1.0 } else { 0.0 };
-        let select = |on_table: f32, on_part: f32| if of_table > 0.0 { on_table } else { on_part };
-        let colour = Vec3::new(
-            select(table.colour.x, material.colour.x),
-            select(table.colour.y, material.colour.y),
-            select(table.colour.z, material.colour.z),
-        );
-        let (roughness, metallic) =
-            (select(table.roughness, material.roughness), select(table.metallic, material.metallic));
-        (Material { colour, roughness, metallic }, select(0.0, ground))
+        let Samples { is_table, weld_share, dose, removed, .. } = samples;
+        let mut materials = appearance.blends(weld_share, dose, removed);
+        if let Some(table) = stage.scene.table.filter(|_| any(is_table)) {
+            for i in 0..LANES {
+                let blend = Blend { material: table.material, ground: 0.0 };
+                materials.set(i, if is_table[i] { blend } else { materials.blend(i) });
+            }
+        }
+        materials
     }
 
     #[inline(always)]

@@ -82,16 +82,13 @@ impl Rays {
         DVec3::new(self.directions[0][lane], self.directions[1][lane], self.directions[2][lane])
     }
 
-    /// Sums of the starts and of the directions, and the number of rays.
+    /// Start [m] and unit direction half-way between the first and the last ray; zeros without any.
     #[inline(always)]
-    pub(crate) fn sums(&self) -> (DVec3, DVec3, f64) {
-        let (mut origin, mut direction, mut count) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-        for i in (0..LANES).filter(|&i| self.wanted[i]) {
-            origin += self.origin(i);
-            direction += self.direction(i);
-            count += 1.0;
-        }
-        (origin, direction, count)
+    pub(crate) fn middle(&self) -> (DVec3, DVec3) {
+        let first = self.wanted.iter().position(|wanted| *wanted).unwrap_or(0);
+        let last = self.wanted.iter().rposition(|wanted| *wanted).unwrap_or(0);
+        let origin = (self.origin(first) + self.origin(last)) * 0.5;
+        (origin, (self.direction(first) + self.direction(last)).normalize_or_zero())
     }
 
     /// Largest distance of the starts or directions of all rays from one.

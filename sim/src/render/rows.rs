@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::frame::{Frame, Seen};
 use super::lanes::Points;
 use super::sight::Samples;
-use super::tile::{TILE, tile_pixels};
+use super::tile::{TILE, tile_row};
 
 /// [`TILE`] rows of a frame, or fewer at its lower edge, each buffer a slice.
 pub(crate) struct Rows<'a, const N: usize> {
@@ -49,14 +49,26 @@ impl<'a, const N: usize> Rows<'a, N> {
 
     /// Puts a tile where it belongs. `x`: its first column; `light`: in the scene's appearance and, on the part, in others.
     pub(crate) fn put(&mut self, x: usize, samples: &Samples, (light, others): (&Points, &[Points; N])) {
-        let rows = self.colour.len() / self.width;
-        for (i, (x, y)) in tile_pixels((x, 0)).enumerate().filter(|(_, (x, y))| *x < self.width && *y < rows) {
-            let at = y * self.width + x;
-            let on_part = |light: &Points| if samples.is_part[i] { light.get(i) } else { Vec3::ZERO };
-            (self.colour[at], self.colours[at]) = (light.get(i), others.each_ref().map(on_part));
-            (self.depth[at], self.seen[at]) = (samples.depth[i], samples.seen(i));
-            (self.normal[at], self.position[at]) = (samples.normals.get(i), samples.positions.get(i));
-            (self.weld[at], self.dose[at], self.removed[at]) = (samples.weld[i], samples.dose[i], samples.removed[i]);
+        let (rows, columns) = ((self.colour.len() / self.width).min(TILE), (self.width - x).min(TILE));
+        for row in 0..rows {
+            let (first, lanes) = (row * self.width + x, tile_row(row));
+            let all = first..first + columns;
+            let put = lanes.into_iter();
+            fill(&mut self.colour[all.clone()], put.clone().map(|i| light.get(i)));
+            fill(&mut self.depth[all.clone()], put.clone().map(|i| samples.depth[i]));
+            fill(&mut self.normal[all.clone()], put.clone().map(|i| samples.normals.get(i)));
+            fill(&mut self.position[all.clone()], put.clone().map(|i| samples.positions.get(i)));
+            fill(&mut self.weld[all.clone()], put.clone().map(|i| samples.weld[i]));
+            fill(&mut self.dose[all.clone()], put.clone().map(|i| samples.dose[i]));
+            fill(&mut self.removed[all.clone()], put.clone().map(|i| samples.removed[i]));
+            fill(&mut self.seen[all.clone()], put.clone().map(|i| samples.seen(i)));
+            let on_part = |i: usize, light: &Points| if samples.is_part[i] { light.get(i) } else { Vec3::ZERO };
+            fill(&mut self.colours[all], put.map(|i| others.each_ref().map(|light| on_part(i, light))));
         }
     }
+}
+
+#[inline(always)]
+fn fill<T>(pixels: &mut [T], values: impl Iterator<Item = T>) {
+    pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = value);
 }

@@ -85,7 +85,7 @@ impl<'a> Scene<'a> {
         camera: &Camera,
         raster: &Raster,
     ) -> (Frame, Vec<[Vec3; N]>) {
-        let mut frame = Frame::empty(raster.width, raster.height);
+        let mut frame = Frame::zeroed(raster.width, raster.height);
         let mut colours = vec![[Vec3::ZERO; N]; frame.colour.len()];
         let stage = Stage::new(self, camera, raster);
         let beam = |lamp: &Lamp| Beam::new(&self.field, lamp.towards, lamp.spread);

@@ -1,6 +1,7 @@
 //! What the rays of a tile meet, from the places in the image to the geometry buffers, in lanes.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3};
+use sdf_bake::grid::trilinear;
 
 use super::bundle::common_clear_length;
 use super::frame::Seen;
@@ -9,7 +10,8 @@ use super::lockstep::Crossings;
 use super::padded::Cells;
 use super::rays::{Places, Rays, Wide};
 use super::scene::Stage;
-use super::surface::{LABEL_DEPTH, scalars_at, weld_at};
+use super::surface::{LABEL_DEPTH, WeldCell, scalars_of};
+use super::walk::integers;
 
 /// What rays meet; zeros where they meet nothing, but for their directions.
 pub(crate) struct Samples {
@@ -145,11 +147,13 @@ impl Sight<'_> {
         let mut cells = Cells::new(field.grid.band);
         cells.low = at.corners(&Points::ZERO);
         padded.find(&mut cells);
-        let mut differences = Points::ZERO;
+        let (mut differences, mut scalars) = (Points::ZERO, Last { low: Vec3::NAN, found: [[0.0; 8]; 2] });
         for i in part() {
-            differences.set(i, padded.differences(&cells, i, at.get(i) - cells.low.get(i)));
+            let (low, within) = (cells.low.get(i), at.get(i) - cells.low.get(i));
+            differences.set(i, padded.differences(&cells, i, within));
             if !padded.is_plain(&cells, i) {
-                [samples.dose[i], samples.removed[i]] = scalars_at(field, at.get(i));
+                let scalars = scalars.of(low, |corner| scalars_of(field, corner));
+                [samples.dose[i], samples.removed[i]] = scalars.map(|values| trilinear(&values, within));
             }
         }
         for i in 0..LANES {
@@ -159,11 +163,30 @@ impl Sight<'_> {
         let below = at.moved(&samples.normals, &[-LABEL_DEPTH; LANES]);
         cells.low = below.corners(&Points::ZERO);
         padded.find(&mut cells);
+        let mut welds = Last { low: Vec3::NAN, found: WeldCell::NONE };
         for i in part() {
+            let low = cells.low.get(i);
             (samples.weld[i], samples.weld_share[i]) = match padded.label(&cells, i) {
                 Some(label) => (label, f32::from(label.min(1))),
-                None => weld_at(field, below.get(i)),
+                None => welds.of(low, |corner| WeldCell::new(field, corner)).at(below.get(i) - low),
             };
         }
+    }
+}
+
+/// What was found in the cell that was looked into last, which neighbouring samples often share.
+struct Last<T> {
+    low: Vec3,
+    found: T,
+}
+
+impl<T> Last<T> {
+    #[inline(always)]
+    fn of(&mut self, low: Vec3, look: impl FnOnce(IVec3) -> T) -> &T {
+        let is_known = self.low == low;
+        if !is_known {
+            *self = Self { low, found: look(integers(low.into())) };
+        }
+        &self.found
     }
 }

@@ -78,26 +78,58 @@ impl Surface {
 }
 
 /// Coating dose D and removed depth [m] at a point in voxels, trilinear; 0 where no brick is.
-pub(crate) fn scalars_at(field: &Field, point: Vec3) -> [f32; 2] {
+fn scalars_at(field: &Field, point: Vec3) -> [f32; 2] {
     let (corner, within) = cell_of(point);
+    scalars_of(field, corner).map(|values| trilinear(&values, within))
+}
+
+/// Dose and removed depth at the corners of a cell.
+pub(crate) fn scalars_of(field: &Field, corner: IVec3) -> [[f32; 8]; 2] {
     [Scalar::Dose, Scalar::Removed].map(|channel| match field.grid.scalar(channel) {
-        [] => 0.0,
-        values => trilinear(&field.cell(corner, values, 0.0, 0.0), within),
+        [] => [0.0; 8],
+        values => field.cell(corner, values, 0.0, 0.0),
     })
 }
 
 /// Weld id with the most weight among the metal voxels around a point in voxels, and the share of all welds.
-pub(crate) fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
-    let label = &field.grid.label;
-    if label.is_empty() {
-        return (0, 0.0);
+fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
+    let (corner, within) = cell_of(point);
+    WeldCell::new(field, corner).at(within)
+}
+
+/// Labels and φ [m] at the corners of a cell.
+pub(crate) struct WeldCell {
+    labels: [u16; 8],
+    /// Zeros where there is one label.
+    phi: [f32; 8],
+}
+
+impl WeldCell {
+    /// Of no cell.
+    pub(crate) const NONE: Self = Self { labels: [0; 8], phi: [0.0; 8] };
+
+    pub(crate) fn new(field: &Field, corner: IVec3) -> Self {
+        let label = &field.grid.label;
+        let labels = if label.is_empty() { [0; 8] } else { field.cell(corner, label, 0, 0) };
+        let cell = Self { labels, phi: [0.0; 8] };
+        if cell.has_one() { cell } else { Self { phi: field.cell_phi(corner), ..cell } }
     }
-    let (corner, f) = cell_of(point);
-    let labels = field.cell(corner, label, 0, 0);
-    if labels.iter().all(|&label| label == labels[0]) {
-        return (labels[0], f32::from(labels[0].min(1)));
+
+    fn has_one(&self) -> bool {
+        self.labels == [self.labels[0]; 8]
     }
-    let phi = field.cell_phi(corner);
+
+    /// Weld id with the most weight among the metal voxels around a place in the cell, 0 to 1, and the share of all welds.
+    pub(crate) fn at(&self, within: Vec3) -> (u16, f32) {
+        if self.has_one() {
+            return (self.labels[0], f32::from(self.labels[0].min(1)));
+        }
+        mixed_weld(self, within)
+    }
+}
+
+/// As [`WeldCell::at`], of several labels.
+fn mixed_weld(WeldCell { labels, phi }: &WeldCell, f: Vec3) -> (u16, f32) {
     let weights: [f32; 8] = std::array::from_fn(|i| {
         let near = Vec3::select(cell_corner(i).cmpeq(IVec3::ONE), f, 1.0 - f);
         if phi[i] <= 0.0 { near.x * near.y * near.z } else { 0.0 }

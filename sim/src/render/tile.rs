@@ -22,6 +22,11 @@ pub(crate) fn tile_pixels((x, y): (usize, usize)) -> impl Iterator<Item = (usize
     (0..LANES).map(move |i| (x + (i & 1 | i >> 1 & 2), y + (i >> 1 & 1 | i >> 2 & 2)))
 }
 
+/// Lanes of the pixels along a row of a tile.
+pub(crate) fn tile_row(row: usize) -> [usize; TILE] {
+    [0, 1, 4, 5].map(|lane| lane + ((row & 1) << 1) + ((row & 2) << 2))
+}
+
 impl Shelter {
     /// Of a tile's samples. `lamps`: rays towards those of the stage.
     pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &Samples) -> Self {
@@ -35,8 +40,20 @@ impl Shelter {
         let starts = points.moved(normals, &[SHADOW_START; LANES]);
         let of_lamp = |beam: &Beam| {
             let faces = std::array::from_fn(|i| wanted[i] && normals.get(i).dot(beam.direction()) > 0.0);
-            if any(&faces) { beam.shares(&starts, &faces) } else { [0.0; LANES] }
+            if any(&faces) { beam.shares(&starts, normals, &faces) } else { [0.0; LANES] }
         };
         Self { open, shares: lamps.iter().map(of_lamp).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_s_rows_and_pixels_are_the_same() {
+        for (lane, (x, y)) in tile_pixels((0, 0)).enumerate() {
+            assert_eq!(tile_row(y)[x], lane);
+        }
     }
 }
