@@ -22,6 +22,8 @@ use super::walk::{BRICK_SHIFT, integers};
 /// Largest distance of a ray from the one that tells for it [voxels]: farther ones are seldom as clear as that.
 const MOST_APART: f32 = 0.45;
 
+/// Steps of such a ray, after which each had better go by itself.
+const MOST_STEPS: usize = 10;
 /// Height of the middle of a ball above the start of a ray, as a part of the band: as high as φ still tells of it.
 const BALL_HEIGHT: f32 = 0.75;
 
@@ -109,7 +111,11 @@ impl<'a> Beam<'a> {
             t = t.max(self.length_in_ball(middle, above.into(), doubt));
         }
         let mut is_lit = true;
-        while t < end {
+        for _ in 0..MOST_STEPS {
+            let is_under_way = t < end;
+            if !is_under_way {
+                return is_lit.then_some(1.0);
+            }
             let at = middle + towards.line.direction * t;
             let clearance = match self.clearance(at) {
                 Ok(clearance) => clearance,
@@ -132,7 +138,7 @@ impl<'a> Beam<'a> {
             is_lit &= slack > 0.0;
             t += (if is_lit { slack / (STEEPEST + towards.spread) } else { clearance }).max(LEAST_STEP);
         }
-        is_lit.then_some(1.0)
+        None
     }
 }
 

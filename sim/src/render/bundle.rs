@@ -14,12 +14,18 @@ use super::rays::Rays;
 use super::shadow::STEEPEST;
 use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 
+/// How much farther from the middle ray than those at the corners one between them may be that a lens has bent.
+const BULGE: f32 = 1.02;
 /// Step below which the middle ray stops [voxels].
 const SHORTEST: f32 = 0.5;
 
-/// Length from the start of each ray on which none of them meets the metal [m]; infinite if none ever does.
+/// Length from the start of each ray on which none of them, nor of those between them, meets the metal [m]; infinite if none
+/// ever does. `known`: such a length that is known already [m].
 #[inline(always)]
-pub(crate) fn common_clear_length(field: &Field, rays: &Rays) -> f64 {
+pub(crate) fn common_clear_length(field: &Field, rays: &Rays, known: f64) -> f64 {
+    if known == f64::INFINITY {
+        return known;
+    }
     let (origin, direction) = rays.middle();
     let (apart, spread) = (rays.farthest(&rays.origins, origin), rays.farthest(&rays.directions, direction));
     let apart = apart * field.per_metre;
@@ -29,10 +35,11 @@ pub(crate) fn common_clear_length(field: &Field, rays: &Rays) -> f64 {
     // Distances are counted from the point nearest to the box's middle, where single precision is good enough.
     let from = ((0.5 * (low + high)).as_dvec3() - start).dot(direction).max(0.0);
     let near = (start + direction * from).as_vec3a();
-    let (apart, spread) = (STEEPEST * (from * spread + apart) as f32, STEEPEST * spread as f32);
+    let (apart, spread) = (BULGE * STEEPEST * (from * spread + apart) as f32, BULGE * STEEPEST * spread as f32);
     let doubt = |t: f32| t * spread + apart;
     let most = doubt((high - low).length());
     let (mut t, end) = line.span(near, (low - most, high + most), -from as f32);
+    t = t.max((known * field.per_metre - from) as f32);
     let (per_step, nudge) = ((STEEPEST + spread).recip(), nudge(field));
     while t < end {
         let at = near + line.direction * t;

@@ -54,8 +54,15 @@ impl Frame {
         frame
     }
 
-    /// A frame to be filled, whose memory nobody has touched.
-    pub(crate) fn zeroed(width: usize, height: usize) -> Self {
+    /// Makes it a frame of a size, all of whose pixels must yet be written: its memory is used again where it fits.
+    pub(crate) fn be_of_size(&mut self, width: usize, height: usize) {
+        self.removed_full_scale = None;
+        if (self.width, self.height) != (width, height) {
+            *self = Self::zeroed(width, height);
+        }
+    }
+
+    fn zeroed(width: usize, height: usize) -> Self {
         let pixels = width * height;
         Self {
             width,

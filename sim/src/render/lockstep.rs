@@ -180,7 +180,7 @@ mod tests {
                     (places.across[lane], places.down[lane]) = ((x as f64 + 0.5) / size, (y as f64 + 0.5) / size);
                 }
                 let rays = Rays::through(&places, &camera, (1.0, camera.half_image()));
-                let clear = common_clear_length(&field, &rays).min(1e3);
+                let clear = common_clear_length(&field, &rays, 0.0).min(1e3);
                 let call = Crossings { field: &field, padded: field.padded(), rays: &rays, clear };
                 let together = pulp::Arch::new().dispatch(call);
                 for (lane, distance) in together.into_iter().enumerate() {

@@ -15,8 +15,11 @@ use super::material::{Appearance, Material, PRIMER};
 use super::placement::Placement;
 use super::rays::Places;
 use super::rows::Rows;
-use super::sight::{Samples, Sight};
+use super::sight::{Clear, Samples, Sight};
 use super::tile::{Shelter, TILE, tile_pixels};
+
+/// Tiles beside each other that one ray looks ahead for.
+const TILES: usize = 4;
 
 /// A level table without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +80,11 @@ impl<'a> Scene<'a> {
         self.photograph_as(&[], camera, raster).0
     }
 
+    /// As [`Scene::photograph`], over an earlier frame: pictures one after the other need no new memory.
+    pub fn photograph_over(&self, frame: &mut Frame, camera: &Camera, raster: &Raster) {
+        self.expose(&[], camera, raster, (frame, &mut vec![[]; raster.width * raster.height]));
+    }
+
     /// As [`Scene::photograph`], with the colour of each pixel on the part in `N` other appearances, black elsewhere:
     /// what is seen and what shelters it are found once.
     pub fn photograph_as<const N: usize>(
@@ -85,18 +93,33 @@ impl<'a> Scene<'a> {
         camera: &Camera,
         raster: &Raster,
     ) -> (Frame, Vec<[Vec3; N]>) {
-        let mut frame = Frame::zeroed(raster.width, raster.height);
-        let mut colours = vec![[Vec3::ZERO; N]; frame.colour.len()];
+        let mut frame = Frame::empty(0, 0);
+        let mut colours = vec![[Vec3::ZERO; N]; raster.width * raster.height];
+        self.expose(others, camera, raster, (&mut frame, &mut colours));
+        (frame, colours)
+    }
+
+    /// Fills all of a frame, and the colours in other appearances.
+    fn expose<const N: usize>(
+        &self,
+        others: &[Appearance; N],
+        camera: &Camera,
+        raster: &Raster,
+        (frame, colours): (&mut Frame, &mut [[Vec3; N]]),
+    ) {
+        frame.be_of_size(raster.width, raster.height);
         let stage = Stage::new(self, camera, raster);
         let beam = |lamp: &Lamp| Beam::new(&self.field, lamp.towards, lamp.spread);
         let lamps: Vec<Beam> = stage.lamps.par_iter().map(beam).collect();
-        Rows::of(&mut frame, &mut colours).enumerate().for_each(|(y, mut rows)| {
-            for x in (0..raster.width).step_by(TILE) {
-                let (samples, light, in_others) = stage.tile(&lamps, (x, TILE * y), others);
-                rows.put(x, &samples, (&light, &in_others));
+        Rows::of(frame, colours).enumerate().for_each(|(y, mut rows)| {
+            for first in (0..raster.width).step_by(TILES * TILE) {
+                let clear = stage.clear_length((first, TILE * y));
+                for x in (first..raster.width.min(first + TILES * TILE)).step_by(TILE) {
+                    let (samples, light, in_others) = stage.tile(&lamps, ((x, TILE * y), clear), others);
+                    rows.put(x, &samples, (&light, &in_others));
+                }
             }
         });
-        (frame, colours)
     }
 }
 
@@ -143,14 +166,15 @@ impl<'a> Stage<'a> {
     }
 
     /// What the centres of a tile's pixels show, and their light: in the scene's appearance and, where a centre shows the
-    /// part, in others. `corner`: the tile's first pixel.
+    /// part, in others. `corner`: the tile's first pixel; `clear`: as [`Stage::clear_length`].
     fn tile<const N: usize>(
         &self,
         lamps: &[Beam],
-        corner: (usize, usize),
+        (corner, clear): ((usize, usize), f64),
         others: &[Appearance; N],
     ) -> (Samples, Points, [Points; N]) {
-        let centres = self.samples(tile_pixels(corner).map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
+        let centres = tile_pixels(corner).map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+        let centres = self.samples(centres, clear);
         if self.raster.samples_per_side <= 1 {
             let (light, in_others) = self.lights(lamps, &centres, others, any(&centres.is_part));
             return (centres, light, in_others);
@@ -158,7 +182,7 @@ impl<'a> Stage<'a> {
         let (mut light, mut in_others) = (Points::ZERO, [Points::ZERO; N]);
         for (i, (x, y)) in tile_pixels(corner).enumerate() {
             if x < self.raster.width && y < self.raster.height {
-                let mean = self.mean(lamps, (x, y), centres.is_part[i], others);
+                let mean = self.mean(lamps, ((x, y), clear), centres.is_part[i], others);
                 light.set(i, mean.0);
                 in_others.iter_mut().zip(mean.1).for_each(|(light, mean)| light.set(i, mean));
             }
@@ -170,7 +194,7 @@ impl<'a> Stage<'a> {
     fn mean<const N: usize>(
         &self,
         lamps: &[Beam],
-        (x, y): (usize, usize),
+        ((x, y), clear): ((usize, usize), f64),
         on_part: bool,
         others: &[Appearance; N],
     ) -> (Vec3, [Vec3; N]) {
@@ -180,7 +204,7 @@ impl<'a> Stage<'a> {
         let mut sum = (Vec3::ZERO, [Vec3::ZERO; N]);
         for first in (0..side * side).step_by(LANES) {
             let count = LANES.min(side * side - first);
-            let samples = self.samples((first..first + count).map(at));
+            let samples = self.samples((first..first + count).map(at), clear);
             let lit = self.lights(lamps, &samples, others, on_part);
             for i in 0..count {
                 sum.0 += lit.0.get(i);
@@ -205,15 +229,33 @@ impl<'a> Stage<'a> {
         (light(&self.scene.appearance), in_others)
     }
 
+    /// Length from the start of each ray through some tiles beside each other on which it meets no metal [m]. `corner`: the
+    /// first pixel of the first of [`TILES`].
+    fn clear_length(&self, corner: (usize, usize)) -> f64 {
+        let corner = DVec2::new(corner.0 as f64, corner.1 as f64);
+        let size = DVec2::new((TILES * TILE) as f64, TILE as f64);
+        let border = |i: usize| corner + size * DVec2::new((i / 2) as f64 / (LANES / 2 - 1) as f64, (i % 2) as f64);
+        let at = &self.places((0..LANES).map(border), |_| true);
+        pulp::Arch::new().dispatch(Clear { stage: self, at })
+    }
+
     /// What rays through at most [`LANES`] neighbouring points meet, those beyond the image left out; from the top left
     /// [pixels].
-    fn samples(&self, points: impl Iterator<Item = DVec2>) -> Samples {
+    fn samples(&self, points: impl Iterator<Item = DVec2>, clear: f64) -> Samples {
+        let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
+        let at = &self.places(points, |at| at.cmplt(size).all());
+        pulp::Arch::new().dispatch(Sight { stage: self, at, clear })
+    }
+
+    /// At most [`LANES`] points of the image from the top left [pixels] that are `wanted`.
+    #[inline(always)]
+    fn places(&self, points: impl Iterator<Item = DVec2>, wanted: impl Fn(DVec2) -> bool) -> Places {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
         let mut places = Places { across: [0.0; LANES], down: [0.0; LANES], wanted: [false; LANES] };
         for (i, at) in points.enumerate() {
             (places.across[i], places.down[i]) = (at / size).into();
-            places.wanted[i] = at.cmplt(size).all();
+            places.wanted[i] = wanted(at);
         }
-        pulp::Arch::new().dispatch(Sight { stage: self, at: &places })
+        places
     }
 }

@@ -67,6 +67,26 @@ impl Samples {
 pub(crate) struct Sight<'a> {
     pub(crate) stage: &'a Stage<'a>,
     pub(crate) at: &'a Places,
+    /// Length from the start of each ray on which it is known to meet no metal [m].
+    pub(crate) clear: f64,
+}
+
+/// Length from the start of each ray between some places on which it meets no metal [m]: a call that is compiled for each
+/// kind of lanes.
+pub(crate) struct Clear<'a> {
+    pub(crate) stage: &'a Stage<'a>,
+    pub(crate) at: &'a Places,
+}
+
+impl pulp::NullaryFnOnce for Clear<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let Self { stage, at } = self;
+        let rays = Rays::through(at, &stage.camera, (stage.aspect, stage.half_image));
+        common_clear_length(&stage.scene.field, &rays, 0.0)
+    }
 }
 
 impl pulp::NullaryFnOnce for Sight<'_> {
@@ -76,7 +96,7 @@ impl pulp::NullaryFnOnce for Sight<'_> {
     fn call(self) -> Samples {
         let (stage, field) = (self.stage, &self.stage.scene.field);
         let rays = Rays::through(self.at, &stage.camera, (stage.aspect, stage.half_image));
-        let clear = common_clear_length(field, &rays);
+        let clear = common_clear_length(field, &rays, self.clear);
         let distances = if clear < f64::INFINITY {
             Crossings { field, padded: field.padded(), rays: &rays, clear }.call()
         } else {
