@@ -38,8 +38,7 @@ impl<'a> Darkroom<'a> {
         })
     }
 
-    /// Photographs one part from placements and cameras, as `shots` says; `each` gets the frames in order, to do with them
-    /// what it likes.
+    /// Photographs one part from placements and cameras, as `shots` says; `each` gets the frames in order.
     ///
     /// # Errors
     /// Those of the device and of `each`.
@@ -48,20 +47,16 @@ impl<'a> Darkroom<'a> {
         part: &BrickGrid,
         shots: &[(Scene, Camera)],
         raster: &Raster,
-        each: &mut dyn FnMut(usize, &mut Frame) -> Result<()>,
+        each: &mut dyn FnMut(usize, Frame) -> Result<()>,
     ) -> Result<()> {
         match self {
             Self::Cpu => {
-                let mut frame = Frame::empty(0, 0);
-                shots.iter().enumerate().try_for_each(|(i, (scene, camera))| {
-                    scene.photograph_over(&mut frame, camera, raster);
-                    each(i, &mut frame)
-                })
+                shots.iter().enumerate().try_for_each(|(i, (scene, camera))| each(i, scene.photograph(camera, raster)))
             }
             Self::Device(photographer) => {
                 let buffers = photographer.load(part)?;
                 shots.iter().enumerate().try_for_each(|(i, (scene, camera))| {
-                    each(i, &mut photographer.photograph(&buffers, scene, camera, raster)?)
+                    each(i, photographer.photograph(&buffers, scene, camera, raster)?)
                 })
             }
         }
@@ -158,14 +153,14 @@ impl From<&Sensor> for SensorRecord {
 /// When a file cannot be written.
 pub fn write_frame(
     folder: &Path,
-    frame: &mut Frame,
+    mut frame: Frame,
     sensor: &Sensor,
     (picture, buffers): (&str, Option<&str>),
 ) -> Result<Picture> {
     if let Some(name) = buffers {
-        write(&folder.join(name), &to_exr(frame)?)?;
+        write(&folder.join(name), &to_exr(&frame)?)?;
     }
-    sensor.expose(frame);
+    sensor.expose(&mut frame);
     let shown = frame.to_srgb8();
     write(&folder.join(picture), &to_png(&shown)?)?;
     Ok(shown)
