@@ -22,6 +22,11 @@ use super::walk::{BRICK_SHIFT, integers};
 /// Largest distance of a ray from the one that tells for it [voxels]: farther ones are seldom as clear as that.
 const MOST_APART: f32 = 0.45;
 
+/// Steps of such a ray, after which each had better go by itself.
+const MOST_STEPS: usize = 10;
+/// Height of the middle of a ball above the start of a ray, as a part of the band: as high as φ still tells of it.
+const BALL_HEIGHT: f32 = 0.75;
+
 /// Rays towards a lamp from any tile.
 pub(crate) struct Beam<'a> {
     towards: Towards<'a>,
@@ -47,8 +52,10 @@ impl<'a> Beam<'a> {
     }
 
     /// The shares of those of a tile's points that are `wanted`, 0 for others.
-    pub(crate) fn shares(&self, starts: &Points, wanted: &[bool; LANES]) -> Lanes {
-        pulp::Arch::new().dispatch(Shares { beam: self, starts, wanted })
+    ///
+    /// `starts`, `normals`: of the rays and of the surface below them.
+    pub(crate) fn shares(&self, starts: &Points, normals: &Points, wanted: &[bool; LANES]) -> Lanes {
+        pulp::Arch::new().dispatch(Shares { beam: self, starts, normals, wanted })
     }
 
     /// As [`Field::clearance`].
@@ -65,9 +72,29 @@ impl<'a> Beam<'a> {
         }
     }
 
+    /// Length of the ray in the middle of several on which a ball without metal above its start shows that all their cones
+    /// are clear; 0 where none does.
+    ///
+    /// `above`: unit vector from the surface; `doubt`: how much less than at the middle ray φ can be at the others [voxels].
+    #[inline(always)]
+    fn length_in_ball(&self, start: Vec3A, above: Vec3A, doubt: f32) -> f32 {
+        let towards = &self.towards;
+        let height = BALL_HEIGHT * self.band;
+        let clearance = self.clearance(start + above * height).unwrap_or(self.band);
+        // The ball and, against the length of the ray, the cone, both in lengths that φ takes to change as much.
+        let (radius, slope) = ((clearance - doubt) / STEEPEST, towards.spread / STEEPEST);
+        let (square, within) = (1.0 - slope * slope, radius * radius - height * height);
+        let is_clear = (radius > height) & (square > 0.0);
+        if !is_clear {
+            return 0.0;
+        }
+        let half = height * above.dot(towards.line.direction) - radius * slope;
+        (half + (half * half + square * within).sqrt()) / square
+    }
+
     /// 1 or 0 where the ray in the middle of several shows that it is the share of them all.
     #[inline(always)]
-    fn common_share(&self, starts: &Points, wanted: &[bool; LANES]) -> Option<f32> {
+    fn common_share(&self, starts: &Points, normals: &Points, wanted: &[bool; LANES]) -> Option<f32> {
         let towards = &self.towards;
         let (middle, apart) = starts.around(wanted);
         let is_close = apart <= MOST_APART;
@@ -79,8 +106,16 @@ impl<'a> Beam<'a> {
         let middle = Vec3A::from(middle);
         let (mut t, end) = towards.line.span(middle, (Vec3A::ZERO, towards.size), 0.0);
         let end = end.min(clear);
+        if t < end {
+            let above = normals.get(wanted.iter().position(|wanted| *wanted).unwrap_or(0));
+            t = t.max(self.length_in_ball(middle, above.into(), doubt));
+        }
         let mut is_lit = true;
-        while t < end {
+        for _ in 0..MOST_STEPS {
+            let is_under_way = t < end;
+            if !is_under_way {
+                return is_lit.then_some(1.0);
+            }
             let at = middle + towards.line.direction * t;
             let clearance = match self.clearance(at) {
                 Ok(clearance) => clearance,
@@ -103,7 +138,7 @@ impl<'a> Beam<'a> {
             is_lit &= slack > 0.0;
             t += (if is_lit { slack / (STEEPEST + towards.spread) } else { clearance }).max(LEAST_STEP);
         }
-        is_lit.then_some(1.0)
+        None
     }
 }
 
@@ -111,6 +146,7 @@ impl<'a> Beam<'a> {
 struct Shares<'a> {
     beam: &'a Beam<'a>,
     starts: &'a Points,
+    normals: &'a Points,
     wanted: &'a [bool; LANES],
 }
 
@@ -119,8 +155,8 @@ impl pulp::NullaryFnOnce for Shares<'_> {
 
     #[inline(always)]
     fn call(self) -> Lanes {
-        let Self { beam: Beam { towards, directions, .. }, starts, wanted } = self;
-        if let Some(common) = self.beam.common_share(starts, wanted) {
+        let Self { beam: Beam { towards, directions, .. }, starts, normals, wanted } = self;
+        if let Some(common) = self.beam.common_share(starts, normals, wanted) {
             return wanted.map(|wanted| if wanted { common } else { 0.0 });
         }
         let field = towards.field;
@@ -209,12 +245,13 @@ mod tests {
                 field.in_voxels(DVec3::new(x + dx, 0.003 + dy, 0.001)) + 0.6 * Vec3::Z
             };
             let mut starts = Points::ZERO;
+            let normals = Points { z: [1.0; LANES], ..Points::ZERO };
             (0..LANES).for_each(|lane| starts.set(lane, start(lane)));
             let wanted: [bool; LANES] = std::array::from_fn(|lane| (i + lane as i32) % 7 != 0);
             let own: Lanes =
                 std::array::from_fn(|lane| if wanted[lane] { beam.towards.share(start(lane)) } else { 0.0 });
-            assert_eq!(beam.shares(&starts, &wanted), own, "at x = {x}");
-            if let Some(share) = beam.common_share(&starts, &wanted) {
+            assert_eq!(beam.shares(&starts, &normals, &wanted), own, "at x = {x}");
+            if let Some(share) = beam.common_share(&starts, &normals, &wanted) {
                 told[usize::from(share > 0.5)] += 1;
             }
         }

@@ -6,35 +6,40 @@
 //!          ╲ ╲ ╲
 //! ```
 
-use glam::{DVec3, Vec3A};
+use glam::Vec3A;
 
-use super::camera::Ray;
 use super::field::Field;
 use super::index::{BEYOND, Entry};
+use super::rays::Rays;
 use super::shadow::STEEPEST;
 use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 
+/// How much farther from the middle ray than those at the corners one between them may be that a lens has bent.
+const BULGE: f32 = 1.02;
 /// Step below which the middle ray stops [voxels].
-const SHORTEST: f32 = 0.3;
+const SHORTEST: f32 = 0.5;
 
-/// Length from the start of each ray on which none of them meets the metal [m]; infinite if none ever does.
-pub(crate) fn common_clear_length(field: &Field, rays: &[Ray]) -> f64 {
-    let count = rays.len().max(1) as f64;
-    let origin = rays.iter().map(|ray| ray.origin).sum::<DVec3>() / count;
-    let direction = (rays.iter().map(|ray| ray.direction).sum::<DVec3>() / count).normalize_or_zero();
-    let farthest = |of: &dyn Fn(&Ray) -> f64| rays.iter().map(of).fold(0.0, f64::max);
-    let apart = farthest(&|ray| ray.origin.distance_squared(origin)).sqrt() * field.per_metre;
-    let spread = farthest(&|ray| ray.direction.distance_squared(direction)).sqrt();
+/// Length from the start of each ray on which none of them, nor of those between them, meets the metal [m]; infinite if none
+/// ever does. `known`: such a length that is known already [m].
+#[inline(always)]
+pub(crate) fn common_clear_length(field: &Field, rays: &Rays, known: f64) -> f64 {
+    if known == f64::INFINITY {
+        return known;
+    }
+    let (origin, direction) = rays.middle();
+    let (apart, spread) = (rays.farthest(&rays.origins, origin), rays.farthest(&rays.directions, direction));
+    let apart = apart * field.per_metre;
     let start = origin * field.per_metre - field.lowest;
     let (line, (low, high)) = (Line::new(direction.as_vec3a()), field.metal_box);
     let (low, high) = (Vec3A::from(low), Vec3A::from(high));
     // Distances are counted from the point nearest to the box's middle, where single precision is good enough.
     let from = ((0.5 * (low + high)).as_dvec3() - start).dot(direction).max(0.0);
     let near = (start + direction * from).as_vec3a();
-    let (apart, spread) = (STEEPEST * (from * spread + apart) as f32, STEEPEST * spread as f32);
+    let (apart, spread) = (BULGE * STEEPEST * (from * spread + apart) as f32, BULGE * STEEPEST * spread as f32);
     let doubt = |t: f32| t * spread + apart;
     let most = doubt((high - low).length());
     let (mut t, end) = line.span(near, (low - most, high + most), -from as f32);
+    t = t.max((known * field.per_metre - from) as f32);
     let (per_step, nudge) = ((STEEPEST + spread).recip(), nudge(field));
     while t < end {
         let at = near + line.direction * t;

@@ -99,13 +99,7 @@ impl Camera {
     /// - `at`: from the left and from the top of the image, 0 to 1
     /// - `aspect`: width of the image by its height
     pub fn ray(&self, at: DVec2, aspect: f64) -> Ray {
-        self.ray_within(at, aspect, self.half_image())
-    }
-
-    /// As [`Camera::ray`], of many rays; `half_image`: [`Camera::half_image`].
-    #[inline]
-    pub(crate) fn ray_within(&self, at: DVec2, aspect: f64, half_image: f64) -> Ray {
-        let image = DVec2::new((2.0 * at.x - 1.0) * aspect, 2.0 * at.y - 1.0) * half_image;
+        let image = DVec2::new((2.0 * at.x - 1.0) * aspect, 2.0 * at.y - 1.0) * self.half_image();
         match self.projection {
             Projection::Perspective { .. } => {
                 let plane = self.distortion.undistort(image);

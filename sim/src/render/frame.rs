@@ -49,14 +49,28 @@ pub struct Frame {
 impl Frame {
     /// A frame in which nothing is seen.
     pub fn empty(width: usize, height: usize) -> Self {
+        let mut frame = Self::zeroed(width, height);
+        frame.depth.fill(f32::INFINITY);
+        frame
+    }
+
+    /// Makes it a frame of a size, all of whose pixels must yet be written: its memory is used again where it fits.
+    pub(crate) fn be_of_size(&mut self, width: usize, height: usize) {
+        self.removed_full_scale = None;
+        if (self.width, self.height) != (width, height) {
+            *self = Self::zeroed(width, height);
+        }
+    }
+
+    fn zeroed(width: usize, height: usize) -> Self {
         let pixels = width * height;
         Self {
             width,
             height,
-            colour: vec![Vec3::ZERO; pixels],
-            depth: vec![f32::INFINITY; pixels],
-            normal: vec![Vec3::ZERO; pixels],
-            position: vec![Vec3::ZERO; pixels],
+            colour: bytemuck::zeroed_vec(pixels),
+            depth: vec![0.0; pixels],
+            normal: bytemuck::zeroed_vec(pixels),
+            position: bytemuck::zeroed_vec(pixels),
             weld: vec![0; pixels],
             dose: vec![0.0; pixels],
             removed: vec![0.0; pixels],

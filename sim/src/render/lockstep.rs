@@ -8,11 +8,11 @@
 
 use glam::{DVec3, Vec3};
 
-use super::camera::Ray;
 use super::cubic::first_roots;
 use super::field::Field;
 use super::lanes::{Directions, LANES, Lanes, Points, any, larger, smaller};
 use super::padded::{Cells, Padded};
+use super::rays::Rays;
 use super::shadow::STEEPEST;
 use super::walk::nudge;
 
@@ -21,7 +21,7 @@ use super::walk::nudge;
 pub(crate) struct Crossings<'a> {
     pub(crate) field: &'a Field<'a>,
     pub(crate) padded: &'a Padded,
-    pub(crate) rays: &'a [Ray],
+    pub(crate) rays: &'a Rays,
     /// Length from the start of each ray on which it meets nothing [m].
     pub(crate) clear: f64,
 }
@@ -57,11 +57,10 @@ impl Crossings<'_> {
     #[inline(always)]
     fn start(&self) -> Start {
         let field = self.field;
-        let (mut from, mut along) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        for (lane, ray) in self.rays.iter().enumerate() {
-            let (p, d) = (ray.origin * field.per_metre - field.lowest, ray.direction);
-            for axis in 0..3 {
-                (from[axis][lane], along[axis][lane]) = (p[axis], d[axis]);
+        let (mut from, along) = (self.rays.origins, &self.rays.directions);
+        for axis in 0..3 {
+            for i in 0..LANES {
+                from[axis][i] = from[axis][i] * field.per_metre - field.lowest[axis];
             }
         }
         let (mut entry, mut leave) = ([self.clear * field.per_metre; LANES], [f64::INFINITY; LANES]);
@@ -77,14 +76,14 @@ impl Crossings<'_> {
             }
         }
         let mut start = Start { points: Points::ZERO, directions: Points::ZERO, entry, length: [0.0; LANES] };
-        for i in 0..self.rays.len() {
-            let [p, d] = [from, along].map(|axes| DVec3::new(axes[0][i], axes[1][i], axes[2][i]));
-            let meets = entry[i] < leave[i] && leave[i] < f64::INFINITY;
-            if meets {
-                start.points.set(i, (p + d * entry[i]).as_vec3());
-                start.directions.set(i, d.as_vec3());
-                start.length[i] = (leave[i] - entry[i]) as f32;
-            }
+        for i in 0..LANES {
+            let meets = self.rays.wanted[i] & (entry[i] < leave[i]) & (leave[i] < f64::INFINITY);
+            let p = DVec3::new(from[0][i], from[1][i], from[2][i]);
+            let d = self.rays.direction(i);
+            let (point, length) = ((p + d * entry[i]).as_vec3(), (leave[i] - entry[i]) as f32);
+            start.points.set(i, if meets { point } else { Vec3::ZERO });
+            start.directions.set(i, if meets { d.as_vec3() } else { Vec3::ZERO });
+            start.length[i] = if meets { length } else { 0.0 };
         }
         start
     }
@@ -151,12 +150,12 @@ fn roots(cells: &Cells, at: &Points, directions: &Points, lengths: &Lanes, wante
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
     use sdf_bake::BrickGrid;
 
     use super::*;
     use crate::render::bundle::common_clear_length;
-    use crate::render::camera::Camera;
+    use crate::render::camera::{Camera, Ray};
+    use crate::render::rays::Places;
     use crate::render::tile::tile_pixels;
 
     const VOXEL: f64 = 0.0005;
@@ -176,13 +175,17 @@ mod tests {
             let (mut hits, mut others) = (0, 0);
             for corner in (0..size as usize).step_by(4).flat_map(|y| (0..size as usize).step_by(4).map(move |x| (x, y)))
             {
-                let ray = |(x, y): (usize, usize)| camera.ray(DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / size, 1.0);
-                let rays: Vec<Ray> = tile_pixels(corner).map(ray).collect();
-                let clear = common_clear_length(&field, &rays).min(1e3);
+                let mut places = Places { across: [0.0; LANES], down: [0.0; LANES], wanted: [true; LANES] };
+                for (lane, (x, y)) in tile_pixels(corner).enumerate() {
+                    (places.across[lane], places.down[lane]) = ((x as f64 + 0.5) / size, (y as f64 + 0.5) / size);
+                }
+                let rays = Rays::through(&places, &camera, (1.0, camera.half_image()));
+                let clear = common_clear_length(&field, &rays, 0.0).min(1e3);
                 let call = Crossings { field: &field, padded: field.padded(), rays: &rays, clear };
                 let together = pulp::Arch::new().dispatch(call);
-                for (ray, distance) in rays.iter().zip(together) {
-                    match field.trace(ray) {
+                for (lane, distance) in together.into_iter().enumerate() {
+                    let ray = Ray { origin: rays.origin(lane), direction: rays.direction(lane) };
+                    match field.trace(&ray) {
                         Some(hit) if (hit.distance - distance).abs() < 2e-3 * VOXEL => hits += 1,
                         None if distance == f64::INFINITY => {}
                         // A ray that grazes an edge goes by on either side of it.

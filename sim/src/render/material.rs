@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::lanes::{LANES, Lanes, Points};
 use super::marks::Marks;
 use super::shade::smooth_step;
 
@@ -78,20 +79,63 @@ pub(crate) struct Blend {
     pub(crate) ground: f32,
 }
 
+/// Materials of a tile's samples.
+pub(crate) struct MaterialLanes {
+    colour: Points,
+    roughness: Lanes,
+    metallic: Lanes,
+    /// As in [`Blend`].
+    pub(crate) ground: Lanes,
+}
+
+impl MaterialLanes {
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, Blend { material, ground }: Blend) {
+        self.colour.set(lane, material.colour);
+        (self.roughness[lane], self.metallic[lane], self.ground[lane]) =
+            (material.roughness, material.metallic, ground);
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Material {
+        let (roughness, metallic) = (self.roughness[lane], self.metallic[lane]);
+        Material { colour: self.colour.get(lane), roughness, metallic }
+    }
+
+    #[inline(always)]
+    pub(crate) fn blend(&self, lane: usize) -> Blend {
+        Blend { material: self.get(lane), ground: self.ground[lane] }
+    }
+}
+
 impl Appearance {
     /// Coated and exposed appearance mixed by min(D, 1); what is exposed is ground where a tool has removed metal or
     /// coating, else base or weld metal.
     ///
-    /// - `weld_share`, `dose`, `removed`: as in [`Surface`](super::surface::Surface)
+    /// - `weld_share`, `dose`, `removed`: as in [`Samples`](super::sight::Samples)
     #[inline(always)]
-    pub(crate) fn blend(&self, weld_share: f32, dose: f32, removed: f32) -> Blend {
+    pub(crate) fn blends(&self, weld_share: &Lanes, dose: &Lanes, removed: &Lanes) -> MaterialLanes {
+        let none = [0.0; LANES];
+        let mut blends = MaterialLanes { colour: Points::ZERO, roughness: none, metallic: none, ground: none };
+        // Which of both holds for all lanes, so no lane asks.
+        match self.coating {
+            None => (0..LANES).for_each(|i| blends.set(i, self.uncoated(weld_share[i], removed[i]))),
+            Some(coating) => (0..LANES).for_each(|i| blends.set(i, self.coated(coating, dose[i], removed[i]))),
+        }
+        blends
+    }
+
+    #[inline(always)]
+    fn uncoated(&self, weld_share: f32, removed: f32) -> Blend {
         let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, weld_share);
-        let untouched = self.metal.mixed(self.weld, weld);
         let ground = smooth_step(0.0, self.ground_depth, removed);
-        let Some(coating) = self.coating else {
-            return Blend { material: untouched.mixed(self.ground, ground), ground };
-        };
+        Blend { material: self.metal.mixed(self.weld, weld).mixed(self.ground, ground), ground }
+    }
+
+    #[inline(always)]
+    fn coated(&self, coating: Material, dose: f32, removed: f32) -> Blend {
         let exposed = dose.clamp(0.0, 1.0);
+        let ground = smooth_step(0.0, self.ground_depth, removed);
         Blend { material: coating.mixed(self.ground, exposed), ground: ground * exposed }
     }
 }

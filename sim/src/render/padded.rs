@@ -9,7 +9,7 @@
 use glam::{IVec3, Vec3, Vec4};
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, trilinear};
 
-use super::field::{Field, cell_of};
+use super::field::Field;
 use super::lanes::{LANES, Lanes, Points, integer};
 use super::occupancy::Blocks;
 use super::shadow::PENUMBRA_BAND;
@@ -157,8 +157,9 @@ impl Padded {
         }
     }
 
+    /// Finds the cells of the samples, whose lowest corners stand in `cells`.
     #[inline(always)]
-    fn find(&self, cells: &mut Cells) {
+    pub(crate) fn find(&self, cells: &mut Cells) {
         let ([across, along, up], [step_x, step_y, step_z]) = (self.dims, self.steps);
         let beyond = self.sites.len() as u32 - 1;
         for i in 0..LANES {
@@ -183,23 +184,23 @@ impl Padded {
         trilinear(&[v[0], v[1], v[11], v[12], v[121], v[122], v[132], v[133]], within)
     }
 
-    /// Label of all voxels of the cells of a brick, if they have but one.
-    pub(crate) fn label(&self, brick: IVec3, field: &Field) -> Option<u16> {
-        field.index.place(brick).map_or(Some(0), |place| self.sites[place].label)
-    }
-
-    /// Whether no voxel of the cells of a brick has a dose or removed depth.
-    pub(crate) fn is_plain(&self, brick: IVec3, field: &Field) -> bool {
-        field.index.place(brick).is_none_or(|place| self.sites[place].is_plain)
-    }
-
-    /// As [`Field::normal`].
+    /// Label of all voxels of the cells of a lane's brick, if they have but one.
     #[inline(always)]
-    pub(crate) fn normal(&self, field: &Field, at: Vec3) -> Option<Vec3> {
-        let (corner, f) = cell_of(at);
-        let place = field.index.place(corner >> BRICK_SHIFT)?;
-        let local = (corner & 7).as_usizevec3();
-        let first = self.sites[place].first as usize + local.x * STEPS[0] + local.y * STEPS[1] + local.z;
+    pub(crate) fn label(&self, cells: &Cells, lane: usize) -> Option<u16> {
+        self.sites[cells.sites[lane] as usize].label
+    }
+
+    /// Whether no voxel of the cells of a lane's brick has a dose or removed depth.
+    #[inline(always)]
+    pub(crate) fn is_plain(&self, cells: &Cells, lane: usize) -> bool {
+        self.sites[cells.sites[lane] as usize].is_plain
+    }
+
+    /// φ's differences two voxels wide along the axes at a place in a lane's cell, 0 to 1: along the normal of
+    /// [`Field::normal`].
+    #[inline(always)]
+    pub(crate) fn differences(&self, cells: &Cells, lane: usize, f: Vec3) -> Vec3 {
+        let first = (self.sites[cells.sites[lane] as usize].first + cells.voxels[lane]) as usize - OWN;
         let v = &self.values[first..first + 3 * OWN + 1];
         let column = |x: usize, y: usize| {
             let from = x * STEPS[0] + y * STEPS[1];
@@ -214,7 +215,7 @@ impl Padded {
         let z = mix(mix(inner[0], inner[1], f.y), mix(inner[2], inner[3], f.y), f.x);
         let level = |m: Vec4| m.y + (m.z - m.y) * f.z;
         let up = (z.z - z.x) + ((z.w - z.y) - (z.z - z.x)) * f.z;
-        Vec3::new(level(x), level(y), up).try_normalize()
+        Vec3::new(level(x), level(y), up)
     }
 }
 
@@ -285,6 +286,7 @@ mod tests {
     use sdf_bake::grid::trilinear;
 
     use super::*;
+    use crate::render::field::cell_of;
 
     #[test]
     fn padded_bricks_hold_the_cells_and_normals_of_the_field() {
@@ -313,14 +315,17 @@ mod tests {
                 assert_eq!(cells.phi(lane, within), trilinear(&field.cell_phi(corner), within), "at {corner}");
                 assert_eq!(cells.to_brick[lane], i32::from(entry.to_brick));
                 assert_eq!(cells.to_metal[lane], i32::from(entry.to_metal));
-                if let Some(label) = padded.label(brick, &field) {
+                if let Some(label) = padded.label(&cells, lane) {
                     assert_eq!(field.cell(corner, &grid.label, 0, 0), [label; 8], "at {corner}");
                     labels += 1;
                 }
                 let in_metal = field.cell_phi(corner).map(|phi| phi <= 0.0);
                 let is_crossed = in_metal.contains(&true) && in_metal.contains(&false);
                 if let (true, Some(normal)) = (is_crossed, field.normal(at.get(lane))) {
-                    assert!((padded.normal(&field, at.get(lane)).unwrap() - normal).length() < 1e-5, "at {corner}");
+                    assert!(
+                        (padded.differences(&cells, lane, within).normalize() - normal).length() < 1e-5,
+                        "at {corner}"
+                    );
                     normals += 1;
                 }
             }

@@ -5,18 +5,21 @@ use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
 use super::beam::Beam;
-use super::bundle::common_clear_length;
-use super::camera::{Camera, Ray};
+use super::camera::Camera;
 use super::field::Field;
-use super::frame::{Frame, Seen};
-use super::lanes::{LANES, Points};
+use super::frame::Frame;
+use super::lanes::{LANES, Points, any};
 use super::lights::Lights;
-use super::lit::{Lit, Shown};
-use super::lockstep::Crossings;
+use super::lit::Lit;
 use super::material::{Appearance, Material, PRIMER};
 use super::placement::Placement;
-use super::surface::Surface;
-use super::tile::{Sample, Shelter, TILE, tile_pixels};
+use super::rays::Places;
+use super::rows::Rows;
+use super::sight::{Clear, Samples, Sight};
+use super::tile::{Shelter, TILE, tile_pixels};
+
+/// Tiles beside each other that one ray looks ahead for.
+const TILES: usize = 4;
 
 /// A level table without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +80,11 @@ impl<'a> Scene<'a> {
         self.photograph_as(&[], camera, raster).0
     }
 
+    /// As [`Scene::photograph`], over an earlier frame: pictures one after the other need no new memory.
+    pub fn photograph_over(&self, frame: &mut Frame, camera: &Camera, raster: &Raster) {
+        self.expose(&[], camera, raster, (frame, &mut vec![[]; raster.width * raster.height]));
+    }
+
     /// As [`Scene::photograph`], with the colour of each pixel on the part in `N` other appearances, black elsewhere:
     /// what is seen and what shelters it are found once.
     pub fn photograph_as<const N: usize>(
@@ -85,29 +93,33 @@ impl<'a> Scene<'a> {
         camera: &Camera,
         raster: &Raster,
     ) -> (Frame, Vec<[Vec3; N]>) {
-        let mut frame = Frame::empty(raster.width, raster.height);
-        let mut colours = vec![[Vec3::ZERO; N]; frame.colour.len()];
+        let mut frame = Frame::empty(0, 0);
+        let mut colours = vec![[Vec3::ZERO; N]; raster.width * raster.height];
+        self.expose(others, camera, raster, (&mut frame, &mut colours));
+        (frame, colours)
+    }
+
+    /// Fills all of a frame, and the colours in other appearances.
+    fn expose<const N: usize>(
+        &self,
+        others: &[Appearance; N],
+        camera: &Camera,
+        raster: &Raster,
+        (frame, colours): (&mut Frame, &mut [[Vec3; N]]),
+    ) {
+        frame.be_of_size(raster.width, raster.height);
         let stage = Stage::new(self, camera, raster);
         let beam = |lamp: &Lamp| Beam::new(&self.field, lamp.towards, lamp.spread);
         let lamps: Vec<Beam> = stage.lamps.par_iter().map(beam).collect();
-        let rows = TILE * raster.width.max(1);
-        let Frame { colour, depth, normal, position, weld, dose, removed, seen, .. } = &mut frame;
-        let floats = (depth.par_chunks_mut(rows), dose.par_chunks_mut(rows), removed.par_chunks_mut(rows));
-        let vectors = (colour.par_chunks_mut(rows), normal.par_chunks_mut(rows), position.par_chunks_mut(rows));
-        let marks = (weld.par_chunks_mut(rows), seen.par_chunks_mut(rows), colours.par_chunks_mut(rows));
-        (vectors, floats, marks).into_par_iter().enumerate().for_each(|(y, (vectors, floats, marks))| {
-            let ((colour, normal, position), (depth, dose, removed), (weld, seen, colours)) = (vectors, floats, marks);
-            for x in (0..raster.width).step_by(TILE) {
-                stage.tile(&lamps, (x, TILE * y), others, |(x, y), sample, light| {
-                    let at = y % TILE * raster.width + x;
-                    (colour[at], colours[at], seen[at]) = (light.0, light.1, sample.seen);
-                    let Some(surface) = sample.surface else { return };
-                    (depth[at], normal[at], position[at]) = (surface.depth, surface.normal, surface.position);
-                    (weld[at], dose[at], removed[at]) = (surface.weld, surface.dose, surface.removed);
-                });
+        Rows::of(frame, colours).enumerate().for_each(|(y, mut rows)| {
+            for first in (0..raster.width).step_by(TILES * TILE) {
+                let clear = stage.clear_length((first, TILE * y));
+                for x in (first..raster.width.min(first + TILES * TILE)).step_by(TILE) {
+                    let (samples, light, in_others) = stage.tile(&lamps, ((x, TILE * y), clear), others);
+                    rows.put(x, &samples, (&light, &in_others));
+                }
             }
         });
-        (frame, colours)
     }
 }
 
@@ -153,37 +165,36 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Gives for each pixel of a tile what its centre shows, and its light: in the scene's appearance and, where the
-    /// centre shows the part, in others. `corner`: the tile's first pixel.
+    /// What the centres of a tile's pixels show, and their light: in the scene's appearance and, where a centre shows the
+    /// part, in others. `corner`: the tile's first pixel; `clear`: as [`Stage::clear_length`].
     fn tile<const N: usize>(
         &self,
         lamps: &[Beam],
-        corner: (usize, usize),
+        (corner, clear): ((usize, usize), f64),
         others: &[Appearance; N],
-        mut each: impl FnMut((usize, usize), &Sample, (Vec3, [Vec3; N])),
-    ) {
-        let within = |&(x, y): &(usize, usize)| x < self.raster.width && y < self.raster.height;
-        let pixels = || tile_pixels(corner).filter(within);
-        let centres = self.samples(pixels().map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
-        if self.raster.samples_per_side > 1 {
-            for (pixel, centre) in pixels().zip(&centres) {
-                each(pixel, centre, self.mean(lamps, pixel, centre.seen == Seen::Part, others));
+    ) -> (Samples, Points, [Points; N]) {
+        let centres = tile_pixels(corner).map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+        let centres = self.samples(centres, clear);
+        if self.raster.samples_per_side <= 1 {
+            let (light, in_others) = self.lights(lamps, &centres, others, any(&centres.is_part));
+            return (centres, light, in_others);
+        }
+        let (mut light, mut in_others) = (Points::ZERO, [Points::ZERO; N]);
+        for (i, (x, y)) in tile_pixels(corner).enumerate() {
+            if x < self.raster.width && y < self.raster.height {
+                let mean = self.mean(lamps, ((x, y), clear), centres.is_part[i], others);
+                light.set(i, mean.0);
+                in_others.iter_mut().zip(mean.1).for_each(|(light, mean)| light.set(i, mean));
             }
-            return;
         }
-        let lit = self.lights(lamps, &centres, others, centres.iter().any(|centre| centre.seen == Seen::Part));
-        for (i, (pixel, centre)) in pixels().zip(&centres).enumerate() {
-            let is_part = centre.seen == Seen::Part;
-            let in_others = lit.1.each_ref().map(|light| if is_part { light.get(i) } else { Vec3::ZERO });
-            each(pixel, centre, (lit.0.get(i), in_others));
-        }
+        (centres, light, in_others)
     }
 
     /// Mean light of a pixel; in other appearances, too, if it is `on_part`.
     fn mean<const N: usize>(
         &self,
         lamps: &[Beam],
-        (x, y): (usize, usize),
+        ((x, y), clear): ((usize, usize), f64),
         on_part: bool,
         others: &[Appearance; N],
     ) -> (Vec3, [Vec3; N]) {
@@ -193,7 +204,7 @@ impl<'a> Stage<'a> {
         let mut sum = (Vec3::ZERO, [Vec3::ZERO; N]);
         for first in (0..side * side).step_by(LANES) {
             let count = LANES.min(side * side - first);
-            let samples = self.samples((first..first + count).map(at));
+            let samples = self.samples((first..first + count).map(at), clear);
             let lit = self.lights(lamps, &samples, others, on_part);
             for i in 0..count {
                 sum.0 += lit.0.get(i);
@@ -208,59 +219,43 @@ impl<'a> Stage<'a> {
     fn lights<const N: usize>(
         &self,
         lamps: &[Beam],
-        samples: &[Sample; LANES],
+        samples: &Samples,
         others: &[Appearance; N],
         wanted: bool,
     ) -> (Points, [Points; N]) {
-        let (shown, shelter) = (&Shown::new(samples), &Shelter::of(self, lamps, samples));
-        let light = |appearance| pulp::Arch::new().dispatch(Lit { stage: self, appearance, shown, shelter });
+        let shelter = &Shelter::of(self, lamps, samples);
+        let light = |appearance| pulp::Arch::new().dispatch(Lit { stage: self, appearance, samples, shelter });
         let in_others = if wanted { others.each_ref().map(light) } else { [Points::ZERO; N] };
         (light(&self.scene.appearance), in_others)
     }
 
-    /// What rays through at most [`LANES`] neighbouring points of the image meet; from the top left [pixels].
-    fn samples(&self, points: impl Iterator<Item = DVec2>) -> [Sample; LANES] {
+    /// Length from the start of each ray through some tiles beside each other on which it meets no metal [m]. `corner`: the
+    /// first pixel of the first of [`TILES`].
+    fn clear_length(&self, corner: (usize, usize)) -> f64 {
+        let corner = DVec2::new(corner.0 as f64, corner.1 as f64);
+        let size = DVec2::new((TILES * TILE) as f64, TILE as f64);
+        let border = |i: usize| corner + size * DVec2::new((i / 2) as f64 / (LANES / 2 - 1) as f64, (i % 2) as f64);
+        let at = &self.places((0..LANES).map(border), |_| true);
+        pulp::Arch::new().dispatch(Clear { stage: self, at })
+    }
+
+    /// What rays through at most [`LANES`] neighbouring points meet, those beyond the image left out; from the top left
+    /// [pixels].
+    fn samples(&self, points: impl Iterator<Item = DVec2>, clear: f64) -> Samples {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
-        let field = &self.scene.field;
-        let (mut rays, mut count) = ([Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }; LANES], 0);
-        for at in points {
-            rays[count] = self.camera.ray_within(at / size, self.aspect, self.half_image);
-            count += 1;
-        }
-        let rays = &rays[..count];
-        let clear = common_clear_length(field, rays);
-        let distances = if clear < f64::INFINITY {
-            pulp::Arch::new().dispatch(Crossings { field, padded: field.padded(), rays, clear })
-        } else {
-            [f64::INFINITY; LANES]
-        };
-        let mut samples = [Sample::NOTHING; LANES];
-        for ((sample, ray), distance) in samples.iter_mut().zip(rays).zip(distances) {
-            *sample = self.sample(ray, distance);
-        }
-        samples
+        let at = &self.places(points, |at| at.cmplt(size).all());
+        pulp::Arch::new().dispatch(Sight { stage: self, at, clear })
     }
 
-    /// What a ray meets; `distance`: from its start to the part [m].
-    fn sample(&self, ray: &Ray, distance: f64) -> Sample {
-        let direction = ray.direction.as_vec3();
-        let table = self.table_distance(ray);
-        if distance <= table && distance < f64::INFINITY {
-            let surface =
-                Surface::by_padded(&self.scene.field, &self.camera, ray, &self.scene.field.hit(ray, distance));
-            Sample { direction, seen: Seen::Part, surface: Some(surface) }
-        } else if table < f64::INFINITY {
-            let point = ray.origin + ray.direction * table;
-            let surface = Surface::bare(self.camera.depth(point), point, self.up.as_vec3(), direction);
-            Sample { direction, seen: Seen::Table, surface: Some(surface) }
-        } else {
-            Sample { direction, ..Sample::NOTHING }
+    /// At most [`LANES`] points of the image from the top left [pixels] that are `wanted`.
+    #[inline(always)]
+    fn places(&self, points: impl Iterator<Item = DVec2>, wanted: impl Fn(DVec2) -> bool) -> Places {
+        let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
+        let mut places = Places { across: [0.0; LANES], down: [0.0; LANES], wanted: [false; LANES] };
+        for (i, at) in points.enumerate() {
+            (places.across[i], places.down[i]) = (at / size).into();
+            places.wanted[i] = wanted(at);
         }
-    }
-
-    /// Distance along a ray to the table's top [m]; infinite for one that misses it or starts below.
-    fn table_distance(&self, ray: &Ray) -> f64 {
-        let (height, fall) = (ray.origin.dot(self.up) - self.table, -ray.direction.dot(self.up));
-        if height > 0.0 && height < f64::INFINITY && fall > 1e-9 { height / fall } else { f64::INFINITY }
+        places
     }
 }

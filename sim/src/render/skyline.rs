@@ -7,7 +7,8 @@
 
 use glam::{Vec2, Vec3};
 
-use super::lanes::{LANES, Lanes, Points};
+use super::lanes::{LANES, Lanes, Points, larger};
+use super::occupancy::Blocks;
 use super::padded::Padded;
 
 /// Side of a column [voxels].
@@ -51,23 +52,36 @@ impl Skyline {
             project(Vec3::new((block >> 4) as f32, (block >> 2 & 3) as f32, (block & 3) as f32) * 2.0 + 1.0)
         });
         for &(brick, bits) in &padded.near {
-            let corner = project((8 * brick).as_vec3());
-            for (_, middle) in blocks.iter().enumerate().filter(|(block, _)| bits.0 >> block & 1 == 1) {
-                skyline.raise(corner + *middle, half + ROUNDING);
-            }
+            skyline.raise(project((8 * brick).as_vec3()), (&blocks, bits), half + ROUNDING);
         }
         skyline
     }
 
-    /// Raises all columns that a block meets.
-    fn raise(&mut self, middle: Vec3, half: Vec3) {
-        let (low, high) = (middle - half, middle + half);
-        let [first, last] = [low, high].map(|at| [self.column(0, at.y), self.column(1, at.z)]);
-        for row in first[0]..=last[0] {
-            let row = row * self.columns[1];
-            for height in &mut self.heights[row + first[1]..=row + last[1]] {
-                *height = height.max(high.x);
+    /// Raises all columns that the blocks of a brick meet. `blocks`: middles of all, from the brick's `corner`; `half`: of the
+    /// box around each.
+    fn raise(&mut self, corner: Vec3, (blocks, Blocks(mut bits)): (&[Vec3; 64], Blocks), half: Vec3) {
+        let in_columns = |at: f32, side: usize| (at - self.low[side]) * self.per_voxel + 1.0;
+        let (mut ranges, mut heights) = ([[0; 4]; 64], [0.0; 64]);
+        for (block, middle) in blocks.iter().enumerate() {
+            let (low, high) = (corner + *middle - half, corner + *middle + half);
+            ranges[block] = [
+                in_columns(low.y, 0) as i32,
+                in_columns(high.y, 0) as i32,
+                in_columns(low.z, 1) as i32,
+                in_columns(high.z, 1) as i32,
+            ];
+            heights[block] = high.x;
+        }
+        while bits != 0 {
+            let block = bits.trailing_zeros() as usize;
+            let [first, last, from, to] = ranges[block].map(|column| column as usize);
+            for row in first..=last {
+                let row = row * self.columns[1];
+                for height in &mut self.heights[row + from..=row + to] {
+                    *height = larger(*height, heights[block]);
+                }
             }
+            bits &= bits - 1;
         }
     }
 

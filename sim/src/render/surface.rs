@@ -1,6 +1,6 @@
 //! What is seen at each sample of the image: the geometry buffers from which colour is made.
 
-use glam::{DVec2, DVec3, IVec3, Vec3};
+use glam::{DVec2, IVec3, Vec3};
 use rayon::prelude::*;
 use sdf_bake::Scalar;
 use sdf_bake::grid::{cell_corner, trilinear};
@@ -9,10 +9,9 @@ use super::camera::{Camera, Ray};
 use super::field::{Field, cell_of};
 use super::removed::removed_depth;
 use super::trace::Hit;
-use super::walk::BRICK_SHIFT;
 
 /// Labels are read this far below the surface [voxels], where the metal that carries them is.
-const LABEL_DEPTH: f32 = 0.75;
+pub(crate) const LABEL_DEPTH: f32 = 0.75;
 
 /// The surface at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,23 +62,8 @@ impl Surface {
     /// What the channels of the grid tell of a point that a ray has met.
     pub(crate) fn new(field: &Field, camera: &Camera, ray: &Ray, hit: &Hit) -> Self {
         let at = field.in_voxels(hit.point);
-        Self::of(camera, ray, hit, weld_at(field, at - hit.normal * LABEL_DEPTH), scalars_at(field, at))
-    }
-
-    /// As [`Surface::new`], by what the padded bricks know.
-    pub(crate) fn by_padded(field: &Field, camera: &Camera, ray: &Ray, hit: &Hit) -> Self {
-        let (at, padded) = (field.in_voxels(hit.point), field.padded());
-        let below = at - hit.normal * LABEL_DEPTH;
-        let brick = |point: Vec3| cell_of(point).0 >> BRICK_SHIFT;
-        let weld = match padded.label(brick(below), field) {
-            Some(label) => (label, f32::from(label.min(1))),
-            None => weld_at(field, below),
-        };
-        let scalars = if padded.is_plain(brick(at), field) { [0.0; 2] } else { scalars_at(field, at) };
-        Self::of(camera, ray, hit, weld, scalars)
-    }
-
-    fn of(camera: &Camera, ray: &Ray, hit: &Hit, (weld, weld_share): (u16, f32), [dose, removed]: [f32; 2]) -> Self {
+        let (weld, weld_share) = weld_at(field, at - hit.normal * LABEL_DEPTH);
+        let [dose, removed] = scalars_at(field, at);
         Self {
             depth: camera.depth(hit.point) as f32,
             position: hit.point.as_vec3(),
@@ -91,35 +75,61 @@ impl Surface {
             removed,
         }
     }
-
-    /// A place on a table.
-    pub(crate) fn bare(depth: f64, point: DVec3, normal: Vec3, view: Vec3) -> Self {
-        let position = point.as_vec3();
-        Self { depth: depth as f32, position, normal, view, weld: 0, weld_share: 0.0, dose: 0.0, removed: 0.0 }
-    }
 }
 
 /// Coating dose D and removed depth [m] at a point in voxels, trilinear; 0 where no brick is.
 fn scalars_at(field: &Field, point: Vec3) -> [f32; 2] {
     let (corner, within) = cell_of(point);
+    scalars_of(field, corner).map(|values| trilinear(&values, within))
+}
+
+/// Dose and removed depth at the corners of a cell.
+pub(crate) fn scalars_of(field: &Field, corner: IVec3) -> [[f32; 8]; 2] {
     [Scalar::Dose, Scalar::Removed].map(|channel| match field.grid.scalar(channel) {
-        [] => 0.0,
-        values => trilinear(&field.cell(corner, values, 0.0, 0.0), within),
+        [] => [0.0; 8],
+        values => field.cell(corner, values, 0.0, 0.0),
     })
 }
 
 /// Weld id with the most weight among the metal voxels around a point in voxels, and the share of all welds.
 fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
-    let label = &field.grid.label;
-    if label.is_empty() {
-        return (0, 0.0);
+    let (corner, within) = cell_of(point);
+    WeldCell::new(field, corner).at(within)
+}
+
+/// Labels and φ [m] at the corners of a cell.
+pub(crate) struct WeldCell {
+    labels: [u16; 8],
+    /// Zeros where there is one label.
+    phi: [f32; 8],
+}
+
+impl WeldCell {
+    /// Of no cell.
+    pub(crate) const NONE: Self = Self { labels: [0; 8], phi: [0.0; 8] };
+
+    pub(crate) fn new(field: &Field, corner: IVec3) -> Self {
+        let label = &field.grid.label;
+        let labels = if label.is_empty() { [0; 8] } else { field.cell(corner, label, 0, 0) };
+        let cell = Self { labels, phi: [0.0; 8] };
+        if cell.has_one() { cell } else { Self { phi: field.cell_phi(corner), ..cell } }
     }
-    let (corner, f) = cell_of(point);
-    let labels = field.cell(corner, label, 0, 0);
-    if labels.iter().all(|&label| label == labels[0]) {
-        return (labels[0], f32::from(labels[0].min(1)));
+
+    fn has_one(&self) -> bool {
+        self.labels == [self.labels[0]; 8]
     }
-    let phi = field.cell_phi(corner);
+
+    /// Weld id with the most weight among the metal voxels around a place in the cell, 0 to 1, and the share of all welds.
+    pub(crate) fn at(&self, within: Vec3) -> (u16, f32) {
+        if self.has_one() {
+            return (self.labels[0], f32::from(self.labels[0].min(1)));
+        }
+        mixed_weld(self, within)
+    }
+}
+
+/// As [`WeldCell::at`], of several labels.
+fn mixed_weld(WeldCell { labels, phi }: &WeldCell, f: Vec3) -> (u16, f32) {
     let weights: [f32; 8] = std::array::from_fn(|i| {
         let near = Vec3::select(cell_corner(i).cmpeq(IVec3::ONE), f, 1.0 - f);
         if phi[i] <= 0.0 { near.x * near.y * near.z } else { 0.0 }

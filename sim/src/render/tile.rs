@@ -1,28 +1,13 @@
 //! Neighbouring samples of an image that are looked at together, since what shelters one mostly shelters all.
 
-use glam::Vec3;
-
 use super::beam::Beam;
-use super::frame::Seen;
-use super::lanes::{LANES, Lanes, Points, any};
+use super::lanes::{LANES, Lanes, any};
 use super::scene::Stage;
 use super::shade::{Openness, SHADOW_START};
-use super::surface::Surface;
+use super::sight::Samples;
 
 /// Pixels along each side of a tile, which fills the lanes.
 pub(crate) const TILE: usize = 4;
-/// What a ray meets.
-#[derive(Clone, Copy)]
-pub(crate) struct Sample {
-    pub(crate) direction: Vec3,
-    pub(crate) seen: Seen,
-    pub(crate) surface: Option<Surface>,
-}
-
-impl Sample {
-    /// Of no ray.
-    pub(crate) const NOTHING: Self = Self { direction: Vec3::ZERO, seen: Seen::Background, surface: None };
-}
 
 /// What stands between samples and the light.
 pub(crate) struct Shelter {
@@ -37,25 +22,38 @@ pub(crate) fn tile_pixels((x, y): (usize, usize)) -> impl Iterator<Item = (usize
     (0..LANES).map(move |i| (x + (i & 1 | i >> 1 & 2), y + (i >> 1 & 1 | i >> 2 & 2)))
 }
 
+/// Lanes of the pixels along a row of a tile.
+pub(crate) fn tile_row(row: usize) -> [usize; TILE] {
+    [0, 1, 4, 5].map(|lane| lane + ((row & 1) << 1) + ((row & 2) << 2))
+}
+
 impl Shelter {
     /// Of a tile's samples. `lamps`: rays towards those of the stage.
-    pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &[Sample; LANES]) -> Self {
+    pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &Samples) -> Self {
         let field = &stage.scene.field;
-        let (mut points, mut normals, mut wanted) = (Points::ZERO, Points::ZERO, [false; LANES]);
-        for (i, surface) in samples.iter().enumerate().filter_map(|(i, sample)| Some((i, sample.surface.as_ref()?))) {
-            points.set(i, field.in_voxels(surface.position.as_dvec3()));
-            normals.set(i, surface.normal);
-            wanted[i] = true;
-        }
+        let Samples { points, normals, .. } = samples;
+        let wanted = std::array::from_fn(|i| samples.is_part[i] | samples.is_table[i]);
         if !any(&wanted) {
             return Self { open: [1.0; LANES], shares: vec![[0.0; LANES]; lamps.len()] };
         }
-        let open = pulp::Arch::new().dispatch(Openness { field, points: &points, normals: &normals, wanted: &wanted });
-        let starts = points.moved(&normals, &[SHADOW_START; LANES]);
+        let open = pulp::Arch::new().dispatch(Openness { field, points, normals, wanted: &wanted });
+        let starts = points.moved(normals, &[SHADOW_START; LANES]);
         let of_lamp = |beam: &Beam| {
             let faces = std::array::from_fn(|i| wanted[i] && normals.get(i).dot(beam.direction()) > 0.0);
-            if any(&faces) { beam.shares(&starts, &faces) } else { [0.0; LANES] }
+            if any(&faces) { beam.shares(&starts, normals, &faces) } else { [0.0; LANES] }
         };
         Self { open, shares: lamps.iter().map(of_lamp).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_s_rows_and_pixels_are_the_same() {
+        for (lane, (x, y)) in tile_pixels((0, 0)).enumerate() {
+            assert_eq!(tile_row(y)[x], lane);
+        }
     }
 }

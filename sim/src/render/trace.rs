@@ -28,13 +28,6 @@ impl Field<'_> {
         Some(Hit { distance, point, normal })
     }
 
-    /// What a ray meets at a distance [m], by the padded bricks.
-    pub(crate) fn hit(&self, ray: &Ray, distance: f64) -> Hit {
-        let point = ray.origin + ray.direction * distance;
-        let normal = self.padded().normal(self, self.in_voxels(point)).unwrap_or(-ray.direction.as_vec3());
-        Hit { distance, point, normal }
-    }
-
     /// Distance [m] from a ray's start in the metal to where it leaves it; zero for a ray that starts outside.
     ///
     /// Metal that reaches the border of the indexed box ends there.
