@@ -4,6 +4,7 @@
 //! the patch's rim or the border of the working surface crosses it, and integrated exactly; inside the patch it is taken
 //! as quadratic. So sums over squares are second order in the voxel size.
 
+mod peak;
 mod rows;
 mod wall;
 
@@ -88,23 +89,29 @@ impl Squares {
         self.leave_walls(&border, sheet);
         lanes.dispatch(Settle { border: &border, sheet, squares: self });
         for row in region.rows.clone() {
-            for line in row * across + region.columns.start..row * across + region.columns.end {
+            let (mut line, end) = (row * across + region.columns.start, row * across + region.columns.end);
+            while line < end {
                 if self.share[line] == UNSETTLED {
                     self.share[line] = 0.0;
                     self.measure_square(&border, sheet, line);
-                } else if self.share[line] > 0.0 {
-                    self.wet.push(line as u32);
+                    line += 1;
+                    continue;
                 }
+                let wet = self.share[line..end].iter().take_while(|share| **share > 0.0).count();
+                self.wet.extend(line as u32..(line + wet) as u32);
+                line += wet.max(1);
             }
         }
     }
 
     /// Forgets all squares and makes room for those of so many lines.
     fn clear(&mut self, lines: usize) {
-        for line in self.wet.drain(..) {
-            let line = line as usize;
-            (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, 0.0, 0.0);
+        for run in runs(&self.wet) {
+            for values in [&mut self.mean_depth, &mut self.share, &mut self.area] {
+                values[run.clone()].fill(0.0);
+            }
         }
+        self.wet.clear();
         for values in [&mut self.depth, &mut self.mean_depth, &mut self.share, &mut self.area] {
             values.resize(lines, 0.0);
         }
@@ -175,19 +182,6 @@ impl Squares {
     fn under(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> impl Iterator<Item = usize> {
         let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, DVec3::ZERO);
         self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line).share > 0.0)
-    }
-
-    /// A bound of [`Squares::top`] that takes no division [m]: a parabola's peak in a square lies within a quarter of its
-    /// rise across the square above the column.
-    pub fn top_at_most(&self, sheet: &Sheet, line: usize) -> f64 {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
-        self.depth[line] + 0.26 * (along.mean.abs() + sideways.mean.abs())
-    }
-
-    /// Depth [m] at the peak of the parabolas through a column and its neighbours, if it is in the column's square.
-    pub fn top(&self, sheet: &Sheet, line: usize) -> f64 {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
-        self.depth[line] + along.rise() + sideways.rise()
     }
 }
 
