@@ -315,11 +315,7 @@ impl<'a> Border<'a> {
                 (within > 0.0, within.abs() < self.near)
             }
         };
-        if is_near {
-            self.crossed(at, sheet, line)
-        } else {
-            Cover { share: f64::from(is_within), lag: 0.0 }
-        }
+        if is_near { self.crossed(at, sheet, line) } else { Cover { share: f64::from(is_within), lag: 0.0 } }
     }
 
     /// The same for a square that the border may cross, its middle `at` a place of the tool's frame [m].

@@ -30,8 +30,8 @@ impl Squares {
         let (pressures, depths) = (&pressures[..count], &depths[..count]);
         let mut any = false;
         for i in 0..count {
-            let rise =
-                mean_size(before[i], here[i], after[i], sheet.pitch) + mean_size(left[i], here[i], right[i], sheet.pitch);
+            let rise = mean_size(before[i], here[i], after[i], sheet.pitch)
+                + mean_size(left[i], here[i], right[i], sheet.pitch);
             let top = here[i] + 0.26 * rise;
             any |= (pressures[i] > highest) | (pressures[i] * top > highest * depths[i]);
         }
