@@ -4,6 +4,7 @@
 //! the patch's rim or the border of the working surface crosses it, and integrated exactly; inside the patch it is taken
 //! as quadratic. So sums over squares are second order in the voxel size.
 
+mod peak;
 mod rows;
 mod wall;
 
@@ -52,6 +53,11 @@ pub struct Squares {
     pub share: Vec<f64>,
     /// The same with the depth's curvature along the rim: the patch's area.
     pub area: Vec<f64>,
+    /// When in the sweep a square is under the working surface: the mean time from the sweep's middle, -1/2 to 1/2; other
+    /// than 0 where the border crosses the square. Empty without a sweep; known where a square has a share.
+    pub lag: Vec<f64>,
+    /// Way of the tool in the sweep, in its own frame [m].
+    pub way: DVec3,
     /// Lines that had a share when they were measured, in order.
     pub wet: Vec<u32>,
     /// What was measured.
@@ -60,8 +66,8 @@ pub struct Squares {
 
 impl Squares {
     /// Measures a tool over a region of a sheet. `gap` [m], one per line of the grown region or empty, is how much further
-    /// away the tool's surface is than its shape says. The border of the working surface is taken as the mean over a
-    /// `sweep` [m] of the tool about its pose.
+    /// away the tool's surface is than its shape says. Contact is taken as the mean over a `sweep` [m] of the tool about its
+    /// pose: with the time that the working surface is over a square, and the depth of a pad in that time.
     pub fn measure(
         &mut self,
         tool: &Tool,
@@ -73,6 +79,8 @@ impl Squares {
         self.region.clone_from(region);
         let across = sheet.window.size[1];
         let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, sweep);
+        self.way = border.frame.turned(border.sweep);
+        self.lag.resize(if sweep == DVec3::ZERO { 0 } else { sheet.window.lines() }, 0.0);
         let lanes = pulp::Arch::new();
         lanes.dispatch(Depths { border: &border, sheet, region: region.grown(), depth: &mut self.depth });
         for (line, gap) in region.grown().lines(across).zip(gap) {
@@ -81,48 +89,58 @@ impl Squares {
         self.leave_walls(&border, sheet);
         lanes.dispatch(Settle { border: &border, sheet, squares: self });
         for row in region.rows.clone() {
-            for line in row * across + region.columns.start..row * across + region.columns.end {
+            let (mut line, end) = (row * across + region.columns.start, row * across + region.columns.end);
+            while line < end {
                 if self.share[line] == UNSETTLED {
                     self.share[line] = 0.0;
                     self.measure_square(&border, sheet, line);
-                } else if self.share[line] > 0.0 {
-                    self.wet.push(line as u32);
+                    line += 1;
+                    continue;
                 }
+                let wet = self.share[line..end].iter().take_while(|share| **share > 0.0).count();
+                self.wet.extend(line as u32..(line + wet) as u32);
+                line += wet.max(1);
             }
         }
     }
 
     /// Forgets all squares and makes room for those of so many lines.
     fn clear(&mut self, lines: usize) {
-        for line in self.wet.drain(..) {
-            let line = line as usize;
-            (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, 0.0, 0.0);
+        for run in runs(&self.wet) {
+            for values in [&mut self.mean_depth, &mut self.share, &mut self.area] {
+                values[run.clone()].fill(0.0);
+            }
         }
+        self.wet.clear();
         for values in [&mut self.depth, &mut self.mean_depth, &mut self.share, &mut self.area] {
             values.resize(lines, 0.0);
         }
     }
 
     fn measure_square(&mut self, border: &Border, sheet: &Sheet, line: usize) {
-        let depth = self.depth[line];
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         let spans = (0.5 * along.mean.abs(), 0.5 * sideways.mean.abs());
-        if depth <= -(spans.0 + spans.1) {
+        let most = spans.0 + spans.1 + border.sunk();
+        if self.depth[line] <= -most - border.sunk() {
             return;
         }
         let cover = border.cover(sheet, line);
-        if cover == 0.0 {
+        let depth = self.depth[line] + border.sinking * cover.lag;
+        if cover.share == 0.0 || depth <= -most {
             return;
         }
-        let (mean, share, area) = if depth >= spans.0 + spans.1 {
+        let (mean, share, area) = if depth >= most {
             (depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0)
         } else {
-            partly_wet(depth, spans, &along, &sideways)
+            partly_wet(depth, spans, border.sunk(), (&along, &sideways))
         };
         if mean > 0.0 {
-            self.mean_depth[line] = cover * mean;
-            self.share[line] = cover * share;
-            self.area[line] = cover * area;
+            self.mean_depth[line] = cover.share * mean;
+            self.share[line] = cover.share * share;
+            self.area[line] = cover.share * area;
+            if let Some(lag) = self.lag.get_mut(line) {
+                *lag = cover.lag;
+            }
             self.wet.push(line as u32);
         }
     }
@@ -163,27 +181,18 @@ impl Squares {
     /// Lines under the working surface.
     fn under(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> impl Iterator<Item = usize> {
         let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, DVec3::ZERO);
-        self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line) > 0.0)
-    }
-
-    /// A bound of [`Squares::top`] that takes no division [m]: a parabola's peak in a square lies within a quarter of its
-    /// rise across the square above the column.
-    pub fn top_at_most(&self, sheet: &Sheet, line: usize) -> f64 {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
-        self.depth[line] + 0.26 * (along.mean.abs() + sideways.mean.abs())
-    }
-
-    /// Depth [m] at the peak of the parabolas through a column and its neighbours, if it is in the column's square.
-    pub fn top(&self, sheet: &Sheet, line: usize) -> f64 {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
-        self.depth[line] + along.rise() + sideways.rise()
+        self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line).share > 0.0)
     }
 }
 
 /// Mean along the rim of what the depth's curvature adds to the linear depth across a square [m]. The rim is the line on
-/// which the linear depth is zero; it is taken from border to border about its point nearest to the square's middle.
+/// which the linear depth is zero; it is taken from border to border about its point nearest to the square's middle. A square
+/// of one depth has none.
 fn bend_at_rim(depth: f64, along: &Difference, sideways: &Difference) -> f64 {
     let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
+    if steepness == 0.0 {
+        return 0.0;
+    }
     let off = (depth * depth / (steepness * steepness)).min(0.5 / steepness);
     let spread = 1.0 / (12.0 * along.mean.abs().max(sideways.mean.abs()).powi(2));
     let across = |mean: f64, other: f64| mean * mean * off + other * other * spread;
@@ -195,15 +204,29 @@ fn wet_square_mean(share: f64) -> f64 {
     (0.125 - (0.5 - share).powi(3)) / 6.0
 }
 
-/// Mean depth, share and area of a square that the patch's rim crosses, by its middle's depth.
-fn partly_wet(depth: f64, spans: (f64, f64), along: &Difference, sideways: &Difference) -> (f64, f64, f64) {
-    let share = wet_share(depth, spans);
+/// Mean depth, share and area of a square that the patch's rim crosses, by its middle's depth, over a sweep in which the
+/// tool sinks in by `sunk` [m] on either side of its middle.
+fn partly_wet(
+    depth: f64,
+    spans: (f64, f64),
+    sunk: f64,
+    (along, sideways): (&Difference, &Difference),
+) -> (f64, f64, f64) {
     let steep_along = spans.0 > spans.1;
+    let spans = swept_spans(spans, sunk);
+    let share = wet_share(depth, spans);
     let (crossed, other) = if steep_along { (along.bend, sideways.bend) } else { (sideways.bend, along.bend) };
     let bent = crossed * wet_square_mean(share) + other * share / 24.0;
     let rim = if share < 1.0 { bend_at_rim(depth, along, sideways) } else { 0.0 };
     let area = if rim == 0.0 { share } else { wet_share(depth + rim, spans) };
     (ramp_mean(depth, spans) + bent, share, area)
+}
+
+/// Spans of a square with a sweep of `swept` [m] on either side of its middle: two boxes have the spread of the square's own,
+/// the sweep is the other.
+#[inline(always)]
+fn swept_spans((a, b): (f64, f64), swept: f64) -> (f64, f64) {
+    if swept == 0.0 { (a, b) } else { ((a * a + b * b).sqrt(), swept) }
 }
 
 /// Cuts lines in order into those that follow each other.
@@ -228,9 +251,22 @@ impl SheetFrame {
     /// A point of the sheet in the tool's frame.
     #[inline(always)]
     pub(crate) fn local(&self, point: DVec3) -> DVec3 {
-        let from = point - self.centre;
-        DVec3::new(self.x.dot(from), self.y.dot(from), self.z.dot(from))
+        self.turned(point - self.centre)
     }
+
+    /// A vector of the sheet in the tool's frame.
+    #[inline(always)]
+    fn turned(&self, v: DVec3) -> DVec3 {
+        DVec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+}
+
+/// How much of a square lies under the working surface in a sweep, and when.
+#[derive(Clone, Copy)]
+struct Cover {
+    share: f64,
+    /// As in [`Squares::lag`].
+    lag: f64,
 }
 
 /// The border of a tool's working surface over a sheet.
@@ -239,6 +275,8 @@ struct Border<'a> {
     frame: SheetFrame,
     /// Sweep of the tool [m, u v up].
     sweep: DVec3,
+    /// By how much a pad sinks in over the sweep, the same everywhere [m].
+    sinking: f64,
     /// Distance from the border beyond which a square is wholly within or beside it [m].
     near: f64,
     /// Squares of the radii between which a pad's border may cross a square [m²].
@@ -253,12 +291,19 @@ impl<'a> Border<'a> {
         let radius = tool.rim_radius();
         let inner = radius - near;
         let ring = (inner * inner.abs(), (radius + near).powi(2));
-        Self { tool, frame, sweep, near, ring }
+        let sinking = if matches!(tool, Tool::Pad(_)) { -frame.z.dot(sweep) } else { 0.0 };
+        Self { tool, frame, sweep, sinking, near, ring }
     }
 
-    /// Share of a column's square that lies under the working surface, as a mean over the sweep.
+    /// How far a pad sinks in or out on either side of the sweep's middle [m].
+    #[inline(always)]
+    fn sunk(&self) -> f64 {
+        0.5 * self.sinking.abs()
+    }
+
+    /// Cover of a column's square over the sweep.
     #[inline]
-    fn cover(&self, sheet: &Sheet, line: usize) -> f64 {
+    fn cover(&self, sheet: &Sheet, line: usize) -> Cover {
         let at = self.frame.local(sheet.point(line));
         let (is_within, is_near) = match self.tool {
             Tool::Pad(_) => {
@@ -270,22 +315,16 @@ impl<'a> Border<'a> {
                 (within > 0.0, within.abs() < self.near)
             }
         };
-        if is_near {
-            self.crossed(at, sheet, line)
-        } else if is_within {
-            1.0
-        } else {
-            0.0
-        }
+        if is_near { self.crossed(at, sheet, line) } else { Cover { share: f64::from(is_within), lag: 0.0 } }
     }
 
     /// The same for a square that the border may cross, its middle `at` a place of the tool's frame [m].
-    fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> f64 {
+    fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> Cover {
         let inward = match self.tool {
             Tool::Wheel(_) => self.frame.y * -at.y.signum(),
             _ => self.to_middle(at),
         };
-        self.share_within(self.tool.within(at), inward, sheet.slope[line], 0.5 * sheet.pitch)
+        self.cover_within(self.tool.within(at), inward, sheet.slope[line], 0.5 * sheet.pitch)
     }
 
     /// Unit vector of the sheet from a place of the tool's frame towards the middle of its face.
@@ -294,14 +333,19 @@ impl<'a> Border<'a> {
         -(self.frame.x * at.x + self.frame.y * at.y).normalize_or_zero()
     }
 
-    /// Share of a square of half side `half` [m] whose middle lies `within` the border [m], which is crossed `inward`.
+    /// Cover of a square of half side `half` [m] whose middle lies `within` the border [m], which is crossed `inward`.
     #[inline(always)]
-    fn share_within(&self, within: f64, inward: DVec3, [slope_u, slope_v]: [f64; 2], half: f64) -> f64 {
-        let swept = 0.5 * self.sweep.dot(inward).abs();
-        let (u, v) = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
-        // Two boxes have the spread of the square's own; the sweep is the other.
-        let spans = if swept == 0.0 { (u, v) } else { ((u * u + v * v).sqrt(), swept) };
-        wet_share(within, spans)
+    fn cover_within(&self, within: f64, inward: DVec3, [slope_u, slope_v]: [f64; 2], half: f64) -> Cover {
+        let swept = 0.5 * self.sweep.dot(inward);
+        let own = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
+        let spans = swept_spans(own, swept.abs());
+        let share = wet_share(within, spans);
+        if swept == 0.0 {
+            return Cover { share, lag: 0.0 };
+        }
+        // Exact for a point: it is under the surface from one end of the sweep to when the border crosses it.
+        let lag = -0.5 * (1.0 - share) * swept / (spans.0 * spans.0 + swept * swept).sqrt();
+        Cover { share, lag }
     }
 }
 

@@ -197,9 +197,9 @@ impl<'a> Physics<'a> {
             let lane = &mut self.lanes[variable as usize];
             lane.clear();
             if variable == Variable::SlipSpeed {
-                for run in runs(lines) {
-                    lane.extend(run.map(|line| tool.slip_speed(local(line), spindle, feed)));
-                }
+                lane.resize(lines.len(), 0.0);
+                let places = (sheet, &frame, squares);
+                pulp::Arch::new().dispatch(|| slip_speeds(tool, (spindle, feed), places, lines, lane));
                 continue;
             }
             let value = |line: usize| -> f64 {
@@ -293,5 +293,31 @@ impl<'a> Physics<'a> {
             lanes = lanes.with(variable, &self.lanes[variable as usize]);
         }
         own.iter().fold(lanes, |lanes, &(variable, values)| lanes.with(variable, values))
+    }
+}
+
+/// Slip speeds [m/s] at squares, where the tool is while it is over them.
+#[inline(always)]
+fn slip_speeds(
+    tool: &Tool,
+    (spindle, feed): (f64, DVec3),
+    (sheet, frame, squares): (&Sheet, &SheetFrame, Option<&Squares>),
+    lines: &[u32],
+    mut out: &mut [f64],
+) {
+    for run in runs(lines) {
+        let (speeds, rest) = out.split_at_mut(run.len());
+        out = rest;
+        let points = sheet.places()[run.clone()].iter().zip(&sheet.height[run.clone()]);
+        let places = points.map(|([u, v], height)| frame.local(DVec3::new(*u, *v, *height)));
+        let speeds = speeds.iter_mut().zip(places);
+        match squares.and_then(|squares| Some((squares.way, squares.lag.get(run)?))) {
+            Some((way, lag)) => {
+                for ((speed, at), lag) in speeds.zip(lag) {
+                    *speed = tool.slip_speed(at - way * *lag, spindle, feed);
+                }
+            }
+            None => speeds.for_each(|(speed, at)| *speed = tool.slip_speed(at, spindle, feed)),
+        }
     }
 }

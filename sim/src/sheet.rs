@@ -233,6 +233,11 @@ impl Sheet {
         self.area_ratio[line]
     }
 
+    /// The same of all lines.
+    pub(crate) fn area_ratios(&self) -> &[f64] {
+        &self.area_ratio
+    }
+
     /// Tangent of the angle between the surface's normal and an approach axis.
     pub fn slope_against(&self, line: usize, approach: DVec3) -> f64 {
         let [u, v] = self.slope[line];

@@ -25,8 +25,7 @@ fn dose_gain(line: u32, start: Square, end: Square, middle: Pose) -> f32 {
     if setup.sands == 0u {
         return 0.0;
     }
-    var lane = lane_at(line, middle);
-    lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
+    let lane = lane_here(line, middle);
     let dt = state.dt;
     let at_end = sanded(lane, wet_depth(end), column_value(PRESSURE_END, line)) * end.share;
     if state.whole_step == 1u {

@@ -35,21 +35,33 @@ fn tool_depth(at: vec3f) -> f32 {
     return round - 0.5 * setup.tool_crown * at.y * at.y;
 }
 
-// Share of a square that lies within a border at a distance from its middle, which is crossed `inward`.
-fn share_within(line: u32, within: f32, inward: vec3f, sweep: vec3f) -> f32 {
-    let slope = slope_of(line);
-    let spans = 0.5 * abs(inward.xy + inward.z * slope);
-    let swept = 0.5 * abs(dot(sweep, inward));
-    if swept == 0.0 {
-        return wet_share(within, spans);
-    }
-    return wet_share(within, vec2f(length(spans), swept));
+// How much of a square lies under the working surface in a sweep, and the mean time at which it does [sweeps from its middle].
+struct Cover {
+    share: f32,
+    lag: f32,
 }
 
-// Share of a square that lies under the working surface, as a mean over the sweep [u, v, up].
-fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> f32 {
+// Spans of a square with a sweep on either side of its middle.
+fn swept_spans(spans: vec2f, swept: f32) -> vec2f {
+    return select(vec2f(length(spans), swept), spans, swept == 0.0);
+}
+
+// Cover of a square within a border at a distance from its middle, which is crossed `inward`.
+fn cover_within(line: u32, within: f32, inward: vec3f, sweep: vec3f) -> Cover {
+    let slope = slope_of(line);
+    let swept = 0.5 * dot(sweep, inward);
+    let spans = swept_spans(0.5 * abs(inward.xy + inward.z * slope), abs(swept));
+    let share = wet_share(within, spans);
+    if swept == 0.0 {
+        return Cover(share, 0.0);
+    }
+    return Cover(share, -0.5 * (1.0 - share) * swept / length(vec2f(spans.x, swept)));
+}
+
+// Cover of a square over the sweep [u, v, up].
+fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> Cover {
     if setup.tool == TOOL_SPHERE {
-        return 1.0;
+        return Cover(1.0, 0.0);
     }
     let near = 1.0 + 0.5 * length(sweep);
     var within = setup.tool_half_width - abs(at.y);
@@ -59,14 +71,22 @@ fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> f32 {
         inward = -normalized(pose.x * at.x + pose.y * at.y);
     }
     if abs(within) >= near {
-        return select(0.0, 1.0, within > 0.0);
+        return Cover(select(0.0, 1.0, within > 0.0), 0.0);
     }
-    return share_within(line, within, inward, sweep);
+    return cover_within(line, within, inward, sweep);
+}
+
+// By how much a pad sinks in over the sweep, the same everywhere.
+fn sinking(pose: Pose, sweep: vec3f) -> f32 {
+    return select(0.0, -dot(pose.z, sweep), setup.tool == TOOL_PAD);
 }
 
 // Mean along the rim of what the depth's curvature adds to the linear depth across a square.
 fn bend_at_rim(depth: f32, along: Difference, sideways: Difference) -> f32 {
     let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
+    if steepness == 0.0 {
+        return 0.0;
+    }
     let way = depth / steepness;
     let off = min(way * way, 0.5 / steepness);
     let widest = max(abs(along.mean), abs(sideways.mean));
@@ -76,12 +96,14 @@ fn bend_at_rim(depth: f32, along: Difference, sideways: Difference) -> f32 {
     return 0.5 * (along.bend * (a * off + b * spread) + sideways.bend * (b * off + a * spread));
 }
 
-// Mean depth, share and area of a square that the patch's rim crosses.
-fn partly_wet(depth: f32, spans: vec2f, along: Difference, sideways: Difference) -> Square {
+// Mean depth, share and area of a square that the patch's rim crosses, over a sweep in which the tool sinks in by `sunk` on
+// either side of its middle.
+fn partly_wet(depth: f32, own: vec2f, sunk: f32, along: Difference, sideways: Difference) -> Square {
+    let spans = swept_spans(own, sunk);
     let share = wet_share(depth, spans);
     let dry = 0.5 - share;
     let wet_mean = (0.125 - dry * dry * dry) / 6.0;
-    let steep = spans.x > spans.y;
+    let steep = own.x > own.y;
     let bent = select(sideways.bend, along.bend, steep) * wet_mean + select(along.bend, sideways.bend, steep) * share / 24.0;
     var area = share;
     if share < 1.0 {
@@ -93,26 +115,31 @@ fn partly_wet(depth: f32, spans: vec2f, along: Difference, sideways: Difference)
 // A square whose depths at the column and around it are in `depths`.
 fn square_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Square {
     let dry = Square(0.0, 0.0, 0.0);
-    let depth = column_value(depths, line);
-    if depth <= -1.0 {
+    let middle = column_value(depths, line);
+    let sinks = sinking(pose, sweep);
+    let sunk = 0.5 * abs(sinks);
+    if middle <= -1.0 - 2.0 * sunk {
         return dry;
     }
-    let along = difference(column_value(depths, line - across()), depth, column_value(depths, line + across()));
-    let sideways = difference(column_value(depths, line - 1u), depth, column_value(depths, line + 1u));
+    let along = difference(column_value(depths, line - across()), middle, column_value(depths, line + across()));
+    let sideways = difference(column_value(depths, line - 1u), middle, column_value(depths, line + 1u));
     let spans = 0.5 * abs(vec2f(along.mean, sideways.mean));
-    if depth <= -(spans.x + spans.y) {
+    let most = spans.x + spans.y + sunk;
+    if middle <= -most - sunk {
         return dry;
     }
     let covered = cover(line, local_point(line, pose), pose, sweep);
-    if covered == 0.0 {
+    let depth = middle + sinks * covered.lag;
+    if covered.share == 0.0 || depth <= -most {
         return dry;
     }
     var square = Square(depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0);
-    if depth < spans.x + spans.y {
-        square = partly_wet(depth, spans, along, sideways);
+    if depth < most {
+        square = partly_wet(depth, spans, sunk, along, sideways);
     }
     if square.mean <= 0.0 {
         return dry;
     }
-    return Square(covered * square.mean, covered * square.share, covered * square.area);
+    let share = covered.share;
+    return Square(share * square.mean, share * square.share, share * square.area);
 }

@@ -47,7 +47,7 @@ fn measure(line: u32, depths: u32, pose: Pose, sweep: vec3f) {
 fn respond(line: u32, pose: Pose, middle: Pose) {
     measure(line, end_array(END_DEPTH), pose, state.sweep.xyz);
     let depth = column_value(end_array(END_DEPTH), line);
-    if depth > maxima[MAX_DEPTH] && cover(line, local_point(line, pose), pose, vec3f(0.0)) > 0.0 {
+    if depth > maxima[MAX_DEPTH] && cover(line, local_point(line, pose), pose, vec3f(0.0)).share > 0.0 {
         maxima[MAX_DEPTH] = depth;
     }
     let start = start_square(line);
@@ -66,7 +66,18 @@ fn respond(line: u32, pose: Pose, middle: Pose) {
 fn lane_here(line: u32, middle: Pose) -> Lane {
     var lane = lane_at(line, middle);
     lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
+    if state.whole_step == 1u {
+        lane.slip_speed = swept_slip_speed(line, middle);
+    }
     return lane;
+}
+
+// Slip speed at a square, where the tool is while it is over it in a step that is taken as its middle.
+fn swept_slip_speed(line: u32, middle: Pose) -> f32 {
+    let at = local_point(line, middle);
+    let sweep = state.sweep.xyz;
+    let way = cover(line, at, middle, sweep).lag * sweep;
+    return slip_speed(at - vec3f(dot(middle.x, way), dot(middle.y, way), dot(middle.z, way)));
 }
 
 // Force of a step that is taken as its middle.

@@ -23,7 +23,7 @@ fn is_within(line: u32, side: Side, pose: Pose) -> bool {
 // Share of a column's square that is beyond a side.
 fn share_beyond(line: u32, side: Side, pose: Pose) -> f32 {
     let inward = -side.sign * pose.y;
-    return 1.0 - share_within(line, side_distance(line, side, pose), inward, state.sweep.xyz);
+    return 1.0 - cover_within(line, side_distance(line, side, pose), inward, state.sweep.xyz).share;
 }
 
 // What the wall at a side makes a column too deep by, `place` squares out from the outermost that is within: -1, 0 or 1.

@@ -79,7 +79,7 @@ impl Side<'_> {
     /// Share of a column's square within this side.
     fn share(&self, line: usize) -> f64 {
         let inward = self.border.frame.y * -self.sign;
-        self.border.share_within(self.within(line), inward, self.sheet.slope[line], 0.5 * self.sheet.pitch)
+        self.border.cover_within(self.within(line), inward, self.sheet.slope[line], 0.5 * self.sheet.pitch).share
     }
 
     /// Place of the outermost square in the row of which a part is within this side, sought from `place` on.

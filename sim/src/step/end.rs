@@ -1,6 +1,7 @@
 //! The squares in contact at one end of a step, one lane each.
 
-use crate::contact::{Squares, runs};
+use super::lanes::runs_with_lanes;
+use crate::contact::Squares;
 use crate::effect::RunError;
 use crate::physics::Physics;
 
@@ -18,14 +19,18 @@ pub(super) struct End {
 impl End {
     /// Takes depth and share of `lines` from the squares.
     pub(super) fn gather(&mut self, squares: &Squares, lines: &[u32]) {
-        self.depth.clear();
-        self.share.clear();
-        for run in runs(lines) {
-            let shares = &squares.share[run.clone()];
-            self.share.extend_from_slice(shares);
-            let mean = |(mean, share): (&f64, &f64)| if *share > 0.0 { mean / share } else { 0.0 };
-            self.depth.extend(squares.mean_depth[run].iter().zip(shares).map(mean));
-        }
+        let Self { depth, share, .. } = self;
+        depth.resize(lines.len(), 0.0);
+        share.resize(lines.len(), 0.0);
+        pulp::Arch::new().dispatch(|| {
+            for (run, lanes) in runs_with_lanes(lines) {
+                let (means, shares) = (&squares.mean_depth[run.clone()], &squares.share[run]);
+                share[lanes.clone()].copy_from_slice(shares);
+                for ((depth, mean), share) in depth[lanes].iter_mut().zip(means).zip(shares) {
+                    *depth = if *share > 0.0 { mean / share } else { 0.0 };
+                }
+            }
+        });
     }
 
     /// Pressure at the depths.

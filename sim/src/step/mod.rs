@@ -6,12 +6,14 @@
 //! is stable, and for Eq. (1) exact as long as s is constant.
 
 mod end;
+mod lanes;
 mod relax;
 mod sums;
 
 use glam::DVec3;
 
 use self::end::{End, merge};
+use self::lanes::{dot, runs_with_lanes, sum};
 use self::relax::{PROBE, Relax, Relaxed};
 use self::sums::ApproachShare;
 use crate::clock::Phase;
@@ -49,6 +51,10 @@ pub struct Step {
     relaxed: Relaxed,
     /// Dose that the square's mean takes up in the step [1].
     dose: Vec<f64>,
+    /// Surface of each lane's square that faces the approach axis [m²].
+    facing: Vec<f64>,
+    /// Share of each lane's square from which the step takes the coating, times its surface per area of the lattice [1].
+    bared: Vec<f64>,
 }
 
 /// Force at the end of a step, and how it depends on the travel.
@@ -215,18 +221,21 @@ impl Step {
 
     /// Force of a step that is taken as its middle.
     fn press_whole(&mut self, pose: &Pose, sheet: &Sheet) -> EndForce {
-        let normal = ApproachShare::new(pose, sheet);
-        let area = sheet.pitch * sheet.pitch;
-        let mut result = EndForce::default();
-        self.relaxed.end_load.clear();
-        for (lane, &line) in self.lines.iter().enumerate() {
-            let load = self.end.pressure[lane] * self.end.share[lane];
-            let facing = area * normal.of(sheet, line as usize);
-            self.relaxed.end_load.push(load);
-            result.force += load * facing;
-            result.stiffness += load / self.end.depth[lane] * facing;
-        }
-        result
+        let Self { end, relaxed, facing, lines, .. } = self;
+        let Relaxed { end_load, stiffness, .. } = relaxed;
+        end_load.resize(lines.len(), 0.0);
+        stiffness.resize(lines.len(), 0.0);
+        pulp::Arch::new().dispatch(|| {
+            ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
+            let (pressures, shares, depths) = (&end.pressure[..lines.len()], &end.share, &end.depth);
+            for ((load, pressure), share) in end_load.iter_mut().zip(pressures).zip(shares) {
+                *load = pressure * share;
+            }
+            for ((stiffness, load), depth) in stiffness.iter_mut().zip(&*end_load).zip(depths) {
+                *stiffness = load / depth;
+            }
+            EndForce { force: dot(end_load, facing), stiffness: dot(stiffness, facing) }
+        })
     }
 
     /// Integrates each lane over the step.
@@ -252,21 +261,33 @@ impl Step {
 
     /// Applies the step to the sheet. Returns the volumes removed from the part and from a `coating` [m], and how far at most
     /// a square has receded since the sheet was read [m].
-    pub fn apply(&self, sheet: &mut Sheet, coating: f64) -> (Removal, f64) {
+    pub fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> (Removal, f64) {
         let (mut removal, mut receded) = (Removal::default(), 0.0f64);
-        for (lane, &line) in self.lines.iter().enumerate() {
+        let receding = self.lines.iter().zip(&self.relaxed.recession).filter(|(_, recession)| **recession != 0.0);
+        for (&line, &recession) in receding {
             let line = line as usize;
-            let surface = sheet.pitch * sheet.pitch * sheet.area_ratio(line);
-            if self.relaxed.recession[lane] != 0.0 {
-                removal.volume += self.relaxed.recession[lane] * surface;
-                sheet.recede(line, self.relaxed.recession[lane]);
-                receded = receded.max((sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line));
-            }
-            let taken = self.dose[lane].min((1.0 - sheet.dose[line]).max(0.0));
-            removal.coating_volume += taken * coating * surface;
-            sheet.dose[line] += self.dose[lane];
+            removal.volume += recession * (sheet.pitch * sheet.pitch * sheet.area_ratio(line));
+            sheet.recede(line, recession);
+            receded = receded.max((sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line));
         }
+        removal.coating_volume = coating * pulp::Arch::new().dispatch(|| self.add_dose(sheet));
         (removal, receded)
+    }
+
+    /// Adds the dose to the sheet's. Returns the area [m²] from which that takes all of the coating.
+    #[inline(always)]
+    fn add_dose(&mut self, sheet: &mut Sheet) -> f64 {
+        let Self { lines, dose, bared, .. } = self;
+        bared.resize(lines.len(), 0.0);
+        for (run, lanes) in runs_with_lanes(lines) {
+            let (doses, ratios) = (&sheet.dose[run.clone()], &sheet.area_ratios()[run.clone()]);
+            let taken = bared[lanes.clone()].iter_mut().zip(&dose[lanes.clone()]);
+            for (((taken, gain), dose), ratio) in taken.zip(doses).zip(ratios) {
+                *taken = gain.min((1.0 - dose).max(0.0)) * ratio;
+            }
+            sheet.dose[run].iter_mut().zip(&dose[lanes]).for_each(|(dose, gain)| *dose += gain);
+        }
+        sheet.pitch * sheet.pitch * sum(bared)
     }
 
     /// What the workpiece's cells see at the end of the step, lane by lane.

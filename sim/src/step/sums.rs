@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Step;
+use super::lanes::{Bounds, PARTS, dot, runs_with_lanes};
 use crate::contact::{Contact, SheetFrame};
 use crate::covariates::Square;
 use crate::extent::Extent;
@@ -10,6 +11,9 @@ use crate::physics::Physics;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells, Under};
+
+/// Squares that are looked at together for the highest pressure.
+const LOOKED_AT: usize = 32;
 
 /// Share of a square's lattice area that faces the approach axis, n·a / n·up.
 pub(super) struct ApproachShare(DVec3);
@@ -23,31 +27,68 @@ impl ApproachShare {
         let [u, v] = sheet.slope[line];
         (self.0.z - u * self.0.x - v * self.0.y).max(0.0)
     }
+
+    /// Area of each line's square that faces the approach axis [m²].
+    #[inline(always)]
+    pub(super) fn fill(&self, sheet: &Sheet, lines: &[u32], out: &mut Vec<f64>) {
+        let area = sheet.pitch * sheet.pitch;
+        out.resize(lines.len(), 0.0);
+        for (run, lanes) in runs_with_lanes(lines) {
+            for (facing, [u, v]) in out[lanes].iter_mut().zip(&sheet.slope[run]) {
+                *facing = area * (self.0.z - u * self.0.x - v * self.0.y).max(0.0);
+            }
+        }
+    }
 }
 
 impl Step {
     /// What the tool meets, as a mean over the step, but for the moment.
-    pub fn contact(&self, pose: &Pose, sheet: &Sheet) -> Contact {
-        let area = sheet.pitch * sheet.pitch;
-        let normal = ApproachShare::new(pose, sheet);
+    pub fn contact(&mut self, pose: &Pose, sheet: &Sheet) -> Contact {
+        let mut facing = std::mem::take(&mut self.facing);
+        let contact = pulp::Arch::new().dispatch(|| {
+            ApproachShare::new(pose, sheet).fill(sheet, &self.lines, &mut facing);
+            let (load, area) = self.load_and_area(sheet, &facing);
+            let force = dot(&self.relaxed.mean_load, &facing);
+            Contact { force, load, area, pressure_max: self.pressure_max(sheet), ..Contact::default() }
+        });
+        self.facing = facing;
+        contact
+    }
+
+    /// Load [N] and area [m²] of the contact.
+    #[inline(always)]
+    fn load_and_area(&self, sheet: &Sheet, facing: &[f64]) -> (f64, f64) {
+        let (start, end) = (self.start_squares(), &self.end_squares);
+        let (mut load, mut area) = (0.0, 0.0);
+        for (run, lanes) in runs_with_lanes(&self.lines) {
+            load += dot(&self.relaxed.mean_load[lanes.clone()], &sheet.area_ratios()[run.clone()]);
+            let facing = &facing[lanes];
+            area += 0.5 * (dot(&start.area[run.clone()], facing) + dot(&end.area[run], facing));
+        }
+        (load * (sheet.pitch * sheet.pitch), area)
+    }
+
+    /// Highest pressure [Pa]. That of a lane belongs to the square's mean depth; its middle may be deeper.
+    #[inline(always)]
+    fn pressure_max(&self, sheet: &Sheet) -> f64 {
         let (start, squares) = (self.start(), self.start_squares());
-        let mut contact = Contact::default();
-        for (lane, &line) in self.lines.iter().enumerate() {
-            let line = line as usize;
-            let facing = area * normal.of(sheet, line);
-            contact.force += self.relaxed.mean_load[lane] * facing;
-            contact.load += self.relaxed.mean_load[lane] * area * sheet.area_ratio(line);
-            contact.area += 0.5 * (squares.area[line] + self.end_squares.area[line]) * facing;
-            // The pressure belongs to the square's mean depth; its middle may be deeper.
-            let (pressure, depth) = (start.pressure[lane], start.depth[lane]);
-            let highest = contact.pressure_max;
-            let may_exceed = || pressure * squares.top_at_most(sheet, line) > highest * depth * (1.0 - 1e-9);
-            if start.share[lane] > 0.0 && (pressure > highest || may_exceed()) {
-                let peak = (squares.top(sheet, line) / depth).max(1.0);
-                contact.pressure_max = highest.max(pressure * peak);
+        let mut highest = 0.0f64;
+        for (run, lanes) in runs_with_lanes(&self.lines) {
+            for first in (0..run.len()).step_by(LOOKED_AT) {
+                let places = first..run.len().min(first + LOOKED_AT);
+                let lanes = lanes.start + places.start..lanes.start + places.end;
+                let lines = run.start + places.start..run.start + places.end;
+                let lanes_of = (&start.pressure[lanes.clone()], &start.depth[lanes.clone()]);
+                if !squares.may_exceed(highest, lanes_of, lines.clone(), sheet) {
+                    continue;
+                }
+                for (line, lane) in lines.zip(lanes).filter(|(_, lane)| start.share[*lane] > 0.0) {
+                    let peak = (squares.top(sheet, line) / start.depth[lane]).max(1.0);
+                    highest = highest.max(start.pressure[lane] * peak);
+                }
             }
         }
-        contact
+        highest
     }
 
     /// Moment of the mean force about the tool's reference point [N m].
@@ -62,10 +103,12 @@ impl Step {
     }
 
     /// Force at the end of the step, after what it takes off [N].
-    pub fn end_force(&self, pose: &Pose, sheet: &Sheet) -> f64 {
-        let normal = ApproachShare::new(pose, sheet);
-        let force = |(&line, load): (&u32, &f64)| load * normal.of(sheet, line as usize);
-        sheet.pitch * sheet.pitch * self.lines.iter().zip(&self.relaxed.end_load).map(force).sum::<f64>()
+    pub fn end_force(&mut self, pose: &Pose, sheet: &Sheet) -> f64 {
+        let Self { lines, relaxed, facing, .. } = self;
+        pulp::Arch::new().dispatch(|| {
+            ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
+            dot(&relaxed.end_load, facing)
+        })
     }
 
     /// What happened to each square in contact.
@@ -103,13 +146,28 @@ impl Step {
 
     /// Extent of the contact; `None` without any.
     pub fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
-        let frame = SheetFrame::new(pose, sheet);
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for &line in &self.lines {
-            let at = frame.local(sheet.point(line as usize));
-            (low, high) = (low.min(at), high.max(at));
+        let (x, y) = pulp::Arch::new().dispatch(|| self.bounds(&SheetFrame::new(pose, sheet), sheet));
+        (!self.lines.is_empty()).then_some(Extent { x, y })
+    }
+
+    /// Bounds of the contact along the tool's x and y [m].
+    #[inline(always)]
+    fn bounds(&self, frame: &SheetFrame, sheet: &Sheet) -> ((f64, f64), (f64, f64)) {
+        let (mut x, mut y) = (Bounds::NONE, Bounds::NONE);
+        let mut take = |part: usize, [u, v]: [f64; 2], height: f64| {
+            let at = frame.local(DVec3::new(u, v, height));
+            x.take(part, at.x);
+            y.take(part, at.y);
+        };
+        for (run, _) in runs_with_lanes(&self.lines) {
+            let (places, last) = sheet.places()[run.clone()].as_chunks::<PARTS>();
+            let (heights, last_heights) = sheet.height[run].as_chunks::<PARTS>();
+            for (places, heights) in places.iter().zip(heights) {
+                (0..PARTS).for_each(|part| take(part, places[part], heights[part]));
+            }
+            last.iter().zip(last_heights).for_each(|(place, height)| take(0, *place, *height));
         }
-        (!self.lines.is_empty()).then_some(Extent { x: (low.x, high.x), y: (low.y, high.y) })
+        (x.range(), y.range())
     }
 
     /// Largest recession of a square in this step [m].

@@ -122,12 +122,15 @@ impl Tool {
 
     /// Speed [m/s] of the working surface over the workpiece at a point of the tool's frame, for a `spindle` [rad/s] and a
     /// `feed` in the tool's frame [m/s]: `|ω × r + v_feed|`.
+    #[inline(always)]
     pub fn slip_speed(&self, at: DVec3, spindle: f64, feed: DVec3) -> f64 {
-        let turning = match self {
-            Self::Wheel(_) => DVec3::Y.cross(at) * spindle,
-            Self::Pad(_) | Self::Sphere(_) | Self::Field(_) => DVec3::Z.cross(at) * spindle,
-        };
-        (turning + feed).length()
+        (self.axis().cross(at) * spindle + feed).length()
+    }
+
+    /// Axis of the spindle in the tool's frame.
+    #[inline(always)]
+    fn axis(&self) -> DVec3 {
+        if matches!(self, Self::Wheel(_)) { DVec3::Y } else { DVec3::Z }
     }
 
     /// Radius [m] that turns a spindle speed into the nominal rim speed.
