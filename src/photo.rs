@@ -38,7 +38,8 @@ impl<'a> Darkroom<'a> {
         })
     }
 
-    /// Photographs one part from placements and cameras, as `shots` says; `each` gets the frames in order.
+    /// Photographs one part from placements and cameras, as `shots` says; `each` gets the frames in order, to do with them
+    /// what it likes.
     ///
     /// # Errors
     /// Those of the device and of `each`.
@@ -47,16 +48,20 @@ impl<'a> Darkroom<'a> {
         part: &BrickGrid,
         shots: &[(Scene, Camera)],
         raster: &Raster,
-        each: &mut dyn FnMut(usize, Frame) -> Result<()>,
+        each: &mut dyn FnMut(usize, &mut Frame) -> Result<()>,
     ) -> Result<()> {
         match self {
             Self::Cpu => {
-                shots.iter().enumerate().try_for_each(|(i, (scene, camera))| each(i, scene.photograph(camera, raster)))
+                let mut frame = Frame::empty(0, 0);
+                shots.iter().enumerate().try_for_each(|(i, (scene, camera))| {
+                    scene.photograph_over(&mut frame, camera, raster);
+                    each(i, &mut frame)
+                })
             }
             Self::Device(photographer) => {
                 let buffers = photographer.load(part)?;
                 shots.iter().enumerate().try_for_each(|(i, (scene, camera))| {
-                    each(i, photographer.photograph(&buffers, scene, camera, raster)?)
+                    each(i, &mut photographer.photograph(&buffers, scene, camera, raster)?)
                 })
             }
         }
@@ -153,14 +158,14 @@ impl From<&Sensor> for SensorRecord {
 /// When a file cannot be written.
 pub fn write_frame(
     folder: &Path,
-    mut frame: Frame,
+    frame: &mut Frame,
     sensor: &Sensor,
     (picture, buffers): (&str, Option<&str>),
 ) -> Result<Picture> {
     if let Some(name) = buffers {
-        write(&folder.join(name), &to_exr(&frame)?)?;
+        write(&folder.join(name), &to_exr(frame)?)?;
     }
-    sensor.expose(&mut frame);
+    sensor.expose(frame);
     let shown = frame.to_srgb8();
     write(&folder.join(picture), &to_png(&shown)?)?;
     Ok(shown)

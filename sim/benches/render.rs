@@ -1,6 +1,7 @@
 //! Time of a picture of 640 × 480 pixels: `cargo bench -p sim --bench render`.
 //!
-//! One picture after the other in the same memory, as for a turntable. Prints wall time and CPU time of all threads a frame; on a quiet machine of two cores the first is half the second.
+//! One picture after the other in the same memory, as for a turntable. Prints wall time and CPU time of all threads a
+//! frame; on a quiet machine of two cores the first is half the second.
 //! `PICTURES=DIR` keeps each picture there as a portable pixmap. A word after `--` leaves only views whose names hold it.
 
 use std::time::Instant;

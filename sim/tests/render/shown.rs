@@ -43,6 +43,23 @@ fn the_coating_gives_way_to_metal_as_the_dose_rises_and_not_beyond_one() {
 }
 
 #[test]
+fn a_picture_over_an_earlier_one_is_that_in_new_memory() {
+    let (full, mut part) = (panel(), bracket());
+    part.removed = channel(&part, |_| 1e-4);
+    let above = from_above();
+    let whole = Camera::look_at(DVec3::new(0.1, -0.2, 0.15), DVec3::ZERO, Projection::Orthographic { height: 0.12 });
+    for raster in [RASTER, Raster { width: 37, height: 21, samples_per_side: 2 }] {
+        let mut frame = Scene::new(&full).photograph(&above, &RASTER);
+        for (scene, camera) in [(Scene::new(&part), &whole), (Scene::new(&full), &above), (Scene::new(&part), &whole)] {
+            scene.photograph_over(&mut frame, camera, &raster);
+            assert_eq!(frame, scene.photograph(camera, &raster), "{raster:?}");
+            frame.removed_full_scale = Some(1.0);
+        }
+        assert!(frame.seen.contains(&Seen::Background) && frame.seen.contains(&Seen::Part));
+    }
+}
+
+#[test]
 fn an_unsanded_reference_is_wholly_coated() {
     let part = panel();
     let mut scene = Scene::new(&part);
