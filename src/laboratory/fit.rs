@@ -15,6 +15,8 @@ const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
 const LONGEST_MOVE: f64 = 1.5;
 /// Lengths tried for one step.
 const TRIES: usize = 3;
+/// Way from a fit's end to where it is begun again [coordinates].
+const BESIDE: f64 = 0.4;
 /// Huber's constant [standard deviations].
 const HUBER: f64 = 2.5;
 
@@ -149,6 +151,39 @@ impl Fit {
             }
         }
         self
+    }
+
+    /// The same fit begun anew at another place [coordinates].
+    ///
+    /// # Errors
+    /// When the model cannot be simulated there.
+    pub(super) fn begun_at(
+        &self,
+        evidence: &dyn Evidence,
+        place: &[f64],
+        options: FitOptions,
+    ) -> Result<Self, EvidenceError> {
+        let model = moved(&self.model, &self.coordinates, place);
+        Self::new(evidence, &model, self.coordinates.clone(), options)
+    }
+
+    /// Places on both sides along the direction of which the data tell least.
+    pub(super) fn both_sides(&self) -> Vec<Vec<f64>> {
+        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
+        if told.is_empty() {
+            return Vec::new();
+        }
+        let jacobian = self.jacobian.select_columns(&told);
+        let directions = jacobian.tr_mul(&jacobian).symmetric_eigen();
+        let way = directions.eigenvectors.column(directions.eigenvalues.imin());
+        let beside = |side: f64| {
+            let mut at = self.at.clone();
+            for (&k, way) in told.iter().zip(way.iter().map(|share| side * BESIDE * share / way.amax())) {
+                at[k] = self.coordinates[k].clamped(at[k] + way);
+            }
+            at
+        };
+        [-1.0, 1.0].map(beside).into_iter().filter(|at| *at != self.at).collect()
     }
 
     /// The derivatives along a coordinate, if this fit has it.

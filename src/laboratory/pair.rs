@@ -2,7 +2,11 @@
 //! that takes a part of both for its own, and either may harm the held-out data until the other is there.
 //!
 //! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra: beside the
-//! base model, and beside each effect that was fitted alone. The most promising pairs are fitted.
+//! base model, and beside each effect that was fitted alone. The most promising pairs are fitted. Beside a strong effect another
+//! may do something else than that: where a sure effect explains most but not all, all others that were fitted alone are fitted
+//! beside it, too.
+
+use std::collections::BTreeSet;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -11,7 +15,7 @@ use sim::effect::{Library, Model};
 use super::coordinates::Coordinate;
 use super::diagnose::{Finding, Round, Told, probabilities, spread, with_values};
 use super::evidence::{Evidence, EvidenceError, Split};
-use super::fit::Fit;
+use super::fit::{Fit, FitOptions};
 use super::probe::Candidate;
 use super::response::{Projector, Response};
 use super::screen::Screened;
@@ -24,6 +28,11 @@ const QUICK: usize = 9;
 const THOROUGH: usize = 2;
 /// Pairs that are fitted with the same lead.
 const PER_LEAD: usize = 3;
+/// Share of the sum of squares that a sure effect leaves at most where others are fitted beside it, what each such fit may cost,
+/// and how many are fitted to the end.
+const MOSTLY: f64 = 0.5;
+const PARTNER_FIT: FitOptions = FitOptions { derivatives: 1, steps: 8 };
+const PARTNERS: usize = 4;
 /// Sine squared of the angle between two changes from which they are two.
 const APART: f64 = 1e-3;
 
@@ -47,6 +56,10 @@ pub(super) fn pair(
     (seed, told): (u64, Told),
 ) -> Result<Option<[Round; 2]>, EvidenceError> {
     let mut joints = fitted(evidence, first, (model, library), told);
+    joints.extend(beside_surest(evidence, first, (model, library), told));
+    joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
+    let mut known = BTreeSet::new();
+    joints.retain(|joint| known.insert(joint.names()));
     let Some(least) = joints.first() else { return Ok(None) };
     let spread = spread(&least.both.fit.residuals);
     joints.sort_by(|a, b| a.cost(spread).total_cmp(&b.cost(spread)));
@@ -110,6 +123,13 @@ fn value_of(coordinate: &Coordinate, fit: &Fit) -> f64 {
 }
 
 impl Joint {
+    /// Names of its effects, in alphabetical order.
+    fn names(&self) -> [String; 2] {
+        let mut names = [self.lead.candidate.name.clone(), self.both.name().to_owned()];
+        names.sort();
+        names
+    }
+
     /// Sum of squares over the spread of what the best pair leaves, with what the freedoms cost (Schwarz 1978).
     fn cost(&self, spread: f64) -> f64 {
         let freedoms = self.both.freedoms() + self.lead.candidate.coordinates.len();
@@ -136,15 +156,43 @@ fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Li
         told(&format!("{} and {}", lead.candidate.name, both.name()), QUICK, QUICK);
         Some(Joint { lead, both: both.refined(evidence, QUICK_FIT) })
     };
-    let mut joints: Vec<Joint> = promising(first).into_par_iter().filter_map(fit).collect();
+    to_the_end(evidence, promising(first).into_par_iter().filter_map(fit).collect(), THOROUGH)
+}
+
+/// The best `count` pairs fitted to the end. Least sum of squares first.
+fn to_the_end(evidence: &dyn Evidence, mut joints: Vec<Joint>, count: usize) -> Vec<Joint> {
     let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     sort(&mut joints);
-    let rest = joints.split_off(THOROUGH.min(joints.len()));
+    let rest = joints.split_off(count.min(joints.len()));
     let thorough = |joint: Joint| Joint { both: joint.both.refined(evidence, THOROUGH_FIT), ..joint };
     let mut joints: Vec<Joint> = joints.into_par_iter().map(thorough).collect();
     joints.extend(rest);
     sort(&mut joints);
     joints
+}
+
+/// A sure effect that explains most but not all, with each other one that was fitted alone, begun at the values that it had
+/// then. The best of them are fitted to the end.
+fn beside_surest(
+    evidence: &dyn Evidence,
+    first: &Round,
+    (model, library): (&Model, &Library),
+    told: Told,
+) -> Vec<Joint> {
+    let explains_most = |best: &&Finding| best.suspect.fit.chi2 < MOSTLY * first.base.chi2;
+    let sure = first.best().filter(|best| best.probability >= CERTAIN && is_open(&best.calibration));
+    let Some(lead) = sure.filter(explains_most).map(|best| &best.suspect) else { return Vec::new() };
+    let with_lead = with_values(&model.clone().with(lead.name()), &lead.fit);
+    let fit = |other: &Suspect| {
+        let effect = library.find(other.name())?;
+        let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
+        let both = Suspect::begun(evidence, &lead.fit, Screened { candidate, ..other.at_its_fit() }).ok()?;
+        told(&format!("{} and {}", lead.name(), both.name()), QUICK, QUICK);
+        Some(Joint { lead: lead.at_its_fit(), both: both.refined(evidence, PARTNER_FIT) })
+    };
+    let others = first.findings.par_iter().map(|finding| &finding.suspect);
+    let joints = others.filter(|other| other.name() != lead.name()).filter_map(fit).collect();
+    to_the_end(evidence, joints, PARTNERS)
 }
 
 /// A pair before it is fitted: the lead and the other one at the values that are expected to be best.
