@@ -15,4 +15,5 @@ mod structure;
 mod two_passes;
 mod unknown;
 mod unseen;
+mod valleys;
 mod whitening;
