@@ -4,21 +4,29 @@
 //! the patch's rim or the border of the working surface crosses it, and integrated exactly; inside the patch it is taken
 //! as quadratic. So sums over squares are second order in the voxel size.
 
+mod border;
 mod peak;
 mod rows;
 mod wall;
 
+use std::ops::Range;
+
 use glam::DVec3;
 use serde::Serialize;
 
-use self::rows::{Depths, Settle, UNSETTLED};
+pub(crate) use self::border::SheetFrame;
+use self::border::{Border, Cover, swept_spans};
+use self::rows::{Covers, Depths, Settle, UNSETTLED, rows_around};
+use crate::lines::{Lines, Run};
 use crate::ramp::{ramp_mean, wet_share};
 use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::tool::{Pose, Tool};
+use crate::tool::{Frame, Pose, Tool};
 
 /// How far the height of a column beside a wall may be off [voxels].
 const EDGE_ERROR: f64 = 0.05;
+/// Way of a tool across its own axis for which what lies under it is not measured anew [voxels].
+const SAME_COVER: f64 = 1e-3;
 
 /// What a tool meets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -42,10 +50,23 @@ impl Contact {
     }
 }
 
+/// Where a tool was when its squares were measured.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    frame: Frame,
+    /// Its sweep [m].
+    sweep: DVec3,
+    /// Its reference point when the covers were measured [m].
+    over: DVec3,
+    /// The same when the depths were.
+    centre: DVec3,
+}
+
 /// How deep the squares of a sheet lie under a tool; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]
 pub struct Squares {
-    /// Depth at the column itself [m], negative in the air; known in the region and on the lines around it.
+    /// Depth at the column itself [m], negative in the air; known in the region and on the lines around it, in a sweep under
+    /// the pad and around it.
     pub depth: Vec<f64>,
     /// Mean over the square of the depth where it is positive, 0 elsewhere [m].
     pub mean_depth: Vec<f64>,
@@ -58,10 +79,18 @@ pub struct Squares {
     pub lag: Vec<f64>,
     /// Way of the tool in the sweep, in its own frame [m].
     pub way: DVec3,
-    /// Lines that had a share when they were measured, in order.
-    pub wet: Vec<u32>,
+    /// Lines that had a share when they were measured.
+    pub wet: Lines,
+    /// Share of the square that is under the working surface, wet or dry; [`UNSETTLED`] where it has to be asked for.
+    cover: Vec<f64>,
     /// What was measured.
     region: Region,
+    /// Columns of each row of the region that may be under the working surface.
+    columns: Vec<Range<usize>>,
+    /// How far the tool may come nearer or go away while all squares stay wet or dry all over [m].
+    room: f64,
+    /// Where the tool was.
+    at: Option<Measured>,
 }
 
 impl Squares {
@@ -77,28 +106,72 @@ impl Squares {
     ) {
         self.clear(sheet.window.lines());
         self.region.clone_from(region);
-        let across = sheet.window.size[1];
         let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, sweep);
         self.way = border.frame.turned(border.sweep);
         self.lag.resize(if sweep == DVec3::ZERO { 0 } else { sheet.window.lines() }, 0.0);
+        let sought =
+            |row| if sweep == DVec3::ZERO { region.columns.clone() } else { border.columns(sheet, region, row) };
+        self.columns.clear();
+        self.columns.extend(region.rows.clone().map(sought));
         let lanes = pulp::Arch::new();
-        lanes.dispatch(Depths { border: &border, sheet, region: region.grown(), depth: &mut self.depth });
-        for (line, gap) in region.grown().lines(across).zip(gap) {
+        lanes.dispatch(Depths { border: &border, sheet, squares: self });
+        for (line, gap) in region.grown().lines(sheet.window.size[1]).zip(gap) {
             self.depth[line] -= gap;
         }
         self.leave_walls(&border, sheet);
-        lanes.dispatch(Settle { border: &border, sheet, squares: self });
-        for row in region.rows.clone() {
-            let (mut line, end) = (row * across + region.columns.start, row * across + region.columns.end);
+        lanes.dispatch(Covers { border: &border, sheet, squares: self });
+        self.settle(&border, sheet);
+        let is_pad = matches!(tool, Tool::Pad(_)) && gap.is_empty();
+        self.at = is_pad.then_some(Measured { frame: pose.frame, sweep, over: pose.centre, centre: pose.centre });
+    }
+
+    /// Forgets where the tool was: the sheet may be another, or look otherwise.
+    pub fn forget(&mut self) {
+        self.at = None;
+    }
+
+    /// Measures a pad again over the same region of the same sheet, which has only moved along its axis since it was measured: what
+    /// is under it stays so, but deeper or less deep. Returns whether that is all it did; if not, nothing was measured.
+    pub fn measure_deeper(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, sweep: DVec3) -> bool {
+        let Some(at) = self.at.filter(|at| at.frame == pose.frame && at.sweep == sweep) else { return false };
+        let across = (pose.centre - at.over).reject_from_normalized(pose.frame.z);
+        if across.length() > SAME_COVER * sheet.pitch {
+            return false;
+        }
+        self.at = Some(Measured { centre: pose.centre, ..at });
+        let deeper = pose.frame.z.dot(at.centre - pose.centre);
+        for lines in rows_around(&self.region, &self.columns, sheet.window.size[1]) {
+            self.depth[lines].iter_mut().for_each(|depth| *depth += deeper);
+        }
+        self.room -= deeper.abs();
+        if self.room > 0.0 {
+            for Run { lines, .. } in self.wet.runs() {
+                let means = self.mean_depth[lines.clone()].iter_mut().zip(&self.share[lines.clone()]);
+                means.for_each(|(mean, share)| *mean += share * deeper);
+            }
+            return true;
+        }
+        self.clear(sheet.window.lines());
+        self.settle(&Border::new(tool, SheetFrame::new(pose, sheet), sheet, sweep), sheet);
+        true
+    }
+
+    /// Settles all squares, whose depths and covers are known.
+    fn settle(&mut self, border: &Border, sheet: &Sheet) {
+        pulp::Arch::new().dispatch(Settle { border, sheet, squares: self });
+        let across = sheet.window.size[1];
+        for (place, row) in self.region.rows.clone().enumerate() {
+            let columns = &self.columns[place];
+            let (mut line, end) = (row * across + columns.start, row * across + columns.end);
             while line < end {
                 if self.share[line] == UNSETTLED {
                     self.share[line] = 0.0;
-                    self.measure_square(&border, sheet, line);
+                    self.measure_square(border, sheet, line);
                     line += 1;
                     continue;
                 }
                 let wet = self.share[line..end].iter().take_while(|share| **share > 0.0).count();
-                self.wet.extend(line as u32..(line + wet) as u32);
+                self.wet.extend(line..line + wet);
                 line += wet.max(1);
             }
         }
@@ -106,13 +179,13 @@ impl Squares {
 
     /// Forgets all squares and makes room for those of so many lines.
     fn clear(&mut self, lines: usize) {
-        for run in runs(&self.wet) {
+        for run in self.wet.runs() {
             for values in [&mut self.mean_depth, &mut self.share, &mut self.area] {
-                values[run.clone()].fill(0.0);
+                values[run.lines.clone()].fill(0.0);
             }
         }
         self.wet.clear();
-        for values in [&mut self.depth, &mut self.mean_depth, &mut self.share, &mut self.area] {
+        for values in [&mut self.depth, &mut self.mean_depth, &mut self.share, &mut self.area, &mut self.cover] {
             values.resize(lines, 0.0);
         }
     }
@@ -124,7 +197,7 @@ impl Squares {
         if self.depth[line] <= -most - border.sunk() {
             return;
         }
-        let cover = border.cover(sheet, line);
+        let cover = self.cover_of(border, sheet, line);
         let depth = self.depth[line] + border.sinking * cover.lag;
         if cover.share == 0.0 || depth <= -most {
             return;
@@ -141,8 +214,16 @@ impl Squares {
             if let Some(lag) = self.lag.get_mut(line) {
                 *lag = cover.lag;
             }
-            self.wet.push(line as u32);
+            self.wet.push(line);
         }
+    }
+
+    fn cover_of(&self, border: &Border, sheet: &Sheet, line: usize) -> Cover {
+        let share = self.cover[line];
+        if share == UNSETTLED {
+            return border.cover(sheet, line);
+        }
+        Cover { share, lag: self.lag.get(line).copied().unwrap_or(0.0) }
     }
 
     fn differences(&self, line: usize, across: usize, pitch: f64) -> (Difference, Difference) {
@@ -220,133 +301,6 @@ fn partly_wet(
     let rim = if share < 1.0 { bend_at_rim(depth, along, sideways) } else { 0.0 };
     let area = if rim == 0.0 { share } else { wet_share(depth + rim, spans) };
     (ramp_mean(depth, spans) + bent, share, area)
-}
-
-/// Spans of a square with a sweep of `swept` [m] on either side of its middle: two boxes have the spread of the square's own,
-/// the sweep is the other.
-#[inline(always)]
-fn swept_spans((a, b): (f64, f64), swept: f64) -> (f64, f64) {
-    if swept == 0.0 { (a, b) } else { ((a * a + b * b).sqrt(), swept) }
-}
-
-/// Cuts lines in order into those that follow each other.
-pub(crate) fn runs(lines: &[u32]) -> impl Iterator<Item = std::ops::Range<usize>> {
-    lines.chunk_by(|line, next| line + 1 == *next).map(|run| run[0] as usize..run[0] as usize + run.len())
-}
-
-/// A tool's frame in the coordinates of a sheet (u, v, up).
-pub(crate) struct SheetFrame {
-    centre: DVec3,
-    x: DVec3,
-    y: DVec3,
-    z: DVec3,
-}
-
-impl SheetFrame {
-    pub(crate) fn new(pose: &Pose, sheet: &Sheet) -> Self {
-        let [centre, x, y, z] = [pose.centre, pose.frame.x, pose.frame.y, pose.frame.z].map(|v| sheet.facing.sheet(v));
-        Self { centre, x, y, z }
-    }
-
-    /// A point of the sheet in the tool's frame.
-    #[inline(always)]
-    pub(crate) fn local(&self, point: DVec3) -> DVec3 {
-        self.turned(point - self.centre)
-    }
-
-    /// A vector of the sheet in the tool's frame.
-    #[inline(always)]
-    fn turned(&self, v: DVec3) -> DVec3 {
-        DVec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
-    }
-}
-
-/// How much of a square lies under the working surface in a sweep, and when.
-#[derive(Clone, Copy)]
-struct Cover {
-    share: f64,
-    /// As in [`Squares::lag`].
-    lag: f64,
-}
-
-/// The border of a tool's working surface over a sheet.
-struct Border<'a> {
-    tool: &'a Tool,
-    frame: SheetFrame,
-    /// Sweep of the tool [m, u v up].
-    sweep: DVec3,
-    /// By how much a pad sinks in over the sweep, the same everywhere [m].
-    sinking: f64,
-    /// Distance from the border beyond which a square is wholly within or beside it [m].
-    near: f64,
-    /// Squares of the radii between which a pad's border may cross a square [m²].
-    ring: (f64, f64),
-}
-
-impl<'a> Border<'a> {
-    fn new(tool: &'a Tool, frame: SheetFrame, sheet: &Sheet, sweep: DVec3) -> Self {
-        let sweep = sheet.facing.sheet(sweep);
-        // Half a square's diagonal, and what a slope of one adds.
-        let near = sheet.pitch + 0.5 * sweep.length();
-        let radius = tool.rim_radius();
-        let inner = radius - near;
-        let ring = (inner * inner.abs(), (radius + near).powi(2));
-        let sinking = if matches!(tool, Tool::Pad(_)) { -frame.z.dot(sweep) } else { 0.0 };
-        Self { tool, frame, sweep, sinking, near, ring }
-    }
-
-    /// How far a pad sinks in or out on either side of the sweep's middle [m].
-    #[inline(always)]
-    fn sunk(&self) -> f64 {
-        0.5 * self.sinking.abs()
-    }
-
-    /// Cover of a column's square over the sweep.
-    #[inline]
-    fn cover(&self, sheet: &Sheet, line: usize) -> Cover {
-        let at = self.frame.local(sheet.point(line));
-        let (is_within, is_near) = match self.tool {
-            Tool::Pad(_) => {
-                let square = at.x * at.x + at.y * at.y;
-                (square <= self.ring.0, square > self.ring.0 && square < self.ring.1)
-            }
-            tool => {
-                let within = tool.within(at);
-                (within > 0.0, within.abs() < self.near)
-            }
-        };
-        if is_near { self.crossed(at, sheet, line) } else { Cover { share: f64::from(is_within), lag: 0.0 } }
-    }
-
-    /// The same for a square that the border may cross, its middle `at` a place of the tool's frame [m].
-    fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> Cover {
-        let inward = match self.tool {
-            Tool::Wheel(_) => self.frame.y * -at.y.signum(),
-            _ => self.to_middle(at),
-        };
-        self.cover_within(self.tool.within(at), inward, sheet.slope[line], 0.5 * sheet.pitch)
-    }
-
-    /// Unit vector of the sheet from a place of the tool's frame towards the middle of its face.
-    #[inline(always)]
-    fn to_middle(&self, at: DVec3) -> DVec3 {
-        -(self.frame.x * at.x + self.frame.y * at.y).normalize_or_zero()
-    }
-
-    /// Cover of a square of half side `half` [m] whose middle lies `within` the border [m], which is crossed `inward`.
-    #[inline(always)]
-    fn cover_within(&self, within: f64, inward: DVec3, [slope_u, slope_v]: [f64; 2], half: f64) -> Cover {
-        let swept = 0.5 * self.sweep.dot(inward);
-        let own = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
-        let spans = swept_spans(own, swept.abs());
-        let share = wet_share(within, spans);
-        if swept == 0.0 {
-            return Cover { share, lag: 0.0 };
-        }
-        // Exact for a point: it is under the surface from one end of the sweep to when the border crosses it.
-        let lag = -0.5 * (1.0 - share) * swept / (spans.0 * spans.0 + swept * swept).sqrt();
-        Cover { share, lag }
-    }
 }
 
 /// First and second difference across a square; a neighbour beyond a wall does not count.

@@ -41,6 +41,7 @@ pub mod effect;
 mod extent;
 pub mod gpu;
 mod lattice_line;
+pub mod lines;
 pub mod pass;
 pub mod path;
 pub mod physics;

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::clock::{Clock, Phase};
-use crate::contact::{Contact, SheetFrame, Squares, runs};
+use crate::contact::{Contact, SheetFrame, Squares};
 use crate::effect::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
+use crate::lines::{Lines, Run};
 use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::step::Step;
@@ -147,14 +148,15 @@ impl<'a> Physics<'a> {
         if !self.model.has(Place::Shape) {
             return Ok(());
         }
-        let lines: Vec<u32> = region.grown().lines(sheet.window.size[1]).map(|line| line as u32).collect();
+        let mut lines = Lines::default();
+        region.grown().lines(sheet.window.size[1]).for_each(|line| lines.push(line));
         self.place(tool, pose, sheet, None, &lines);
         out.resize(lines.len(), 0.0);
         self.run(Place::Shape, &[], out)
     }
 
     /// Takes up what decides the balance of forces on the squares `lines` of a sheet under a tool at `pose`.
-    pub fn place(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: Option<&Squares>, lines: &[u32]) {
+    pub fn place(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: Option<&Squares>, lines: &Lines) {
         let balancing = std::mem::take(&mut self.balancing);
         self.fill(&balancing, (tool, pose), sheet, squares, lines);
         self.balancing = balancing;
@@ -162,7 +164,7 @@ impl<'a> Physics<'a> {
         if self.model.needs_tool_cells() {
             let (cells, frame) = (ToolCells::of(tool), SheetFrame::new(pose, sheet));
             let place = |&line: &u32| cells.place(frame.local(sheet.point(line as usize)));
-            self.tool_cell.extend(lines.iter().map(place));
+            self.tool_cell.extend(lines.list().iter().map(place));
         }
         for (number, state) in self.model.cell_states().iter().enumerate() {
             let value = |&line: &u32| {
@@ -170,12 +172,12 @@ impl<'a> Physics<'a> {
                 cell.map_or(state.initial, |values| values[number])
             };
             self.cell_lanes[number].clear();
-            self.cell_lanes[number].extend(lines.iter().map(value));
+            self.cell_lanes[number].extend(lines.list().iter().map(value));
         }
     }
 
     /// Takes up what else the hooks read, once the forces are in balance.
-    pub fn place_rest(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: &Squares, lines: &[u32]) {
+    pub fn place_rest(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: &Squares, lines: &Lines) {
         let following = std::mem::take(&mut self.following);
         self.fill(&following, (tool, pose), sheet, Some(squares), lines);
         self.following = following;
@@ -188,7 +190,7 @@ impl<'a> Physics<'a> {
         (tool, pose): (&Tool, &Pose),
         sheet: &Sheet,
         squares: Option<&Squares>,
-        lines: &[u32],
+        lines: &Lines,
     ) {
         let (spindle, feed) = self.motion();
         let frame = SheetFrame::new(pose, sheet);
@@ -199,7 +201,10 @@ impl<'a> Physics<'a> {
             if variable == Variable::SlipSpeed {
                 lane.resize(lines.len(), 0.0);
                 let places = (sheet, &frame, squares);
-                pulp::Arch::new().dispatch(|| slip_speeds(tool, (spindle, feed), places, lines, lane));
+                pulp::Arch::new().dispatch(
+                    #[inline(always)]
+                    || slip_speeds(tool, (spindle, feed), places, lines, lane),
+                );
                 continue;
             }
             let value = |line: usize| -> f64 {
@@ -219,7 +224,7 @@ impl<'a> Physics<'a> {
                     _ => 0.0,
                 }
             };
-            lane.extend(lines.iter().map(|&line| value(line as usize)));
+            lane.extend(lines.list().iter().map(|&line| value(line as usize)));
         }
     }
 
@@ -236,7 +241,7 @@ impl<'a> Physics<'a> {
         let lanes = self.lanes(step.lines().len(), &step.means()).with_states(&old);
         let mut out: Vec<&mut [f64]> = moved.iter_mut().map(Vec::as_mut_slice).collect();
         self.model.advance_cells(dt, (&self.step, self.states), &lanes, &mut out)?;
-        for (lane, &line) in step.lines().iter().enumerate() {
+        for (lane, &line) in step.lines().list().iter().enumerate() {
             let values = moved.iter().map(|values| values[lane]).collect();
             self.cells.insert(sheet.window.place(line as usize), values);
         }
@@ -302,16 +307,15 @@ fn slip_speeds(
     tool: &Tool,
     (spindle, feed): (f64, DVec3),
     (sheet, frame, squares): (&Sheet, &SheetFrame, Option<&Squares>),
-    lines: &[u32],
-    mut out: &mut [f64],
+    lines: &Lines,
+    out: &mut [f64],
 ) {
-    for run in runs(lines) {
-        let (speeds, rest) = out.split_at_mut(run.len());
-        out = rest;
+    for Run { lines: run, lanes } in lines.runs() {
+        let speeds = &mut out[lanes.clone()];
         let points = sheet.places()[run.clone()].iter().zip(&sheet.height[run.clone()]);
         let places = points.map(|([u, v], height)| frame.local(DVec3::new(*u, *v, *height)));
         let speeds = speeds.iter_mut().zip(places);
-        match squares.and_then(|squares| Some((squares.way, squares.lag.get(run)?))) {
+        match squares.and_then(|squares| Some((squares.way, squares.lag.get(run.clone())?))) {
             Some((way, lag)) => {
                 for ((speed, at), lag) in speeds.zip(lag) {
                     *speed = tool.slip_speed(at - way * *lag, spindle, feed);

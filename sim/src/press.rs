@@ -56,7 +56,7 @@ impl<'a> Press<'a> {
         self.step.begin((self.tool, &pose), &self.sheet, physics)?;
         self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
         let moment = self.step.moment(&pose, &self.sheet);
-        let contact = Contact { moment, ..self.step.contact(&pose, &self.sheet) };
+        let contact = Contact { moment, ..self.step.contact(&pose, &self.sheet).0 };
         let width = self.step.extent(&pose, &self.sheet).map_or(0.0, |extent| extent.y.1 - extent.y.0);
         physics.has_met(&contact, width);
         Ok(contact)

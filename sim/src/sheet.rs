@@ -4,12 +4,12 @@
 //! field is known at every voxel, so where the surface crosses it is a root of a cubic in one variable: no
 //! interpolation across lines, and fourth order where the surface is smooth.
 
+mod read;
 mod slopes;
 
 use std::cell::OnceCell;
 
 use glam::{DVec3, IVec3};
-use sdf_bake::BrickGrid;
 
 use self::slopes::Bend;
 use crate::lattice_line::{Lattice, Line};
@@ -107,13 +107,10 @@ impl Window {
         self.size[0] * self.size[1]
     }
 
-    /// Places of all lines [m].
-    fn places(&self, voxel: f64) -> Vec<[f64; 2]> {
-        let place = |line: usize| {
-            let (i, j) = self.place(line);
-            [f64::from(i) * voxel, f64::from(j) * voxel]
-        };
-        (0..self.lines()).map(place).collect()
+    /// Lattice places of all lines.
+    fn all_places(&self) -> impl Iterator<Item = (i32, i32)> {
+        let Self { low: [i, j], size: [rows, across] } = *self;
+        (i..i + rows as i32).flat_map(move |i| (j..j + across as i32).map(move |j| (i, j)))
     }
 
     /// Lattice place of a line.
@@ -140,6 +137,8 @@ pub struct Sheet {
     pub read_height: Vec<f64>,
     /// Height of the surface now [m].
     pub height: Vec<f64>,
+    /// Lowest and highest height of the surface [m]; the lowest is greater where there is none.
+    levels: (f64, f64),
     /// Slopes of the surface along u and v [1].
     pub slope: Vec<[f64; 2]>,
     /// Surface area per area of the lattice, 1/cos of the slope.
@@ -155,66 +154,16 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Reads a window of the field's surface. Columns start near `level` [m up], go up where they start in the
-    /// material, and are followed down to `floor` [m up].
-    pub fn read(grid: &BrickGrid, facing: Facing, window: Window, level: f64, floor: f64) -> Self {
-        let lines = window.lines();
-        let lattice = Lattice::new(grid, facing, &window);
-        let on = (0..lines).map(|line| lattice.line(window.place(line))).collect();
-        let mut sheet = Self {
-            facing,
-            pitch: grid.voxel,
-            window,
-            lattice,
-            on,
-            place: window.places(grid.voxel),
-            read_height: Vec::new(),
-            height: Vec::with_capacity(lines),
-            slope: vec![[0.0; 2]; lines],
-            area_ratio: vec![1.0; lines],
-            dose: vec![0.0; lines],
-            removed: vec![0.0; lines],
-            label: vec![0; lines],
-            edges: OnceCell::new(),
-        };
-        let start = (level / grid.voxel).ceil() as i32;
-        let least = (floor / grid.voxel).floor() as i32;
-        let mut guess = start;
-        for line in 0..lines {
-            if line % window.size[1] == 0 {
-                let above = line.checked_sub(window.size[1]).map_or(NO_SURFACE, |before| sheet.height[before]);
-                guess = if above > NO_SURFACE { (above / grid.voxel).ceil() as i32 } else { start };
-            }
-            let met = sheet.lattice.surface(grid, sheet.on[line], guess, least);
-            guess = met.map_or(start, |height| height.ceil() as i32);
-            sheet.height.push(met.map_or(NO_SURFACE, |height| height * grid.voxel));
-        }
-        sheet.read_height = sheet.height.clone();
-        sheet.set_slopes();
-        sheet.read_channels(grid);
-        sheet
-    }
-
-    /// Takes dose, removed depth and label from the voxel nearest to the surface on each line.
-    fn read_channels(&mut self, grid: &BrickGrid) {
-        if grid.dose.is_empty() && grid.removed.is_empty() && grid.label.is_empty() {
-            return;
-        }
-        let value = |channel: &[f32], at: usize| channel.get(at).copied().map_or(0.0, f64::from);
-        for line in (0..self.window.lines()).filter(|&line| self.height[line] > NO_SURFACE) {
-            let nearest = (self.height[line] / self.pitch).round() as i32;
-            if let Some(at) = self.lattice.place(self.on[line], nearest) {
-                self.dose[line] = value(&grid.dose, at);
-                self.removed[line] = value(&grid.removed, at);
-                self.label[line] = grid.label.get(at).copied().unwrap_or(0);
-            }
-        }
-    }
-
     /// Lets the surface of a line recede by `way` [m] along its normal.
     pub fn recede(&mut self, line: usize, way: f64) {
         self.removed[line] += way;
         self.height[line] -= way * self.area_ratio(line);
+        self.levels.0 = self.levels.0.min(self.height[line]);
+    }
+
+    /// Lowest and highest height of the surface [m]; the lowest is greater where there is none.
+    pub(crate) fn levels(&self) -> (f64, f64) {
+        self.levels
     }
 
     /// Place of each line across the columns, u and v [m].
@@ -290,6 +239,8 @@ impl Sheet {
 
 #[cfg(test)]
 mod tests {
+    use sdf_bake::BrickGrid;
+
     use super::*;
 
     #[test]

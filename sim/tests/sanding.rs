@@ -8,9 +8,11 @@ use common::forms::{number, pad_dose, shared_cases, tilted_pad_dose};
 use common::{fresh, line};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
+use sim::contact::Squares;
 use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use sim::region::Region;
 use sim::sheet::{Facing, Sheet, Window};
-use sim::{Controller, Pad, Pass, PassRecord, Path, Process, Tool, run_pass};
+use sim::{Controller, Frame, Pad, Pass, PassRecord, Path, Pose, Process, Tool, run_pass};
 
 const VOXEL: f64 = 0.5e-3;
 /// K_P/h_c [1/(Pa m)].
@@ -114,4 +116,42 @@ fn shared_examples_of_doses_hold() {
         let (_, found) = doses(radius, (&process, &sanding(stiffness, rate, tilt), depth), feed, &[y]);
         report("shared, tilted", found[0].0, found[0].1, form(found[0].0));
     }
+}
+
+#[test]
+fn a_pad_that_only_sinks_in_is_measured_as_if_anew() {
+    let half = DVec3::new(0.016, 0.016, 2e-3);
+    // A plate with a bead across it, and a hole beside that.
+    let bead = |p: DVec3| (p - DVec3::new(0.002, 0.0, -0.003)).reject_from(DVec3::Y).length() - 0.004;
+    let hole = |p: DVec3| (p - DVec3::new(-0.006, 0.003, 0.0)).truncate().length() - 0.002;
+    let grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, |p| p.z.min(bead(p)).max(-hole(p)));
+    let window = Window { low: [-30, -30], size: [61, 61] };
+    let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 2e-3, -1e-3);
+    let (tool, region) = (Tool::from(Pad { radius: 0.0125 }), Region::inside(&window));
+    let sweep = DVec3::new(1e-3, 4e-4, -3e-5);
+    let (mut steady, mut wet) = (Squares::default(), Vec::new());
+    for tilt in [0.0, 4e-3] {
+        let frame = Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z }.tilted(tilt, -0.5 * tilt);
+        let pose = |sunk: f64| Pose { centre: DVec3::new(3e-4, -2e-4, -sunk), approach: DVec3::Z, frame };
+        steady.measure(&tool, &pose(-9e-4), (&sheet, &region), (&[], sweep));
+        for sunk in [-9e-4, -8.99e-4, -8e-4, 1e-4, 5e-4, 5.1e-4, 5.05e-4, 3e-4, -2e-4] {
+            if !steady.measure_deeper(&tool, &pose(sunk), &sheet, sweep) {
+                steady.measure(&tool, &pose(sunk), (&sheet, &region), (&[], sweep));
+                assert_ne!(tilt, 0.0, "a level pad does not move across its axis");
+            }
+            let mut anew = Squares::default();
+            anew.measure(&tool, &pose(sunk), (&sheet, &region), (&[], sweep));
+            assert_eq!(steady.wet, anew.wet, "{tilt} rad, {sunk} m");
+            for line in anew.wet.list().iter().map(|line| *line as usize) {
+                let off = |of: fn(&Squares) -> &[f64]| (of(&steady)[line] - of(&anew)[line]).abs();
+                // A tilted pad may move across its axis by a thousandth of a voxel: so much less of a square is under it.
+                let (share, depth) = if tilt == 0.0 { (1e-10, 1e-14) } else { (2e-3, 2e-6) };
+                assert!(off(|squares| &squares.share) < share && off(|squares| &squares.area) < share);
+                assert!(off(|squares| &squares.mean_depth) < depth);
+            }
+            wet.push(anew.wet.len());
+        }
+    }
+    println!("squares in contact: {wet:?}");
+    assert!(wet.iter().any(|count| *count < 500) && wet.iter().any(|count| *count > 1900));
 }

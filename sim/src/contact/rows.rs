@@ -2,6 +2,8 @@
 //!
 //! Every operation acts on each square alone and is exactly rounded: the lanes decide nothing.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use super::{Border, Squares};
@@ -11,13 +13,39 @@ use crate::tool::Tool;
 
 /// Share of a square that has to be measured by itself.
 pub(super) const UNSETTLED: f64 = -1.0;
+/// Way of a tool that all squares have to stand for it to be taken without settling them again [voxels].
+const STEADY: f64 = 0.05;
 
-/// Measures the depth at the columns of a region.
+/// Lines of each row of a region that may be under a tool in some `columns` of each, and of the row before and after, with the
+/// lines around them.
+pub(super) fn rows_around(
+    region: &Region,
+    columns: &[Range<usize>],
+    across: usize,
+) -> impl Iterator<Item = Range<usize>> {
+    let first = region.rows.start - 1;
+    (0..columns.len() + 2).filter_map(move |place| {
+        let beside = columns[place.saturating_sub(2)..columns.len().min(place + 1)].iter();
+        let sought = beside.filter(|columns| !columns.is_empty());
+        let (start, end) = sought.fold((usize::MAX, 0), |(start, end), row| (start.min(row.start), end.max(row.end)));
+        let line = (first + place) * across;
+        (start < end).then(|| line + start - 1..line + end + 1)
+    })
+}
+
+/// Places of lines that follow each other in a row, in the tool's frame.
+#[inline(always)]
+fn local(border: &Border, sheet: &Sheet, lines: &Range<usize>) -> impl Iterator<Item = DVec3> {
+    let ([u, v], pitch) = (sheet.places()[lines.start], sheet.pitch);
+    let heights = sheet.height[lines.clone()].iter().enumerate();
+    heights.map(move |(i, height)| border.frame.local(DVec3::new(u, v + f64::from(i as i32) * pitch, *height)))
+}
+
+/// Measures the depth at the columns that may be under a tool, and around them.
 pub(super) struct Depths<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
-    pub(super) region: Region,
-    pub(super) depth: &'a mut [f64],
+    pub(super) squares: &'a mut Squares,
 }
 
 impl pulp::NullaryFnOnce for Depths<'_> {
@@ -25,31 +53,102 @@ impl pulp::NullaryFnOnce for Depths<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { border, sheet, region, depth } = self;
-        let (across, frame) = (sheet.window.size[1], &border.frame);
-        for row in region.rows {
-            let lines = row * across + region.columns.start..row * across + region.columns.end;
-            let points = sheet.places()[lines.clone()].iter().zip(&sheet.height[lines.clone()]);
-            let depths = depth[lines].iter_mut().zip(points);
+        let Self { border, sheet, squares } = self;
+        let Squares { region, columns, depth, .. } = squares;
+        for lines in rows_around(region, columns, sheet.window.size[1]) {
+            let places = local(border, sheet, &lines);
+            let depths = depth[lines.clone()].iter_mut().zip(places);
             match border.tool {
                 Tool::Wheel(wheel) => {
-                    for (depth, ([u, v], height)) in depths {
-                        let at = frame.local(DVec3::new(*u, *v, *height));
+                    for (depth, at) in depths {
                         *depth = wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt();
                     }
                 }
                 Tool::Pad(_) => {
-                    for (depth, ([u, v], height)) in depths {
-                        *depth = frame.local(DVec3::new(*u, *v, *height)).z;
+                    for (depth, at) in depths {
+                        *depth = at.z;
                     }
                 }
                 tool => {
-                    for (depth, ([u, v], height)) in depths {
-                        *depth = tool.depth(frame.local(DVec3::new(*u, *v, *height)));
+                    for (depth, at) in depths {
+                        *depth = tool.depth(at);
                     }
                 }
             }
         }
+    }
+}
+
+/// Measures the share of each square that lies under the working surface, [`UNSETTLED`] where a wheel's border may cross it; and
+/// the lag, where there is a sweep.
+pub(super) struct Covers<'a> {
+    pub(super) border: &'a Border<'a>,
+    pub(super) sheet: &'a Sheet,
+    pub(super) squares: &'a mut Squares,
+}
+
+impl pulp::NullaryFnOnce for Covers<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { border, sheet, squares } = self;
+        for (row, columns) in squares.region.rows.clone().zip(&squares.columns) {
+            let first = row * sheet.window.size[1];
+            let lines = first + columns.start..first + columns.end;
+            if lines.is_empty() {
+                continue;
+            }
+            let lag = squares.lag.get_mut(lines.clone()).unwrap_or_default();
+            cover_row(border, sheet, &lines, (&mut squares.cover[lines.clone()], lag));
+        }
+    }
+}
+
+#[inline(always)]
+fn cover_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag): (&mut [f64], &mut [f64])) {
+    lag.fill(0.0);
+    match border.tool {
+        Tool::Wheel(wheel) => {
+            for (cover, at) in cover.iter_mut().zip(local(border, sheet, lines)) {
+                let within = 0.5 * wheel.width - at.y.abs();
+                let beside = if within <= -border.near { 0.0 } else { UNSETTLED };
+                *cover = if within >= border.near { 1.0 } else { beside };
+            }
+        }
+        Tool::Pad(_) => {
+            for (cover, at) in cover.iter_mut().zip(local(border, sheet, lines)) {
+                let square = at.x * at.x + at.y * at.y;
+                let beside = if square >= border.ring.1 { 0.0 } else { UNSETTLED };
+                *cover = if square <= border.ring.0 { 1.0 } else { beside };
+            }
+            let mut place = 0;
+            for part in cover.chunk_by_mut(|one, next| (*one == UNSETTLED) == (*next == UNSETTLED)) {
+                let places = place..place + part.len();
+                if part[0] == UNSETTLED {
+                    let lag = lag.get_mut(places.clone()).unwrap_or_default();
+                    cross_row(border, sheet, &(lines.start + place..lines.start + places.end), (part, lag));
+                }
+                place = places.end;
+            }
+        }
+        Tool::Sphere(_) | Tool::Field(_) => cover.fill(1.0),
+    }
+}
+
+/// Cover of squares that the border of a pad may cross.
+#[inline(always)]
+fn cross_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag): (&mut [f64], &mut [f64])) {
+    let squares = local(border, sheet, lines).zip(&sheet.slope[lines.clone()]);
+    if lag.is_empty() {
+        for (share, (at, slope)) in cover.iter_mut().zip(squares) {
+            *share = border.disc_cover(at, *slope, sheet.pitch).share;
+        }
+        return;
+    }
+    for ((share, lag), (at, slope)) in cover.iter_mut().zip(lag).zip(squares) {
+        let cover = border.disc_cover(at, *slope, sheet.pitch);
+        (*share, *lag) = (cover.share, cover.lag);
     }
 }
 
@@ -66,113 +165,63 @@ impl pulp::NullaryFnOnce for Settle<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { border, sheet, squares } = self;
-        let (across, columns) = (sheet.window.size[1], squares.region.columns.clone());
-        for row in squares.region.rows.clone() {
+        let (across, mut is_steady) = (sheet.window.size[1], true);
+        for (place, row) in squares.region.rows.clone().enumerate() {
+            let columns = &squares.columns[place];
             let (first, count) = (row * across + columns.start, columns.len());
-            let lines = first..first + count;
-            let lag = squares.lag.get_mut(lines.clone()).unwrap_or_default();
-            cover_row(border, sheet, first, (&mut squares.share[lines], lag));
-            if squares.lag.is_empty() {
-                settle_row(squares, (first, count), (across, sheet.pitch), (0.0, |_| 0.0));
+            is_steady &= if squares.lag.is_empty() {
+                settle_row(squares, (first, count), (across, sheet.pitch), (0.0, |_| 0.0))
             } else {
                 let lag = std::mem::take(&mut squares.lag);
-                let sinking = |i: usize| border.sinking * lag[first + i];
-                settle_row(squares, (first, count), (across, sheet.pitch), (border.sunk(), sinking));
+                let row = &lag[first..first + count];
+                let sinking = |i: usize| border.sinking * row[i];
+                let row_is_steady =
+                    settle_row(squares, (first, count), (across, sheet.pitch), (border.sunk(), sinking));
                 squares.lag = lag;
-            }
+                row_is_steady
+            };
         }
+        squares.room = if is_steady { STEADY * sheet.pitch } else { 0.0 };
     }
 }
 
-/// Share of each square from line `first` on that lies under the working surface, [`UNSETTLED`] where a wheel's border may
-/// cross it; and the lag, where there is a sweep.
-#[inline(always)]
-fn cover_row(border: &Border, sheet: &Sheet, first: usize, (cover, lag): (&mut [f64], &mut [f64])) {
-    let frame = &border.frame;
-    lag.fill(0.0);
-    let lines = first..first + cover.len();
-    let points = sheet.places()[lines.clone()].iter().zip(&sheet.height[lines]);
-    match border.tool {
-        Tool::Wheel(wheel) => {
-            for (cover, ([u, v], height)) in cover.iter_mut().zip(points) {
-                let within = 0.5 * wheel.width - frame.local(DVec3::new(*u, *v, *height)).y.abs();
-                let beside = if within <= -border.near { 0.0 } else { UNSETTLED };
-                *cover = if within >= border.near { 1.0 } else { beside };
-            }
-        }
-        Tool::Pad(pad) => {
-            for (cover, ([u, v], height)) in cover.iter_mut().zip(points) {
-                let at = frame.local(DVec3::new(*u, *v, *height));
-                let square = at.x * at.x + at.y * at.y;
-                let beside = if square >= border.ring.1 { 0.0 } else { UNSETTLED };
-                *cover = if square <= border.ring.0 { 1.0 } else { beside };
-            }
-            let mut place = 0;
-            for part in cover.chunk_by_mut(|one, next| (*one == UNSETTLED) == (*next == UNSETTLED)) {
-                let places = place..place + part.len();
-                if part[0] == UNSETTLED {
-                    let lag = lag.get_mut(places.clone()).unwrap_or_default();
-                    cross_row(border, (sheet, pad.radius), first + place, (part, lag));
-                }
-                place = places.end;
-            }
-        }
-        Tool::Sphere(_) | Tool::Field(_) => cover.fill(1.0),
-    }
-}
-
-/// Cover of squares that the border of a pad of a `radius` [m] may cross.
-#[inline(always)]
-fn cross_row(border: &Border, (sheet, radius): (&Sheet, f64), first: usize, (cover, lag): (&mut [f64], &mut [f64])) {
-    let lines = first..first + cover.len();
-    let points = sheet.places()[lines.clone()].iter().zip(&sheet.height[lines.clone()]);
-    let crossed = |(([u, v], height), slope): ((&[f64; 2], &f64), &[f64; 2])| {
-        let at = border.frame.local(DVec3::new(*u, *v, *height));
-        let within = radius - (at.x * at.x + at.y * at.y).sqrt();
-        border.cover_within(within, border.to_middle(at), *slope, 0.5 * sheet.pitch)
-    };
-    let squares = points.zip(&sheet.slope[lines]);
-    if lag.is_empty() {
-        cover.iter_mut().zip(squares).for_each(|(share, square)| *share = crossed(square).share);
-        return;
-    }
-    for ((share, lag), square) in cover.iter_mut().zip(lag).zip(squares) {
-        let cover = crossed(square);
-        (*share, *lag) = (cover.share, cover.lag);
-    }
-}
-
-/// Settles `count` squares from line `first` on, whose shares hold their cover. In the sweep the tool sinks in by `sunk` [m] on
-/// either side of its middle, and by `sinking` while it is over a square.
+/// Settles `count` squares from line `first` on. In the sweep the tool sinks in by `sunk` [m] on either side of its middle, and by
+/// `sinking` while it is over a square. Returns whether all would stay wet or dry all over if the tool came nearer or went away
+/// by [`STEADY`].
 #[inline(always)]
 fn settle_row(
     squares: &mut Squares,
     (first, count): (usize, usize),
     (across, pitch): (usize, f64),
     (sunk, sinking): (f64, impl Fn(usize) -> f64),
-) {
+) -> bool {
     let from = |line: usize| &squares.depth[line..line + count];
     let (here, before, after) = (from(first), from(first - across), from(first + across));
     let (left, right) = (from(first - 1), from(first + 1));
     let lines = first..first + count;
-    let means = &mut squares.mean_depth[lines.clone()];
+    let (covers, means) = (&squares.cover[lines.clone()], &mut squares.mean_depth[lines.clone()]);
     let (shares, areas) = (&mut squares.share[lines.clone()], &mut squares.area[lines]);
-    let wall = 2.0 * pitch;
+    let (wall, room) = (2.0 * pitch, STEADY * pitch);
+    let mut is_steady = true;
     for i in 0..count {
-        let (depth, cover) = (here[i], shares[i]);
+        let (depth, cover) = (here[i], covers[i]);
         let is_whole = ((before[i] - depth).abs() < wall)
             & ((after[i] - depth).abs() < wall)
             & ((left[i] - depth).abs() < wall)
             & ((right[i] - depth).abs() < wall);
-        let span = 0.5 * (0.5 * (after[i] - before[i])).abs() + 0.5 * (0.5 * (right[i] - left[i])).abs();
+        let span = 0.5 * (0.5 * (after[i] - before[i])).abs() + 0.5 * (0.5 * (right[i] - left[i])).abs() + sunk;
         let bend = (after[i] - 2.0 * depth + before[i]) + (right[i] - 2.0 * depth + left[i]);
         let swept_depth = depth + sinking(i);
         let mean = swept_depth + bend / 24.0;
         // The depth changes by less than a pitch across a square.
-        let is_dry = (cover == 0.0) | (swept_depth <= -pitch - sunk) | (is_whole & (swept_depth <= -span - sunk));
-        let is_full = (cover > 0.0) & is_whole & (swept_depth >= span + sunk) & (mean > 0.0) & !is_dry;
+        let dry_at = if is_whole & (span < pitch + sunk) { -span } else { -pitch - sunk };
+        let is_dry = (cover == 0.0) | (swept_depth <= dry_at);
+        let is_full = (cover > 0.0) & is_whole & (swept_depth >= span) & (mean > 0.0) & !is_dry;
         means[i] = if is_full { cover * mean } else { 0.0 };
         areas[i] = if is_full { cover } else { 0.0 };
         shares[i] = if is_full | is_dry { areas[i] } else { UNSETTLED };
+        let stays_full = is_full & (swept_depth >= span + room) & (mean > room);
+        is_steady &= (cover == 0.0) | stays_full | (swept_depth <= dry_at - room);
     }
+    is_steady
 }

@@ -150,6 +150,8 @@ struct Runner<'a> {
     pass: Pass<'a>,
     physics: Physics<'a>,
     sheet: Option<Sheet>,
+    /// The sheet before, where the surface stays as it was.
+    last_sheet: Option<Sheet>,
     step: Step,
     time: f64,
     motion: Motion,
@@ -199,6 +201,7 @@ impl<'a> Runner<'a> {
             grid,
             physics,
             sheet: None,
+            last_sheet: None,
             step: Step::default(),
             time: 0.0,
             motion: Motion { travel, speed: 0.0 },
@@ -299,8 +302,7 @@ impl<'a> Runner<'a> {
         let middle = self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel));
         let sheet = self.sheet.as_mut().expect("a sheet was read");
         self.step.complete((self.pass.tool, &middle), sheet, &mut self.physics, dt)?;
-        let contact = self.step.contact(&middle, sheet);
-        let end_force = self.step.end_force(&middle, sheet);
+        let (contact, end_force) = self.step.contact(&middle, sheet);
         let cells = self.physics.model.needs_tool_cells();
         let sums = if cells {
             self.step.cell_sums((self.pass.tool, &middle), sheet, &self.physics, dt).means()
@@ -374,11 +376,12 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// Writes the sheet's losses into the field and drops it.
+    /// Writes the sheet's losses into the field and puts it aside.
     fn write_back(&mut self) {
         if let Some(mut sheet) = self.sheet.take() {
             commit(self.grid, &mut sheet);
             self.physics.lap(Phase::Write);
+            self.last_sheet = (!self.physics.grinds()).then_some(sheet);
         }
         self.travelled = 0.0;
         self.bent = 0.0;

@@ -162,7 +162,9 @@ impl Runner<'_> {
             NEAR_BELOW * self.grid.voxel
         };
         let falling = (-self.motion.speed).max(0.0) * LONGEST_STEP.max(dt);
-        self.sheet = Some(Sheet::read(self.grid, facing, window, level, lowest.min(level) - below - falling));
+        let before = self.last_sheet.take().filter(|sheet| sheet.facing == facing);
+        let levels = (level, lowest.min(level) - below - falling);
+        self.sheet = Some(Sheet::read_beside(before.as_ref(), self.grid, facing, window, levels));
         self.physics.lap(Phase::Read);
     }
 }

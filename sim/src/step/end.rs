@@ -1,8 +1,8 @@
 //! The squares in contact at one end of a step, one lane each.
 
-use super::lanes::runs_with_lanes;
 use crate::contact::Squares;
 use crate::effect::RunError;
+use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 
 /// State of the squares in contact at one end of a step.
@@ -18,19 +18,22 @@ pub(super) struct End {
 
 impl End {
     /// Takes depth and share of `lines` from the squares.
-    pub(super) fn gather(&mut self, squares: &Squares, lines: &[u32]) {
+    pub(super) fn gather(&mut self, squares: &Squares, lines: &Lines) {
         let Self { depth, share, .. } = self;
         depth.resize(lines.len(), 0.0);
         share.resize(lines.len(), 0.0);
-        pulp::Arch::new().dispatch(|| {
-            for (run, lanes) in runs_with_lanes(lines) {
-                let (means, shares) = (&squares.mean_depth[run.clone()], &squares.share[run]);
-                share[lanes.clone()].copy_from_slice(shares);
-                for ((depth, mean), share) in depth[lanes].iter_mut().zip(means).zip(shares) {
-                    *depth = if *share > 0.0 { mean / share } else { 0.0 };
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for Run { lines, lanes } in lines.runs() {
+                    let (means, shares) = (&squares.mean_depth[lines.clone()], &squares.share[lines.clone()]);
+                    share[lanes.clone()].copy_from_slice(shares);
+                    for ((depth, mean), share) in depth[lanes.clone()].iter_mut().zip(means).zip(shares) {
+                        *depth = if *share > 0.0 { mean / share } else { 0.0 };
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 
     /// Pressure at the depths.
@@ -47,29 +50,5 @@ impl End {
     /// Dose per time under the pressures.
     pub(super) fn sand(&mut self, physics: &Physics) -> Result<(), RunError> {
         physics.dose_rate(&self.depth, &self.pressure, &mut self.dose_rate)
-    }
-}
-
-/// Lines that are in either of two lists in order, in order.
-pub(super) fn merge(a: &[u32], b: &[u32], lines: &mut Vec<u32>) {
-    lines.clear();
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() && j < b.len() {
-        let (first, second) = (a[i], b[j]);
-        lines.push(first.min(second));
-        i += usize::from(first <= second);
-        j += usize::from(second <= first);
-    }
-    lines.extend_from_slice(&a[i..]);
-    lines.extend_from_slice(&b[j..]);
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn lists_in_order_are_merged_without_doubles() {
-        let mut lines = vec![9];
-        super::merge(&[1, 4, 5], &[0, 4, 7], &mut lines);
-        assert_eq!(lines, [0, 1, 4, 5, 7]);
     }
 }

@@ -2,10 +2,6 @@
 //!
 //! A sum is that of eight parts, which take up the lanes in turn, whatever the processor: its bits are the same everywhere.
 
-use std::ops::Range;
-
-use crate::contact::runs;
-
 /// Parts of a sum.
 pub(super) const PARTS: usize = 8;
 
@@ -56,16 +52,6 @@ impl Bounds {
     }
 }
 
-/// Cuts lines in order into those that follow each other, and gives the lanes of each such run.
-pub(super) fn runs_with_lanes(lines: &[u32]) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
-    let mut first = 0;
-    runs(lines).map(move |run| {
-        let lanes = first..first + run.len();
-        first = lanes.end;
-        (run, lanes)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,11 +67,5 @@ mod tests {
         let mut bounds = Bounds::NONE;
         [3.0, -2.0, 5.0].into_iter().enumerate().for_each(|(part, value)| bounds.take(part, value));
         assert_eq!(bounds.range(), (-2.0, 5.0));
-    }
-
-    #[test]
-    fn runs_know_their_lanes() {
-        let runs: Vec<_> = runs_with_lanes(&[4, 5, 9]).collect();
-        assert_eq!(runs, [(4..6, 0..2), (9..10, 2..3)]);
     }
 }

@@ -12,13 +12,14 @@ mod sums;
 
 use glam::DVec3;
 
-use self::end::{End, merge};
-use self::lanes::{dot, runs_with_lanes, sum};
+use self::end::End;
+use self::lanes::{dot, sum};
 use self::relax::{PROBE, Relax, Relaxed};
 use self::sums::ApproachShare;
 use crate::clock::Phase;
 use crate::contact::Squares;
 use crate::effect::{RunError, Variable};
+use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::record::Removal;
 use crate::region::Region;
@@ -41,7 +42,7 @@ pub struct Step {
     /// How much further away the tool is than its shape says, by line; empty if it is not.
     gap: Vec<f64>,
     /// Lines of the sheet that are in contact at either end.
-    lines: Vec<u32>,
+    lines: Lines,
     /// How fast the tool comes nearer, less recession [m/s].
     depth_rate: Vec<f64>,
     start: End,
@@ -70,6 +71,7 @@ impl Step {
     /// Looks at a region of the sheet from now on.
     pub fn look_at(&mut self, region: Region) {
         self.region = region;
+        self.end_squares.forget();
     }
 
     /// Starts a step: measures the tool at `pose` over the surface as it is now.
@@ -93,7 +95,7 @@ impl Step {
     pub fn go_on(&mut self) {
         std::mem::swap(&mut self.start_squares, &mut self.end_squares);
         self.from = self.to;
-        for (lane, &line) in self.lines.iter().enumerate() {
+        for (lane, &line) in self.lines.list().iter().enumerate() {
             let line = line as usize;
             self.start_squares.depth[line] -= self.relaxed.recession[lane];
             let left = self.start_squares.mean_depth[line] - self.relaxed.recession[lane];
@@ -186,7 +188,9 @@ impl Step {
     ) -> Result<(), RunError> {
         self.to = pose.centre;
         physics.gap(tool, pose, (sheet, &self.region), &mut self.gap)?;
-        self.end_squares.measure(tool, pose, (sheet, &self.region), (&self.gap, sweep));
+        if !self.is_whole || !self.gap.is_empty() || !self.end_squares.measure_deeper(tool, pose, sheet, sweep) {
+            self.end_squares.measure(tool, pose, (sheet, &self.region), (&self.gap, sweep));
+        }
         physics.lap(Phase::Squares);
         Ok(())
     }
@@ -198,9 +202,8 @@ impl Step {
 
     fn gather(&mut self, dt: f64) {
         let (a, b) = (&self.start_squares, &self.end_squares);
-        merge(&a.wet, &b.wet, &mut self.lines);
         // The step before may have used up what was left of a square.
-        self.lines.retain(|&line| a.share[line as usize] + b.share[line as usize] > 0.0);
+        self.lines.merge(&a.wet, &b.wet, |line| a.share[line] + b.share[line] > 0.0);
         self.start.gather(a, &self.lines);
         self.end.gather(b, &self.lines);
         self.depth_rate.clear();
@@ -225,17 +228,20 @@ impl Step {
         let Relaxed { end_load, stiffness, .. } = relaxed;
         end_load.resize(lines.len(), 0.0);
         stiffness.resize(lines.len(), 0.0);
-        pulp::Arch::new().dispatch(|| {
-            ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
-            let (pressures, shares, depths) = (&end.pressure[..lines.len()], &end.share, &end.depth);
-            for ((load, pressure), share) in end_load.iter_mut().zip(pressures).zip(shares) {
-                *load = pressure * share;
-            }
-            for ((stiffness, load), depth) in stiffness.iter_mut().zip(&*end_load).zip(depths) {
-                *stiffness = load / depth;
-            }
-            EndForce { force: dot(end_load, facing), stiffness: dot(stiffness, facing) }
-        })
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
+                let (pressures, shares, depths) = (&end.pressure[..lines.len()], &end.share, &end.depth);
+                for ((load, pressure), share) in end_load.iter_mut().zip(pressures).zip(shares) {
+                    *load = pressure * share;
+                }
+                for ((stiffness, load), depth) in stiffness.iter_mut().zip(&*end_load).zip(depths) {
+                    *stiffness = load / depth;
+                }
+                EndForce { force: dot(end_load, facing), stiffness: dot(stiffness, facing) }
+            },
+        )
     }
 
     /// Integrates each lane over the step.
@@ -246,7 +252,7 @@ impl Step {
         let area = sheet.pitch * sheet.pitch;
         let mut result = EndForce::default();
         let loads = self.relaxed.end_load.iter().zip(&self.relaxed.stiffness);
-        for (&line, (load, stiffness)) in self.lines.iter().zip(loads) {
+        for (&line, (load, stiffness)) in self.lines.list().iter().zip(loads) {
             let facing = area * normal.of(sheet, line as usize);
             result.force += load * facing;
             result.stiffness += stiffness * facing;
@@ -263,14 +269,19 @@ impl Step {
     /// a square has receded since the sheet was read [m].
     pub fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> (Removal, f64) {
         let (mut removal, mut receded) = (Removal::default(), 0.0f64);
-        let receding = self.lines.iter().zip(&self.relaxed.recession).filter(|(_, recession)| **recession != 0.0);
+        let receding =
+            self.lines.list().iter().zip(&self.relaxed.recession).filter(|(_, recession)| **recession != 0.0);
         for (&line, &recession) in receding {
             let line = line as usize;
             removal.volume += recession * (sheet.pitch * sheet.pitch * sheet.area_ratio(line));
             sheet.recede(line, recession);
             receded = receded.max((sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line));
         }
-        removal.coating_volume = coating * pulp::Arch::new().dispatch(|| self.add_dose(sheet));
+        removal.coating_volume = coating
+            * pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || self.add_dose(sheet),
+            );
         (removal, receded)
     }
 
@@ -279,13 +290,13 @@ impl Step {
     fn add_dose(&mut self, sheet: &mut Sheet) -> f64 {
         let Self { lines, dose, bared, .. } = self;
         bared.resize(lines.len(), 0.0);
-        for (run, lanes) in runs_with_lanes(lines) {
-            let (doses, ratios) = (&sheet.dose[run.clone()], &sheet.area_ratios()[run.clone()]);
+        for Run { lines, lanes } in lines.runs() {
+            let (doses, ratios) = (&sheet.dose[lines.clone()], &sheet.area_ratios()[lines.clone()]);
             let taken = bared[lanes.clone()].iter_mut().zip(&dose[lanes.clone()]);
             for (((taken, gain), dose), ratio) in taken.zip(doses).zip(ratios) {
                 *taken = gain.min((1.0 - dose).max(0.0)) * ratio;
             }
-            sheet.dose[run].iter_mut().zip(&dose[lanes]).for_each(|(dose, gain)| *dose += gain);
+            sheet.dose[lines.clone()].iter_mut().zip(&dose[lanes.clone()]).for_each(|(dose, gain)| *dose += gain);
         }
         sheet.pitch * sheet.pitch * sum(bared)
     }
@@ -302,7 +313,7 @@ impl Step {
     }
 
     /// Lines in contact at either end of the step.
-    pub fn lines(&self) -> &[u32] {
+    pub fn lines(&self) -> &Lines {
         &self.lines
     }
 

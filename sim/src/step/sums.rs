@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::Step;
-use super::lanes::{Bounds, PARTS, dot, runs_with_lanes};
+use super::lanes::{Bounds, PARTS, dot};
 use crate::contact::{Contact, SheetFrame};
 use crate::covariates::Square;
 use crate::extent::Extent;
+use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
@@ -30,11 +31,11 @@ impl ApproachShare {
 
     /// Area of each line's square that faces the approach axis [m²].
     #[inline(always)]
-    pub(super) fn fill(&self, sheet: &Sheet, lines: &[u32], out: &mut Vec<f64>) {
+    pub(super) fn fill(&self, sheet: &Sheet, lines: &Lines, out: &mut Vec<f64>) {
         let area = sheet.pitch * sheet.pitch;
         out.resize(lines.len(), 0.0);
-        for (run, lanes) in runs_with_lanes(lines) {
-            for (facing, [u, v]) in out[lanes].iter_mut().zip(&sheet.slope[run]) {
+        for Run { lines, lanes } in lines.runs() {
+            for (facing, [u, v]) in out[lanes.clone()].iter_mut().zip(&sheet.slope[lines.clone()]) {
                 *facing = area * (self.0.z - u * self.0.x - v * self.0.y).max(0.0);
             }
         }
@@ -42,17 +43,22 @@ impl ApproachShare {
 }
 
 impl Step {
-    /// What the tool meets, as a mean over the step, but for the moment.
-    pub fn contact(&mut self, pose: &Pose, sheet: &Sheet) -> Contact {
+    /// What the tool meets, as a mean over the step, but for the moment; and the force at its end, after what it takes off [N].
+    pub fn contact(&mut self, pose: &Pose, sheet: &Sheet) -> (Contact, f64) {
         let mut facing = std::mem::take(&mut self.facing);
-        let contact = pulp::Arch::new().dispatch(|| {
-            ApproachShare::new(pose, sheet).fill(sheet, &self.lines, &mut facing);
-            let (load, area) = self.load_and_area(sheet, &facing);
-            let force = dot(&self.relaxed.mean_load, &facing);
-            Contact { force, load, area, pressure_max: self.pressure_max(sheet), ..Contact::default() }
-        });
+        let result = pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                ApproachShare::new(pose, sheet).fill(sheet, &self.lines, &mut facing);
+                let (load, area) = self.load_and_area(sheet, &facing);
+                let force = dot(&self.relaxed.mean_load, &facing);
+                let pressure_max = self.pressure_max(sheet);
+                let end_force = if self.is_whole { force } else { dot(&self.relaxed.end_load, &facing) };
+                (Contact { force, load, area, pressure_max, ..Contact::default() }, end_force)
+            },
+        );
         self.facing = facing;
-        contact
+        result
     }
 
     /// Load [N] and area [m²] of the contact.
@@ -60,10 +66,11 @@ impl Step {
     fn load_and_area(&self, sheet: &Sheet, facing: &[f64]) -> (f64, f64) {
         let (start, end) = (self.start_squares(), &self.end_squares);
         let (mut load, mut area) = (0.0, 0.0);
-        for (run, lanes) in runs_with_lanes(&self.lines) {
-            load += dot(&self.relaxed.mean_load[lanes.clone()], &sheet.area_ratios()[run.clone()]);
-            let facing = &facing[lanes];
-            area += 0.5 * (dot(&start.area[run.clone()], facing) + dot(&end.area[run], facing));
+        for Run { lines, lanes } in self.lines.runs() {
+            load += dot(&self.relaxed.mean_load[lanes.clone()], &sheet.area_ratios()[lines.clone()]);
+            let facing = &facing[lanes.clone()];
+            let end = dot(&end.area[lines.clone()], facing);
+            area += if self.is_whole { end } else { 0.5 * (dot(&start.area[lines.clone()], facing) + end) };
         }
         (load * (sheet.pitch * sheet.pitch), area)
     }
@@ -73,7 +80,7 @@ impl Step {
     fn pressure_max(&self, sheet: &Sheet) -> f64 {
         let (start, squares) = (self.start(), self.start_squares());
         let mut highest = 0.0f64;
-        for (run, lanes) in runs_with_lanes(&self.lines) {
+        for Run { lines: run, lanes } in self.lines.runs() {
             for first in (0..run.len()).step_by(LOOKED_AT) {
                 let places = first..run.len().min(first + LOOKED_AT);
                 let lanes = lanes.start + places.start..lanes.start + places.end;
@@ -99,21 +106,12 @@ impl Step {
             let arm = sheet.facing.world(sheet.point(line as usize)) - pose.centre;
             arm.cross(pose.approach) * (load * area * normal.of(sheet, line as usize))
         };
-        self.relaxed.mean_load.iter().zip(&self.lines).map(moment).sum()
-    }
-
-    /// Force at the end of the step, after what it takes off [N].
-    pub fn end_force(&mut self, pose: &Pose, sheet: &Sheet) -> f64 {
-        let Self { lines, relaxed, facing, .. } = self;
-        pulp::Arch::new().dispatch(|| {
-            ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
-            dot(&relaxed.end_load, facing)
-        })
+        self.relaxed.mean_load.iter().zip(self.lines.list()).map(moment).sum()
     }
 
     /// What happened to each square in contact.
     pub(crate) fn squares(&self) -> impl Iterator<Item = Square> {
-        self.lines.iter().enumerate().map(|(lane, &line)| Square {
+        self.lines.list().iter().enumerate().map(|(lane, &line)| Square {
             line: line as usize,
             share: 0.5 * (self.start().share[lane] + self.end.share[lane]),
             load: self.relaxed.mean_load[lane],
@@ -126,7 +124,7 @@ impl Step {
     pub fn cell_sums(&self, (tool, pose): (&Tool, &Pose), sheet: &Sheet, physics: &Physics, dt: f64) -> CellSums {
         let mut sums = CellSums::default();
         let (places, frame) = (ToolCells::of(tool), SheetFrame::new(pose, sheet));
-        for (square, &line) in self.squares().zip(&self.lines) {
+        for (square, &line) in self.squares().zip(self.lines.list()) {
             let at = frame.local(sheet.point(line as usize));
             sums.add(
                 places.place(at),
@@ -146,7 +144,10 @@ impl Step {
 
     /// Extent of the contact; `None` without any.
     pub fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
-        let (x, y) = pulp::Arch::new().dispatch(|| self.bounds(&SheetFrame::new(pose, sheet), sheet));
+        let (x, y) = pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.bounds(&SheetFrame::new(pose, sheet), sheet),
+        );
         (!self.lines.is_empty()).then_some(Extent { x, y })
     }
 
@@ -159,9 +160,9 @@ impl Step {
             x.take(part, at.x);
             y.take(part, at.y);
         };
-        for (run, _) in runs_with_lanes(&self.lines) {
-            let (places, last) = sheet.places()[run.clone()].as_chunks::<PARTS>();
-            let (heights, last_heights) = sheet.height[run].as_chunks::<PARTS>();
+        for Run { lines, .. } in self.lines.runs() {
+            let (places, last) = sheet.places()[lines.clone()].as_chunks::<PARTS>();
+            let (heights, last_heights) = sheet.height[lines.clone()].as_chunks::<PARTS>();
             for (places, heights) in places.iter().zip(heights) {
                 (0..PARTS).for_each(|part| take(part, places[part], heights[part]));
             }

@@ -1,0 +1,157 @@
+//! The border of a tool's working surface, and what of a square lies under it.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::ramp::wet_share;
+use crate::region::Region;
+use crate::sheet::Sheet;
+use crate::tool::{Pose, Tool};
+
+/// Cosine of a pad's tilt against the columns below which its squares are sought in whole rows.
+const MOST_TILTED: f64 = 0.5;
+
+/// A tool's frame in the coordinates of a sheet (u, v, up).
+pub(crate) struct SheetFrame {
+    pub(super) centre: DVec3,
+    pub(super) x: DVec3,
+    pub(super) y: DVec3,
+    pub(super) z: DVec3,
+}
+
+impl SheetFrame {
+    pub(crate) fn new(pose: &Pose, sheet: &Sheet) -> Self {
+        let [centre, x, y, z] = [pose.centre, pose.frame.x, pose.frame.y, pose.frame.z].map(|v| sheet.facing.sheet(v));
+        Self { centre, x, y, z }
+    }
+
+    /// A point of the sheet in the tool's frame.
+    #[inline(always)]
+    pub(crate) fn local(&self, point: DVec3) -> DVec3 {
+        self.turned(point - self.centre)
+    }
+
+    /// A vector of the sheet in the tool's frame.
+    #[inline(always)]
+    pub(super) fn turned(&self, v: DVec3) -> DVec3 {
+        DVec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+}
+
+/// How much of a square lies under the working surface in a sweep, and when.
+#[derive(Clone, Copy)]
+pub(super) struct Cover {
+    pub(super) share: f64,
+    /// As in [`super::Squares::lag`].
+    pub(super) lag: f64,
+}
+
+/// The border of a tool's working surface over a sheet.
+pub(super) struct Border<'a> {
+    pub(super) tool: &'a Tool,
+    pub(super) frame: SheetFrame,
+    /// Sweep of the tool [m, u v up].
+    pub(super) sweep: DVec3,
+    /// By how much a pad sinks in over the sweep, the same everywhere [m].
+    pub(super) sinking: f64,
+    /// Distance from the border beyond which a square is wholly within or beside it [m].
+    pub(super) near: f64,
+    /// Squares of the radii between which a pad's border may cross a square [m²].
+    pub(super) ring: (f64, f64),
+}
+
+impl<'a> Border<'a> {
+    pub(super) fn new(tool: &'a Tool, frame: SheetFrame, sheet: &Sheet, sweep: DVec3) -> Self {
+        let sweep = sheet.facing.sheet(sweep);
+        // Half a square's diagonal, and what a slope of one adds.
+        let near = sheet.pitch + 0.5 * sweep.length();
+        let radius = tool.rim_radius();
+        let inner = radius - near;
+        let ring = (inner * inner.abs(), (radius + near).powi(2));
+        let sinking = if matches!(tool, Tool::Pad(_)) { -frame.z.dot(sweep) } else { 0.0 };
+        Self { tool, frame, sweep, sinking, near, ring }
+    }
+
+    /// How far a pad sinks in or out on either side of the sweep's middle [m].
+    #[inline(always)]
+    pub(super) fn sunk(&self) -> f64 {
+        0.5 * self.sinking.abs()
+    }
+
+    /// Cover of a column's square over the sweep.
+    #[inline]
+    pub(super) fn cover(&self, sheet: &Sheet, line: usize) -> Cover {
+        let at = self.frame.local(sheet.point(line));
+        let (is_within, is_near) = match self.tool {
+            Tool::Pad(_) => {
+                let square = at.x * at.x + at.y * at.y;
+                (square <= self.ring.0, square > self.ring.0 && square < self.ring.1)
+            }
+            tool => {
+                let within = tool.within(at);
+                (within > 0.0, within.abs() < self.near)
+            }
+        };
+        if is_near { self.crossed(at, sheet, line) } else { Cover { share: f64::from(is_within), lag: 0.0 } }
+    }
+
+    /// The same for a square that the border may cross, its middle `at` a place of the tool's frame [m].
+    fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> Cover {
+        let slope = sheet.slope[line];
+        match self.tool {
+            Tool::Wheel(_) => {
+                self.cover_within(self.tool.within(at), self.frame.y * -at.y.signum(), slope, 0.5 * sheet.pitch)
+            }
+            _ => self.disc_cover(at, slope, sheet.pitch),
+        }
+    }
+
+    /// The same for a pad and the `slope` of a square.
+    #[inline(always)]
+    pub(super) fn disc_cover(&self, at: DVec3, slope: [f64; 2], pitch: f64) -> Cover {
+        let off = (at.x * at.x + at.y * at.y).sqrt();
+        let per_way = if off > 0.0 { -1.0 / off } else { 0.0 };
+        let inward = (self.frame.x * at.x + self.frame.y * at.y) * per_way;
+        self.cover_within(self.tool.rim_radius() - off, inward, slope, 0.5 * pitch)
+    }
+
+    /// Cover of a square of half side `half` [m] whose middle lies `within` the border [m], which is crossed `inward`.
+    #[inline(always)]
+    pub(super) fn cover_within(&self, within: f64, inward: DVec3, [slope_u, slope_v]: [f64; 2], half: f64) -> Cover {
+        let swept = 0.5 * self.sweep.dot(inward);
+        let own = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
+        let spans = swept_spans(own, swept.abs());
+        let share = wet_share(within, spans);
+        // Exact for a point: it is under the surface from one end of the sweep to when the border crosses it.
+        let lag = -0.5 * (1.0 - share) * swept / (spans.0 * spans.0 + swept * swept).sqrt();
+        Cover { share, lag: if swept == 0.0 { 0.0 } else { lag } }
+    }
+
+    /// Columns of a row of a region that hold all squares which a pad may be over: beyond them it is further away than its
+    /// border may cross a square, whatever the surface's height.
+    pub(super) fn columns(&self, sheet: &Sheet, region: &Region, row: usize) -> Range<usize> {
+        let Region { columns, .. } = region;
+        let (centre, upright) = (self.frame.centre, self.frame.z.z);
+        if !matches!(self.tool, Tool::Pad(_)) || upright < MOST_TILTED {
+            return columns.clone();
+        }
+        let (low, high) = sheet.levels();
+        let tall = (high - centre.z).max(centre.z - low).max(0.0);
+        let tilt = self.frame.z.x.hypot(self.frame.z.y);
+        let reach = (self.tool.rim_radius() + self.near + if tilt > 0.0 { tall * tilt } else { 0.0 }) / upright;
+        let [low_u, low_v] = sheet.window.low.map(f64::from);
+        let off = (low_u + row as f64) * sheet.pitch - centre.x;
+        let half = (reach * reach - off * off).max(0.0).sqrt();
+        let place = |v: f64| v / sheet.pitch - low_v;
+        let first = (place(centre.y - half).floor().max(0.0) as usize).clamp(columns.start, columns.end);
+        first..(place(centre.y + half).ceil().max(0.0) as usize + 1).clamp(first, columns.end)
+    }
+}
+
+/// Spans of a square with a sweep of `swept` [m] on either side of its middle: two boxes have the spread of the square's own,
+/// the sweep is the other.
+#[inline(always)]
+pub(super) fn swept_spans((a, b): (f64, f64), swept: f64) -> (f64, f64) {
+    if swept == 0.0 { (a, b) } else { ((a * a + b * b).sqrt(), swept) }
+}

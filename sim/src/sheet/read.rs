@@ -1,0 +1,150 @@
+//! A sheet from the field, or where nothing has changed from the sheet before.
+
+use std::cell::OnceCell;
+
+use sdf_bake::BrickGrid;
+
+use super::{Facing, NO_SURFACE, Sheet, Window};
+use crate::lattice_line::Lattice;
+
+impl Sheet {
+    /// Reads a window of the field's surface. Columns start near `level` [m up], go up where they start in the
+    /// material, and are followed down to `floor` [m up].
+    pub fn read(grid: &BrickGrid, facing: Facing, window: Window, level: f64, floor: f64) -> Self {
+        Self::read_beside(None, grid, facing, window, (level, floor))
+    }
+
+    /// Reads a window of a surface that is still where the sheet `before` had it: lines that are in both are taken from there.
+    pub(crate) fn read_beside(
+        before: Option<&Self>,
+        grid: &BrickGrid,
+        facing: Facing,
+        window: Window,
+        (level, floor): (f64, f64),
+    ) -> Self {
+        let lines = window.lines();
+        let lattice = Lattice::new(grid, facing, &window);
+        let on = window.all_places().map(|place| lattice.line(place)).collect();
+        let mut sheet = Self {
+            facing,
+            pitch: grid.voxel,
+            window,
+            lattice,
+            on,
+            place: window.all_places().map(|(i, j)| [i, j].map(|k| f64::from(k) * grid.voxel)).collect(),
+            read_height: Vec::new(),
+            height: vec![NO_SURFACE; lines],
+            levels: (f64::INFINITY, f64::NEG_INFINITY),
+            slope: vec![[0.0; 2]; lines],
+            area_ratio: vec![1.0; lines],
+            dose: vec![0.0; lines],
+            removed: vec![0.0; lines],
+            label: vec![0; lines],
+            edges: OnceCell::new(),
+        };
+        before.into_iter().for_each(|before| sheet.take_from(before));
+        let known = sheet.height.clone();
+        sheet.read_heights(grid, level, floor);
+        for height in sheet.height.iter().filter(|height| **height > NO_SURFACE) {
+            sheet.levels = (sheet.levels.0.min(*height), sheet.levels.1.max(*height));
+        }
+        sheet.read_height = sheet.height.clone();
+        sheet.set_slopes();
+        sheet.read_channels(grid, &known);
+        sheet
+    }
+
+    /// Takes the lines that are in another sheet, too, as reading them from the field would.
+    fn take_from(&mut self, before: &Self) {
+        let (own, other) = (self.window, before.window);
+        let common = [0, 1].map(|d| {
+            let end = |window: &Window| window.low[d] + window.size[d] as i32;
+            let first = own.low[d].max(other.low[d]);
+            first..end(&own).min(end(&other)).max(first)
+        });
+        for row in common[0].clone() {
+            let lines = |window: &Window| {
+                let first = (row - window.low[0]) as usize * window.size[1];
+                let at = |column: i32| first + (column - window.low[1]) as usize;
+                at(common[1].start)..at(common[1].end)
+            };
+            let (to, from) = (lines(&own), lines(&other));
+            self.height[to.clone()].copy_from_slice(&before.height[from.clone()]);
+            self.removed[to.clone()].copy_from_slice(&before.removed[from.clone()]);
+            self.label[to.clone()].copy_from_slice(&before.label[from.clone()]);
+            // The field keeps it in single precision.
+            let doses = self.dose[to].iter_mut().zip(&before.dose[from]);
+            doses.for_each(|(to, dose)| *to = f64::from(*dose as f32));
+        }
+    }
+
+    /// Reads the heights that are not known yet.
+    fn read_heights(&mut self, grid: &BrickGrid, level: f64, floor: f64) {
+        let above = |height: f64| (height / grid.voxel).ceil() as i32;
+        let (start, least) = (above(level), (floor / grid.voxel).floor() as i32);
+        let across = self.window.size[1];
+        let mut guess = start;
+        for line in 0..self.window.lines() {
+            if line % across == 0 {
+                let before = line.checked_sub(across).map_or(NO_SURFACE, |before| self.height[before]);
+                guess = if before > NO_SURFACE { above(before) } else { start };
+            }
+            if self.height[line] > NO_SURFACE {
+                guess = above(self.height[line]);
+                continue;
+            }
+            let met = self.lattice.surface(grid, self.on[line], guess, least);
+            guess = met.map_or(start, |height| height.ceil() as i32);
+            self.height[line] = met.map_or(NO_SURFACE, |height| height * grid.voxel);
+        }
+    }
+
+    /// Takes dose, removed depth and label of the lines that were not `known` yet from the voxel nearest to the surface.
+    fn read_channels(&mut self, grid: &BrickGrid, known: &[f64]) {
+        if grid.dose.is_empty() && grid.removed.is_empty() && grid.label.is_empty() {
+            return;
+        }
+        let value = |channel: &[f32], at: usize| channel.get(at).copied().map_or(0.0, f64::from);
+        for line in 0..self.window.lines() {
+            if self.height[line] == known[line] {
+                continue;
+            }
+            let nearest = (self.height[line] / self.pitch).round() as i32;
+            if let Some(at) = self.lattice.place(self.on[line], nearest) {
+                self.dose[line] = value(&grid.dose, at);
+                self.removed[line] = value(&grid.removed, at);
+                self.label[line] = grid.label.get(at).copied().unwrap_or(0);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use sdf_bake::channels::Scalar;
+
+    use super::*;
+    use crate::commit::commit;
+
+    #[test]
+    fn lines_of_the_sheet_before_are_those_of_the_field() {
+        let half = DVec3::new(0.01, 0.01, 0.004);
+        let mut grid = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.z.max(0.003 - p.truncate().length()));
+        grid.scalar_or_zero(Scalar::Dose);
+        let facing = Facing::of(DVec3::Z);
+        let read = |grid: &BrickGrid, before, low| {
+            Sheet::read_beside(before, grid, facing, Window { low, size: [16, 18] }, (0.005, -0.005))
+        };
+        let mut before = read(&grid, None, [-12, -10]);
+        let met: Vec<usize> = (0..before.window.lines()).filter(|&line| before.height[line] > NO_SURFACE).collect();
+        met.iter().for_each(|&line| before.dose[line] = 1e-3 * (line as f64 + 0.1));
+        assert!((100..before.window.lines()).contains(&met.len()));
+        commit(&mut grid, &mut before);
+        for low in [[-12, -10], [-9, -14], [-2, 1], [20, 30]] {
+            let (beside, alone) = (read(&grid, Some(&before), low), read(&grid, None, low));
+            assert_eq!((&beside.height, &beside.slope, beside.levels), (&alone.height, &alone.slope, alone.levels));
+            assert_eq!((&beside.dose, &beside.removed, &beside.label), (&alone.dose, &alone.removed, &alone.label));
+        }
+    }
+}
