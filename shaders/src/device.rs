@@ -210,11 +210,12 @@ impl Device {
     }
 
     fn out_of_memory(&self, during: &str) -> DeviceFault {
-        let held = self.device.generate_allocator_report().map_or(0, |report| report.total_reserved_bytes);
-        let percent = self.memory_percent;
+        let told = self.device.generate_allocator_report();
+        let held = told.map(|report| format!("{} are held already, and ", mib(&report.total_reserved_bytes)));
         let message = format!(
-            "{} are held already, and of the memory that its driver grants {percent} % may be used ({MEMORY_VARIABLE})",
-            mib(&held)
+            "{}of the memory that its driver grants {} % may be used ({MEMORY_VARIABLE})",
+            held.unwrap_or_default(),
+            self.memory_percent
         );
         self.fault_of(FaultKind::OutOfMemory, during, message)
     }

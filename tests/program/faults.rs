@@ -118,7 +118,7 @@ fn no_more_is_taken_than_the_share_of_the_memory_that_may_be_used() {
     let held = "4.0 MiB are held already";
     let uploading = ["pass 1: ", "ran out of memory while uploading ", " MiB (trials: 1)", held, "--backend cpu"];
     with_share("5", None, &[&uploading[..], &["90 % may be used"]].concat());
-    with_share("64", Some("1"), &[&uploading[..], &["1 % may be used (ROBOFIN_GPU_MEMORY_PERCENT)"]].concat());
+    with_share("45", Some("10"), &[&uploading[..], &["10 % may be used (ROBOFIN_GPU_MEMORY_PERCENT)"]].concat());
     with_share("64", Some("0"), &["refused to open", "memory", "0 % may be used", "--backend cpu"]);
     with_share("64", Some("101"), &["ROBOFIN_GPU_MEMORY_PERCENT is \"101\"", "0 to 100"]);
     let answer = run(with_faults(&mut robofin(["backends", "--json"]), &[("BUDGET_MIB", "64")])).succeeds().answer();
