@@ -40,7 +40,7 @@ pub(crate) fn write(device: &Device, buffer: &wgpu::Buffer, bytes: &[u8]) {
         if chunk.len() == STAGED {
             device.queue.submit([]);
             // Frees the staging memory; a device that fails here fails the next thing asked of it.
-            drop(device.device.poll(wgpu::PollType::wait_indefinitely()));
+            let _ = device.device.poll(wgpu::PollType::wait_indefinitely());
         }
     }
 }

@@ -195,14 +195,14 @@ impl Device {
     fn free(&self) {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         self.queue.submit([]);
-        drop(self.device.poll(wgpu::PollType::wait_indefinitely()));
+        let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
         drop(pollster::block_on(memory.pop()));
     }
 
     /// A fault of this device; its loss explains whatever else went wrong.
     pub(crate) fn fault(&self, during: &str, error: &dyn std::error::Error) -> DeviceFault {
         // Only here wgpu tells of a device that was destroyed.
-        drop(self.device.poll(wgpu::PollType::Poll));
+        let _ = self.device.poll(wgpu::PollType::Poll);
         match self.loss() {
             Some(said) => self.fault_of(FaultKind::Lost, during, said.to_owned()),
             None => self.fault_of(FaultKind::Refused, during, error.to_string()),

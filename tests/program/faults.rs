@@ -111,7 +111,7 @@ fn no_more_is_taken_than_the_share_of_the_memory_that_may_be_used() {
     let out = folder.path().join("out");
     let with_share = |budget: &str, percent: Option<&str>, words: &[&str]| {
         let mut command = grind("1", &out, &[]);
-        percent.map(|percent| command.env("ROBOFIN_GPU_MEMORY_PERCENT", percent));
+        command.envs(percent.map(|percent| ("ROBOFIN_GPU_MEMORY_PERCENT", percent)));
         run(with_faults(&mut command, &[("BUDGET_MIB", budget)])).is_refused(1, words);
         assert!(!out.exists());
     };
