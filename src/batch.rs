@@ -9,7 +9,7 @@ use sim::effect::CompiledModel;
 
 use crate::rehearsal::residual;
 use crate::trial::Trial;
-use crate::twin::{SimulatedPass, TwinError};
+use crate::twin::{ModelRun, SimulatedPass};
 
 /// Name of the result file: one JSON object a line, in the order of the table.
 pub const BATCH_FILE: &str = "batch.jsonl";
@@ -90,8 +90,7 @@ pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
 
 impl BatchLine {
     /// What a parameter set made of a trial.
-    pub fn new(run: &BatchRun, trial: &Trial, outcome: &Result<Vec<SimulatedPass>, TwinError>) -> Self {
-        let passes = outcome.as_deref().unwrap_or_default();
+    pub fn new(run: &BatchRun, trial: &Trial, ModelRun { passes, stopped }: &ModelRun) -> Self {
         let each = |figure: fn(&SimulatedPass) -> f64| passes.iter().map(figure).collect();
         Self {
             name: run.name.clone(),
@@ -106,7 +105,7 @@ impl BatchLine {
                 .map(|r| r * 1e6)
                 .collect(),
             steps: passes.iter().map(|pass| pass.record.steps).sum(),
-            stopped: outcome.as_ref().err().map(ToString::to_string),
+            stopped: stopped.as_ref().map(ToString::to_string),
         }
     }
 }

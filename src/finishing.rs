@@ -1,18 +1,20 @@
 //! Grinding the weld of an asset: planned passes along its centreline, and what they leave.
 
+mod passes;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Error, Result, ensure};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
 use shaders::Device;
-use sim::effect::{CompiledModel, States};
-use sim::{CurvePoint, LONGEST_STEP, LogRow, Pass, PassRecord, Process, TOOL_CELLS, Tool, Wheel, gpu, run_pass};
+use sim::effect::CompiledModel;
+use sim::{LogRow, PassRecord, Tool, Wheel};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
@@ -20,7 +22,8 @@ use crate::folder::StagedFolder;
 use crate::part::{Source, sha256};
 use crate::picture::{grinding, to_png};
 use crate::report::grinding_page;
-use crate::snapshot::{self, Keeping, Origin, Resume, Snapshot, model_origin};
+use crate::snapshot::{Keeping, Origin, model_origin};
+use passes::{Done, run_passes};
 
 /// Name of the result file in a grinding folder.
 pub const GRIND_FILE: &str = "grind.json";
@@ -28,9 +31,6 @@ pub const GRIND_FILE: &str = "grind.json";
 pub const PAGE_FILE: &str = "index.html";
 /// Value of the `format` key.
 pub const GRIND_FORMAT: &str = "robofin-grind/1";
-
-/// Steps that a pass may take; a step takes less than a millisecond.
-const MOST_STEPS: f64 = 2e5;
 
 /// Passes along a weld.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -77,6 +77,8 @@ pub struct Ground {
     pub base_removed: f64,
     /// Time the simulation took [s].
     pub seconds: f64,
+    /// Why it ended before its last pass.
+    pub stopped: Option<Error>,
 }
 
 /// `grind.json`, and the answer of `simulate --json`.
@@ -112,6 +114,9 @@ pub struct GrindSummary {
     pub weld_left_mm3: f64,
     /// Base metal ground away [mm³].
     pub base_removed_mm3: f64,
+    /// Why the run ended before its last pass; absent where it did not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped: Option<String>,
 }
 
 /// Grinds the first weld of an asset along its centreline, pass after pass to and fro.
@@ -120,7 +125,8 @@ pub struct GrindSummary {
 /// - `device`: the graphics processor that runs the passes; `None` for the CPU
 ///
 /// # Errors
-/// When the asset or a state cannot be read, or a setting does not fit it.
+/// When the asset or a state cannot be read, a setting does not fit it, or its first pass fails. A later pass that fails is
+/// no error: [`Ground::stopped`] tells of it.
 pub fn grind_asset(
     asset: &Path,
     (wheel, plan): (Wheel, Plan),
@@ -148,10 +154,10 @@ pub fn grind_asset(
     if keeping.snapshots {
         done.folder = Some((folder.to_owned(), origin));
     }
-    let Done { passes, lost, .. } =
+    let Done { passes, lost, lost_since, stopped, .. } =
         run_passes((&mut after, done), &weld, (&Tool::from(wheel), plan, &model), (device, console))?;
     let seconds = started.elapsed().as_secs_f64();
-    let removed: f64 = lost.iter().sum();
+    let removed = lost.iter().sum::<f64>() + lost_since;
     let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));
     Ok(Ground {
         source: manifest.source,
@@ -167,6 +173,7 @@ pub fn grind_asset(
         passes,
         lost,
         seconds,
+        stopped,
     })
 }
 
@@ -183,20 +190,6 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
     Ok(())
 }
 
-/// Refuses a pass that would take too long.
-fn check_steps(path: &sim::Path, process: &Process, voxel: f64) -> Result<()> {
-    let steps = (path.length() / (process.step_voxels * voxel)).max(path.duration() / LONGEST_STEP);
-    ensure!(
-        steps <= MOST_STEPS,
-        "a pass of {:.3e} s over {:.3e} mm takes {steps:.1e} steps in a field of {:.3e} mm voxels, and {MOST_STEPS:.0e} are \
-         accepted: use a faster --feed-mm-s",
-        path.duration(),
-        path.length() * 1e3,
-        voxel * 1e3,
-    );
-    Ok(())
-}
-
 /// All that a state of a ground weld depends on.
 fn origin(asset_sha256: &str, (wheel, plan): (&Wheel, Plan), model: &CompiledModel) -> Origin {
     let mut origin = model_origin(model);
@@ -205,86 +198,6 @@ fn origin(asset_sha256: &str, (wheel, plan): (&Wheel, Plan), model: &CompiledMod
     origin.insert("force setpoint".into(), format!("{:?} N", plan.force_setpoint));
     origin.insert("feed".into(), format!("{:?} m/s", plan.feed));
     origin
-}
-
-/// Passes that are done.
-#[derive(Default)]
-struct Done {
-    passes: Vec<PassRecord>,
-    /// Volume that the field lost in each [m³].
-    lost: Vec<f64>,
-    /// What the wheel remembers; `None`: it is fresh.
-    tool: Option<States>,
-    /// Where the states of further passes are written, and what they come from.
-    folder: Option<(PathBuf, Origin)>,
-}
-
-impl Done {
-    /// Reads the passes up to a state of an earlier run; `grid` is left as it was then.
-    fn read(resume: &Resume, grid: &mut BrickGrid, model: &CompiledModel, origin: &Origin) -> Result<Self> {
-        let mut done = Self::default();
-        for pass in 1..=resume.passes {
-            let state = snapshot::read(&resume.folder, pass, model, origin)?;
-            done.lost.push(grid.volume() - state.part.volume());
-            done.passes.push(state.record);
-            done.tool = Some(state.tool);
-            *grid = state.part;
-        }
-        Ok(done)
-    }
-}
-
-/// Runs the passes of a plan that are not done yet.
-fn run_passes(
-    (grid, mut done): (&mut BrickGrid, Done),
-    weld: &WeldTruth,
-    (tool, plan, model): (&Tool, Plan, &CompiledModel),
-    (device, console): (Option<&Device>, &Console),
-) -> Result<Done> {
-    let points = weld.curve.position.iter().zip(&weld.curve.normal);
-    let curve: Vec<CurvePoint> = points.map(|(&position, &normal)| CurvePoint { position, normal }).collect();
-    let forth = sim::Path::along(&curve, plan.feed)?;
-    let process = Process { force_setpoint: plan.force_setpoint, ..Process::default() };
-    check_steps(&forth, &process, grid.voxel)?;
-    let back = forth.reversed();
-    let mut states = done.tool.take().unwrap_or_else(|| States::new(model, TOOL_CELLS));
-    let mut volume = grid.volume();
-    for number in done.passes.len() + 1..=plan.passes as usize {
-        let path = if number % 2 == 1 { &forth } else { &back };
-        let bar = console.bar(&format!("pass {number}"), 100);
-        let trial_time = (number - 1) as f64 * forth.duration();
-        let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
-        let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
-        let record = match device {
-            Some(device) => gpu::run_pass(device, grid, pass, &mut states, &mut show)?,
-            None => run_pass(grid, pass, &mut states, &mut show)?,
-        };
-        bar.finish_and_clear();
-        if record.steps_in_air == record.steps {
-            bail!("pass {number}: the wheel never touched the part; is the weld within reach of the wheel?");
-        }
-        console.step(&format!("pass {number}"), describe(&record));
-        if let Some((folder, origin)) = &done.folder {
-            let trial_time = number as f64 * forth.duration();
-            let state = Snapshot { part: grid.clone(), tool: states.clone(), trial_time, record: record.clone() };
-            snapshot::write(folder, number, &state, origin.clone())?;
-        }
-        done.lost.push(volume - grid.volume());
-        volume = grid.volume();
-        done.passes.push(record);
-    }
-    Ok(done)
-}
-
-fn describe(record: &PassRecord) -> String {
-    format!(
-        "{:.2} mm³ removed in {:.1} s ({} steps), force off by {:.2e} N rms, peak pressure {:.2} MPa",
-        record.removed_volume * 1e9,
-        record.duration,
-        record.steps,
-        record.force_rms_error,
-        record.pressure_max * 1e-6
-    )
 }
 
 /// Parameters of a model as `effect.parameter` and value with unit.
@@ -334,6 +247,7 @@ impl Ground {
             weld_mm3: self.weld.volume_mm3,
             weld_left_mm3: self.weld_left * 1e9,
             base_removed_mm3: self.base_removed * 1e9,
+            stopped: self.stopped.as_ref().map(|error| format!("{error:#}")),
         }
     }
 }

@@ -131,6 +131,11 @@ impl Rehearsal {
         snapshot::write(folder, passes, &state, origin(twin, model, passes))
     }
 
+    /// Passes that were done.
+    pub fn done(&self) -> usize {
+        self.passes.len()
+    }
+
     /// The figures of the run; they do not depend on the machine.
     pub fn summary(&self, trial: &Trial, model: &CompiledModel) -> RehearsalSummary {
         let each = |figure: fn(&SimulatedPass) -> f64| self.passes.iter().map(figure).collect();

@@ -114,6 +114,14 @@ impl Keeping {
     }
 }
 
+/// What the result folder of a run holds that ended after some of its passes.
+pub fn kept(folder: &Path, (done, all): (usize, usize), snapshots: bool) -> String {
+    let place = folder.display();
+    let from_there =
+        if snapshots && done > 0 { format!(", and --resume {place} goes on from there") } else { String::new() };
+    format!("{place} keeps what was good until then: {done} of {all} passes{from_there}")
+}
+
 fn place(folder: &Path, pass: usize, extension: &str) -> PathBuf {
     folder.join(format!("state-{pass}.{extension}"))
 }

@@ -3,6 +3,8 @@
 
 mod models;
 
+pub use models::ModelRun;
+
 use std::cell::RefCell;
 
 use glam::DVec3;

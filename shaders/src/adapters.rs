@@ -152,14 +152,18 @@ pub struct Adapters {
 /// Lists the adapters that pass a filter, best first; adapters of one kind stay in the driver's order.
 /// A machine without any driver gives an empty list.
 pub fn list(filter: &Filter) -> Adapters {
-    enumerate(filter).0
+    enumerate(filter, 100).0
 }
 
-/// As [`list`], with the handles of `found` in the same order.
-pub(crate) fn enumerate(filter: &Filter) -> (Adapters, Vec<wgpu::Adapter>) {
+/// As [`list`], with the handles of `found` in the same order; their devices allocate nothing where more than
+/// `memory_percent` of what the driver grants would be in use.
+pub(crate) fn enumerate(filter: &Filter, memory_percent: u8) -> (Adapters, Vec<wgpu::Adapter>) {
     let backends = filter.wgpu_backends();
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = backends;
+    // Nothing is dispatched indirectly: a device opens without the buffers and kernels that check it.
+    descriptor.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
+    descriptor.memory_budget_thresholds.for_resource_creation = Some(memory_percent);
     let instance = wgpu::Instance::new(descriptor);
     let all = pollster::block_on(instance.enumerate_adapters(backends));
     let (passing, other): (Vec<_>, Vec<_>) = all

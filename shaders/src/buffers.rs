@@ -2,6 +2,9 @@
 
 use crate::device::{Device, DeviceFault};
 
+/// Bytes that an upload copies at once: the staging memory beside an array, which else would be as large again.
+const STAGED: usize = 32 << 20;
+
 /// The largest storage buffer a kernel can bind [bytes].
 pub(crate) fn binding_limit(device: &Device) -> u64 {
     let limits = device.device.limits();
@@ -26,8 +29,20 @@ pub(crate) fn zeros(device: &Device, label: &str, bytes: u64, usage: wgpu::Buffe
 /// A buffer that holds `bytes`.
 pub(crate) fn upload(device: &Device, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
     let buffer = zeros(device, label, bytes.len() as u64, usage);
-    device.queue.write_buffer(&buffer, 0, bytes);
+    write(device, &buffer, bytes);
     buffer
+}
+
+/// Fills a buffer from its beginning.
+pub(crate) fn write(device: &Device, buffer: &wgpu::Buffer, bytes: &[u8]) {
+    for (first, chunk) in (0..).step_by(STAGED).zip(bytes.chunks(STAGED)) {
+        device.queue.write_buffer(buffer, first, chunk);
+        if chunk.len() == STAGED {
+            device.queue.submit([]);
+            // Frees the staging memory; a device that fails here fails the next thing asked of it.
+            let _ = device.device.poll(wgpu::PollType::wait_indefinitely());
+        }
+    }
 }
 
 /// Compiles a kernel's text.

@@ -1,13 +1,20 @@
 //! The open device: one adapter, its queue, and a guard that turns every fault into an error.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use crate::adapters::{self, AdapterReport, Filter};
 use crate::choice;
 pub use crate::choice::{Backend, BackendChoice, Decision, NoAdapter};
+use crate::fault::mib;
+pub use crate::fault::{DeviceFault, FaultKind};
 use crate::hardware;
 use crate::simulate::Kernels;
+
+/// Environment variable of [`memory_percent`].
+const MEMORY_VARIABLE: &str = "ROBOFIN_GPU_MEMORY_PERCENT";
+/// Its default [%]: the rest is left to other programs and to what the driver takes for itself.
+const MEMORY_PERCENT: u8 = 90;
 
 /// What this machine has and what `auto` makes of it: the data behind `robofin backends`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,6 +42,9 @@ pub struct Device {
     /// Kernels of the simulator that were compiled, by their formulas: it takes seconds on a software driver.
     pub(crate) kernels: Mutex<BTreeMap<String, Arc<Kernels>>>,
     adapter: AdapterReport,
+    memory_percent: u8,
+    /// Why the device is gone, once it is.
+    loss: Arc<OnceLock<String>>,
 }
 
 /// What [`open`] gives: the decision, and the device where it is the GPU.
@@ -53,42 +63,49 @@ pub enum OpenError {
     #[error("--backend gpu: {0}")]
     NoAdapter(#[from] NoAdapter),
     /// The driver refused.
-    #[error("{adapter} refused to open: {message}; choose another with WGPU_ADAPTER_NAME, or use --backend cpu")]
+    #[error(
+        "{adapter} refused to open: {message} (of the memory that its driver grants, {memory_percent} % may be used: \
+         {MEMORY_VARIABLE}); choose another with WGPU_ADAPTER_NAME, or use --backend cpu"
+    )]
     Refused {
         /// The adapter.
         adapter: String,
         /// The driver's words.
         message: String,
+        /// See [`memory_percent`].
+        memory_percent: u8,
     },
+    /// The environment variable of [`memory_percent`] is no share.
+    #[error("{MEMORY_VARIABLE} is {0:?}: a whole number from 0 to 100 is accepted, {MEMORY_PERCENT} is its default")]
+    MemoryPercent(String),
 }
 
-/// A fault of the device or of what was asked of it.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{adapter} failed while {during}: {message}; --backend cpu does the same work")]
-pub struct DeviceFault {
-    /// The adapter.
-    pub adapter: String,
-    /// What was being done.
-    pub during: String,
-    /// The driver's or the validator's words.
-    pub message: String,
-    /// Whether less work at once might have gone well.
-    pub out_of_memory: bool,
-}
-
-/// Opens a device as the user chose, under `WGPU_BACKEND` and `WGPU_ADAPTER_NAME`.
+/// Share of the memory granted by the driver that may be in use [%], from `ROBOFIN_GPU_MEMORY_PERCENT`. Beyond it nothing more is
+/// allocated, where the driver tells its budget; with 0, nothing at all.
 ///
 /// # Errors
-/// [`OpenError::NoAdapter`] for `gpu` without an adapter, [`OpenError::Refused`] where the driver gives no device.
-pub fn open(choice: BackendChoice) -> Result<Opened, OpenError> {
-    open_with(choice, &Filter::from_env())
+/// [`OpenError::MemoryPercent`] where the variable is no share.
+pub fn memory_percent() -> Result<u8, OpenError> {
+    let Some(text) = std::env::var(MEMORY_VARIABLE).ok().filter(|text| !text.trim().is_empty()) else {
+        return Ok(MEMORY_PERCENT);
+    };
+    text.trim().parse().ok().filter(|percent| *percent <= 100).ok_or(OpenError::MemoryPercent(text))
 }
 
-/// As [`open`], with the filter given instead of read from the environment.
+/// Opens a device as the user chose, under `WGPU_BACKEND`, `WGPU_ADAPTER_NAME` and `ROBOFIN_GPU_MEMORY_PERCENT`.
+///
+/// # Errors
+/// [`OpenError::NoAdapter`] for `gpu` without an adapter, [`OpenError::Refused`] where the driver gives no device,
+/// [`OpenError::MemoryPercent`] for a share of its memory that is none.
+pub fn open(choice: BackendChoice) -> Result<Opened, OpenError> {
+    open_with(choice, &Filter::from_env(), memory_percent()?)
+}
+
+/// As [`open`], with the filter and the share of memory [%] given instead of read from the environment.
 ///
 /// # Errors
 /// As [`open`].
-pub fn open_with(choice: BackendChoice, filter: &Filter) -> Result<Opened, OpenError> {
+pub fn open_with(choice: BackendChoice, filter: &Filter, memory_percent: u8) -> Result<Opened, OpenError> {
     // The CPU needs no driver, so none is loaded.
     if choice == BackendChoice::Cpu {
         return Ok(Opened { decision: choice::decide(choice, &adapters::Adapters::default())?, device: None });
@@ -96,10 +113,10 @@ pub fn open_with(choice: BackendChoice, filter: &Filter) -> Result<Opened, OpenE
     if choice == BackendChoice::Auto && hardware::is_absent() {
         return Ok(Opened { decision: choice::without_hardware(), device: None });
     }
-    let (adapters, handles) = adapters::enumerate(filter);
+    let (adapters, handles) = adapters::enumerate(filter, memory_percent);
     let decision = choice::decide(choice, &adapters)?;
     let device = match decision.adapter {
-        Some(at) => Some(Device::request(&handles[at], &adapters.found[at])?),
+        Some(at) => Some(Device::request(&handles[at], &adapters.found[at], memory_percent)?),
         None => None,
     };
     Ok(Opened { decision, device })
@@ -111,7 +128,12 @@ impl Device {
         &self.adapter
     }
 
-    fn request(handle: &wgpu::Adapter, report: &AdapterReport) -> Result<Self, OpenError> {
+    /// Why the device is gone; `None` while it is there.
+    pub fn loss(&self) -> Option<&str> {
+        self.loss.get().map(String::as_str)
+    }
+
+    fn request(handle: &wgpu::Adapter, report: &AdapterReport, memory_percent: u8) -> Result<Self, OpenError> {
         let all = handle.limits();
         // WebGPU's defaults are enough but for the size of the pool; a weak adapter gives what it has.
         let required_limits = wgpu::Limits {
@@ -119,10 +141,27 @@ impl Device {
             max_buffer_size: all.max_buffer_size,
             ..wgpu::Limits::default().or_worse_values_from(&all)
         };
-        let descriptor = wgpu::DeviceDescriptor { label: Some("robofin"), required_limits, ..Default::default() };
-        let (device, queue) = pollster::block_on(handle.request_device(&descriptor))
-            .map_err(|error| OpenError::Refused { adapter: report.to_string(), message: error.to_string() })?;
-        Ok(Self { device, queue, kernels: Mutex::default(), adapter: report.clone() })
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("robofin"),
+            required_limits,
+            // Arrays are few and large: small blocks of memory leave more room for them.
+            memory_hints: wgpu::MemoryHints::MemoryUsage,
+            ..Default::default()
+        };
+        let refused = |error: wgpu::RequestDeviceError| OpenError::Refused {
+            adapter: report.to_string(),
+            message: error.to_string(),
+            memory_percent,
+        };
+        let (device, queue) = pollster::block_on(handle.request_device(&descriptor)).map_err(refused)?;
+        let loss = Arc::new(OnceLock::new());
+        let lost = loss.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            let said = if message.is_empty() { format!("{reason:?}").to_lowercase() } else { message };
+            // Called once for a device.
+            let _ = lost.set(said);
+        });
+        Ok(Self { device, queue, kernels: Mutex::default(), adapter: report.clone(), memory_percent, loss })
     }
 
     /// Runs `work` on the device and turns whatever goes wrong in it, which wgpu would panic on, into an error.
@@ -137,17 +176,52 @@ impl Device {
         let memory = pollster::block_on(memory.pop());
         let validation = pollster::block_on(validation.pop());
         let internal = pollster::block_on(internal.pop());
-        let out_of_memory = memory.is_some();
-        match memory.or(validation).or(internal) {
-            Some(error) => Err(DeviceFault { out_of_memory, ..self.fault(during, &error) }),
-            None => Ok(result),
+        match (memory, validation.or(internal)) {
+            (Some(_), _) => {
+                drop(result);
+                self.free();
+                Err(self.out_of_memory(during))
+            }
+            (None, Some(error)) => Err(self.fault(during, &error)),
+            // A lost device is no error of any scope.
+            (None, None) => match self.loss() {
+                Some(said) => Err(self.fault_of(FaultKind::Lost, during, said.to_owned())),
+                None => Ok(result),
+            },
         }
     }
 
-    /// A fault of this device.
+    /// Frees buffers that were dropped: those with writes under way live until these are submitted.
+    fn free(&self) {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        self.queue.submit([]);
+        let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
+        drop(pollster::block_on(memory.pop()));
+    }
+
+    /// A fault of this device; its loss explains whatever else went wrong.
     pub(crate) fn fault(&self, during: &str, error: &dyn std::error::Error) -> DeviceFault {
-        let adapter = self.adapter.to_string();
-        DeviceFault { adapter, during: during.into(), message: error.to_string(), out_of_memory: false }
+        // Only here wgpu tells of a device that was destroyed.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        match self.loss() {
+            Some(said) => self.fault_of(FaultKind::Lost, during, said.to_owned()),
+            None => self.fault_of(FaultKind::Refused, during, error.to_string()),
+        }
+    }
+
+    fn out_of_memory(&self, during: &str) -> DeviceFault {
+        let told = self.device.generate_allocator_report();
+        let held = told.map(|report| format!("{} are held already, and ", mib(&report.total_reserved_bytes)));
+        let message = format!(
+            "{}of the memory that its driver grants {} % may be used ({MEMORY_VARIABLE})",
+            held.unwrap_or_default(),
+            self.memory_percent
+        );
+        self.fault_of(FaultKind::OutOfMemory, during, message)
+    }
+
+    fn fault_of(&self, kind: FaultKind, during: &str, message: String) -> DeviceFault {
+        DeviceFault { adapter: self.adapter.to_string(), during: during.into(), kind, message }
     }
 }
 

@@ -29,6 +29,7 @@ mod buffers;
 pub mod choice;
 pub mod constants;
 pub mod device;
+mod fault;
 mod hardware;
 pub mod layout;
 pub mod render;

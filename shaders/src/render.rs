@@ -4,6 +4,7 @@ use crate::brick_grid::{GridBuffers, GridError};
 use crate::buffers::{binding_entry, binding_limit, pipeline, read, upload};
 use crate::constants::WORKGROUP_SIZE;
 use crate::device::{Device, DeviceFault};
+use crate::fault::mib;
 use crate::stage::RenderStage;
 use crate::wgsl::{Kernel, OCCUPANCY, RENDER};
 
@@ -44,7 +45,11 @@ pub enum RenderError {
         expected: usize,
     },
     /// An array is larger than the adapter can bind.
-    #[error("the {array} takes {bytes} bytes and {adapter} binds at most {limit}: use {instead} or --backend cpu")]
+    #[error(
+        "the {array} takes {} and {adapter} binds at most {}: use {instead} or --backend cpu",
+        mib(bytes),
+        mib(limit)
+    )]
     TooLarge {
         /// What is too large.
         array: &'static str,
@@ -125,7 +130,10 @@ impl<'a> Renderer<'a> {
         // One entry at least, since an empty array cannot be bound.
         let blocks = vec![0u8; 8 * part.grid.header.bricks.max(1) as usize];
         let storage = wgpu::BufferUsages::STORAGE;
-        let loaded = self.device.guarded("uploading the part", |device| PartBuffers {
+        let channels =
+            [4 * values, 4 * part.grid.index.len(), 4 * label.len(), 4 * part.dose.len(), 4 * part.removed.len()];
+        let during = format!("uploading a part of {}", mib(&(channels.iter().sum::<usize>() as u64)));
+        let loaded = self.device.guarded(&during, |device| PartBuffers {
             entries: part.grid.index.len() as u32,
             header: uniform(device, "grid header", &part.grid.header),
             index: upload(device, "grid index", bytemuck::cast_slice(part.grid.index), storage),
@@ -148,7 +156,7 @@ impl<'a> Renderer<'a> {
     pub fn draw(&self, part: &PartBuffers, stage: &RenderStage, rows: &[[f32; 4]]) -> Result<Drawn, RenderError> {
         let bytes = u64::from(stage.width) * u64::from(stage.height) * (ROWS_PER_PIXEL * size_of::<[f32; 4]>()) as u64;
         self.check_size("picture", bytes, "a smaller --size")?;
-        let drawn = self.device.guarded("drawing", |device| {
+        let drawn = self.device.guarded(&format!("drawing a picture of {}", mib(&bytes)), |device| {
             let pixels = device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("pixels"),
                 size: bytes.max(16),

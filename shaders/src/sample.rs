@@ -4,6 +4,7 @@ use crate::brick_grid::{GridBuffers, GridError};
 use crate::buffers::{binding_entry, binding_limit, pipeline, read, upload};
 use crate::constants::WORKGROUP_SIZE;
 use crate::device::{Device, DeviceFault};
+use crate::fault::mib;
 use crate::wgsl::SAMPLE;
 
 /// Bytes of a point in its buffer.
@@ -19,7 +20,9 @@ pub enum SampleError {
     Grid(#[from] GridError),
     /// An array is larger than the adapter can bind.
     #[error(
-        "the {array} of this grid takes {bytes} bytes and {adapter} binds at most {limit}: use a larger voxel or --backend cpu"
+        "the {array} of this grid takes {} and {adapter} binds at most {}: use a larger voxel or --backend cpu",
+        mib(bytes),
+        mib(limit)
     )]
     TooLarge {
         /// `pool` or `index`.
@@ -58,7 +61,8 @@ impl<'a> Sampler<'a> {
         check_size(device, "index", grid.index.len())?;
         let pipeline =
             device.guarded("compiling the kernel `sample`", |device| pipeline(device, SAMPLE.entry, SAMPLE.text()))?;
-        let sampler = device.guarded("uploading the grid", |_| Self {
+        let during = format!("uploading a grid of {}", mib(&(4 * (grid.index.len() + grid.phi.len()) as u64)));
+        let sampler = device.guarded(&during, |_| Self {
             device,
             pipeline,
             header: upload(device, "grid header", bytemuck::bytes_of(&grid.header), wgpu::BufferUsages::UNIFORM),

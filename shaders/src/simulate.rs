@@ -8,9 +8,10 @@
 
 use std::sync::Arc;
 
-use crate::buffers::{binding_entry, binding_limit, pipeline_in, read, upload, zeros};
+use crate::buffers::{binding_entry, binding_limit, pipeline_in, read, write, zeros};
 use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING};
-use crate::device::{Device, DeviceFault};
+use crate::device::{Device, DeviceFault, FaultKind};
+use crate::fault::mib;
 use crate::layout::{LogRecord, PathPiece, RunHeader, TrialSetup, TrialState};
 use crate::wgsl::{Kernel, SIMULATE_CONTROL, SIMULATE_FIRST, SIMULATE_REDUCE, SIMULATE_SECOND};
 
@@ -23,8 +24,10 @@ const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
 pub enum SimulateError {
     /// An array is larger than the adapter can bind.
     #[error(
-        "the {array} of {trials} trials take {bytes} bytes and {adapter} binds at most {limit}: \
-         fewer trials at once, a larger voxel or --backend cpu"
+        "the {array} of {trials} trials take {} and {adapter} binds at most {}: \
+         fewer trials at once, a larger voxel or --backend cpu",
+        mib(bytes),
+        mib(limit)
     )]
     TooLarge {
         /// `bricks`, `columns`, `index` or `log`.
@@ -41,6 +44,16 @@ pub enum SimulateError {
     /// The device failed.
     #[error(transparent)]
     Device(#[from] DeviceFault),
+}
+
+impl SimulateError {
+    /// Whether fewer trials at once may go well.
+    pub fn is_for_want_of_room(&self) -> bool {
+        match self {
+            Self::TooLarge { .. } => true,
+            Self::Device(fault) => fault.kind == FaultKind::OutOfMemory,
+        }
+    }
 }
 
 /// Room that each trial of a batch has.
@@ -184,24 +197,43 @@ impl<'a> Simulator<'a> {
         lay_out(&mut setups, rooms, shared, values_each);
         check(self.device, (&setups, &header), rooms, shared)?;
         let index = spread_index(&batch.index, &setups);
-        let buffers = self.device.guarded("uploading the trials", |device| {
-            let size = sizes(&setups, &header, rooms, shared);
-            let pool = zeros(device, "bricks", size.pool, STORAGE);
-            device.queue.write_buffer(&pool, 0, bytemuck::cast_slice(&batch.bricks));
-            Buffers {
-                header: upload(device, "run", bytemuck::bytes_of(&header), wgpu::BufferUsages::UNIFORM),
-                setups: upload(device, "setups", bytemuck::cast_slice(&setups), STORAGE),
-                states: upload(device, "states", bytemuck::cast_slice(&batch.states), STORAGE),
-                index: upload(device, "brick index", bytemuck::cast_slice(&index), STORAGE),
-                pool,
-                columns: zeros(device, "columns", size.columns, STORAGE),
-                path: upload(device, "path", bytemuck::cast_slice(&batch.path), STORAGE),
-                log: zeros(device, "log", size.log, STORAGE),
-                values: upload(device, "values", bytemuck::cast_slice(&batch.values), STORAGE),
-            }
-        })?;
+        let size = sizes(&setups, &header, rooms, shared);
+        let [run, setup_buffer, states, index, pool, columns, path, log, values] = filled(
+            self.device,
+            &format!("uploading {} (trials: {trials})", mib(&size.total())),
+            [
+                ("run", bytemuck::bytes_of(&header), 0, wgpu::BufferUsages::UNIFORM),
+                ("setups", bytemuck::cast_slice(&setups), 0, STORAGE),
+                ("states", bytemuck::cast_slice(&batch.states), 0, STORAGE),
+                ("brick index", bytemuck::cast_slice(&index), 0, STORAGE),
+                ("bricks", bytemuck::cast_slice(&batch.bricks), size.pool, STORAGE),
+                ("columns", &[], size.columns, STORAGE),
+                ("path", bytemuck::cast_slice(&batch.path), 0, STORAGE),
+                ("log", &[], size.log, STORAGE),
+                ("values", bytemuck::cast_slice(&batch.values), 0, STORAGE),
+            ],
+        )?;
+        let buffers = Buffers { header: run, setups: setup_buffer, states, index, pool, columns, path, log, values };
         Ok(Running { simulator: self, rooms, header, setups, shared, values_each, buffers })
     }
+}
+
+/// Label, content, room in bytes where that is more, and usage of a buffer.
+type Content<'a> = (&'a str, &'a [u8], u64, wgpu::BufferUsages);
+
+/// Makes buffers, then fills them: a write for which there is no memory would cost the device, a buffer costs nothing.
+fn filled<const N: usize>(
+    device: &Device,
+    during: &str,
+    contents: [Content; N],
+) -> Result<[wgpu::Buffer; N], DeviceFault> {
+    let buffers = device.guarded(during, |device| {
+        contents.map(|(label, bytes, room, usage)| zeros(device, label, room.max(bytes.len() as u64), usage))
+    })?;
+    device.guarded(during, |device| {
+        buffers.iter().zip(contents).for_each(|(buffer, (_, bytes, ..))| write(device, buffer, bytes));
+    })?;
+    Ok(buffers)
 }
 
 /// The bindings of `trial_data.wgsl`.
@@ -271,6 +303,12 @@ struct Sizes {
     columns: u64,
     index: u64,
     log: u64,
+}
+
+impl Sizes {
+    fn total(&self) -> u64 {
+        self.pool + self.columns + self.index + self.log
+    }
 }
 
 fn sizes(setups: &[TrialSetup], header: &RunHeader, rooms: Rooms, shared: u64) -> Sizes {

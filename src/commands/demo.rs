@@ -93,7 +93,10 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
     let grind_folder = StagedFolder::new(&folder.join("grind"), GRIND_FILE, false)?;
     let keeping = (&Keeping::default(), grind_folder.path());
-    let ground = grind_asset(&asset, (wheel, Plan::default()), model, keeping, (None, console))?;
+    let mut ground = grind_asset(&asset, (wheel, Plan::default()), model, keeping, (None, console))?;
+    if let Some(error) = ground.stopped.take() {
+        return Err(error);
+    }
     let page = finishing::write(&ground, &asset, grind_folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     fs::write(folder.join(PAGE_FILE), page)?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
 use sim::effect::{CompiledModel, Process, RowCounts};
@@ -17,7 +17,7 @@ use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
 use crate::rehearsal::{REHEARSAL_FILE, Rehearsal, RehearsalSummary, is_trial};
-use crate::snapshot::{Keeping, Resume};
+use crate::snapshot::{Keeping, Resume, kept};
 use crate::trial::{self, Trial};
 use crate::twin::Twin;
 use crate::wrong_use;
@@ -227,10 +227,9 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     let summary = rehearsal.summary(&trial, &model);
     rehearsal.describe(&summary, console);
     rehearsal.write(&summary, &trial, folder, console)?;
+    let passes = (rehearsal.done(), trial.passes.len());
     if let Some(error) = rehearsal.stopped {
-        return Err(
-            anyhow::Error::new(error).context(format!("{} keeps what was good until then", args.out.out.display()))
-        );
+        return Err(anyhow::Error::new(error).context(kept(&args.out.out, passes, keeping.snapshots)));
     }
     console.step("done", format!("{}", args.out.out.display()));
     let backend = name_of(device.as_ref());
@@ -246,7 +245,7 @@ fn run_batch(
 ) -> Result<()> {
     let started = Instant::now();
     let models: Vec<CompiledModel> = runs.iter().map(|run| run.model.clone()).collect();
-    let outcomes = twin.run_models(&models)?;
+    let outcomes = twin.run_models(&models);
     let seconds = started.elapsed().as_secs_f64();
     let mut text = String::new();
     for (run, outcome) in runs.iter().zip(&outcomes) {
@@ -257,13 +256,11 @@ fn run_batch(
     folder.commit()?;
     let simulated = runs.len() as f64 * twin.duration(0);
     console.step("batch", format!("{} runs of {:.1} s in {seconds:.1} s", runs.len(), twin.duration(0)));
-    let failed = outcomes.iter().filter(|outcome| outcome.is_err()).count();
-    ensure!(
-        failed == 0,
-        "{failed} of {} runs ended early: {} says why",
-        runs.len(),
-        args.out.out.join(BATCH_FILE).display()
-    );
+    let stopped: Vec<_> = outcomes.iter().filter_map(|outcome| outcome.stopped.as_ref()).collect();
+    if let Some(first) = stopped.first() {
+        let file = args.out.out.join(BATCH_FILE);
+        bail!("{} of {} runs ended early, {} says why; the first: {first}", stopped.len(), runs.len(), file.display());
+    }
     let (backend, real_time_factor) = (name_of(twin.device), simulated / seconds);
     console.answer(&BatchAnswer { out: &args.out.out, backend, runs: runs.len(), real_time_factor })
 }
@@ -286,10 +283,14 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     let keeping = args.state.keeping(plan.passes as usize)?;
     let refusal = sim::gpu::refusal_of(&Tool::from(wheel), &model);
     let device = args.backend.device(refusal, console)?;
-    let ground =
+    let mut ground =
         grind_asset(&args.folder, (wheel, plan), model, (&keeping, folder.path()), (device.as_ref(), console))?;
     finishing::write(&ground, &args.folder, folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
+    if let Some(error) = ground.stopped.take() {
+        let passes = (ground.passes.len(), plan.passes as usize);
+        return Err(error.context(kept(&args.out.out, passes, keeping.snapshots)));
+    }
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&SimulateAnswer {
         out: &args.out.out,

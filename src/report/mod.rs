@@ -62,6 +62,9 @@ fn lead(ground: &Ground) -> String {
 
 fn add_grinding(page: &mut Page, ground: &Ground) {
     page.section("Grinding");
+    if let Some(error) = &ground.stopped {
+        page.paragraph(&format!("The run ended before its last pass: {error:#}."));
+    }
     let headings = [
         "pass",
         "removed [mm³]",

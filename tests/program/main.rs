@@ -8,6 +8,8 @@ mod bake_folder;
 mod damage;
 mod dials;
 mod effects;
+mod faults;
+mod faulty_driver;
 mod flags;
 mod hostile_files;
 mod interruption;

@@ -2,7 +2,7 @@
 
 use super::{
     Chunk, DeviceFault, Remains, Rooms, Running, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING, STORAGE,
-    SimulateError, TrialState, WORD, binding_entry, check, entries, lay_out, read, sizes, zeros,
+    SimulateError, TrialState, WORD, binding_entry, check, entries, lay_out, mib, read, sizes, zeros,
 };
 use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, INSIDE};
 use crate::layout::{LogRecord, TrialSetup};
@@ -120,7 +120,8 @@ impl Running<'_> {
             .collect();
         let columns: Vec<Stretch> = pairs().flat_map(|(old, new)| column_stretches(old, new)).collect();
         let buffers = &mut self.buffers;
-        device.guarded("making room", |device| {
+        let during = format!("making room of {} (trials: {})", mib(&size.total()), setups.len());
+        device.guarded(&during, |device| {
             let mut encoder = encoder(device);
             for (buffer, label, bytes, stretches) in [
                 (&mut buffers.pool, "bricks", size.pool, bricks),

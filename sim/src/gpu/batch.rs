@@ -71,23 +71,20 @@ pub fn run_pass(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<PassRecord, GpuError> {
     let trial = Trial { part: grid, pass, tool: states };
-    let outcome = run_batch(device, &[trial], Settings::default(), &mut |_, at| progress(at))?.remove(0)?;
+    let outcome = run_batch(device, &[trial], Settings::default(), &mut |_, at| progress(at)).remove(0)?;
     (*grid, *states) = (outcome.part, outcome.tool);
     outcome.record
 }
 
 /// Runs trials that know nothing of each other, as many at once as the device holds. Gives one result for each, in their
 /// order; `progress` is told of a trial by its number. A trial for which there is no room even alone has an error of its
-/// own.
-///
-/// # Errors
-/// [`GpuError::Device`] where the device fails otherwise: then there are no results.
+/// own. Where the device fails, all trials of that submission have its error, and what was done before stays.
 pub fn run_batch(
     device: &Device,
     trials: &[Trial],
     settings: Settings,
     progress: &mut dyn FnMut(usize, Progress),
-) -> Result<Vec<Result<Outcome, GpuError>>, GpuError> {
+) -> Vec<Result<Outcome, GpuError>> {
     let mut results: Vec<Option<Result<Outcome, GpuError>>> = trials.iter().map(|_| None).collect();
     // Trials whose models have the same formulas share a kernel.
     let mut groups: BTreeMap<String, (DeviceModel, Vec<Ready>)> = BTreeMap::new();
@@ -100,26 +97,26 @@ pub fn run_batch(
         }
     }
     for (model, group) in groups.into_values() {
-        let simulator = Simulator::new(device, &model.text)?;
         let mut size = settings.most_trials.max(1);
         let mut rest = group.as_slice();
         while !rest.is_empty() {
             let (now, later) = rest.split_at(size.min(rest.len()));
-            match run_group(&simulator, &model, now, settings.rooms, progress) {
+            match run_group(device, &model, now, settings.rooms, progress) {
+                Err(error) if now.len() > 1 && error.is_for_want_of_room() && device.loss().is_none() => {
+                    size = now.len() / 2;
+                    continue;
+                }
+                Err(error) => {
+                    now.iter().for_each(|ready| results[ready.number] = Some(Err(GpuError::Device(error.clone()))));
+                }
                 Ok(outcomes) => {
                     now.iter().zip(outcomes).for_each(|(ready, outcome)| results[ready.number] = Some(Ok(outcome)));
-                    rest = later;
-                }
-                Err(SimulateError::Device(fault)) if !fault.out_of_memory => return Err(fault.into()),
-                Err(_) if now.len() > 1 => size = now.len() / 2,
-                Err(too_large) => {
-                    results[now[0].number] = Some(Err(too_large.into()));
-                    rest = later;
                 }
             }
+            rest = later;
         }
     }
-    Ok(results.into_iter().map(|result| result.expect("every trial was run or refused")).collect())
+    results.into_iter().map(|result| result.expect("every trial was run or refused")).collect()
 }
 
 /// A trial that the device can run.
@@ -226,12 +223,13 @@ fn add_bricks(bricks: &mut Vec<f32>, part: &BrickGrid, header: &RunHeader) {
 
 /// Runs a group that has one kernel, submission after submission until the last trial is at its end.
 fn run_group(
-    simulator: &Simulator,
+    device: &Device,
     model: &DeviceModel,
     group: &[Ready],
     rooms: Rooms,
     progress: &mut dyn FnMut(usize, Progress),
 ) -> Result<Vec<Outcome>, SimulateError> {
+    let simulator = Simulator::new(device, &model.text)?;
     let mut running = simulator.load(batch(group, model), rooms)?;
     let header = header(group);
     let mut records = vec![PassRecord::default(); group.len()];

@@ -40,13 +40,7 @@ pub enum GpuError {
     },
     /// The device failed, or has no room. The part is as it was before the pass.
     #[error("{0}; the part is as it was before the pass")]
-    Device(#[from] shaders::simulate::SimulateError),
-}
-
-impl From<shaders::device::DeviceFault> for GpuError {
-    fn from(fault: shaders::device::DeviceFault) -> Self {
-        Self::Device(fault.into())
-    }
+    Device(shaders::simulate::SimulateError),
 }
 
 /// What of a pass the device does not run; `None` where it runs all of it.

@@ -1,9 +1,13 @@
 //! Many trials at once, and what goes wrong with them.
 
+use std::process::Command;
+
 use crate::common::{base, fresh, line, model};
 use crate::device;
+use crate::faulty_driver::{can_be_made, counted, with_faults};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
+use shaders::device::FaultKind;
 use shaders::simulate::{Rooms, SimulateError};
 use shaders::testing::{self, lose};
 use sim::effect::CompiledModel;
@@ -40,7 +44,7 @@ fn trials_in_a_batch_leave_the_same_bits_as_alone_whatever_room_they_begin_with(
         .collect();
     // One brick and a few lines: both must grow.
     let tight = Settings { rooms: Rooms { bricks: 1, lines: 16, ticks: 64 }, most_trials: 2 };
-    let batch = run_batch(device, &trials, tight, &mut |_, _| {}).unwrap();
+    let batch = run_batch(device, &trials, tight, &mut |_, _| {});
     let mut volumes = Vec::new();
     for (outcome, trial) in batch.into_iter().zip(&trials) {
         let outcome = outcome.unwrap();
@@ -69,13 +73,77 @@ fn a_device_that_is_lost_or_too_small_is_named_and_the_part_kept() {
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
     let vast = Settings { rooms: Rooms { bricks: 10_000_000, ..Rooms::default() }, ..Settings::default() };
-    let error = run_batch(&device, &[trial], vast, &mut |_, _| {}).unwrap().remove(0).unwrap_err();
+    let error = run_batch(&device, &[trial], vast, &mut |_, _| {}).remove(0).unwrap_err();
     assert!(matches!(error, GpuError::Device(SimulateError::TooLarge { array: "bricks", .. })), "{error}");
     assert!(error.to_string().contains(&device.adapter().name), "{error}");
     lose(&device);
     let (mut kept, mut kept_states) = (part.clone(), states.clone());
     let error = run_pass(&device, &mut kept, pass, &mut kept_states, &mut |_| {}).unwrap_err();
-    assert!(matches!(error, GpuError::Device(SimulateError::Device(_))), "{error}");
-    assert!(error.to_string().contains(&device.adapter().name), "{error}");
+    assert!(is_loss(&error) && error.to_string().contains(&device.adapter().name), "{error}");
     assert_eq!((kept, kept_states), (part, states));
+}
+
+fn is_loss(error: &GpuError) -> bool {
+    matches!(error, GpuError::Device(SimulateError::Device(fault)) if fault.kind == FaultKind::Lost)
+}
+
+#[test]
+fn a_device_lost_in_the_middle_of_a_pass_fails_its_submission_and_not_the_one_before() {
+    let (Some(shared), Some(device)) = (device(), testing::device("a device lost in a pass")) else { return };
+    let (part, tool, path, process, model) = (slab(), tool(), path(), Process::default(), base());
+    let pass = Pass::first(&tool, &path, &process, &model);
+    let states = fresh(&model);
+    let trial = Trial { part: &part, pass, tool: &states };
+    let one_by_one = Settings { rooms: Rooms { ticks: 16, ..Rooms::default() }, most_trials: 1 };
+    let mut lost_at = None;
+    let mut results = run_batch(&device, &[trial; 2], one_by_one, &mut |number, at| {
+        if number == 1 && lost_at.is_none() {
+            lost_at = Some(at.time / at.duration);
+            lose(&device);
+        }
+    });
+    assert!(lost_at.is_some_and(|share| share > 0.0 && share < 0.9), "{lost_at:?}");
+    let error = results.remove(1).unwrap_err();
+    assert!(is_loss(&error) && error.to_string().contains("the part is as it was before the pass"), "{error}");
+    let (mut alone, mut tool_states) = (part.clone(), states.clone());
+    let record = run_pass(shared, &mut alone, pass, &mut tool_states, &mut |_| {}).unwrap();
+    let first = results.remove(0).unwrap();
+    assert_eq!((first.part, first.record.unwrap()), (alone, record));
+}
+
+/// Also run by the test below in processes of their own whose memory runs out.
+#[test]
+fn four_trials_with_much_room_leave_the_bits_of_one_alone() {
+    let Some(device) = device() else { return };
+    let (part, tool, path, process, model) = (slab(), tool(), path(), Process::default(), base());
+    let pass = Pass::first(&tool, &path, &process, &model);
+    let states = fresh(&model);
+    let trial = Trial { part: &part, pass, tool: &states };
+    // 12 MiB for each.
+    let roomy = Settings { rooms: Rooms { bricks: 6144, ..Rooms::default() }, ..Settings::default() };
+    let (mut alone, mut tool_states) = (part.clone(), states.clone());
+    let record = run_pass(device, &mut alone, pass, &mut tool_states, &mut |_| {}).unwrap();
+    for outcome in run_batch(device, &[trial; 4], roomy, &mut |_, _| {}) {
+        let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((outcome.part, outcome.record), (alone.clone(), Ok(record.clone())));
+    }
+}
+
+#[test]
+fn a_batch_that_memory_does_not_hold_is_split_and_a_trial_that_it_does_not_hold_is_named() {
+    if !can_be_made("a batch that memory does not hold") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (mebibytes, ends_well) in [("44", true), ("16", false)] {
+        let notes = folder.path().join(mebibytes);
+        let mut child = Command::new(std::env::current_exe().unwrap());
+        child.args(["--exact", "batch::four_trials_with_much_room_leave_the_bits_of_one_alone", "--nocapture"]);
+        let settings = [("MEMORY_MIB", mebibytes), ("NOTES", notes.to_str().unwrap())];
+        let child = with_faults(&mut child, &settings).output().unwrap();
+        let said = String::from_utf8_lossy(&child.stderr);
+        assert_eq!(child.status.success(), ends_well, "{said}");
+        assert!(ends_well || said.contains("ran out of memory while uploading 12."), "{said}");
+        assert!(counted(&notes).1 > 0, "no allocation was refused with {mebibytes} MiB");
+    }
 }

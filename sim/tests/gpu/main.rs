@@ -6,6 +6,8 @@ mod batch;
 #[path = "../common/mod.rs"]
 mod common;
 mod effects;
+#[path = "../../../tests/program/faulty_driver.rs"]
+mod faulty_driver;
 mod parity;
 
 use std::sync::OnceLock;

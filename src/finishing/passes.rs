@@ -1,0 +1,136 @@
+//! The passes of a plan along a weld, one after the other; where one fails, those before it are kept.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Error, Result, ensure};
+use sdf_bake::BrickGrid;
+use shaders::Device;
+use sim::effect::{CompiledModel, States};
+use sim::{CurvePoint, LONGEST_STEP, Pass, PassRecord, Process, TOOL_CELLS, Tool, gpu, run_pass};
+
+use super::Plan;
+use crate::asset::WeldTruth;
+use crate::console::Console;
+use crate::snapshot::{self, Origin, Resume, Snapshot};
+
+/// Steps that a pass may take; a step takes less than a millisecond.
+const MOST_STEPS: f64 = 2e5;
+
+/// Refuses a pass that would take too long.
+fn check_steps(path: &sim::Path, process: &Process, voxel: f64) -> Result<()> {
+    let steps = (path.length() / (process.step_voxels * voxel)).max(path.duration() / LONGEST_STEP);
+    ensure!(
+        steps <= MOST_STEPS,
+        "a pass of {:.3e} s over {:.3e} mm takes {steps:.1e} steps in a field of {:.3e} mm voxels, and {MOST_STEPS:.0e} are \
+         accepted: use a faster --feed-mm-s",
+        path.duration(),
+        path.length() * 1e3,
+        voxel * 1e3,
+    );
+    Ok(())
+}
+
+/// Passes that are done.
+#[derive(Default)]
+pub(super) struct Done {
+    pub(super) passes: Vec<PassRecord>,
+    /// Volume that the field lost in each [m³].
+    pub(super) lost: Vec<f64>,
+    /// Volume that it lost in a pass that failed, up to its last good step [m³].
+    pub(super) lost_since: f64,
+    /// Why no further pass was run.
+    pub(super) stopped: Option<Error>,
+    /// What the wheel remembers; `None`: it is fresh.
+    tool: Option<States>,
+    /// Where the states of further passes are written, and what they come from.
+    pub(super) folder: Option<(PathBuf, Origin)>,
+}
+
+impl Done {
+    /// Reads the passes up to a state of an earlier run; `grid` is left as it was then.
+    pub(super) fn read(resume: &Resume, grid: &mut BrickGrid, model: &CompiledModel, origin: &Origin) -> Result<Self> {
+        let mut done = Self::default();
+        for pass in 1..=resume.passes {
+            let state = snapshot::read(&resume.folder, pass, model, origin)?;
+            done.lost.push(grid.volume() - state.part.volume());
+            done.passes.push(state.record);
+            done.tool = Some(state.tool);
+            *grid = state.part;
+        }
+        Ok(done)
+    }
+}
+
+/// Runs the passes of a plan that are not done yet.
+pub(super) fn run_passes(
+    (grid, mut done): (&mut BrickGrid, Done),
+    weld: &WeldTruth,
+    (tool, plan, model): (&Tool, Plan, &CompiledModel),
+    (device, console): (Option<&Device>, &Console),
+) -> Result<Done> {
+    let points = weld.curve.position.iter().zip(&weld.curve.normal);
+    let curve: Vec<CurvePoint> = points.map(|(&position, &normal)| CurvePoint { position, normal }).collect();
+    let forth = sim::Path::along(&curve, plan.feed)?;
+    let process = Process { force_setpoint: plan.force_setpoint, ..Process::default() };
+    check_steps(&forth, &process, grid.voxel)?;
+    let back = forth.reversed();
+    let mut states = done.tool.take().unwrap_or_else(|| States::new(model, TOOL_CELLS));
+    let mut volume = grid.volume();
+    for number in done.passes.len() + 1..=plan.passes as usize {
+        let path = if number % 2 == 1 { &forth } else { &back };
+        let trial_time = (number - 1) as f64 * forth.duration();
+        let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
+        let record = match run_one((grid, &mut states), pass, (device, console)) {
+            Ok(record) => record,
+            Err(error) if number == 1 => return Err(error),
+            Err(error) => {
+                done.stopped = Some(error);
+                done.lost_since = volume - grid.volume();
+                break;
+            }
+        };
+        console.step(&format!("pass {number}"), describe(&record));
+        if let Some((folder, origin)) = &done.folder {
+            let trial_time = number as f64 * forth.duration();
+            let state = Snapshot { part: grid.clone(), tool: states.clone(), trial_time, record: record.clone() };
+            snapshot::write(folder, number, &state, origin.clone())?;
+        }
+        done.lost.push(volume - grid.volume());
+        volume = grid.volume();
+        done.passes.push(record);
+    }
+    Ok(done)
+}
+
+/// Runs a pass; an error names it.
+fn run_one(
+    (grid, states): (&mut BrickGrid, &mut States),
+    pass: Pass,
+    (device, console): (Option<&Device>, &Console),
+) -> Result<PassRecord> {
+    let name = format!("pass {}", pass.number);
+    let bar = console.bar(&name, 100);
+    let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
+    let record = match device {
+        Some(device) => gpu::run_pass(device, grid, pass, states, &mut show).context(name.clone()),
+        None => run_pass(grid, pass, states, &mut show).context(name.clone()),
+    };
+    bar.finish_and_clear();
+    let record = record?;
+    ensure!(
+        record.steps_in_air < record.steps,
+        "{name}: the wheel never touched the part; is the weld within reach of the wheel?"
+    );
+    Ok(record)
+}
+
+fn describe(record: &PassRecord) -> String {
+    format!(
+        "{:.2} mm³ removed in {:.1} s ({} steps), force off by {:.2e} N rms, peak pressure {:.2} MPa",
+        record.removed_volume * 1e9,
+        record.duration,
+        record.steps,
+        record.force_rms_error,
+        record.pressure_max * 1e-6
+    )
+}
