@@ -3,8 +3,8 @@
 //!
 //! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra: beside the
 //! base model, and beside each effect that was fitted alone. The most promising pairs are fitted. Beside a strong effect another
-//! may do something else than that: where a sure effect explains most but not all, all others that were fitted alone are fitted
-//! beside it, too.
+//! may do something else than that: where a sure effect explains most but cannot be the only one, all others that were fitted
+//! alone are fitted beside it, too.
 
 use std::collections::BTreeSet;
 
@@ -171,7 +171,7 @@ fn to_the_end(evidence: &dyn Evidence, mut joints: Vec<Joint>, count: usize) -> 
     joints
 }
 
-/// A sure effect that explains most but not all, with each other one that was fitted alone, begun at the values that it had
+/// A sure effect that explains most but cannot be the only one, with each other one that was fitted alone, begun at the values that it had
 /// then. The best of them are fitted to the end.
 fn beside_surest(
     evidence: &dyn Evidence,
@@ -180,7 +180,7 @@ fn beside_surest(
     told: Told,
 ) -> Vec<Joint> {
     let explains_most = |best: &&Finding| best.suspect.fit.chi2 < MOSTLY * first.base.chi2;
-    let sure = first.best().filter(|best| best.probability >= CERTAIN && is_open(&best.calibration));
+    let sure = first.best().filter(|best| best.probability >= CERTAIN);
     let Some(lead) = sure.filter(explains_most).map(|best| &best.suspect) else { return Vec::new() };
     let with_lead = with_values(&model.clone().with(lead.name()), &lead.fit);
     let fit = |other: &Suspect| {
