@@ -42,7 +42,7 @@ pub struct Finding {
     pub gain: f64,
     /// Chance that the luckiest effect gains as much without being there.
     pub chance: f64,
-    /// Root mean square of what it changes in the calibration data, in their unit.
+    /// Root mean square of what it changes in the calibration data or takes from their errors, whichever is more, in their unit.
     pub size: f64,
     /// Probability among all effects that were fitted.
     pub probability: f64,
@@ -219,7 +219,8 @@ impl Finding {
         let calibration =
             if is_real { evidence.agreement(&suspect.fit.model, Split::Calibration)? } else { Vec::new() };
         let change: Vec<f64> = base.residuals.iter().zip(&suspect.fit.residuals).map(|(b, a)| b - a).collect();
-        let size = if is_real { evidence.size(&change) } else { 0.0 };
+        let explained = rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2);
+        let size = if is_real { evidence.size(&change).max(explained.max(0.0).sqrt()) } else { 0.0 };
         let is_sound = is_real && size > least_size(before);
         let evaluation = if is_sound { evidence.agreement(&suspect.fit.model, Split::Evaluation)? } else { Vec::new() };
         let gain = gain / (spread * spread);
