@@ -105,8 +105,8 @@ impl Sheet {
             return;
         }
         let value = |channel: &[f32], at: usize| channel.get(at).copied().map_or(0.0, f64::from);
-        for line in 0..self.window.lines() {
-            if self.height[line] == known[line] {
+        for (line, known) in known.iter().enumerate() {
+            if self.height[line] == *known {
                 continue;
             }
             let nearest = (self.height[line] / self.pitch).round() as i32;
