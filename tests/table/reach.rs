@@ -45,7 +45,7 @@ fn effects_of_the_surface_are_refused_with_the_reason() {
         ("chatter", "within a row"),
         ("force-lag", "within a row"),
         ("feed-ramp", "reads path_position"),
-        ("slide-friction", "reads lift_speed"),
+        ("slide-friction", "within a row"),
         ("spindle-droop", "radius_mm"),
         ("pass-gain", "a value for each pass"),
         ("pad-loading", "does nothing when grinding"),
