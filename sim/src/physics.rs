@@ -26,6 +26,8 @@ pub struct Physics<'a> {
     pub step: StepValues,
     /// Coating thickness h_c [m].
     pub coating: f64,
+    /// Whether the model's laws may bend.
+    may_bend: bool,
     /// Values of cells by [`Variable`], of those that a hook reads.
     lanes: Vec<Vec<f64>>,
     /// Cell variables that some hook reads.
@@ -64,6 +66,7 @@ impl<'a> Physics<'a> {
             clock: None,
             step: StepValues::new(),
             coating,
+            may_bend: model.may_bend(),
             lanes,
             wanted,
             balancing,
@@ -103,6 +106,11 @@ impl<'a> Physics<'a> {
     /// Whether the surface recedes.
     pub fn grinds(&self) -> bool {
         self.model.process() == Process::Grinding || self.model.has(Place::Rate)
+    }
+
+    /// Whether pressure and recession may be anything but straight lines in the depth.
+    pub fn may_bend(&self) -> bool {
+        self.grinds() && self.may_bend
     }
 
     /// Whether coating is taken off.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{GRIND_RATE, WHEEL, ball, base, fresh, line, odd_turn, plate, threshold, welded_plate};
+use common::{GRIND_RATE, WHEEL, ball, base, fresh, line, odd_turn, plate, threshold, welded_plate, with_effect};
 use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use sdf_bake::BrickGrid;
@@ -66,6 +66,28 @@ fn finer_voxels_lose_k_times_impulse_as_well() {
     let record = pass(&mut grid, &Path::along(&line(-0.01, 0.01, 0.1e-3), FEED).unwrap(), &base());
     let (by_load, by_law) = volume_errors("flat, 0.25 mm voxels", &record);
     assert!(by_load < 3e-3 && by_law < 3e-3);
+}
+
+/// A pass with an effect over a plate.
+fn pass_with(effect: &str) -> (PassRecord, f64) {
+    let mut grid = plate(0.25e-3, 0.1e-3);
+    pass(&mut grid, &Path::along(&line(-0.01, 0.01, 0.1e-3), FEED).unwrap(), &with_effect(0.0, effect))
+}
+
+#[test]
+fn contacts_that_stiffen_or_soften_lose_k_times_impulse_as_well() {
+    for stiffening in [-0.3, 0.5, 1.0] {
+        let record = pass_with(&format!("[effect.contact-stiffening]\nstiffening = {stiffening}\n"));
+        let (by_load, by_law) = volume_errors(&format!("stiffening {stiffening}"), &record);
+        assert!(by_load < 3e-3 && by_law < 3e-3);
+    }
+}
+
+#[test]
+fn a_viscoelastic_contact_loses_k_times_its_load_as_well() {
+    let (record, lost) = pass_with("[effect.viscoelastic-pad]\n");
+    let (by_load, by_law) = (lost / (GRIND_RATE * record.load_impulse) - 1.0, lost / record.removed_volume - 1.0);
+    assert!(by_load.abs() < 3e-3 && by_law.abs() < 3e-3, "{by_load} {by_law}");
 }
 
 #[test]

@@ -101,9 +101,9 @@ impl Case {
     }
 }
 
-/// Multiples of the detectable size, in turn.
-const SIZES: [f64; 5] = [4.0, 8.0, 2.0, 4.0, 1.0];
-/// Cases in a row that share workpieces, base law and noise.
+/// Multiples of the detectable size, one for each round through the library.
+const SIZES: [f64; 4] = [4.0, 8.0, 2.0, 1.0];
+/// Cases in a row that share workpieces, base law and noise; single effects do for a round through the library.
 const PER_SEED: usize = 4;
 /// Effects that one force, feed and speed hide in the rate constant.
 const ABSORBED: [(&str, Plan); 4] = [
@@ -149,9 +149,14 @@ pub fn cases(families: &[Family], count: usize, seed: u64, library: &Library) ->
 
 fn case(family: Family, number: usize, seed: u64, library: &Library) -> Case {
     let varied = |process| (process, Plan::Varied);
+    let mut block = number / PER_SEED;
     let (hidden, (process, plan), size) = match family {
         Family::N => visible(&[], cycle(&PLANS, number)),
-        Family::S => single(number, library),
+        Family::S => {
+            let (hidden, design, size, round) = single(number, library);
+            block = round;
+            (hidden, design, size)
+        }
         Family::A => {
             let (effect, plan) = cycle(&ABSORBED, number);
             visible(&[effect], (Process::Grinding, plan))
@@ -177,7 +182,7 @@ fn case(family: Family, number: usize, seed: u64, library: &Library) -> Case {
     };
     let hard = family == Family::N && number / PLANS.len() % 2 == 1;
     let instruments = if hard { Instruments::Hard } else { Instruments::Clean };
-    let design = Design { process, plan, instruments, seed: seed + (number / PER_SEED) as u64 };
+    let design = Design { process, plan, instruments, seed: seed + block as u64 };
     let left_out = family == Family::U && number % 3 == 2;
     Case { family, number, design, hidden: hidden.into_iter().map(str::to_owned).collect(), size, left_out }
 }
@@ -198,18 +203,24 @@ fn cycle<T: Copy>(list: &[T], number: usize) -> T {
     list[number % list.len()]
 }
 
-/// An effect of the library, its design and its size.
-fn single(number: usize, library: &Library) -> (Vec<&str>, (Process, Plan), Sized) {
-    let designs = [PLANS[0], PLANS[1], PLANS[3]];
-    let (process, plan) = cycle(&designs, number);
-    let acts = |effect: &&Effect| effect.acts_in(effect_process(process)) && !UNFIT.contains(&effect.name.as_str());
-    let known: Vec<&str> = library.effects().iter().filter(acts).map(|effect| effect.name.as_str()).collect();
-    // A stride without a common factor meets all of them before the first comes again.
-    let at = (number / designs.len() * STRIDE + number) % known.len();
-    (vec![known[at]], (process, plan), Sized::Detectable(cycle(&SIZES, number)))
+/// All effects of the library that may be hidden, when grinding and when sanding.
+fn singles(library: &Library) -> Vec<(&str, Process)> {
+    let known = library.effects().iter().filter(|effect| !UNFIT.contains(&effect.name.as_str()));
+    let acts = |effect: &Effect, process| effect.acts_in(effect_process(process));
+    let in_both = known.flat_map(|effect| [Process::Grinding, Process::Sanding].map(|process| (effect, process)));
+    let acting = in_both.filter(|&(effect, process)| acts(effect, process));
+    acting.map(|(effect, process)| (effect.name.as_str(), process)).collect()
 }
 
-/// Way from one effect to the next in the library's list.
+/// The single effect of a case, its design and size, and the round through the library that it belongs to.
+fn single(number: usize, library: &Library) -> (Vec<&str>, (Process, Plan), Sized, usize) {
+    let singles = singles(library);
+    let (round, (effect, process)) = (number / singles.len(), singles[number * STRIDE % singles.len()]);
+    let plan = if process == Process::Grinding && round % 2 == 1 { Plan::Steps } else { Plan::Varied };
+    (vec![effect], (process, plan), Sized::Detectable(cycle(&SIZES, round)), round)
+}
+
+/// Way from one effect to the next in the list: a prime, so that a round meets all of them.
 const STRIDE: usize = 7;
 /// What every fit leaves free, or what is no cause by itself.
 const UNFIT: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", "pass-gain"];
@@ -229,5 +240,30 @@ pub(super) fn effect_process(process: Process) -> sim::effect::Process {
     match process {
         Process::Grinding => sim::effect::Process::Grinding,
         Process::Sanding => sim::effect::Process::Sanding,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn a_round_of_single_effects_meets_each_once_on_the_same_workpieces() {
+        let library = Library::builtin();
+        let count = singles(library).len();
+        let cases = cases(&[Family::S], 2 * count, 1, library);
+        for (round, size) in [4.0, 8.0].into_iter().enumerate() {
+            let cases = &cases[round * count..(round + 1) * count];
+            let met: BTreeSet<(&str, bool)> =
+                cases.iter().map(|c| (c.hidden[0].as_str(), c.design.process == Process::Sanding)).collect();
+            assert_eq!(
+                met.len(),
+                count,
+                "each effect once when grinding and once when sanding, as far as it acts there"
+            );
+            assert!(cases.iter().all(|c| c.design.seed == 1 + round as u64 && c.size == Sized::Detectable(size)));
+        }
     }
 }

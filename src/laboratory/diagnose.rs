@@ -15,17 +15,17 @@ use super::response::{Look, Projector};
 use super::screen::Screened;
 use super::significance::{chance, chance_gains};
 use super::suspect::{Suspect, suspects};
-use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_open, misses, rms};
+use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_account, is_open, misses, of_either, rms};
 use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Chance below which an effect is no accident.
 const CHANCE: f64 = 0.05;
-/// Least size of an effect: shares of the noise floor and of the mean removal, what the simulation itself may err by.
-const SIZE: (f64, f64) = (0.3, 0.005);
-/// Difference of two effects' sums of squares from which data tell them apart: 5 % level, 80 % power.
-const SEPARABLE: f64 = 7.85;
-/// Flattens probabilities: residuals are not quite normal.
-const TEMPERATURE: f64 = 2.0;
+/// Least size of an effect: shares of the mean removal, what the simulation itself may err by, and of the noise.
+const SIZE: (f64, f64) = (0.005, 0.3);
+/// Flattens probabilities: no simulation is the truth, so that effects which are not there gain up to forty.
+const TEMPERATURE: f64 = 5.0;
+/// Difference of two effects' sums of squares from which data tell them apart: nine to one.
+const SEPARABLE: f64 = 22.0;
 /// Residual beyond which it counts no more for the spread of all [robust standard deviations].
 const CUT: f64 = 3.0;
 /// Why an effect was not weighed of which no simulation ended.
@@ -69,6 +69,8 @@ pub struct Round {
     pub findings: Vec<Finding>,
     /// Standard deviation of what the best model leaves, whitened.
     pub spread: f64,
+    /// Difference of two effects' gains from which they are told apart.
+    pub separable: f64,
     /// Whether its best effect was found together with that of the next search: alone it need not be an account.
     pub is_half: bool,
 }
@@ -115,7 +117,7 @@ pub(super) fn spread(residuals: &[f64]) -> f64 {
 
 /// What an effect must explain to be named, given how well the model without it describes the data.
 fn least_size(before: &[Agreement]) -> f64 {
-    (SIZE.0 * rms(before, |a| a.floor)).max(SIZE.1 * rms(before, |a| a.scale))
+    of_either(before, SIZE)
 }
 
 impl Round {
@@ -148,29 +150,52 @@ impl Round {
         let (calibration, evaluation) = (calibration?, evaluation?);
         let finding = |suspect: Suspect| Finding::new(evidence, suspect, (&base, &calibration), (&chances, spread));
         let findings: Result<Vec<Finding>, EvidenceError> = fitted.into_par_iter().map(finding).collect();
-        let mut round = Self { calibration, evaluation, screened, findings: findings?, spread, base, is_half: false };
+        Ok(Self::weighed((base, calibration, evaluation), screened, (findings?, spread)))
+    }
+
+    /// From a base model and how well it describes the data, and the effects that were fitted beside it.
+    pub(super) fn weighed(
+        (base, calibration, evaluation): (Fit, Vec<Agreement>, Vec<Agreement>),
+        screened: Vec<Screened>,
+        (findings, spread): (Vec<Finding>, f64),
+    ) -> Self {
+        let separable = SEPARABLE;
+        let mut round = Self { base, calibration, evaluation, screened, findings, spread, separable, is_half: false };
         round.weigh();
-        Ok(round)
+        round
     }
 
     /// Probabilities of the effects that gain more than chance (Schwarz 1978, tempered). Those that cannot be the cause are out
-    /// of it where the calibration data cannot tell the best of the others from them.
-    pub(super) fn weigh(&mut self) {
+    /// of it where the calibration data cannot tell the best of the others from them, and where one of the others is an account
+    /// of all data: what the refused one fits better is then an error of all of them, so that they must be so much farther apart.
+    fn weigh(&mut self) {
         let data = (self.base.residuals.len() as f64).ln();
         let cost = |finding: &Finding| match finding.is_sound {
             true => -finding.gain + finding.suspect.freedoms() as f64 * data,
             false => f64::INFINITY,
         };
-        let costs: Vec<f64> = self.findings.iter().map(cost).collect();
+        let costs_of = |is_in: &dyn Fn(&Finding) -> bool| -> Vec<f64> {
+            self.findings.iter().map(|f| if is_in(f) { cost(f) } else { f64::INFINITY }).collect()
+        };
+        let least = |costs: &[f64]| costs.iter().copied().fold(f64::INFINITY, f64::min);
         let is_cause = |finding: &Finding| self.is_half || self.is_cause(finding);
-        let of_causes =
-            self.findings.iter().zip(&costs).map(|(f, &cost)| if is_cause(f) { cost } else { f64::INFINITY });
-        let of_causes: Vec<f64> = of_causes.collect();
-        let [least, least_of_causes] = [&costs, &of_causes].map(|of| of.iter().copied().fold(f64::INFINITY, f64::min));
-        let weighed = if least_of_causes - least < SEPARABLE { &of_causes } else { &costs };
-        let probabilities = probabilities(weighed);
+        let [all, causes] = [costs_of(&|_| true), costs_of(&is_cause)];
+        let accounts = costs_of(&|f| is_cause(f) && self.is_account(f));
+        let ahead = least(&accounts) - least(&all);
+        let (weighed, error) = match least(&causes) - least(&all) < SEPARABLE {
+            true => (causes, 1.0),
+            false if ahead.is_finite() => (accounts, ahead / SEPARABLE),
+            false => (all, 1.0),
+        };
+        let probabilities = probabilities(&weighed, error);
+        self.separable = SEPARABLE * error;
         self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| finding.probability = p);
         self.findings.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
+    }
+
+    /// Whether an effect is what is missing.
+    fn is_account(&self, finding: &Finding) -> bool {
+        is_account([&self.calibration, &self.evaluation], [&finding.calibration, &finding.evaluation])
     }
 
     /// Whether an effect does no harm to the held-out data and does not want to be larger than it can be.
@@ -191,16 +216,17 @@ impl Round {
     /// Effects that the data cannot tell from the best.
     pub fn look_alikes(&self) -> Vec<&Finding> {
         let Some(best) = self.best() else { return Vec::new() };
-        let near =
-            |finding: &&Finding| finding.is_sound && finding.probability > 0.0 && best.gain - finding.gain < SEPARABLE;
+        let near = |finding: &&Finding| {
+            finding.is_sound && finding.probability > 0.0 && best.gain - finding.gain < self.separable
+        };
         self.findings[1..].iter().filter(near).collect()
     }
 }
 
-/// Probabilities of models from their costs; none where all costs are infinite.
-pub(super) fn probabilities(costs: &[f64]) -> Vec<f64> {
+/// Probabilities of models from their costs, which err by so many times what they should; none where all costs are infinite.
+pub(super) fn probabilities(costs: &[f64], error: f64) -> Vec<f64> {
     let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
-    let weight = |cost: &f64| if cost.is_finite() { (-(cost - best) / (2.0 * TEMPERATURE)).exp() } else { 0.0 };
+    let weight = |cost: &f64| if cost.is_finite() { (-(cost - best) / (2.0 * TEMPERATURE * error)).exp() } else { 0.0 };
     let weights: Vec<f64> = costs.iter().map(weight).collect();
     let total: f64 = weights.iter().sum();
     weights.iter().map(|weight| if total > 0.0 { weight / total } else { 0.0 }).collect()

@@ -68,8 +68,10 @@ pub struct Agreement {
     /// Root mean square of measured minus simulated over what the tool may have touched: heights [m], distances of the
     /// border of what is exposed [m], or logarithms of removal [1].
     pub rms: f64,
-    /// What a perfect model would leave.
+    /// What the instrument tells apart, in people's eyes; where it is no finer than a pixel, half of one.
     pub floor: f64,
+    /// What random errors alone leave of a perfect model.
+    pub noise: f64,
     /// Mean of what was removed, in the same unit; what small errors are small against.
     pub scale: f64,
 }

@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::border::{Border, Seen};
 use super::covariance::{Freedom, Whitener};
 use super::tiles::{TileGrid, Tiles};
+use crate::measure::median;
 use crate::trial::ExposureMask;
 
 /// How far tool and mask may disagree about where along x and y the part lies [m].
@@ -29,6 +30,7 @@ pub struct ExposureView {
     pub tiles: Tiles,
     /// Standard deviation of the border's place as single pixels show it [m].
     pub scatter: f64,
+    odd: usize,
     distances: Vec<f64>,
     reach: f64,
     whitener: Whitener,
@@ -47,8 +49,9 @@ impl ExposureView {
         let majority = majority(&measured);
         let field: Vec<f64> = majority.iter().map(|share| share - 0.5).collect();
         let border = Border::new(&field, pixels);
-        let odd = (0..pixels.len()).filter(|&at| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5)));
-        let scatter = (MEAN_TO_SIGMA * odd.count() as f64 / border.crossings().max(1) as f64).max(LEAST_SCATTER);
+        let is_odd = |&at: &usize| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5));
+        let odd = (0..pixels.len()).filter(is_odd).count();
+        let scatter = (MEAN_TO_SIGMA * odd as f64 / border.crossings().max(1) as f64).max(LEAST_SCATTER);
         let seen = seen(&tiles, &field, &border, reach);
         let error = (scatter / (side as f64).sqrt()).max(LEAST_ERROR) * pixels.pitch;
         let sharing = sharing(&seen, side as f64 * pixels.pitch, reach);
@@ -58,7 +61,7 @@ impl ExposureView {
         let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[SHIFT_SIGMA; 2]))?;
         let distances = seen.iter().map(|seen| seen.distance).collect();
         let scatter = scatter * pixels.pitch;
-        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, distances, reach, whitener })
+        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, whitener })
     }
 
     /// Measured minus simulated distance of each tile from the border, whitened.
@@ -80,6 +83,29 @@ impl ExposureView {
     /// about where the border is.
     pub fn border_floor(&self) -> f64 {
         self.scatter.max(0.5 * self.measured.pixels.pitch)
+    }
+
+    /// What a perfect model would leave of [`Self::border_distance`] [m]: pixels near the border that differ from most around them.
+    pub fn border_noise(&self) -> f64 {
+        self.odd as f64 / self.border_length() * self.measured.pixels.pitch
+    }
+
+    /// Way across the border on which a simulated dose changes by as much as shows the substrate [m], in the middle of all places.
+    ///
+    /// - `margin`: as in [`Self::whitened`]
+    pub fn border_width(&self, margin: &[f64]) -> f64 {
+        let pixels = self.measured.pixels;
+        let inside = |i: usize, j: usize| i > 0 && j > 0 && i + 1 < pixels.nx && j + 1 < pixels.ny;
+        let width = |at: usize| {
+            let (i, j) = (at % pixels.nx, at / pixels.nx);
+            let crosses = |to: usize| (margin[at] >= 0.0) != (margin[to] >= 0.0);
+            if !inside(i, j) || !(crosses(at + 1) || crosses(at + pixels.nx)) {
+                return None;
+            }
+            let slope = DVec2::new(margin[at + 1] - margin[at - 1], margin[at + pixels.nx] - margin[at - pixels.nx]);
+            Some(2.0 * pixels.pitch / slope.length()).filter(|width| width.is_finite())
+        };
+        median((0..pixels.len()).filter_map(width).collect()).unwrap_or(0.0)
     }
 
     /// Mean distance between the measured and the simulated border [m]: the area on which they disagree over the

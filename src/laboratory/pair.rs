@@ -64,7 +64,7 @@ pub(super) fn pair(
     let spread = spread(&least.both.fit.residuals);
     joints.sort_by(|a, b| a.cost(spread).total_cmp(&b.cost(spread)));
     let lead = joints[0].lead.candidate.name.clone();
-    let probabilities = probabilities(&joints.iter().map(|joint| joint.cost(spread)).collect::<Vec<_>>());
+    let probabilities = probabilities(&joints.iter().map(|joint| joint.cost(spread)).collect::<Vec<_>>(), 1.0);
     let with_lead = |joint: &Joint| joint.lead.candidate.name == lead;
     let sure: f64 = joints.iter().zip(probabilities).filter(|(joint, _)| with_lead(joint)).map(|(_, p)| p).sum();
     if sure < CERTAIN {
@@ -102,10 +102,9 @@ fn two_searches(
     let calibration = evidence.agreement(&base.model, Split::Calibration)?;
     let evaluation = evidence.agreement(&base.model, Split::Evaluation)?;
     let finding = |joint: Joint| Finding::new(evidence, joint.both, (&base, &calibration), (&chances, spread));
-    let findings = joints.into_iter().map(finding).collect::<Result<_, _>>()?;
+    let findings = joints.into_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
     let half = Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_sound: true, ..half };
-    let mut second = Round { base, calibration, evaluation, screened: Vec::new(), findings, spread, is_half: false };
-    second.weigh();
+    let second = Round::weighed((base, calibration, evaluation), Vec::new(), (findings, spread));
     Ok((half, second))
 }
 

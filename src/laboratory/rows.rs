@@ -182,7 +182,7 @@ impl Evidence for RowEvidence<'_> {
         let squares = residuals.iter().map(|r| r.clamp(-OUTLIER, OUTLIER).powi(2)).sum::<f64>();
         let rms = self.noise * (squares / residuals.len().max(1) as f64).sqrt();
         let about = self.table.name.clone();
-        let agreement = Agreement { about, rms, floor: self.noise, scale: 1.0 };
+        let agreement = Agreement { about, rms, floor: self.noise, noise: self.noise, scale: 1.0 };
         Ok(if residuals.is_empty() { Vec::new() } else { vec![agreement] })
     }
 

@@ -32,6 +32,8 @@ const MOST_STEPS: usize = 3;
 /// Voxel of the simulation when sanding: pixels at most, and voxels at least across half the tool.
 const SANDING_VOXEL: f64 = 4.0;
 const VOXELS_PER_HALF_TOOL: f64 = 16.0;
+/// Errors of dose and coating together, in those of the dose alone: a coating is no more even than a dose is known.
+const COATING: f64 = 2.0;
 /// Distance from the border of what is exposed within which it shows [half widths of the tool].
 const REACH: f64 = 0.5;
 /// Widest blur that is looked for, values tried at first, and a change that counts as none [pixels].
@@ -251,11 +253,12 @@ impl Evidence for ScanEvidence<'_> {
                     let before = &self.twin.trials[view.trial].trial.scans.before;
                     let [rms, floor, scale] =
                         data.agreement(&self.seen(view, simulated, blur), before, self.noise[view.trial].rms);
-                    Agreement { about, rms, floor, scale }
+                    Agreement { about, rms, floor, noise: floor, scale }
                 }
                 (ScanData::Exposure(data), _, Some(margin)) => {
-                    let scale = 0.5 * self.twin.trials[view.trial].trial.tool.half_width();
-                    Agreement { about, rms: data.border_distance(&margin), floor: data.border_floor(), scale }
+                    let (rms, floor) = (data.border_distance(&margin), data.border_floor());
+                    let scale = COATING * data.border_width(&margin);
+                    Agreement { about, rms, floor, noise: data.border_noise(), scale }
                 }
                 _ => unreachable!("a simulated scan is like the real one"),
             })

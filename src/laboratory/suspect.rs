@@ -19,8 +19,11 @@ const LEAST_GAIN: f64 = 4.0;
 /// What the two fits may cost.
 pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
 pub(super) const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
-/// Share of the best one's gain that another must have after the quick fit to be fitted to the end.
+/// What the last fit may cost, of those whose fit to the end did not converge.
+const LAST_FIT: FitOptions = FitOptions { derivatives: 4, steps: 25 };
+/// Share of the best one's gain that another must have after the quick fit to be fitted to the end, and then to be fitted on.
 const PROMISING: f64 = 0.3;
+const NEAR_BEST: f64 = 0.7;
 
 /// An effect at its best values.
 #[derive(Clone)]
@@ -137,6 +140,11 @@ pub fn suspects(
         suspect
     };
     let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
+    let best = suspects.iter().map(gain).fold(0.0, f64::max);
+    let is_underway = |suspect: &Suspect| !suspect.fit.converged && gain(suspect) >= NEAR_BEST * best;
+    suspects.par_iter_mut().filter(|suspect| is_underway(suspect)).for_each(|suspect| {
+        *suspect = suspect.clone().refined(evidence, LAST_FIT);
+    });
     suspects.extend(rest);
     suspects.retain(|suspect| gain(suspect) > 0.0);
     sort(&mut suspects);

@@ -13,6 +13,8 @@ const HELD_OUT: (f64, f64) = (0.02, 1.5);
 /// Shares of the unexplained mean square that may stay where effects are an account of it: of the data that they were fitted to,
 /// and of those held out.
 const ACCOUNTED: [f64; 2] = [0.25, 0.5];
+/// What held-out errors may rise by through an effect that is there: shares of the mean removal and of the noise.
+const HARMLESS: (f64, f64) = (0.005, 0.6);
 /// What may stay at most then: shares of the mean removal and of the noise floor.
 const NEAR: (f64, f64) = (0.03, 3.0);
 /// Probability from which an effect is named alone.
@@ -57,12 +59,17 @@ pub(super) fn rms(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
 
 /// What the scans' noise does not explain.
 pub fn unexplained(of: &[Agreement]) -> f64 {
-    (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.floor).powi(2)).max(0.0).sqrt()
+    (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.noise).powi(2)).max(0.0).sqrt()
 }
 
-/// Whether more is left than the given shares of the mean removal and of the noise floor.
+/// The greater of the given shares of the mean removal and of the noise.
+pub(super) fn of_either(of: &[Agreement], shares: (f64, f64)) -> f64 {
+    (shares.0 * rms(of, |a| a.scale)).max(shares.1 * rms(of, |a| a.noise))
+}
+
+/// Whether more is left than the given shares of the mean removal and of the noise.
 fn exceeds(of: &[Agreement], shares: (f64, f64)) -> bool {
-    unexplained(of) > (shares.0 * rms(of, |a| a.scale)).max(shares.1 * rms(of, |a| a.floor))
+    unexplained(of) > of_either(of, shares)
 }
 
 /// Whether more is left than noise and the simulation's own errors explain.
@@ -80,9 +87,17 @@ fn leaves_at_most(share: f64, before: &[Agreement], after: &[Agreement]) -> bool
     unexplained(after).powi(2) <= share * unexplained(before).powi(2)
 }
 
-/// Whether an effect does not do harm to held-out data that no fit has seen.
+/// Whether an effect does not do harm to held-out data that no fit has seen: their errors rise by no more than the simulation
+/// itself and the noise may err by.
 pub(super) fn carries_over(before: &[Agreement], after: &[Agreement]) -> bool {
-    !is_open(after) || leaves_at_most(1.0, before, after)
+    unexplained(after).powi(2) <= unexplained(before).powi(2) + of_either(after, HARMLESS).powi(2)
+}
+
+/// Whether an effect is what is missing, given how well the models without and with it describe calibration and held-out data: it
+/// leaves nothing, and without it much is left, of all data or of those held out.
+pub(super) fn is_account(before: [&[Agreement]; 2], after: [&[Agreement]; 2]) -> bool {
+    let is_missing = is_open(before[0]) || misses(before[1]) || leaves_at_most(ACCOUNTED[1], before[1], after[1]);
+    is_missing && !is_open(after[0]) && !misses(after[1])
 }
 
 impl Verdict {
@@ -121,7 +136,7 @@ mod tests {
 
     /// Errors of one scan with a floor of 3 µm and a removal of 100 µm.
     fn scan(rms_um: f64) -> Vec<Agreement> {
-        vec![Agreement { about: String::new(), rms: 1e-6 * rms_um, floor: 3e-6, scale: 100e-6 }]
+        vec![Agreement { about: String::new(), rms: 1e-6 * rms_um, floor: 3e-6, noise: 3e-6, scale: 100e-6 }]
     }
 
     /// From errors [µm] of calibration and held-out data.

@@ -87,6 +87,10 @@ shared_struct! {
         quasi_static: u32,
         /// Whether the surface recedes.
         grinds: u32,
+        /// Whether pressure and recession may be anything but straight lines in the depth.
+        bends: u32,
+        /// Whether they depend on how fast the depth changes.
+        reads_depth_rate: u32,
         /// Whether coating is taken off.
         sands: u32,
         /// Row of parameters that have one value per pass.
@@ -106,11 +110,7 @@ shared_struct! {
         /// Length of the path [m].
         path_length: f32,
         /// Nothing.
-        padding_a: u32,
-        /// Nothing.
-        padding_b: u32,
-        /// Nothing.
-        padding_c: u32,
+        padding: u32,
     }
 }
 

@@ -8,7 +8,7 @@ use super::definition::{Effect, Holder, Process, Reset};
 use super::error::RunError;
 use super::graph::Id;
 use super::inputs::{Lanes, StepValues};
-use super::library::Library;
+use super::library::{LAWS, Library};
 use super::lower::{Lowering, Part};
 use super::model::{Model, ModelError};
 use super::program::{MOST_INPUTS, MOST_REGISTERS, Program};
@@ -163,6 +163,14 @@ impl CompiledModel {
         };
         let changes = move |effect: &&Effect| effect.changes_in(*process).any(|change| change.hook == hook);
         effect_parts.iter().map(|part| &part.effect).filter(changes).filter(move |effect| !is_null(effect))
+    }
+
+    /// Whether pressure and rate may be anything but straight lines in the depth: an effect that is not at its null value acts on them, or a
+    /// law that is not the library's.
+    pub fn may_bend(&self) -> bool {
+        let is_own = |part: &Part| !LAWS.iter().any(|(file, _)| file.strip_suffix(".toml") == Some(&part.effect.name));
+        self.structure.law_parts.iter().any(is_own)
+            || [Place::Pressure, Place::Rate].into_iter().any(|hook| self.acting(hook).next().is_some())
     }
 
     /// The variables that formulas read at a place: what the simulator must supply.

@@ -5,6 +5,7 @@
 //! step's ends and integrated exactly (exponential integrators, Hochbruck and Ostermann 2010, eq. 2.8): any step
 //! is stable, and for Eq. (1) exact as long as s is constant.
 
+mod bend;
 mod end;
 mod lanes;
 mod relax;
@@ -118,6 +119,17 @@ impl Step {
         self.measure_end((tool, pose, DVec3::ZERO), sheet, physics)?;
         self.gather(dt);
         physics.place(tool, &self.middle(pose), sheet, Some(&self.end_squares), &self.lines);
+        self.integrate(physics, dt)?;
+        if physics.may_bend() && dt > 0.0 {
+            self.look_again(physics, dt)?;
+        }
+        let force = self.end_force(pose, sheet);
+        physics.lap(Phase::Integrate);
+        Ok(force)
+    }
+
+    /// Integrates each lane over the step with the law straight from its ends on.
+    fn integrate(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
         self.start.grind(physics, &self.depth_rate)?;
         self.end.grind(physics, &self.depth_rate)?;
         self.probe.depth.clear();
@@ -125,9 +137,33 @@ impl Step {
         self.probe.depth.extend(deeper);
         self.probe.grind(physics, &self.depth_rate)?;
         physics.lap(Phase::Model);
-        let force = self.relax(pose, sheet, dt);
-        physics.lap(Phase::Integrate);
-        Ok(force)
+        let Self { start, end, probe, relaxed, .. } = self;
+        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, out: relaxed });
+        Ok(())
+    }
+
+    /// Looks at the law again where the step ends after all, and puts right what is not on the straight line.
+    fn look_again(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
+        self.reach(dt);
+        if physics.wants(Variable::DepthRate) {
+            self.integrate(physics, dt)?;
+            self.reach(dt);
+        }
+        self.probe.grind(physics, &self.depth_rate)?;
+        physics.lap(Phase::Model);
+        bend::bend((&self.start, &self.end, &self.probe), dt, &mut self.relaxed);
+        Ok(())
+    }
+
+    /// Takes the depths at the end of the step after all, and how fast they are reached.
+    fn reach(&mut self, dt: f64) {
+        let Self { start, end, probe, relaxed, depth_rate, .. } = self;
+        probe.depth.clear();
+        let ends = end.depth.iter().zip(&end.share).zip(&relaxed.recession);
+        probe.depth.extend(ends.map(|((depth, share), recession)| bend::left(*depth, *share, *recession)));
+        let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let pairs = start.depth.iter().zip(&probe.depth);
+        depth_rate.iter_mut().zip(pairs).for_each(|(rate, (a, b))| *rate = (b - a) * per_time);
     }
 
     /// Takes the whole step as its middle, where the tool is at `pose`, with the border of its working surface
@@ -244,10 +280,8 @@ impl Step {
         )
     }
 
-    /// Integrates each lane over the step.
-    fn relax(&mut self, pose: &Pose, sheet: &Sheet, dt: f64) -> EndForce {
-        let Self { start, end, probe, relaxed, .. } = self;
-        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, out: relaxed });
+    /// Force at the end of the step.
+    fn end_force(&self, pose: &Pose, sheet: &Sheet) -> EndForce {
         let normal = ApproachShare::new(pose, sheet);
         let area = sheet.pitch * sheet.pitch;
         let mut result = EndForce::default();

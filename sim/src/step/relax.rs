@@ -21,7 +21,7 @@ pub(super) struct Relaxed {
     /// How the load at the end falls as the tool is lifted, -dp/dz [Pa/m].
     pub(super) stiffness: Vec<f64>,
     /// Relaxation of each lane in the step, λ dt [1].
-    relaxation: Vec<f64>,
+    pub(super) relaxation: Vec<f64>,
 }
 
 /// Integrates the lanes over a step of `dt` [s].

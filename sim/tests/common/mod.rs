@@ -28,9 +28,14 @@ pub(crate) fn base() -> CompiledModel {
 
 /// The base law of grinding with a threshold pressure [Pa].
 pub(crate) fn threshold(pressure: f64) -> CompiledModel {
+    with_effect(pressure, "")
+}
+
+/// The same with the effects of a text.
+pub(crate) fn with_effect(pressure: f64, effect: &str) -> CompiledModel {
     model(&format!(
         "process = \"grinding\"\n[law.winkler]\nstiffness = \"{STIFFNESS:e} Pa/m\"\n\
-         [law.preston-threshold]\ngrind_rate = \"{GRIND_RATE:e} m/(Pa s)\"\nthreshold_pressure = \"{pressure:e} Pa\"\n"
+         [law.preston-threshold]\ngrind_rate = \"{GRIND_RATE:e} m/(Pa s)\"\nthreshold_pressure = \"{pressure:e} Pa\"\n{effect}"
     ))
 }
 

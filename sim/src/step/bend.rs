@@ -1,0 +1,81 @@
+//! Laws that are not straight lines in the depth: what the straight ones give is put right from a second look at the law, at
+//! the depths at which the step ends.
+//!
+//! With q the depth at the end after all, r is taken as the straight line through the start and q, or where nothing recedes at the start
+//! through q and what the end would be without recession; the pressure always as the latter.
+
+use super::end::End;
+use super::relax::Relaxed;
+use crate::decay::Decay;
+
+/// Relative difference of two depths from which a slope is taken between them.
+const APART: f64 = 1e-5;
+
+/// Mean depth over the wet share [m] that a recession leaves.
+pub(super) fn left(depth: f64, share: f64, recession: f64) -> f64 {
+    if share > 0.0 { (depth - recession / share).max(0.0) } else { 0.0 }
+}
+
+/// Puts right the lanes whose law bends.
+pub(super) fn bend((start, end, reached): (&End, &End, &End), dt: f64, out: &mut Relaxed) {
+    for lane in 0..reached.depth.len() {
+        let at = |end: &End| Look { depth: end.depth[lane], pressure: end.pressure[lane], rate: end.rate[lane] };
+        let shares = [start.share[lane], end.share[lane]];
+        let looks = Looks { start: at(start), end: at(end), reached: at(reached), shares };
+        if shares[1] > 0.0 {
+            looks.put_right(lane, dt, out);
+        }
+    }
+}
+
+/// The law at a depth.
+#[derive(Clone, Copy)]
+struct Look {
+    depth: f64,
+    pressure: f64,
+    rate: f64,
+}
+
+/// The law at the start of a step, at its end without recession, and where it ends after all.
+struct Looks {
+    start: Look,
+    end: Look,
+    reached: Look,
+    /// Wet shares at start and end.
+    shares: [f64; 2],
+}
+
+impl Looks {
+    fn put_right(&self, lane: usize, dt: f64, out: &mut Relaxed) {
+        let Self { start, end, reached, shares: [wet_before, wet] } = self;
+        let known = out.relaxation[lane] / dt;
+        let slope =
+            slope((start.depth, start.rate), (reached.depth, reached.rate)).map_or(known, |slope| slope.max(0.0));
+        let decay = Decay::new(slope * dt);
+        let before = start.rate * wet_before;
+        let more = (reached.rate + slope * (end.depth - reached.depth)) * wet - before;
+        let recession = dt * (before * decay.phi1 + more * decay.phi2);
+        let stiffness = slope_of_pressure(end, reached);
+        let depth = left(end.depth, *wet, recession);
+        let load = (reached.pressure + stiffness * (depth - reached.depth)).max(0.0) * wet;
+        let load_before = start.pressure * wet_before;
+        let mean_before = start.depth * wet_before;
+        let mean = 0.5 * (mean_before + end.depth * wet) - dt * (before * decay.psi1 + more * decay.psi2);
+        let along = self::slope((mean_before, load_before), (depth * wet, load)).unwrap_or(stiffness);
+        out.recession[lane] = recession;
+        out.end_load[lane] = load;
+        out.mean_load[lane] = (load_before + along * (mean - mean_before)).max(0.0);
+        out.stiffness[lane] = stiffness * wet * (1.0 - decay.x * decay.phi2);
+        out.relaxation[lane] = decay.x;
+    }
+}
+
+/// Slope between two points, unless they are too near each other.
+fn slope(a: (f64, f64), b: (f64, f64)) -> Option<f64> {
+    ((b.0 - a.0).abs() > APART * a.0.max(b.0)).then(|| (b.1 - a.1) / (b.0 - a.0))
+}
+
+/// Slope of the pressure over the depth [Pa/m].
+fn slope_of_pressure(end: &Look, reached: &Look) -> f64 {
+    slope((reached.depth, reached.pressure), (end.depth, end.pressure)).unwrap_or(end.pressure / end.depth)
+}
