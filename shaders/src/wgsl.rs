@@ -66,7 +66,7 @@ pub const SIMULATE_FIRST: Kernel = simulation!(
     "simulate_first",
     [
         "trial_wall.wgsl",
-        "trial_bend.wgsl",
+        "trial_relax.wgsl",
         "trial_step.wgsl",
         "trial_apply.wgsl",
         "trial_commit.wgsl",
@@ -80,7 +80,7 @@ pub const SIMULATE_FIRST: Kernel = simulation!(
 pub const SIMULATE_SECOND: Kernel = simulation!(
     "simulate_second",
     [
-        "trial_bend.wgsl",
+        "trial_relax.wgsl",
         "trial_step.wgsl",
         "trial_apply.wgsl",
         "trial_commit.wgsl",

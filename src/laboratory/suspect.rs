@@ -19,8 +19,9 @@ const LEAST_GAIN: f64 = 4.0;
 /// What the two fits may cost.
 pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
 pub(super) const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
-/// What the last fit may cost, of those whose fit to the end did not converge.
-const LAST_FIT: FitOptions = FitOptions { derivatives: 4, steps: 25 };
+/// What the last fit may cost, of those whose fit to the end did not converge, and the fall of the sum of squares that is worth one.
+const LAST_FIT: FitOptions = FitOptions { derivatives: 3, steps: 18 };
+const WORTH: f64 = 40.0;
 /// Share of the best one's gain that another must have after the quick fit to be fitted to the end, and then to be fitted on.
 const PROMISING: f64 = 0.3;
 const NEAR_BEST: f64 = 0.7;
@@ -141,7 +142,7 @@ pub fn suspects(
     };
     let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
     let best = suspects.iter().map(gain).fold(0.0, f64::max);
-    let is_underway = |suspect: &Suspect| !suspect.fit.converged && gain(suspect) >= NEAR_BEST * best;
+    let is_underway = |suspect: &Suspect| !suspect.fit.converged && gain(suspect) >= WORTH.max(NEAR_BEST * best);
     suspects.par_iter_mut().filter(|suspect| is_underway(suspect)).for_each(|suspect| {
         *suspect = suspect.clone().refined(evidence, LAST_FIT);
     });

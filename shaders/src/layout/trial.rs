@@ -89,8 +89,6 @@ shared_struct! {
         grinds: u32,
         /// Whether pressure and recession may be anything but straight lines in the depth.
         bends: u32,
-        /// Whether they depend on how fast the depth changes.
-        reads_depth_rate: u32,
         /// Whether coating is taken off.
         sands: u32,
         /// Row of parameters that have one value per pass.
@@ -110,7 +108,9 @@ shared_struct! {
         /// Length of the path [m].
         path_length: f32,
         /// Nothing.
-        padding: u32,
+        padding_a: u32,
+        /// Nothing.
+        padding_b: u32,
     }
 }
 

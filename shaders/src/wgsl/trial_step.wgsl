@@ -91,52 +91,17 @@ fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
     totals[SUM_STIFFNESS] += load / depth * facing;
 }
 
-// Looks at the law at both ends of the step.
-fn look_at_ends(lane: Lane, start: Square, end: Square, depth_rate: f32) -> Looks {
-    let depths = vec2f(wet_depth(start), wet_depth(end));
-    let a = ground(lane, depths.x, depth_rate);
-    let b = ground(lane, depths.y, depth_rate);
-    return Looks(vec3f(depths, 0.0), vec3f(a.x, b.x, 0.0), vec3f(a.y, b.y, 0.0), vec2f(start.share, end.share));
-}
-
-// Integrates a square over the step with the law straight from its ends on.
-fn integrate(lane: Lane, looks: Looks, end: Square, depth_rate: f32) -> Relaxed {
-    let dt = state.dt;
-    let depth = max(looks.depths.x, looks.depths.y);
-    let is_start = looks.depths.x > looks.depths.y;
-    let deeper = select(vec2f(looks.pressures.y, looks.rates.y), vec2f(looks.pressures.x, looks.rates.x), is_start);
-    let probe = ground(lane, depth * (1.0 + PROBE), depth_rate);
-    let relaxation = max((probe.y - deeper.y) / (PROBE * depth * setup.voxel), 0.0);
-    let weights = decay_weights(relaxation * dt);
-    let rates = looks.rates.xy * looks.shares;
-    let recession = dt * (rates.x * weights.x + (rates.y - rates.x) * weights.y) / setup.voxel;
-    let loads = looks.pressures.xy * looks.shares;
-    let left = select(0.0, max(1.0 - recession / end.mean, 0.0), end.mean > 0.0);
-    let mean_recession = dt * (rates.x * weights.y + (rates.y - rates.x) * weights.z) / setup.voxel;
-    let stiffness = deeper.x / depth;
-    let mean_load = max(0.5 * (loads.x + loads.y) - stiffness * mean_recession, 0.0);
-    let answer = stiffness * end.share * (1.0 - relaxation * dt * weights.y);
-    return Relaxed(recession, loads.y * left, mean_load, answer, relaxation * dt);
-}
-
 // Integrates a square over the step and adds up its force.
 fn relax(line: u32, start: Square, end: Square, pose: Pose, middle: Pose) {
     let voxel = setup.voxel;
     let lane = lane_here(line, middle);
-    let deepens = (wet_depth(end) - wet_depth(start)) * voxel;
-    let depth_rate = select(0.0, deepens / state.dt, state.dt > 0.0);
-    var looks = look_at_ends(lane, start, end, depth_rate);
+    let depths = vec2f(wet_depth(start), wet_depth(end));
+    let depth_rate = select(0.0, (depths.y - depths.x) * voxel / state.dt, state.dt > 0.0);
+    var looks = look_at_ends(lane, depths, vec2f(start.share, end.share), depth_rate);
     var relaxed = integrate(lane, looks, end, depth_rate);
     if setup.bends == 1u && state.dt > 0.0 {
         looks.depths.z = left_of(looks.depths.y, end.share, relaxed.recession);
-        var reached_rate = (looks.depths.z - looks.depths.x) * voxel / state.dt;
-        if setup.reads_depth_rate == 1u {
-            looks = look_at_ends(lane, start, end, reached_rate);
-            relaxed = integrate(lane, looks, end, reached_rate);
-            looks.depths.z = left_of(looks.depths.y, end.share, relaxed.recession);
-            reached_rate = (looks.depths.z - looks.depths.x) * voxel / state.dt;
-        }
-        let reached = ground(lane, looks.depths.z, reached_rate);
+        let reached = ground(lane, looks.depths.z, depth_rate);
         looks.pressures.z = reached.x;
         looks.rates.z = reached.y;
         relaxed = bend(looks, relaxed);

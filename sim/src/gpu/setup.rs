@@ -97,7 +97,7 @@ pub(super) fn setup(grid: &BrickGrid, pass: &Pass, physics: &Physics) -> Result<
     setup.longest_step = process.longest_step(pass.model)? as f32;
     setup.quasi_static = process.quasi_static.into();
     (setup.grinds, setup.sands) = (physics.grinds().into(), physics.sands().into());
-    (setup.bends, setup.reads_depth_rate) = (physics.may_bend().into(), physics.wants(Variable::DepthRate).into());
+    setup.bends = physics.may_bend().into();
     setup.pass_row = pass.row as u32;
     setup.most_steps = process.most_steps.map_or(0, |most| most.max(1) as u32);
     (setup.approach_blocks, setup.approach_rest) = clock(pass.approach);

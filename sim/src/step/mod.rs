@@ -144,26 +144,14 @@ impl Step {
 
     /// Looks at the law again where the step ends after all, and puts right what is not on the straight line.
     fn look_again(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
-        self.reach(dt);
-        if physics.wants(Variable::DepthRate) {
-            self.integrate(physics, dt)?;
-            self.reach(dt);
-        }
-        self.probe.grind(physics, &self.depth_rate)?;
-        physics.lap(Phase::Model);
-        bend::bend((&self.start, &self.end, &self.probe), dt, &mut self.relaxed);
-        Ok(())
-    }
-
-    /// Takes the depths at the end of the step after all, and how fast they are reached.
-    fn reach(&mut self, dt: f64) {
-        let Self { start, end, probe, relaxed, depth_rate, .. } = self;
+        let Self { start, end, probe, relaxed, .. } = self;
         probe.depth.clear();
         let ends = end.depth.iter().zip(&end.share).zip(&relaxed.recession);
         probe.depth.extend(ends.map(|((depth, share), recession)| bend::left(*depth, *share, *recession)));
-        let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let pairs = start.depth.iter().zip(&probe.depth);
-        depth_rate.iter_mut().zip(pairs).for_each(|(rate, (a, b))| *rate = (b - a) * per_time);
+        probe.grind(physics, &self.depth_rate)?;
+        physics.lap(Phase::Model);
+        bend::bend((start, end, probe), dt, relaxed);
+        Ok(())
     }
 
     /// Takes the whole step as its middle, where the tool is at `pose`, with the border of its working surface

@@ -1,4 +1,4 @@
-// Laws that are not straight lines in the depth; twin of step/bend.rs.
+// A square integrated over a step, and put right where its law is no straight line in the depth; twin of step/relax.rs and step/bend.rs.
 
 // Relative change of depth over which the slope of the recession is taken.
 const PROBE: f32 = 1e-3;
@@ -10,7 +10,7 @@ const APART: f32 = 1e-5;
 struct Relaxed {
     // [voxels]
     recession: f32,
-    // Pressure times wet share at the start and at the end after all, and as a mean over the step [Pa].
+    // Pressure times wet share at the end after all, and as a mean over the step [Pa].
     end_load: f32,
     mean_load: f32,
     // -dp/dz [Pa / voxel]
@@ -29,6 +29,33 @@ struct Looks {
     rates: vec3f,
     // Wet shares at start and end.
     shares: vec2f,
+}
+
+// Looks at the law at both ends of the step, at depths [voxels].
+fn look_at_ends(lane: Lane, depths: vec2f, shares: vec2f, depth_rate: f32) -> Looks {
+    let a = ground(lane, depths.x, depth_rate);
+    let b = ground(lane, depths.y, depth_rate);
+    return Looks(vec3f(depths, 0.0), vec3f(a.x, b.x, 0.0), vec3f(a.y, b.y, 0.0), shares);
+}
+
+// Integrates a square over the step with the law straight from its ends on.
+fn integrate(lane: Lane, looks: Looks, end: Square, depth_rate: f32) -> Relaxed {
+    let dt = state.dt;
+    let depth = max(looks.depths.x, looks.depths.y);
+    let is_start = looks.depths.x > looks.depths.y;
+    let deeper = select(vec2f(looks.pressures.y, looks.rates.y), vec2f(looks.pressures.x, looks.rates.x), is_start);
+    let probe = ground(lane, depth * (1.0 + PROBE), depth_rate);
+    let relaxation = max((probe.y - deeper.y) / (PROBE * depth * setup.voxel), 0.0);
+    let weights = decay_weights(relaxation * dt);
+    let rates = looks.rates.xy * looks.shares;
+    let recession = dt * (rates.x * weights.x + (rates.y - rates.x) * weights.y) / setup.voxel;
+    let loads = looks.pressures.xy * looks.shares;
+    let left = select(0.0, max(1.0 - recession / end.mean, 0.0), end.mean > 0.0);
+    let mean_recession = dt * (rates.x * weights.y + (rates.y - rates.x) * weights.z) / setup.voxel;
+    let stiffness = deeper.x / depth;
+    let mean_load = max(0.5 * (loads.x + loads.y) - stiffness * mean_recession, 0.0);
+    let answer = stiffness * end.share * (1.0 - relaxation * dt * weights.y);
+    return Relaxed(recession, loads.y * left, mean_load, answer, relaxation * dt);
 }
 
 // Mean depth over the wet share that a recession leaves [voxels].
