@@ -79,7 +79,7 @@ impl ExposureView {
         self.whitener.unwhiten(change)
     }
 
-    /// The distance that a perfect model would leave [m]: the border's scatter, and half a pixel, for a mask says no more
+    /// The distance [m] that pixels of this pitch tell apart: the border's scatter, and half a pixel, for one pixel says no more
     /// about where the border is.
     pub fn border_floor(&self) -> f64 {
         self.scatter.max(0.5 * self.measured.pixels.pitch)
