@@ -15,12 +15,12 @@ use super::response::{Look, Projector};
 use super::screen::Screened;
 use super::significance::{chance, chance_gains};
 use super::suspect::{Suspect, suspects};
-use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_account, is_open, misses, of_either, rms};
+use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_account, is_open, misses, rms};
 use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Chance below which an effect is no accident.
 const CHANCE: f64 = 0.05;
-/// Least size of an effect: shares of the mean removal, what the simulation itself may err by, and of the noise.
+/// Least size of an effect: shares of the mean removal, what the simulation itself may err by, and of the noise floor.
 const SIZE: (f64, f64) = (0.005, 0.3);
 /// Flattens probabilities: no simulation is the truth, so that effects which are not there gain up to forty.
 const TEMPERATURE: f64 = 5.0;
@@ -117,7 +117,7 @@ pub(super) fn spread(residuals: &[f64]) -> f64 {
 
 /// What an effect must explain to be named, given how well the model without it describes the data.
 fn least_size(before: &[Agreement]) -> f64 {
-    of_either(before, SIZE)
+    (SIZE.0 * rms(before, |a| a.scale)).max(SIZE.1 * rms(before, |a| a.floor))
 }
 
 impl Round {

@@ -68,7 +68,7 @@ pub struct Agreement {
     /// Root mean square of measured minus simulated over what the tool may have touched: heights [m], distances of the
     /// border of what is exposed [m], or logarithms of removal [1].
     pub rms: f64,
-    /// What the instrument tells apart, in people's eyes; where it is no finer than a pixel, half of one.
+    /// What the instrument tells apart: its noise, or half a pixel where it shows no more than which side of a border each is on.
     pub floor: f64,
     /// What random errors alone leave of a perfect model.
     pub noise: f64,

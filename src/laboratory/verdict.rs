@@ -63,7 +63,7 @@ pub fn unexplained(of: &[Agreement]) -> f64 {
 }
 
 /// The greater of the given shares of the mean removal and of the noise.
-pub(super) fn of_either(of: &[Agreement], shares: (f64, f64)) -> f64 {
+fn of_either(of: &[Agreement], shares: (f64, f64)) -> f64 {
     (shares.0 * rms(of, |a| a.scale)).max(shares.1 * rms(of, |a| a.noise))
 }
 
