@@ -78,8 +78,7 @@ fn bend(looks: Looks, straight: Relaxed) -> Relaxed {
     }
     let depths = looks.depths;
     let rates = looks.rates / voxel;
-    let other = select(vec2f(depths.y, rates.y), vec2f(depths.x, rates.x), rates.x > 0.0);
-    let slope = max(slope_between(other, vec2f(depths.z, rates.z), known), 0.0);
+    let slope = max(slope_between(vec2f(depths.x, rates.x), vec2f(depths.z, rates.z), known), 0.0);
     let weights = decay_weights(slope * dt);
     let before = rates.x * looks.shares.x;
     let more = (rates.z + slope * (depths.y - depths.z)) * looks.shares.y - before;

@@ -1,8 +1,8 @@
 //! Laws that are not straight lines in the depth: what the straight ones give is put right from a second look at the law, at
 //! the depths at which the step ends.
 //!
-//! With q the depth at the end after all, r is taken as the straight line through the start and q, or where nothing recedes at the start
-//! through q and what the end would be without recession; the pressure always as the latter.
+//! With q the depth at the end after all, r is taken as the straight line through the start and q, the pressure as the one through q
+//! and what the end would be without recession.
 
 use super::end::End;
 use super::relax::Relaxed;

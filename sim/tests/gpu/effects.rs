@@ -62,6 +62,11 @@ fn one_effect_of_every_hook_acts_on_the_device_as_on_the_cpu() {
 }
 
 #[test]
+fn a_contact_that_stiffens_acts_on_the_device_as_on_the_cpu() {
+    agree(&compiled(Kind::Grinding, &["contact-stiffening"]), &Tool::from(Wheel::cylinder(0.02, 0.004)));
+}
+
+#[test]
 fn a_pad_that_loads_does_so_on_the_device_as_on_the_cpu() {
     agree(&compiled(Kind::Sanding, &["pad-loading", "tool-tilt"]), &Tool::from(Pad { radius: 3e-3 }));
 }
