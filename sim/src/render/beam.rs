@@ -22,8 +22,8 @@ use super::walk::{BRICK_SHIFT, integers};
 /// Largest distance of a ray from the one that tells for it [voxels]: farther ones are seldom as clear as that.
 const MOST_APART: f32 = 0.45;
 
-/// Steps of such a ray, after which each had better go by itself.
-const MOST_STEPS: usize = 10;
+/// Steps of such a ray towards the light, and of its search for metal: after them each had better go by itself.
+const MOST_STEPS: usize = 24;
 /// Height of the middle of a ball above the start of a ray, as a part of the band: as high as φ still tells of it.
 const BALL_HEIGHT: f32 = 0.75;
 
@@ -110,11 +110,10 @@ impl<'a> Beam<'a> {
             let above = normals.get(wanted.iter().position(|wanted| *wanted).unwrap_or(0));
             t = t.max(self.length_in_ball(middle, above.into(), doubt));
         }
-        let mut is_lit = true;
         for _ in 0..MOST_STEPS {
             let is_under_way = t < end;
             if !is_under_way {
-                return is_lit.then_some(1.0);
+                return Some(1.0);
             }
             let at = middle + towards.line.direction * t;
             let clearance = match self.clearance(at) {
@@ -125,20 +124,43 @@ impl<'a> Beam<'a> {
                     continue;
                 }
                 Err(free) => {
-                    t += towards.line.length_in_free(at, free) + towards.nudge;
-                    is_lit &= towards.cone(t) <= self.band - doubt;
+                    let length = towards.line.length_in_free(at, free) + towards.nudge;
+                    let is_clear = towards.cone(t + length) <= self.band - doubt;
+                    if !is_clear {
+                        break;
+                    }
+                    t += length;
                     continue;
                 }
             };
-            if clearance < -(doubt + LEAST_STEP) {
-                return Some(0.0);
+            let slack = clearance - doubt - towards.cone(t);
+            let is_clear = slack > 0.0;
+            if !is_clear {
+                break;
             }
             // No finer than the steps of a single ray.
-            let slack = clearance - doubt - towards.cone(t);
-            is_lit &= slack > 0.0;
-            t += (if is_lit { slack / (STEEPEST + towards.spread) } else { clearance }).max(LEAST_STEP);
+            t += (slack / (STEEPEST + towards.spread)).max(LEAST_STEP);
         }
-        None
+        self.meets_metal(middle, (t, end), doubt).then_some(0.0)
+    }
+
+    /// Whether the middle ray is somewhere so deep in the metal that all are, for longer than their least steps.
+    #[inline(always)]
+    fn meets_metal(&self, middle: Vec3A, (mut t, end): (f32, f32), doubt: f32) -> bool {
+        let line = &self.towards.line;
+        for _ in 0..MOST_STEPS {
+            let is_under_way = t < end;
+            if !is_under_way {
+                return false;
+            }
+            let at = middle + line.direction * t;
+            match self.clearance(at) {
+                Err(free) => t += line.length_in_free(at, free) + self.towards.nudge,
+                Ok(clearance) if clearance < -(doubt + LEAST_STEP) => return true,
+                Ok(clearance) => t += (clearance + doubt + LEAST_STEP).max(LEAST_STEP),
+            }
+        }
+        false
     }
 }
 

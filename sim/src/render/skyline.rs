@@ -5,7 +5,7 @@
 //!     ▁▃▃█▂▁           above it is clear to the end
 //! ```
 
-use glam::{Vec2, Vec3};
+use glam::{IVec3, Vec2, Vec3};
 
 use super::lanes::{LANES, Lanes, Points, larger};
 use super::occupancy::Blocks;
@@ -31,12 +31,34 @@ pub(crate) struct Skyline {
     heights: Vec<f32>,
 }
 
+/// Raises the columns that all bricks meet: a call that is compiled for each kind of lanes.
+struct Raise<'a> {
+    skyline: &'a mut Skyline,
+    near: &'a [(IVec3, Blocks)],
+    /// Middles of a brick's blocks, from its corner.
+    blocks: &'a [Vec3; 64],
+    /// Of the box around each block.
+    half: Vec3,
+}
+
+impl pulp::NullaryFnOnce for Raise<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { skyline, near, blocks, half } = self;
+        for &(brick, bits) in near {
+            skyline.raise(components(&skyline.axes, (8 * brick).as_vec3()), (blocks, bits), half);
+        }
+    }
+}
+
 impl Skyline {
     /// `direction`: unit vector to the lamp.
     pub(crate) fn new(padded: &Padded, direction: Vec3) -> Self {
         let (across, along) = direction.any_orthonormal_pair();
         let axes = [direction, across, along];
-        let project = |point: Vec3| Vec3::from_array(axes.map(|axis| axis.dot(point)));
+        let project = |point: Vec3| components(&axes, point);
         // From the middle of a block of 2³ cells, which spans 1 to each side.
         let half = Vec3::from_array(axes.map(|axis| axis.abs().element_sum()));
         let middles = padded.near.iter().map(|(brick, _)| project((8 * brick + 4).as_vec3()));
@@ -51,14 +73,18 @@ impl Skyline {
         let blocks: [Vec3; 64] = std::array::from_fn(|block| {
             project(Vec3::new((block >> 4) as f32, (block >> 2 & 3) as f32, (block & 3) as f32) * 2.0 + 1.0)
         });
-        for &(brick, bits) in &padded.near {
-            skyline.raise(project((8 * brick).as_vec3()), (&blocks, bits), half + ROUNDING);
-        }
+        pulp::Arch::new().dispatch(Raise {
+            skyline: &mut skyline,
+            near: &padded.near,
+            blocks: &blocks,
+            half: half + ROUNDING,
+        });
         skyline
     }
 
     /// Raises all columns that the blocks of a brick meet. `blocks`: middles of all, from the brick's `corner`; `half`: of the
     /// box around each.
+    #[inline(always)]
     fn raise(&mut self, corner: Vec3, (blocks, Blocks(mut bits)): (&[Vec3; 64], Blocks), half: Vec3) {
         let in_columns = |at: f32, side: usize| (at - self.low[side]) * self.per_voxel + 1.0;
         let (mut ranges, mut heights) = ([[0; 4]; 64], [0.0; 64]);
@@ -122,4 +148,10 @@ impl Skyline {
         }
         lengths
     }
+}
+
+/// Components of a vector along three axes.
+#[inline(always)]
+fn components(axes: &[Vec3; 3], vector: Vec3) -> Vec3 {
+    Vec3::from_array(axes.map(|axis| axis.dot(vector)))
 }
