@@ -59,6 +59,7 @@ pub mod surface;
 pub mod tool;
 mod tool_cells;
 pub mod topography;
+mod wide;
 
 pub use clock::{Clock, Phase};
 pub use contact::Contact;

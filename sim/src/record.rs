@@ -9,6 +9,8 @@ use crate::contact::Contact;
 const CLEARANCE: f64 = 5e-3;
 /// Least time between two rows of the log [s].
 const LOG_PERIOD: f64 = 0.01;
+/// Times that the clock of a device does not tell apart [s].
+const CLOCK: f64 = 1e-7;
 
 /// What a step took off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,7 +91,7 @@ impl PassRecord {
     }
 
     fn log_row(&mut self, row: LogRow) {
-        if self.log.last().is_none_or(|last| row.time - last.time >= LOG_PERIOD - 1e-9) {
+        if self.log.last().is_none_or(|last| row.time - last.time >= LOG_PERIOD - CLOCK) {
             self.log.push(row);
         }
     }

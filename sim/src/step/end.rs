@@ -4,6 +4,7 @@ use crate::contact::Squares;
 use crate::effect::RunError;
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
+use crate::wide::in_wide_lanes;
 
 /// State of the squares in contact at one end of a step.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +23,7 @@ impl End {
         let Self { depth, share, .. } = self;
         depth.resize(lines.len(), 0.0);
         share.resize(lines.len(), 0.0);
-        pulp::Arch::new().dispatch(
+        in_wide_lanes(
             #[inline(always)]
             || {
                 for Run { lines, lanes } in lines.runs() {

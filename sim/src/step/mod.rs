@@ -26,6 +26,7 @@ use crate::record::Removal;
 use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
+use crate::wide::in_wide_lanes;
 
 /// What a step does to each square in contact; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]
@@ -252,7 +253,7 @@ impl Step {
         let Relaxed { end_load, stiffness, .. } = relaxed;
         end_load.resize(lines.len(), 0.0);
         stiffness.resize(lines.len(), 0.0);
-        pulp::Arch::new().dispatch(
+        in_wide_lanes(
             #[inline(always)]
             || {
                 ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
@@ -300,7 +301,7 @@ impl Step {
             receded = receded.max((sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line));
         }
         removal.coating_volume = coating
-            * pulp::Arch::new().dispatch(
+            * in_wide_lanes(
                 #[inline(always)]
                 || self.add_dose(sheet),
             );

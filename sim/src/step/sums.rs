@@ -12,6 +12,7 @@ use crate::physics::Physics;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells, Under};
+use crate::wide::in_wide_lanes;
 
 /// Squares that are looked at together for the highest pressure.
 const LOOKED_AT: usize = 32;
@@ -46,7 +47,7 @@ impl Step {
     /// What the tool meets, as a mean over the step, but for the moment; and the force at its end, after what it takes off [N].
     pub fn contact(&mut self, pose: &Pose, sheet: &Sheet) -> (Contact, f64) {
         let mut facing = std::mem::take(&mut self.facing);
-        let result = pulp::Arch::new().dispatch(
+        let result = in_wide_lanes(
             #[inline(always)]
             || {
                 ApproachShare::new(pose, sheet).fill(sheet, &self.lines, &mut facing);
@@ -144,7 +145,7 @@ impl Step {
 
     /// Extent of the contact; `None` without any.
     pub fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
-        let (x, y) = pulp::Arch::new().dispatch(
+        let (x, y) = in_wide_lanes(
             #[inline(always)]
             || self.bounds(&SheetFrame::new(pose, sheet), sheet),
         );
