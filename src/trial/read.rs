@@ -217,8 +217,10 @@ impl Reader<'_> {
         if (found.nx, found.ny) == (before.nx, before.ny) && same_pitch {
             return Ok(());
         }
-        Err(Place::file(&self.folder.join(name.get_ref()))
-            .bad(shown(found), format!("{} as in the scan before the first pass are expected", shown(before))))
+        Err(Place::file(&self.folder.join(name.get_ref())).bad(
+            shown(found),
+            format!("{} as in the scan before the first pass are expected, unless that one was cut off", shown(before)),
+        ))
     }
 
     fn positive(&self, key: &str, value: &Spanned<f64>) -> Result<f64, TrialError> {
