@@ -337,7 +337,8 @@ fn slip_speeds(
                     let slip_speed = |time: f64| tool.slip_speed(at - *way * time, spindle, feed);
                     let apart = HALF_GAUSS * (1.0 - 2.0 * lag.abs());
                     let sinks = sinking * apart * share;
-                    let deeper = if sinks.abs() < *depth { sinks / depth } else { sinks.signum() };
+                    // A square that is dry for a part of the time counts where it is deepest.
+                    let deeper = sinks.max(-depth).min(*depth) / depth.max(f64::MIN_POSITIVE);
                     *speed =
                         0.5 * ((1.0 - deeper) * slip_speed(lag - apart) + (1.0 + deeper) * slip_speed(lag + apart));
                 }

@@ -80,10 +80,7 @@ fn swept_slip_speed(line: u32, middle: Pose, square: Square) -> f32 {
     let lag = cover(line, at, middle, sweep).lag;
     let apart = HALF_GAUSS * (1.0 - 2.0 * abs(lag));
     let sinks = sinking(middle, sweep) * apart * square.share;
-    var deeper = sign(sinks);
-    if abs(sinks) < square.mean {
-        deeper = sinks / square.mean;
-    }
+    let deeper = clamp(sinks / square.mean, -1.0, 1.0);
     return 0.5 * ((1.0 - deeper) * slip_speed(at - (lag - apart) * way) + (1.0 + deeper) * slip_speed(at - (lag + apart) * way));
 }
 
