@@ -12,9 +12,9 @@ use crate::tool::Tool;
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
 /// Longest step [s].
-pub const LONGEST_STEP: f64 = 0.08;
+pub const LONGEST_STEP: f64 = 0.05;
 /// Way of a tool in one step that changes nothing but the coating [footprints].
-const SANDING_STEP: f64 = 0.06;
+const SANDING_STEP: f64 = 0.04;
 /// Its way on one sheet [footprints]: the surface stays as it was read.
 const SANDING_SHEET: f64 = 1.0;
 /// Longest step under an effect that lets the controller's reading follow the clock [s]: ten for a swing at 20 Hz.

@@ -1,6 +1,8 @@
 //! What is hidden: base laws drawn from their priors, and effects of the user's choice or drawn.
 
-use sim::effect::{CompiledModel, Effect, Library, Model, ModelError, Parameter, Process, RowCounts, Rows, Scale};
+use sim::effect::{
+    CompiledModel, Effect, Library, Model, ModelError, Parameter, Problem, Process, RowCounts, Rows, Scale,
+};
 
 use super::chance::Chance;
 use super::plan::Size;
@@ -154,11 +156,24 @@ pub(super) fn true_model(
         let Some(effect) = library.find(&hidden.name) else { continue };
         for parameter in &effect.parameters {
             let given = model.values(&effect.name, &parameter.name).to_vec();
+            can_be(effect, parameter, process, &given)?;
             let values = values((effect, parameter), &given, (process, size, rows, drawn), &mut chance);
             model.set(&effect.name, &parameter.name, &values);
         }
     }
     CompiledModel::new(&model, library, rows)
+}
+
+/// Refuses a value below zero of what is never below zero.
+fn can_be(effect: &Effect, parameter: &Parameter, process: Process, given: &[f64]) -> Result<(), ModelError> {
+    let [low, high] = parameter.range.of(process).map(|end| parameter.unit.show(end));
+    let is_signed = parameter.range.of(process)[0] < 0.0;
+    let Some(value) = given.iter().find(|value| **value < 0.0 && !is_signed) else { return Ok(()) };
+    let unit = &parameter.unit_text;
+    let (found, expected) =
+        (format!("{} {unit}", parameter.unit.show(*value)), format!("a size such as {low} to {high} {unit}"));
+    let problem = Box::new(Problem::Value { found, expected });
+    Err(ModelError::BadValue { owner: effect.name.clone(), name: parameter.name.clone(), problem })
 }
 
 /// A model with one effect and the values stated for it.

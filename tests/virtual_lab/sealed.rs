@@ -95,6 +95,7 @@ fn what_cannot_be_hidden_is_refused_with_what_could() {
     for (flags, words) in [
         (&["--effect", "grit-duling"][..], &["grit-duling", "grit-dulling"][..]),
         (&["--effect", "grit-dulling:volume=3 mm^3"], &["volume", "dulling_volume"]),
+        (&["--effect", "grit-dulling:dulling_volume=-5 mm^3"], &["dulling_volume", "-5 mm^3", "a size such as"]),
         (&["--effect", "tool-tilt:roll_angle"], &["roll_angle", "PARAMETER=VALUE"]),
         (&["--effect", "tool-tilt:roll_angle=3 kg"], &["roll_angle", "kg"]),
         (&["--process", "sanding", "--effect", "wheel-wear"], &["wheel-wear", "sanding"]),

@@ -2,7 +2,7 @@
 // and extent.rs.
 
 // Longest step, longest while the tool comes down [s].
-const LONGEST_STEP: f32 = 0.08;
+const LONGEST_STEP: f32 = 0.05;
 const APPROACH_STEP: f32 = 0.01;
 // Times that the clock does not tell apart [s]: a step of less would make all that follow it short, too.
 const CLOCK: f32 = 1e-7;
