@@ -10,7 +10,7 @@ const CLEARANCE: f64 = 5e-3;
 /// Least time between two rows of the log [s].
 const LOG_PERIOD: f64 = 0.01;
 /// Times that the clock of a device does not tell apart [s].
-const CLOCK: f64 = 1e-7;
+pub(crate) const CLOCK: f64 = 1e-7;
 
 /// What a step took off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

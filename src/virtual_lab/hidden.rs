@@ -156,7 +156,7 @@ pub(super) fn true_model(
         let Some(effect) = library.find(&hidden.name) else { continue };
         for parameter in &effect.parameters {
             let given = model.values(&effect.name, &parameter.name).to_vec();
-            can_be(effect, parameter, process, &given)?;
+            refuse_below_zero(effect, parameter, process, &given)?;
             let values = values((effect, parameter), &given, (process, size, rows, drawn), &mut chance);
             model.set(&effect.name, &parameter.name, &values);
         }
@@ -165,14 +165,17 @@ pub(super) fn true_model(
 }
 
 /// Refuses a value below zero of what is never below zero.
-fn can_be(effect: &Effect, parameter: &Parameter, process: Process, given: &[f64]) -> Result<(), ModelError> {
-    let [low, high] = parameter.range.of(process).map(|end| parameter.unit.show(end));
-    let is_signed = parameter.range.of(process)[0] < 0.0;
-    let Some(value) = given.iter().find(|value| **value < 0.0 && !is_signed) else { return Ok(()) };
-    let unit = &parameter.unit_text;
-    let (found, expected) =
-        (format!("{} {unit}", parameter.unit.show(*value)), format!("a size such as {low} to {high} {unit}"));
-    let problem = Box::new(Problem::Value { found, expected });
+fn refuse_below_zero(
+    effect: &Effect,
+    parameter: &Parameter,
+    process: Process,
+    given: &[f64],
+) -> Result<(), ModelError> {
+    let range = parameter.range.of(process);
+    let Some(value) = given.iter().find(|value| **value < 0.0 && range[0] >= 0.0) else { return Ok(()) };
+    let shown = |value: f64| format!("{} {}", parameter.unit.show(value), parameter.unit_text);
+    let expected = format!("a size such as {} to {}", shown(range[0]), shown(range[1]));
+    let problem = Box::new(Problem::Value { found: shown(*value), expected });
     Err(ModelError::BadValue { owner: effect.name.clone(), name: parameter.name.clone(), problem })
 }
 

@@ -11,11 +11,8 @@ use super::setup::time_of;
 use crate::contact::Contact;
 use crate::effect::{CompiledModel, DeviceModel, States};
 use crate::pass::Pass;
-use crate::record::{LogRow, PassRecord, Removal};
+use crate::record::{CLOCK, LogRow, PassRecord, Removal};
 use crate::tool_cells;
-
-/// Times that a clock of the device does not tell apart [s].
-const CLOCK: f64 = 1e-7;
 
 /// Copies the bricks that a trial wrote into its field.
 pub(super) fn write_bricks(grid: &mut BrickGrid, remains: &Remains, (setup, header): (&TrialSetup, &RunHeader)) {

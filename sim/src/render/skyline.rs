@@ -5,11 +5,12 @@
 //!     ▁▃▃█▂▁           above it is clear to the end
 //! ```
 
-use glam::{IVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::lanes::{LANES, Lanes, Points, larger};
 use super::occupancy::Blocks;
 use super::padded::Padded;
+use crate::wide::in_wide_lanes;
 
 /// Side of a column [voxels].
 const COLUMN: f32 = 2.0;
@@ -31,34 +32,12 @@ pub(crate) struct Skyline {
     heights: Vec<f32>,
 }
 
-/// Raises the columns that all bricks meet: a call that is compiled for each kind of lanes.
-struct Raise<'a> {
-    skyline: &'a mut Skyline,
-    near: &'a [(IVec3, Blocks)],
-    /// Middles of a brick's blocks, from its corner.
-    blocks: &'a [Vec3; 64],
-    /// Of the box around each block.
-    half: Vec3,
-}
-
-impl pulp::NullaryFnOnce for Raise<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { skyline, near, blocks, half } = self;
-        for &(brick, bits) in near {
-            skyline.raise(components(&skyline.axes, (8 * brick).as_vec3()), (blocks, bits), half);
-        }
-    }
-}
-
 impl Skyline {
     /// `direction`: unit vector to the lamp.
     pub(crate) fn new(padded: &Padded, direction: Vec3) -> Self {
         let (across, along) = direction.any_orthonormal_pair();
         let axes = [direction, across, along];
-        let project = |point: Vec3| components(&axes, point);
+        let project = |point: Vec3| Vec3::from_array(axes.map(|axis| axis.dot(point)));
         // From the middle of a block of 2³ cells, which spans 1 to each side.
         let half = Vec3::from_array(axes.map(|axis| axis.abs().element_sum()));
         let middles = padded.near.iter().map(|(brick, _)| project((8 * brick + 4).as_vec3()));
@@ -73,12 +52,14 @@ impl Skyline {
         let blocks: [Vec3; 64] = std::array::from_fn(|block| {
             project(Vec3::new((block >> 4) as f32, (block >> 2 & 3) as f32, (block & 3) as f32) * 2.0 + 1.0)
         });
-        pulp::Arch::new().dispatch(Raise {
-            skyline: &mut skyline,
-            near: &padded.near,
-            blocks: &blocks,
-            half: half + ROUNDING,
-        });
+        in_wide_lanes(
+            #[inline(always)]
+            || {
+                for &(brick, bits) in &padded.near {
+                    skyline.raise(project((8 * brick).as_vec3()), (&blocks, bits), half + ROUNDING);
+                }
+            },
+        );
         skyline
     }
 
@@ -148,10 +129,4 @@ impl Skyline {
         }
         lengths
     }
-}
-
-/// Components of a vector along three axes.
-#[inline(always)]
-fn components(axes: &[Vec3; 3], vector: Vec3) -> Vec3 {
-    Vec3::from_array(axes.map(|axis| axis.dot(vector)))
 }
