@@ -36,6 +36,12 @@ impl Extent {
         (!covered).then(|| Self { x: grow(self.x, x), y: grow(self.y, y) })
     }
 
+    /// What holds another, too.
+    pub(crate) fn joined(&self, other: &Self) -> Self {
+        let join = |one: (f64, f64), other: (f64, f64)| (one.0.min(other.0), one.1.max(other.1));
+        Self { x: join(self.x, other.x), y: join(self.y, other.y) }
+    }
+
     /// Its corners below a tool, as (u, v, up) [m].
     fn corners(&self, tool: &Tool, pose: &Pose, facing: Facing) -> [DVec3; 4] {
         let bottom = pose.centre - pose.frame.z * tool.drop();

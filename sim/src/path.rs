@@ -144,19 +144,37 @@ impl Path {
 
     /// Velocity along the path at a time [m/s].
     pub fn velocity(&self, time: f64) -> DVec3 {
-        let (a, b) = self.segment(time);
+        self.piece_velocity(self.piece(time))
+    }
+
+    /// Number of straight pieces, each between two samples.
+    pub(crate) fn pieces(&self) -> usize {
+        self.samples.len() - 1
+    }
+
+    /// The piece at a time; a sample's own time belongs to the piece after it.
+    pub(crate) fn piece(&self, time: f64) -> usize {
+        self.samples.partition_point(|sample| sample.time <= time).clamp(1, self.pieces()) - 1
+    }
+
+    /// Velocity on a piece [m/s].
+    pub(crate) fn piece_velocity(&self, piece: usize) -> DVec3 {
+        let (a, b) = (&self.samples[piece], &self.samples[piece + 1]);
         (b.position - a.position) / (b.time - a.time)
     }
 
-    /// The samples before and after a time; a sample's own time belongs to the segment after it.
-    fn segment(&self, time: f64) -> (&PathSample, &PathSample) {
-        let after = self.samples.partition_point(|sample| sample.time <= time).clamp(1, self.samples.len() - 1);
-        (&self.samples[after - 1], &self.samples[after])
+    /// Whether the velocity on a piece, and for a `span` [s] after it, stays within a `share` of what it is there.
+    pub(crate) fn is_steady(&self, piece: usize, share: f64, span: f64) -> bool {
+        let (velocity, end) = (self.piece_velocity(piece), self.samples[piece + 1].time + span);
+        (piece + 1..self.pieces())
+            .take_while(|&next| self.samples[next].time < end)
+            .all(|next| (self.piece_velocity(next) - velocity).length() <= share * velocity.length())
     }
 
     /// The path at a time [s], held at its ends.
     pub fn at(&self, time: f64) -> PathSample {
-        let (a, b) = self.segment(time);
+        let piece = self.piece(time);
+        let (a, b) = (&self.samples[piece], &self.samples[piece + 1]);
         let t = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
         let approach = a.approach.lerp(b.approach, t).normalize();
         let axis = a.axis.lerp(b.axis, t).normalize();

@@ -15,6 +15,10 @@ use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
 use crate::wide::in_wide_lanes;
 
+/// Distance of Gauss's two points from the middle of the time in which a square is under the tool, as a part of a
+/// whole sweep: 1/(2 √3). Their mean is exact for a speed that is a cubic in time.
+const HALF_GAUSS: f64 = 0.288_675_134_594_812_9;
+
 /// A model with the state of its tool, and the values of the step under way.
 pub struct Physics<'a> {
     /// Laws and effects.
@@ -310,7 +314,8 @@ impl<'a> Physics<'a> {
     }
 }
 
-/// Slip speeds [m/s] at squares, where the tool is while it is over them.
+/// Slip speeds [m/s] at squares; of a tool that sweeps over them, the mean over the time in which each is under it, weighted
+/// with its depth.
 #[inline(always)]
 fn slip_speeds(
     tool: &Tool,
@@ -324,10 +329,18 @@ fn slip_speeds(
         let points = sheet.places()[run.clone()].iter().zip(&sheet.height[run.clone()]);
         let places = points.map(|([u, v], height)| frame.local(DVec3::new(*u, *v, *height)));
         let speeds = speeds.iter_mut().zip(places);
-        match squares.and_then(|squares| Some((squares.way, squares.lag.get(run.clone())?))) {
-            Some((way, lag)) => {
-                for ((speed, at), lag) in speeds.zip(lag) {
-                    *speed = tool.slip_speed(at - way * *lag, spindle, feed);
+        match squares.and_then(|squares| Some((squares, squares.lag.get(run.clone())?))) {
+            Some((Squares { way, mean_depth, share, .. }, lag)) => {
+                let sinking = if matches!(tool, Tool::Pad(_)) { -way.z } else { 0.0 };
+                let depths = mean_depth[run.clone()].iter().zip(&share[run.clone()]);
+                for (((speed, at), lag), (depth, share)) in speeds.zip(lag).zip(depths) {
+                    let slip_speed = |time: f64| tool.slip_speed(at - *way * time, spindle, feed);
+                    let apart = HALF_GAUSS * (1.0 - 2.0 * lag.abs());
+                    let sinks = sinking * apart * share;
+                    // A square that is dry for a part of the time counts where it is deepest.
+                    let deeper = sinks.max(-depth).min(*depth) / depth.max(f64::MIN_POSITIVE);
+                    *speed =
+                        0.5 * ((1.0 - deeper) * slip_speed(lag - apart) + (1.0 + deeper) * slip_speed(lag + apart));
                 }
             }
             None => speeds.for_each(|(speed, at)| *speed = tool.slip_speed(at, spindle, feed)),

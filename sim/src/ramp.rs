@@ -5,52 +5,43 @@ const FLAT: f64 = 1e-14;
 
 /// Mean of `max(depth + x + y, 0)` over |x| ≤ spans.0, |y| ≤ spans.1, all in metres.
 pub(crate) fn ramp_mean(depth: f64, spans: (f64, f64)) -> f64 {
-    over_rectangle(depth, spans, ramp, ramp_integral)
+    let (wide, narrow) = (spans.0.max(spans.1), spans.0.min(spans.1));
+    if is_flat(narrow, wide) {
+        return ramp(depth, wide);
+    }
+    (ramp_integral(depth + narrow, wide) - ramp_integral(depth - narrow, wide)) / (2.0 * narrow)
 }
 
 /// Share of the same rectangle in which `depth + x + y` is positive.
 #[inline(always)]
-pub(crate) fn wet_share(depth: f64, spans: (f64, f64)) -> f64 {
-    over_rectangle(depth, spans, step, ramp)
+pub(crate) fn wet_share(depth: f64, (a, b): (f64, f64)) -> f64 {
+    let (wide, narrow) = (if a > b { a } else { b }, if a > b { b } else { a });
+    // Both are computed, for lanes that cannot branch.
+    let sharp = step(depth, wide);
+    let blurred = (ramp(depth + narrow, wide) - ramp(depth - narrow, wide)) / (2.0 * narrow);
+    if is_flat(narrow, wide) { sharp } else { blurred }
 }
 
-/// Mean over the narrow span of `along(z, wide)`, whose antiderivative in z is `integral(z, wide)`.
+/// Whether a rectangle counts as the line of its wide span.
 #[inline(always)]
-fn over_rectangle(
-    depth: f64,
-    (a, b): (f64, f64),
-    along: impl Fn(f64, f64) -> f64,
-    integral: impl Fn(f64, f64) -> f64,
-) -> f64 {
-    let (wide, narrow) = (a.max(b), a.min(b));
-    if narrow <= FLAT + 1e-6 * wide {
-        return along(depth, wide);
-    }
-    (integral(depth + narrow, wide) - integral(depth - narrow, wide)) / (2.0 * narrow)
+fn is_flat(narrow: f64, wide: f64) -> bool {
+    narrow <= FLAT + 1e-6 * wide
 }
 
 /// Share of |x| ≤ span in which z + x > 0.
 #[inline(always)]
 fn step(z: f64, span: f64) -> f64 {
-    if z <= -span {
-        0.0
-    } else if z >= span {
-        1.0
-    } else {
-        (z + span) / (2.0 * span)
-    }
+    let crossed = (z + span) / (2.0 * span);
+    let most = if z >= span { 1.0 } else { crossed };
+    if z <= -span { 0.0 } else { most }
 }
 
 /// Mean of max(z + x, 0) over |x| ≤ span.
 #[inline(always)]
 fn ramp(z: f64, span: f64) -> f64 {
-    if z >= span {
-        z
-    } else if z <= -span {
-        0.0
-    } else {
-        (z + span).powi(2) / (4.0 * span)
-    }
+    let crossed = (z + span) * (z + span) / (4.0 * span);
+    let least = if z <= -span { 0.0 } else { crossed };
+    if z >= span { z } else { least }
 }
 
 /// ∫ ramp dz from below.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::control::Controller;
 use crate::effect::{CompiledModel, Place, RunError, Variable};
+use crate::path::Path;
 use crate::tool::Tool;
 
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
@@ -13,8 +14,12 @@ pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
 /// Longest step [s].
 pub const LONGEST_STEP: f64 = 0.05;
-/// Way of a tool in one step that changes nothing but the coating [footprints].
-const SANDING_STEP: f64 = 0.04;
+/// Way of a tool in one step that changes nothing but the coating [footprints], and longest such step [s].
+const SANDING_STEP: (f64, f64) = (0.04, LONGEST_STEP);
+/// The same where the tool keeps its velocity, so that the middle of the step stands for all of it.
+const STEADY_SANDING_STEP: (f64, f64) = (0.06, 0.08);
+/// Difference in velocity up to which it counts as kept [1].
+const STEADY: f64 = 0.05;
 /// Its way on one sheet [footprints]: the surface stays as it was read.
 const SANDING_SHEET: f64 = 1.0;
 /// Longest step under an effect that lets the controller's reading follow the clock [s]: ten for a swing at 20 Hz.
@@ -125,7 +130,7 @@ impl Process {
     /// # Errors
     /// [`PassError::NoDynamics`] where an ideal controller would read a past force.
     pub fn longest_step(&self, model: &CompiledModel) -> Result<f64, PassError> {
-        let mut longest = LONGEST_STEP;
+        let mut longest = STEADY_SANDING_STEP.1;
         for effect in model.acting(Place::Force) {
             match self.controller {
                 Controller::Replay => {}
@@ -147,7 +152,22 @@ impl Process {
             return (step, sheet);
         }
         let footprint = 2.0 * tool.half_footprint(f64::INFINITY).0;
-        (step.max(SANDING_STEP * footprint), sheet.max(SANDING_SHEET * footprint))
+        (step.max(STEADY_SANDING_STEP.0 * footprint), sheet.max(SANDING_SHEET * footprint))
+    }
+
+    /// Longest step that may begin on each piece of a path [s].
+    pub(crate) fn longest_steps(&self, tool: &Tool, path: &Path, voxel: f64, grinds: bool) -> Vec<f64> {
+        let footprint = 2.0 * tool.half_footprint(f64::INFINITY).0;
+        let longest = |piece: usize| {
+            let (share, longest) = match grinds {
+                true => (0.0, LONGEST_STEP),
+                false if path.is_steady(piece, STEADY, STEADY_SANDING_STEP.1) => STEADY_SANDING_STEP,
+                false => SANDING_STEP,
+            };
+            let (way, speed) = ((self.step_voxels * voxel).max(share * footprint), path.piece_velocity(piece).length());
+            if speed > 0.0 { longest.min(way / speed) } else { longest }
+        };
+        (0..path.pieces()).map(longest).collect()
     }
 
     /// Checks all that a pass reads.

@@ -265,7 +265,7 @@ shared_struct! {
         rest: [f32; 4],
         /// Velocity [voxel/s]; the fourth is its duration [s].
         velocity: [f32; 4],
-        /// Approach axis where it begins.
+        /// Approach axis where it begins; the fourth is the longest step that may begin on it [s].
         approach: [f32; 4],
         /// Axis of the tool where it begins.
         axis: [f32; 4],

@@ -1,7 +1,7 @@
 // What one invocation decides between the parallel parts of a step: clock, sheet and poses; twin of pass/mod.rs, seek.rs
 // and extent.rs.
 
-// Longest step, longest while the tool comes down [s].
+// Time for which a falling tool is looked for at least, longest step while the tool comes down [s].
 const LONGEST_STEP: f32 = 0.05;
 const APPROACH_STEP: f32 = 0.01;
 // Times that the clock does not tell apart [s]: a step of less would make all that follow it short, too.
@@ -48,11 +48,7 @@ fn plan_step() {
     let approach = time_between(Time(setup.approach_blocks, setup.approach_rest), now());
     let comes_down = approach > CLOCK;
     take_over(!comes_down);
-    let speed = path_speed();
-    var dt = min(min(state.dt_limit, setup.longest_step), left);
-    if speed > 0.0 {
-        dt = min(dt, setup.step_way / speed);
-    }
+    var dt = min(min(state.dt_limit, setup.longest_step), min(path[state.piece].approach.w, left));
     if setup.quasi_static == 0u {
         dt = min(dt, period());
     }

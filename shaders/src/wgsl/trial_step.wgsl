@@ -1,5 +1,8 @@
 // One step of the contact over the squares of the region, one invocation each in turn; twin of step/.
 
+// Gauss's two points, from the middle of the time under the tool [sweeps].
+const HALF_GAUSS: f32 = 0.28867513;
+
 // Whether a line is in the rectangle in which the start of the step was measured.
 fn has_start(line: u32) -> bool {
     let region = state.start_region;
@@ -64,17 +67,21 @@ fn lane_here(line: u32, middle: Pose) -> Lane {
     var lane = lane_at(line, middle);
     lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
     if state.whole_step == 1u {
-        lane.slip_speed = swept_slip_speed(line, middle);
+        lane.slip_speed = swept_slip_speed(line, middle, end_square(line));
     }
     return lane;
 }
 
-// Slip speed at a square, where the tool is while it is over it in a step that is taken as its middle.
-fn swept_slip_speed(line: u32, middle: Pose) -> f32 {
+// Mean slip speed at a square while the tool is over it, weighted with its depth, in a step that is taken as its middle.
+fn swept_slip_speed(line: u32, middle: Pose, square: Square) -> f32 {
     let at = local_point(line, middle);
     let sweep = state.sweep.xyz;
-    let way = cover(line, at, middle, sweep).lag * sweep;
-    return slip_speed(at - vec3f(dot(middle.x, way), dot(middle.y, way), dot(middle.z, way)));
+    let way = vec3f(dot(middle.x, sweep), dot(middle.y, sweep), dot(middle.z, sweep));
+    let lag = cover(line, at, middle, sweep).lag;
+    let apart = HALF_GAUSS * (1.0 - 2.0 * abs(lag));
+    let sinks = sinking(middle, sweep) * apart * square.share;
+    let deeper = clamp(sinks / square.mean, -1.0, 1.0);
+    return 0.5 * ((1.0 - deeper) * slip_speed(at - (lag - apart) * way) + (1.0 + deeper) * slip_speed(at - (lag + apart) * way));
 }
 
 // Force of a step that is taken as its middle.

@@ -32,6 +32,11 @@ impl SheetFrame {
         self.turned(point - self.centre)
     }
 
+    /// Whether heights do not change a place's x and y.
+    pub(crate) fn is_upright(&self) -> bool {
+        self.x.z == 0.0 && self.y.z == 0.0
+    }
+
     /// A vector of the sheet in the tool's frame.
     #[inline(always)]
     pub(super) fn turned(&self, v: DVec3) -> DVec3 {
@@ -57,6 +62,8 @@ pub(super) struct Border<'a> {
     pub(super) sinking: f64,
     /// Distance from the border beyond which a square is wholly within or beside it [m].
     pub(super) near: f64,
+    /// Radius of a pad's border [m].
+    pub(super) rim: f64,
     /// Squares of the radii between which a pad's border may cross a square [m²].
     pub(super) ring: (f64, f64),
 }
@@ -66,11 +73,11 @@ impl<'a> Border<'a> {
         let sweep = sheet.facing.sheet(sweep);
         // Half a square's diagonal, and what a slope of one adds.
         let near = sheet.pitch + 0.5 * sweep.length();
-        let radius = tool.rim_radius();
-        let inner = radius - near;
-        let ring = (inner * inner.abs(), (radius + near).powi(2));
+        let rim = tool.rim_radius();
+        let inner = rim - near;
+        let ring = (inner * inner.abs(), (rim + near).powi(2));
         let sinking = if matches!(tool, Tool::Pad(_)) { -frame.z.dot(sweep) } else { 0.0 };
-        Self { tool, frame, sweep, sinking, near, ring }
+        Self { tool, frame, sweep, sinking, near, rim, ring }
     }
 
     /// How far a pad sinks in or out on either side of the sweep's middle [m].
@@ -111,9 +118,10 @@ impl<'a> Border<'a> {
     #[inline(always)]
     pub(super) fn disc_cover(&self, at: DVec3, slope: [f64; 2], pitch: f64) -> Cover {
         let off = (at.x * at.x + at.y * at.y).sqrt();
-        let per_way = if off > 0.0 { -1.0 / off } else { 0.0 };
+        let outward = -1.0 / off;
+        let per_way = if off > 0.0 { outward } else { 0.0 };
         let inward = (self.frame.x * at.x + self.frame.y * at.y) * per_way;
-        self.cover_within(self.tool.rim_radius() - off, inward, slope, 0.5 * pitch)
+        self.cover_within(self.rim - off, inward, slope, 0.5 * pitch)
     }
 
     /// Cover of a square of half side `half` [m] whose middle lies `within` the border [m], which is crossed `inward`.
@@ -139,7 +147,7 @@ impl<'a> Border<'a> {
         let (low, high) = sheet.levels();
         let tall = (high - centre.z).max(centre.z - low).max(0.0);
         let tilt = self.frame.z.x.hypot(self.frame.z.y);
-        let reach = (self.tool.rim_radius() + self.near + if tilt > 0.0 { tall * tilt } else { 0.0 }) / upright;
+        let reach = (self.rim + self.near + if tilt > 0.0 { tall * tilt } else { 0.0 }) / upright;
         let [low_u, low_v] = sheet.window.low.map(f64::from);
         let off = (low_u + row as f64) * sheet.pitch - centre.x;
         let half = (reach * reach - off * off).max(0.0).sqrt();
@@ -153,5 +161,6 @@ impl<'a> Border<'a> {
 /// the sweep is the other.
 #[inline(always)]
 pub(super) fn swept_spans((a, b): (f64, f64), swept: f64) -> (f64, f64) {
-    if swept == 0.0 { (a, b) } else { ((a * a + b * b).sqrt(), swept) }
+    let own = (a * a + b * b).sqrt();
+    if swept == 0.0 { (a, b) } else { (own, swept) }
 }

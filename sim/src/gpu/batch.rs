@@ -187,7 +187,7 @@ fn batch(group: &[Ready], model: &DeviceModel) -> Batch {
             }
         };
         let path_first = batch.path.len() as u32;
-        batch.path.extend(setup::path(&pass, part.voxel));
+        batch.path.extend(setup::path(&pass, part.voxel, ready.setup.grinds == 1));
         let mut setup = ready.setup;
         (setup.first_brick, setup.shared_bricks) = (first_brick, part.brick_count() as u32);
         (setup.path_first, setup.path_pieces) = (path_first, batch.path.len() as u32 - path_first - 1);

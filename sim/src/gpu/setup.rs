@@ -38,23 +38,24 @@ fn four(v: DVec3, last: f64) -> [f32; 4] {
 }
 
 /// The path in straight pieces, and its end.
-pub(super) fn path(pass: &Pass, voxel: f64) -> Vec<PathPiece> {
+pub(super) fn path(pass: &Pass, voxel: f64, grinds: bool) -> Vec<PathPiece> {
     let samples = pass.path.samples();
     let mut pieces = Vec::new();
-    for pair in samples.windows(2) {
+    let longest_steps = pass.process.longest_steps(pass.tool, pass.path, voxel, grinds);
+    for (pair, longest_step) in samples.windows(2).zip(longest_steps) {
         let (a, b) = (&pair[0], &pair[1]);
         let count = ((b.position - a.position).length() / (PIECE * voxel)).ceil().max(1.0);
         let velocity = (b.position - a.position) / (b.time - a.time) / voxel;
         let each = (b.time - a.time) / count;
-        pieces.extend((0..count as usize).map(|n| piece(a, b, n as f64 / count, (velocity, each), voxel)));
+        pieces.extend((0..count as usize).map(|n| piece(a, b, n as f64 / count, (velocity, each, longest_step), voxel)));
     }
     let last = &samples[samples.len() - 1];
-    pieces.push(piece(last, last, 0.0, (DVec3::ZERO, 1.0), voxel));
+    pieces.push(piece(last, last, 0.0, (DVec3::ZERO, 1.0, LONGEST_STEP), voxel));
     pieces
 }
 
 /// The piece that begins at a share of the way between two samples.
-fn piece(a: &PathSample, b: &PathSample, share: f64, (velocity, span): (DVec3, f64), voxel: f64) -> PathPiece {
+fn piece(a: &PathSample, b: &PathSample, share: f64, (velocity, span, longest_step): (DVec3, f64, f64), voxel: f64) -> PathPiece {
     let position = a.position.lerp(b.position, share) / voxel;
     let whole = position.floor();
     let (blocks, rest) = clock(a.time + (b.time - a.time) * share);
@@ -62,7 +63,7 @@ fn piece(a: &PathSample, b: &PathSample, share: f64, (velocity, span): (DVec3, f
         whole: [whole.x as i32, whole.y as i32, whole.z as i32, blocks],
         rest: [(position.x - whole.x) as f32, (position.y - whole.y) as f32, (position.z - whole.z) as f32, rest],
         velocity: four(velocity, span),
-        approach: four(a.approach.lerp(b.approach, share), 0.0),
+        approach: four(a.approach.lerp(b.approach, share), longest_step),
         axis: four(a.axis.lerp(b.axis, share), 0.0),
     }
 }

@@ -163,6 +163,8 @@ struct Runner<'a> {
     dt: f64,
     /// Longest step that the effects on the controller stand [s].
     longest_step: f64,
+    /// Longest step that may begin on each piece of the path [s].
+    longest_steps: Vec<f64>,
     /// Surface that sheets are read for.
     extent: Extent,
     /// Way of the tool since the sheet was read [m].
@@ -193,6 +195,7 @@ impl<'a> Runner<'a> {
         if physics.wants(Variable::RemovedDepth) || scanner.contains(&Variable::RemovedDepth) {
             grid.scalar_or_zero(Scalar::Removed);
         }
+        let longest_steps = pass.process.longest_steps(pass.tool, pass.path, grid.voxel, physics.grinds());
         let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.process.controller };
         let travel = if controller == Controller::Ideal { pass.process.search_reach } else { 0.0 };
         Self {
@@ -209,6 +212,7 @@ impl<'a> Runner<'a> {
             moment: Moment::new(&pass),
             dt: LONGEST_STEP,
             longest_step: LONGEST_STEP,
+            longest_steps,
             travelled: 0.0,
             bent: 0.0,
             goes_on: false,
@@ -232,15 +236,14 @@ impl<'a> Runner<'a> {
 
     /// One step. Returns the force at its end [N].
     fn advance(&mut self, duration: f64) -> Result<f64, RunError> {
-        let speed = self.pass.path.velocity(self.time).length();
-        let by_way = if speed > 0.0 { self.step_way() / speed } else { LONGEST_STEP };
+        let on_piece = self.longest_steps[self.pass.path.piece(self.time)];
         self.take_over();
         let rest = duration - self.time;
         let period = match self.controller {
             Controller::Admittance { period, .. } => period,
             _ => f64::INFINITY,
         };
-        let mut dt = by_way.min(self.dt).min(self.longest_step).min(rest);
+        let mut dt = on_piece.min(self.dt).min(self.longest_step).min(rest);
         if !self.pass.process.quasi_static {
             dt = dt.min(period);
         }
@@ -341,7 +344,7 @@ impl<'a> Runner<'a> {
         self.physics.lap(Phase::Apply);
         // Half a step of slack: steps of equal ways would end on the limit itself, on a side that rounding decides.
         let far = self.travelled + 0.5 * way.length() > self.commit_way();
-        if far || receded > COMMIT_RECESSION * self.grid.voxel {
+        if self.physics.grinds() && (far || receded > COMMIT_RECESSION * self.grid.voxel) {
             self.write_back();
         }
         Ok(end_force)

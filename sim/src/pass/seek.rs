@@ -10,13 +10,15 @@ use crate::extent::{Extent, MARGIN};
 use crate::physics::Physics;
 use crate::region::Region;
 use crate::settings::LONGEST_STEP;
-use crate::sheet::{Facing, Sheet};
+use crate::sheet::{Facing, Sheet, Window};
 use crate::tool::Pose;
 
 /// Surface sought below the tool while it is in contact [voxels].
 const NEAR_BELOW: f64 = 4.0;
 /// Surface looked at ahead of a step, where the contact may go next [voxels].
 const LOOK_AHEAD: f64 = 3.0;
+/// Lines of a sheet, unless the tool's next ways need more: some 40 MB.
+const MOST_LINES: usize = 1 << 18;
 /// Relative difference between force and setpoint that is good enough.
 const FORCE_TOLERANCE: f64 = 1e-5;
 
@@ -148,13 +150,8 @@ impl Runner<'_> {
     /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
     fn read_sheet(&mut self, dt: f64, facing: Facing, far: bool) {
         let Pass { tool, process, .. } = self.pass;
-        let ahead = self.time_for(self.commit_way() + self.step_way() + LOOK_AHEAD * self.grid.voxel);
-        let count = (self.commit_way() / self.step_way()).ceil();
-        let pose = |share: f64| self.pose(self.time + dt + ahead * share, self.motion.travel);
         let start = self.pose(self.time, self.motion.travel);
-        let poses: Vec<Pose> =
-            std::iter::once(start).chain((0..=count as usize).map(|k| pose(k as f64 / count))).collect();
-        let (window, lowest) = self.extent.window(tool, &poses, facing, self.grid.voxel);
+        let (window, lowest) = self.next_window(dt, facing);
         let level = facing.sheet(start.centre - start.frame.z * tool.drop()).z;
         let below = if far || self.in_air() || !self.physics.grinds() {
             2.0 * process.search_reach
@@ -166,5 +163,31 @@ impl Runner<'_> {
         let levels = (level, lowest.min(level) - below - falling);
         self.sheet = Some(Sheet::read_beside(before.as_ref(), self.grid, facing, window, levels));
         self.physics.lap(Phase::Read);
+    }
+
+    /// The window of the next sheet, and its lowest corner [m up]: of a surface that stays as it was read, as much as the tool
+    /// will meet and a sheet may hold.
+    fn next_window(&self, dt: f64, facing: Facing) -> (Window, f64) {
+        let Pass { tool, path, .. } = self.pass;
+        let until_written = self.time_for(self.commit_way() + self.step_way() + LOOK_AHEAD * self.grid.voxel);
+        let window = |extent: &Extent, ahead: f64, count: f64| {
+            let pose = |share: f64| self.pose(self.time + dt + ahead * share, self.motion.travel);
+            let start = self.pose(self.time, self.motion.travel);
+            let poses: Vec<Pose> =
+                std::iter::once(start).chain((0..=count as usize).map(|k| pose(k as f64 / count))).collect();
+            extent.window(tool, &poses, facing, self.grid.voxel)
+        };
+        if self.physics.grinds() {
+            return window(&self.extent, until_written, (self.commit_way() / self.step_way()).ceil());
+        }
+        let extent = Extent::of(tool, 2.0 * self.grid.voxel).joined(&self.extent);
+        let mut ahead = until_written.max(path.duration() - self.time - dt);
+        loop {
+            let found = window(&extent, ahead, (ahead / LONGEST_STEP).ceil().max(1.0));
+            if ahead <= until_written || found.0.lines() <= MOST_LINES {
+                return found;
+            }
+            ahead = (0.5 * ahead).max(until_written);
+        }
     }
 }

@@ -168,7 +168,7 @@ impl Step {
         self.measure_end((tool, pose, sweep), sheet, physics)?;
         self.lines.clone_from(&self.end_squares.wet);
         self.end.gather(&self.end_squares, &self.lines);
-        self.depth_rate.clear();
+        // Nothing but zeros are in here where nothing recedes.
         self.depth_rate.resize(self.lines.len(), 0.0);
         physics.place(tool, pose, sheet, Some(&self.end_squares), &self.lines);
         self.end.press(physics, &self.depth_rate)?;
@@ -190,8 +190,7 @@ impl Step {
         self.end.sand(physics)?;
         self.dose.clear();
         if self.is_whole {
-            physics.rate(&self.end.depth, &self.end.pressure, &mut self.end.rate)?;
-            self.relaxed.recession.clear();
+            self.end.rate.resize(self.lines.len(), 0.0);
             self.relaxed.recession.resize(self.lines.len(), 0.0);
             self.relaxed.mean_load.clone_from(&self.relaxed.end_load);
             self.dose.extend(self.end.dose_rate.iter().zip(&self.end.share).map(|(rate, share)| dt * rate * share));

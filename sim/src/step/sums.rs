@@ -50,7 +50,9 @@ impl Step {
         let result = in_wide_lanes(
             #[inline(always)]
             || {
-                ApproachShare::new(pose, sheet).fill(sheet, &self.lines, &mut facing);
+                if !self.is_whole {
+                    ApproachShare::new(pose, sheet).fill(sheet, &self.lines, &mut facing);
+                }
                 let (load, area) = self.load_and_area(sheet, &facing);
                 let force = dot(&self.relaxed.mean_load, &facing);
                 let pressure_max = self.pressure_max(sheet);
@@ -156,6 +158,15 @@ impl Step {
     #[inline(always)]
     fn bounds(&self, frame: &SheetFrame, sheet: &Sheet) -> ((f64, f64), (f64, f64)) {
         let (mut x, mut y) = (Bounds::NONE, Bounds::NONE);
+        if frame.is_upright() {
+            // Where heights do not matter, the ends of a run lie furthest out.
+            let ends = self.lines.runs().iter().flat_map(|Run { lines, .. }| [lines.start, lines.end - 1]);
+            for at in ends.map(|line| frame.local(sheet.point(line))) {
+                x.take(0, at.x);
+                y.take(0, at.y);
+            }
+            return (x.range(), y.range());
+        }
         let mut take = |part: usize, [u, v]: [f64; 2], height: f64| {
             let at = frame.local(DVec3::new(u, v, height));
             x.take(part, at.x);
