@@ -2,14 +2,16 @@
 //!
 //! A voxel rises with its closest surface point (extension velocities, Adalsteinsson and Sethian 1999): by how far the
 //! columns there have sunk, interpolated between them, times the field's own steepness along the column. So the zero set
-//! moves by exactly what its columns sank. Then voxels farther than [`KEPT_VOXELS`], which carry no zero set, take their distance anew from one
-//! voxel nearer to the surface along the normal, layer by layer.
+//! moves by exactly what its columns sank. Then the voxels that carry no zero set take
+//! their distance anew.
+
+mod renew;
 
 use glam::{DVec2, IVec3};
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
-use sdf_bake::redistance::KEPT_VOXELS;
 
+use self::renew::renew;
 use crate::sheet::{NO_SURFACE, Sheet};
 
 /// Area ratio up to which a column's whole band is written.
@@ -23,56 +25,52 @@ pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
         let dosed = (0..sheet.window.lines()).filter(|&line| sheet.dose[line] > 0.0);
         dosed.for_each(|line| write_near(grid, sheet, line, Scalar::Dose, sheet.dose[line]));
     }
-    let Some(lines) = lines_to_change(sheet) else { return };
-    open_bricks(grid, sheet, &lines);
-    for &line in &lines {
-        raise(grid, sheet, line);
+    let sunk: Vec<f64> = sheet.read_height.iter().zip(&sheet.height).map(|(read, now)| read - now).collect();
+    let Some(columns) = columns_to_change(sheet, &sunk) else { return };
+    open_bricks(grid, sheet, &columns);
+    for column in &columns {
+        raise(grid, sheet, &sunk, column);
     }
     if !grid.removed.is_empty() {
-        for &line in &lines {
+        for &Column { line, .. } in &columns {
             write_near(grid, sheet, line, Scalar::Removed, sheet.removed[line]);
         }
     }
     sheet.set_slopes();
-    let below: Vec<i32> = lines.iter().map(|&line| floor(sheet.height[line] / sheet.pitch)).collect();
-    let layers = lines.iter().map(|&line| reach(grid, sheet.area_ratio(line))).max().unwrap_or(0);
-    let mut renewed = Vec::new();
-    for layer in 1..=layers {
-        // All are found before any is written, so that the order of the lines does not matter.
-        renewed.clear();
-        for (&line, &below) in lines.iter().zip(&below) {
-            for (k, side) in [(below + layer, 1), (below + 1 - layer, -1)] {
-                renewed.extend(renewed_far(grid, sheet, line, (k, side)));
-            }
-        }
-        renewed.drain(..).for_each(|far| write_far(grid, sheet, &far));
-    }
+    renew(grid, sheet, &columns);
 }
 
-/// Lines whose voxels may have a receded column as their closest surface point.
-fn lines_to_change(sheet: &Sheet) -> Option<Vec<usize>> {
+/// A column whose voxels may change, and its place in the window.
+struct Column {
+    line: usize,
+    row: usize,
+    across: usize,
+}
+
+/// Columns whose voxels may have a receded column as their closest surface point, by how far each has `sunk` [m].
+fn columns_to_change(sheet: &Sheet, sunk: &[f64]) -> Option<Vec<Column>> {
     let [rows, across] = sheet.window.size;
-    let receded = |line: &usize| sheet.height[*line] < sheet.read_height[*line];
     let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-    for line in (0..sheet.window.lines()).filter(receded) {
-        for (d, at) in [line / across, line % across].into_iter().enumerate() {
-            (low[d], high[d]) = (low[d].min(at), high[d].max(at));
-        }
+    for (row, sunk) in sunk.chunks_exact(across).enumerate() {
+        let Some(first) = sunk.iter().position(|sunk| *sunk > 0.0) else { continue };
+        let last = sunk.iter().rposition(|sunk| *sunk > 0.0).unwrap_or(first);
+        (low, high) = ([low[0].min(row), low[1].min(first)], [row, high[1].max(last)]);
     }
     if low[0] == usize::MAX {
         return None;
     }
     let from = |d: usize| low[d].saturating_sub(2);
     let to = |d: usize, size: usize| (high[d] + 2).min(size - 1);
-    let rows = from(0)..=to(0, rows);
-    let lines = rows.flat_map(|row| (from(1)..=to(1, across)).map(move |place| row * across + place));
-    Some(lines.filter(|&line| sheet.read_height[line] > NO_SURFACE).collect())
+    let columns = (from(0)..=to(0, rows)).flat_map(|row| {
+        (from(1)..=to(1, across)).map(move |place| Column { line: row * across + place, row, across: place })
+    });
+    Some(columns.filter(|column| sheet.read_height[column.line] > NO_SURFACE).collect())
 }
 
 /// Gives bricks to what lies ahead of the receding surface.
-fn open_bricks(grid: &mut BrickGrid, sheet: &mut Sheet, lines: &[usize]) {
+fn open_bricks(grid: &mut BrickGrid, sheet: &mut Sheet, columns: &[Column]) {
     let mut last = IVec3::MAX;
-    for &line in lines {
+    for &Column { line, .. } in columns {
         let (i, j) = sheet.window.place(line);
         let below = floor(sheet.height[line] / sheet.pitch) - reach(grid, sheet.area_ratio(line));
         let brick = sheet.facing.voxel(i, j, below) >> 3;
@@ -98,10 +96,12 @@ fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar,
     }
 }
 
-/// Raises the band's voxels of a line.
-fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
+/// Raises the band's voxels of a column.
+fn raise(grid: &mut BrickGrid, sheet: &Sheet, sunk: &[f64], column: &Column) {
+    let line = column.line;
     let below = floor(sheet.read_height[line] / sheet.pitch);
-    let (area_ratio, on) = (sheet.area_ratio(line), sheet.on[line]);
+    let (area_ratio, on, slope) = (sheet.area_ratio(line), sheet.on[line], DVec2::from(sheet.slope[line]));
+    let (per_pitch, flatness) = (1.0 / sheet.pitch, 1.0 / area_ratio);
     let beside = [below, below + 1].map(|k| f64::from(sheet.lattice.phi(grid, on, k)));
     for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
         for step in 0..reach(grid, area_ratio) {
@@ -111,9 +111,11 @@ fn raise(grid: &mut BrickGrid, sheet: &Sheet, line: usize) {
             if grid.phi[at].abs() >= grid.band || rise <= 0.0 {
                 break;
             }
-            let sunk = sunk_at(sheet, line, phi);
+            // The closest surface point lies on another column.
+            let around = Around::of(sheet, column, slope * (phi * flatness * per_pitch));
+            let sunk = around.map_or(0.0, |around| around.mean(sunk));
             if sunk > 0.0 {
-                let steepness = (rise / sheet.pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1) / area_ratio;
+                let steepness = (rise * per_pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1) * flatness;
                 grid.phi[at] = ((phi + sunk * steepness) as f32).min(grid.band);
             }
             nearer = phi;
@@ -132,79 +134,33 @@ fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
     (f64::from(grid.band) / grid.voxel * area_ratio.min(STEEPEST)).ceil() as i32 + 1
 }
 
-/// How far [m] the column has sunk on which the closest surface point of a voxel lies, which has the value `phi` [m] on
-/// a line.
-fn sunk_at(sheet: &Sheet, line: usize, phi: f64) -> f64 {
-    let shift = phi / (sheet.area_ratio(line) * sheet.pitch);
-    let at = DVec2::from(sheet.slope[line]) * shift;
-    bilinear(sheet, line, at, |near| Some(sheet.read_height[near] - sheet.height[near])).unwrap_or(0.0)
+/// The four columns around a place of the window, with their weights in a bilinear mean.
+struct Around {
+    lines: [usize; 4],
+    weights: [f64; 4],
 }
 
-/// Interpolates between the columns around a line, `at` [columns] away from it; `None` beyond the window, or where a
-/// column has no value.
-fn bilinear(sheet: &Sheet, line: usize, at: DVec2, value: impl Fn(usize) -> Option<f64>) -> Option<f64> {
-    let [rows, across] = sheet.window.size;
-    let own = [line / across, line % across];
-    let (row, column) = (own[0] as f64 + at.x, own[1] as f64 + at.y);
-    if !(row >= 0.0 && column >= 0.0 && row <= (rows - 1) as f64 && column <= (across - 1) as f64) {
-        return None;
-    }
-    let (r, c) = ((row as usize).min(rows - 2), (column as usize).min(across - 2));
-    let (fr, fc) = (row - r as f64, column - c as f64);
-    let first = r * across + c;
-    let mut sum = 0.0;
-    for (near, weight) in [
-        (first, (1.0 - fr) * (1.0 - fc)),
-        (first + 1, (1.0 - fr) * fc),
-        (first + across, fr * (1.0 - fc)),
-        (first + across + 1, fr * fc),
-    ] {
-        if weight > 0.0 {
-            sum += weight * value(near)?;
+impl Around {
+    /// Around a place `at` [columns] away from a column; `None` beyond the window.
+    #[inline(always)]
+    fn of(sheet: &Sheet, column: &Column, at: DVec2) -> Option<Self> {
+        let [rows, across] = sheet.window.size;
+        let (row, place) = (column.row as f64 + at.x, column.across as f64 + at.y);
+        if !(row >= 0.0 && place >= 0.0 && row <= (rows - 1) as f64 && place <= (across - 1) as f64) {
+            return None;
         }
+        let (r, c) = ((row as usize).min(rows - 2), (place as usize).min(across - 2));
+        let (fr, fc) = (row - r as f64, place - c as f64);
+        let first = r * across + c;
+        Some(Self {
+            lines: [first, first + 1, first + across, first + across + 1],
+            weights: [(1.0 - fr) * (1.0 - fc), (1.0 - fr) * fc, fr * (1.0 - fc), fr * fc],
+        })
     }
-    Some(sum)
-}
 
-/// A voxel that carries no zero set, with its new distance.
-struct Far {
-    line: usize,
-    k: i32,
-    at: usize,
-    phi: f32,
-}
-
-/// Voxel `k` of a line, on a side of the surface; `None` where it carries the zero set, or has no nearer one.
-fn renewed_far(grid: &BrickGrid, sheet: &Sheet, line: usize, (k, side): (i32, i32)) -> Option<Far> {
-    let kept = (KEPT_VOXELS * sheet.pitch) as f32;
-    let at = sheet.lattice.place(sheet.on[line], k)?;
-    let old = grid.phi[at];
-    let wrong_side = old * (side as f32) < 0.0;
-    if old.abs() <= kept || wrong_side {
-        return None;
+    /// Mean of what each line has.
+    #[inline(always)]
+    fn mean(&self, values: &[f64]) -> f64 {
+        self.lines.iter().zip(self.weights).map(|(line, weight)| weight * values[*line]).sum()
     }
-    let distance = distance_from_nearer(grid, sheet, line, k, side)?;
-    Some(Far { line, k, at, phi: (distance as f32).clamp(kept, grid.band) * side as f32 })
-}
-
-/// Writes a distance; a voxel that was beyond the band takes the label of the one above it.
-fn write_far(grid: &mut BrickGrid, sheet: &Sheet, far: &Far) {
-    if grid.phi[far.at] == -grid.band && !grid.label.is_empty() {
-        let above = sheet.lattice.place(sheet.on[far.line], far.k + 1);
-        grid.label[far.at] = above.map_or(0, |above| grid.label[above]);
-    }
-    grid.phi[far.at] = far.phi;
-}
-
-/// Distance [m] of voxel `k` of a line from the surface: that of the point one voxel of height nearer to it on the
-/// normal, and the way there.
-fn distance_from_nearer(grid: &BrickGrid, sheet: &Sheet, line: usize, k: i32, side: i32) -> Option<f64> {
-    let slope = DVec2::from(sheet.slope[line]);
-    let area_ratio = sheet.area_ratio(line);
-    let value = |near: usize| {
-        let phi = f64::from(sheet.lattice.phi(grid, sheet.on[near], k - side));
-        (phi.abs() < f64::from(grid.band)).then_some(phi)
-    };
-    let nearer = bilinear(sheet, line, slope * f64::from(side), value)?;
-    Some((nearer * f64::from(side)).max(0.0) + sheet.pitch * area_ratio)
 }

@@ -38,7 +38,7 @@ pub struct Process {
     pub step_voxels: f64,
     /// Whether an admittance is stepped at its own period only where its dynamics matter. Default: yes.
     pub quasi_static: bool,
-    /// Way of the tool after which the field is written [voxels]. Default 4.
+    /// Way of the tool after which the field is written [voxels]. Default 6.
     pub commit_voxels: f64,
     /// Thickness of the coating h_c [m], for sanding. Default 50e-6.
     pub coating: f64,
@@ -58,7 +58,7 @@ impl Default for Process {
             spindle_speed: 6000.0 * std::f64::consts::TAU / 60.0,
             step_voxels: 0.5,
             quasi_static: true,
-            commit_voxels: 4.0,
+            commit_voxels: 6.0,
             coating: 50e-6,
             search_reach: 20e-3,
             most_steps: None,

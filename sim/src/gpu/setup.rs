@@ -47,7 +47,8 @@ pub(super) fn path(pass: &Pass, voxel: f64, grinds: bool) -> Vec<PathPiece> {
         let count = ((b.position - a.position).length() / (PIECE * voxel)).ceil().max(1.0);
         let velocity = (b.position - a.position) / (b.time - a.time) / voxel;
         let each = (b.time - a.time) / count;
-        pieces.extend((0..count as usize).map(|n| piece(a, b, n as f64 / count, (velocity, each, longest_step), voxel)));
+        pieces
+            .extend((0..count as usize).map(|n| piece(a, b, n as f64 / count, (velocity, each, longest_step), voxel)));
     }
     let last = &samples[samples.len() - 1];
     pieces.push(piece(last, last, 0.0, (DVec3::ZERO, 1.0, LONGEST_STEP), voxel));
@@ -55,7 +56,13 @@ pub(super) fn path(pass: &Pass, voxel: f64, grinds: bool) -> Vec<PathPiece> {
 }
 
 /// The piece that begins at a share of the way between two samples.
-fn piece(a: &PathSample, b: &PathSample, share: f64, (velocity, span, longest_step): (DVec3, f64, f64), voxel: f64) -> PathPiece {
+fn piece(
+    a: &PathSample,
+    b: &PathSample,
+    share: f64,
+    (velocity, span, longest_step): (DVec3, f64, f64),
+    voxel: f64,
+) -> PathPiece {
     let position = a.position.lerp(b.position, share) / voxel;
     let whole = position.floor();
     let (blocks, rest) = clock(a.time + (b.time - a.time) * share);

@@ -31,7 +31,7 @@ use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells};
 
 /// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
-const COMMIT_RECESSION: f64 = 0.4;
+const COMMIT_RECESSION: f64 = 0.75;
 /// Recession after which a sheet's slopes are taken anew [voxels].
 const BENT: f64 = 0.02;
 /// Longest step while the tool comes down [s].
