@@ -208,6 +208,17 @@ mod tests {
     }
 
     #[test]
+    fn a_feed_is_steady_until_it_changes_within_the_span() {
+        let place = |time: f64| DVec3::new(time.min(1.0), (time - 1.0).max(0.0), 0.0) * 0.01;
+        let sample = |time: f64| PathSample { time, position: place(time), approach: DVec3::Z, axis: DVec3::Y };
+        let path = Path::from_samples((0..=20).map(|k| sample(0.1 * f64::from(k))).collect()).unwrap();
+        let steady: Vec<bool> = (0..path.pieces()).map(|piece| path.is_steady(piece, 0.05, 0.25)).collect();
+        // The corner is at the end of piece 9, 0.2 s after that of piece 7.
+        let expected: Vec<bool> = (0..20).map(|piece| !(7..=9).contains(&piece)).collect();
+        assert_eq!(steady, expected);
+    }
+
+    #[test]
     fn curves_that_cannot_be_followed_are_refused_with_the_reason() {
         assert_eq!(Path::along(&straight()[..1], 0.005), Err(PathError::NormalAlongCurve { point: 0 }));
         assert_eq!(Path::along(&[], 0.005), Err(PathError::TooFewPoints { found: 0 }));

@@ -56,7 +56,7 @@ impl Default for Process {
             controller: Controller::Ideal,
             force_setpoint: 15.0,
             spindle_speed: 6000.0 * std::f64::consts::TAU / 60.0,
-            step_voxels: 0.5,
+            step_voxels: 0.6,
             quasi_static: true,
             commit_voxels: 6.0,
             coating: 50e-6,

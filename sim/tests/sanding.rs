@@ -12,7 +12,7 @@ use sim::contact::Squares;
 use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use sim::region::Region;
 use sim::sheet::{Facing, Sheet, Window};
-use sim::{Controller, Frame, Pad, Pass, PassRecord, Path, Pose, Process, Tool, run_pass};
+use sim::{Controller, Frame, Pad, Pass, PassRecord, Path, PathSample, Pose, Process, Tool, run_pass};
 
 const VOXEL: f64 = 0.5e-3;
 /// K_P/h_c [1/(Pa m)].
@@ -115,6 +115,52 @@ fn shared_examples_of_doses_hold() {
         let process = Process { controller: Controller::Replay, spindle_speed: spin, ..Process::default() };
         let (_, found) = doses(radius, (&process, &sanding(stiffness, rate, tilt), depth), feed, &[y]);
         report("shared, tilted", found[0].0, found[0].1, form(found[0].0));
+    }
+}
+
+/// Dose per pressure [s m/s] at a place: the slip of a pad that spins there, over the time for which it is under the pad.
+fn dose_along(path: &Path, (radius, spin): (f64, f64), place: DVec3) -> f64 {
+    let steps = 200_000;
+    let dt = path.duration() / f64::from(steps);
+    let slip = |k: i32| {
+        let time = (f64::from(k) + 0.5) * dt;
+        let from_axis = place - path.at(time).position;
+        let slip = spin * DVec3::Z.cross(from_axis) + path.velocity(time);
+        if from_axis.length() < radius { slip.length() * dt } else { 0.0 }
+    };
+    (0..steps).map(slip).sum()
+}
+
+#[test]
+fn a_pad_that_turns_a_corner_leaves_the_dose_of_its_slip() {
+    let (radius, feed, spin, force, stiffness) = (0.008, 0.02, 40.0, 10.0, 1e8);
+    // As a log has it: a sample in each hundredth of a second, round a corner that no sample hits.
+    let corner = 0.0301;
+    let place = |way: f64| DVec3::new(way.min(corner), (way - corner).max(0.0), 0.0) - DVec3::new(0.015, 0.015, 0.0);
+    let samples = (0..=300).map(f64::from).map(|k| PathSample {
+        time: 0.01 * k,
+        position: place(0.01 * k * feed),
+        approach: DVec3::Z,
+        axis: DVec3::Y,
+    });
+    let path = Path::from_samples(samples.collect()).unwrap();
+    let half = DVec3::new(0.026, 0.026, 1e-3);
+    let mut grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, |p| p.z);
+    let process = Process { force_setpoint: force, spindle_speed: spin, ..Process::default() };
+    let model = sanding(stiffness, SANDING_RATE, 0.0);
+    let tool = Tool::from(Pad { radius });
+    let pass = Pass::first(&tool, &path, &process, &model);
+    let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |_| {}).expect("a pass");
+    let window = Window { low: [-48, -48], size: [97, 97] };
+    let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 1e-3, -1e-3);
+    println!("{} steps", record.steps);
+    for (x, y) in [(-5.0, -15.0), (5.0, -20.0), (12.0, -15.0), (15.0, -13.0), (18.0, -17.0), (12.0, -10.0), (19.0, 0.0)]
+    {
+        let place = DVec3::new(x, y, 0.0) * 1e-3;
+        let column = |along: f64| ((along * 1e-3 / VOXEL).round() + 48.0) as usize;
+        let found = sheet.dose[column(x) * window.size[1] + column(y)];
+        let exact = SANDING_RATE * force / (PI * radius * radius) * dose_along(&path, (radius, spin), place);
+        report(&format!("round a corner, x = {x} mm"), place.y, found, exact);
     }
 }
 

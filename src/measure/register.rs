@@ -15,6 +15,8 @@ const ROUNDS: (usize, usize) = (10, 20);
 const TUNING: (f64, f64) = (1.345, 4.685);
 /// Spread below which the fit is exact [m].
 const EXACT: f64 = 1e-12;
+/// Spread that heights have at least where a shift is sought [m]: that of the best profilometers.
+const FINEST: f64 = 1e-7;
 /// Unknowns: offset, tilt along x and y, shift along x and y.
 const UNKNOWNS: usize = 5;
 /// Share of a column's length that the others must leave of it.
@@ -75,7 +77,8 @@ struct Equation {
 /// Lays `measured` on `reference` over the pixels that `takes` says; outliers among them count little or nothing.
 ///
 /// A shift is a step of Gauss and Newton's method with the reference's central differences, good for a small part of
-/// the pitch; a simulated reference can be observed again at the shifted pixels.
+/// the pitch; a simulated reference can be observed again at the shifted pixels. It is drawn to zero as by a prior whose
+/// standard deviation is the pitch: so the rounding of an even surface, which looks like slopes, moves nothing.
 ///
 /// # Errors
 /// [`RegistrationError`] when the maps differ in shape, or too few pixels are left.
@@ -106,7 +109,7 @@ pub fn register(
     if equations.len() < LEAST_PIXELS {
         return Err(too_few);
     }
-    let ([offset, tilt_x, tilt_y, shift_x, shift_y], sigma) = fit(&equations).ok_or(too_few)?;
+    let ([offset, tilt_x, tilt_y, shift_x, shift_y], sigma) = fit(&equations, pixels.pitch).ok_or(too_few)?;
     let (tilt, shift) = (DVec2::new(tilt_x, tilt_y) / scale, DVec2::new(shift_x, shift_y));
     Ok(Registration { offset, tilt, shift, centre, sigma, pixels: equations.len() })
 }
@@ -144,9 +147,10 @@ fn one_sided_slope(map: &HeightMap, at: usize) -> DVec2 {
     DVec2::new(along(west, east), along(at.checked_sub(nx), within(at + nx))) / map.pixels.pitch
 }
 
-/// The robust solution, and the spread around it.
-fn fit(equations: &[Equation]) -> Option<([f64; UNKNOWNS], f64)> {
-    let mut solution = weighted(equations, |_| 1.0)?;
+/// The robust solution, and the spread around it; shifts are expected to be within `reach` [m].
+fn fit(equations: &[Equation], reach: f64) -> Option<([f64; UNKNOWNS], f64)> {
+    let prior = |sigma: f64| (sigma.max(FINEST) / reach).powi(2);
+    let mut solution = weighted(equations, prior(0.0), |_| 1.0)?;
     let mut sigma = spread(equations, &solution)?;
     for round in 0..ROUNDS.0 + ROUNDS.1 {
         if sigma < EXACT {
@@ -155,7 +159,7 @@ fn fit(equations: &[Equation]) -> Option<([f64; UNKNOWNS], f64)> {
         let huber = |r: f64| (TUNING.0 * sigma / r.abs()).min(1.0);
         let tukey = |r: f64| (1.0 - (r / (TUNING.1 * sigma)).powi(2)).max(0.0).powi(2);
         let weight = |r: f64| if round < ROUNDS.0 { huber(r) } else { tukey(r) };
-        solution = weighted(equations, |equation| weight(equation.left(&solution)))?;
+        solution = weighted(equations, prior(sigma), |equation| weight(equation.left(&solution)))?;
         sigma = spread(equations, &solution)?;
     }
     Some((solution, sigma))
@@ -172,8 +176,8 @@ fn spread(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Option<f64> {
     centre_and_sigma(&left).map(|(_, sigma)| sigma)
 }
 
-/// Weighted least squares; `None` where not even the plane is fixed.
-fn weighted(equations: &[Equation], weight: impl Fn(&Equation) -> f64) -> Option<[f64; UNKNOWNS]> {
+/// Weighted least squares with a prior on the shifts; `None` where not even the plane is fixed.
+fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(&Equation) -> f64) -> Option<[f64; UNKNOWNS]> {
     let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut right = [0.0; UNKNOWNS];
     for equation in equations {
@@ -185,6 +189,7 @@ fn weighted(equations: &[Equation], weight: impl Fn(&Equation) -> f64) -> Option
             }
         }
     }
+    (3..UNKNOWNS).for_each(|shift| matrix[shift][shift] += prior);
     solved(&matrix, &right)
 }
 
@@ -311,6 +316,20 @@ mod tests {
         dirty(&mut other);
         let found = register(&other, &plate, Freedom::PlaneAndShift, |_| true).unwrap();
         assert_eq!(found.shift, DVec2::ZERO);
+    }
+
+    #[test]
+    fn rounding_of_a_plate_shifts_nothing() {
+        let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 40, ny: 30 };
+        let rounded = |p: DVec2| 3e-10 * ((p.x * 7919e3).sin() + (p.y * 104_729e3).sin());
+        let plate = HeightMap::from_function(pixels, rounded);
+        let exact = HeightMap::from_function(pixels, |_| 0.0);
+        let mut dirtied = exact.clone();
+        dirty(&mut dirtied);
+        for other in [exact, dirtied] {
+            let found = register(&other, &plate, Freedom::PlaneAndShift, |_| true).unwrap();
+            assert!(found.shift.length() < 1e-2 * pixels.pitch, "{found:?}");
+        }
     }
 
     #[test]
