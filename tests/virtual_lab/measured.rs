@@ -75,6 +75,7 @@ fn scans_lack_and_exaggerate_as_many_pixels_as_they_should() {
 fn the_true_model_reproduces_a_ground_campaign() {
     let experiment = experiment(Process::Grinding, &[]);
     let (trial, simulated) = (&clean().trials[0], &rehearsed(&experiment, clean())[0]);
+    let mut volumes_off = Vec::new();
     for (pass, simulated) in simulated.iter().enumerate() {
         let truth = clean().answer.trials["trial-1"].removed_mm3[pass];
         let off = simulated.record.removed_volume * 1e9 / truth - 1.0;
@@ -83,9 +84,10 @@ fn the_true_model_reproduces_a_ground_campaign() {
         println!("pass {}: {:+.2} % volume, {deviation:.2} of two scans' noise", pass + 1, 100.0 * off);
         assert!(off.abs() < 0.015, "{off}");
         assert!(deviation < 1.3, "{deviation}");
-        // The measurements are not the model's own.
-        assert!(off.abs() > 1e-5, "{off}");
+        volumes_off.push(off);
     }
+    // The measurements are not the model's own; one volume may agree by chance.
+    assert!(volumes_off.iter().any(|off| off.abs() > 1e-4), "{volumes_off:?}");
 }
 
 #[test]
