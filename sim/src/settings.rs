@@ -12,6 +12,8 @@ use crate::tool::Tool;
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
+/// Fewest squares across a tool.
+const LEAST_SQUARES: f64 = 2.0;
 /// Longest step [s].
 pub const LONGEST_STEP: f64 = 0.05;
 /// Way of a tool in one step that changes nothing but the coating [footprints], and longest such step [s].
@@ -84,6 +86,17 @@ pub enum PassError {
     ThinBand {
         /// Band of the field [voxels].
         found: f64,
+    },
+    /// Voxels that do not resolve the tool.
+    #[error(
+        "voxels of {voxel} mm are too coarse for a tool of {size} mm: at most {} mm is accepted",
+        .size / LEAST_SQUARES
+    )]
+    CoarseField {
+        /// Voxel of the field [mm].
+        voxel: f64,
+        /// Width of the tool [mm].
+        size: f64,
     },
     /// An effect that acts through the dynamics of a controller which has none.
     #[error(
@@ -173,7 +186,7 @@ impl Process {
     /// Checks all that a pass reads.
     ///
     /// # Errors
-    /// The first parameter that is out of range, or a band that is too thin.
+    /// The first parameter that is out of range, a band that is too thin, or voxels that are too coarse.
     pub fn check(&self, grid: &BrickGrid, tool: &Tool) -> Result<(), PassError> {
         let positive = "positive and finite";
         let bad = |name, found| Err(PassError::BadSetting { name, found, accepted: positive });
@@ -200,6 +213,11 @@ impl Process {
             }
         }
         let band = f64::from(grid.band) / grid.voxel;
-        if band >= BAND_VOXELS { Ok(()) } else { Err(PassError::ThinBand { found: band }) }
+        if band < BAND_VOXELS {
+            return Err(PassError::ThinBand { found: band });
+        }
+        let (along, across) = tool.half_footprint(f64::INFINITY);
+        let (voxel, size) = (grid.voxel * 1e3, 2e3 * along.min(across));
+        if size < LEAST_SQUARES * voxel { Err(PassError::CoarseField { voxel, size }) } else { Ok(()) }
     }
 }

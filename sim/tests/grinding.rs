@@ -255,4 +255,8 @@ fn settings_out_of_range_are_refused_by_name() {
     let tool = Tool::from(WHEEL);
     let found = run_pass(&mut thin, Pass::first(&tool, &path, &defaults, &model), &mut fresh(&model), &mut |_| {});
     assert!(matches!(found, Err(PassError::ThinBand { .. })), "{found:?}");
+    let narrow = Tool::from(Wheel { width: 0.9e-3, ..WHEEL });
+    let found = run_pass(&mut grid, Pass::first(&narrow, &path, &defaults, &model), &mut fresh(&model), &mut |_| {});
+    let error = found.unwrap_err().to_string();
+    assert_eq!(error, "voxels of 0.5 mm are too coarse for a tool of 0.9 mm: at most 0.45 mm is accepted");
 }
