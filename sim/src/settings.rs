@@ -36,7 +36,7 @@ pub struct Process {
     pub force_setpoint: f64,
     /// Speed of the spindle [rad/s]. Default 628, 6000 rpm.
     pub spindle_speed: f64,
-    /// Way of the tool in one step [voxels]. Default 0.5.
+    /// Way of the tool in one step [voxels]; a pad that sands goes farther. Default 0.6.
     pub step_voxels: f64,
     /// Whether an admittance is stepped at its own period only where its dynamics matter. Default: yes.
     pub quasi_static: bool,
