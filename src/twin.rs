@@ -134,7 +134,7 @@ impl<'a> Twin<'a> {
     /// - `replay`: keep to the logged heights instead of simulating the controller
     ///
     /// # Errors
-    /// [`TwinError`] when the scan makes no part or a log no path.
+    /// [`TwinError`] when the scan makes no part, a log no path, or a pass cannot be run with this tool on this part.
     pub fn new(trial: &'a Trial, voxel: f64, replay: bool) -> Result<Self, TwinError> {
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
         let (mut part, _) = BrickGrid::from_heights(&trial.scans.before, &options)?;
@@ -150,7 +150,9 @@ impl<'a> Twin<'a> {
                 path(&logged, trial, &tool, controller).map_err(|error| TwinError::Path { pass: i + 1, error })?;
             let approach = logged.contact.map_or(0.0, |contact| contact.start);
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
-            passes.push(Planned { path, process: process(pass, trial, controller), approach, rest });
+            let process = process(pass, trial, controller);
+            process.check(&part, &tool).map_err(|error| TwinError::Pass { pass: i + 1, error })?;
+            passes.push(Planned { path, process, approach, rest });
         }
         Ok(Self { trial, part, covariates: false, replay, device: None, clock: None, tool, passes })
     }

@@ -172,10 +172,12 @@ impl Process {
     pub(crate) fn longest_steps(&self, tool: &Tool, path: &Path, voxel: f64, grinds: bool) -> Vec<f64> {
         let footprint = 2.0 * tool.half_footprint(f64::INFINITY).0;
         let longest = |piece: usize| {
-            let (share, longest) = match grinds {
-                true => (0.0, LONGEST_STEP),
-                false if path.is_steady(piece, STEADY, STEADY_SANDING_STEP.1) => STEADY_SANDING_STEP,
-                false => SANDING_STEP,
+            let (share, longest) = if grinds {
+                (0.0, LONGEST_STEP)
+            } else if path.is_steady(piece, STEADY, STEADY_SANDING_STEP.1) {
+                STEADY_SANDING_STEP
+            } else {
+                SANDING_STEP
             };
             let (way, speed) = ((self.step_voxels * voxel).max(share * footprint), path.piece_velocity(piece).length());
             if speed > 0.0 { longest.min(way / speed) } else { longest }

@@ -15,7 +15,7 @@ const ROUNDS: (usize, usize) = (10, 20);
 const TUNING: (f64, f64) = (1.345, 4.685);
 /// Spread below which the fit is exact [m].
 const EXACT: f64 = 1e-12;
-/// Spread that heights have at least where a shift is sought [m]: that of the best profilometers.
+/// Least spread of heights that a shift is weighed against [m]: far above the rounding of heights in a file, 1 nm.
 const FINEST: f64 = 1e-7;
 /// Unknowns: offset, tilt along x and y, shift along x and y.
 const UNKNOWNS: usize = 5;
