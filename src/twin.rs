@@ -136,12 +136,14 @@ impl<'a> Twin<'a> {
     /// # Errors
     /// [`TwinError`] when the scan makes no part, a log no path, or a pass cannot be run with this tool on this part.
     pub fn new(trial: &'a Trial, voxel: f64, replay: bool) -> Result<Self, TwinError> {
+        let tool = simulated_tool(&trial.tool);
+        // Before the part is made: voxels far wider than the scan's pixels take long.
+        Process::check_voxel(voxel, &tool).map_err(|error| TwinError::Pass { pass: 1, error })?;
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
         let (mut part, _) = BrickGrid::from_heights(&trial.scans.before, &options)?;
         if let Some(material) = &trial.scans.material {
             part.label_columns(&material.pixels, &material.labels);
         }
-        let tool = simulated_tool(&trial.tool);
         let mut passes: Vec<Planned> = Vec::new();
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = controller(trial, replay);

@@ -218,8 +218,16 @@ impl Process {
         if band < BAND_VOXELS {
             return Err(PassError::ThinBand { found: band });
         }
+        Self::check_voxel(grid.voxel, tool)
+    }
+
+    /// Checks that a `voxel` [m] resolves a tool.
+    ///
+    /// # Errors
+    /// [`PassError::CoarseField`] where it does not.
+    pub fn check_voxel(voxel: f64, tool: &Tool) -> Result<(), PassError> {
         let (along, across) = tool.half_footprint(f64::INFINITY);
-        let (voxel, size) = (grid.voxel * 1e3, 2e3 * along.min(across));
+        let (voxel, size) = (voxel * 1e3, 2e3 * along.min(across));
         if size < LEAST_SQUARES * voxel { Err(PassError::CoarseField { voxel, size }) } else { Ok(()) }
     }
 }
