@@ -3,4 +3,4 @@
 use libfuzzer_sys::fuzz_target;
 use sdf_bake::read::Format;
 
-fuzz_target!(|bytes: &[u8]| sdf_bake_fuzz::survive(bytes, Format::Ply));
+fuzz_target!(|bytes: &[u8]| robofin_fuzz::survive(bytes, Format::Obj));

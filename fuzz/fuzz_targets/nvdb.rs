@@ -6,9 +6,9 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 use libfuzzer_sys::fuzz_target;
+use robofin_fuzz::{on_one_thread, within_memory};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{Codec, GridRef, read, write};
-use sdf_bake_fuzz::{on_one_thread, within_memory};
 
 /// Bytes of one change: two of place, one of value.
 const CHANGE: usize = 3;

@@ -4,10 +4,10 @@
 
 use glam::DVec3;
 use libfuzzer_sys::fuzz_target;
+use robofin_fuzz::{on_one_thread, within_memory};
 use sdf_bake::clean::clean;
 use sdf_bake::read::Format;
 use sdf_bake::{BakeOptions, Mesh, SignChoice, bake};
-use sdf_bake_fuzz::{on_one_thread, within_memory};
 
 const FORMATS: [Format; 4] = [Format::Obj, Format::Stl, Format::Ply, Format::Gltf];
 /// Triangles that are baked; more only take longer.
@@ -18,7 +18,7 @@ const RESOLUTION: f64 = 8.0;
 fuzz_target!(init: on_one_thread(), |input: &[u8]| {
     let Some((way, rest)) = input.split_first() else { return };
     let format = FORMATS.get(usize::from(*way));
-    let mesh = format.map_or_else(|| lattice_triangles(rest), |format| sdf_bake_fuzz::read(rest, *format));
+    let mesh = format.map_or_else(|| lattice_triangles(rest), |format| robofin_fuzz::read(rest, *format));
     let Some(mesh) = mesh.filter(|mesh| mesh.triangles.len() <= MOST_TRIANGLES) else { return };
     // A few hundred bricks are some megabytes, whatever the mesh.
     within_memory(&[0; 64 << 10], 1000, || road(mesh));

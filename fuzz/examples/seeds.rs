@@ -1,7 +1,8 @@
-//! Writes the first inputs of each target to `corpus/`: a cube in every format and encoding, small fields.
+//! Writes the first inputs of each target to `corpus/`: a cube in every format and encoding, small fields, the
+//! files of sound trials, models and the effects that come with the program.
 
 #[allow(dead_code, reason = "the tests use the rest")]
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../sdf-bake/tests/common/mod.rs"]
 mod common;
 
 use std::fs;
@@ -9,9 +10,11 @@ use std::path::Path;
 
 use common::{cube, cube_glb, gltf_json, obj, ply, stl_ascii, stl_binary};
 use glam::{DVec3, IVec3};
+use robofin_fuzz::Folder;
 use sdf_bake::grid::BRICK_VOXELS;
 use sdf_bake::nvdb::{Codec, GridRef, write};
 use sdf_bake::{BrickGrid, Mesh};
+use sim::effect::{Kind, Library, Process};
 
 fn main() -> std::io::Result<()> {
     let mesh = cube(DVec3::ZERO, 1.0);
@@ -34,6 +37,37 @@ fn main() -> std::io::Result<()> {
     }
     for way in [1, 3] {
         put("nvdb", &format!("change-{way}"), &[way, 0, 8, 0, 128, 0, 255])?;
+    }
+    put_measurements()?;
+    put_effects()
+}
+
+/// The files of a trial and of a table, each for the target that replaces it.
+fn put_measurements() -> std::io::Result<()> {
+    let (grinding, sanding, table) = (Folder::grinding(), Folder::sanding(), Folder::table());
+    for (way, folder, name) in [(0, grinding, "trial.toml"), (1, sanding, "trial.toml"), (2, table, "table.toml")] {
+        put("manifest", &way.to_string(), &[&[way], folder.text(name).as_bytes()].concat())?;
+    }
+    put("log", "plain", grinding.text("pass1_log.csv").as_bytes())?;
+    put("log", "semicolons", grinding.text("pass1_log.csv").replace(',', ";").replace('.', ",").as_bytes())?;
+    put("scan", "grid", grinding.text("before.csv").as_bytes())?;
+    put("scan", "surface", &stl_binary(&cube(DVec3::ZERO, 1.0)))?;
+    put("rows", "plain", table.text("trials.csv").as_bytes())
+}
+
+/// Every law and effect that comes with the program, and a model with each.
+fn put_effects() -> std::io::Result<()> {
+    for effect in Library::builtin().all() {
+        put("effect", &effect.name, effect.text.as_bytes())?;
+        let process = if effect.acts_in(Process::Grinding) { "grinding" } else { "sanding" };
+        let section = if effect.kind == Kind::Law { "law" } else { "effect" };
+        let first = effect.parameters.first().map_or(String::new(), |parameter| {
+            format!(
+                "free = [\"{0}.{1}\"]\n[{section}.{0}]\n{1} = \"1 {2}\"\n",
+                effect.name, parameter.name, parameter.unit_text
+            )
+        });
+        put("model", &effect.name, format!("process = \"{process}\"\n{first}").as_bytes())?;
     }
     Ok(())
 }

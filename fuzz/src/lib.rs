@@ -1,12 +1,16 @@
-//! What the fuzz targets share: a bound on memory and what must hold of a mesh that was read.
+//! Shared by the fuzz targets: a bound on memory, sound folders to damage, and the invariants of a mesh that was read.
 //!
 //! `docs/fuzzing.md` says how to run them.
+
+mod trial_folder;
 
 use std::alloc::System;
 
 use cap::Cap;
 use sdf_bake::Mesh;
 use sdf_bake::read::{Format, UnitChoice, parse_mesh};
+
+pub use trial_folder::Folder;
 
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
