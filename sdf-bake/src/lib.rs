@@ -29,6 +29,7 @@ mod bounds;
 pub mod channels;
 pub mod clean;
 mod combine;
+mod crossing;
 pub mod grid;
 mod grow;
 pub mod halo;

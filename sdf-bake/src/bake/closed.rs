@@ -1,7 +1,6 @@
 //! Winding number of any point of a closed surface, by counting crossings of the ray upwards from it.
 //!
-//! The rule is that of `columns.rs`, where it is explained, for points that are not on the lattice: what a triangle adds
-//! is a sum over its edges, so in a closed surface no ray slips through an edge.
+//! The rule is that of `columns.rs`, for points that are not on the lattice; no ray slips through an edge (`crossing.rs`).
 
 use std::time::Duration;
 
@@ -11,8 +10,8 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
-use super::columns::edges_at;
 use super::skin::Corners;
+use crate::crossing::crossing_above;
 
 /// Triangles in a hierarchy of boxes.
 pub(super) struct BoxTree {
@@ -68,17 +67,6 @@ impl BoxTree {
             true
         });
     }
-}
-
-/// Sign of the z of a triangle's normal if the ray from a point upwards meets it, else 0.
-fn crossing_above(corners: &Corners, point: DVec3) -> i32 {
-    let Some([up, down]) = edges_at(corners, point.y) else { return 0 };
-    let (left, right, sign) = if up.x > down.x { (down, up, 1) } else { (up, down, -1) };
-    if !(left.x <= point.x && point.x < right.x) {
-        return 0;
-    }
-    let share = (point.x - left.x) / (right.x - left.x);
-    if left.z + share * (right.z - left.z) > point.z { sign } else { 0 }
 }
 
 #[cfg(test)]

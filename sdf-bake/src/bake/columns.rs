@@ -4,9 +4,9 @@
 //! 1, until 0 is left far above. So w is the sum of the signs of the normals' z over the triangles above. This holds
 //! for nested, overlapping and touching bodies, as long as each edge is passed equally often both ways.
 //!
-//! What a triangle adds is itself a sum over its edges, and an edge's part depends on the edge and its direction only:
-//! in a closed surface all parts cancel pair by pair, whatever the rounding. No crossing is lost or counted twice at
-//! shared edges and vertices, and a voxel can be wrong only if it is on the surface to within the rounding of f64.
+//! A column is crossed by exactly one of the triangles that part it between them, and a crossing belongs to exactly one
+//! brick, both by comparisons without rounding (`crossing.rs`). No crossing is lost or counted twice at shared edges and
+//! vertices or between bricks, and a voxel can be wrong only if it is on the surface to within the rounding of f64.
 
 use std::ops::Range;
 
@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use super::facet::Facet;
 use super::scatter::BrickTriangles;
 use super::skin::Skin;
+use crate::crossing::Span;
 use crate::grid::{BRICK_SIDE, BrickGrid};
 use crate::index::entry_brick;
 
@@ -121,46 +122,29 @@ fn mask(crossings: &Crossings, above: &mut [i32; COLUMNS], deepest: &mut i32) ->
 
 /// Adds where a triangle crosses the columns of the brick whose first voxel is at `low` [voxels].
 ///
-/// Heights are those of the whole lattice, not of the brick, so that two bricks agree whose a crossing is.
+/// `low` is whole, so that sums with whole numbers are exact. Places are compared as they are in the whole lattice, not
+/// in the brick: a crossing belongs to the one brick with `low.z <= height < low.z + 8`, and to the voxels below it.
 #[inline(always)]
 fn add_crossings(facet: &Facet, low: DVec3, crossings: &mut Crossings) {
     let (least, most) = facet.bounds();
-    let side = BRICK_SIDE as f64;
-    if least.cmpge(low + side).any() || most.cmplt(low).any() {
+    let high = low + BRICK_SIDE as f64;
+    if least.cmpge(high).any() || most.cmplt(low).any() {
         return;
     }
-    let first_row = (least.y - low.y).ceil().max(0.0) as usize;
-    let rows = ((most.y - low.y).floor() as usize + 1).min(BRICK_SIDE);
+    let first_row = (least.y.ceil() - low.y).max(0.0) as usize;
+    let rows = ((most.y.floor() - low.y) as usize + 1).min(BRICK_SIDE);
     for row in first_row..rows {
-        let Some([up, down]) = edges_at(&facet.corners, low.y + row as f64) else { continue };
-        let (left, right, sign) = if up.x > down.x { (down, up, 1) } else { (up, down, -1) };
-        let first_column = (left.x - low.x).ceil().max(0.0) as usize;
+        let Some(span) = Span::at(&facet.corners, low.y + row as f64) else { continue };
+        let first_column = (span.left.x.ceil() - low.x).max(0.0) as usize;
         for column in first_column..BRICK_SIDE {
             let x = low.x + column as f64;
-            if x >= right.x {
+            if x >= span.right.x {
                 break;
             }
-            let share = (x - left.x) / (right.x - left.x);
-            let height = (left.z + share * (right.z - left.z)).clamp(least.z, most.z) - low.z;
-            if (0.0..side).contains(&height) {
-                crossings[column * BRICK_SIDE + row][height.ceil() as usize] += sign;
+            let height = span.height(x);
+            if low.z <= height && height < high.z {
+                crossings[column * BRICK_SIDE + row][(height.ceil() - low.z) as usize] += span.sign;
             }
         }
     }
-}
-
-/// Where a triangle's outline passes `y` upwards and where downwards.
-#[inline(always)]
-pub(super) fn edges_at(corners: &[DVec3; 3], y: f64) -> Option<[DVec3; 2]> {
-    let (mut up, mut down) = (None, None);
-    for i in 0..3 {
-        let (from, to) = (corners[i], corners[(i + 1) % 3]);
-        if (from.y <= y) != (to.y <= y) {
-            // From the lower end, so that both triangles at an edge compute the same.
-            let (low, high) = if from.y < to.y { (from, to) } else { (to, from) };
-            let at = low + (high - low) * ((y - low.y) / (high.y - low.y));
-            if from.y <= y { up = Some(at) } else { down = Some(at) }
-        }
-    }
-    Some([up?, down?])
 }

@@ -1,8 +1,9 @@
 //! Which closed shell lies within which, by counting crossings of a vertical ray.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use crate::Mesh;
+use crate::crossing::crossing_above;
 
 /// For each shell the outermost closed shell that it lies in, if any.
 ///
@@ -41,33 +42,5 @@ fn sample_point(mesh: &Mesh, triangles: &[usize]) -> DVec3 {
 }
 
 fn contains(mesh: &Mesh, triangles: &[usize], p: DVec3) -> bool {
-    triangles.iter().filter(|&&t| is_above(mesh, t, p)).count() % 2 == 1
-}
-
-/// Whether the upward ray from `p` crosses a triangle.
-fn is_above(mesh: &Mesh, triangle: usize, p: DVec3) -> bool {
-    let corners = mesh.triangles[triangle];
-    let [a, b, c] = mesh.corners(triangle);
-    if p.z > a.z.max(b.z).max(c.z) || p.x > a.x.max(b.x).max(c.x) || p.x < a.x.min(b.x).min(c.x) {
-        return false;
-    }
-    let side = |i: usize| is_left(mesh, corners[i], corners[(i + 1) % 3], p);
-    let (first, second, third) = (side(0), side(1), side(2));
-    if first != second || second != third {
-        return false;
-    }
-    let normal = (b - a).cross(c - a);
-    // Height of the plane over p times normal.z.
-    let height = normal.dot(a - p);
-    if normal.z >= 0.0 { height > 0.0 } else { height < 0.0 }
-}
-
-/// The side of an edge that `p` is on, seen from above.
-///
-/// Both triangles at an edge evaluate the same numbers in the same order, so that no ray slips between them.
-fn is_left(mesh: &Mesh, from: u32, to: u32, p: DVec3) -> bool {
-    let [low, high] = [from.min(to), from.max(to)].map(|vertex| mesh.positions[vertex as usize].truncate());
-    let towards: DVec2 = high - low;
-    let left = towards.perp_dot(p.truncate() - low) > 0.0;
-    left == (from < to)
+    triangles.iter().filter(|&&t| crossing_above(&mesh.corners(t), p) != 0).count() % 2 == 1
 }
