@@ -1,9 +1,12 @@
 //! Signs on a gear with holes, turned faces, and as a jittered soup, judged by the undamaged gear.
 
+#[path = "common/noise.rs"]
+mod noise;
 #[path = "common/parts.rs"]
 mod parts;
 
 use glam::DVec3;
+use noise::noise;
 use sdf_bake::clean::clean;
 use sdf_bake::grid::{BRICK_VOXELS, voxel_at};
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, SignChoice, bake};
@@ -18,14 +21,6 @@ fn gear() -> Mesh {
 fn field(mesh: &Mesh, sign: SignChoice) -> BrickGrid {
     // The damage must not move the lattice, so the voxel is the gear's.
     bake(mesh, &BakeOptions { sign, ..BakeOptions::with_voxel(0.08 / 128.0) }).unwrap().0
-}
-
-/// A number from 0 to 1 that looks random but is always the same (SplitMix64, Steele et al. 2014).
-fn noise(seed: u64) -> f64 {
-    let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Share of the undamaged band whose sign the damaged mesh gets wrong.

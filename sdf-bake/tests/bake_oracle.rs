@@ -2,15 +2,20 @@
 
 #[path = "common/field.rs"]
 mod field;
+#[path = "common/noise.rs"]
+mod noise;
 #[path = "common/parts.rs"]
 mod parts;
 
 use field::{band_points, summed_winding_number};
+use glam::DVec3;
+use noise::noise;
 use parry3d::math::Vector;
 use parry3d::query::PointQuery;
 use parry3d::shape::{TriMesh, TriMeshFlags};
+use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;
-use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
+use sdf_bake::{BakeOptions, BrickGrid, Mesh, SignChoice, bake};
 
 fn bake_at(mesh: &Mesh, resolution: f64) -> BrickGrid {
     let (low, high) = mesh.bounds().unwrap();
@@ -41,6 +46,37 @@ fn slivers_have_their_exact_distance() {
     let worst = worst_distance(&mesh, &bake_at(&mesh, 256.0), 41);
     println!("slivers: {worst:.1e} voxels off at most");
     assert!(worst < 2e-5, "{worst} voxels");
+}
+
+/// Each face on its own vertices, moved by up to 1e-5 of the size on each axis.
+fn as_soup(mesh: &Mesh) -> Mesh {
+    let reach = 1e-5 * mesh.diagonal();
+    let jitter = |i: usize| reach * (2.0 * noise(i as u64) - 1.0);
+    let corners = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).enumerate();
+    let positions: Vec<DVec3> =
+        corners.map(|(i, p)| p + DVec3::new(jitter(3 * i), jitter(3 * i + 1), jitter(3 * i + 2))).collect();
+    let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    Mesh { positions, triangles }
+}
+
+#[test]
+fn a_soup_has_its_exact_distance_after_cleaning_too() {
+    let soup = as_soup(&parts::gear(480, 10));
+    let voxel = 0.08 / 128.0;
+    let options = BakeOptions { sign: SignChoice::Winding, ..BakeOptions::with_voxel(voxel) };
+    let (cleaned, report) = clean(soup.clone()).unwrap();
+    assert_eq!((report.merged_near, report.boundary_edges), (0, 3 * soup.triangles.len()));
+    for (name, mesh) in [("as it is", &soup), ("cleaned", &cleaned)] {
+        let grid = bake(mesh, &options).unwrap().0;
+        let query = MeshQuery::new(&soup);
+        let errors: Vec<f64> = band_points(&grid, 5)
+            .into_iter()
+            .map(|(p, phi)| (query.closest(p).distance - phi.abs()).abs() / voxel)
+            .collect();
+        let worst = errors.iter().copied().fold(0.0, f64::max);
+        println!("soup {name}: {worst:.1e} voxels off at most of {} voxels", errors.len());
+        assert!(worst < 2e-6, "{name}: {worst} voxels");
+    }
 }
 
 #[test]

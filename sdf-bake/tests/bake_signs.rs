@@ -1,12 +1,15 @@
 //! Signs of closed solids wherever they lie on the lattice: no voxel is wrong that is off the surface by more than its
 //! rounding.
 
+#[path = "common/noise.rs"]
+mod noise;
 #[path = "common/solids.rs"]
 mod solids;
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DMat3, DQuat, DVec3, IVec3};
+use noise::noise;
 use rayon::prelude::*;
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
 use solids::{Solid, cuboid, twelve};
@@ -19,14 +22,6 @@ const ROUNDING: f64 = 1e-12;
 
 /// Rounding of distances [voxels].
 const DISTANCE_ROUNDING: f64 = 1e-6;
-
-/// A number from 0 to 1 that looks random but is always the same (SplitMix64, Steele et al. 2014).
-fn noise(seed: u64) -> f64 {
-    let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-}
 
 /// A turn or mirroring about a lattice point [voxels], and what is added to each coordinate.
 struct Motion {

@@ -2,6 +2,9 @@
 
 use thiserror::Error;
 
+/// Farthest voxel from the origin: its coordinates are exact in i32, and places between voxels to 1e-7 voxels in f64.
+pub(super) const FARTHEST: f64 = 8e8;
+
 /// Why a mesh cannot be baked.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BakeError {
@@ -29,6 +32,17 @@ pub enum BakeError {
         limit: f64,
         /// Smallest voxel that fits [m].
         least_voxel: f64,
+    },
+    /// The part is so far from the origin that voxels cannot be counted.
+    #[error(
+        "the part reaches {:.3e} m from the origin, {:.1e} voxels of {voxel:.3e} m, and {FARTHEST:.0e} voxels are accepted: \
+         move it to within {:.3e} m of the origin", away, away / voxel, FARTHEST * voxel
+    )]
+    FarAway {
+        /// Largest coordinate, with the band around the part [m].
+        away: f64,
+        /// Voxel [m].
+        voxel: f64,
     },
     /// Open surface whose inside is a guess.
     #[error(

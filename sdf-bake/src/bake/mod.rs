@@ -37,6 +37,7 @@ use side::{Plan, Side};
 use skin::Skin;
 
 pub use error::BakeError;
+use error::FARTHEST;
 pub use options::{BakeOptions, BakeReport, SignChoice, SignMethod};
 pub use winding::WindingTree;
 
@@ -125,11 +126,15 @@ fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
     let first = ((low - reach) / brick).floor() - 1.0;
     let dims = ((high + reach) / brick).floor() + 1.0 - first + 1.0;
     let cells = dims.element_product();
-    let farthest = first.abs().max((first + dims).abs());
-    // Written so that a coordinate that is no number is refused too.
-    if !(cells <= MAX_INDEX && farthest.cmple(DVec3::splat(1e8)).all()) {
-        let least_voxel = voxel * (cells / MAX_INDEX).cbrt().max(1.0);
+    let away = first.abs().max((first + dims).abs()).max_element() * brick;
+    // A coordinate that is no number neither fits nor is near.
+    let (fits, is_near) = (cells <= MAX_INDEX, away <= FARTHEST * voxel);
+    if !fits {
+        let least_voxel = (voxel * (cells / MAX_INDEX).cbrt()).max(away / FARTHEST);
         return Err(BakeError::TooFine { cells, limit: MAX_INDEX, least_voxel });
+    }
+    if !is_near {
+        return Err(BakeError::FarAway { away, voxel });
     }
     Ok(BrickGrid::empty(voxel, band as f32, first.as_ivec3(), dims.as_ivec3()))
 }

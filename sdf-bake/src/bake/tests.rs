@@ -164,6 +164,20 @@ fn a_grid_that_cannot_fit_names_the_voxel_that_would() {
 }
 
 #[test]
+fn a_part_too_far_from_the_origin_is_refused_for_that_and_accepted_where_the_message_says() {
+    let cube = |at: f64| cuboid(DVec3::new(at, 0.0, 0.0), DVec3::new(at + 0.02, 0.02, 0.02));
+    for at in [1e6, -1e9, 1e12] {
+        let error = bake(&cube(at), &BakeOptions::with_voxel(0.0005)).unwrap_err();
+        assert!(matches!(error, BakeError::FarAway { .. }), "{error}");
+        let text = error.to_string();
+        let named = text.split("within ").nth(1).and_then(|text| text.split(' ').next()).unwrap();
+        let near: f64 = named.parse().unwrap();
+        let grid = bake(&cube(0.999 * near), &BakeOptions::with_voxel(0.0005)).unwrap().0;
+        assert!((grid.volume() / 8e-6 - 1.0).abs() < 0.01, "{text}");
+    }
+}
+
+#[test]
 fn unusable_options_are_refused() {
     let mesh = cuboid(DVec3::ZERO, DVec3::ONE);
     for voxel in [0.0, -1.0, f64::NAN, f64::INFINITY] {

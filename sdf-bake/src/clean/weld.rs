@@ -2,7 +2,7 @@
 //!
 //! Equal positions are merged first. A tolerance is then applied to vertices on boundary edges only, since a crack
 //! between neighbours is all that it has to mend: a closed surface goes through untouched, however thin its walls or
-//! short its edges. Two ends of an edge are never merged.
+//! short its edges, and so does a face that closes no crack. Two ends of an edge are never merged.
 
 use std::collections::HashMap;
 
@@ -38,10 +38,12 @@ pub(super) fn merge_equal(mesh: &mut Mesh) -> usize {
     merged
 }
 
-/// Merges boundary vertices closer than the tolerance; returns how many went and the tolerance [m].
+/// Merges boundary vertices closer than the tolerance where that closes an edge; returns how many went and the
+/// tolerance [m].
 ///
 /// The vertices that went stay in `positions`, unused. In the order of their index, each vertex joins the nearest
-/// earlier one within reach, so chains do not creep.
+/// earlier one within reach, so chains do not creep. Faces that only come close at a corner keep their places: moving one
+/// would close nothing and change the distance.
 pub(super) fn close_cracks(mesh: &mut Mesh) -> (usize, f64) {
     let tolerance = RELATIVE_TOLERANCE * mesh.diagonal();
     let edges = EdgeMap::new(mesh);
@@ -51,15 +53,37 @@ pub(super) fn close_cracks(mesh: &mut Mesh) -> (usize, f64) {
     on_boundary.dedup();
     let mut target: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let mut clusters = Clusters { mesh, edges: &edges, tolerance, cells: HashMap::new(), members: HashMap::new() };
-    let mut merged = 0;
-    for vertex in on_boundary {
+    for &vertex in &on_boundary {
         if let Some(representative) = clusters.join(vertex) {
             target[vertex as usize] = representative;
-            merged += 1;
         }
+    }
+    let closes = closing_vertices(&edges, &target);
+    let mut merged = 0;
+    for vertex in on_boundary {
+        let target = &mut target[vertex as usize];
+        if !closes[vertex as usize] {
+            *target = vertex;
+        }
+        merged += usize::from(*target != vertex);
     }
     redirect(mesh, &target);
     (merged, tolerance)
+}
+
+/// Which vertices end a boundary edge that another boundary edge joins.
+fn closing_vertices(edges: &EdgeMap, target: &[u32]) -> Vec<bool> {
+    let mut joined: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
+    for edge in edges.indices().filter(|&edge| edges.uses(edge).len() == 1) {
+        let mut ends = edges.vertices(edge).map(|vertex| target[vertex as usize]);
+        ends.sort_unstable();
+        joined.entry(ends).or_default().push(edge);
+    }
+    let mut closes = vec![false; target.len()];
+    for &edge in joined.values().filter(|edges| edges.len() > 1).flatten() {
+        edges.vertices(edge).iter().for_each(|&vertex| closes[vertex as usize] = true);
+    }
+    closes
 }
 
 fn redirect(mesh: &mut Mesh, target: &[u32]) {
