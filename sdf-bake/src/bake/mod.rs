@@ -26,8 +26,6 @@ mod winding;
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BrickGrid, INSIDE};
 use crate::index::entry_brick;

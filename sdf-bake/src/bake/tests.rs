@@ -1,5 +1,7 @@
 use glam::IVec3;
 
+use glam::DVec3;
+
 use super::*;
 use crate::grid::{BRICK_VOXELS, OUTSIDE};
 use crate::mesh::tests::{cuboid, uv_sphere};
