@@ -58,7 +58,8 @@ pub(super) struct ImagesArgs {
     /// Distance between voxels of bracket and panel [mm]; assets have their own.
     #[arg(long, value_name = "MM", default_value_t = 0.6, allow_negative_numbers = true)]
     voxel_mm: f64,
-    /// At most so many images, spread evenly over the set.
+    /// At most so many images, with every state of the coating, workpiece, placement and split in its share of the set;
+    /// a larger limit with --resume adds to those that are there.
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     limit: Option<usize>,
     /// Only the workpiece, simulation or image of this name; what the command lines of failures use.

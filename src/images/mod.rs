@@ -11,7 +11,7 @@
 //! annotations/*.json, metadata.jsonl, failures.jsonl, README.md, contact-sheet.png
 //! ```
 //!
-//! The road: [`plan`] names the images of a [`recipe`]; [`workpiece`] gives each workpiece its field, [`patch`] finds
+//! The road: [`plan`] names the images of a [`recipe`], `order` says which of them a limit takes; [`workpiece`] gives each workpiece its field, [`patch`] finds
 //! where a pad can go and [`pattern`] which ways; [`sanding`] simulates them; [`scene`] draws light, material and
 //! camera, [`shot`] renders, [`label`] compares; [`record`] keeps; [`run`] makes all of it, each image in a process of its own, with
 //! the rooms of [`crate::dataset`]. [`catalogue`] describes what is there, and [`check`] holds it against itself.
@@ -22,6 +22,7 @@ pub mod check;
 pub mod coco;
 pub mod label;
 pub mod make;
+mod order;
 pub mod patch;
 pub mod pattern;
 pub mod plan;

@@ -1,4 +1,4 @@
-//! Which images a set has: names, seeds, splits, order.
+//! Which images a set has: names, seeds, splits.
 
 use serde::{Deserialize, Serialize};
 
@@ -111,13 +111,6 @@ impl ImageRecipe {
         pairs.map(of).collect()
     }
 
-    /// At most `limit` of the images, spread evenly over the set.
-    pub fn images_within(&self, limit: usize) -> Vec<Planned> {
-        let all = self.images();
-        let count = limit.min(all.len());
-        (0..count).map(|k| all[k * all.len() / count].clone()).collect()
-    }
-
     /// Name of the simulation that an image needs.
     pub fn sanding_of(&self, planned: &Planned) -> Option<String> {
         match planned.treatment {
@@ -171,26 +164,38 @@ impl Treatment {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use super::*;
+pub(crate) mod fixture {
+    use super::{ImageRecipe, Pattern};
     use crate::images::workpiece::{Coated, Origin};
 
-    fn recipe(placements: u32) -> ImageRecipe {
-        let coated =
-            |name: &str| Coated { name: name.to_owned(), key: name.to_owned(), origin: Origin::Panel, voxel_mm: 0.5 };
+    /// A recipe with so many workpieces and placements, of so many patterns in so many stages.
+    pub(crate) fn recipe_of(workpieces: usize, placements: u32, (patterns, stages): (usize, u32)) -> ImageRecipe {
+        let coated = |number: usize| {
+            let name = format!("workpiece{number}");
+            Coated { key: name.clone(), name, origin: Origin::Panel, voxel_mm: 0.5 }
+        };
         ImageRecipe {
             format: String::new(),
             version: String::new(),
             seed: 1,
-            workpieces: vec![coated("bracket"), coated("panel")],
+            workpieces: (0..workpieces).map(coated).collect(),
             placements,
-            patterns: Pattern::ALL.to_vec(),
-            stages: 5,
+            patterns: Pattern::ALL[..patterns].to_vec(),
+            stages,
             size: (640, 480),
             voxel_mm: 0.5,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn recipe(placements: u32) -> ImageRecipe {
+        fixture::recipe_of(2, placements, (6, 5))
     }
 
     #[test]

@@ -128,6 +128,23 @@ fn neither_jobs_nor_limits_change_a_byte_and_a_killed_run_goes_on() {
 }
 
 #[test]
+fn a_limited_set_has_both_references_and_a_larger_limit_goes_on_with_it() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let out = place.path().join("images");
+    run(images(&out).args(["--limit", "6", "--jobs", "2"])).succeeds();
+    let states = || {
+        let rows = lines(&out.join("metadata.jsonl"));
+        let state = |row: &Value| row["treatment"]["kind"].as_str().expect("a state").to_owned();
+        let count = |kind: &str| rows.iter().filter(|row| state(row) == kind).count();
+        ["unsanded", "stage", "bare"].map(count)
+    };
+    assert_eq!(states(), [1, 4, 1], "one of the six treatments each");
+    let more = run(images(&out).args(["--limit", "12", "--jobs", "2", "--resume"])).succeeds();
+    assert_eq!(states(), [2, 8, 2]);
+    assert_eq!(more.stderr.matches("      made  ").count(), 6, "only what was not there: {}", more.stderr);
+}
+
+#[test]
 fn damage_is_found_and_only_what_is_broken_is_made_anew() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let set = copy_of_set(place.path());
@@ -166,7 +183,8 @@ fn what_cannot_be_made_is_listed_with_the_line_that_shows_it_again() {
     let command = first["command"].as_str().expect("a line");
     assert!(command.contains("dataset images --seed=5 --workpieces=panel"), "{command}");
     assert!(command.ends_with("--only panel --out again"), "{command}");
-    let waiting = failures.iter().find(|failure| failure["id"] == "panel-p00-unsanded").expect("it needs the panel");
+    let is_unsanded = |failure: &&Value| failure["id"].as_str().is_some_and(|id| id.ends_with("-unsanded"));
+    let waiting = failures.iter().find(is_unsanded).expect("it needs the panel");
     assert!(waiting["reason"].as_str().is_some_and(|reason| reason.contains("needs panel")), "{waiting}");
 }
 
