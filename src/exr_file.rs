@@ -9,7 +9,7 @@ use exr::prelude::{
 use glam::Vec3;
 use sim::render::Frame;
 
-/// Encodes a frame: 32-bit float channels without loss, one value a pixel.
+/// Encodes a frame: one part without a name, 32-bit float channels without loss, one value a pixel.
 ///
 /// `R`, `G`, `B` linear colour; `Z` depth [m], infinite for background; `normal.X`, `.Y`, `.Z`; `position.X`, `.Y`,
 /// `.Z` [m]; `weld` id; `dose` D; `removed` depth [m]; `seen` 0 background, 1 part, 2 table.
@@ -34,7 +34,8 @@ pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
     channels.push(channel("seen", frame.seen.iter().map(|&seen| f32::from(seen as u8)).collect()));
     let layer = Layer::new(
         (frame.width, frame.height),
-        LayerAttributes::named("photograph"),
+        // Blender and OpenCV look for channels by their own names and find none behind the name of a part.
+        LayerAttributes::default(),
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels),
     );
