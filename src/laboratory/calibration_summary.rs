@@ -6,7 +6,7 @@ use sim::effect::{CompiledModel, Library};
 use super::calibration::{Calibration, Judged, Order};
 use super::evidence::{ErrorUnit, EvidenceError, Split};
 use super::fit::Fit;
-use super::summary::{ParameterSummary, WaterfallStep, parameter_summary, rms, step};
+use super::summary::{ParameterSummary, WaterfallStep, floor_of, parameter_summary, rms, step};
 use super::totals::{Total, Totals};
 
 /// Size of a correlation that is put into words.
@@ -41,11 +41,13 @@ pub struct CalibrationSummary {
     pub order: Order,
     /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// What the scans' noise alone would leave [µm].
+    /// What noise alone would leave of the calibration passes [µm].
     pub noise_floor_um: f64,
+    /// The same of the evaluation passes; absent where none is held out.
+    pub evaluation_noise_floor_um: Option<f64>,
     /// From raw data to the whole model.
     pub waterfall: Vec<WaterfallStep>,
-    /// What was removed in all up to each scan; empty of a table, whose error says it already.
+    /// All that was removed from the start up to each scan, its pose fitted; empty of a table, whose error says it already.
     pub removal: Vec<RemovalError>,
     /// All parameters of the whole model.
     pub parameters: Vec<ParameterSummary>,
@@ -54,6 +56,9 @@ pub struct CalibrationSummary {
     /// What is to be known of them, one sentence each.
     pub remarks: Vec<String>,
 }
+
+/// Steps of the waterfall before any fit, and the noise floors of calibration and evaluation passes.
+pub type Beginning = (Vec<WaterfallStep>, (f64, Option<f64>));
 
 /// The two splits of one model.
 struct Step {
@@ -84,6 +89,7 @@ impl CalibrationSummary {
         let parameters: Vec<ParameterSummary> = last.estimates().iter().map(parameter_summary).collect();
         let correlations = correlations(&last.fit);
         let floor = fitted.last().map_or(0.0, |s| rms(&s.calibration.agreement, unit, |a| a.floor));
+        let evaluation_noise_floor_um = fitted.last().and_then(|s| floor_of(&s.evaluation.agreement, unit));
         let mut remarks: Vec<String> = parameters.iter().filter_map(remark).collect();
         remarks.extend(correlations.iter().filter_map(in_words));
         remarks.extend(unseen(evidence, calibration, library));
@@ -96,6 +102,7 @@ impl CalibrationSummary {
             order: calibration.order,
             error_unit: unit,
             noise_floor_um: floor,
+            evaluation_noise_floor_um,
             waterfall,
             removal,
             parameters,
@@ -105,11 +112,12 @@ impl CalibrationSummary {
     }
 }
 
-/// The base law before any fit: as the scans came, and laid on the surface that the tool left alone; and the noise floor.
+/// The base law before any fit: as the scans came, and laid on the surface that the tool left alone; and the noise floors of
+/// calibration and evaluation passes.
 ///
 /// # Errors
 /// When the model cannot be simulated.
-pub fn beginning(evidence: &dyn Totals, model: &CompiledModel) -> Result<(Vec<WaterfallStep>, f64), EvidenceError> {
+pub fn beginning(evidence: &dyn Totals, model: &CompiledModel) -> Result<Beginning, EvidenceError> {
     let unit = evidence.unit();
     let mean = |all: &[f64]| {
         (!all.is_empty())
@@ -126,7 +134,7 @@ pub fn beginning(evidence: &dyn Totals, model: &CompiledModel) -> Result<(Vec<Wa
     let (seen, held_out) = (seen?, held_out?);
     let name = if raw.is_some() { "registered" } else { "not calibrated" };
     steps.push(step(name.to_owned(), unit, &seen, &held_out));
-    Ok((steps, rms(&seen, unit, |a| a.floor)))
+    Ok((steps, (rms(&seen, unit, |a| a.floor), floor_of(&held_out, unit))))
 }
 
 fn correlations(fit: &Fit) -> Vec<Correlation> {

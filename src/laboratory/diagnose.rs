@@ -19,7 +19,7 @@ use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_account, is_o
 use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Chance below which an effect is no accident.
-const CHANCE: f64 = 0.05;
+pub(super) const CHANCE: f64 = 0.05;
 /// Least size of an effect: shares of the mean removal, what the simulation itself may err by, and of the noise floor.
 const SIZE: (f64, f64) = (0.005, 0.3);
 /// Flattens probabilities: no simulation is the truth, so that effects which are not there gain up to forty.
@@ -116,7 +116,7 @@ pub(super) fn spread(residuals: &[f64]) -> f64 {
 }
 
 /// What an effect must explain to be named, given how well the model without it describes the data.
-fn least_size(before: &[Agreement]) -> f64 {
+pub(super) fn least_size(before: &[Agreement]) -> f64 {
     (SIZE.0 * rms(before, |a| a.scale)).max(SIZE.1 * rms(before, |a| a.floor))
 }
 
@@ -353,13 +353,6 @@ impl Diagnosis {
     pub fn found(&self) -> Vec<&Finding> {
         let rounds = if self.verdict == Verdict::Unknown { &[][..] } else { &self.rounds[..] };
         rounds.iter().filter_map(Round::nameable).collect()
-    }
-
-    /// The two most probable effects of the last search, where the first is large and sure enough.
-    pub fn rivals(&self) -> Option<[&Finding; 2]> {
-        let last = self.rounds.iter().rev().find(|round| round.best().is_some())?;
-        let [first, second, ..] = &last.findings[..] else { return None };
-        Some([first, second])
     }
 
     /// Whether nothing was found although the model misses the held-out data.

@@ -38,7 +38,18 @@ const CHANGES: [Change; 8] = [
     Change::Duration(3.0),
 ];
 
-/// The row that would tell the two rivals of a diagnosis apart, where there are two.
+/// The row on which the effect that was found last changes most, so that it tests what the effect predicts; `None` where
+/// nothing was found.
+///
+/// # Errors
+/// When a model cannot be evaluated.
+pub fn testing_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
+    let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
+    let with = (found.suspect.name(), &found.suspect.fit);
+    Ok(next_row(evidence, (with, ("without it", &round.base)))?.map(NextTrial::as_test))
+}
+
+/// The row that would tell the two rivals of a diagnosis apart, where two are still in play.
 ///
 /// # Errors
 /// When a rival cannot be evaluated.
@@ -143,7 +154,7 @@ fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], gai
         force_n: rows.iter().filter_map(force).collect(),
         feed_mm_s: Vec::new(),
         spindle_rpm: rows.iter().filter_map(turns).collect(),
-        separates: separates.map(str::to_owned),
+        separates: separates.map(str::to_owned).to_vec(),
         expected_gain: gain,
         chance_right: Normal::standard().cdf(0.5 * gain.sqrt()),
     }

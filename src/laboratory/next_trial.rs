@@ -47,15 +47,34 @@ pub struct NextTrial {
     pub feed_mm_s: Vec<f64>,
     /// Spindle speed of each pass [rpm].
     pub spindle_rpm: Vec<f64>,
-    /// The effects that it would tell apart.
-    pub separates: [String; 2],
-    /// Expected difference of their sums of squares.
+    /// The two effects that it would tell apart; or the one effect whose prediction it would test.
+    pub separates: Vec<String>,
+    /// Expected difference of their sums of squares; for one effect, of those with and without it.
     pub expected_gain: f64,
-    /// Chance that it names the right one.
+    /// Probability that the better of the two is the right one afterwards.
     pub chance_right: f64,
 }
 
-/// The trial that would tell the two rivals of a diagnosis apart, where there are two.
+impl NextTrial {
+    /// The same trial as a test of its first effect, for which no rival is left.
+    pub(super) fn as_test(mut self) -> Self {
+        self.separates.truncate(1);
+        self
+    }
+}
+
+/// The trial on which the effect that was found last changes most, so that it tests what the effect predicts; `None`
+/// where nothing was found.
+///
+/// # Errors
+/// When a variant cannot be prepared or simulated.
+pub fn testing_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
+    let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
+    let with = (found.suspect.name(), &found.suspect.fit);
+    Ok(next_trial(evidence, (with, ("without it", &round.base)))?.map(NextTrial::as_test))
+}
+
+/// The trial that would tell the two rivals of a diagnosis apart, where two are still in play.
 ///
 /// # Errors
 /// When a variant cannot be prepared or simulated.
@@ -162,7 +181,7 @@ fn stated(trial: &Trial, change: Option<Change>, separates: [&str; 2], gain: f64
         force_n: each(|pass| pass.force_setpoint),
         feed_mm_s: each(|pass| pass.feed * 1e3),
         spindle_rpm: each(|pass| pass.spindle_speed * RPM),
-        separates: separates.map(str::to_owned),
+        separates: separates.map(str::to_owned).to_vec(),
         expected_gain: gain,
         chance_right: Normal::standard().cdf(0.5 * gain.sqrt()),
     }

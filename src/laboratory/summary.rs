@@ -49,6 +49,10 @@ pub struct EffectSummary {
     pub gain: f64,
     /// Chance that the luckiest effect gains as much without being there.
     pub chance: f64,
+    /// Number of the search that fitted it, from 1.
+    pub search: usize,
+    /// Why it is out; absent for the best one of a search and for those that these data cannot tell from it.
+    pub ruled_out: Option<String>,
     /// Held-out passes without and with it [µm]; absent where none is held out.
     pub evaluation_rms_um_before: Option<f64>,
     /// With it.
@@ -77,8 +81,10 @@ pub struct DiagnosisSummary {
     pub effects: Vec<EffectSummary>,
     /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// What the scans' noise alone would leave [µm].
+    /// What noise alone would leave of the calibration passes [µm].
     pub noise_floor_um: f64,
+    /// The same of the evaluation passes; absent where none is held out.
+    pub evaluation_noise_floor_um: Option<f64>,
     /// What the base model leaves [µm].
     pub base_rms_um: f64,
     /// What is left in the end [µm].
@@ -104,6 +110,11 @@ pub struct DiagnosisSummary {
 /// Root mean square over scans, in the unit in which errors are told.
 pub(super) fn rms(of: &[Agreement], unit: ErrorUnit, value: impl Fn(&Agreement) -> f64) -> f64 {
     (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * unit.per_one()
+}
+
+/// What noise alone would leave of some scans, in the unit in which errors are told; `None` without a scan.
+pub(super) fn floor_of(of: &[Agreement], unit: ErrorUnit) -> Option<f64> {
+    (!of.is_empty()).then(|| rms(of, unit, |a| a.floor))
 }
 
 /// An estimate in the library's unit.
@@ -161,7 +172,7 @@ impl EffectSummary {
         format!("{name}: probability {probability:.3}, gain {gain:.1}, chance {chance:.3}; {}", values.join(", "))
     }
 
-    fn new(evidence: &dyn Evidence, (round, finding): (&Round, &Finding), title: &str) -> Self {
+    fn new(evidence: &dyn Evidence, (search, round): (usize, &Round), finding: &Finding, title: &str) -> Self {
         let before: &[Agreement] = if finding.is_sound { &round.evaluation } else { &[] };
         let own = |e: &Estimate| e.coordinate.slot.owner == finding.suspect.name();
         let estimates = finding.suspect.fit.estimates(round.spread);
@@ -182,6 +193,8 @@ impl EffectSummary {
             parameters: parameters.collect(),
             gain: finding.gain,
             chance: finding.chance,
+            search,
+            ruled_out: round.ruled_out(finding, unit),
             evaluation_rms_um_before: error(before),
             evaluation_rms_um_after: error(&finding.evaluation),
         }
@@ -200,13 +213,13 @@ impl DiagnosisSummary {
     ) -> Result<Self, EvidenceError> {
         let (unit, first) = (evidence.unit(), &diagnosis.rounds[0]);
         let summary =
-            |round, finding: &Finding| EffectSummary::new(evidence, (round, finding), &title(finding.suspect.name()));
-        let pairs =
-            diagnosis.rounds.iter().flat_map(|round| round.findings.iter().map(move |finding| (round, finding)));
+            |round, finding: &Finding| EffectSummary::new(evidence, round, finding, &title(finding.suspect.name()));
+        let rounds = || (1..).zip(&diagnosis.rounds);
+        let pairs = rounds().flat_map(|(number, round)| round.findings.iter().map(move |f| ((number, round), f)));
         let suspects = pairs.map(|(round, finding)| summary(round, finding)).collect();
         let found = diagnosis.found();
         let effects: Vec<EffectSummary> =
-            diagnosis.rounds.iter().zip(&found).map(|(round, finding)| summary(round, finding)).collect();
+            rounds().zip(&found).map(|(round, finding)| summary(round, finding)).collect();
         let added = |finding: &&Finding| {
             step(format!("+ {}", finding.suspect.name()), unit, &finding.calibration, &finding.evaluation)
         };
@@ -223,6 +236,7 @@ impl DiagnosisSummary {
             effects,
             error_unit: unit,
             noise_floor_um: rms(&first.calibration, unit, |a| a.floor),
+            evaluation_noise_floor_um: floor_of(&first.evaluation, unit),
             base_rms_um: rms(&first.calibration, unit, |a| a.rms),
             final_rms_um: rms(&last, unit, |a| a.rms),
             waterfall,

@@ -16,9 +16,19 @@ impl Axis {
 
     /// About `count` round values at distances of 1, 2 or 5 times a power of ten.
     pub(crate) fn ticks(&self, count: usize) -> Vec<f64> {
+        self.ticks_apart(count, 0.0)
+    }
+
+    /// As [`Axis::ticks`], at whole numbers, for what is counted.
+    pub(crate) fn whole_ticks(&self, count: usize) -> Vec<f64> {
+        self.ticks_apart(count, 1.0)
+    }
+
+    fn ticks_apart(&self, count: usize, least: f64) -> Vec<f64> {
         let rough = (self.high - self.low) / count as f64;
         let power = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s >= rough).unwrap_or(rough);
+        let step =
+            [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s >= rough).unwrap_or(rough).max(least);
         // A range that ends on a tick keeps it, whatever the rounding.
         let first = (self.low / step - 1e-9).ceil() as i64;
         let last = (self.high / step + 1e-9).floor() as i64;
@@ -53,6 +63,9 @@ mod tests {
     fn ticks_are_round_and_within_the_range() {
         let axis = Axis { low: 0.0, high: 16.2, start: 0.0, end: 1.0 };
         assert_eq!(axis.ticks(6), [0.0, 5.0, 10.0, 15.0]);
+        let passes = Axis { low: 1.0, high: 2.0, start: 0.0, end: 1.0 };
+        assert_eq!(passes.ticks(3), [1.0, 1.5, 2.0]);
+        assert_eq!(passes.whole_ticks(3), [1.0, 2.0]);
         assert_eq!(short(0.5), "0.5");
         assert_eq!(short(-0.0), "0");
         assert_eq!(short(-2e-7), "−2e−7");

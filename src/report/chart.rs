@@ -123,7 +123,8 @@ impl Chart<'_> {
             let _ = write!(svg, r#"<text x="{x}" y="{y:.1}" text-anchor="end">{}</text>"#, short(value));
         }
         let columns = ((right - LEFT) / 90.0).clamp(3.0, 10.0) as usize;
-        for value in across.ticks(columns) {
+        let is_counted = self.series.iter().flat_map(|s| &s.points).all(|p| p.0.fract() == 0.0);
+        for value in if is_counted { across.whole_ticks(columns) } else { across.ticks(columns) } {
             let x = across.at(value);
             let _ = write!(svg, r##"<path d="M{x:.1} {bottom:.1}v5" stroke="#8a93a3"/>"##);
             if lowest {
@@ -252,6 +253,14 @@ mod tests {
         let line = svg.rsplit("<path d=\"").find(|path| path.contains("stroke-width=\"1.5\"")).unwrap();
         assert_eq!(line.split('"').next().unwrap().matches('M').count(), 2, "{line}");
         assert_eq!(chart(&[]).to_svg(), "");
+    }
+
+    #[test]
+    fn numbers_of_passes_have_no_halves_between_them() {
+        let series = [Series::new("error", vec![(1.0, 30.0), (2.0, 40.0)])];
+        assert!(!chart(&series).to_svg().contains(">1.5</text>"));
+        let series = [Series::new("error", vec![(1.0, 30.0), (1.5, 40.0), (2.0, 40.0)])];
+        assert!(chart(&series).to_svg().contains(">1.5</text>"), "times have halves");
     }
 
     #[test]

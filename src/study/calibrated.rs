@@ -9,9 +9,9 @@ use super::maps::Seen;
 use super::measurements::Data;
 use super::simulated::Simulated;
 use super::{failures, scan_tests};
-use crate::laboratory::{Calibration, CalibrationSummary, RemovalError, Verdict, WaterfallStep};
+use crate::laboratory::{BASE_STEP, Calibration, CalibrationSummary, Verdict, WaterfallStep};
 use crate::study_report as page;
-use crate::study_report::{Compared, StudyReport, Waterfall};
+use crate::study_report::{Compared, PassVolume, StudyReport, Waterfall};
 
 /// What the report of a calibration is made from.
 pub struct CalibrationReport<'a> {
@@ -92,14 +92,15 @@ pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
     let base = &calibration.steps[0].fit.model;
     let grown = (calibration.steps.len() > 1).then(|| &calibration.last().fit.model);
     let last = input.rival.or(grown);
-    let mut falls = waterfall(input.waterfall, summary.noise_floor_um, summary.error_unit);
-    add_removal(&mut falls, summary, calibration.steps.len());
-    let bare = bare_report(
+    let floors = (summary.noise_floor_um, summary.evaluation_noise_floor_um);
+    let falls = waterfall(input.waterfall, floors, summary.error_unit);
+    let mut bare = bare_report(
         data,
         (&calibration.model, base, last),
         falls,
         (calibration.steps[0].fit.coordinates.len(), input.seed),
     )?;
+    add_volumes(&mut bare, input.rival.is_none());
     let notes = [bare.compared.notes.clone(), summary.remarks.clone()].concat();
     Ok(StudyReport {
         compared: Compared { notes, ..bare.compared },
@@ -112,12 +113,21 @@ pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
     })
 }
 
-/// Puts the errors of what was removed beside the waterfall's fitted steps, which stand before the floor.
-fn add_removal(falls: &mut Waterfall, summary: &CalibrationSummary, fitted: usize) {
-    falls.passes = summary.removal.iter().map(|removal| removal.about.clone()).collect();
-    let first = falls.steps.len() - 1 - fitted;
-    for (k, step) in falls.steps[first..first + fitted].iter_mut().enumerate() {
-        let error = |removal: &RemovalError| Some((0.01 * removal.error_percent[k], 0.01 * removal.sigma_percent));
-        step.volume_errors = summary.removal.iter().map(error).collect();
+/// Puts the errors of the removed volumes, as the report lists them, beside the steps that they belong to: the base model and
+/// the last one before the floor.
+///
+/// - `is_last_shown`: the volumes with effects are those of the last step, and not of a model beside it
+fn add_volumes(report: &mut StudyReport, is_last_shown: bool) {
+    let (falls, volumes) = (&mut report.waterfall, &report.volumes);
+    falls.passes = volumes.iter().map(|volume| volume.pass.clone()).collect();
+    let share = |volume: &PassVolume, simulated: f64| {
+        ((simulated - volume.measured) / volume.measured, volume.uncertainty / volume.measured.abs())
+    };
+    let last = falls.steps.len().saturating_sub(2);
+    let Some(base) = falls.steps.iter().position(|step| step.name == BASE_STEP) else { return };
+    falls.steps[base].volume_errors = volumes.iter().map(|volume| Some(share(volume, volume.base))).collect();
+    if last > base && is_last_shown {
+        let with_effect = |volume: &PassVolume| Some(share(volume, volume.with_effect?));
+        falls.steps[last].volume_errors = volumes.iter().map(with_effect).collect();
     }
 }

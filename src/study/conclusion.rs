@@ -4,10 +4,14 @@ use anyhow::Result;
 use sim::effect::Library;
 
 use super::measurements::Data;
-use crate::laboratory::{Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_row, separating_trial, suggest};
+use crate::laboratory::{
+    Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_row, separating_trial, suggest, testing_row,
+    testing_trial,
+};
 
-/// Sums up a diagnosis, with the trial that would separate rivals where one is needed: unless the effects are identified, and
-/// where equal passes go on as the base law cannot. The instrument's blur stays at what the diagnosed model finds.
+/// Sums up a diagnosis. Where two effects are still in play it has the trial that would separate them. Where none is beside
+/// the one that was found, but equal passes go on as the base law cannot, it has the trial that would test that one. The
+/// instrument's blur stays at what the diagnosed model finds.
 ///
 /// # Errors
 /// When a model cannot be simulated.
@@ -16,13 +20,17 @@ pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Res
     let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
     data.fix_blur(&diagnosis.fit.model)?;
     let is_beyond_the_law = summary.equal_passes.as_ref().is_some_and(|trend| trend.out_of_reach);
-    if diagnosis.verdict == Verdict::Identified && !is_beyond_the_law {
+    let is_identified = diagnosis.verdict == Verdict::Identified;
+    if is_identified && !is_beyond_the_law {
         return Ok(summary);
     }
+    let has_rivals = diagnosis.rivals().is_some();
     summary.next_trial = match (data.scans(), data.rows()) {
-        (Some((_, evidence)), _) => separating_trial(evidence, diagnosis)?,
-        (None, Some(rows)) => separating_row(rows, diagnosis)?,
-        (None, None) => None,
+        (Some((_, evidence)), _) if has_rivals => separating_trial(evidence, diagnosis)?,
+        (None, Some(rows)) if has_rivals => separating_row(rows, diagnosis)?,
+        (Some((_, evidence)), _) if is_beyond_the_law => testing_trial(evidence, diagnosis)?,
+        (None, Some(rows)) if is_beyond_the_law => testing_row(rows, diagnosis)?,
+        _ => None,
     };
     Ok(summary)
 }

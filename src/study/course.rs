@@ -7,7 +7,7 @@ use sim::effect::{CompiledModel, Library, Model};
 
 use super::calibrated::{CalibrationReport, bare_report, calibration_report};
 use super::conclusion::{suggestion, summary};
-use super::fill::{detectable, next_trial, suggested, suspect, waterfall};
+use super::fill::{detectable, next_trial, suggested, suspects, waterfall};
 use super::measurements::Data;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
 use crate::laboratory::{
@@ -63,9 +63,10 @@ impl<'a> Course<'a> {
     /// Holds the base law against the measurements.
     fn compare(&mut self) -> Result<String> {
         let evidence = self.data.evidence();
-        let (waterfall, floor) = beginning(evidence, &self.start()?)?;
+        let (waterfall, (floor, held_out)) = beginning(evidence, &self.start()?)?;
         let record = &mut self.record;
         (record.error_unit, record.noise_floor_um, record.waterfall) = (evidence.unit(), floor, waterfall);
+        record.evaluation_noise_floor_um = held_out;
         record.next = Some(Action::Calibrate);
         let lines: Vec<String> = record.waterfall.iter().map(|step| record.shown(step)).collect();
         Ok(format!("{}\nnoise floor: {floor:.2} {}", lines.join("\n"), record.error_unit.symbol()))
@@ -208,7 +209,7 @@ impl<'a> Course<'a> {
         let record = &self.record;
         let (sentence, answer) = (self.sentence(), serde_json::to_value(record)?);
         let (Some(calibration), Some(summary)) = (&self.calibration, numbers) else {
-            let falls = waterfall(&record.waterfall, record.noise_floor_um, record.error_unit);
+            let falls = waterfall(&record.waterfall, record.floors(), record.error_unit);
             let models = (&self.model, seen, None);
             let bare = bare_report(&self.data, models, falls, (0, record.seed))?;
             return Ok(StudyReport { sentence, diagnosis: answer, ..bare });
@@ -226,7 +227,7 @@ impl<'a> Course<'a> {
         })?;
         let Some((_, found)) = &self.diagnosis else { return Ok(report) };
         Ok(StudyReport {
-            suspects: found.suspects.iter().map(|one| suspect(one, found.error_unit)).collect(),
+            suspects: suspects(found),
             detectable: found.detectable.iter().map(detectable).collect(),
             next_trial: found.next_trial.as_ref().map(next_trial),
             suggested_effect: self.suggestion.as_ref().map(suggested),

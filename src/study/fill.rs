@@ -24,6 +24,14 @@ use crate::study_report::{
 };
 use crate::trial::{Campaign, PassScan, Tool};
 
+/// How scans are laid and judged, a sentence each.
+const METHOD: [&str; 3] = [
+    "Each scan is laid on the surface that the tool left alone; its height, tilt and shift stay free in every fit.",
+    "The scan noise is the root mean square of one pixel's error, from the repeated scan before the first pass.",
+    "The noise floor is what the noise of the scan, and that of the scan before the first pass where the tool left it alone, \
+     leaves of an error near the tool. Calibration and evaluation passes each have their own.",
+];
+
 /// What a report is made from.
 pub struct ReportInput<'a> {
     /// The campaign, where it has scans.
@@ -64,9 +72,9 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         (None, Some(rows)) => of_rows(input, rows)?,
         (None, None) => Filled::default(),
     };
-    let mut waterfall = filled
-        .waterfall
-        .unwrap_or_else(|| self::waterfall(&summary.waterfall, summary.noise_floor_um, summary.error_unit));
+    let floors = (summary.noise_floor_um, summary.evaluation_noise_floor_um);
+    let mut waterfall =
+        filled.waterfall.unwrap_or_else(|| self::waterfall(&summary.waterfall, floors, summary.error_unit));
     waterfall.notes.extend(overlap(diagnosis, summary));
     Ok(StudyReport {
         compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),
@@ -78,7 +86,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         scans: filled.scans,
         sections: filled.sections,
         covariates: filled.covariates,
-        suspects: summary.suspects.iter().map(|suspect| self::suspect(suspect, summary.error_unit)).collect(),
+        suspects: suspects(summary),
         parameters: summary.parameters.iter().map(parameter).collect(),
         correlations: correlations(&diagnosis.fit),
         detectable: summary.detectable.iter().map(detectable).collect(),
@@ -156,13 +164,16 @@ pub(super) fn next_trial(next: &NextTrial) -> page::NextTrial {
     let steps =
         [("force", &next.force_n, "N"), ("feed", &next.feed_mm_s, "mm/s"), ("spindle speed", &next.spindle_rpm, "rpm")];
     let steps = steps.iter().filter(|(_, values, _)| !values.is_empty());
-    let [one, other] = &next.separates;
+    let (question, chance) = match &next.separates[..] {
+        [one, other] => (format!("Whether it is {one} or {other}."), Some(next.chance_right)),
+        tested => (format!("Whether {} predicts passes that no fit has seen.", tested.join(" and ")), None),
+    };
     page::NextTrial {
         summary: next.summary.clone(),
         steps: steps.map(|(name, values, unit)| ((*name).to_owned(), format!("{} {unit}", list(values)))).collect(),
-        settles: vec![format!("Whether it is {one} or {other}.")],
+        settles: vec![question],
         leaves_open: Vec::new(),
-        chance: Some(next.chance_right),
+        chance,
     }
 }
 
@@ -225,7 +236,7 @@ pub(super) fn compared_scans(
             force: Some(pass.force_setpoint),
             feed: Some(pass.feed),
             spindle_speed: Some(pass.spindle_speed),
-            noise_floor: matches!(pass.scan, PassScan::Heights(_)).then_some(evidence.noise[view.trial].sigma),
+            noise_floor: matches!(pass.scan, PassScan::Heights(_)).then_some(evidence.noise[view.trial].rms),
             alignment: alignments.get(k).copied().flatten(),
         }
     };
@@ -235,18 +246,19 @@ pub(super) fn compared_scans(
         pitch: Some(trial.scans.before.pixels.pitch),
         voxel: evidence.twin.trials.first().map(|twin| twin.part.voxel),
         blur: evidence.blur.filter(|blur| *blur > 0.0),
-        method: vec![
-            "Each scan is laid on the surface that the tool left alone; its height, tilt and shift stay free in every fit."
-                .to_owned(),
-            "The noise floor comes from the repeated scan before the first pass.".to_owned(),
-        ],
+        method: METHOD.map(str::to_owned).to_vec(),
         notes: campaign.trials.iter().flat_map(|trial| trial.notes.clone()).chain(named.notes).collect(),
         ..named
     }
 }
 
-/// The steps and the noise floor below them. Steps before the base model have no share of its excess.
-pub(super) fn waterfall(steps: &[crate::laboratory::WaterfallStep], floor: f64, unit: ErrorUnit) -> Waterfall {
+/// The steps and the noise floors of calibration and evaluation passes below them. Steps before the base model have no share
+/// of its excess.
+pub(super) fn waterfall(
+    steps: &[crate::laboratory::WaterfallStep],
+    (floor, held_out): (f64, Option<f64>),
+    unit: ErrorUnit,
+) -> Waterfall {
     let one = 1.0 / unit.per_one();
     let excess = |rms: f64| (rms * rms - floor * floor).max(0.0);
     let base = steps.iter().position(|step| step.step == BASE_STEP).unwrap_or(0);
@@ -258,8 +270,12 @@ pub(super) fn waterfall(steps: &[crate::laboratory::WaterfallStep], floor: f64, 
         unexplained: (k >= base && whole > 0.0).then(|| excess(step.calibration_rms_um) / whole),
         ..WaterfallStep::default()
     };
-    let last =
-        WaterfallStep { name: "noise floor".to_owned(), calibration: Some(floor * one), ..WaterfallStep::default() };
+    let last = WaterfallStep {
+        name: "noise floor".to_owned(),
+        calibration: Some(floor * one),
+        evaluation: held_out.map(|floor| floor * one),
+        ..WaterfallStep::default()
+    };
     let misfit = match unit {
         ErrorUnit::Micrometre => Misfit::heights(),
         ErrorUnit::Percent => Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
@@ -268,8 +284,20 @@ pub(super) fn waterfall(steps: &[crate::laboratory::WaterfallStep], floor: f64, 
     Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() }
 }
 
-pub(super) fn suspect(suspect: &EffectSummary, unit: ErrorUnit) -> page::Suspect {
+/// All effects that were fitted, each with why it is out.
+pub(super) fn suspects(summary: &DiagnosisSummary) -> Vec<page::Suspect> {
+    let searches = summary.suspects.iter().map(|suspect| suspect.search).max().unwrap_or(0);
+    summary.suspects.iter().map(|one| suspect(one, summary.error_unit, searches)).collect()
+}
+
+fn suspect(suspect: &EffectSummary, unit: ErrorUnit, searches: usize) -> page::Suspect {
     let one = 1.0 / unit.per_one();
+    let reason = match &suspect.ruled_out {
+        Some(reason) => format!("Out: {reason}."),
+        None if suspect.indistinguishable_from.is_empty() => "Still in play.".to_owned(),
+        None => format!("Still in play, as are {}.", suspect.indistinguishable_from.join(", ")),
+    };
+    let search = if searches > 1 { format!("Search {} of {searches}. ", suspect.search) } else { String::new() };
     page::Suspect {
         name: suspect.name.clone(),
         title: suspect.title.clone(),
@@ -278,11 +306,7 @@ pub(super) fn suspect(suspect: &EffectSummary, unit: ErrorUnit) -> page::Suspect
         evaluation_before: suspect.evaluation_rms_um_before.map(|rms| rms * one),
         evaluation_after: suspect.evaluation_rms_um_after.map(|rms| rms * one),
         look_alikes: suspect.indistinguishable_from.clone(),
-        note: if suspect.probability > 0.0 {
-            String::new()
-        } else {
-            format!("ruled out: chance {:.3}, or too small to matter, or at its null", suspect.chance)
-        },
+        note: search + &reason,
     }
 }
 

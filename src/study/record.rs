@@ -78,8 +78,11 @@ pub struct StudyRecord {
     pub added: Vec<String>,
     /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// What the scans' noise alone would leave [µm].
+    /// What noise alone would leave of the calibration passes [µm].
     pub noise_floor_um: f64,
+    /// The same of the evaluation passes; absent where none is held out.
+    #[serde(default)]
+    pub evaluation_noise_floor_um: Option<f64>,
     /// How the error fell so far.
     pub waterfall: Vec<WaterfallStep>,
     /// The effect to add, while that is the next step, and the text of the model with it as the search fitted it.
@@ -103,6 +106,7 @@ impl StudyRecord {
             added: Vec::new(),
             error_unit: ErrorUnit::default(),
             noise_floor_um: 0.0,
+            evaluation_noise_floor_um: None,
             waterfall: Vec::new(),
             to_add: None,
             diagnosis: None,
@@ -116,6 +120,11 @@ impl StudyRecord {
             (false, Verdict::Identified | Verdict::NothingMissing | Verdict::NotTestable) => Verdict::Identified,
             (false, Verdict::Ambiguous | Verdict::Partly | Verdict::Unknown) => Verdict::Partly,
         }
+    }
+
+    /// What noise alone leaves of calibration and evaluation passes, as the report takes it.
+    pub(super) fn floors(&self) -> (f64, Option<f64>) {
+        (self.noise_floor_um, self.evaluation_noise_floor_um)
     }
 
     /// An error in its unit, with the held-out one.

@@ -1,8 +1,9 @@
 //! The head of the page: verdict, figures at a glance, what was compared.
 
-use super::data::{Compared, StudyReport, Verdict};
-use super::number::{fixed, fixed_cell, percent, significant};
-use super::scan_data::{ComparedPass, PassVolume, Waterfall};
+use super::data::{Compared, Stated, StudyReport, Verdict};
+use super::number::{fixed_cell, percent, share_cell, significant, with_raised_powers};
+use super::scan_data::{ComparedPass, PassVolume, Waterfall, WaterfallStep};
+use super::waterfall::VOLUME;
 use super::words::{list, role};
 use crate::report::{Cell, Page, Table, escape, exact};
 
@@ -14,7 +15,7 @@ pub(super) fn add_verdict(page: &mut Page, report: &StudyReport) {
     let (word, means) = (report.verdict.word(), meaning(report.verdict));
     page.block(&format!(
         "<section class=\"verdict {word}\" id=\"verdict\"><p class=\"word\">{word}</p>\n<p class=\"sentence\">{}</p>\n<p class=\"means\">{means}</p></section>\n",
-        escape(&report.sentence)
+        escape(&with_raised_powers(&report.sentence))
     ));
     page.block(&glance(&report.waterfall));
 }
@@ -37,36 +38,42 @@ fn meaning(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Base model, best model and noise floor, side by side.
+/// Base model and best model side by side, each error of a kind of passes beside the noise floor of the same passes.
 fn glance(waterfall: &Waterfall) -> String {
-    let unit = &waterfall.misfit.unit;
-    let count = waterfall.steps.len();
-    if count < 2 {
-        return String::new();
-    }
-    let best = &waterfall.steps[count - 2];
-    let floor = &waterfall.steps[count - 1];
+    let [.., best, floor] = &waterfall.steps[..] else { return String::new() };
     let base = waterfall.steps.iter().find(|step| step.unexplained.is_some()).filter(|base| base.name != best.name);
-    let tiles = base.into_iter().chain([best, floor]).filter_map(|step| {
-        let value = step.evaluation.or(step.calibration)?;
-        let passes = if step.evaluation.is_some() { "evaluation passes" } else { "calibration passes" };
-        Some(format!(
-            "<div><dt>{}</dt><dd data-value=\"{}\">{} <small>{}</small></dd><dd class=\"of\">{passes}</dd></div>\n",
-            escape(&step.name),
-            exact(value),
-            significant(unit.of(value), 3),
-            escape(&unit.unit)
-        ))
-    });
-    let mut tiles: String = tiles.collect();
+    let tile = |step: &WaterfallStep| {
+        let kinds = [
+            ("evaluation passes", step.evaluation, floor.evaluation),
+            ("calibration passes", step.calibration, floor.calibration),
+        ];
+        let lines: String = kinds.iter().filter_map(|kind| line(&waterfall.misfit.unit, *kind)).collect();
+        format!("<div><dt>{}</dt>{lines}</div>\n", escape(&step.name))
+    };
+    let mut tiles: String = base.into_iter().chain([best]).map(tile).collect();
     if let Some(unexplained) = best.unexplained {
         tiles += &format!(
-            "<div><dt>still unexplained</dt><dd data-value=\"{}\">{}</dd><dd class=\"of\">of the base model's excess</dd></div>\n",
+            "<div><dt>still unexplained</dt><dd data-value=\"{}\">{}</dd><dd class=\"of\">of the base model's excess over the floor, calibration passes</dd></div>\n",
             exact(unexplained),
             percent(unexplained)
         );
     }
     format!("<dl class=\"glance\">\n{tiles}</dl>\n")
+}
+
+/// An error of a kind of passes with their noise floor; `None` where there are no such passes.
+fn line(unit: &Stated, (passes, error, floor): (&str, Option<f64>, Option<f64>)) -> Option<String> {
+    let error = error?;
+    let floor = floor.map_or(String::new(), |floor| {
+        let shown = significant(unit.of(floor), 3);
+        format!("; noise floor <span data-value=\"{}\">{shown} {}</span>", exact(floor), escape(&unit.unit))
+    });
+    Some(format!(
+        "<dd data-value=\"{}\">{} <small>{}</small></dd><dd class=\"of\">{passes}{floor}</dd>",
+        exact(error),
+        significant(unit.of(error), 3),
+        escape(&unit.unit)
+    ))
 }
 
 /// Appends what was compared.
@@ -95,7 +102,7 @@ pub(super) fn add(page: &mut Page, compared: &Compared) {
 fn passes(passes: &[ComparedPass]) -> Table {
     let mut table = Table::new(
         "Passes in order of time; evaluation passes are never fitted",
-        &["pass", "role", "force [N]", "feed [mm/s]", "spindle [rpm]", "noise floor [µm]"],
+        &["pass", "role", "force [N]", "feed [mm/s]", "spindle [rpm]", "scan noise [µm]"],
     );
     for pass in passes {
         table.rows.push(vec![
@@ -116,26 +123,24 @@ pub(super) fn add_volumes(page: &mut Page, volumes: &[PassVolume]) {
         return;
     }
     page.subsection("Removed volume");
-    let mut table = Table::new(
-        "Volume that each pass removed; ± is the standard uncertainty that noise and alignment cause",
-        &["pass", "measured [mm³]", "±", "base model [mm³]", "error", "with effect [mm³]", "error"],
+    let has_effect = volumes.iter().any(|volume| volume.with_effect.is_some());
+    let mut headings =
+        vec!["pass", "measured [mm³]", "±", if has_effect { "base model [mm³]" } else { "model [mm³]" }, "error"];
+    headings.extend(if has_effect { &["with effect [mm³]", "error"][..] } else { &[] });
+    let caption = format!(
+        "Simulated and measured: {VOLUME} and its error (simulated − measured) / measured; ± is the standard uncertainty that noise and alignment cause"
     );
+    let mut table = Table::new(&caption, &headings);
     for volume in volumes {
         let cubic = |value: f64| fixed_cell(Some(value), 1e-9, 2);
-        let error = |simulated: f64| {
-            let error = simulated - volume.measured;
-            let share = percent(error / volume.measured);
-            Cell::number(format!("{} mm³ ({share})", fixed(error * 1e9, 2)), error)
+        let simulated = |value: Option<f64>| {
+            let error = value.map(|simulated| (simulated - volume.measured) / volume.measured);
+            [value.map_or(Cell::absent(), cubic), share_cell(error)]
         };
-        table.rows.push(vec![
-            Cell::text(&volume.pass),
-            cubic(volume.measured),
-            cubic(volume.uncertainty),
-            cubic(volume.base),
-            error(volume.base),
-            volume.with_effect.map_or(Cell::absent(), cubic),
-            volume.with_effect.map_or(Cell::absent(), error),
-        ]);
+        let mut row = vec![Cell::text(&volume.pass), cubic(volume.measured), cubic(volume.uncertainty)];
+        row.extend(simulated(Some(volume.base)));
+        row.extend(has_effect.then(|| simulated(volume.with_effect)).into_iter().flatten());
+        table.rows.push(row);
     }
     page.block(&table.to_html());
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use super::number::with_raised_powers;
 use super::scan_data::{ComparedPass, CovariatePlot, PassVolume, ScanComparison, ScanSection, Waterfall};
 
 /// Everything a report shows. What a study has not (maps of a table, sections of a sanding) stays empty, and the page
@@ -153,9 +154,9 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// A unit and its SI value.
+    /// A unit, whose powers may be written as `mm^3` or `mm³`, and its SI value.
     pub fn new(unit: &str, si_per_unit: f64) -> Self {
-        Self { unit: unit.to_owned(), si_per_unit }
+        Self { unit: with_raised_powers(unit), si_per_unit }
     }
 
     /// An SI value in this unit.

@@ -20,6 +20,8 @@ const HISTOGRAM: f64 = 44.0;
 const BAR: f64 = 12.0;
 const LEFT: f64 = 34.0;
 const RIGHT: f64 = 8.0;
+/// Room below the colour bar for the numbers, the bracket of the band and its name with descenders [px].
+const BELOW: f64 = 38.0;
 
 /// Appends the residual maps of all height scans.
 pub(super) fn add(page: &mut Page, scans: &[ScanComparison]) {
@@ -27,13 +29,13 @@ pub(super) fn add(page: &mut Page, scans: &[ScanComparison]) {
         &ScanComparison { maps: Maps::Heights(ref maps), .. } => Some(maps),
         _ => None,
     };
-    let floor = scans.iter().filter_map(heights).map(|maps| maps.noise_floor).fold(0.0, f64::max);
+    let floor = page_noise(scans);
     if !scans.iter().any(|scan| heights(scan).is_some()) {
         return;
     }
     page.subsection("Residual maps");
     if floor <= 0.0 {
-        return page.paragraph("No scan has a noise floor, so that no tolerance band and no scale can be stated.");
+        return page.paragraph("The noise of no scan is known, so that no tolerance band and no scale can be stated.");
     }
     let residuals = scans.iter().filter_map(heights).flat_map(|m| m.base.iter().chain(m.with_effect.iter().flatten()));
     let scale = ColourScale::new(floor, residuals.copied());
@@ -45,10 +47,16 @@ pub(super) fn add(page: &mut Page, scans: &[ScanComparison]) {
     }
 }
 
+/// Scan noise from which the one tolerance band of the page follows: the greatest of all scans [m].
+pub(super) fn page_noise(scans: &[ScanComparison]) -> f64 {
+    let noise = |scan: &ScanComparison| if let Maps::Heights(maps) = &scan.maps { maps.noise_floor } else { 0.0 };
+    scans.iter().map(noise).fold(0.0, f64::max)
+}
+
 fn reading(scale: &ColourScale, floor: f64) -> String {
     format!(
         "Measured minus simulated: orange is material left over, blue is too much taken off, grey is not measured. All maps share one scale. The \
-         tolerance band, in pale colours, is ±{} µm, which is {BAND_FLOORS:.0} times the noise floor of {} µm; beyond it each step is twice as wide as \
+         tolerance band, in pale colours, is ±{} µm, which is {BAND_FLOORS:.0} times the scan noise of {} µm; beyond it each step is twice as wide as \
          the one before.",
         fixed(scale.band * 1e6, 1),
         fixed(floor * 1e6, 2)
@@ -131,7 +139,7 @@ fn histogram(residuals: impl Iterator<Item = f64>, scale: &ColourScale, width: f
     let mut svg = format!(
         "<svg viewBox=\"0 0 {width} {}\" style=\"width:{width}px\" role=\"img\" font-family=\"system-ui, sans-serif\" \
          font-size=\"11\"><title>Colour scale with the histogram of {}</title>",
-        HISTOGRAM + BAR + 32.0,
+        HISTOGRAM + BAR + BELOW,
         escape(pass)
     );
     for (k, &count) in counts.iter().enumerate() {

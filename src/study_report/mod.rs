@@ -56,7 +56,7 @@ pub fn page(report: &StudyReport) -> String {
     outlook::add_detectable(&mut page, &report.detectable);
     outlook::add_suggested(&mut page, report.suggested_effect.as_ref());
     if is_diagnosed {
-        outlook::add_next(&mut page, report.next_trial.as_ref());
+        outlook::add_next(&mut page, report);
     }
     compared::add_method(&mut page, &report.compared);
     provenance::add(&mut page, &report.provenance);
@@ -77,6 +77,6 @@ fn add_residuals(page: &mut Page, report: &StudyReport) {
     }
     maps::add(page, &report.scans);
     exposure::add(page, &report.scans);
-    sections::add(page, &report.sections);
+    sections::add(page, &report.sections, maps::page_noise(&report.scans));
     covariates::add(page, &report.covariates);
 }

@@ -20,6 +20,23 @@ pub(super) fn significant(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
+/// A text in which the powers of units, such as `mm^3`, are raised as the page writes them: `mm³`.
+pub(super) fn with_raised_powers(text: &str) -> String {
+    let mut parts = text.split('^');
+    let mut raised = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let sign = usize::from(part.starts_with('-'));
+        let digits = part[sign..].bytes().take_while(u8::is_ascii_digit).count();
+        let (power, rest) = part.split_at(sign + digits);
+        match power.parse() {
+            Ok(power) => raised += &superscript(power),
+            Err(_) => raised = format!("{raised}^{power}"),
+        }
+        raised += rest;
+    }
+    raised
+}
+
 fn superscript(power: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',
@@ -33,7 +50,7 @@ fn superscript(power: i32) -> String {
 
 /// A share as a percentage with one decimal.
 pub(super) fn percent(share: f64) -> String {
-    if share.is_finite() { format!("{:.1} %", 100.0 * share).replace('-', "−") } else { "–".to_owned() }
+    if share.is_finite() { format!("{} %", fixed(100.0 * share, 1)) } else { "–".to_owned() }
 }
 
 /// A chance as tables state it: never zero.
@@ -90,5 +107,20 @@ mod tests {
         assert_eq!(fixed(-0.001, 1), "0.0");
         assert_eq!(fixed(-0.26, 1), "−0.3");
         assert_eq!(chance(0.0), "< 0.001");
+    }
+
+    #[test]
+    fn a_share_that_rounds_to_zero_has_no_sign() {
+        assert_eq!(percent(-4e-4), "0.0 %");
+        assert_eq!(percent(-6e-4), "−0.1 %");
+        assert_eq!(percent(f64::NAN), "–");
+    }
+
+    #[test]
+    fn powers_of_units_are_raised_and_other_text_stays() {
+        assert_eq!(with_raised_powers("mm^3"), "mm³");
+        assert_eq!(with_raised_powers("m^3/(N m) of 12 mm^-1"), "m³/(N m) of 12 mm⁻¹");
+        assert_eq!(with_raised_powers("MPa, 10 mm²"), "MPa, 10 mm²");
+        assert_eq!(with_raised_powers("a^b"), "a^b");
     }
 }

@@ -1,6 +1,6 @@
 //! What these passes could have shown, what to do next, and a form for what the library lacks.
 
-use super::data::{Detectable, NextTrial, SuggestedEffect};
+use super::data::{Detectable, ParameterEstimate, StudyReport, SuggestedEffect, Verdict};
 use super::number::{cell, percent};
 use super::words::list;
 use crate::report::{Cell, Page, Table, escape};
@@ -36,10 +36,10 @@ pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
 }
 
 /// Appends the next trial.
-pub(super) fn add_next(page: &mut Page, next: Option<&NextTrial>) {
+pub(super) fn add_next(page: &mut Page, report: &StudyReport) {
     page.part("next", "The next trial");
-    let Some(next) = next else {
-        return page.paragraph("No further trial is proposed.");
+    let Some(next) = &report.next_trial else {
+        return page.paragraph(&worth_of_another(report));
     };
     page.paragraph(&next.summary);
     if !next.steps.is_empty() {
@@ -58,6 +58,34 @@ pub(super) fn add_next(page: &mut Page, next: Option<&NextTrial>) {
             page.block(&format!("<h3>{heading}</h3>\n{}", list(items)));
         }
     }
+}
+
+/// What another trial would buy where no two effects are in play.
+fn worth_of_another(report: &StudyReport) -> String {
+    let open = |parameter: &&ParameterEstimate| !parameter.fixed && !parameter.identifiable;
+    let open: Vec<&str> = report.parameters.iter().filter(open).map(|parameter| parameter.name.as_str()).collect();
+    let open = match &open[..] {
+        [] => String::new(),
+        names => {
+            format!(" Other settings of force, feed or speed could show what these leave open: {}.", names.join(", "))
+        }
+    };
+    // The standard error of a mean falls with the root of the number of measurements.
+    let buys = match report.verdict {
+        Verdict::Identified => {
+            "One effect is left, so no trial has to separate two. The same passes on another workpiece would make the intervals of its parameters about 0.7 times as wide."
+        }
+        Verdict::NothingMissing => {
+            "Nothing is missing, so no trial has to separate two effects. The same passes on another workpiece would make the least detectable sizes about 0.7 times as large."
+        }
+        Verdict::NotTestable => {
+            "These passes put no two effects in play. Passes at other forces, feeds and spindle speeds would make more of them detectable."
+        }
+        _ => {
+            "No two effects of the library are in play. A trial that changes force, feed or spindle speed within a pass would show on what the error that is left depends."
+        }
+    };
+    format!("{buys}{open}")
 }
 
 /// Appends the file of a suggested effect.

@@ -19,7 +19,7 @@ pub struct ComparedPass {
     pub feed: Option<f64>,
     /// Spindle speed [rad/s].
     pub spindle_speed: Option<f64>,
-    /// Noise floor of its scan [m]: robust standard deviation of a pixel.
+    /// Scan noise [m]: root mean square of one pixel's error in its scan.
     pub noise_floor: Option<f64>,
     /// How its scan was laid on the surface that the tool left alone.
     pub alignment: Option<Registration>,
@@ -63,7 +63,8 @@ pub struct WaterfallStep {
     pub calibration: Option<f64>,
     /// Misfit over evaluation passes, SI.
     pub evaluation: Option<f64>,
-    /// Error of the removed volume of each pass and its standard uncertainty, as shares of the measured volume [1].
+    /// Error of the volume that each pass removed and its standard uncertainty, as shares of the measured volume [1]; the
+    /// same volume as of [`PassVolume`].
     pub volume_errors: Vec<Option<(f64, f64)>>,
     /// Root mean square of the error of the plateaus' slopes across the path [1].
     pub plateau_slope: Option<f64>,
@@ -122,7 +123,7 @@ pub struct HeightMaps {
     pub judged: Vec<bool>,
     /// What they are, such as `touched by the tool`.
     pub judged_as: String,
-    /// Noise floor of the scan [m].
+    /// Scan noise [m]: root mean square of one pixel's error.
     pub noise_floor: f64,
 }
 
@@ -165,7 +166,7 @@ pub struct ScanSection {
     pub base: Vec<f64>,
     /// Heights with the effects found [m].
     pub with_effect: Option<Vec<f64>>,
-    /// Noise floor of the scan [m].
+    /// Scan noise [m]: root mean square of one pixel's error.
     pub noise_floor: f64,
 }
 

@@ -16,7 +16,9 @@ const BASE: Stroke = Stroke { colour: "#d55e00", dashed: true };
 const WITH_EFFECT: Stroke = Stroke { colour: "#0072b2", dashed: false };
 
 /// Appends all sections.
-pub(super) fn add(page: &mut Page, sections: &[ScanSection]) {
+///
+/// - `noise`: scan noise behind the tolerance band of the maps [m]
+pub(super) fn add(page: &mut Page, sections: &[ScanSection], noise: f64) {
     if sections.is_empty() {
         return;
     }
@@ -25,7 +27,9 @@ pub(super) fn add(page: &mut Page, sections: &[ScanSection]) {
         "Above, the heights; below, measured minus simulated, where the grey strip is the tolerance band of the maps. The pointer shows the values.",
     );
     for section in sections {
-        page.drawing(&drawing(section), &caption(section));
+        // Without maps the section's own noise is all there is.
+        let band = BAND_FLOORS * if noise > 0.0 { noise } else { section.noise_floor };
+        page.drawing(&drawing(section, band), &caption(section, band));
     }
 }
 
@@ -37,7 +41,7 @@ fn place(direction: Direction) -> String {
     }
 }
 
-fn drawing(section: &ScanSection) -> String {
+fn drawing(section: &ScanSection, band: f64) -> String {
     let x_label = match section.direction {
         Direction::Across(_) => "y [mm]",
         Direction::Along(_) | Direction::AlongCrest => "x [mm]",
@@ -55,7 +59,7 @@ fn drawing(section: &ScanSection) -> String {
         profiles.push(line("with effect", heights.clone(), 1e-3, WITH_EFFECT));
         differences.push(line("measured − with effect", section.left(heights), 1e-6, WITH_EFFECT));
     }
-    let band = BAND_FLOORS * section.noise_floor * 1e6;
+    let band = band * 1e6;
     let title = format!("{}, {}", section.pass, place(section.direction));
     let profile = Chart {
         title: &title,
@@ -83,8 +87,7 @@ impl ScanSection {
     }
 }
 
-fn caption(section: &ScanSection) -> String {
-    let band = BAND_FLOORS * section.noise_floor;
+fn caption(section: &ScanSection, band: f64) -> String {
     let rms = |simulated: &[f64]| {
         let found = Statistics::new(section.left(simulated).into_iter(), band);
         found.map_or("–".to_owned(), |found| format!("{} µm", fixed(found.rms * 1e6, 2)))

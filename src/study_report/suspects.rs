@@ -1,7 +1,7 @@
 //! The effects that were scored, and the tests that say whether anything is missing.
 
 use super::data::{Suspect, TestOfMissing};
-use super::number::{cell, chance, percent, significant};
+use super::number::{cell, chance, percent, significant, with_raised_powers};
 use super::scan_data::Misfit;
 use crate::report::{Cell, Page, Table, escape};
 
@@ -34,18 +34,20 @@ pub(super) fn add(page: &mut Page, suspects: &[Suspect], misfit: &Misfit) {
     }
     let unit = &misfit.unit.unit;
     let mut table = Table::new(
-        "Effects that were scored. Gain is the fall of the whitened sum of squares; look-alikes cannot be told apart by these passes",
-        &["effect", "what it is", "probability", "gain", "", "", "look-alikes"],
+        "All effects that were fitted. Δχ² is the fall of the whitened sum of squares when the effect is added",
+        &["effect", "what it is", "probability", "Δχ²", "", "", "indistinguishable from"],
     );
     table.headings[4] = format!("evaluation before [{unit}]");
     table.headings[5] = format!("after [{unit}]");
     table.rows = suspects.iter().map(|suspect| row(suspect, misfit)).collect();
     page.block(&table.to_html());
-    let note = |suspect: &&Suspect| {
-        format!("<dt><code>{}</code></dt><dd>{}</dd>\n", escape(&suspect.name), escape(&suspect.note))
+    let note = |suspect: &Suspect| {
+        let words = escape(&with_raised_powers(&suspect.note));
+        format!("<dt><code>{}</code></dt><dd>{words}</dd>\n", escape(&suspect.name))
     };
-    let notes: String = suspects.iter().filter(|suspect| !suspect.note.is_empty()).map(|s| note(&s)).collect();
+    let notes: String = suspects.iter().filter(|suspect| !suspect.note.is_empty()).map(note).collect();
     if !notes.is_empty() {
+        page.subsection("Why each is in or out");
         page.block(&format!("<dl>\n{notes}</dl>\n"));
     }
 }

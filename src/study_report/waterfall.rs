@@ -20,6 +20,10 @@ const MOST_RATIO: f64 = 1.15;
 const CALIBRATION: &str = "#1f5f99";
 const EVALUATION: &str = "#e08a2e";
 
+/// The one volume of which the page states errors.
+pub(super) const VOLUME: &str =
+    "the volume that each pass removed, with the scan's pose as the untouched surface has it,";
+
 /// Appends the waterfall.
 pub(super) fn add(page: &mut Page, waterfall: &Waterfall) {
     page.part("waterfall", "How the error falls");
@@ -37,7 +41,8 @@ pub(super) fn add(page: &mut Page, waterfall: &Waterfall) {
 fn caption(waterfall: &Waterfall) -> String {
     let cut = if longest(waterfall).1 { " A bar with a gap is cut; its number is the true one." } else { "" };
     format!(
-        "What is left between measurement and simulation ({}), step by step; the dashed line is the noise floor.{cut}",
+        "What is left between measurement and simulation ({}), step by step; the dashed lines are the noise floors of the passes of \
+         their colour.{cut}",
         waterfall.misfit.name
     )
 }
@@ -112,12 +117,15 @@ fn draw_bar(svg: &mut String, waterfall: &Waterfall, (value, end): (f64, f64), y
     );
 }
 
-/// A dashed line at the last step, which is the floor.
+/// A dashed line for either kind of passes at the last step, which is the floor.
 fn draw_floor(svg: &mut String, waterfall: &Waterfall, end: f64, height: f64) {
-    let floor = waterfall.steps.last().and_then(|step| step.evaluation.or(step.calibration));
-    if let Some(floor) = floor.filter(|_| waterfall.steps.len() > 1) {
+    let floor = waterfall.steps.last().filter(|_| waterfall.steps.len() > 1);
+    let floors = floor
+        .map_or([(None, CALIBRATION); 2], |floor| [(floor.calibration, CALIBRATION), (floor.evaluation, EVALUATION)]);
+    for (floor, colour) in floors {
+        let Some(floor) = floor else { continue };
         let x = LEFT + (WIDTH - LEFT - RIGHT) * (floor / end).min(1.0);
-        let _ = write!(svg, r##"<path d="M{x:.1} {TOP}V{height}" stroke="#1c2330" stroke-dasharray="4 3"/>"##);
+        let _ = write!(svg, r##"<path d="M{x:.1} {TOP}V{height}" stroke="{colour}" stroke-dasharray="4 3"/>"##);
     }
     let _ = write!(svg, r##"<path d="M{LEFT} {TOP}V{height}" stroke="#8a93a3"/>"##);
 }
@@ -126,7 +134,7 @@ fn table(waterfall: &Waterfall) -> Table {
     let unit = &waterfall.misfit.unit;
     let mut headings =
         vec!["step".to_owned(), format!("calibration [{}]", unit.unit), format!("evaluation [{}]", unit.unit)];
-    headings.push("still unexplained".to_owned());
+    headings.push("still unexplained (calibration)".to_owned());
     let has = |of: fn(&WaterfallStep) -> Option<f64>| waterfall.steps.iter().any(|step| of(step).is_some());
     let (slopes, overlaps) = (has(|step| step.plateau_slope), has(|step| step.overlap));
     headings.extend(slopes.then(|| "plateau slope [mrad]".to_owned()));
@@ -152,8 +160,10 @@ fn volumes(waterfall: &Waterfall) -> Option<Table> {
         waterfall.steps.iter().filter(|step| step.volume_errors.iter().any(Option::is_some)).collect();
     let mut headings = vec!["pass"];
     headings.extend(steps.iter().map(|step| step.name.as_str()));
-    let mut table =
-        Table::new("Error of the removed volume after each step: (simulated − measured) / measured", &headings);
+    let mut table = Table::new(
+        &format!("Error of {VOLUME} after each step: (simulated − measured) / measured; ± as there"),
+        &headings,
+    );
     for (k, pass) in waterfall.passes.iter().enumerate() {
         let errors = steps.iter().map(|step| volume_cell(step.volume_errors.get(k)));
         table.rows.push([Cell::text(pass)].into_iter().chain(errors).collect());

@@ -1,5 +1,6 @@
 //! Words that several parts of the page use.
 
+use super::number::with_raised_powers;
 use crate::trial::Role;
 
 /// What a pass was used for.
@@ -15,6 +16,7 @@ pub(super) fn list(items: &[String]) -> String {
     if items.is_empty() {
         return String::new();
     }
-    let items: String = items.iter().map(|item| format!("<li>{}</li>\n", crate::report::escape(item))).collect();
+    let item = |item: &String| format!("<li>{}</li>\n", crate::report::escape(&with_raised_powers(item)));
+    let items: String = items.iter().map(item).collect();
     format!("<ul>\n{items}</ul>\n")
 }

@@ -3,7 +3,9 @@
 use robofin::laboratory::{
     Calibration, CalibrationSummary, Evidence, Order, ScanEvidence, Split, Totals, uncalibrated,
 };
-use robofin::trial::{PassScan, Role, Trial};
+use robofin::study::{CalibrationReport, Data, calibration_report};
+use robofin::study_report::Maps;
+use robofin::trial::{Campaign, PassScan, Role, Trial};
 use sim::effect::{Library, Model};
 
 use crate::unseen::bundled;
@@ -75,4 +77,42 @@ fn the_waterfall_begins_with_the_scans_as_they_came() {
     assert!(errors.windows(2).all(|pair| pair[1] < pair[0]), "each step lowers the error: {errors:?}");
     assert!(summary.waterfall.iter().all(|step| step.evaluation_rms_um.is_some()));
     assert_eq!(summary.removal.len(), 2, "one calibration scan and one held out");
+}
+
+#[test]
+fn the_page_states_one_error_of_a_volume_one_scan_noise_and_the_floor_of_either_kind_of_passes() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look");
+    let campaign = Campaign { trials: one_trial(), ..Campaign::read(&folder).unwrap() };
+    let evidence = ScanEvidence::new(&campaign.trials, None).unwrap();
+    let calibration = calibrated(&evidence, Order::Joint);
+    let summary = CalibrationSummary::new(&evidence, &calibration, Library::builtin()).unwrap();
+    let data = Data::Scans(&campaign, Box::new(evidence));
+    let report = calibration_report(&CalibrationReport {
+        data: &data,
+        calibration: &calibration,
+        summary: &summary,
+        waterfall: &summary.waterfall,
+        rival: None,
+        verdict: None,
+        sentence: String::new(),
+        seed: 0,
+        answer: serde_json::Value::Null,
+    })
+    .unwrap();
+    let [.., base, floor] = &report.waterfall.steps[..] else { panic!("a base model above the floor") };
+    assert_eq!(report.volumes.len(), 2);
+    assert_eq!(report.waterfall.passes.len(), 2);
+    for (volume, error) in report.volumes.iter().zip(&base.volume_errors) {
+        let (error, sigma) = error.expect("the base model has an error for each pass");
+        println!("{}: {:.3} % ± {:.3} %", volume.pass, 100.0 * error, 100.0 * sigma);
+        assert_eq!(error, (volume.base - volume.measured) / volume.measured, "{}", volume.pass);
+        assert_eq!(sigma, volume.uncertainty / volume.measured, "{}", volume.pass);
+    }
+    let floors = [floor.calibration, floor.evaluation].map(|floor| 1e6 * floor.expect("both kinds have a floor"));
+    assert!((floors[0] - summary.noise_floor_um).abs() < 1e-9, "{floors:?}");
+    assert!((floors[1] - summary.evaluation_noise_floor_um.unwrap()).abs() < 1e-9, "{floors:?}");
+    for (pass, scan) in report.compared.passes.iter().zip(&report.scans) {
+        let Maps::Heights(maps) = &scan.maps else { panic!("a ground surface") };
+        assert_eq!(pass.noise_floor, Some(maps.noise_floor), "{}", pass.name);
+    }
 }

@@ -1,6 +1,6 @@
 //! What a reader finds: every number, safe text, the full values behind rounded ones.
 
-use robofin::study_report::{Maps, page};
+use robofin::study_report::{Maps, Stated, Verdict, page};
 use serde_json::Value;
 
 use crate::study::grinding;
@@ -78,4 +78,102 @@ fn figures_of_a_map_are_those_of_its_judged_pixels() {
     assert!(html.contains(&format!(">{:.2}</td>", rms * 1e6)), "{rms}");
     assert!(html.contains(&format!(">{:.1} %</td>", within * 100.0)), "{within}");
     assert!(html.contains("±6.3 µm"), "the band is stated");
+}
+
+/// The text of an element's content from a mark on, without tags.
+fn text_between<'a>(html: &'a str, from: &str, to: &str) -> &'a str {
+    let (_, rest) = html.split_once(from).expect(from);
+    rest.split_once(to).expect(to).0
+}
+
+#[test]
+fn each_error_at_a_glance_stands_beside_the_floor_of_the_same_passes() {
+    let mut report = grinding(2, 60, 40);
+    let floor = report.waterfall.steps.last_mut().expect("the floor");
+    (floor.calibration, floor.evaluation) = (Some(2.1e-6), Some(2.6e-6));
+    let html = page(&report);
+    let glance = text_between(&html, "<dl class=\"glance\">", "</dl>");
+    let floors: Vec<&str> = glance.split("noise floor <span data-value=\"").skip(1).collect();
+    let passes = glance.split("<dd class=\"of\">").skip(1).map(|rest| rest.split(';').next().unwrap_or_default());
+    assert_eq!(
+        passes.take(4).collect::<Vec<_>>(),
+        ["evaluation passes", "calibration passes", "evaluation passes", "calibration passes"]
+    );
+    assert_eq!(floors.len(), 4, "{glance}");
+    assert!(floors[0].contains(">2.60 µm<") && floors[1].contains(">2.10 µm<"), "{glance}");
+    report.waterfall.steps.last_mut().expect("the floor").evaluation = None;
+    let html = page(&report);
+    let glance = text_between(&html, "<dl class=\"glance\">", "</dl>");
+    assert_eq!(
+        glance.matches("noise floor").count(),
+        2,
+        "the floor of calibration passes is not that of others: {glance}"
+    );
+}
+
+#[test]
+fn a_comparison_has_no_columns_of_an_effect() {
+    let mut report = grinding(2, 60, 40);
+    assert!(page(&report).contains("with effect [mm³]"));
+    report.volumes.iter_mut().for_each(|volume| volume.with_effect = None);
+    let html = page(&report);
+    assert!(!html.contains("with effect [mm³]") && html.contains("model [mm³]"));
+}
+
+#[test]
+fn both_tables_state_one_error_for_the_volume_of_a_pass() {
+    let mut report = grinding(2, 60, 40);
+    for volume in &mut report.volumes {
+        volume.base = 1.0614 * volume.measured;
+    }
+    for step in &mut report.waterfall.steps {
+        step.volume_errors = vec![Some((0.0614, 0.02)); 2];
+    }
+    let html = page(&report);
+    assert!(html.contains(">6.1 ± 2.0 %</td>") && html.contains(">6.1 %</td>"));
+    assert_eq!(
+        html.matches("the volume that each pass removed, with the scan").count(),
+        2,
+        "one name in both captions"
+    );
+}
+
+#[test]
+fn units_have_raised_powers_and_shares_no_negative_zero() {
+    let mut report = grinding(1, 60, 40);
+    report.parameters[0].unit = Stated::new("mm^3/(N m)", 1e-9);
+    report.compared.notes = vec!["dulling.volume is on its greatest value, 300 mm^3".into()];
+    report.volumes[0].base = report.volumes[0].measured * (1.0 - 4e-4);
+    let html = page(&report);
+    assert!(html.contains(">mm³/(N m)</td>") && html.contains("300 mm³"));
+    assert!(!html.contains("mm^3") && !html.contains("−0.0 %") && !html.contains("-0.0 %"));
+}
+
+#[test]
+fn without_rivals_the_page_says_what_another_trial_would_buy() {
+    let mut report = grinding(1, 60, 40);
+    report.next_trial = None;
+    let next = |report| text_between(&page(&report), "id=\"next\"", "<h2").to_owned();
+    for (verdict, words) in [
+        (Verdict::Identified, "intervals of its parameters about 0.7 times as wide"),
+        (Verdict::NothingMissing, "least detectable sizes"),
+        (Verdict::NotTestable, "other forces, feeds and spindle speeds"),
+        (Verdict::Unknown, "on what the error that is left depends"),
+    ] {
+        let text = next(robofin::study_report::StudyReport { verdict, ..report.clone() });
+        assert!(text.contains(words) && text.contains("grit-dulling.rate"), "{verdict:?}: {text}");
+        assert!(!text.contains("Chance that it names"), "{text}");
+    }
+}
+
+#[test]
+fn the_name_of_the_band_lies_within_its_drawing() {
+    let html = page(&grinding(1, 60, 40));
+    let (drawing, _) = html.split_once("band [µm]</text>").expect("the band has a name");
+    let number = |text: &str| text.split(['"', ' ']).next().and_then(|n| n.parse::<f64>().ok()).expect("a number");
+    let view = drawing.rsplit("viewBox=\"").next().expect("a drawing");
+    let height = number(view.split(' ').nth(3).expect("four numbers"));
+    let baseline = number(drawing.rsplit(" y=\"").next().expect("a place"));
+    // Descenders of a font reach less than 0.3 of its size, here 11 px.
+    assert!(baseline + 0.3 * 11.0 <= height, "the text at {baseline} is cut at {height}");
 }

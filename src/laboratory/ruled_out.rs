@@ -1,0 +1,79 @@
+//! Why an effect that was fitted is out, and which effects are still in play.
+
+use super::diagnose::{CHANCE, Diagnosis, Finding, Round, least_size};
+use super::evidence::ErrorUnit;
+use super::verdict::{CERTAIN, carries_over};
+
+impl Round {
+    /// Why a fitted effect is out, in words; `None` for the best one and for those that the data cannot tell from it.
+    pub fn ruled_out(&self, finding: &Finding, unit: ErrorUnit) -> Option<String> {
+        let reasons = if finding.is_sound {
+            self.beaten(finding).into_iter().collect()
+        } else {
+            self.inadmissible(finding, unit)
+        };
+        (!reasons.is_empty()).then(|| reasons.join("; "))
+    }
+
+    /// Why an effect is not large and sure enough to be weighed.
+    fn inadmissible(&self, finding: &Finding, unit: ErrorUnit) -> Vec<String> {
+        let mut reasons = Vec::new();
+        if finding.suspect.is_null() {
+            reasons.push("it ended at its null, where it changes nothing".to_owned());
+        }
+        if finding.chance >= CHANCE {
+            reasons.push(format!("p-value {:.3}: not significant, {CHANCE} is the level", finding.chance));
+        }
+        if reasons.is_empty() {
+            let [size, least] = [finding.size, least_size(&self.calibration)].map(|size| size * unit.per_one());
+            let symbol = unit.symbol();
+            reasons.push(format!("too small to matter: {size:.2} {symbol}, and {least:.2} {symbol} count"));
+        }
+        reasons
+    }
+
+    /// Why an effect that is large and sure enough is not the one named.
+    fn beaten(&self, finding: &Finding) -> Option<String> {
+        let best = self.best()?;
+        if best.suspect.name() == finding.suspect.name() {
+            return None;
+        }
+        let (name, behind) = (best.suspect.name(), best.gain - finding.gain);
+        if finding.probability == 0.0 && !self.is_half {
+            if finding.suspect.is_on_bound() {
+                return Some("its best size lies beyond its range".to_owned());
+            }
+            if !carries_over(&self.evaluation, &finding.evaluation) {
+                return Some("it degrades the held-out passes".to_owned());
+            }
+        }
+        match (behind >= self.separable, finding.probability > 0.0) {
+            (true, _) => Some(format!("Δχ² is {behind:.1} less than that of {name}; {:.1} decide", self.separable)),
+            (false, true) => None,
+            (false, false) if self.is_half => Some(format!("{name} and a second effect together explain more")),
+            (false, false) => Some(format!("it leaves structure that {name} does not")),
+        }
+    }
+
+    /// The best effect and the most probable one that is still in play beside it: no verdict decides between them.
+    fn in_play(&self) -> Option<[&Finding; 2]> {
+        let best = self.best()?;
+        let second = self.findings.get(1).filter(|second| second.is_sound && second.probability > 0.0)?;
+        let is_open = best.probability < CERTAIN || best.gain - second.gain < self.separable;
+        is_open.then_some([best, second])
+    }
+}
+
+impl Diagnosis {
+    /// The two most probable effects of the last search that found any, where both are still in play.
+    pub fn rivals(&self) -> Option<[&Finding; 2]> {
+        self.rounds.iter().rev().find(|round| round.best().is_some())?.in_play()
+    }
+
+    /// The effect that was found last, and the search that found it.
+    pub fn last_found(&self) -> Option<(&Round, &Finding)> {
+        let found = *self.found().last()?;
+        let is_its = |round: &&Round| round.nameable().is_some_and(|own| std::ptr::eq(own, found));
+        Some((self.rounds.iter().find(is_its)?, found))
+    }
+}
