@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 pub enum Controller {
     /// The force is the setpoint at every time.
     Ideal,
-    /// `M z'' = (F - F_set) - B z'`, sampled every period.
+    /// `M z'' = (F - F_set) - B z'`, sampled every period. Without mass it is of first order, `B z' = F - F_set`; its samples
+    /// swing, as those of a real one, where the period is longer than 2 B over the contact's stiffness [N/m].
     Admittance {
-        /// M [kg].
+        /// M [kg]; 0 for one of first order.
         mass: f64,
         /// B [N s/m].
         damping: f64,

@@ -203,11 +203,11 @@ impl Process {
             ("search_reach [m]", self.search_reach),
         ];
         if let Controller::Admittance { mass, damping, period } = self.controller {
-            settings.extend([
-                ("admittance mass [kg]", mass),
-                ("admittance damping [N s/m]", damping),
-                ("admittance period [s]", period),
-            ]);
+            if !(mass >= 0.0 && mass.is_finite()) {
+                let (name, accepted) = ("admittance mass [kg]", "zero, or positive and finite");
+                return Err(PassError::BadSetting { name, found: mass, accepted });
+            }
+            settings.extend([("admittance damping [N s/m]", damping), ("admittance period [s]", period)]);
         }
         for (name, found) in settings {
             if !(found > 0.0 && found.is_finite()) {

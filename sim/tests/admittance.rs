@@ -46,8 +46,8 @@ impl Plunge {
         CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model")
     }
 
-    /// Forces [N] over time [s] while the pad stays in place for `duration` [s].
-    fn run(&self, duration: f64, period: f64, quasi_static: bool) -> Vec<(f64, f64)> {
+    /// Forces [N] over time [s] while the pad stays in place for `duration` [s], and how far the surface has receded in the end [m].
+    fn run(&self, duration: f64, period: f64, quasi_static: bool) -> (Vec<(f64, f64)>, f64) {
         let mut grid = plate(0.5e-3, 0.0);
         let tool = Tool::from(Pad { radius: (self.area / PI).sqrt() });
         let sample = |time| PathSample { time, position: DVec3::ZERO, approach: DVec3::Z, axis: DVec3::Y };
@@ -57,8 +57,14 @@ impl Plunge {
         let model = self.model();
         let mut forces = Vec::new();
         let pass = Pass::first(&tool, &path, &process, &model);
-        run_pass(&mut grid, pass, &mut fresh(&model), &mut |now| forces.push((now.time, now.force))).expect("a pass");
-        forces
+        let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |now| forces.push((now.time, now.force)));
+        (forces, record.expect("a pass").removed_volume / self.area)
+    }
+
+    /// Force [N] at the end of a run at the controller's period, and how far the surface has receded [m].
+    fn end(&self, duration: f64, period: f64) -> (f64, f64) {
+        let (forces, receded) = self.run(duration, period, false);
+        (last(&forces), receded)
     }
 
     fn tau(&self) -> f64 {
@@ -70,21 +76,24 @@ impl Plunge {
         (self.setpoint / self.damping + self.grind_rate * self.threshold) / (1.0 / self.damping + recession)
     }
 
-    /// Force at a time after the touch, M = 0.
-    fn force(&self, time: f64) -> f64 {
+    /// Force [N] at a time after the touch, M = 0, and how far the surface has receded then [m].
+    fn exact(&self, time: f64) -> (f64, f64) {
         let touch = self.threshold * self.area;
         let grinds =
             if self.grind_rate > 0.0 { -self.tau() * (1.0 - touch / self.setpoint).ln() } else { f64::INFINITY };
         if time <= grinds {
-            return self.setpoint * (1.0 - (-time / self.tau()).exp());
+            return (self.setpoint * (1.0 - (-time / self.tau()).exp()), 0.0);
         }
         let rate = 1.0 / self.tau() + self.stiffness * self.grind_rate;
-        self.steady() + (touch - self.steady()) * (-rate * (time - grinds)).exp()
+        let (since, below) = (time - grinds, touch - self.steady());
+        let swing = below * (1.0 - (-rate * since).exp()) / rate;
+        let receded = self.grind_rate / self.area * (swing - below * since);
+        (self.steady() + below * (-rate * since).exp(), receded)
     }
 }
 
 const PAD: Plunge =
-    Plunge { stiffness: 1e9, area: 4e-4, mass: 1e-9, damping: 800.0, setpoint: 20.0, grind_rate: 0.0, threshold: 0.0 };
+    Plunge { stiffness: 1e9, area: 4e-4, mass: 0.0, damping: 800.0, setpoint: 20.0, grind_rate: 0.0, threshold: 0.0 };
 
 fn last(forces: &[(f64, f64)]) -> f64 {
     forces.last().expect("steps").1
@@ -94,9 +103,9 @@ fn last(forces: &[(f64, f64)]) -> f64 {
 fn without_mass_the_force_rises_as_one_minus_exp() {
     for share in [0.3, 1.0, 2.5] {
         let time = share * PAD.tau();
-        let found = last(&PAD.run(time, PAD.tau() / 500.0, false));
-        println!("rise at {share} tau: {found:.4} N, exact {:.4} N", PAD.force(time));
-        assert!((found / PAD.force(time) - 1.0).abs() < 3e-3);
+        let ((found, _), (exact, _)) = (PAD.end(time, PAD.tau() / 500.0), PAD.exact(time));
+        println!("rise at {share} tau: {found:.4} N, exact {exact:.4} N");
+        assert!((found / exact - 1.0).abs() < 3e-3);
     }
 }
 
@@ -107,13 +116,13 @@ fn with_mass_the_overshoot_is_that_of_the_damping_ratio() {
         let mass = (PAD.damping / (2.0 * zeta)).powi(2) / spring;
         let pad = Plunge { mass, ..PAD };
         let period = 2.0 * PI * (mass / spring).sqrt();
-        let forces = pad.run(3.0 * period, period / 1000.0, false);
+        let (forces, _) = pad.run(3.0 * period, period / 1000.0, false);
         let peak = forces.iter().map(|row| row.1).fold(0.0, f64::max);
         let (found, exact) = (peak / pad.setpoint - 1.0, (-PI * zeta / (1.0 - zeta * zeta).sqrt()).exp());
         println!("overshoot at zeta {zeta}: {found:.4}, exact {exact:.4}; at the end {:.4} N", last(&forces));
         assert!((found - exact).abs() < 5e-3);
-        let rest = pad.run(20.0 * period, period / 200.0, false);
-        assert!((last(&rest) / pad.setpoint - 1.0).abs() < 1e-3, "at rest the force is the setpoint: {}", last(&rest));
+        let (rest, _) = pad.end(20.0 * period, period / 200.0);
+        assert!((rest / pad.setpoint - 1.0).abs() < 1e-3, "at rest the force is the setpoint: {rest}");
     }
 }
 
@@ -122,15 +131,46 @@ fn a_plunging_pad_falls_short_of_its_setpoint_by_damping_times_recession() {
     for threshold in [0.0, 1e4] {
         let pad = Plunge { grind_rate: 0.1 * PAD.area / PAD.damping, threshold, ..PAD };
         let time = 6.0 * pad.tau();
-        let found = last(&pad.run(time, pad.tau() / 200.0, false));
+        let ((found, receded), (exact, depth)) = (pad.end(time, pad.tau() / 200.0), pad.exact(time));
         println!(
-            "plunge, p_c {threshold:.0} Pa: {found:.4} N, exact {:.4} N, steady {:.4} N",
-            pad.force(time),
-            pad.steady()
+            "plunge, p_c {threshold:.0} Pa: {found:.4} N, exact {exact:.4} N, steady {:.4} N; {:.3} µm deep, exact {:.3} µm",
+            pad.steady(),
+            receded * 1e6,
+            depth * 1e6
         );
         assert!(pad.steady() < 0.95 * pad.setpoint);
-        assert!((found / pad.force(time) - 1.0).abs() < 3e-3);
+        assert!((found / exact - 1.0).abs() < 3e-3);
         assert!((found / pad.steady() - 1.0).abs() < 5e-3);
+        assert!((receded / depth - 1.0).abs() < 5e-3);
+    }
+}
+
+#[test]
+fn without_mass_long_steps_come_to_rest_as_the_closed_forms_do() {
+    for (grind_rate, threshold) in [(0.0, 0.0), (0.1 * PAD.area / PAD.damping, 1e4)] {
+        let pad = Plunge { grind_rate, threshold, ..PAD };
+        let (duration, period) = (30.0 * pad.tau(), pad.tau() / 200.0);
+        let ((forces, receded), (exact, depth)) = (pad.run(duration, period, true), pad.exact(duration));
+        let (steps, found) = (forces.len(), last(&forces));
+        println!(
+            "{steps} long steps: {found:.4} N, exact {exact:.4} N; {:.3} µm deep, exact {:.3} µm",
+            receded * 1e6,
+            depth * 1e6
+        );
+        assert!(steps < 600, "{steps} steps, 6000 at the period");
+        assert!((found / exact - 1.0).abs() < 2e-3);
+        assert!((receded - depth).abs() <= 1e-2 * depth + 1e-15);
+    }
+}
+
+#[test]
+fn a_mass_below_zero_is_refused_by_name() {
+    let tool = Tool::from(Pad { radius: 0.01 });
+    for mass in [-1.0, f64::NAN, f64::INFINITY] {
+        let controller = Controller::Admittance { mass, damping: 1500.0, period: 1e-3 };
+        let error = Process { controller, ..Process::default() }.check(&plate(0.5e-3, 0.0), &tool).unwrap_err();
+        assert!(error.to_string().contains("admittance mass [kg]"), "{error}");
+        assert!(error.to_string().contains("zero, or positive and finite"), "{error}");
     }
 }
 
@@ -142,7 +182,7 @@ fn shared_examples_of_admittance_hold() {
         let pad = Plunge {
             stiffness: number(inputs, "K"),
             area,
-            mass: optional("M").unwrap_or(1e-9),
+            mass: optional("M").unwrap_or(0.0),
             damping: number(inputs, "B"),
             setpoint: number(inputs, "Fd"),
             grind_rate: optional("k").unwrap_or(0.0),
@@ -153,10 +193,13 @@ fn shared_examples_of_admittance_hold() {
     for (kind, limit) in [("adm_first_order", 3e-3), ("adm_second_order", 3e-3), ("adm_plunge", 1e-2)] {
         for (inputs, outputs) in &shared_cases(kind) {
             let (pad, time) = (of(inputs), number(inputs, "t"));
-            let (found, exact) = (last(&pad.run(time, time / 1500.0, false)), number(outputs, "force"));
+            let ((found, receded), exact) = (pad.end(time, time / 1500.0), number(outputs, "force"));
             println!("{kind}: {found:.4} N, exact {exact:.4} N, {:+.3} %", (found / exact - 1.0) * 100.0);
             assert!((found / exact - 1.0).abs() < limit, "{kind}");
             if kind == "adm_plunge" {
+                let off = receded / number(outputs, "removed") - 1.0;
+                println!("{kind}: {:.4} µm deep, {:+.3} %", receded * 1e6, off * 100.0);
+                assert!(off.abs() < limit, "{kind}: {receded} m");
                 assert!((pad.steady() / number(outputs, "force_steady") - 1.0).abs() < 1e-9);
             }
         }

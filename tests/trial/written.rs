@@ -1,6 +1,6 @@
 //! What is written is read again as it was.
 
-use robofin::trial::{Campaign, PassScan, Trial, write_trial};
+use robofin::trial::{Campaign, Controller, PassScan, Trial, write_trial};
 use sdf_bake::HeightMap;
 
 use crate::files::{edit, folder, grinding, noted, sanding};
@@ -14,6 +14,12 @@ fn returned(trial: &Trial) -> Trial {
     let folder = tempfile::tempdir().unwrap();
     write_trial(trial, folder.path()).unwrap();
     Trial::read(folder.path()).unwrap()
+}
+
+#[test]
+fn a_controller_without_mass_returns() {
+    let controller = Some(Controller::Admittance { mass: 0.0, damping: 1500.0, period: 5e-4 });
+    assert_eq!(returned(&Trial { controller, ..grinding() }).controller, controller);
 }
 
 #[test]

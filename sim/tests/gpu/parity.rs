@@ -82,15 +82,17 @@ fn a_ball_tip_with_replay_and_an_admittance_do_as_on_the_cpu() {
     let path = Path::along(&line(-3e-3, 3e-3, 0.07e-3), 5e-3).unwrap();
     let process = Process { controller: Controller::Replay, ..Process::default() };
     agree("ball, replay", &run(device, &part, Pass::first(&ball, &path, &process, &model)), process.force_setpoint);
-    let controller = Controller::Admittance { mass: 2.0, damping: 2000.0, period: 1e-3 };
-    let process = Process { controller, ..Process::default() };
     let path = Path::along(&line(-2e-3, 2e-3, 0.12e-3), 5e-3).unwrap();
     let tool = Tool::from(Wheel { radius: 0.02, width: 0.006, crown: 2.0 });
-    agree(
-        "wheel, admittance",
-        &run(device, &part, Pass::first(&tool, &path, &process, &model)),
-        process.force_setpoint,
-    );
+    for mass in [2.0, 0.0] {
+        let controller = Controller::Admittance { mass, damping: 2000.0, period: 1e-3 };
+        let process = Process { controller, ..Process::default() };
+        agree(
+            &format!("wheel, admittance of {mass} kg"),
+            &run(device, &part, Pass::first(&tool, &path, &process, &model)),
+            process.force_setpoint,
+        );
+    }
 }
 
 #[test]
