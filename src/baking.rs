@@ -1,5 +1,8 @@
 //! From a part to the bytes of its field, with what is worth telling of it.
 
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -8,6 +11,7 @@ use sdf_bake::read::UnitChoice;
 use sdf_bake::{BakeOptions, SignChoice, SignMethod, bake};
 use serde::{Deserialize, Serialize};
 
+use crate::output::FileKind;
 use crate::part::Part;
 use crate::workpiece::{Fineness, describe_baking};
 
@@ -75,6 +79,16 @@ pub struct BakedField {
     pub description: String,
     /// Time that baking alone took [s].
     pub bake_s: f64,
+}
+
+/// A field of `robofin bake`: NanoVDB with `phi` alone.
+pub const FIELD: FileKind = FileKind { what: "a field", is_own: is_field };
+
+/// Looks at the head alone, as fields are large.
+fn is_field(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(file).and_then(|file| file.take(nvdb::HEAD_BYTES as u64).read_to_end(&mut head));
+    read.is_ok() && nvdb::grids_in(&head).is_some_and(|names| names == ["phi"])
 }
 
 /// Bakes a part.

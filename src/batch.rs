@@ -7,12 +7,15 @@ use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
 use sim::effect::CompiledModel;
 
+use crate::output::FolderKind;
 use crate::rehearsal::residual;
 use crate::trial::Trial;
 use crate::twin::{ModelRun, SimulatedPass};
 
 /// Name of the result file: one JSON object a line, in the order of the table.
 pub const BATCH_FILE: &str = "batch.jsonl";
+/// The result folder.
+pub const BATCH: FolderKind = FolderKind { marker: BATCH_FILE, key: "removed_mm3", names: &[] };
 /// First column of the table.
 const NAME: &str = "name";
 

@@ -19,14 +19,21 @@ use sim::{LogRow, PassRecord, Tool, Wheel};
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
 use crate::folder::StagedFolder;
+use crate::output::FolderKind;
 use crate::part::{Source, sha256};
 use crate::picture::{grinding, to_png};
 use crate::report::grinding_page;
-use crate::snapshot::{Keeping, Origin, model_origin};
+use crate::snapshot::{Keeping, Origin, STATE_NAMES, model_origin};
 use passes::{Done, run_passes};
 
 /// Name of the result file in a grinding folder.
 pub const GRIND_FILE: &str = "grind.json";
+/// Files of a grinding folder beside its figures.
+pub const GROUND_NAMES: &[&str] =
+    &["ground.nvdb", "pass-*.csv", "before.png", "after.png", "removed.png", "sheet.png", PAGE_FILE];
+/// The folder of a grinding.
+pub const GROUND: FolderKind =
+    FolderKind { marker: GRIND_FILE, key: "asset_sha256", names: &[("", GROUND_NAMES), ("", STATE_NAMES)] };
 /// Name of the page in a grinding folder.
 pub const PAGE_FILE: &str = "index.html";
 /// Value of the `format` key.

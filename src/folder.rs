@@ -5,116 +5,121 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
+use crate::output::{FileKind, FolderKind, Out, is_occupied};
+use crate::staging::Staging;
 use crate::wrong_use;
 
 /// An output folder in the making. Dropped without [`StagedFolder::commit`], it leaves nothing behind.
 pub struct StagedFolder {
-    staging: PathBuf,
-    target: PathBuf,
-    replace: bool,
+    staging: Staging,
+    replace: Option<&'static FolderKind>,
+}
+
+/// An output file in the making. Dropped without [`StagedFile::commit`], it leaves nothing behind.
+pub struct StagedFile {
+    staging: Staging,
+    replace: Option<&'static FileKind>,
 }
 
 impl StagedFolder {
-    /// Starts a folder that will become `target`.
-    ///
-    /// With `force`, a folder that holds a file named `marker` is replaced; any other is not ours to remove.
+    /// Starts a folder of a kind. From now on no other run can write the same place.
     ///
     /// # Errors
-    /// Wrong use when `target` already holds something that may not be replaced; otherwise when the parent
-    /// folder cannot be written.
-    pub fn new(target: &Path, marker: &str, force: bool) -> Result<Self> {
-        let target = std::path::absolute(target).with_context(|| format!("{}: no such place", target.display()))?;
-        refuse_occupied(&target, marker, force)?;
-        let (parent, name) = (target.parent(), target.file_name());
-        let (Some(parent), Some(name)) = (parent, name) else {
-            return Err(wrong_use(format!("--out {} cannot be a new folder", target.display())));
-        };
-        fs::create_dir_all(parent).with_context(|| format!("{}: cannot make this folder", parent.display()))?;
-        let staging = parent.join(format!(".{}.part-{}", name.to_string_lossy(), std::process::id()));
-        fs::create_dir(&staging).with_context(|| format!("{}: cannot make this folder", staging.display()))?;
-        Ok(Self { staging, target, replace: force })
+    /// Wrong use when the place holds something that may not be replaced; otherwise when another run writes it, or the
+    /// parent folder cannot be written.
+    pub fn new(out: &Out, kind: &'static FolderKind) -> Result<Self> {
+        out.check_folder(kind)?;
+        let staging = Staging::folder(&absolute(out.place)?)?;
+        // What a killed run had moved away may be back.
+        out.check_folder(kind)?;
+        Ok(Self { staging, replace: out.force.then_some(kind) })
+    }
+
+    /// Starts a folder where there is none.
+    ///
+    /// # Errors
+    /// As [`StagedFolder::new`].
+    pub fn fresh(target: &Path) -> Result<Self> {
+        refuse_occupied(target)?;
+        Ok(Self { staging: Staging::folder(&absolute(target)?)?, replace: None })
     }
 
     /// Where to write for now.
     pub fn path(&self) -> &Path {
-        &self.staging
+        self.staging.path()
     }
 
     /// Moves the finished folder to its place; a replaced one is removed only after that.
     ///
     /// # Errors
-    /// When the file system refuses a rename; the old folder is then still there.
+    /// When something else was put there meanwhile, or the file system refuses a rename; the old folder is then still
+    /// there.
     pub fn commit(self) -> Result<PathBuf> {
-        let place = || format!("{}: cannot put the finished folder here", self.target.display());
-        let old = self.staging.with_extension("old");
-        let moved_away = self.replace && self.target.exists();
-        if moved_away {
-            fs::rename(&self.target, &old).with_context(place)?;
+        let target = self.staging.target().to_owned();
+        if let Some(kind) = self.replace {
+            Out { place: &target, force: true, inputs: &[] }.check_folder(kind)?;
         }
-        if let Err(error) = fs::rename(&self.staging, &self.target) {
-            if moved_away {
-                fs::rename(&old, &self.target).with_context(place)?;
-            }
-            return Err(error).with_context(place);
-        }
-        if moved_away {
-            remove(&old).with_context(|| format!("{}: cannot remove the replaced folder", old.display()))?;
-        }
-        Ok(self.target.clone())
+        self.staging.commit(self.replace.is_some())?;
+        Ok(target)
     }
 }
 
-impl Drop for StagedFolder {
-    fn drop(&mut self) {
-        if self.staging.exists() {
-            // Nothing can be reported from here; a leftover carries a name that says what it is.
-            let _ = fs::remove_dir_all(&self.staging);
+impl StagedFile {
+    /// Starts a file of a kind. From now on no other run can write the same place.
+    ///
+    /// # Errors
+    /// As [`StagedFolder::new`].
+    pub fn new(out: &Out, kind: &'static FileKind) -> Result<Self> {
+        out.check_file(kind)?;
+        let staging = Staging::file(&absolute(out.place)?)?;
+        Ok(Self { staging, replace: out.force.then_some(kind) })
+    }
+
+    /// Writes the file and moves it to its place.
+    ///
+    /// # Errors
+    /// As [`StagedFolder::commit`].
+    pub fn commit(self, bytes: &[u8]) -> Result<()> {
+        let target = self.staging.target().to_owned();
+        fs::write(self.staging.path(), bytes)
+            .with_context(|| format!("{}: cannot write this file", target.display()))?;
+        match self.replace {
+            Some(kind) => Out { place: &target, force: true, inputs: &[] }.check_file(kind)?,
+            None => refuse_occupied(&target)?,
         }
+        self.staging.commit(false)
     }
 }
 
-/// Fails early where an output would have to be refused at the end.
-///
-/// With `force`, a file may be replaced, and a folder if it holds a file named `marker`.
-///
-/// # Errors
-/// Wrong use when `target` holds something that may not be replaced.
-pub fn refuse_occupied(target: &Path, marker: &str, force: bool) -> Result<()> {
+fn absolute(place: &Path) -> Result<PathBuf> {
+    let place = std::path::absolute(place).with_context(|| format!("{}: no such place", place.display()))?;
+    match place.file_name() {
+        Some(_) => Ok(place),
+        None => Err(wrong_use(format!("--out {} cannot be a new file or folder", place.display()))),
+    }
+}
+
+fn refuse_occupied(target: &Path) -> Result<()> {
     if !is_occupied(target) {
         return Ok(());
     }
-    if !force {
-        return Err(occupied(target));
-    }
-    if target.is_dir() && marker.is_empty() {
-        return Err(wrong_use(format!("{} is a folder; --out expects the name of a file", target.display())));
-    }
-    if target.is_dir() && !target.join(marker).is_file() {
-        return Err(wrong_use(format!(
-            "{} holds no {marker}: it is not a result of this command, so --force does not replace it",
-            target.display()
-        )));
-    }
+    Err(wrong_use(format!("{} already exists and is not overwritten: choose another --out", target.display())))
+}
+
+/// Refuses a folder that cannot be written, before any work for it is done.
+///
+/// # Errors
+/// When a file cannot be made there.
+pub fn check_writable(folder: &Path) -> Result<()> {
+    drop(Staging::file(&absolute(&folder.join("writable"))?)?);
     Ok(())
 }
 
-fn is_occupied(target: &Path) -> bool {
-    match fs::read_dir(target) {
-        Ok(mut entries) => entries.next().is_some(),
-        Err(_) => target.symlink_metadata().is_ok(),
-    }
-}
-
-fn remove(path: &Path) -> std::io::Result<()> {
-    if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) }
-}
-
-/// Writes a file beside its place and renames it.
+/// Writes a file beside its place and renames it; what is there is replaced. For files inside an output.
 ///
 /// # Errors
-/// Wrong use when the file exists and `force` is not set; otherwise when the place cannot be written.
-pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
-    refuse_occupied(path, "", force)?;
+/// When the place cannot be written.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     let context = || format!("{}: cannot write this file", path.display());
     let name = path.file_name().with_context(context)?.to_string_lossy();
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -127,16 +132,12 @@ pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
     written.with_context(context)
 }
 
-fn occupied(path: &Path) -> anyhow::Error {
-    wrong_use(format!(
-        "{} already exists and is not overwritten: choose another --out, or give --force",
-        path.display()
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const ASSET: FolderKind = FolderKind { marker: "asset.json", key: "format", names: &[] };
+    const FIELD: FileKind = FileKind { what: "a field", is_own: |path| fs::read(path).is_ok_and(|b| b == b"one") };
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> =
@@ -149,13 +150,13 @@ mod tests {
     fn a_folder_appears_whole_or_not_at_all() {
         let place = tempfile::tempdir().unwrap();
         let target = place.path().join("asset");
-        let staged = StagedFolder::new(&target, "asset.json", false).unwrap();
+        let staged = StagedFolder::new(&Out::fresh(&target), &ASSET).unwrap();
         fs::write(staged.path().join("asset.json"), "{}").unwrap();
         assert!(!target.exists());
         staged.commit().unwrap();
         assert_eq!(names(place.path()), ["asset"]);
 
-        let abandoned = StagedFolder::new(&place.path().join("other"), "asset.json", false).unwrap();
+        let abandoned = StagedFolder::fresh(&place.path().join("other")).unwrap();
         drop(abandoned);
         assert_eq!(names(place.path()), ["asset"]);
     }
@@ -166,26 +167,51 @@ mod tests {
         let target = place.path().join("asset");
         fs::create_dir(&target).unwrap();
         fs::write(target.join("thesis.txt"), "years of work").unwrap();
-        assert!(StagedFolder::new(&target, "asset.json", false).is_err());
-        let error = StagedFolder::new(&target, "asset.json", true).err().unwrap().to_string();
+        let forced = Out { force: true, ..Out::fresh(&target) };
+        assert!(StagedFolder::new(&Out::fresh(&target), &ASSET).is_err());
+        let error = StagedFolder::new(&forced, &ASSET).err().unwrap().to_string();
         assert!(error.contains("asset.json"), "{error}");
 
-        fs::write(target.join("asset.json"), "{}").unwrap();
-        let staged = StagedFolder::new(&target, "asset.json", true).unwrap();
+        fs::write(target.join("asset.json"), "{\"format\": 1}").unwrap();
+        let error = StagedFolder::new(&forced, &ASSET).err().unwrap().to_string();
+        assert!(error.contains("thesis.txt"), "{error}");
+        fs::remove_file(target.join("thesis.txt")).unwrap();
+        let staged = StagedFolder::new(&forced, &ASSET).unwrap();
         fs::write(staged.path().join("asset.json"), "new").unwrap();
         staged.commit().unwrap();
+        assert_eq!(fs::read(target.join("asset.json")).unwrap(), b"new");
         assert_eq!(names(&target), ["asset.json"]);
         assert_eq!(names(place.path()), ["asset"]);
     }
 
     #[test]
-    fn a_file_is_kept_unless_force_is_given() {
+    fn a_file_that_was_put_there_meanwhile_is_kept() {
+        let place = tempfile::tempdir().unwrap();
+        let target = place.path().join("asset");
+        let staged = StagedFolder::new(&Out { force: true, ..Out::fresh(&target) }, &ASSET).unwrap();
+        fs::write(&target, "mine").unwrap();
+        assert!(staged.commit().is_err());
+        assert_eq!(fs::read(&target).unwrap(), b"mine");
+        let other = place.path().join("field");
+        let staged = StagedFile::new(&Out::fresh(&other), &FIELD).unwrap();
+        fs::write(&other, "mine").unwrap();
+        assert!(staged.commit(b"one").is_err());
+        assert_eq!(fs::read(&other).unwrap(), b"mine");
+        assert_eq!(names(place.path()), ["asset", "field"]);
+    }
+
+    #[test]
+    fn a_file_is_kept_unless_force_is_given_and_it_is_ours() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("deep/phi.nvdb");
-        write_file(&path, b"one", false).unwrap();
-        assert!(write_file(&path, b"two", false).is_err());
+        let forced = Out { force: true, ..Out::fresh(&path) };
+        let write = |out: &Out, bytes: &[u8]| StagedFile::new(out, &FIELD).and_then(|file| file.commit(bytes));
+        write(&Out::fresh(&path), b"one").unwrap();
+        assert!(write(&Out::fresh(&path), b"two").is_err());
         assert_eq!(fs::read(&path).unwrap(), b"one");
-        write_file(&path, b"two", true).unwrap();
+        write(&forced, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert!(write(&forced, b"three").is_err(), "what is no field is kept");
         assert_eq!(fs::read(&path).unwrap(), b"two");
         assert_eq!(names(path.parent().unwrap()), ["phi.nvdb"]);
     }

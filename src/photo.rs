@@ -11,10 +11,17 @@ use shaders::Device;
 use sim::render::{Camera, Frame, Photographer, Picture, Projection, Raster, Scene, Sensor};
 
 use crate::exr_file::to_exr;
+use crate::output::FolderKind;
 use crate::picture::to_png;
 
 /// The file that a folder of photographs has.
 pub const RENDER_FILE: &str = "render.json";
+/// The folder of photographs.
+pub const PHOTOGRAPHS: FolderKind = FolderKind {
+    marker: RENDER_FILE,
+    key: "samples_per_side",
+    names: &[("", &["picture.png", "buffers.exr", "picture-*.png", "animation.png"])],
+};
 /// Pictures a second of an animation.
 const PICTURES_PER_SECOND: u16 = 12;
 

@@ -1,14 +1,18 @@
 //! Pictures of workpieces, and their PNG files.
 
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
 use anyhow::{Context, Result};
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder};
 use sdf_bake::BrickGrid;
 use sim::render::{
     Camera, Legend, Panel, Picture, RemovedView, View, clearest_direction, clearest_of, contact_sheet, outward, render,
 };
 
 use crate::asset::WeldTruth;
+use crate::output::FileKind;
 
 /// Width and height of one view [pixels].
 pub const VIEW_SIZE: (usize, usize) = (960, 720);
@@ -16,16 +20,34 @@ pub const VIEW_SIZE: (usize, usize) = (960, 720);
 /// Samples along each side of a pixel.
 pub const SAMPLES_PER_SIDE: usize = 2;
 
+/// Keyword and text by which a picture says who made it.
+const MARK: (&str, &str) = ("Software", "RoboFin");
+
 /// Encodes a picture as PNG.
 ///
 /// # Errors
 /// When the pixel buffer does not match the picture's size.
 pub fn to_png(picture: &Picture) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(&picture.rgb, picture.width as u32, picture.height as u32, ExtendedColorType::Rgb8)
-        .context("the picture cannot be written as PNG")?;
+    let mut encoder = Encoder::new(&mut bytes, picture.width as u32, picture.height as u32);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    let context = "the picture cannot be written as PNG";
+    encoder.add_text_chunk(MARK.0.to_owned(), MARK.1.to_owned()).context(context)?;
+    let mut writer = encoder.write_header().context(context)?;
+    writer.write_image_data(&picture.rgb).context(context)?;
+    writer.finish().context(context)?;
     Ok(bytes)
+}
+
+/// A drawing of `robofin render`: a PNG that says by which program it was made.
+pub const DRAWING: FileKind = FileKind { what: "a picture", is_own: is_drawing };
+
+fn is_drawing(file: &Path) -> bool {
+    let reader = File::open(file).ok().and_then(|file| Decoder::new(BufReader::new(file)).read_info().ok());
+    let texts = reader.map(|reader| reader.info().uncompressed_latin1_text.clone()).unwrap_or_default();
+    texts.iter().any(|text| (text.keyword.as_str(), text.text.as_str()) == MARK)
 }
 
 /// The whole workpiece from the three-quarter view that shows the most of its weld, or from the front right above.

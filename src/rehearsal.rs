@@ -16,13 +16,22 @@ use crate::covariate_maps;
 use crate::finishing::{log_csv, model_facts};
 use crate::folder::StagedFolder;
 use crate::measure::{Freedom, despiked, noise_floor, register, untouched};
+use crate::output::FolderKind;
 use crate::part::sha256;
-use crate::snapshot::{self, Keeping, Origin, Resume, Snapshot, model_origin};
+use crate::snapshot::{self, Keeping, Origin, Resume, STATE_NAMES, Snapshot, model_origin};
 use crate::trial::{PassScan, ToolPath, Trial, exposure_csv, heights_csv};
 use crate::twin::{SimulatedPass, TrialState, Twin, TwinError, exposed_share};
 
 /// Name of the result file.
 pub const REHEARSAL_FILE: &str = "simulation.json";
+/// Files of a simulated trial beside its figures.
+const REHEARSAL_NAMES: &[&str] = &["after.nvdb", "pass*_log.csv", "pass*_after.csv", "pass*_exposed.csv"];
+/// The folder of a simulated trial.
+pub const REHEARSAL: FolderKind = FolderKind {
+    marker: REHEARSAL_FILE,
+    key: "trial",
+    names: &[("", REHEARSAL_NAMES), ("covariates/", &["pass*_*.csv"]), ("", STATE_NAMES)],
+};
 /// Value of its `format` key.
 const REHEARSAL_FORMAT: &str = "robofin-simulation/1";
 /// Pixels nearer to the tool than this count as touched when scans are laid on each other [m].

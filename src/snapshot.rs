@@ -21,6 +21,9 @@ use crate::wrong_use;
 /// Value of the `format` key.
 const STATE_FORMAT: &str = "robofin-state/1";
 
+/// Files of states in a result folder.
+pub const STATE_NAMES: &[&str] = &["state-*.nvdb", "state-*.json"];
+
 /// All that a state depends on: each input by name, with its value or its SHA-256.
 pub type Origin = BTreeMap<String, String>;
 

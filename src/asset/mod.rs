@@ -19,6 +19,7 @@ use serde::Serialize;
 use crate::console::Console;
 use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
 use crate::folder::StagedFolder;
+use crate::output::FolderKind;
 use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
 use crate::workpiece::{WeldingOptions, Workpiece};
 
@@ -39,6 +40,12 @@ pub const SURFACE_FILE: &str = "surface.glb";
 pub const USD_FILE: &str = "welded.usdc";
 /// Name of the picture.
 pub const PREVIEW_FILE: &str = "preview.png";
+
+/// Files of an asset beside its manifest.
+pub const ASSET_NAMES: &[&str] =
+    &[WORKPIECE_FILE, WELDED_FILE, SURFACE_FILE, USD_FILE, PHI_FILE, WELD_FILE, WELDS_FILE, PREVIEW_FILE];
+/// The folder of an asset.
+pub const ASSET: FolderKind = FolderKind { marker: MANIFEST_FILE, key: "baking", names: &[("", ASSET_NAMES)] };
 
 /// What goes into an asset beside meshes, fields and truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

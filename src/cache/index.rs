@@ -42,7 +42,7 @@ impl Cache {
             text += &serde_json::to_string(&Line { mesh, field })?;
             text.push('\n');
         }
-        write_file(&path, text.as_bytes(), true)
+        write_file(&path, text.as_bytes())
     }
 }
 

@@ -24,7 +24,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 
-use crate::folder::{refuse_occupied, write_file};
+use crate::folder::{check_writable, write_file};
+use crate::output::{FolderKind, Out};
 use crate::wrong_use;
 
 pub use batch::{Batch, Entry, Outcome};
@@ -35,6 +36,8 @@ pub use sources::{Sources, find_meshes};
 
 /// Name of the file that marks a cache.
 pub const MARKER_FILE: &str = "cache.json";
+/// The folder of a cache that is not one yet.
+const CACHE: FolderKind = FolderKind { marker: MARKER_FILE, key: "format", names: &[] };
 /// Value of the `format` key of the marker and of every recipe.
 pub const CACHE_FORMAT: &str = "robofin-cache/1";
 
@@ -66,7 +69,8 @@ impl Cache {
     /// # Errors
     /// Wrong use when the folder holds something that is no cache, or a cache and `occupied` does not say what to do
     /// with it; otherwise when the folder cannot be written.
-    pub fn open(folder: &Path, occupied: Occupied) -> Result<Self> {
+    pub fn open(out: &Out, occupied: Occupied) -> Result<Self> {
+        let folder = out.place;
         let cache = Self { folder: folder.to_owned() };
         let marker = folder.join(MARKER_FILE);
         if folder.exists() && !folder.is_dir() {
@@ -77,6 +81,7 @@ impl Cache {
         }
         if marker.is_file() {
             check_marker(&marker)?;
+            check_writable(folder)?;
             cache.drop_staged_markers();
             match occupied {
                 Occupied::Resume => {}
@@ -98,10 +103,10 @@ impl Cache {
                     folder.display()
                 )));
             }
-            refuse_occupied(folder, MARKER_FILE, occupied == Occupied::Replace)?;
+            out.check_folder(&CACHE)?;
         }
         let text = serde_json::to_string(&Marker { format: CACHE_FORMAT.to_owned() })? + "\n";
-        let written = write_file(&marker, text.as_bytes(), true);
+        let written = write_file(&marker, text.as_bytes());
         // Another process that was quicker may have dropped the staged file; then the marker is there.
         check_marker(&marker).or(written)?;
         cache.drop_staged_markers();

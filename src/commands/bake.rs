@@ -8,11 +8,11 @@ use clap::Args;
 use serde::Serialize;
 
 use super::flags::{MeshFlags, OutFlags};
-use crate::baking::{FieldFacts, FieldWishes, bake_part};
+use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
 use crate::budget;
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
 use crate::console::Console;
-use crate::folder::{refuse_occupied, write_file};
+use crate::folder::StagedFile;
 use crate::part::Part;
 use crate::wrong_use;
 
@@ -84,7 +84,7 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
 /// One mesh to one file.
 fn bake_one(mesh: &Path, wishes: &FieldWishes, out: &OutFlags, console: &Console) -> Result<()> {
     let started = Instant::now();
-    refuse_occupied(&out.out, "", out.force)?;
+    let file = StagedFile::new(&out.beside(&[mesh]), &FIELD)?;
     let part = Part::load(mesh, wishes.unit)?;
     part.describe(console);
     let name = || mesh.display().to_string();
@@ -92,7 +92,7 @@ fn bake_one(mesh: &Path, wishes: &FieldWishes, out: &OutFlags, console: &Console
     budget::check(&part.mesh, &options).with_context(name)?;
     let field = bake_part(&part, &options).with_context(name)?;
     console.step("bake", &field.description);
-    write_file(&out.out, &field.bytes, out.force)?;
+    file.commit(&field.bytes)?;
     console.step("field", format!("{:.1} MB in {}", field.bytes.len() as f64 / 1e6, out.out.display()));
     console.answer_line(&BakeAnswer {
         mesh: &name(),
@@ -122,7 +122,8 @@ fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<
         (_, true) => Occupied::Replace,
         _ => Occupied::Refuse,
     };
-    let cache = Cache::open(&args.out.out, occupied)?;
+    let inputs: Vec<&Path> = sources.keys().map(PathBuf::as_path).collect();
+    let cache = Cache::open(&args.out.beside(&inputs), occupied)?;
     let meshes = sources.len();
     let bar = console.bar("bake", meshes as u64);
     let mut tally = Tally::default();

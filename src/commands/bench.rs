@@ -11,7 +11,13 @@ use sim::effect::Library;
 
 use crate::benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use crate::console::Console;
+use crate::folder::{check_writable, write_file};
+use crate::output::FolderKind;
 use crate::virtual_lab::Size;
+
+/// The folder of a benchmark: its table, and a file for each finished case.
+const BENCHMARK: FolderKind =
+    FolderKind { marker: "benchmark.json", key: "outcomes", names: &[("", &["benchmark.md", "*-*.json"])] };
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin bench diagnose --out out/bench --cases 4")]
@@ -86,7 +92,8 @@ pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
         .map(|(_, family)| family)
         .collect();
     let cases = cases(&chosen, args.cases, args.seed, library);
-    fs::create_dir_all(&args.out).with_context(|| format!("{}: cannot be made", args.out.display()))?;
+    BENCHMARK.check_continued(&args.out)?;
+    check_writable(&args.out)?;
     let mut outcomes: Vec<Outcome> = Vec::new();
     for (number, case) in cases.iter().enumerate() {
         match outcome(case, &args.out, library) {
@@ -112,9 +119,9 @@ pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
     outcomes.extend(unasked(&outcomes, &args.out, library)?);
     let summary = Summary::new(&outcomes);
     let table = summary.to_markdown(&outcomes);
-    write_whole(&args.out.join("benchmark.md"), table.as_bytes())?;
     let answer = Answer { summary: &summary, outcomes: &outcomes };
-    write_whole(&args.out.join("benchmark.json"), &serde_json::to_vec_pretty(&answer)?)?;
+    write_file(&args.out.join(BENCHMARK.marker), &serde_json::to_vec_pretty(&answer)?)?;
+    write_file(&args.out.join("benchmark.md"), table.as_bytes())?;
     console.step("singles", summary.large_singles.to_string());
     console.step("alarms", summary.false_alarms.to_string());
     console.step("names", summary.false_names.to_string());
@@ -151,7 +158,7 @@ fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
         Sized::Visible => Vec::new(),
     };
     let outcome = diagnosed(case, &detectable, Size::Small, library)?;
-    write_whole(&file, &serde_json::to_vec_pretty(&outcome)?)?;
+    write_file(&file, &serde_json::to_vec_pretty(&outcome)?)?;
     Ok(outcome)
 }
 
@@ -165,11 +172,4 @@ fn read<T: DeserializeOwned>(file: &Path) -> Result<Option<T>> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(error).with_context(|| format!("{}: cannot be read", file.display())),
     }
-}
-
-/// Writes a file beside its place and renames it.
-fn write_whole(file: &Path, bytes: &[u8]) -> Result<()> {
-    let beside = file.with_extension("part");
-    let write = || fs::write(&beside, bytes).and_then(|()| fs::rename(&beside, file));
-    write().with_context(|| format!("{}: cannot be written", file.display()))
 }

@@ -14,11 +14,15 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{Calibration, CalibrationSummary, Order};
+use crate::output::FolderKind;
 use crate::study::{CalibrationReport, Data, Measurements, calibration_report};
 use crate::study_report::page;
 
 /// The file by which a result folder is known.
 const CALIBRATION_FILE: &str = "calibration.json";
+/// The result folder.
+const CALIBRATION: FolderKind =
+    FolderKind { marker: CALIBRATION_FILE, key: "noise_floor_um", names: &[("", &["model.toml", "report.html"])] };
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin calibrate trials --out out/base\n  \
@@ -46,7 +50,7 @@ struct CalibrateAnswer<'a> {
 
 /// Runs the verb.
 pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
-    let folder = StagedFolder::new(&args.out.out, CALIBRATION_FILE, args.out.force)?;
+    let folder = StagedFolder::new(&args.out.beside(&args.model.inputs(&args.campaign)), &CALIBRATION)?;
     let (library, started) = (args.model.own.library()?, Instant::now());
     let measurements = Measurements::read(&args.campaign)?;
     let mut data = measurements.data()?;

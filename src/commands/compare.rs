@@ -12,6 +12,7 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{Evidence, RowEvidence, ScanEvidence};
+use crate::output::FolderKind;
 use crate::study::{Asked, Comparison, compare_rows, compare_scans};
 use crate::study_report::{Direction, StudyReport, page};
 use crate::table::{TABLE_FILE, Table};
@@ -20,6 +21,8 @@ use crate::wrong_use;
 
 /// The file by which a result folder is known.
 const COMPARISON_FILE: &str = "comparison.json";
+/// The result folder.
+const COMPARISON: FolderKind = FolderKind { marker: COMPARISON_FILE, key: "agrees", names: &[("", &["report.html"])] };
 /// Covariates that are told on the console.
 const TOLD: usize = 5;
 
@@ -43,7 +46,7 @@ pub(super) struct CompareArgs {
 
 /// Runs the verb.
 pub(super) fn run(args: &CompareArgs, console: &Console) -> Result<()> {
-    let folder = StagedFolder::new(&args.out.out, COMPARISON_FILE, args.out.force)?;
+    let folder = StagedFolder::new(&args.out.beside(&args.model.inputs(&args.campaign)), &COMPARISON)?;
     let lines: Vec<Direction> = args.sections.iter().map(|text| line(text)).collect::<Result<_>>()?;
     let asked = Asked { folder: &args.campaign, lines: &lines, seed: args.seed };
     let is_table = args.campaign.join(TABLE_FILE).is_file();

@@ -10,19 +10,37 @@ use serde::Serialize;
 use sim::Wheel;
 use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
-use crate::asset::{self, Extras, MANIFEST_FILE, UsdMode, write_json};
+use super::study::STUDY_NAMES;
+use crate::asset::{self, ASSET_NAMES, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
-use crate::finishing::{self, GRIND_FILE, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};
+use crate::finishing::{self, GRIND_FILE, GROUND_NAMES, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};
 use crate::folder::StagedFolder;
+use crate::output::{FolderKind, Out};
 use crate::part::Part;
 use crate::riddle::{Opened, RIDDLE_NAME, open, unpack};
 use crate::snapshot::Keeping;
-use crate::study::{Course, Measurements, StudyRecord, inputs_sha256};
+use crate::study::{Course, Measurements, STUDY_FILE, StudyRecord, inputs_sha256};
 use crate::study_report::story;
+use crate::virtual_lab::write::CAMPAIGN_NAMES;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 
 /// Name of the figures file in a demo folder.
 const DEMO_FILE: &str = "demo.json";
+/// The folder of a demo.
+const DEMO: FolderKind = FolderKind {
+    marker: DEMO_FILE,
+    key: "real_time_factor",
+    names: &[
+        ("", &[PAGE_FILE]),
+        ("asset/", &[MANIFEST_FILE]),
+        ("asset/", ASSET_NAMES),
+        ("grind/", &[GRIND_FILE]),
+        ("grind/", GROUND_NAMES),
+        ("study/", &[STUDY_FILE, "story.svg", "first-look.key"]),
+        ("study/", STUDY_NAMES),
+        ("study/first-look/", CAMPAIGN_NAMES),
+    ],
+};
 /// Folder of the study in a demo folder.
 const STUDY_FOLDER: &str = "study";
 /// Seed of the study's draws.
@@ -59,7 +77,7 @@ struct DemoAnswer<'a> {
 pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
     let started = Instant::now();
     let out = args.out.clone().unwrap_or_else(first_free);
-    let folder = StagedFolder::new(&out, DEMO_FILE, args.force)?;
+    let folder = StagedFolder::new(&Out { place: &out, force: args.force, inputs: &[] }, &DEMO)?;
     let ground = weld_and_grind(args, folder.path(), console)?;
     let study = study(&folder.path().join(STUDY_FOLDER), console)?;
     let seconds = started.elapsed().as_secs_f64();
@@ -85,13 +103,13 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     let options = demo_options(args.seed);
     let workpiece = weld_part(part, &options, console)?;
     let asset = folder.join("asset");
-    let asset_folder = StagedFolder::new(&asset, MANIFEST_FILE, false)?;
+    let asset_folder = StagedFolder::fresh(&asset)?;
     asset::write(&workpiece, &options, asset_folder, Extras::full(args.usd), console)?;
 
     let wheel = Wheel::cylinder(0.05, 0.02);
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
-    let grind_folder = StagedFolder::new(&folder.join("grind"), GRIND_FILE, false)?;
+    let grind_folder = StagedFolder::fresh(&folder.join("grind"))?;
     let keeping = (&Keeping::default(), grind_folder.path());
     let mut ground = grind_asset(&asset, (wheel, Plan::default()), model, keeping, (None, console))?;
     if let Some(error) = ground.stopped.take() {

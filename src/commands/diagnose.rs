@@ -11,11 +11,18 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::laboratory::{Diagnosis, DiagnosisSummary, calibrate};
+use crate::output::FolderKind;
 use crate::study::{Measurements, ReportInput, report, suggestion, summary};
 use crate::study_report::page;
 
 /// The file by which a result folder is known.
 const DIAGNOSIS_FILE: &str = "diagnosis.json";
+/// The result folder.
+const DIAGNOSIS: FolderKind = FolderKind {
+    marker: DIAGNOSIS_FILE,
+    key: "verdict",
+    names: &[("", &["model.toml", "report.html", "suggested-*.toml"])],
+};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin diagnose trials --out out/diagnosis\n  \
@@ -34,7 +41,7 @@ pub(super) struct DiagnoseArgs {
 
 /// Runs the verb.
 pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
-    let folder = StagedFolder::new(&args.out.out, DIAGNOSIS_FILE, args.out.force)?;
+    let folder = StagedFolder::new(&args.out.beside(&args.model.inputs(&args.campaign)), &DIAGNOSIS)?;
     let (library, started) = (args.model.own.library()?, Instant::now());
     let measurements = Measurements::read(&args.campaign)?;
     let mut data = measurements.data()?;

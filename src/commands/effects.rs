@@ -197,7 +197,7 @@ fn change(path: &Path, console: &Console, edit: impl Fn((&str, &str)) -> Result<
     })?;
     // Through a link, so that the file behind it is replaced and not the link.
     let place = fs::canonicalize(path).with_context(|| path.display().to_string())?;
-    write_file(&place, edit.text.as_bytes(), true)?;
+    write_file(&place, edit.text.as_bytes())?;
     console.step("model", edit.changes.join("\n"));
     let effects: Vec<&str> = edit.model.effects.iter().map(|part| part.name.as_str()).collect();
     console.answer(&EditAnswer { model: path, changes: &edit.changes, effects })

@@ -1,6 +1,6 @@
 //! Flags that several verbs share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::Result;
@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use sdf_bake::SignChoice;
 use sdf_bake::read::UnitChoice;
 
+use crate::output::Out;
 use crate::workpiece::Fineness;
 use crate::wrong_use;
 
@@ -139,9 +140,16 @@ pub(super) struct OutFlags {
     /// Folder or file to make.
     #[arg(long, value_name = "PATH")]
     pub(super) out: PathBuf,
-    /// Replace what is there.
+    /// Replace an earlier result of this command there; never an input, nor a folder that holds anything else.
     #[arg(long)]
     pub(super) force: bool,
+}
+
+impl OutFlags {
+    /// The place asked for, with what the verb reads.
+    pub(super) fn beside<'a>(&'a self, inputs: &'a [&'a Path]) -> Out<'a> {
+        Out { place: &self.out, force: self.force, inputs }
+    }
 }
 
 /// One number, or two with `..` between: a range to draw from, both ends included.

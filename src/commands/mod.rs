@@ -36,6 +36,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::WrongUse;
 use crate::console::Console;
+use crate::interrupt;
 
 /// More threads than any machine for this has; tens of thousands would only wait for each other.
 const MOST_THREADS: usize = 1024;
@@ -103,7 +104,10 @@ pub fn main() -> ExitCode {
     let matches = Cli::command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let console = Console::new(cli.json);
-    match start(cli, &matches, &console) {
+    interrupt::listen();
+    let ended = start(cli, &matches, &console);
+    interrupt::wait_if_ending();
+    match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");

@@ -24,7 +24,7 @@ pub(super) struct ModelFlags {
 pub(super) struct OwnFlags {
     /// Folder with effect files of your own (*.toml); they act after the built-in ones.
     #[arg(long, value_name = "DIR")]
-    effects: Option<PathBuf>,
+    pub(super) effects: Option<PathBuf>,
 }
 
 impl OwnFlags {
@@ -48,6 +48,12 @@ impl OwnFlags {
 }
 
 impl ModelFlags {
+    /// What is read beside `first`: the model's file and the folder of effects.
+    pub(super) fn inputs<'a>(&'a self, first: &'a Path) -> Vec<&'a Path> {
+        let own = [&self.model, &self.own.effects].into_iter().flatten().map(PathBuf::as_path);
+        std::iter::once(first).chain(own).collect()
+    }
+
     /// The model file, or the text of the base law with its defaults.
     fn read(&self, process: Process, law: &str, library: &Library) -> Result<Model> {
         let Some(path) = &self.model else {

@@ -10,9 +10,10 @@ use serde::Serialize;
 use super::flags::{OutFlags, positive, within};
 use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
-use crate::folder::{refuse_occupied, write_file};
+use crate::folder::StagedFile;
+use crate::output::FileKind;
 use crate::plan::{LineDirection, Plan, Raster, Travel, along_weld, raster};
-use crate::trial::{Log, RPM, Tool, log_csv};
+use crate::trial::{Log, LogRow, RPM, Tool, log_csv, read_log};
 use crate::wrong_use;
 
 #[derive(Debug, Args)]
@@ -80,6 +81,18 @@ enum DirectionFlag {
     Y,
 }
 
+/// A planned path. It has the columns of a log, but no sensor: the force is the setpoint or zero, the speed one.
+const PLAN: FileKind = FileKind { what: "a planned path", is_own: is_plan };
+
+fn is_plan(file: &Path) -> bool {
+    let Ok(log) = read_log(file) else { return false };
+    let rows = &log.content.rows;
+    let setpoint = rows.iter().map(|row| row.force).fold(0.0, f64::max);
+    let is_planned =
+        |row: &LogRow| (row.force == 0.0 || row.force == setpoint) && row.spindle_speed == rows[0].spindle_speed;
+    log.content.covariates.is_empty() && rows.iter().all(is_planned)
+}
+
 /// The answer of `path --json`.
 #[derive(Serialize)]
 struct PathAnswer<'a> {
@@ -96,14 +109,14 @@ struct PathAnswer<'a> {
 pub(super) fn run(args: &PathArgs, console: &Console) -> Result<()> {
     let travel = args.travel()?;
     let patch = args.patch()?;
-    refuse_occupied(&args.out.out, "", args.out.force)?;
+    let file = StagedFile::new(&args.out.beside(&[&args.asset]), &PLAN)?;
     Manifest::read(&args.asset)?;
     let plan = match &patch {
         Some(patch) => raster(&AssetFields::open(&args.asset)?.welded, patch)?,
         None => weld_plan(&args.asset, args.weld.unwrap_or(1))?,
     };
     let log = plan.timed(&travel)?;
-    write_file(&args.out.out, log_csv(&log).as_bytes(), args.out.force)?;
+    file.commit(log_csv(&log).as_bytes())?;
     let answer = args.answer(&plan, &log, patch.map_or(1, |patch| patch.count()));
     console.step(
         "path",

@@ -14,9 +14,9 @@ use super::flags::OutFlags;
 use super::sensor_flags::SensorFlags;
 use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
-use crate::folder::{StagedFolder, refuse_occupied, write_file};
-use crate::photo::{Darkroom, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
-use crate::picture::{SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
+use crate::folder::{StagedFile, StagedFolder};
+use crate::photo::{Darkroom, PHOTOGRAPHS, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
+use crate::picture::{DRAWING, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
 use crate::snapshot::kept_fields;
 use crate::wrong_use;
 
@@ -108,7 +108,6 @@ pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
 }
 
 fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<usize> {
-    refuse_occupied(&args.out.out, "", args.out.force)?;
     if let Some(flag) = args.photo.first_given() {
         return Err(wrong_use(format!(
             "{flag} with --out {}: a .png is a drawing, made on the CPU; a photograph takes {flag}, and --out is the \
@@ -116,9 +115,10 @@ fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<us
             args.out.out.display()
         )));
     }
+    let file = StagedFile::new(&args.out.beside(&[&args.source]), &DRAWING)?;
     let (grid, weld) = open(&args.source)?;
     let picture = overview(&grid, weld.as_ref(), size, SAMPLES_PER_SIDE)?;
-    write_file(&args.out.out, &to_png(&picture)?, args.out.force)?;
+    file.commit(&to_png(&picture)?)?;
     console.step("picture", format!("{} x {} in {}", size.0, size.1, args.out.out.display()));
     Ok(1)
 }
@@ -129,8 +129,8 @@ fn photograph(args: &RenderArgs, (width, height): (usize, usize), console: &Cons
         return Err(wrong_use(format!("--samples {}: 1 to 16 are accepted", photo.samples)));
     }
     let raster = Raster { width, height, samples_per_side: photo.samples };
+    let folder = StagedFolder::new(&args.out.beside(&[&args.source]), &PHOTOGRAPHS)?;
     let states = if photo.lapse { kept_fields(&args.source)? } else { Vec::new() };
-    let folder = StagedFolder::new(&args.out.out, RENDER_FILE, args.out.force)?;
     let is_sequence = photo.lapse || photo.turntable.is_some();
     let mut album = Album::new(folder.path(), is_sequence, (raster, photo.sensor.sensor()?));
     let (first, weld) = match states.first() {

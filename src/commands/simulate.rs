@@ -12,11 +12,11 @@ use sim::{Tool, Wheel};
 use super::backend_flags::{BackendFlags, name_of};
 use super::flags::{OutFlags, within};
 use super::model_flags::ModelFlags;
-use crate::batch::{self, BATCH_FILE, BatchLine, BatchRun};
+use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
-use crate::finishing::{self, GRIND_FILE, GrindSummary, Plan, grind_asset};
+use crate::finishing::{self, GROUND, GrindSummary, Plan, grind_asset};
 use crate::folder::StagedFolder;
-use crate::rehearsal::{REHEARSAL_FILE, Rehearsal, RehearsalSummary, is_trial};
+use crate::rehearsal::{REHEARSAL, Rehearsal, RehearsalSummary, is_trial};
 use crate::snapshot::{Keeping, Resume, kept};
 use crate::trial::{self, Trial};
 use crate::twin::Twin;
@@ -192,12 +192,22 @@ struct BatchAnswer<'a> {
     real_time_factor: f64,
 }
 
+impl SimulateArgs {
+    /// All that a run reads.
+    fn inputs(&self) -> Vec<&Path> {
+        let others = [&self.batch, &self.state.resume].into_iter().flatten().map(PathBuf::as_path);
+        self.model.inputs(&self.folder).into_iter().chain(others).collect()
+    }
+}
+
 pub(super) fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
     if is_trial(&args.folder) { run_trial(args, console) } else { run_asset(args, console) }
 }
 
 fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     args.process.refuse_for_trial(&args.folder)?;
+    let kind = if args.batch.is_some() { &BATCH } else { &REHEARSAL };
+    let folder = StagedFolder::new(&args.out.beside(&args.inputs()), kind)?;
     let trial = Trial::read(&args.folder)?;
     for note in &trial.notes {
         console.step("trial", note);
@@ -216,8 +226,6 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     let mut twin = Twin::new(&trial, voxel, args.replay)?;
     twin.covariates = args.covariates;
     let runs = args.batch.as_deref().map(|file| batch::read(file, &model)).transpose()?;
-    let marker = if runs.is_some() { BATCH_FILE } else { REHEARSAL_FILE };
-    let folder = StagedFolder::new(&args.out.out, marker, args.out.force)?;
     let device = args.backend.device(twin.refusal(&model), console)?;
     twin.device = device.as_ref();
     if let Some(runs) = runs {
@@ -279,7 +287,7 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     let (wheel, plan) = (args.process.wheel()?, args.process.plan()?);
     let rows = RowCounts { passes: plan.passes as usize, scans: plan.passes as usize };
     let model = args.model.compile(Process::Grinding, &args.process.law()?, rows)?;
-    let folder = StagedFolder::new(&args.out.out, GRIND_FILE, args.out.force)?;
+    let folder = StagedFolder::new(&args.out.beside(&args.inputs()), &GROUND)?;
     let keeping = args.state.keeping(plan.passes as usize)?;
     let refusal = sim::gpu::refusal_of(&Tool::from(wheel), &model);
     let device = args.backend.device(refusal, console)?;

@@ -11,12 +11,17 @@ use super::flags::OutFlags;
 use super::model_flags::{ModelFlags, read_text};
 use crate::console::Console;
 use crate::folder::StagedFolder;
+use crate::output::{FolderKind, Out};
 use crate::study::{Course, Data, Measurements, STUDY_FILE, STUDY_FORMAT, StudyRecord, inputs_sha256};
 use crate::study_report::{StudyReport, page};
 use crate::wrong_use;
 
 /// The model's file in a study's folder.
 const MODEL_FILE: &str = "model.toml";
+/// Files of a study beside its record.
+pub(super) const STUDY_NAMES: &[&str] = &[MODEL_FILE, "report.html", "suggested-*.toml"];
+/// The folder of a study.
+const STUDY: FolderKind = FolderKind { marker: STUDY_FILE, key: "measurements_sha256", names: &[("", STUDY_NAMES)] };
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin study trials --out out/study\n  \
@@ -40,7 +45,10 @@ pub(super) struct StudyArgs {
 pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
     let out = &args.out.out;
     let goes_on = args.step && !args.out.force && out.join(STUDY_FILE).is_file();
-    let folder = StagedFolder::new(out, STUDY_FILE, args.out.force || goes_on)?;
+    let folder = StagedFolder::new(
+        &Out { force: args.out.force || goes_on, ..args.out.beside(&args.model.inputs(&args.campaign)) },
+        &STUDY,
+    )?;
     let library = args.model.own.library()?;
     let measurements = Measurements::read(&args.campaign)?;
     let data = measurements.data()?;

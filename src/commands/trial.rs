@@ -13,7 +13,7 @@ use super::flags::OutFlags;
 use super::model_flags::OwnFlags;
 use crate::console::Console;
 use crate::trial::Process;
-use crate::virtual_lab::write::{ANSWER_FILE, SEAL_FILE, check_place, key_place, unseal, write};
+use crate::virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unseal, write_into};
 use crate::virtual_lab::{Choice, Experiment, Hidden, Instrument, Key, Made, MakeError, Plan, Robot, Size};
 use crate::wrong_use;
 
@@ -207,6 +207,10 @@ impl SynthArgs {
         }
     }
 
+    fn inputs(&self) -> Vec<&Path> {
+        self.own.effects.iter().map(PathBuf::as_path).collect()
+    }
+
     fn key(&self) -> Option<Key> {
         self.sealed.then(|| self.seed.map_or_else(Key::random, Key::of_seed))
     }
@@ -214,7 +218,7 @@ impl SynthArgs {
 
 fn synth(args: &SynthArgs, console: &Console) -> Result<()> {
     let out = &args.out.out;
-    check_place(out, args.sealed, args.out.force)?;
+    let places = Places::take(&args.out.beside(&args.inputs()), args.sealed)?;
     let experiment = args.experiment()?;
     let bar = console.bar("passes", experiment.passes() as u64);
     let made = experiment.make_reporting(&|| bar.inc(1));
@@ -223,7 +227,7 @@ fn synth(args: &SynthArgs, console: &Console) -> Result<()> {
         MakeError::Model(error) => wrong_use(error.to_string()),
         MakeError::Truth(error) => error.into(),
     })?;
-    write(&made, &experiment, out, args.key(), args.out.force)?;
+    write_into(&made, &experiment, places, args.key())?;
     describe(args, &made, console);
     let (file, key) = if args.sealed { (SEAL_FILE, Some(key_place(out))) } else { (ANSWER_FILE, None) };
     console.answer(&SynthAnswer {

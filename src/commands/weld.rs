@@ -10,7 +10,7 @@ use weldgen::{Difficulty, Placement, Stitch};
 
 use super::bead_flags::BeadFlags;
 use super::flags::{MeshFlags, OutFlags, RangeFlag, optional_mm, positive, within};
-use crate::asset::{self, Extras, MANIFEST_FILE, Manifest, UsdMode};
+use crate::asset::{self, ASSET, Extras, Manifest, UsdMode};
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::part::Part;
@@ -226,7 +226,7 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
         sign: args.mesh.sign.into(),
         wishes: args.wishes.wishes()?,
     };
-    let folder = StagedFolder::new(&args.out.out, MANIFEST_FILE, args.out.force)?;
+    let folder = StagedFolder::new(&args.out.beside(&[&args.file]), &ASSET)?;
     let part = Part::load(&args.file, args.mesh.unit.into())?;
     part.describe(console);
     let workpiece = weld_part(part, &options, console).with_context(|| args.file.display().to_string())?;

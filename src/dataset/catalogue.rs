@@ -77,7 +77,7 @@ pub(crate) fn publish<R: Marker>(dataset: &Dataset<R>, files: &BTreeMap<&'static
             remove_stale(folder, &name.to_string_lossy())?;
         }
         if fs::read(&place).ok().as_ref() != Some(bytes) {
-            write_file(&place, bytes, true)?;
+            write_file(&place, bytes)?;
         }
     }
     Ok(())

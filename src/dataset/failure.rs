@@ -128,7 +128,7 @@ impl<R: Marker> Dataset<R> {
         let _claim = self.claim(&failure.id, Patience::Endless)?;
         remove_stale(&self.folder().join(FAILURES_FOLDER), &failure.id)?;
         let text = serde_json::to_string_pretty(failure)? + "\n";
-        write_file(&self.failure_path(&failure.id), text.as_bytes(), true)
+        write_file(&self.failure_path(&failure.id), text.as_bytes())
     }
 
     /// Forgets the failure of a piece or source that is well now.

@@ -84,7 +84,7 @@ impl<R: Marker> Dataset<R> {
             // Another process may have come first, with a recipe of its own.
             if !folder.join(MARKER_FILE).exists() {
                 let text = serde_json::to_string_pretty(&dataset.recipe)? + "\n";
-                write_file(&folder.join(MARKER_FILE), text.as_bytes(), false)?;
+                write_file(&folder.join(MARKER_FILE), text.as_bytes())?;
                 return Ok(dataset);
             }
             return Self::open(folder)?.held_against(dataset.recipe);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{key_of, source_key};
 use super::{ASSETS_FOLDER, Dataset, Stage, remove_stale};
-use crate::asset::{self, Extras, MANIFEST_FILE, UsdMode};
+use crate::asset::{self, Extras, UsdMode};
 use crate::claim::Patience;
 use crate::console::Console;
 use crate::folder::StagedFolder;
@@ -92,7 +92,7 @@ fn place(dataset: &Dataset, id: &str) -> Result<StagedFolder> {
     if folder.exists() {
         fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
     }
-    StagedFolder::new(&folder, MANIFEST_FILE, false)
+    StagedFolder::fresh(&folder)
 }
 
 fn load(source: &Path, id: &str, unit: UnitChoice) -> Result<Part> {

@@ -113,7 +113,7 @@ impl ImageSet {
         let mut files = BTreeMap::new();
         for (folder, bytes) in FILE_FOLDERS.iter().zip(&contents) {
             let name = file_path(folder, &planned.id);
-            write_file(&self.folder().join(&name), bytes, true)?;
+            write_file(&self.folder().join(&name), bytes)?;
             files.insert(name, record_of(bytes));
         }
         let record = ImageRecord {
@@ -132,7 +132,7 @@ impl ImageSet {
             files,
         };
         let text = serde_json::to_string(&record)? + "\n";
-        write_file(&self.record_path(&planned.id), text.as_bytes(), true)
+        write_file(&self.record_path(&planned.id), text.as_bytes())
     }
 
     /// Removes an image, its record first, so that it is not taken for whole should this be interrupted.

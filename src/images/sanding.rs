@@ -174,7 +174,7 @@ impl ImageSet {
         if folder.exists() {
             std::fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
         }
-        let staged = StagedFolder::new(&folder, SANDING_FILE, false)?;
+        let staged = StagedFolder::fresh(&folder)?;
         let mut stages = Vec::new();
         let setting = sand(&mut part, (planned.pattern, self.recipe.stages), |part, figures| {
             let bytes = nvdb::write(&[dose_of(part)], Codec::Zip)?;

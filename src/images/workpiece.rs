@@ -163,7 +163,7 @@ impl ImageSet {
     pub fn make_workpiece(&self, coated: &Coated) -> Result<()> {
         let field = coated.field(self.recipe.seed)?;
         let bytes = nvdb::write_field(&field, Codec::Zip)?;
-        write_file(&self.workpiece_path(&coated.name), &bytes, true)
+        write_file(&self.workpiece_path(&coated.name), &bytes)
     }
 
     /// Reads the field of a workpiece, and the hash of its file.

@@ -66,6 +66,9 @@ pub enum SealError {
 }
 
 impl Key {
+    /// More bytes than a key's file has: its digits and white space around them.
+    pub const MOST_BYTES: u64 = 1024;
+
     /// A key that no one can guess.
     pub fn random() -> Self {
         Self(CipherKey::<XChaCha20Poly1305>::generate().into())

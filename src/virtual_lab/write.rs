@@ -11,7 +11,8 @@ use super::answer::Answer;
 use super::seal::{Key, Seal};
 use super::{Experiment, Made};
 use crate::asset::write_json;
-use crate::folder::{StagedFolder, refuse_occupied, write_file};
+use crate::folder::{StagedFile, StagedFolder};
+use crate::output::{FileKind, FolderKind, Out};
 use crate::part::sha256;
 use crate::trial::write_trial;
 use crate::wrong_use;
@@ -22,6 +23,48 @@ pub const LABORATORY_FILE: &str = "laboratory.json";
 pub const ANSWER_FILE: &str = "answers.json";
 /// The sealed answer.
 pub const SEAL_FILE: &str = "sealed.json";
+
+/// Files of a campaign that was made here.
+pub const CAMPAIGN_NAMES: &[&str] = &[
+    LABORATORY_FILE,
+    ANSWER_FILE,
+    SEAL_FILE,
+    "trial-*/trial.toml",
+    "trial-*/before.csv",
+    "trial-*/before_repeat*.csv",
+    "trial-*/material.csv",
+    "trial-*/pass*_log.csv",
+    "trial-*/pass*_after.csv",
+    "trial-*/pass*_exposed.csv",
+];
+/// The folder of a campaign that was made here.
+const CAMPAIGN: FolderKind = FolderKind { marker: LABORATORY_FILE, key: "plan", names: &[("", CAMPAIGN_NAMES)] };
+/// The key beside it.
+const KEY: FileKind = FileKind { what: "a key", is_own: is_key };
+
+fn is_key(file: &Path) -> bool {
+    fs::metadata(file).is_ok_and(|file| file.len() <= Key::MOST_BYTES)
+        && fs::read_to_string(file).is_ok_and(|text| Key::parse(&text).is_ok())
+}
+
+/// The places of a campaign in the making, taken before any work is done.
+pub struct Places {
+    folder: StagedFolder,
+    key: Option<StagedFile>,
+}
+
+impl Places {
+    /// Takes the folder, and the place of the key beside it where the answer is sealed.
+    ///
+    /// # Errors
+    /// Wrong use when a place holds something that may not be replaced; otherwise when it cannot be written.
+    pub fn take(out: &Out, sealed: bool) -> Result<Self> {
+        let folder = StagedFolder::new(out, &CAMPAIGN)?;
+        let key = key_place(out.place);
+        let key = sealed.then(|| StagedFile::new(&Out { place: &key, ..*out }, &KEY)).transpose()?;
+        Ok(Self { folder, key })
+    }
+}
 
 /// An answer and the measurements that it belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,9 +102,18 @@ pub fn key_place(folder: &Path) -> PathBuf {
 /// # Errors
 /// Wrong use when a place is taken and `force` is not set; otherwise when a file cannot be written.
 pub fn write(made: &Made, experiment: &Experiment, folder: &Path, key: Option<Key>, force: bool) -> Result<()> {
-    check_place(folder, key.is_some(), force)?;
-    let staged = StagedFolder::new(folder, LABORATORY_FILE, force)?;
-    let place = staged.path();
+    let out = Out { place: folder, force, inputs: &[] };
+    write_into(made, experiment, Places::take(&out, key.is_some())?, key)
+}
+
+/// Writes a campaign into places that were taken before.
+///
+/// - `key`: seals the answer; it goes to its place beside the folder
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_into(made: &Made, experiment: &Experiment, places: Places, key: Option<Key>) -> Result<()> {
+    let place = places.folder.path();
     for trial in &made.trials {
         let folder = place.join(&trial.name);
         fs::create_dir(&folder).with_context(|| format!("{}: cannot make this folder", folder.display()))?;
@@ -70,10 +122,7 @@ pub fn write(made: &Made, experiment: &Experiment, folder: &Path, key: Option<Ke
     let kept = KeptAnswer { measurements_sha256: measurements(place)?, answer: made.answer.clone() };
     let answer_file = if key.is_some() { SEAL_FILE } else { ANSWER_FILE };
     match key {
-        Some(key) => {
-            write_json(&place.join(SEAL_FILE), &Seal::new(&serde_json::to_string_pretty(&kept)?, key))?;
-            write_file(&key_place(folder), key.text().as_bytes(), force)?;
-        }
+        Some(key) => write_json(&place.join(SEAL_FILE), &Seal::new(&serde_json::to_string_pretty(&kept)?, key))?,
         None => write_json(&place.join(ANSWER_FILE), &kept)?,
     }
     let laboratory = Laboratory {
@@ -86,16 +135,11 @@ pub fn write(made: &Made, experiment: &Experiment, folder: &Path, key: Option<Ke
         answer: answer_file,
     };
     write_json(&place.join(LABORATORY_FILE), &laboratory)?;
-    staged.commit().map(|_| ())
-}
-
-/// Refuses a place that is taken before any work is done.
-///
-/// # Errors
-/// Wrong use.
-pub fn check_place(folder: &Path, sealed: bool, force: bool) -> Result<()> {
-    refuse_occupied(folder, LABORATORY_FILE, force)?;
-    if sealed { refuse_occupied(&key_place(folder), "", force) } else { Ok(()) }
+    // First the key: a seal without one could never be opened.
+    if let (Some(file), Some(key)) = (places.key, key) {
+        file.commit(key.text().as_bytes())?;
+    }
+    places.folder.commit().map(|_| ())
 }
 
 /// A seal opened.

@@ -1,5 +1,9 @@
 //! Runs that are killed, and runs that want the same place.
 
+#[cfg(unix)]
+use std::path::Path;
+#[cfg(unix)]
+use std::process::Command;
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -51,6 +55,64 @@ fn a_killed_run_leaves_nothing_under_the_final_name() {
     assert!(unfinished > 0, "all runs were finished before they were killed");
 }
 
+/// Ends a run with a signal once it has begun to write, and says how it ended and what lies there then.
+#[cfg(unix)]
+fn signalled(command: &mut Command, (signal, folder): (&str, &Path)) -> (Option<i32>, Vec<String>) {
+    let before = names(folder);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program can be started");
+    let started = Instant::now();
+    while names(folder) == before && started.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(1));
+    }
+    assert_ne!(names(folder), before, "nothing was begun");
+    let sent = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().expect("kill can be run");
+    assert!(sent.success());
+    let code = child.wait().expect("the program ends").code();
+    (code, names(folder))
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_a_run_with_its_number_and_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let place = |name: &str| folder.path().join(name);
+    let flags = ["--usd", "off", "--resolution", "256"];
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        let mut weld = robofin(["weld", "--seed", "7"]);
+        weld.args(flags).arg(bracket()).arg("--out").arg(place("asset"));
+        assert_eq!(signalled(&mut weld, (signal, folder.path())), (Some(code), Vec::new()), "weld, {signal}");
+    }
+    run(robofin(["trial", "synth", "--size", "small", "--out"]).arg(place("trials"))).succeeds();
+    for verb in ["compare", "calibrate", "study"] {
+        let mut command = robofin([verb]);
+        command.arg(place("trials")).arg("--out").arg(place("result"));
+        let ended = signalled(&mut command, ("TERM", folder.path()));
+        assert_eq!(ended, (Some(143), vec!["trials".to_owned()]), "{verb}");
+    }
+    let mut bake = robofin(["bake", "--resolution", "512"]);
+    bake.arg(bracket()).arg("--out").arg(place("field.nvdb"));
+    assert_eq!(signalled(&mut bake, ("INT", folder.path())), (Some(130), vec!["trials".to_owned()]), "bake");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_for_a_place_that_another_run_writes_ends_before_its_work() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("asset");
+    let mut first = robofin(["weld", "--seed", "7", "--usd", "off", "--resolution", "256"]);
+    first.arg(bracket()).arg("--out").arg(&out).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut first = first.spawn().expect("the program can be started");
+    let started = Instant::now();
+    while names(folder.path()).is_empty() && started.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(1));
+    }
+    let second = run(weld_bracket(&out).arg("--force"));
+    second.is_refused(1, &["asset", "another run is writing"]);
+    assert!(!second.stderr.contains("winding number"), "it was baked in vain: {}", second.stderr);
+    first.kill().expect("the program can be killed");
+    first.wait().expect("the program ends");
+}
+
 #[test]
 fn what_a_killed_run_left_does_not_stop_the_next() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -67,5 +129,5 @@ fn what_a_killed_run_left_does_not_stop_the_next() {
     assert!(left.len() == 1 && left[0].starts_with(".asset.part-"), "{left:?}");
     run(&mut weld_bracket(&out)).succeeds();
     assert!(files(&out) == files(asset()), "it is whole");
-    assert_eq!(names(folder.path()), [left[0].as_str(), "asset"], "what others left is not touched");
+    assert_eq!(names(folder.path()), ["asset"], "what the killed run left is gone");
 }

@@ -14,6 +14,7 @@ mod flags;
 mod hostile_files;
 mod interruption;
 mod memory;
+mod outputs;
 #[path = "../export/outside.rs"]
 mod outside;
 mod paths;

@@ -66,7 +66,21 @@ fn places_that_cannot_be_written_are_named_before_the_work() {
             run(robofin([verb]).arg(source).arg("--out").arg(out)).is_refused(1, &["cannot"]);
         }
     }
+    for out in ["/proc/robofin/out", "/proc/out"] {
+        let outcome = run(robofin(["trial", "synth", "--size", "small", "--out", out]).arg("--sealed"));
+        outcome.is_refused(1, &["cannot"]);
+        assert!(!outcome.stderr.contains("measured"), "it was simulated in vain: {}", outcome.stderr);
+        let render = &mut robofin(["render", "--out", &format!("{out}.png")]);
+        let outcome = run(render.arg(folder_without_asset()));
+        outcome.is_refused(1, &["/proc", "cannot"]);
+    }
     run(&mut weld_bracket(Path::new("/"))).is_refused(2, &["already exists"]);
+}
+
+/// A source that no drawing can be made of: whoever names it has begun the work.
+#[cfg(target_os = "linux")]
+fn folder_without_asset() -> &'static Path {
+    Path::new("/dev")
 }
 
 #[test]

@@ -40,7 +40,7 @@ mod write;
 
 pub use channels::{PHI, WELD_ID, write_field};
 pub use error::{BricksError, NvdbError, WriteError};
-pub use read::read;
+pub use read::{HEAD_BYTES, grids_in, read};
 pub use tree::{Checksum, GridClass, NvdbFile, NvdbGrid, Tile, Tree, Values};
 pub use write::write;
 

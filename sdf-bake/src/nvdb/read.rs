@@ -43,6 +43,27 @@ pub fn read(bytes: &[u8]) -> Result<NvdbFile, NvdbError> {
     Ok(NvdbFile { grids })
 }
 
+/// Bytes at the start of a file that [`grids_in`] needs for a few grids.
+pub const HEAD_BYTES: usize = 4096;
+
+/// Names of the grids in the first segment of a file that was written here, from the file's first bytes.
+pub fn grids_in(head: &[u8]) -> Option<Vec<String>> {
+    let bytes = Bytes(head);
+    let header: FileHeader = bytes.get("the file header", 0).ok()?;
+    if header.magic != MAGIC || header.version != Version::WRITTEN {
+        return None;
+    }
+    let mut at = size_of::<FileHeader>() as u64;
+    let mut names = Vec::new();
+    for _ in 0..header.grid_count {
+        let meta: FileMeta = bytes.get("the table of grids", at).ok()?;
+        at += size_of::<FileMeta>() as u64;
+        names.push(until_zero(bytes.slice("a grid's name", at, u64::from(meta.name_size)).ok()?));
+        at += u64::from(meta.name_size);
+    }
+    Some(names)
+}
+
 /// Reads one segment, and says where it ends.
 fn segment(bytes: Bytes, start: u64, grids: &mut Vec<NvdbGrid>) -> Result<u64, NvdbError> {
     let magic: u64 = bytes.get("the file header", start)?;
