@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use sdf_bake::input::{self, MOST_TABLE_BYTES, quoted, quoted_near};
 use serde::Serialize;
 use sim::effect::CompiledModel;
 
@@ -60,14 +61,24 @@ pub struct BatchLine {
 /// The first fault, with file and line.
 pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
     let at = |line: usize| format!("--batch {}:{line}", file.display());
-    let mut table = csv::Reader::from_path(file).with_context(|| format!("--batch {}", file.display()))?;
+    let bytes = input::read(file, MOST_TABLE_BYTES).context("--batch")?;
+    let mut table = csv::Reader::from_reader(bytes.as_slice());
     let header = table.headers().with_context(|| at(1))?.clone();
-    ensure!(header.get(0) == Some(NAME), "{}: the first column is {:?}, `name` is accepted", at(1), header.get(0));
+    ensure!(
+        header.get(0) == Some(NAME),
+        "{}: the first column is {}, `name` is accepted",
+        at(1),
+        quoted(header.get(0).unwrap_or_default())
+    );
+    let shown = |column: &str| {
+        let known: Vec<String> = model.parameters().iter().map(|slot| slot.name()).collect();
+        quoted_near(column, known.iter().map(String::as_str))
+    };
     let index = |column: &str| {
         let known = || model.parameters().iter().map(|slot| slot.name()).collect::<Vec<_>>().join(", ");
         model
             .index(column)
-            .with_context(|| format!("{}: the model has no parameter `{column}`; it has {}", at(1), known()))
+            .with_context(|| format!("{}: the model has no parameter {}; it has {}", at(1), shown(column), known()))
     };
     let columns: Vec<usize> = header.iter().skip(1).map(index).collect::<Result<_>>()?;
     let mut runs: Vec<BatchRun> = Vec::new();
@@ -75,12 +86,12 @@ pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
         let row = row.with_context(|| at(line))?;
         let mut run = BatchRun { name: row[0].to_owned(), model: model.clone(), parameters: BTreeMap::new() };
         if run.name.is_empty() || runs.iter().any(|other| other.name == run.name) {
-            bail!("{}: the name is {:?}, one that no other line has is accepted", at(line), run.name);
+            bail!("{}: the name is {}, one that no other line has is accepted", at(line), quoted(&run.name));
         }
         for (&column, text) in columns.iter().zip(row.iter().skip(1)) {
             let slot = &model.parameters()[column];
             let value: f64 = text.trim().parse().ok().filter(|value: &f64| !value.is_nan()).with_context(|| {
-                format!("{}: {} is {text:?}, a number in {} is accepted", at(line), slot.name(), slot.unit_text)
+                format!("{}: {} is {}, a number in {} is accepted", at(line), slot.name(), quoted(text), slot.unit_text)
             })?;
             run.model.set(column, slot.unit.to_si(value));
             run.parameters.insert(slot.name(), value);

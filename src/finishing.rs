@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Error, Result, ensure};
 use sdf_bake::BrickGrid;
+use sdf_bake::input::{self, MOST_TEXT_BYTES};
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
 use shaders::Device;
@@ -142,7 +143,7 @@ pub fn grind_asset(
     (device, console): (Option<&Device>, &Console),
 ) -> Result<Ground> {
     let manifest = Manifest::read(asset)?;
-    let asset_sha256 = sha256(&fs::read(asset.join(MANIFEST_FILE))?);
+    let asset_sha256 = sha256(&input::read(&asset.join(MANIFEST_FILE), MOST_TEXT_BYTES)?);
     let weld = Welds::read(asset)?.welds.into_iter().next().context("the asset has no weld to grind")?;
     let AssetFields { welded: before, target, .. } = AssetFields::open(asset)?;
     if 1e-3 * weld.width_mm > wheel.width {

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 use sim::effect::Library;
 
+use crate::json_file::read_json;
 use crate::laboratory::Verdict;
 use crate::study::{Course, StudyRecord};
 use crate::study_report::Sealed;
@@ -76,7 +77,7 @@ pub fn unpack(folder: &Path, key: &Path) -> Result<()> {
 pub fn open(folder: &Path, key: &Path, course: &Course) -> Result<(Opened, Sealed)> {
     let verdict = course.record.verdict.context("the study has not come to a verdict")?;
     let unsealed = unseal(folder, key)?;
-    let seal: Value = serde_json::from_slice(&fs::read(folder.join(SEAL_FILE))?)?;
+    let seal: Value = read_json(&folder.join(SEAL_FILE), "a sealed answer")?;
     let sha256 = seal["sha256"].as_str().unwrap_or_default().to_owned();
     let effects = unsealed.answer["effects"].as_array().cloned().unwrap_or_default();
     let (known, foreign): (Vec<&Value>, Vec<&Value>) =

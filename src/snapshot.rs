@@ -9,12 +9,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use sdf_bake::BrickGrid;
+use sdf_bake::input::{self, MOST_MESH_BYTES, quoted_near};
 use sdf_bake::nvdb::{self, Codec};
 use serde::{Deserialize, Serialize};
 use sim::PassRecord;
 use sim::effect::{CompiledModel, States};
 
 use crate::asset::write_json;
+use crate::json_file::read_json;
 use crate::part::sha256;
 use crate::wrong_use;
 
@@ -183,10 +185,13 @@ pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Re
 /// A file that is absent or damaged, or a state with another `origin`: the message names what differs.
 pub fn read(folder: &Path, pass: usize, model: &CompiledModel, origin: &Origin) -> Result<Snapshot> {
     let (json, nvdb) = (place(folder, pass, "json"), place(folder, pass, "nvdb"));
-    let text = fs::read_to_string(&json).with_context(|| format!("{}: cannot read this state", json.display()))?;
-    let state: StateFile = serde_json::from_str(&text).with_context(|| format!("{}: no state", json.display()))?;
+    let state: StateFile = read_json(&json, "a state")?;
     let shown = json.display();
-    ensure!(state.format == STATE_FORMAT, "{shown}: format {}; {STATE_FORMAT} is expected", state.format);
+    ensure!(
+        state.format == STATE_FORMAT,
+        "{shown}: format {}; {STATE_FORMAT} is expected",
+        quoted_near(&state.format, [STATE_FORMAT])
+    );
     ensure!(state.passes == pass, "{shown}: the state after pass {}; pass {pass} is expected", state.passes);
     let differing = differences(&state.origin, origin);
     ensure!(
@@ -194,7 +199,7 @@ pub fn read(folder: &Path, pass: usize, model: &CompiledModel, origin: &Origin) 
         "{shown}: this state cannot be continued here, because these differ: {}",
         differing.join("; ")
     );
-    let bytes = fs::read(&nvdb).with_context(|| format!("{}: cannot read this field", nvdb.display()))?;
+    let bytes = input::read(&nvdb, MOST_MESH_BYTES)?;
     ensure!(sha256(&bytes) == state.field_sha256, "{}: not the field that {shown} was written with", nvdb.display());
     let field = || -> Result<BrickGrid> { Ok(nvdb::read(&bytes)?.to_field()?) };
     let tool = States::restored(model, (state.tool, state.tool_cells));

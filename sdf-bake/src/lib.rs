@@ -22,7 +22,7 @@
 //! [`BrickGrid::combined_with`] unites and cuts such fields, [`redistance`] keeps one a distance while it changes,
 //! [`BrickGrid::surface_mesh`] takes the surface out of it, [`nvdb`] stores it.
 //!
-//! This crate shows no progress and never prints; it opens no file but the mesh that [`read`] is given.
+//! This crate shows no progress and never prints; it opens no file but the mesh that [`read`] is given, by [`input`].
 
 pub mod bake;
 mod bounds;
@@ -36,6 +36,7 @@ pub mod halo;
 pub mod heights;
 mod implicit;
 pub mod index;
+pub mod input;
 pub mod mesh;
 pub mod nvdb;
 mod project;

@@ -6,9 +6,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use sdf_bake::BakeReport;
+use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES, quoted_near};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::json_file::parse_json;
 use crate::part::{Source, sha256};
 
 /// Name of the manifest in an asset folder.
@@ -58,7 +60,7 @@ impl FileRecord {
     /// # Errors
     /// When the file cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
-        let content = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let content = input::read(path, MOST_MESH_BYTES)?;
         Ok(Self { sha256: sha256(&content), bytes: content.len() as u64 })
     }
 }
@@ -87,13 +89,12 @@ impl Manifest {
     /// When the folder is no asset, or of another format.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST_FILE);
-        let text = fs::read_to_string(&path).with_context(|| {
-            format!("{}: cannot be read; an asset folder made by `robofin weld` is expected", path.display())
-        })?;
-        let manifest: Self = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not a manifest of format {ASSET_FORMAT}", path.display()))?;
+        let text =
+            input::read_text(&path, MOST_TEXT_BYTES).context("an asset folder made by `robofin weld` is expected")?;
+        let manifest: Self = parse_json(&path, &text, &format!("a manifest of format {ASSET_FORMAT}"))?;
         if manifest.format != ASSET_FORMAT {
-            bail!("{}: format is {:?}, {ASSET_FORMAT:?} is expected", path.display(), manifest.format);
+            let found = quoted_near(&manifest.format, [ASSET_FORMAT]);
+            bail!("{}: format is {found}, {ASSET_FORMAT:?} is expected", path.display());
         }
         Ok(manifest)
     }

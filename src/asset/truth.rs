@@ -1,15 +1,16 @@
 //! `welds.json`: the ground truth of every weld of an asset.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use glam::DVec3;
+use sdf_bake::input::quoted_near;
 use serde::{Deserialize, Serialize};
 use weldgen::bead::{BeadShape, Defect, DefectKind};
 use weldgen::{Joint, Weld, WeldCurve};
 
 use super::WELDS_FILE;
+use crate::json_file::read_json;
 use crate::workpiece::PlacedWeld;
 
 /// Value of the `format` key.
@@ -170,19 +171,16 @@ impl Welds {
     /// When the file is missing, damaged or of another format.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(WELDS_FILE);
-        let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        let welds: Self = serde_json::from_str(&text).with_context(|| {
-            format!(
-                "{}: not a truth file of format {WELDS_FORMAT}; an asset of an earlier version is made anew by `robofin weld`, \
-                 a data set by `robofin validate --repair`",
-                path.display()
-            )
-        })?;
+        let what = format!(
+            "a truth file of format {WELDS_FORMAT} (an asset of an earlier version is made again by `robofin weld`, a data \
+             set by `robofin validate --repair`)"
+        );
+        let welds: Self = read_json(&path, &what)?;
         ensure!(
             welds.format == WELDS_FORMAT,
-            "{}: format is {:?}, {WELDS_FORMAT:?} is expected",
+            "{}: format is {}, {WELDS_FORMAT:?} is expected",
             path.display(),
-            welds.format
+            quoted_near(&welds.format, [WELDS_FORMAT])
         );
         Ok(welds)
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use sdf_bake::BrickGrid;
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::nvdb::{self, Checksum, Codec, GridRef, NvdbFile, NvdbGrid};
 
 use crate::workpiece::Workpiece;
@@ -54,7 +55,7 @@ impl AssetFields {
 }
 
 fn read(folder: &Path, name: &str) -> Result<NvdbFile> {
-    let bytes = fs::read(folder.join(name)).with_context(|| name.to_owned())?;
+    let bytes = input::read(&folder.join(name), MOST_MESH_BYTES).with_context(|| name.to_owned())?;
     let file = nvdb::read(&bytes).with_context(|| name.to_owned())?;
     for grid in &file.grids {
         ensure!(grid.checksum == Checksum::Matches, "{name}: grid {:?} does not match its checksum", grid.name);

@@ -11,6 +11,7 @@ use super::{Cache, Recipe};
 use crate::asset::FileRecord;
 use crate::baking::{BakedField, FieldFacts};
 use crate::claim::{Claim, Patience};
+use crate::json_file::read_json;
 use crate::part::sha256;
 
 /// What the cache knows of a field.
@@ -44,7 +45,7 @@ impl Cache {
 
     /// The record of an entry whose field is there, whole and unchanged.
     pub(super) fn find(&self, key: &str) -> Option<Record> {
-        let Sealed { record, record_sha256 } = serde_json::from_slice(&fs::read(self.record_path(key)).ok()?).ok()?;
+        let Sealed { record, record_sha256 } = read_json(&self.record_path(key), "a record").ok()?;
         let field = self.field_path(key);
         let unchanged = seal(&record).is_ok_and(|sha256| sha256 == record_sha256)
             // The length costs nothing, and tells most damage before the whole file is read.

@@ -1,10 +1,10 @@
 //! Which mesh file became which entry.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use anyhow::Result;
+use sdf_bake::input::{self, MOST_TEXT_BYTES};
 use serde::{Deserialize, Serialize};
 
 use super::Cache;
@@ -48,7 +48,7 @@ impl Cache {
 
 /// The lines that can be read; the entries are the truth, so a damaged line is only left out.
 fn read(path: &Path) -> BTreeMap<String, String> {
-    let text = fs::read(path).unwrap_or_default();
+    let text = input::read(path, MOST_TEXT_BYTES).unwrap_or_default();
     let lines = text.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Line>(line).ok());
     lines.map(|line| (line.mesh, line.field)).collect()
 }

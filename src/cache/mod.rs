@@ -22,9 +22,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use sdf_bake::input::quoted_near;
 use serde::{Deserialize, Serialize};
 
 use crate::folder::{check_writable, write_file};
+use crate::json_file::read_json;
 use crate::output::{FolderKind, Out};
 use crate::wrong_use;
 
@@ -151,14 +153,12 @@ fn is_staged_marker(file: &fs::DirEntry) -> bool {
 }
 
 fn check_marker(marker: &Path) -> Result<()> {
-    let context = || format!("{}: not the mark of a cache of format {CACHE_FORMAT}", marker.display());
-    let text = fs::read_to_string(marker).with_context(context)?;
-    let found: Marker = serde_json::from_str(&text).with_context(context)?;
+    let found: Marker = read_json(marker, &format!("the mark of a cache of format {CACHE_FORMAT}"))?;
     ensure!(
         found.format == CACHE_FORMAT,
-        "{}: format is {:?}, {CACHE_FORMAT:?} is expected: choose another --out",
+        "{}: format is {}, {CACHE_FORMAT:?} is expected: choose another --out",
         marker.display(),
-        found.format
+        quoted_near(&found.format, [CACHE_FORMAT])
     );
     Ok(())
 }

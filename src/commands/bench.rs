@@ -1,6 +1,5 @@
 //! `robofin bench`: how often a diagnosis is right.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -12,6 +11,7 @@ use sim::effect::Library;
 use crate::benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use crate::console::Console;
 use crate::folder::{check_writable, write_file};
+use crate::json_file::read_json;
 use crate::output::FolderKind;
 use crate::virtual_lab::Size;
 
@@ -163,13 +163,8 @@ fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
 }
 
 fn read<T: DeserializeOwned>(file: &Path) -> Result<Option<T>> {
-    match fs::read(file) {
-        Ok(bytes) => serde_json::from_slice(&bytes)
-            .with_context(|| {
-                format!("{}: is no result of this benchmark; remove it to have the case made again", file.display())
-            })
-            .map(Some),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error).with_context(|| format!("{}: cannot be read", file.display())),
+    if file.symlink_metadata().is_err() {
+        return Ok(None);
     }
+    read_json(file, "a result of this benchmark").context("remove it to have the case made again").map(Some)
 }

@@ -36,7 +36,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::WrongUse;
 use crate::console::Console;
-use crate::interrupt;
+use crate::{interrupt, named_file};
 
 /// More threads than any machine for this has; tens of thousands would only wait for each other.
 const MOST_THREADS: usize = 1024;
@@ -51,6 +51,9 @@ struct Cli {
     /// Worker threads; the results do not depend on it [default: all cores].
     #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
     threads: Option<usize>,
+    /// Let the manifest of a trial or table name files outside its own folder.
+    #[arg(long, global = true)]
+    allow_outside: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -122,6 +125,9 @@ fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
             return Err(crate::wrong_use(format!("--threads {threads}: 1 to {MOST_THREADS} are accepted")));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    }
+    if cli.allow_outside {
+        named_file::allow_outside();
     }
     match cli.verb {
         Verb::Demo(args) => demo::run(&args, console),

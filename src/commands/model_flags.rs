@@ -8,6 +8,7 @@ use clap::Args;
 use sim::effect::{CompiledModel, Library, Model, Process, RowCounts};
 
 use crate::wrong_use;
+use sdf_bake::input::{self, MOST_TEXT_BYTES};
 
 /// Laws and effects of a run.
 #[derive(Clone, Debug, Args)]
@@ -99,5 +100,5 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
     if !path.exists() {
         return Err(wrong_use(format!("{}: no such file", path.display())));
     }
-    fs::read_to_string(path).with_context(|| format!("{}: cannot read this file as text", path.display()))
+    Ok(input::read_text(path, MOST_TEXT_BYTES)?)
 }

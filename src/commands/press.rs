@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use glam::DVec3;
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::nvdb;
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
 use serde::Serialize;
@@ -270,7 +271,7 @@ impl PressArgs {
             if !path.exists() {
                 return Err(wrong_use(format!("{}: no such file", path.display())));
             }
-            let file = nvdb::read(&std::fs::read(path).with_context(context)?).with_context(context)?;
+            let file = nvdb::read(&input::read(path, MOST_MESH_BYTES)?).with_context(context)?;
             let phi = file.grid("phi").with_context(|| format!("{}: no grid `phi`", path.display()))?;
             return phi.to_bricks().with_context(context);
         }

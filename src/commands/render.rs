@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 use glam::{DQuat, DVec3};
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
 use sim::render::{Camera, Marks, Picture, Placement, ROLLED_STEEL, Raster, Scene, Sensor, Table};
@@ -294,7 +295,7 @@ fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
 
 fn read_field(source: &Path) -> Result<BrickGrid> {
     let context = || source.display().to_string();
-    let bytes = std::fs::read(source).with_context(|| {
+    let bytes = input::read(source, MOST_MESH_BYTES).with_context(|| {
         format!(
             "{}: an asset folder, a result folder of `simulate --snapshot` or a NanoVDB file with a level set `phi` is \
              expected",

@@ -11,10 +11,12 @@ use super::flags::OutFlags;
 use super::model_flags::{ModelFlags, read_text};
 use crate::console::Console;
 use crate::folder::StagedFolder;
+use crate::json_file::read_json;
 use crate::output::{FolderKind, Out};
-use crate::study::{Course, Data, Measurements, STUDY_FILE, STUDY_FORMAT, StudyRecord, inputs_sha256};
+use crate::study::{Course, Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, inputs_sha256};
 use crate::study_report::{StudyReport, page};
 use crate::wrong_use;
+use sdf_bake::input::quoted_near;
 
 /// The model's file in a study's folder.
 const MODEL_FILE: &str = "model.toml";
@@ -33,6 +35,9 @@ pub(super) struct StudyArgs {
     out: OutFlags,
     #[command(flatten)]
     model: ModelFlags,
+    /// Go on with the study that an interrupted run, or --step, left in this place.
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
     /// Do the next step only, and say what the one after it would be; the folder keeps how far the study is.
     #[arg(long)]
     step: bool,
@@ -44,23 +49,30 @@ pub(super) struct StudyArgs {
 /// Runs the verb.
 pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
     let out = &args.out.out;
-    let goes_on = args.step && !args.out.force && out.join(STUDY_FILE).is_file();
+    let goes_on = (args.step || args.resume) && !args.out.force && out.join(STUDY_FILE).is_file();
     let folder = StagedFolder::new(
         &Out { force: args.out.force || goes_on, ..args.out.beside(&args.model.inputs(&args.campaign)) },
         &STUDY,
     )?;
     let library = args.model.own.library()?;
     let measurements = Measurements::read(&args.campaign)?;
-    let data = measurements.data()?;
+    let mut data = measurements.data()?;
     console.step("read", data.describe());
     data.notes_of_table().iter().for_each(|note| console.step("note", note));
+    let progress = Progress::take_up(&std::path::absolute(out)?, &mut data, &inputs_sha256(&args.campaign)?)?;
+    if let Some(progress) = progress.as_ref().filter(|progress| progress.known > 0) {
+        let folder = progress.folder().display();
+        console.step("resumed", format!("{} predictions of an interrupted run are in {folder}", progress.known));
+    }
     let mut course = if goes_on { resumed(args, data, &library)? } else { begun(args, data, &library)? };
     if course.record.next.is_none() {
         describe_end(&course.record, console);
+        progress.map_or(Ok(()), Progress::end)?;
         return console.answer(&course.record);
     }
-    advance(&mut course, args.step, console)?;
+    advance(&mut course, args.step, &|record| progress.as_ref().map_or(Ok(()), |it| it.note(record)), console)?;
     write(&mut course, folder, &library, console)?;
+    progress.map_or(Ok(()), Progress::end)?;
     console.answer(&course.record)
 }
 
@@ -82,10 +94,13 @@ fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result
             model.display()
         )));
     }
-    let record: StudyRecord = serde_json::from_str(&read_text(&file)?)
-        .with_context(|| format!("{}: no record of a study", file.display()))?;
+    let record: StudyRecord = read_json(&file, "the record of a study")?;
     if record.format != STUDY_FORMAT {
-        return Err(wrong_use(format!("{}: format {}, and {STUDY_FORMAT} is accepted", file.display(), record.format)));
+        return Err(wrong_use(format!(
+            "{}: format {}, and {STUDY_FORMAT} is accepted",
+            file.display(),
+            quoted_near(&record.format, [STUDY_FORMAT])
+        )));
     }
     if record.measurements_sha256 != inputs_sha256(&args.campaign)? {
         return Err(wrong_use(format!(
@@ -99,8 +114,13 @@ fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result
     Course::new(data, library, model, record)
 }
 
-/// Does the next step, or all steps to the end, and says what each did.
-pub(super) fn advance(course: &mut Course, one: bool, console: &Console) -> Result<()> {
+/// Does the next step, or all steps to the end, says what each did, and lets `note` keep it.
+pub(super) fn advance(
+    course: &mut Course,
+    one: bool,
+    note: &dyn Fn(&StudyRecord) -> Result<()>,
+    console: &Console,
+) -> Result<()> {
     while let Some(next) = course.record.next {
         let started = Instant::now();
         let progress = console.progress(next.word());
@@ -110,6 +130,7 @@ pub(super) fn advance(course: &mut Course, one: bool, console: &Console) -> Resu
             let seconds = started.elapsed().as_secs_f64();
             console.step(done.action.word(), format!("{}\nin {seconds:.1} s", done.outcome));
         }
+        note(&course.record)?;
         if one {
             break;
         }

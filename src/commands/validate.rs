@@ -13,6 +13,7 @@ use crate::asset::UsdMode;
 use crate::console::Console;
 use crate::dataset::MARKER_FILE;
 use crate::images::IMAGES_FORMAT;
+use crate::json_file::read_json;
 use crate::validate::{Validation, validate};
 use crate::wrong_use;
 
@@ -66,7 +67,7 @@ pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
 
 /// Format of the data set that a folder is.
 fn format_of(folder: &Path) -> Option<String> {
-    let marker: Value = serde_json::from_slice(&std::fs::read(folder.join(MARKER_FILE)).ok()?).ok()?;
+    let marker: Value = read_json(&folder.join(MARKER_FILE), "a mark").ok()?;
     Some(marker.get("format")?.as_str()?.to_owned())
 }
 

@@ -1,9 +1,9 @@
 //! The files that describe a data set; each follows from the marker, the pieces and the failures.
 
 use std::collections::BTreeMap;
-use std::fs;
 
 use anyhow::Result;
+use sdf_bake::input::{self, MOST_TEXT_BYTES};
 use serde::Serialize;
 
 use super::row::Seen;
@@ -76,7 +76,7 @@ pub(crate) fn publish<R: Marker>(dataset: &Dataset<R>, files: &BTreeMap<&'static
         if let (Some(folder), Some(name)) = (place.parent().filter(|folder| folder.is_dir()), place.file_name()) {
             remove_stale(folder, &name.to_string_lossy())?;
         }
-        if fs::read(&place).ok().as_ref() != Some(bytes) {
+        if input::read(&place, MOST_TEXT_BYTES).ok().as_ref() != Some(bytes) {
             write_file(&place, bytes)?;
         }
     }

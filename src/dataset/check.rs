@@ -6,6 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use sdf_bake::input::{self, MOST_TEXT_BYTES};
 use sdf_bake::read::UnitChoice;
 use serde::Serialize;
 
@@ -80,7 +81,7 @@ pub fn check(
 
 /// Names of the pieces that the manifest lists, as far as it can be read.
 fn listed(dataset: &Dataset) -> BTreeSet<String> {
-    let text = fs::read(dataset.folder().join(ROWS_FILE)).unwrap_or_default();
+    let text = input::read(&dataset.folder().join(ROWS_FILE), MOST_TEXT_BYTES).unwrap_or_default();
     let rows = text.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice::<Row>(line).ok());
     rows.map(|row| row.id).filter(|id| index_of(id).is_some()).collect()
 }
@@ -126,7 +127,7 @@ pub(crate) fn compare_files<R: Marker>(
     dataset: &Dataset<R>,
     files: &BTreeMap<&'static str, Vec<u8>>,
 ) -> Result<Vec<String>> {
-    let found = |name: &str| fs::read(dataset.folder().join(name)).ok();
+    let found = |name: &str| input::read(&dataset.folder().join(name), MOST_TEXT_BYTES).ok();
     let mut faults: Vec<String> =
         files.iter().filter_map(|(name, expected)| compare(name, found(name), expected)).collect();
     let own = R::FOLDERS.iter().chain(files.keys()).map(|name| name.split('/').next().unwrap_or(name));

@@ -10,6 +10,7 @@ use super::plan::{Piece, Unreadable};
 use super::{Dataset, FAILURES_FOLDER, Marker, names, remove_stale};
 use crate::claim::Patience;
 use crate::folder::write_file;
+use crate::json_file::read_json;
 use crate::part::sha256;
 
 /// Where on the road a piece failed.
@@ -153,8 +154,7 @@ impl<R: Marker> Dataset<R> {
         let folder = self.folder().join(FAILURES_FOLDER);
         let read = |name: &String| {
             let path = folder.join(name);
-            let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
-            serde_json::from_str(&text).with_context(|| format!("{}: not the record of a failure", path.display()))
+            read_json(&path, "the record of a failure")
         };
         names(&folder)?.iter().filter(|name| !name.starts_with('.')).map(read).collect()
     }

@@ -40,8 +40,10 @@ use anyhow::{Context, Result, ensure};
 use crate::asset::{FileRecord, MANIFEST_FILE, Manifest};
 use crate::claim::{Claim, Patience};
 use crate::folder::write_file;
+use crate::json_file::read_json;
 use crate::part::sha256;
 use crate::wrong_use;
+use sdf_bake::input::quoted_near;
 
 pub use catalogue::Catalogue;
 pub use failure::{Failure, Stage, command_line};
@@ -110,14 +112,12 @@ impl<R: Marker> Dataset<R> {
     /// When its marker is missing, damaged or of another format.
     pub fn open(folder: &Path) -> Result<Self> {
         let marker = folder.join(MARKER_FILE);
-        let text = fs::read_to_string(&marker).with_context(|| format!("{}: cannot be read", marker.display()))?;
-        let recipe: R = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not the mark of a data set of format {}", marker.display(), R::FORMAT))?;
+        let recipe: R = read_json(&marker, &format!("the mark of a data set of format {}", R::FORMAT))?;
         ensure!(
             recipe.format() == R::FORMAT,
-            "{}: format is {:?}, {:?} is expected",
+            "{}: format is {}, {:?} is expected",
             marker.display(),
-            recipe.format(),
+            quoted_near(recipe.format(), [R::FORMAT]),
             R::FORMAT
         );
         Ok(Self { folder: folder.to_owned(), recipe })

@@ -15,6 +15,7 @@ use crate::asset::FileRecord;
 use crate::dataset::check::{Broken, SetValidation, compare_files};
 use crate::dataset::names;
 use crate::turns::take_turns;
+use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 
 /// Checks all things of a set with `jobs` threads, then the catalogue; calls `done` with each one's faults.
 ///
@@ -54,7 +55,7 @@ pub fn check(
 
 /// Things that the set should hold: the images that its metadata lists or that have a record, and what they need.
 pub fn expected(set: &ImageSet) -> Result<[Vec<Task>; 3]> {
-    let text = fs::read(set.folder().join(super::catalogue::METADATA_FILE)).unwrap_or_default();
+    let text = input::read(&set.folder().join(super::catalogue::METADATA_FILE), MOST_TEXT_BYTES).unwrap_or_default();
     let listed = text.split(|&byte| byte == b'\n').filter_map(|line| {
         let value: serde_json::Value = serde_json::from_slice(line).ok()?;
         Some(value.get("id")?.as_str()?.to_owned())
@@ -102,7 +103,8 @@ impl Checks {
 
     fn sanding(&mut self, set: &ImageSet, id: &str, workpiece: &str) -> Result<()> {
         let record = set.read_sanding(id)?;
-        let source = fs::read(set.workpiece_path(workpiece)).map(|bytes| crate::part::sha256(&bytes));
+        let source =
+            input::read(&set.workpiece_path(workpiece), MOST_MESH_BYTES).map(|bytes| crate::part::sha256(&bytes));
         self.that(source.is_ok_and(|hash| hash == record.workpiece_sha256), || format!("not of {workpiece} as it is"));
         self.that(record.stages.len() == set.recipe.stages as usize, || format!("{} stages", record.stages.len()));
         for (stage, expected) in record.stages.iter().enumerate() {

@@ -16,6 +16,7 @@ use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageSet, RECORDS_FOL
 use crate::asset::FileRecord;
 use crate::dataset::record_of;
 use crate::folder::write_file;
+use crate::json_file::read_json;
 use crate::picture::to_png;
 
 /// Line of `metadata.jsonl`, and file of its own until all are made.
@@ -80,8 +81,7 @@ impl ImageSet {
     /// When it is absent or damaged.
     pub fn read_record(&self, id: &str) -> Result<ImageRecord> {
         let path = self.record_path(id);
-        let text = std::fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        serde_json::from_str(&text).with_context(|| format!("{}: not the record of an image", path.display()))
+        read_json(&path, "the record of an image")
     }
 
     /// Whether an image is there: its record is that of the plan, and its files have their lengths.

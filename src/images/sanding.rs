@@ -10,6 +10,7 @@ use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::{Deserialize, Serialize};
 use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
@@ -21,6 +22,7 @@ use super::plan::PlannedSanding;
 use super::{FIELDS_FOLDER, ImageSet};
 use crate::asset::{FileRecord, write_json};
 use crate::folder::StagedFolder;
+use crate::json_file::read_json;
 use crate::part::sha256;
 
 /// Name of the record in a simulation's folder.
@@ -149,8 +151,7 @@ impl ImageSet {
     /// When it is absent or damaged.
     pub fn read_sanding(&self, id: &str) -> Result<SandingRecord> {
         let path = self.sanding_folder(id).join(SANDING_FILE);
-        let text = std::fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        serde_json::from_str(&text).with_context(|| format!("{}: no record of a simulation", path.display()))
+        read_json(&path, "the record of a simulation")
     }
 
     /// Whether a simulation is there, all its files at their lengths.
@@ -203,7 +204,7 @@ impl ImageSet {
     pub fn attach_dose(&self, part: &mut BrickGrid, sanding: &str, stage: u32) -> Result<String> {
         let path = self.sanding_folder(sanding).join(stage_file(stage as usize));
         let context = || format!("{}: no dose of this workpiece", path.display());
-        let bytes = std::fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let bytes = input::read(&path, MOST_MESH_BYTES)?;
         let file = nvdb::read(&bytes).with_context(context)?;
         let dose = file.grid(Scalar::Dose.name()).with_context(context)?;
         dose.attach_scalar(Scalar::Dose, part).with_context(context)?;

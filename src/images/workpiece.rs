@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use glam::{DVec2, DVec3};
+use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 use sdf_bake::nvdb::{self, Codec};
 use sdf_bake::{BrickGrid, SignChoice};
 use serde::{Deserialize, Serialize};
@@ -115,7 +116,7 @@ impl Coated {
 
 fn manifest_key(folder: &str) -> Result<String> {
     let path = Path::new(folder).join(MANIFEST_FILE);
-    Ok(sha256(&std::fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?))
+    Ok(sha256(&input::read(&path, MOST_TEXT_BYTES)?))
 }
 
 /// Half length and half width of the panel [m].
@@ -172,7 +173,7 @@ impl ImageSet {
     /// When it is absent or damaged.
     pub fn read_workpiece(&self, name: &str) -> Result<(BrickGrid, String)> {
         let path = self.workpiece_path(name);
-        let bytes = std::fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let bytes = input::read(&path, MOST_MESH_BYTES)?;
         let field = nvdb::read(&bytes).map_err(anyhow::Error::from).and_then(|file| Ok(file.to_field()?));
         Ok((field.with_context(|| format!("{}: no field", path.display()))?, sha256(&bytes)))
     }

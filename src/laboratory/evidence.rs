@@ -61,7 +61,7 @@ impl ErrorUnit {
 }
 
 /// How well a model describes one scan, or one table.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Agreement {
     /// Which data, for people.
     pub about: String,

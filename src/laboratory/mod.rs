@@ -21,6 +21,7 @@ mod next_trial;
 mod pair;
 mod pass_trend;
 mod probe;
+mod remembered;
 mod response;
 mod rows;
 mod ruled_out;

@@ -16,6 +16,7 @@ use super::height_view::HeightView;
 use super::pass_trend::{PassTrend, trend_of_scans};
 use super::tiles::{TileGrid, Tiles};
 use crate::campaign_twin::CampaignTwin;
+use crate::journal::Journal;
 use crate::measure::{NoiseFloor, despiked, noise_floor, untouched};
 use crate::trial::{PassScan, Role, ToolPath, Trial};
 use crate::twin::SimulatedPass;
@@ -89,6 +90,10 @@ pub struct ScanEvidence<'a> {
     pub noise: Vec<NoiseFloor>,
     /// Standard deviation of the instrument's lateral blur [m]; `None` where every model finds its own.
     pub blur: Option<f64>,
+    /// Steps of a pass beyond which a simulation is given up.
+    pub(super) most_steps: Option<usize>,
+    /// Predictions that were made before; `None` makes each again.
+    pub journal: Option<Journal>,
 }
 
 impl<'a> ScanEvidence<'a> {
@@ -109,7 +114,14 @@ impl<'a> ScanEvidence<'a> {
         let twin = CampaignTwin::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
         let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
         let (views, noise): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();
-        Ok(Self { twin, views: views.into_iter().flatten().collect(), noise, blur: None })
+        Ok(Self {
+            twin,
+            views: views.into_iter().flatten().collect(),
+            noise,
+            blur: None,
+            most_steps: None,
+            journal: None,
+        })
     }
 
     /// The scans of a split.
@@ -172,9 +184,11 @@ impl<'a> ScanEvidence<'a> {
     pub fn limit_steps(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         let passes = self.simulate(model, Split::Calibration)?;
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
+        let most_steps = Some(MOST_STEPS * most.max(1000));
         for twin in &mut self.twin.trials {
-            twin.change_process(|process| process.most_steps = Some(MOST_STEPS * most.max(1000)));
+            twin.change_process(|process| process.most_steps = most_steps);
         }
+        self.most_steps = most_steps;
         Ok(())
     }
 
@@ -211,6 +225,30 @@ impl<'a> ScanEvidence<'a> {
         least_of(cost, ([0.0, MOST_BLUR * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
     }
 
+    fn agreement_made(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
+        let passes = self.simulate(model, split)?;
+        let blur = self.blur_of(&passes, model)?;
+        let agreement = |view: &ScanView| {
+            let pass = &passes[view.trial][view.pass];
+            let about = format!("{} pass {}", self.twin.trials[view.trial].trial.name, view.pass + 1);
+            Ok(match (&view.data, &pass.scan, pass.surface.dose_margin(model)?) {
+                (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
+                    let before = &self.twin.trials[view.trial].trial.scans.before;
+                    let [rms, floor, scale] =
+                        data.agreement(&self.seen(view, simulated, blur), before, self.noise[view.trial].rms);
+                    Agreement { about, rms, floor, noise: floor, scale }
+                }
+                (ScanData::Exposure(data), _, Some(margin)) => {
+                    let (rms, floor) = (data.border_distance(&margin), data.border_floor());
+                    let scale = COATING * data.border_width(&margin);
+                    Agreement { about, rms, floor, noise: data.border_noise(), scale }
+                }
+                _ => unreachable!("a simulated scan is like the real one"),
+            })
+        };
+        self.of(split).map(agreement).collect()
+    }
+
     /// Ranges of the residuals of each scan of a split.
     pub fn ranges(&self, split: Split) -> Vec<Range<usize>> {
         let mut start = 0;
@@ -236,34 +274,16 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        let passes = self.simulate(model, split)?;
-        let blur = self.blur_of(&passes, model)?;
-        let scans = self.of(split).map(|view| self.whitened(view, (&passes, model), blur));
-        Ok(scans.collect::<Result<Vec<_>, _>>()?.concat())
+        self.remembered((model, split), || {
+            let passes = self.simulate(model, split)?;
+            let blur = self.blur_of(&passes, model)?;
+            let scans = self.of(split).map(|view| self.whitened(view, (&passes, model), blur));
+            Ok(scans.collect::<Result<Vec<_>, _>>()?.concat())
+        })
     }
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
-        let passes = self.simulate(model, split)?;
-        let blur = self.blur_of(&passes, model)?;
-        let agreement = |view: &ScanView| {
-            let pass = &passes[view.trial][view.pass];
-            let about = format!("{} pass {}", self.twin.trials[view.trial].trial.name, view.pass + 1);
-            Ok(match (&view.data, &pass.scan, pass.surface.dose_margin(model)?) {
-                (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
-                    let before = &self.twin.trials[view.trial].trial.scans.before;
-                    let [rms, floor, scale] =
-                        data.agreement(&self.seen(view, simulated, blur), before, self.noise[view.trial].rms);
-                    Agreement { about, rms, floor, noise: floor, scale }
-                }
-                (ScanData::Exposure(data), _, Some(margin)) => {
-                    let (rms, floor) = (data.border_distance(&margin), data.border_floor());
-                    let scale = COATING * data.border_width(&margin);
-                    Agreement { about, rms, floor, noise: data.border_noise(), scale }
-                }
-                _ => unreachable!("a simulated scan is like the real one"),
-            })
-        };
-        self.of(split).map(agreement).collect()
+        self.remembered((model, split), || self.agreement_made(model, split))
     }
 
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {

@@ -6,7 +6,6 @@ mod page;
 mod section;
 mod table;
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::Result;
@@ -14,6 +13,7 @@ use anyhow::Result;
 use crate::asset::{FileRecord, MANIFEST_FILE, Manifest, PREVIEW_FILE, WeldTruth, record_files};
 use crate::finishing::{Ground, model_facts};
 use crate::picture::{GrindPictures, to_png};
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 
 pub(crate) use axis::{Axis, short};
 pub use chart::{Chart, Series, Stroke, WIDE, stacked};
@@ -29,7 +29,7 @@ pub use table::{Cell, Table};
 pub fn grinding_page(asset: &Path, ground: &Ground, pictures: &GrindPictures) -> Result<String> {
     let manifest = Manifest::read(asset)?;
     let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead(ground));
-    let welded = fs::read(asset.join(PREVIEW_FILE))?;
+    let welded = input::read(&asset.join(PREVIEW_FILE), MOST_MESH_BYTES)?;
     page.picture(&welded, "The welded workpiece, drawn from its signed distance field; weld metal is tinted.");
     page.picture(&to_png(&pictures.sheet)?, "The weld before and after grinding, and the depth that was removed.");
     add_grinding(&mut page, ground);

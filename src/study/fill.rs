@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use sim::effect::{CompiledModel, Model};
@@ -366,8 +367,10 @@ pub(super) fn provenance(folder: &Path, seed: u64) -> Result<Provenance> {
     let mut files: Vec<_> = walkdir::WalkDir::new(folder).sort_by_file_name().into_iter().collect::<Result<_, _>>()?;
     files.retain(|entry| entry.file_type().is_file());
     let digest = |entry: &walkdir::DirEntry| -> Result<Digest> {
-        let hash: String =
-            Sha256::digest(std::fs::read(entry.path())?).iter().map(|byte| format!("{byte:02x}")).collect();
+        let hash: String = Sha256::digest(input::read(entry.path(), MOST_MESH_BYTES)?)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
         let file = entry.path().strip_prefix(folder).unwrap_or(entry.path()).display().to_string();
         Ok(Digest { file, sha256: hash })
     };

@@ -5,6 +5,7 @@ use sim::effect::Dimension;
 use super::Removed;
 use super::manifest::{Column, ColumnUnit, Manifest};
 use crate::trial::{TextRow, TrialError, nearest};
+use sdf_bake::input::quoted_near;
 
 const LENGTH: Dimension = Dimension::whole([0, 1, 0, 0]);
 const VOLUME: Dimension = Dimension::whole([0, 3, 0, 0]);
@@ -74,7 +75,8 @@ struct Search<'a> {
 impl Columns {
     pub(super) fn find(manifest: &Manifest, header: &TextRow) -> Result<Self, TrialError> {
         let names: Vec<String> = (0..header.len()).map(|k| header.text(k).trim_matches('"').to_owned()).collect();
-        let search = Search { manifest, header: names.join(","), names };
+        let header = names.iter().map(|name| quoted_near(name, [])).collect::<Vec<_>>().join(", ");
+        let search = Search { manifest, header, names };
         let order = manifest.order.as_ref().map(|name| search.place("order", name.get_ref(), name.span().start));
         let text = |key: &str| manifest.column(key).map(|column| search.column(column)).transpose();
         let duration = search.numbers("duration", &[("s", TIME)])?;
@@ -128,14 +130,15 @@ impl Search<'_> {
     fn place(&self, key: &str, name: &str, at: usize) -> Result<usize, TrialError> {
         let places = self.names.iter().enumerate().filter(|(_, found)| found.eq_ignore_ascii_case(name.trim()));
         let places: Vec<usize> = places.map(|(place, _)| place).collect();
+        let shown = quoted_near(name, self.names.iter().map(String::as_str));
         let found = match places[..] {
             [place] => return Ok(place),
-            [] => format!("no column {name:?} for {key} in the CSV"),
-            _ => format!("{} columns {name:?} for {key} in the CSV", places.len()),
+            [] => format!("no column {shown} for {key} in the CSV"),
+            _ => format!("{} columns {shown} for {key} in the CSV", places.len()),
         };
         let near = nearest(name, self.names.iter().map(String::as_str));
         let hint = near.map_or(String::new(), |near| format!("did you mean {near:?}? "));
-        Err(self.manifest.source.bad(at..at, found, format!("{hint}Its header is {:?}", self.header)))
+        Err(self.manifest.source.bad(at..at, found, format!("{hint}Its header is {}", self.header)))
     }
 
     fn numbers(&self, key: &str, wanted: &[(&str, Dimension)]) -> Result<Option<Numbers>, TrialError> {

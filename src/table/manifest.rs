@@ -8,6 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::trial::{Source, TrialError, nearest};
+use sdf_bake::input::{quoted_near, without_content};
 
 /// Value of the `format` key.
 pub const TABLE_FORMAT: &str = "finishing-table/1";
@@ -44,7 +45,7 @@ impl ColumnUnit {
         if ["°C", "degC", "C"].contains(&text) {
             return Ok(Self { unit: Unit::si(Dimension::whole([0, 0, 0, 1])), zero: CELSIUS });
         }
-        Unit::parse(text).map(|unit| Self { unit, zero: 0.0 }).map_err(|error| error.to_string())
+        Unit::parse(text).map(|unit| Self { unit, zero: 0.0 }).map_err(|error| without_content(&error.to_string()))
     }
 
     pub(super) fn dimension(self) -> Dimension {
@@ -108,7 +109,7 @@ impl Manifest {
         let text = source.text.clone();
         let document = DeTable::parse(&text).map_err(|error| {
             let at = error.span().map_or(0, |span| span.start);
-            source.bad(at..at, error.message().trim().replace('\n', ", "), "TOML is expected")
+            source.bad(at..at, without_content(&error.message().trim().replace('\n', ", ")), "TOML is expected")
         })?;
         let root = Section { source: &source, name: "", at: 0..0, table: document.get_ref() };
         root.check_format()?;
@@ -119,7 +120,7 @@ impl Manifest {
         let process = known.or(polishes.then_some(Process::Sanding)).ok_or_else(|| {
             source.bad(
                 process.span(),
-                format!("process is {:?}", process.get_ref()),
+                format!("process is {}", quoted_near(process.get_ref(), ["grinding", "sanding", "polishing"])),
                 "grinding, sanding or polishing is expected",
             )
         })?;
@@ -216,7 +217,7 @@ impl<'a> Section<'a> {
         if format.get_ref() == TABLE_FORMAT {
             return Ok(());
         }
-        let found = format!("format is {:?}", format.get_ref());
+        let found = format!("format is {}", quoted_near(format.get_ref(), [TABLE_FORMAT]));
         Err(self.source.bad(format.span(), found, format!("{TABLE_FORMAT:?} is expected")))
     }
 
@@ -231,7 +232,8 @@ impl<'a> Section<'a> {
     fn unknown(&self, key: &str, at: Range<usize>, known: &[&str]) -> TrialError {
         let place = if self.name.is_empty() { String::new() } else { format!(" in {}", self.name) };
         let hint = nearest(key, known.iter().copied()).map_or(String::new(), |near| format!("did you mean {near:?}? "));
-        self.source.bad(at, format!("unknown key {key:?}{place}"), format!("{hint}Accepted are {}", known.join(", ")))
+        let shown = quoted_near(key, known.iter().copied());
+        self.source.bad(at, format!("unknown key {shown}{place}"), format!("{hint}Accepted are {}", known.join(", ")))
     }
 
     /// The entries below `columns`, in the order of their keys, and the constants that stand in them.

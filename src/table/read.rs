@@ -7,6 +7,7 @@ use super::manifest::Manifest;
 use super::order::Order;
 use super::{Row, Table, Usage, plausible};
 use crate::trial::{Covariate, Place, Role, TextRow, TextTable, TrialError};
+use sdf_bake::input::quoted;
 
 /// Rows with a removal that calibrate, at least.
 const LEAST_ROWS: usize = 4;
@@ -36,11 +37,7 @@ struct Reading<'a> {
 
 pub(super) fn read(folder: &Path) -> Result<Table, TrialError> {
     let manifest = Manifest::read(folder)?;
-    let file = folder.join(manifest.csv.get_ref());
-    if !file.is_file() {
-        let found = format!("{} is not there", file.display());
-        return Err(manifest.source.bad(manifest.csv.span(), found, "the name of a CSV beside table.toml is expected"));
-    }
+    let file = manifest.source.named(folder, &manifest.csv)?;
     let text = TextTable::read(&file)?;
     let mut reading: Option<Reading> = None;
     text.rows(|row| {
@@ -159,7 +156,7 @@ impl<'a> Reading<'a> {
                 let total = value * per_mass;
                 return Some(if *per_time { total } else { total / duration? });
             }
-            Ok(_) => format!("{} is {}, which has no logarithm", removed.name, row.text(removed.at)),
+            Ok(_) => format!("{} is {}, which has no logarithm", removed.name, plain(row, removed.at)),
             Err(why) => why,
         };
         let place = row.place(removed.at);
@@ -247,7 +244,7 @@ impl<'a> Reading<'a> {
         let Some(column) = self.columns.order else { return Ok(None) };
         let cells: Vec<&str> = self.order.iter().map(String::as_str).collect();
         let order = Order::of(&cells).map_err(|at| {
-            let found = format!("{:?} is no number, and no date as in the rows before", self.order[at]);
+            let found = format!("{} is no number, and no date as in the rows before", quoted(&self.order[at]));
             Place::cell(file, self.rows[at].line, column + 1)
                 .bad(found, "numbers, or dates such as 2024-03-31, 2024-03-31 14:05 or 31.03.2024, are expected")
         })?;
@@ -310,8 +307,13 @@ fn number(numbers: &Numbers, row: &TextRow) -> Result<f64, String> {
     match row.number(numbers.at) {
         Ok(Some(value)) if value.is_finite() => Ok(numbers.unit.to_si(value)),
         Ok(None) => Err(format!("{} is empty", numbers.name)),
-        _ => Err(format!("{} is {:?}, no number", numbers.name, row.text(numbers.at))),
+        _ => Err(format!("{} is {}, no number", numbers.name, row.shown(numbers.at))),
     }
+}
+
+/// A number as the file has it.
+fn plain(row: &TextRow, at: usize) -> String {
+    row.shown(at).trim_matches('"').to_owned()
 }
 
 /// As [`number`], above zero where the quantity must be.
@@ -323,7 +325,7 @@ fn setting(numbers: &Numbers, row: &TextRow) -> Result<f64, String> {
         _ => true,
     };
     let fits = has_sign || value > 0.0;
-    if fits { Ok(value) } else { Err(format!("{} is {}, not above zero", numbers.name, row.text(numbers.at))) }
+    if fits { Ok(value) } else { Err(format!("{} is {}, not above zero", numbers.name, plain(row, numbers.at))) }
 }
 
 /// The place of a name in a list, which grows by it.
@@ -339,7 +341,7 @@ fn fresh(row: &TextRow, at: usize) -> Result<bool, TrialError> {
     match row.text(at).to_lowercase().as_str() {
         "true" | "yes" | "1" => Ok(true),
         "false" | "no" | "0" | "" => Ok(false),
-        _ => Err(row.place(at).bad(format!("{:?}", row.text(at)), "true or false, yes or no, 1 or 0 is expected")),
+        _ => Err(row.place(at).bad(row.shown(at), "true or false, yes or no, 1 or 0 is expected")),
     }
 }
 
@@ -347,7 +349,7 @@ fn role(row: &TextRow, at: usize) -> Result<Role, TrialError> {
     match row.text(at).to_lowercase().as_str() {
         "calibration" => Ok(Role::Calibration),
         "evaluation" => Ok(Role::Evaluation),
-        _ => Err(row.place(at).bad(format!("{:?}", row.text(at)), "calibration or evaluation is expected")),
+        _ => Err(row.place(at).bad(row.shown(at), "calibration or evaluation is expected")),
     }
 }
 

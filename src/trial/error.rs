@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use sdf_bake::input::InputError;
 use thiserror::Error;
 
 /// A place in a file.
@@ -27,6 +28,9 @@ pub enum TrialError {
         /// What the file system said.
         source: std::io::Error,
     },
+    /// No regular file, or one that is too large.
+    #[error(transparent)]
+    Input(#[from] InputError),
     /// The content is not what the format says.
     #[error("{place}: {found}; {accepted}")]
     Bad {

@@ -1,5 +1,6 @@
 //! The log of a pass: what robot, force sensor and drive reported, row by row.
 
+use sdf_bake::input::quoted_near;
 use std::path::Path;
 
 use glam::DVec3;
@@ -14,6 +15,9 @@ pub const REQUIRED_COLUMNS: [&str; 6] = ["t_s", "x_mm", "y_mm", "z_mm", "force_n
 pub const APPROACH_COLUMNS: [&str; 3] = ["nx", "ny", "nz"];
 /// Column of a pyrometer.
 pub const TEMPERATURE_COLUMN: &str = "temperature_c";
+/// All columns with a meaning.
+const KNOWN_COLUMNS: [&str; 10] =
+    ["t_s", "x_mm", "y_mm", "z_mm", "force_n", "spindle_rpm", "nx", "ny", "nz", TEMPERATURE_COLUMN];
 /// Radians per second in one revolution per minute.
 pub const RPM: f64 = std::f64::consts::TAU / 60.0;
 
@@ -96,7 +100,7 @@ pub fn read_log(file: &Path) -> Result<Read<Log>, TrialError> {
 fn finite(row: &Row, column: usize) -> Result<f64, TrialError> {
     match row.number(column)? {
         Some(value) if value.is_finite() => Ok(value),
-        _ => Err(row.place(column).bad(format!("{:?}", row.text(column)), "a finite number is expected")),
+        _ => Err(row.place(column).bad(row.shown(column), "a finite number is expected")),
     }
 }
 
@@ -108,7 +112,8 @@ impl Columns {
             find(wanted).ok_or_else(|| {
                 let near = super::manifest::nearest(wanted, names.iter().map(String::as_str));
                 let hint = near.map_or(String::new(), |near| format!(" ({near:?} is near, but not it)"));
-                let found = format!("no column {wanted}{hint} in the header {:?}", names.join(","));
+                let shown = names.iter().map(|name| quoted_near(name, KNOWN_COLUMNS)).collect::<Vec<_>>().join(", ");
+                let found = format!("no column {wanted}{hint} in the header {shown}");
                 header.place(0).bad(found, format!("the columns {} are expected", REQUIRED_COLUMNS.join(",")))
             })
         };

@@ -1,12 +1,14 @@
 //! `trial.toml` as it stands in the file, in its units.
 
-use std::fs;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use sdf_bake::input::{self, MOST_TEXT_BYTES, quoted_near, without_content};
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+use crate::named_file::{self, Absent};
 
 use super::error::{Place, TrialError};
 
@@ -142,7 +144,7 @@ pub(crate) struct Source {
 impl Source {
     /// Reads a file.
     pub(crate) fn read(file: PathBuf) -> Result<Self, TrialError> {
-        let bytes = fs::read(&file).map_err(|source| TrialError::Unreadable { file: file.clone(), source })?;
+        let bytes = input::read(&file, MOST_TEXT_BYTES)?;
         let text = String::from_utf8(bytes).map_err(|error| {
             Place::file(&file)
                 .bad(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()), "UTF-8 text is expected")
@@ -156,7 +158,7 @@ impl Source {
         self.check_keys()?;
         let manifest: Manifest = toml::from_str(&self.text).map_err(|error| self.toml_error(&error))?;
         if manifest.format.get_ref() != TRIAL_FORMAT {
-            let found = format!("format is {:?}", manifest.format.get_ref());
+            let found = format!("format is {}", quoted_near(manifest.format.get_ref(), [TRIAL_FORMAT]));
             return Err(self.bad(manifest.format.span(), found, format!("{TRIAL_FORMAT:?} is expected")));
         }
         Ok(manifest)
@@ -167,9 +169,24 @@ impl Source {
         Place::of_byte(&self.file, &self.text, at.start).bad(found, accepted)
     }
 
+    /// The place of a file that the text names.
+    pub(crate) fn named(&self, folder: &Path, name: &Spanned<PathBuf>) -> Result<PathBuf, TrialError> {
+        let shown = || folder.join(name.get_ref()).display().to_string();
+        named_file::place(folder, name.get_ref()).map_err(|absent| match absent {
+            Absent::Missing => {
+                let found = format!("{} is not there", shown());
+                self.bad(name.span(), found, "the name of a file in the folder of this file is expected")
+            }
+            Absent::Outside => {
+                let found = format!("{} lies outside the folder of this file", shown());
+                self.bad(name.span(), found, "a file in that folder, or --allow-outside, is expected")
+            }
+        })
+    }
+
     fn toml_error(&self, error: &toml::de::Error) -> TrialError {
         let accepted = format!("a file of format {TRIAL_FORMAT:?} is expected");
-        let message = error.message().trim().replace('\n', ", ");
+        let message = without_content(&error.message().trim().replace('\n', ", "));
         match error.span() {
             Some(span) => self.bad(span, message, accepted),
             None => Place::file(&self.file).bad(message, accepted),
@@ -205,7 +222,8 @@ impl Source {
                 Some(near) => format!("did you mean {near:?}? Accepted are {}", known.join(", ")),
                 None => format!("accepted are {}", known.join(", ")),
             };
-            return Err(self.bad(key.span(), format!("unknown key {:?}{place}", key.get_ref()), accepted));
+            let shown = quoted_near(key.get_ref(), known.iter().copied());
+            return Err(self.bad(key.span(), format!("unknown key {shown}{place}"), accepted));
         }
         Ok(())
     }

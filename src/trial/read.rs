@@ -201,11 +201,7 @@ impl Reader<'_> {
         name: &Spanned<PathBuf>,
         read: impl FnOnce(&Path) -> Result<Read<T>, TrialError>,
     ) -> Result<Read<T>, TrialError> {
-        let path = self.folder.join(name.get_ref());
-        if !path.is_file() {
-            let found = format!("{} is not there", path.display());
-            return Err(self.source.bad(name.span(), found, "the name of a file in the trial's folder is expected"));
-        }
+        let path = self.source.named(self.folder, name)?;
         let Read { content, notes } = read(&path)?;
         let shown = name.get_ref().display();
         Ok(Read { content, notes: notes.into_iter().map(|note| format!("{shown}: {note}")).collect() })

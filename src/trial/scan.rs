@@ -1,9 +1,9 @@
 //! One scan of a workpiece: the file is recognised by its content, not by its name.
 
-use std::fs;
 use std::path::Path;
 
 use glam::DVec2;
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::{HeightMap, PixelGrid};
 
 use super::error::{Place, TrialError};
@@ -69,7 +69,7 @@ pub struct Read<T> {
 /// # Errors
 /// [`TrialError`] with the place in the file.
 pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
-    let bytes = fs::read(file).map_err(|source| TrialError::Unreadable { file: file.to_owned(), source })?;
+    let bytes = input::read(file, MOST_MESH_BYTES)?;
     if let Some(format) = mesh_scan::format(file, &bytes) {
         let read = mesh_scan::read(file, &bytes, format, frame)?;
         check_heights(file, &read.content)?;

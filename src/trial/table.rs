@@ -1,6 +1,6 @@
 //! Text tables as programs and people write them: the separator, the decimal mark and the line ends are sniffed.
 
-use std::fs;
+use sdf_bake::input::{self, MOST_TABLE_BYTES, quoted};
 use std::path::{Path, PathBuf};
 
 use super::error::{Place, TrialError};
@@ -29,7 +29,7 @@ pub(crate) struct Row<'a> {
 impl Table {
     /// Reads a file that must hold text.
     pub(crate) fn read(file: &Path) -> Result<Self, TrialError> {
-        let bytes = fs::read(file).map_err(|source| TrialError::Unreadable { file: file.to_owned(), source })?;
+        let bytes = input::read(file, MOST_TABLE_BYTES)?;
         Self::parse(file, bytes)
     }
 
@@ -143,6 +143,11 @@ impl Row<'_> {
         String::from_utf8_lossy(self.cell(column)).chars().take(40).collect()
     }
 
+    /// As much of a cell as an error may repeat.
+    pub(crate) fn shown(&self, column: usize) -> String {
+        quoted(&String::from_utf8_lossy(self.cell(column)))
+    }
+
     /// The number in a cell, `None` if the cell is empty. Words for "not a number" give NaN.
     pub(crate) fn number(&self, column: usize) -> Result<Option<f64>, TrialError> {
         let cell = self.cell(column);
@@ -155,7 +160,7 @@ impl Row<'_> {
             Err(_) => "?".parse(),
         };
         parsed.map(Some).map_err(|_| {
-            let found = format!("{:?} is no number", self.text(column));
+            let found = format!("{} is no number", self.shown(column));
             self.place(column).bad(found, "a number with a decimal point, or an empty cell where nothing was measured")
         })
     }

@@ -1,5 +1,6 @@
 //! X3P files (ISO 25178-72): `main.xml` and binary heights in a zip.
 
+use sdf_bake::input::{quoted, quoted_near};
 use std::io::{Cursor, Read};
 use std::path::Path;
 
@@ -57,13 +58,13 @@ pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Matrix, TrialError> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| bad(format!("no readable zip: {error}")))?;
     let xml = member(&mut archive, MAIN, MOST_XML).map_err(&bad)?;
     let text = String::from_utf8(xml).map_err(|_| bad(format!("{MAIN} is not UTF-8")))?;
-    let document = Document::parse(&text).map_err(|error| bad(format!("{MAIN}: {error}")))?;
+    let document = Document::parse(&text).map_err(|error| bad(format!("{MAIN}, line {}: no XML", error.pos().row)))?;
     let matrix = Description::of(document.root_element()).map_err(&bad)?;
     let count = matrix.nx * matrix.ny;
     let heights = member(&mut archive, &matrix.members.0, (count * matrix.kind.size()) as u64).map_err(&bad)?;
     if heights.len() != count * matrix.kind.size() {
         let (found, expected) = (heights.len(), count * matrix.kind.size());
-        return Err(bad(format!("{} has {found} bytes where the matrix needs {expected}", matrix.members.0)));
+        return Err(bad(format!("{} has {found} bytes where the matrix needs {expected}", shown(&matrix.members.0))));
     }
     let valid = match &matrix.members.1 {
         Some(name) => Some(member(&mut archive, name, count.div_ceil(8) as u64).map_err(&bad)?),
@@ -72,11 +73,16 @@ pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Matrix, TrialError> {
     Ok(matrix.decoded(&heights, valid.as_deref()))
 }
 
+/// A member's name as an error may repeat it.
+fn shown(name: &str) -> String {
+    quoted_near(name, [MAIN, "bindata/data.bin", "bindata/valid.bin"]).trim_matches('"').to_owned()
+}
+
 /// The bytes of a member, at most one more than `most`.
 fn member(archive: &mut ZipArchive<Cursor<&[u8]>>, name: &str, most: u64) -> Result<Vec<u8>, String> {
-    let file = archive.by_name(name).map_err(|error| format!("member {name}: {error}"))?;
+    let file = archive.by_name(name).map_err(|error| format!("member {}: {error}", shown(name)))?;
     let mut bytes = Vec::new();
-    file.take(most + 1).read_to_end(&mut bytes).map_err(|error| format!("member {name}: {error}"))?;
+    file.take(most + 1).read_to_end(&mut bytes).map_err(|error| format!("member {}: {error}", shown(name)))?;
     Ok(bytes)
 }
 
@@ -85,7 +91,7 @@ impl Description {
         let text = |path: &[&str]| text_at(root, path);
         let number = |path: &[&str]| -> Result<f64, String> {
             let found = text(path).ok_or_else(|| format!("{MAIN} has no {}", path.join("/")))?;
-            found.parse().map_err(|_| format!("{MAIN}: {} is {found:?}", path.join("/")))
+            found.parse().map_err(|_| format!("{MAIN}: {} is {}", path.join("/"), quoted(&found)))
         };
         let optional = |path: &[&str], default: f64| if text(path).is_some() { number(path) } else { Ok(default) };
         let size = |name: &str| number(&["Record3", "MatrixDimension", name]).map(|size| size as usize);
@@ -103,7 +109,7 @@ impl Description {
             Some("L") => Kind::I32,
             Some("F") => Kind::F32,
             Some("D") => Kind::F64,
-            other => return Err(format!("{MAIN}: heights of type {other:?}")),
+            other => return Err(format!("{MAIN}: heights of type {}", quoted(other.unwrap_or_default()))),
         };
         let scale = (optional(&axis("CZ", "Increment"), 1.0)?, optional(&axis("CZ", "Offset"), 0.0)?);
         let link = |key: &'static str| text(&["Record3", "DataLink", key]);

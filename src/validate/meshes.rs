@@ -1,11 +1,11 @@
 //! The glTF files: the bare part, the part with its beads, and the surface of the whole.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use sdf_bake::clean::clean;
+use sdf_bake::input::{self, MOST_MESH_BYTES};
 
 use super::Check;
 use crate::asset::{SURFACE_FILE, WELDED_FILE, WORKPIECE_FILE};
@@ -24,7 +24,7 @@ pub(super) struct Meshes {
 impl Meshes {
     pub(super) fn open(folder: &Path) -> Result<Self> {
         let read = |name: &str| -> Result<Vec<ReadPart>> {
-            let bytes = fs::read(folder.join(name)).with_context(|| name.to_owned())?;
+            let bytes = input::read(&folder.join(name), MOST_MESH_BYTES).with_context(|| name.to_owned())?;
             read_glb(&bytes).with_context(|| name.to_owned())
         };
         let part = read(WORKPIECE_FILE)?.into_iter().next().context("workpiece.glb holds no mesh")?;

@@ -3,6 +3,7 @@
 use base64::prelude::{BASE64_STANDARD, Engine};
 use chacha20poly1305::aead::{Aead, Generate, Key as CipherKey, KeyInit};
 use chacha20poly1305::{XChaCha20Poly1305, XNonce};
+use sdf_bake::input::{measured, quoted_near};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
@@ -37,13 +38,13 @@ pub struct Seal {
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum SealError {
     /// The key file holds something else.
-    #[error("{found:?} is no key: 64 hexadecimal digits are expected")]
+    #[error("{found} is no key: 64 hexadecimal digits are expected")]
     NoKey {
-        /// The beginning of what was found.
+        /// What was found, by its length: nothing of a key is ever repeated.
         found: String,
     },
     /// Another format.
-    #[error("{name} is {found:?}: {accepted:?} is expected")]
+    #[error("{name} is {found}: {accepted:?} is expected")]
     Format {
         /// Key of the file.
         name: &'static str,
@@ -89,7 +90,7 @@ impl Key {
     /// # Errors
     /// [`SealError::NoKey`].
     pub fn parse(text: &str) -> Result<Self, SealError> {
-        let no_key = || SealError::NoKey { found: text.trim().chars().take(20).collect() };
+        let no_key = || SealError::NoKey { found: measured(text.trim()) };
         from_hex(text.trim()).and_then(|bytes| bytes.try_into().ok()).map(Self).ok_or_else(no_key)
     }
 }
@@ -125,7 +126,11 @@ impl Seal {
     pub fn open(&self, key: Key) -> Result<String, SealError> {
         for (name, found, accepted) in [("format", &self.format, SEAL_FORMAT), ("cipher", &self.cipher, CIPHER)] {
             if found != accepted {
-                return Err(SealError::Format { name, found: found.clone(), accepted: accepted.to_owned() });
+                return Err(SealError::Format {
+                    name,
+                    found: quoted_near(found, [accepted]),
+                    accepted: accepted.to_owned(),
+                });
             }
         }
         let nonce: [u8; 24] =

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -12,6 +13,7 @@ use super::seal::{Key, Seal};
 use super::{Experiment, Made};
 use crate::asset::write_json;
 use crate::folder::{StagedFile, StagedFolder};
+use crate::json_file::{parse_json, read_json};
 use crate::output::{FileKind, FolderKind, Out};
 use crate::part::sha256;
 use crate::trial::write_trial;
@@ -167,14 +169,11 @@ pub fn unseal(folder: &Path, key_file: &Path) -> Result<Unsealed> {
     if !key_file.is_file() {
         return Err(wrong_use(format!("--key {}: no such file", key_file.display())));
     }
-    let text = |path: &Path| {
-        fs::read_to_string(path).with_context(|| format!("{}: cannot read this file as text", path.display()))
-    };
-    let key =
-        Key::parse(&text(key_file)?).map_err(|error| wrong_use(format!("--key {}: {error}", key_file.display())))?;
+    let text = input::read_text(key_file, MOST_TEXT_BYTES)?;
+    let key = Key::parse(&text).map_err(|error| wrong_use(format!("--key {}: {error}", key_file.display())))?;
     let name = || place.display().to_string();
-    let seal: Seal = serde_json::from_str(&text(&place)?).with_context(name)?;
-    let answer: Value = serde_json::from_str(&seal.open(key).with_context(name)?).with_context(name)?;
+    let seal: Seal = read_json(&place, "a sealed answer")?;
+    let answer: Value = parse_json(&place, &seal.open(key).with_context(name)?, "an answer")?;
     let measurements_unchanged = answer["measurements_sha256"] == measurements(folder)?.as_str();
     Ok(Unsealed { answer, measurements_unchanged })
 }
@@ -193,7 +192,7 @@ fn measurements(folder: &Path) -> Result<String> {
     for trial in list(folder)?.into_iter().filter(|place| place.is_dir()) {
         for file in list(&trial)? {
             let name = file.strip_prefix(folder).unwrap_or(&file).display().to_string().replace('\\', "/");
-            let bytes = fs::read(&file).with_context(|| file.display().to_string())?;
+            let bytes = input::read(&file, MOST_MESH_BYTES)?;
             lines += &format!("{} {name}\n", sha256(&bytes));
         }
     }

@@ -12,6 +12,7 @@ mod faults;
 mod faulty_driver;
 mod flags;
 mod hostile_files;
+mod inputs;
 mod interruption;
 mod memory;
 mod outputs;

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{Format, MeshFile, ReadError, Unit, UnitChoice, detect_format, gltf, parse, unit};
+use super::{Format, MeshFile, ReadError, Unit, UnitChoice, announced, detect_format, gltf, parse, unit};
+use crate::input::{self, MOST_MESH_BYTES};
 
 /// Files that a `.gltf` names as its buffers, by the name it gives them.
 pub(super) type Beside = BTreeMap<String, Vec<u8>>;
@@ -26,8 +27,10 @@ impl MeshBytes {
     /// # Errors
     /// A file that cannot be read, content of no known format, a glTF that names a buffer elsewhere.
     pub fn load(path: &Path) -> Result<Self, ReadError> {
-        let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
         let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+        let bytes = input::read_checked(path, (MOST_MESH_BYTES, announced::HEAD), |head, length| {
+            announced::check(head, length, &name)
+        })?;
         let format = detect_format(&bytes, &name)?;
         let beside = match (format, path.parent()) {
             (Format::Gltf, Some(folder)) => gltf::load_beside(&bytes, folder)?,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use super::Format;
+use crate::input::InputError;
 
 /// Why a mesh file could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -17,6 +18,9 @@ pub enum ReadError {
         /// What the operating system says.
         source: std::io::Error,
     },
+    /// No regular file, or one that is too large.
+    #[error(transparent)]
+    Input(InputError),
     /// Nothing in the file.
     #[error("{name} is empty; an OBJ, STL, PLY, GLB or glTF mesh is accepted")]
     Empty {
@@ -65,6 +69,15 @@ pub enum ReadError {
         /// Number of vertices found.
         vertices: usize,
     },
+}
+
+impl From<InputError> for ReadError {
+    fn from(error: InputError) -> Self {
+        match error {
+            InputError::Io { path, source } => Self::Io { path, source },
+            other => Self::Input(other),
+        }
+    }
 }
 
 impl ReadError {

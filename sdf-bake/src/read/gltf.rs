@@ -12,6 +12,7 @@ use gltf_crate::{Document, Gltf, Node, Semantic};
 
 use super::bytes::Beside;
 use super::{Format, ReadError, Surface};
+use crate::input::without_content;
 
 mod accessor;
 mod buffers;
@@ -39,7 +40,9 @@ pub(super) fn load_beside(bytes: &[u8], folder: &Path) -> Result<Beside, ReadErr
 }
 
 fn open(bytes: &[u8]) -> Result<Gltf, ReadError> {
-    check_glb_length(bytes)?;
+    if bytes.starts_with(b"glTF") {
+        announced_length(bytes, bytes.len() as u64)?;
+    }
     let invalid = |error| malformed(format!("not valid glTF 2.0: {}", describe(&error)));
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
     let root = document.into_json();
@@ -51,21 +54,18 @@ pub(super) fn malformed(reason: impl Into<String>) -> ReadError {
     ReadError::malformed(Format::Gltf, reason)
 }
 
-/// The header of a `.glb` must fit the file, else the `gltf` crate subtracts below zero.
-fn check_glb_length(bytes: &[u8]) -> Result<(), ReadError> {
-    if !bytes.starts_with(b"glTF") {
-        return Ok(());
-    }
-    let header = bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+/// Length that the header of a `.glb` announces [bytes]; it must fit the file, else the `gltf` crate subtracts below zero.
+pub(super) fn announced_length(head: &[u8], file: u64) -> Result<u64, ReadError> {
+    let header = head.get(8..12).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
     match header {
-        Some(length) if length <= bytes.len() && length >= 20 => Ok(()),
+        Some(length) if length <= file && length >= 20 => Ok(length),
         Some(length) if length < 20 => {
             Err(malformed(format!("the header says {length} bytes; at least 20 are needed")))
         }
         other => Err(ReadError::Truncated {
             format: Format::Gltf,
             announced: other.map_or("a header of 12 bytes".into(), |length| format!("{length} bytes")),
-            found: format!("the file has {}", bytes.len()),
+            found: format!("the file has {file}"),
         }),
     }
 }
@@ -85,7 +85,7 @@ fn describe(error: &gltf_crate::Error) -> String {
         gltf_crate::Error::Validation(list) => {
             list.first().map_or("invalid".into(), |(path, error)| format!("{path}: {error}"))
         }
-        other => other.to_string(),
+        other => without_content(&other.to_string()),
     }
 }
 

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use crate::Mesh;
 
+mod announced;
 mod bytes;
 mod error;
 mod gltf;
@@ -156,7 +157,7 @@ fn detect_format(bytes: &[u8], name: &str) -> Result<Format, ReadError> {
     }
     let by_content = [
         (Format::Gltf, text.starts_with(b"glTF") || text.starts_with(b"{")),
-        (Format::Ply, bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r")),
+        (Format::Ply, ply::looks_like(bytes)),
         (Format::Stl, stl::is_binary_of_exact_length(bytes) || stl::looks_ascii(bytes)),
         (Format::Obj, obj::looks_like(bytes)),
     ];

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::{Format, ReadError, Surface, polygon};
 use crate::Mesh;
+use crate::input::quoted_line;
 
 /// Comment lines that are searched for a unit.
 const HEADER_LINES: usize = 50;
@@ -136,13 +137,13 @@ fn explain(error: tobj::LoadError, consumed: &str) -> ReadError {
     use tobj::LoadError::{FaceParseError, FaceVertexOutOfBounds, PositionParseError, ScalingByZeroError};
     let line = consumed.lines().count();
     let statement = consumed.lines().last().unwrap_or("");
-    let statement: String = statement.chars().take(60).collect();
+    let statement = quoted_line(statement);
     let reason = match error {
-        PositionParseError => format!("line {line}: `{statement}` is no vertex; `v x y z` with numbers is accepted"),
+        PositionParseError => format!("line {line}: {statement} is no vertex; `v x y z` with numbers is accepted"),
         FaceParseError => {
-            format!("line {line}: `{statement}` is no face; `f i j k ...` with vertex numbers is accepted")
+            format!("line {line}: {statement} is no face; `f i j k ...` with vertex numbers is accepted")
         }
-        ScalingByZeroError => format!("line {line}: `{statement}` has weight 0"),
+        ScalingByZeroError => format!("line {line}: {statement} has weight 0"),
         FaceVertexOutOfBounds => {
             let vertices = consumed.lines().filter(|line| line.starts_with("v ")).count();
             format!(

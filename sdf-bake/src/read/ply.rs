@@ -13,13 +13,26 @@ mod header;
 use body::Body;
 use header::{Element, Header, Kind};
 
+/// Whether it begins as a PLY file does.
+pub(super) fn looks_like(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r")
+}
+
+/// Refuses a file that is too short for the rows that its header counts; a header that is not whole in `head` is left to
+/// [`read`].
+pub(super) fn check_length(head: &[u8], length: u64) -> Result<(), ReadError> {
+    let Ok((header, rest)) = Header::parse(head) else { return Ok(()) };
+    let room = length - (head.len() - rest.len()) as u64;
+    header.elements.iter().try_for_each(|element| Body::new(header.encoding, rest).check_room(element, room))
+}
+
 pub(super) fn read(bytes: &[u8]) -> Result<Surface, ReadError> {
     let (header, rest) = Header::parse(bytes)?;
     let mut body = Body::new(header.encoding, rest);
     let mut surface = Surface { header: header.comments, ..Default::default() };
     let mut faces = Faces::default();
     for element in &header.elements {
-        body.check_room(element)?;
+        body.check_room(element, body.room())?;
         match element.name.as_str() {
             "vertex" => read_vertices(element, &mut body, &mut surface)?,
             "face" => read_faces(element, &mut body, &mut faces)?,

@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use super::{Format, ReadError, Surface};
+use crate::input::quoted_line;
 
 const HEADER: usize = 80;
 const PREFIX: usize = 84;
@@ -32,32 +33,36 @@ fn announced(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes(count.try_into().ok()?)))
 }
 
+/// Length that a binary header announces [bytes], refused where the file is shorter.
+pub(super) fn announced_length(head: &[u8], length: u64) -> Result<u64, ReadError> {
+    let count = announced(head).ok_or_else(|| ReadError::Truncated {
+        format: Format::Stl,
+        announced: format!("a binary header of {PREFIX} bytes"),
+        found: format!("the file has {length} bytes"),
+    })?;
+    let present = (length - PREFIX as u64) / RECORD as u64;
+    if present < count {
+        return Err(ReadError::Truncated {
+            format: Format::Stl,
+            announced: format!("{count} triangles"),
+            found: format!("{length} bytes hold {present} of them"),
+        });
+    }
+    Ok(PREFIX as u64 + count * RECORD as u64)
+}
+
 pub(super) fn read(bytes: &[u8]) -> Result<Surface, ReadError> {
     if !is_binary_of_exact_length(bytes) && looks_ascii(bytes) {
         return read_ascii(&String::from_utf8_lossy(bytes));
     }
-    let Some(count) = announced(bytes) else {
-        return Err(ReadError::Truncated {
-            format: Format::Stl,
-            announced: format!("a binary header of {PREFIX} bytes"),
-            found: format!("the file has {} bytes", bytes.len()),
-        });
-    };
+    let count = (announced_length(bytes, bytes.len() as u64)? as usize - PREFIX) / RECORD;
     let body = &bytes[PREFIX..];
-    let present = body.len() / RECORD;
-    if (present as u64) < count {
-        return Err(ReadError::Truncated {
-            format: Format::Stl,
-            announced: format!("{count} triangles"),
-            found: format!("{} bytes hold {present} of them", bytes.len()),
-        });
-    }
     let mut surface = Surface { header: String::from_utf8_lossy(&bytes[..HEADER]).into_owned(), ..Default::default() };
-    let extra = body.len() - count as usize * RECORD;
+    let extra = body.len() - count * RECORD;
     if extra > 0 {
         surface.notes.push(format!("left out {extra} bytes after the last triangle"));
     }
-    for record in body.chunks_exact(RECORD).take(count as usize) {
+    for record in body.chunks_exact(RECORD).take(count) {
         let corner = |i: usize| DVec3::from_array([0, 1, 2].map(|axis| coordinate(record, 12 + 12 * i + 4 * axis)));
         push_triangle(&mut surface, [corner(0), corner(1), corner(2)])?;
     }
@@ -92,7 +97,8 @@ fn read_ascii(text: &str) -> Result<Surface, ReadError> {
         let Some(keyword) = words.next().map(str::to_lowercase) else { continue };
         match keyword.as_str() {
             "vertex" => corners.push(ascii_position(words).ok_or_else(|| {
-                let reason = format!("line {}: `{}` is no vertex; `vertex x y z` is accepted", number + 1, line.trim());
+                let found = quoted_line(line);
+                let reason = format!("line {}: {found} is no vertex; `vertex x y z` is accepted", number + 1);
                 ReadError::malformed(Format::Stl, reason)
             })?),
             "endloop" | "endfacet" if !corners.is_empty() => {

@@ -28,7 +28,7 @@ pub enum Problem {
     #[error("this is not TOML: {0}")]
     Toml(String),
     /// A key that means nothing here.
-    #[error("`{found}` means nothing here; accepted are {accepted}")]
+    #[error("{found} means nothing here; accepted are {accepted}")]
     UnknownKey {
         /// The key.
         found: String,

@@ -4,7 +4,7 @@ use super::definition::{
     ByProcess, Change, Definition, Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State,
 };
 use super::error::{EffectError, Problem};
-use super::toml_text::{Bare, Entry, Section, Source};
+use super::toml_text::{Bare, Entry, Section, Source, named};
 use super::unit::Unit;
 use super::variable::{Place, Variable};
 
@@ -211,7 +211,9 @@ fn changes(root: &Section, key: &str) -> Result<Vec<Change>, EffectError> {
         let Some((hook, value)) = Variable::modified_by(name) else {
             let values = Place::HOOKS.iter().flat_map(|hook| hook.values());
             let accepted: Vec<&str> = values.map(|value| value.name()).collect();
-            return Err(entry.error(Problem::UnknownKey { found: name.to_owned(), accepted: accepted.join(", ") }));
+            return Err(
+                entry.error(Problem::UnknownKey { found: named(name, &accepted), accepted: accepted.join(", ") })
+            );
         };
         if changes.iter().any(|change: &Change| change.value == value) {
             return Err(entry.unfit(format!("a second formula for {}", value.name()), "one"));

@@ -4,10 +4,15 @@ use std::ops::Range;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
+use sdf_bake::input::{measured, quoted_near, without_content};
+
 use super::definition::{Formula, line_column};
 use super::error::{EffectError, Problem};
 use super::parse::parse;
 use super::unit::Unit;
+
+/// Characters of a number and its unit that a message repeats.
+const MOST_QUANTITY: usize = 24;
 
 /// A text and its name, for messages.
 #[derive(Clone, Copy)]
@@ -22,7 +27,7 @@ impl<'a> Source<'a> {
     /// Reads the text as TOML.
     pub fn document(self) -> Result<Document<&'a str>, EffectError> {
         Document::parse(self.text).map_err(|error| {
-            let reason = error.message().replace('\n', ", ");
+            let reason = without_content(&error.message().replace('\n', ", "));
             self.error(error.span().map_or(0, |span| span.start), "", Problem::Toml(reason))
         })
     }
@@ -69,7 +74,7 @@ impl<'a> Section<'a> {
         match self.entries().find(|(name, _)| !accepted.contains(name)) {
             None => Ok(()),
             Some((name, entry)) => {
-                Err(entry.error(Problem::UnknownKey { found: name.to_owned(), accepted: accepted.join(", ") }))
+                Err(entry.error(Problem::UnknownKey { found: named(name, accepted), accepted: accepted.join(", ") }))
             }
         }
     }
@@ -112,7 +117,7 @@ impl<'a> Section<'a> {
         let found = entry.text()?;
         words.iter().find(|(word, _)| *word == found).map(|(_, value)| *value).ok_or_else(|| {
             let accepted: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-            entry.unfit(format!("`{found}`"), format!("one of {}", accepted.join(", ")))
+            entry.unfit(named(found, &accepted), format!("one of {}", accepted.join(", ")))
         })
     }
 
@@ -215,6 +220,11 @@ impl<'a> Entry<'a> {
     }
 }
 
+/// A word of the file, as much of it as a message may repeat.
+pub(super) fn named(found: &str, accepted: &[&str]) -> String {
+    quoted_near(found, accepted.iter().copied()).replace('"', "`")
+}
+
 /// What a number without a unit means.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Bare {
@@ -227,10 +237,9 @@ pub enum Bare {
 /// Reads `350 mm^3` as SI value of the dimension of `unit`.
 pub fn parse_quantity(text: &str, unit: Unit) -> Result<f64, Problem> {
     let text = text.trim();
-    let unfit = || Problem::Value {
-        found: format!("`{text}`"),
-        expected: "a number and its unit, such as `350 mm^3`".to_owned(),
-    };
+    let shown = if text.len() <= MOST_QUANTITY { format!("`{text}`") } else { measured(text) };
+    let unfit =
+        || Problem::Value { found: shown.clone(), expected: "a number and its unit, such as `350 mm^3`".to_owned() };
     let end = text.find(char::is_whitespace).unwrap_or(text.len());
     let number: f64 = text[..end].parse().map_err(|_| unfit())?;
     if number.is_nan() {
@@ -244,7 +253,7 @@ pub fn parse_quantity(text: &str, unit: Unit) -> Result<f64, Problem> {
     let own = Unit::parse(rest)?;
     if own.dimension != unit.dimension {
         let expected = format!("{}", unit.dimension);
-        return Err(Problem::Dimension { what: format!("`{text}`"), found: own.dimension, expected });
+        return Err(Problem::Dimension { what: shown, found: own.dimension, expected });
     }
     Ok(own.to_si(number))
 }

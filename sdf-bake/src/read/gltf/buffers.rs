@@ -9,6 +9,7 @@ use gltf::Document;
 use gltf::buffer::Source;
 
 use super::malformed;
+use crate::input::{self, MOST_MESH_BYTES, measured};
 use crate::read::ReadError;
 use crate::read::bytes::Beside;
 
@@ -26,10 +27,19 @@ pub(super) fn load_beside(document: &Document, folder: &Path) -> Result<Beside, 
             return Err(not_looked_for(uri));
         }
         let path = folder.join(relative);
-        let bytes = std::fs::read(&path).map_err(|source| ReadError::Io { path, source })?;
+        let real = path.canonicalize().ok().zip(folder_of(folder).canonicalize().ok());
+        if real.is_some_and(|(file, folder)| !file.starts_with(folder)) {
+            return Err(not_looked_for(uri));
+        }
+        let bytes = input::read(&path, MOST_MESH_BYTES)?;
         beside.insert(uri.to_owned(), bytes);
     }
     Ok(beside)
+}
+
+/// A relative file's folder has no name of its own.
+fn folder_of(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
 /// The bytes of each buffer, at least as many as announced.
@@ -65,7 +75,10 @@ fn from_data_uri(data: &str) -> Result<Vec<u8>, ReadError> {
 }
 
 fn not_looked_for(uri: &str) -> ReadError {
-    malformed(format!("the buffer `{uri}` is not looked for; files beside the .gltf and data URIs are accepted"))
+    malformed(format!(
+        "the buffer named by {} is not looked for; files beside the .gltf and data URIs are accepted",
+        measured(uri)
+    ))
 }
 
 /// `%20` and its like as bytes; what is no escape stays.

@@ -2,6 +2,7 @@
 
 use super::header::{Element, Encoding, Kind, Scalar};
 use super::{Format, ReadError};
+use crate::input::quoted;
 
 pub(super) struct Body<'a> {
     encoding: Encoding,
@@ -13,18 +14,23 @@ impl<'a> Body<'a> {
         Self { encoding, rest }
     }
 
-    /// Refuses an element whose rows cannot fit into what is left of the file.
-    pub(super) fn check_room(&self, element: &Element) -> Result<(), ReadError> {
+    /// Bytes that are left.
+    pub(super) fn room(&self) -> u64 {
+        self.rest.len() as u64
+    }
+
+    /// Refuses an element whose rows cannot fit into so many bytes.
+    pub(super) fn check_room(&self, element: &Element, room: u64) -> Result<(), ReadError> {
         let smallest: usize = element.properties.iter().map(|p| self.smallest(p.kind)).sum();
         let needed = element.count.saturating_mul(smallest as u64);
         // The last number of an ASCII file needs no space after it.
-        if needed <= self.rest.len() as u64 + 1 {
+        if needed <= room + 1 {
             return Ok(());
         }
         Err(ReadError::Truncated {
             format: Format::Ply,
             announced: format!("{} rows of element `{}`", element.count, element.name),
-            found: format!("{} bytes are left for them", self.rest.len()),
+            found: format!("{room} bytes are left for them"),
         })
     }
 
@@ -73,8 +79,7 @@ impl<'a> Body<'a> {
         }
         let text = String::from_utf8_lossy(word);
         text.parse().map_err(|_| {
-            let text: String = text.chars().take(40).collect();
-            ReadError::malformed(Format::Ply, format!("`{text}` stands where a number is expected"))
+            ReadError::malformed(Format::Ply, format!("{} stands where a number is expected", quoted(&text)))
         })
     }
 

@@ -1,6 +1,7 @@
 //! The header of a PLY file.
 
 use super::{Format, ReadError};
+use crate::input::{quoted, quoted_line};
 
 /// How rows are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,10 +115,8 @@ impl Header {
     }
 
     fn add(&mut self, words: &[&str], line: &str) -> Result<(), ReadError> {
-        let bad = || {
-            let line: String = line.trim().chars().take(60).collect();
-            ReadError::malformed(Format::Ply, format!("the header line `{line}` is not understood"))
-        };
+        let bad =
+            || ReadError::malformed(Format::Ply, format!("the header line {} is not understood", quoted_line(line)));
         let scalar = |name: &str| Scalar::parse(name).ok_or_else(bad);
         match *words {
             [] | ["ply"] => return Ok(()),
@@ -148,7 +147,10 @@ fn parse_encoding(name: &str) -> Result<Encoding, ReadError> {
         "binary_big_endian" => Ok(Encoding::BigEndian),
         other => Err(ReadError::malformed(
             Format::Ply,
-            format!("format `{other}` is unknown; ascii, binary_little_endian or binary_big_endian is accepted"),
+            format!(
+                "format {} is unknown; ascii, binary_little_endian or binary_big_endian is accepted",
+                quoted(other)
+            ),
         )),
     }
 }

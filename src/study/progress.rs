@@ -1,0 +1,72 @@
+//! What a study keeps of its work until it ends: the simulations that it made, and its record, in a folder beside its own.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use sdf_bake::input::{self, MOST_MESH_BYTES};
+
+use super::measurements::Data;
+use super::record::{STUDY_FILE, StudyRecord};
+use crate::folder::write_file;
+use crate::journal::Journal;
+use crate::output::FolderKind;
+use crate::part::sha256;
+
+/// The simulations.
+const SIMULATIONS_FILE: &str = "simulations.bin";
+/// The folder beside that of the study.
+const UNFINISHED: FolderKind =
+    FolderKind { marker: STUDY_FILE, key: "measurements_sha256", names: &[("", &[SIMULATIONS_FILE])] };
+
+/// The work of a study that has not ended.
+pub struct Progress {
+    folder: PathBuf,
+    /// Simulations that an interrupted run had made.
+    pub known: usize,
+}
+
+impl Progress {
+    /// Takes up the work of an interrupted run for the same place, or begins; only for who has claimed the place. Rows
+    /// are quick to predict, so that nothing is kept of them.
+    ///
+    /// # Errors
+    /// Wrong use when the place beside holds something else; otherwise when it cannot be written.
+    pub fn take_up(out: &Path, data: &mut Data, measurements_sha256: &str) -> Result<Option<Self>> {
+        let Data::Scans(_, evidence) = data else { return Ok(None) };
+        let mut name = OsString::from(out.file_name().unwrap_or_default());
+        name.push(".unfinished");
+        let folder = out.with_file_name(name);
+        UNFINISHED.check_continued(&folder)?;
+        fs::create_dir_all(&folder).with_context(|| format!("{}: cannot make this folder", folder.display()))?;
+        // Another build of the program may simulate otherwise.
+        let program = sha256(&input::read(&std::env::current_exe()?, MOST_MESH_BYTES)?);
+        let journal = Journal::open(&folder.join(SIMULATIONS_FILE), &format!("{measurements_sha256} {program}"))?;
+        let known = journal.len();
+        evidence.journal = Some(journal);
+        Ok(Some(Self { folder, known }))
+    }
+
+    /// Where it is kept.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Keeps how far the study is.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn note(&self, record: &StudyRecord) -> Result<()> {
+        write_file(&self.folder.join(STUDY_FILE), serde_json::to_string_pretty(record)?.as_bytes())
+    }
+
+    /// Removes the folder of a study that has ended.
+    ///
+    /// # Errors
+    /// When the file system refuses.
+    pub fn end(self) -> Result<()> {
+        let context = || format!("{}: cannot be removed", self.folder.display());
+        fs::remove_dir_all(&self.folder).with_context(context)
+    }
+}
