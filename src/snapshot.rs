@@ -112,7 +112,7 @@ impl Keeping {
         let Some(resume) = self.resume.as_ref().filter(|_| self.snapshots) else { return Ok(()) };
         for (pass, extension) in (1..=resume.passes).flat_map(|pass| [(pass, "nvdb"), (pass, "json")]) {
             let source = place(&resume.folder, pass, extension);
-            let copied = fs::copy(&source, place(folder, pass, extension));
+            let copied = fs::write(place(folder, pass, extension), input::read(&source, MOST_MESH_BYTES)?);
             copied.with_context(|| format!("{}: cannot copy this state", source.display()))?;
         }
         Ok(())

@@ -54,6 +54,8 @@ pub fn run_apart(limits: Limits, words: impl FnOnce(&mut Command) -> &mut Comman
     let lifeline = child.stdin.take();
     let output = child.wait_with_output().context("the process of a piece cannot be waited for")?;
     drop(lifeline);
+    // A signal from the keyboard ends both; the piece did not fail.
+    crate::interrupt::wait_if_ending();
     Ok(answer(&output, limits))
 }
 
