@@ -67,6 +67,9 @@ pub struct FieldFacts {
     pub bricks: usize,
     /// Voxels with |φ| < band.
     pub active_voxels: usize,
+    /// What about the part's size is implausible; absent in records of earlier versions.
+    #[serde(default)]
+    pub warnings: Vec<String>,
 }
 
 /// A field in the form of its file.
@@ -112,6 +115,7 @@ pub fn bake_part(part: &Part, options: &BakeOptions) -> Result<BakedField> {
         ambiguous_share: report.ambiguous_share,
         bricks: report.bricks,
         active_voxels: report.active_voxels,
+        warnings: part.warnings.clone(),
     };
     Ok(BakedField { bytes, facts, description: describe_baking(&report, &grid), bake_s })
 }

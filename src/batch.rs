@@ -93,6 +93,8 @@ pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
             let value: f64 = text.trim().parse().ok().filter(|value: &f64| !value.is_nan()).with_context(|| {
                 format!("{}: {} is {}, a number in {} is accepted", at(line), slot.name(), quoted(text), slot.unit_text)
             })?;
+            let accepted = slot.accepted().check(slot.unit.to_si(value));
+            accepted.with_context(|| format!("{}: {}", at(line), slot.name()))?;
             run.model.set(column, slot.unit.to_si(value));
             run.parameters.insert(slot.name(), value);
         }

@@ -1,6 +1,6 @@
 //! What people and machines see: sentences and bars on standard error, one JSON object on standard output, or one a line.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -66,6 +66,26 @@ impl Console {
         eprintln!("{about:>10}  {}", lines.next().unwrap_or_default());
         for line in lines {
             eprintln!("{:>10}  {line}", "");
+        }
+    }
+
+    /// A result that people asked to see, laid out like a step: on standard output, or on standard error where the
+    /// machine's answer goes to the output. Who closes the output has seen enough.
+    ///
+    /// # Errors
+    /// When standard output cannot be written.
+    pub fn result(&self, about: &str, text: impl AsRef<str>) -> Result<()> {
+        if self.json {
+            self.step(about, text);
+            return Ok(());
+        }
+        let mut out = std::io::stdout().lock();
+        let about = std::iter::once(about).chain(std::iter::repeat(""));
+        let written =
+            text.as_ref().lines().zip(about).try_for_each(|(line, about)| writeln!(out, "{about:>10}  {line}"));
+        match written {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+            _ => Ok(()),
         }
     }
 

@@ -69,6 +69,18 @@ use thiserror::Error;
 #[error("{0}")]
 pub struct WrongUse(String);
 
+/// An error with its causes in one line, without those that the words before them quote already.
+pub fn in_full(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |told, cause| {
+        let cause = cause.to_string();
+        match told.as_str() {
+            "" => cause,
+            told if told.ends_with(&cause) => told.to_owned(),
+            told => format!("{told}: {cause}"),
+        }
+    })
+}
+
 /// An error that ends the program with exit code 2.
 pub fn wrong_use(message: String) -> anyhow::Error {
     WrongUse(message).into()

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use sdf_bake::Mesh;
 use sdf_bake::clean::{CleanReport, clean};
-use sdf_bake::read::{Format, MeshBytes, MeshFile, UnitChoice, parse_mesh};
+use sdf_bake::read::{Format, MeshBytes, MeshFile, Unit, UnitChoice, parse_mesh};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -22,6 +22,12 @@ const BUNDLED: &[u8] = include_bytes!("../data/bracket.obj");
 const LEAST_SIZE: f64 = 1e-5;
 /// Longest part [m]: single precision in glTF then still places points within 0.01 mm.
 const MOST_SIZE: f64 = 100.0;
+
+/// Parts shorter than this [m] have welds thinner than the thinnest wire: their usual bead is 1/20 of the diagonal, and
+/// wires begin at 0.6 mm.
+const LEAST_USUAL_SIZE: f64 = 0.01;
+/// Parts longer than this [m] are out of reach of the arm that would finish them.
+const MOST_USUAL_SIZE: f64 = 3.0;
 
 /// Where a part came from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,6 +53,8 @@ pub struct Part {
     pub mesh: Mesh,
     /// What reading noticed.
     pub notes: Vec<String>,
+    /// What about its size is implausible, and what to do about it.
+    pub warnings: Vec<String>,
     /// What cleaning did.
     pub cleaning: CleanReport,
 }
@@ -95,6 +103,7 @@ impl Part {
             "the part is {longest:e} m long ({}), and {LEAST_SIZE:e} m to {MOST_SIZE:e} m is accepted: is --unit right?",
             file.unit_reason
         );
+        let warnings = size_warning(longest, (file.unit, file.unit_doubtful)).into_iter().collect();
         let source = Source {
             file: name.to_owned(),
             sha256: sha256(bytes),
@@ -102,7 +111,7 @@ impl Part {
             unit: file.unit.to_string(),
             unit_reason: file.unit_reason,
         };
-        Ok(Self { source, mesh, notes: file.notes, cleaning })
+        Ok(Self { source, mesh, notes: file.notes, warnings, cleaning })
     }
 
     /// Extent of the bounding box [m].
@@ -115,6 +124,9 @@ impl Part {
         console.step("part", self.summary());
         for note in &self.notes {
             console.step("note", note);
+        }
+        for warning in &self.warnings {
+            console.step("warning", warning);
         }
         console.step("clean", self.cleaning_summary());
     }
@@ -142,6 +154,31 @@ impl Part {
             self.source.unit_reason
         )
     }
+}
+
+/// What is implausible about the longest side [m] of a part, with its length in the other units.
+fn size_warning(longest: f64, (unit, is_doubtful): (Unit, bool)) -> Option<String> {
+    let why = match longest {
+        _ if longest < LEAST_USUAL_SIZE => "very small for a welded part",
+        _ if longest > MOST_USUAL_SIZE => "very large for a welded part",
+        _ if is_doubtful => "a guess near the limit between two units",
+        _ => return None,
+    };
+    let units = [("mm", Unit::Millimetre), ("inch", Unit::Inch), ("m", Unit::Metre)];
+    let others = units.into_iter().filter(|(_, other)| *other != unit).map(|(flag, other)| {
+        format!("{:?} mm with --unit {flag}", rounded(1e3 * longest * other.metres() / unit.metres()))
+    });
+    Some(format!(
+        "the longest side is {:?} mm in {}, {why}; it would be {}",
+        rounded(1e3 * longest),
+        unit,
+        others.collect::<Vec<_>>().join(" or ")
+    ))
+}
+
+/// A number to three digits, without an exponent.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 /// SHA-256 as lower-case hexadecimal digits.

@@ -20,6 +20,9 @@ use crate::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, Tool
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
 
+/// Steps of all passes of a trial that are accepted: hours of work, at less than a millisecond each.
+const MOST_STEPS: f64 = 3e7;
+
 /// Why a trial cannot be simulated.
 #[derive(Debug, Error)]
 pub enum TwinError {
@@ -33,6 +36,15 @@ pub enum TwinError {
         pass: usize,
         /// What is wrong with it.
         error: PathError,
+    },
+    /// More steps than end in a time that anyone waits.
+    #[error(
+        "the passes take about {steps:.1e} steps, and {MOST_STEPS:.0e} are accepted: a larger voxel, a longer period_s or shorter \
+         logs have fewer"
+    )]
+    TooLong {
+        /// Steps, about.
+        steps: f64,
     },
     /// A pass failed.
     #[error("pass {pass}: {error}")]
@@ -155,6 +167,10 @@ impl<'a> Twin<'a> {
             let process = process(pass, trial, controller);
             process.check(&part, &tool).map_err(|error| TwinError::Pass { pass: i + 1, error })?;
             passes.push(Planned { path, process, approach, rest });
+        }
+        let steps: f64 = passes.iter().map(|planned| planned.process.expected_steps(&planned.path, voxel)).sum();
+        if steps > MOST_STEPS {
+            return Err(TwinError::TooLong { steps });
         }
         Ok(Self { trial, part, covariates: false, replay, device: None, clock: None, tool, passes })
     }

@@ -1,8 +1,10 @@
 //! From a part to a welded workpiece: a weld is placed, swept and united with the part in the field.
 
-use anyhow::{Context, Result, bail};
+mod limits;
+
+use anyhow::{Context, Result, anyhow, bail};
 use sdf_bake::query::MeshQuery;
-use sdf_bake::{BakeOptions, BakeReport, BrickGrid, Combine, Mesh, SignChoice, bake};
+use sdf_bake::{BakeError, BakeOptions, BakeReport, BrickGrid, Combine, Mesh, SignChoice, bake};
 use serde::Serialize;
 use weldgen::access::ToolShape;
 use weldgen::bead::{BeadShape, FormRequest};
@@ -112,6 +114,32 @@ pub struct PlacedWeld {
     pub toe_radius: f64,
 }
 
+/// Why a part cannot be baked where it must be a solid: what only `robofin bake` can do is not proposed.
+pub fn needs_solid(error: BakeError) -> anyhow::Error {
+    match error {
+        BakeError::Open { boundary_edges, share } => anyhow!(
+            "open surface: {boundary_edges} boundary edges leave {:.1} % of the band without a clear inside, and a solid part \
+             is needed; close the mesh, or use --sign winding to accept the guess",
+            100.0 * share
+        ),
+        BakeError::NoInside { voxel, boundary_edges, share } => anyhow!(
+            "the surface encloses nothing at a voxel of {:.4} mm ({boundary_edges} boundary edges, {:.1} % of the band without a \
+             clear inside), and a solid part is needed: use a smaller voxel, or give a sheet a thickness",
+            1e3 * voxel,
+            100.0 * share
+        ),
+        other => other.into(),
+    }
+}
+
+impl Workpiece {
+    /// What of it is implausible, or short of what was asked, one sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let of_welds = self.welds.iter().flat_map(|placed| limits::bead_warnings(&placed.weld));
+        self.part.warnings.iter().cloned().chain(of_welds).collect()
+    }
+}
+
 impl Fineness {
     /// Distance between voxels [m] on a part.
     pub fn voxel(self, part: &Part) -> f64 {
@@ -135,8 +163,9 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
         shell: None,
     };
     budget::check(&part.mesh, &baking)?;
-    options.wishes.check_against(baking.voxel)?;
-    let (target, report) = bake(&part.mesh, &baking)?;
+    let request = options.wishes.request(&part, baking.voxel);
+    limits::check(&options.wishes, &request, &baking)?;
+    let (target, report) = bake(&part.mesh, &baking).map_err(needs_solid)?;
     console.step("bake", describe_baking(&report, &target));
 
     if console.tells_steps()
@@ -146,13 +175,15 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     }
 
     let query = MeshQuery::new(&part.mesh);
-    let request = options.wishes.request(&part, baking.voxel);
     let count = usize::from(options.wishes.count.unwrap_or(1));
     let (mut welded, mut placed) = (target.clone(), Vec::new());
     for (id, weld) in
         (FIRST_WELD..).zip(place_welds_on(&Surface::new(&part.mesh, &query), &request, count, options.seed)?)
     {
         console.step("weld", describe_weld(&weld));
+        for warning in limits::bead_warnings(&weld) {
+            console.step("warning", warning);
+        }
         let mut with_bead = add(&welded, &weld, id, (&baking, options.wishes.toe_radius))?;
         if !weld.cuts.triangles.is_empty() {
             with_bead = cut(&with_bead, &weld, (&baking, &target), id)?;
@@ -194,25 +225,6 @@ fn cut(welded: &BrickGrid, weld: &Weld, (baking, target): (&BakeOptions, &BrickG
 }
 
 impl WeldWishes {
-    /// A bead far below the voxel would be in the truth and not in the field.
-    fn check_against(&self, voxel: f64) -> Result<()> {
-        for (flag, wish, voxels) in [
-            ("--length-mm", self.length.map(|[low, _]| low), 1.0),
-            ("--width-mm", self.width, 1.0),
-            ("--height-mm", self.height, 0.05),
-        ] {
-            if let Some(size) = wish.filter(|&size| size < voxels * voxel) {
-                bail!(
-                    "{flag} {:?}: with a voxel of {:.4} mm, {:.4} mm or more is accepted; a smaller --voxel-mm allows less",
-                    size * 1e3,
-                    voxel * 1e3,
-                    voxels * voxel * 1e3
-                );
-            }
-        }
-        Ok(())
-    }
-
     /// The request for a part with what the user fixed; fixed sizes are never shrunk.
     fn request(&self, part: &Part, voxel: f64) -> WeldRequest {
         let chosen = WeldRequest::of_difficulty(&part.mesh, voxel, self.difficulty);

@@ -49,7 +49,7 @@ pub enum CombineError {
 }
 
 /// Largest blend radius in bands: where both distances are below 5/4 of the radius the surface may move.
-pub(crate) const BLEND_REACH: f64 = 0.8;
+pub const BLEND_REACH: f64 = 0.8;
 
 /// What to make of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]

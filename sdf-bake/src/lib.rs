@@ -52,7 +52,7 @@ mod volume;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, SignMethod, bake};
 pub use channels::Scalar;
-pub use combine::{Combine, CombineError, LatticeError};
+pub use combine::{BLEND_REACH, Combine, CombineError, LatticeError};
 pub use grid::BrickGrid;
 pub use heights::{HeightMap, PixelGrid};
 pub use mesh::Mesh;

@@ -159,3 +159,22 @@ fn what_is_no_map_is_refused_with_the_reason() {
         assert!(matches!(made(&map, bad), Err(HeightsError::BadOption { .. })));
     }
 }
+
+#[test]
+fn heights_too_far_apart_for_the_voxel_are_refused_before_walls_are_made_of_them() {
+    let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.25e-3, nx: 60, ny: 40 };
+    let block = |p: DVec2| if p.x > 6e-3 && p.y > 4e-3 { -9.999 } else { 1e-3 };
+    let options = SlabOptions::with_voxel(0.05e-3);
+    let error = BrickGrid::from_heights(&HeightMap::from_function(pixels, block), &options).unwrap_err();
+    assert!(matches!(error, HeightsError::TooFarApart { .. }), "{error}");
+    for word in ["-9999.0 mm", "1.0 mm", "voxel of 0.05 mm", "leave cells without a height empty"] {
+        assert!(error.to_string().contains(word), "{error}");
+    }
+    // Salt of a metre on every other pixel.
+    let salt = HeightMap::from_function(pixels, |p| f64::from((p.x / 0.25e-3) as i32 % 2) - 0.5);
+    assert!(BrickGrid::from_heights(&salt, &options).is_err());
+    // A bead with steep flanks stays.
+    let bead = |p: DVec2| (2e-3 - 3.0 * (p.y - 5e-3).abs()).max(0.0);
+    let options = SlabOptions::with_voxel(0.25e-3);
+    assert!(BrickGrid::from_heights(&HeightMap::from_function(pixels, bead), &options).is_ok());
+}

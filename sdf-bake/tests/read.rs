@@ -260,3 +260,47 @@ fn counts_beyond_the_file_are_refused_before_anything_is_allocated() {
         assert!(error.starts_with("glTF file: "), "{error}");
     }
 }
+
+#[test]
+fn a_face_of_an_obj_that_names_a_foreign_vertex_is_named_with_its_line() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (text, words) in [
+        (format!("{vertices}\n# a comment\nf 1 2 9\n"), "line 6: a face names vertex `9`; 1 to 3 are accepted"),
+        (format!("{vertices}f 0 1 2\n"), "line 4: a face names vertex `0`; 1 to 3 are accepted"),
+        (format!("f -1 -2 -3\n{vertices}"), "line 1: a face names vertex `-1`; 1 to 3 are accepted"),
+        (
+            format!("v 0 0 0\nf 1 -2 2\n{vertices}"),
+            "line 2: a face names vertex `-2`; 1 to 4 are accepted, or counted back from here -1 to -1",
+        ),
+        ("f 1 2 3\n".to_owned(), "line 1: a face names vertex `1`, and the file has no vertices"),
+    ] {
+        let found = message(&text, Format::Obj);
+        assert!(found.contains(words), "{found}");
+    }
+}
+
+#[test]
+fn a_file_without_faces_counts_its_vertices() {
+    let points: String = (0..8).map(|i| format!("v {i} 0 0\n")).collect();
+    assert!(message(points, Format::Obj).contains("has 8 vertices and no faces"));
+}
+
+#[test]
+fn lines_of_an_ascii_stl_that_are_none_of_its_own_are_mentioned() {
+    let text = stl_ascii(&cube(DVec3::ZERO, 1.0));
+    assert_eq!(parse(&text, Format::Stl).expect("a cube").notes, Vec::<String>::new());
+    let file = parse(format!("{}\nGARBAGE 1 2 3\nmore of it\n", text.trim_end()), Format::Stl).expect("a cube");
+    let first = text.trim_end().lines().count() + 1;
+    assert_eq!(file.notes, [format!("left out 2 lines that are no STL, the first of them line {first}")]);
+}
+
+#[test]
+fn a_unit_guessed_near_the_limit_between_two_is_doubtful() {
+    for (side, doubtful) in [(0.1, false), (1.34, true), (2.95, true), (19.0, true), (44.0, false)] {
+        let bytes = stl_binary(&cube(DVec3::ZERO, side));
+        let file = parse_mesh(&bytes, Format::Stl, UnitChoice::Auto, "part").expect("a cube");
+        assert_eq!((file.unit_assumed, file.unit_doubtful), (true, doubtful), "{side}");
+        let file = parse_mesh(&bytes, Format::Stl, UnitChoice::Millimetre, "part").expect("a cube");
+        assert!(!file.unit_doubtful);
+    }
+}

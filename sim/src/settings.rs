@@ -185,6 +185,16 @@ impl Process {
         (0..path.pieces()).map(longest).collect()
     }
 
+    /// Steps that a pass along a path takes on voxels [m] of a size, at most about: of a part of a voxel, of the longest
+    /// duration, and of the controller's own period.
+    pub fn expected_steps(&self, path: &Path, voxel: f64) -> f64 {
+        let longest = match self.controller {
+            Controller::Admittance { period, .. } => period.min(LONGEST_STEP),
+            Controller::Ideal | Controller::Replay => LONGEST_STEP,
+        };
+        (path.length() / (self.step_voxels * voxel)).max(path.duration() / longest)
+    }
+
     /// Checks all that a pass reads.
     ///
     /// # Errors

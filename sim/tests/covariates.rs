@@ -24,7 +24,7 @@ fn pass(length: f64, laws: &str) -> (PassRecord, Covariates) {
     let curve = [-0.5, 0.5].map(|x| CurvePoint { position: DVec3::X * x * length, normal: DVec3::Z });
     let path = Path::along(&curve, FEED).unwrap();
     let tool = Tool::from(Wheel::cylinder(RADIUS, WIDTH));
-    let model = Model::parse(
+    let model = Model::parse_beyond_ranges(
         "model",
         &format!("process = \"grinding\"\n[law.winkler]\nstiffness = \"{STIFFNESS:e} Pa/m\"\n{laws}"),
         Library::builtin(),

@@ -4,7 +4,9 @@ mod common;
 
 use common::{base, fresh, line, plate};
 use sdf_bake::BrickGrid;
-use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use sim::effect::{
+    CompiledModel, EffectError, Lanes, Library, Model, Place, Process as Kind, RowCounts, States, StepValues, Variable,
+};
 use sim::{Pad, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
 
 fn run(kind: Kind, model: &CompiledModel) -> (BrickGrid, PassRecord) {
@@ -92,4 +94,110 @@ fn a_formula_that_breaks_down_is_named_and_the_part_keeps_the_last_good_state() 
     let plain = base();
     let pass = Pass { model: &plain, ..pass };
     assert!(run_pass(&mut grid, pass, &mut fresh(&plain), &mut |_| {}).is_ok());
+}
+
+/// A library with an effect that has one parameter, `amount` from 0 to 1, and these tables.
+fn with_effect(tables: &str, rate: &str) -> Result<Library, EffectError> {
+    let text = format!(
+        "name = \"own\"\n[parameters.amount]\nunit = \"1\"\nnull = 0.0\nrange = [0.0, 1.0]\ndefault = 1.0\n{tables}\n\
+         [modify]\nrate = \"{rate}\"\n"
+    );
+    Library::builtin().with(&[("own.toml".to_owned(), text)])
+}
+
+/// `a0 = first`, and every further one twice the one before.
+fn doublings(first: &str, count: usize) -> String {
+    let further = (1..=count).map(|k| format!("a{k} = \"a{before} + a{before}\"\n", before = k - 1));
+    format!("[let]\na0 = \"{first}\"\n{}", further.collect::<String>())
+}
+
+#[test]
+fn definitions_that_double_each_other_are_evaluated_once_each() {
+    let library = with_effect(&doublings("amount", 41), "rate * (1 + a41)").expect("an effect");
+    let model = CompiledModel::new(&Model::new(Kind::Grinding).with("own"), &library, RowCounts::default()).unwrap();
+    let (step, states) = (StepValues::new(), States::new(&model, 0));
+    let mut rate = [0.0];
+    model.at(Place::Rate, &step, &states).run(&Lanes::new(1).with(Variable::Pressure, &[1e6]), &mut rate).unwrap();
+    let plain = 1e-9 * 1e6;
+    assert!((rate[0] / plain / (1.0 + 2f64.powi(41)) - 1.0).abs() < 1e-12, "{}", rate[0]);
+
+    // The words for a result that is no number follow the definitions, too.
+    let broken = with_effect(&doublings("amount", 200), "rate * (1 + amount * sqrt(-a200 - 1))");
+    assert!(broken.unwrap_err().to_string().contains("square root of a negative number"));
+    let infinite = with_effect(&doublings("amount", 250), "rate * (1 + (a250 + 1e300)^4 * amount)");
+    assert!(infinite.unwrap_err().to_string().contains("the result is too large"));
+
+    // Lags read as their targets, which read other lags.
+    let lags: String = (1..=60)
+        .map(|k| {
+            let before = if k == 1 { "amount".to_owned() } else { format!("s{}", k - 1) };
+            format!("[state.s{k}]\nper = \"tool\"\nunit = \"1\"\ntarget = \"{before} + {before}\"\ntime = \"lag\"\n")
+        })
+        .collect();
+    let lag = "[parameters.lag]\nunit = \"s\"\nnull = 0.0\nrange = [0.1, 1.0]\n";
+    let library = with_effect(&format!("{lag}{lags}"), "rate * (1 + s60)").expect("an effect with lags");
+    assert!(CompiledModel::new(&Model::new(Kind::Grinding).with("own"), &library, RowCounts::default()).is_ok());
+}
+
+#[test]
+fn a_file_of_too_many_formulas_is_refused_before_they_are_evaluated() {
+    let refused = |tables: &str, rate: &str| with_effect(tables, rate).unwrap_err().to_string();
+    let message = refused(&doublings("amount", 256), "rate * (1 + a256)");
+    assert!(message.contains("own.toml") && message.contains("257 entries, at most 256"), "{message}");
+    let long = format!(
+        "[let]\n{}",
+        (0..100).map(|k| format!("a{k} = \"amount{}\"\n", " + amount".repeat(30))).collect::<String>()
+    );
+    let message = refused(&long, "rate * (1 + a1)");
+    assert!(message.contains("parts together") && message.contains("at most 4096"), "{message}");
+    // A chain is as deep as it is long.
+    let chain: String = (1..256).map(|k| format!("a{k} = \"-(-a{})\"\n", k - 1)).collect();
+    let library = with_effect(&format!("[let]\na0 = \"amount\"\n{chain}"), "rate * (1 + a255)").expect("a chain");
+    assert!(CompiledModel::new(&Model::new(Kind::Grinding).with("own"), &library, RowCounts::default()).is_ok());
+    // A circle has no unit from which that of a state could be inferred.
+    let circle = "[state.s]\nper = \"tool\"\nrate = \"a\"\n[let]\na = \"b\"\nb = \"a\"\n";
+    let message = refused(circle, "rate * (1 + amount * s)");
+    assert!(message.contains("in a circle: a -> b -> a"), "{message}");
+}
+
+#[test]
+fn values_of_a_model_file_beyond_their_range_are_refused_with_the_range() {
+    let parse = |text: &str| Model::parse("model.toml", text, Library::builtin()).map_err(|error| error.to_string());
+    for (text, words) in [
+        (
+            "process = \"grinding\"\n[effect.grit-dulling]\ndulling_volume = \"-3 mm^3\"\n",
+            ["model.toml:3:18: effect.grit-dulling.dulling_volume", "-3 mm^3", "10 mm^3 to 100000 mm^3, or inf"],
+        ),
+        (
+            "process = \"sanding\"\n[effect.random-orbit]\nspin_pressure = \"0.1 kPa\"\n",
+            ["model.toml:3:17: effect.random-orbit.spin_pressure", "0.1 kPa", "0.5 kPa to 500 kPa"],
+        ),
+        (
+            "process = \"grinding\"\n[law.winkler]\nstiffness = \"0.1 MPa/mm\"\n",
+            ["model.toml:3:13: law.winkler.stiffness", "0.1 MPa/mm", "0.5 MPa/mm to 10000 MPa/mm"],
+        ),
+        (
+            "process = \"grinding\"\n[effect.pass-gain]\ngain = [0.1, -7.0]\n",
+            ["model.toml:3:8: effect.pass-gain.gain", "-7", "a value from -0.5 to 0.5"],
+        ),
+        (
+            "process = \"grinding\"\n[range]\n\"winkler.stiffness\" = [\"5 MPa/mm\", \"20 MPa/mm\"]\n[law.winkler]\nstiffness = \"30 MPa/mm\"\n",
+            ["model.toml:5:13: law.winkler.stiffness", "30 MPa/mm", "5 MPa/mm to 20 MPa/mm"],
+        ),
+    ] {
+        let message = parse(text).expect_err(text);
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+    for good in [
+        "process = \"grinding\"\n[effect.grit-dulling]\ndulling_volume = inf\n",
+        "process = \"grinding\"\n[effect.grit-dulling]\ndulling_volume = \"100 cm^3\"\n",
+        "process = \"grinding\"\n[range]\n\"winkler.stiffness\" = [\"0.01 MPa/mm\", \"20 MPa/mm\"]\n[law.winkler]\nstiffness = \"0.1 MPa/mm\"\n",
+        "process = \"sanding\"\n[effect.random-orbit]\nspin_pressure = inf\norbit_radius = 0.0\n",
+    ] {
+        parse(good).expect(good);
+    }
+    let given = [("dulling_volume".to_owned(), "-3 mm^3".to_owned())];
+    let added =
+        Model::add_to_text(("model.toml", "process = \"grinding\"\n"), "grit-dulling", &given, Library::builtin());
+    assert!(added.unwrap_err().to_string().contains("`grit-dulling.dulling_volume`: found -3 mm^3"));
 }

@@ -182,7 +182,7 @@ fn case(family: Family, number: usize, seed: u64, library: &Library) -> Case {
     };
     let hard = family == Family::N && number / PLANS.len() % 2 == 1;
     let instruments = if hard { Instruments::Hard } else { Instruments::Clean };
-    let design = Design { process, plan, instruments, seed: seed + block as u64 };
+    let design = Design { process, plan, instruments, seed: seed.wrapping_add(block as u64) };
     let left_out = family == Family::U && number % 3 == 2;
     Case { family, number, design, hidden: hidden.into_iter().map(str::to_owned).collect(), size, left_out }
 }

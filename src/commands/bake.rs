@@ -7,17 +7,14 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
 
-use super::flags::{MeshFlags, OutFlags};
+use super::flags::{JOBS, MeshFlags, OutFlags, whole};
 use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
 use crate::budget;
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
 use crate::console::Console;
 use crate::folder::StagedFile;
+use crate::in_full;
 use crate::part::Part;
-use crate::wrong_use;
-
-/// More meshes at once than any machine for this can hold.
-const MOST_JOBS: usize = 256;
 
 #[derive(Debug, Args)]
 #[command(
@@ -40,7 +37,7 @@ pub(super) struct BakeArgs {
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Meshes at once in a folder; the results do not depend on it, and neither does the limit of memory for fields.
-    #[arg(long, value_name = "J", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "J", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
     jobs: usize,
 }
 
@@ -72,9 +69,6 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
         sign: args.mesh.sign.into(),
         shell: args.mesh.shell()?,
     };
-    if !(1..=MOST_JOBS).contains(&args.jobs) {
-        return Err(wrong_use(format!("--jobs {}: 1 to {MOST_JOBS} are accepted", args.jobs)));
-    }
     match args.meshes.as_slice() {
         [mesh] if !mesh.is_dir() && !args.resume => bake_one(mesh, &wishes, &args.out, console),
         _ => bake_many(args, wishes, console),
@@ -151,8 +145,8 @@ fn tell(outcome: &Outcome, cache: &Cache, tally: &mut Tally, console: &Console) 
         Ok(entry) => entry,
         Err(error) => {
             tally.failed += 1;
-            console.step("failed", format!("{error:#}"));
-            return console.answer_line(&Failure { mesh: &mesh, error: format!("{error:#}") });
+            console.step("failed", in_full(&error));
+            return console.answer_line(&Failure { mesh: &mesh, error: in_full(&error) });
         }
     };
     let facts = &record.facts;

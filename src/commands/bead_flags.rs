@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use weldgen::bead::{BeadShape, Crater, FormRequest, Ripples, Weave};
+use weldgen::bead::{BeadShape, Crater, FormRequest, MOST_DEFECTS, MOST_HOLES, Ripples, Weave};
 
-use super::flags::{optional_mm, within};
+use super::flags::{optional_mm, whole, within};
 
 /// The section of a bead, and what a welder's hand leaves on it.
 #[derive(Clone, Debug, Default, Args)]
@@ -46,7 +46,7 @@ pub(super) struct BeadFlags {
     #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
     height_variation: f64,
     /// Number of surface pores (ISO 6520-1: 2017).
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = up_to(MOST_DEFECTS))]
     pores: u32,
     /// Depth of a sag of the crown (ISO 6520-1: 509) [bead heights].
     #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -58,10 +58,10 @@ pub(super) struct BeadFlags {
     #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
     undercut: f64,
     /// Number of holes burnt through bead and part, where it is thin (ISO 6520-1: 510).
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = up_to(MOST_HOLES))]
     burn_through: u32,
     /// Number of drops of spatter beside the bead (ISO 6520-1: 602).
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = up_to(MOST_DEFECTS))]
     spatter: u32,
 }
 
@@ -75,6 +75,11 @@ enum ProfileFlag {
     CircularSegment,
     /// A flat crown with steep toes.
     Superellipse,
+}
+
+/// Reads a number of defects.
+fn up_to(most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
+    whole([0, u64::from(most)])
 }
 
 impl BeadFlags {

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sim::effect::Library;
 
+use super::flags::{SEEDS, whole};
 use crate::benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use crate::console::Console;
 use crate::folder::{check_writable, write_file};
@@ -18,6 +19,8 @@ use crate::virtual_lab::Size;
 /// The folder of a benchmark: its table, and a file for each finished case.
 const BENCHMARK: FolderKind =
     FolderKind { marker: "benchmark.json", key: "outcomes", names: &[("", &["benchmark.md", "*-*.json"])] };
+/// Cases of each family that are accepted. One takes about a minute, so that so many of all eight take eight weeks.
+const CASES: [u64; 2] = [1, 10_000];
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin bench diagnose --out out/bench --cases 4")]
@@ -44,10 +47,10 @@ struct DiagnoseArgs {
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = FamilyFlag::ALL)]
     families: Vec<FamilyFlag>,
     /// Cases of each family.
-    #[arg(long, value_name = "N", default_value_t = 8)]
+    #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = whole::<usize>(CASES))]
     cases: usize,
     /// Seed of workpieces, laws, noise and paths.
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
 }
 

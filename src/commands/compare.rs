@@ -7,7 +7,7 @@ use clap::Args;
 use sdf_bake::PixelGrid;
 use sim::effect::CompiledModel;
 
-use super::flags::OutFlags;
+use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
@@ -40,7 +40,7 @@ pub(super) struct CompareArgs {
     #[arg(long = "section", value_name = "x=MM")]
     sections: Vec<String>,
     /// Seed of the draws that tell structure from chance.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
 }
 

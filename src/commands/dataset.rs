@@ -8,6 +8,7 @@ use clap::{ArgMatches, Args, Subcommand};
 use serde::Serialize;
 
 use super::dataset_images::{self, ImagesArgs};
+use super::flags::{JOBS, LIMITS, whole};
 use super::piece_flags::PieceFlags;
 use crate::cache::find_meshes;
 use crate::console::Console;
@@ -19,10 +20,8 @@ use crate::dataset::run::{Outcome, Run};
 use crate::dataset::{Catalogue, Dataset, Plan};
 use crate::wrong_use;
 
-/// More pieces of one part than any data set needs; names have four digits.
-const MOST_PER_PART: u32 = 10_000;
-/// More processes at once than any machine for this can hold.
-pub(super) const MOST_JOBS: usize = 256;
+/// Pieces of one part that are accepted; their names have four digits.
+const MOST_PER_PART: u64 = 10_000;
 
 /// Other kinds of sets.
 #[derive(Debug, Subcommand)]
@@ -52,19 +51,31 @@ pub(super) struct DatasetArgs {
     #[arg(long, required = true, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Pieces of each part.
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        allow_negative_numbers = true,
+        value_parser = whole::<u32>([1, MOST_PER_PART])
+    )]
     per_part: u32,
     /// Only the piece with this number of each part, from 0.
-    #[arg(long, value_name = "K", conflicts_with = "per_part", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "K",
+        conflicts_with = "per_part",
+        allow_negative_numbers = true,
+        value_parser = whole::<u32>([0, MOST_PER_PART - 1])
+    )]
     piece: Option<u32>,
     /// At most so many pieces, every part once before any twice; shards share them.
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = whole::<usize>(LIMITS))]
     limit: Option<usize>,
     /// The i-th of n shares, for several machines.
     #[arg(long, value_name = "i/n", allow_hyphen_values = true)]
     shard: Option<String>,
     /// Pieces at once [default: all cores].
-    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
     jobs: Option<usize>,
     /// Go on with the data set of an earlier run: what is complete there is not made again, what failed is tried again.
     #[arg(long)]
@@ -93,7 +104,7 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     }
     // Without a word in front the parser insists on it.
     let out = args.out.as_deref().unwrap_or(Path::new(""));
-    let jobs = jobs(args.jobs)?;
+    let jobs = jobs(args.jobs);
     let (wishes, limits) = (args.pieces.wishes()?, args.pieces.limits()?);
     let flags = PieceFlags::given(matches);
     let sources = args.sources.iter().map(|place| place.to_string_lossy().into_owned()).collect();
@@ -156,24 +167,12 @@ fn answer(outcome: &Outcome, console: &Console) -> Result<()> {
 }
 
 /// How many pieces at once.
-pub(super) fn jobs(asked: Option<usize>) -> Result<usize> {
-    match asked {
-        None => Ok(std::thread::available_parallelism().map_or(1, |cores| cores.get().min(MOST_JOBS))),
-        Some(jobs) if (1..=MOST_JOBS).contains(&jobs) => Ok(jobs),
-        Some(jobs) => Err(wrong_use(format!("--jobs {jobs}: 1 to {MOST_JOBS} are accepted"))),
-    }
+pub(super) fn jobs(asked: Option<usize>) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get().min(JOBS[1] as usize));
+    asked.unwrap_or_else(cores)
 }
 
 fn plan(args: &DatasetArgs) -> Result<Plan> {
-    if !(1..=MOST_PER_PART).contains(&args.per_part) {
-        return Err(wrong_use(format!("--per-part {}: 1 to {MOST_PER_PART} are accepted", args.per_part)));
-    }
-    if let Some(piece) = args.piece.filter(|&piece| piece >= MOST_PER_PART) {
-        return Err(wrong_use(format!("--piece {piece}: 0 to {} are accepted", MOST_PER_PART - 1)));
-    }
-    if args.limit == Some(0) {
-        return Err(wrong_use("--limit 0: 1 or more is accepted".to_owned()));
-    }
     let shard = match args.shard.as_deref() {
         None => Shard::WHOLE,
         Some(text) => Shard::parse(text).ok_or_else(|| {

@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::dataset::{jobs, tell};
-use super::flags::within;
+use super::flags::{JOBS, LIMITS, SEEDS, whole, within};
 use super::render::parse_size;
 use crate::console::Console;
 use crate::dataset::limits::Limits;
@@ -20,8 +20,8 @@ use crate::images::workpiece::Coated;
 use crate::images::{IMAGES_FORMAT, ImageCatalogue, ImageRecipe, ImageSet};
 use crate::wrong_use;
 
-/// More placements or stages than any set needs; names of placements have two digits.
-const MOST: u32 = 99;
+/// Placements or stages that are accepted; names of placements have two digits.
+const COUNTS: [u64; 2] = [1, 99];
 
 #[derive(Debug, Args)]
 #[command(
@@ -38,19 +38,19 @@ pub(super) struct ImagesArgs {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Seed of the set: placement, camera, light, material, noise, the bracket's weld.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
     /// Coated workpieces: bracket, panel, and asset folders made by `robofin weld`.
     #[arg(long, value_name = "NAME|DIR,...", value_delimiter = ',', default_value = "bracket,panel")]
     workpieces: Vec<String>,
     /// Views of each workpiece.
-    #[arg(long, value_name = "N", default_value_t = 12, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 12, allow_negative_numbers = true, value_parser = whole::<u32>(COUNTS))]
     placements: u32,
     /// Ways of the sanding pad [default: all].
     #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
     patterns: Vec<Pattern>,
     /// Equal parts of each way, with an image after each.
-    #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true, value_parser = whole::<u32>(COUNTS))]
     stages: u32,
     /// Width and height of the images [pixels].
     #[arg(long, default_value = "640x480")]
@@ -60,13 +60,13 @@ pub(super) struct ImagesArgs {
     voxel_mm: f64,
     /// At most so many images, with every state of the coating, workpiece, placement and split in its share of the set;
     /// a larger limit with --resume adds to those that are there.
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = whole::<usize>(LIMITS))]
     limit: Option<usize>,
     /// Only the workpiece, simulation or image of this name; what the command lines of failures use.
     #[arg(long, value_name = "ID", conflicts_with = "limit")]
     only: Option<String>,
     /// Images at once, each in a process of one thread [default: all cores].
-    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
     jobs: Option<usize>,
     /// Go on with the set of an earlier run: what is complete there is not made again, what failed is tried again.
     #[arg(long)]
@@ -122,7 +122,7 @@ struct PlanAnswer<'a> {
 }
 
 pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
-    let (jobs, limits, recipe) = (jobs(args.jobs)?, args.limits.limits()?, args.recipe()?);
+    let (jobs, limits, recipe) = (jobs(args.jobs), args.limits.limits()?, args.recipe()?);
     let steps = args.steps(&recipe)?;
     let [workpieces, sandings, images] = steps.each_ref().map(Vec::len);
     console.step("plan", format!("{images} images from {sandings} simulations on {workpieces} workpieces"));
@@ -158,11 +158,6 @@ pub(super) fn make(run: &ImageRun, steps: &[Vec<Task>; 3], console: &Console) ->
 impl ImagesArgs {
     fn recipe(&self) -> Result<ImageRecipe> {
         let voxel_mm = within("--voxel-mm", self.voxel_mm, (0.1, 5.0))?;
-        for (flag, count) in [("--placements", self.placements), ("--stages", self.stages)] {
-            if !(1..=MOST).contains(&count) {
-                return Err(wrong_use(format!("{flag} {count}: 1 to {MOST} are accepted")));
-            }
-        }
         let workpieces: Vec<Coated> =
             self.workpieces.iter().map(|word| Coated::named(word, voxel_mm)).collect::<Result<_>>()?;
         let twice = |name: &str| workpieces.iter().filter(|coated| coated.name == name).count() > 1;
@@ -187,9 +182,6 @@ impl ImagesArgs {
 
     /// The tasks to do.
     fn steps(&self, recipe: &ImageRecipe) -> Result<[Vec<Task>; 3]> {
-        if self.limit == Some(0) {
-            return Err(wrong_use("--limit 0: 1 or more is accepted".to_owned()));
-        }
         let Some(id) = &self.only else {
             let images = recipe.images_within(self.limit.unwrap_or(usize::MAX));
             return Ok(Task::chosen(recipe, &images.into_iter().map(|image| image.id).collect()));

@@ -10,6 +10,7 @@ use serde::Serialize;
 use sim::Wheel;
 use sim::effect::{CompiledModel, Library, Model, RowCounts};
 
+use super::flags::{SEEDS, whole};
 use super::study::STUDY_NAMES;
 use crate::asset::{self, ASSET_NAMES, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
@@ -56,7 +57,7 @@ pub(super) struct DemoArgs {
     #[arg(long)]
     force: bool,
     /// Seed of every random choice.
-    #[arg(long, default_value_t = 4, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 4, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
     /// USD file: auto makes it if Python can be had, require fails without it, off leaves it out.
     #[arg(long, value_enum, default_value_t)]

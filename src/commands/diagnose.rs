@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use super::flags::OutFlags;
+use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::ModelFlags;
 use crate::console::Console;
 use crate::folder::StagedFolder;
@@ -35,7 +35,7 @@ pub(super) struct DiagnoseArgs {
     #[command(flatten)]
     model: ModelFlags,
     /// Seed of the draws that tell chance from effect.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
-use sim::effect::{Edit, Effect, Kind, Model, ModelError, Process, check_file};
+use sim::effect::{CompiledModel, Edit, Effect, Kind, Library, Model, ModelError, Process, RowCounts, hint};
 
 use super::model_flags::{OwnFlags, read_text};
 use crate::console::Console;
@@ -30,7 +30,7 @@ enum Action {
     /// Show one law or effect: formulas, parameters, signature, look-alikes, source.
     #[command(after_help = "Example:\n  robofin effects show tool-tilt")]
     Show(ShowArgs),
-    /// Check an effect's file: names, units, circles, null value.
+    /// Check an effect's file as a run reads it: names, units, circles, null value, size.
     #[command(after_help = "Example:\n  robofin effects check my-effect.toml")]
     Check(CheckArgs),
     /// Add an effect to a model file; the rest of the file stays as it is.
@@ -77,6 +77,8 @@ struct ShowArgs {
 struct CheckArgs {
     /// The file.
     file: PathBuf,
+    #[command(flatten)]
+    own: OwnFlags,
 }
 
 #[derive(Debug, Args)]
@@ -132,7 +134,7 @@ fn list(args: &ListArgs, console: &Console) -> Result<()> {
     let acts = |effect: &&Effect| args.process.is_none_or(|process| effect.acts_in(process.into()));
     for (about, list) in [("laws", library.laws()), ("effects", library.effects())] {
         let rows: Vec<String> = list.iter().filter(acts).map(row).collect();
-        console.step(about, rows.join("\n"));
+        console.result(about, rows.join("\n"))?;
     }
     let answers = |list: &[Effect]| list.iter().filter(acts).map(EffectAnswer::new).collect();
     console.answer(&ListAnswer { laws: answers(library.laws()), effects: answers(library.effects()) })
@@ -150,26 +152,44 @@ fn show(args: &ShowArgs, console: &Console) -> Result<()> {
     let library = args.own.library()?;
     let Some(effect) = library.find(&args.name) else {
         let known: Vec<&str> = library.all().map(|effect| effect.name.as_str()).collect();
-        return Err(wrong_use(format!("no law or effect is called `{}`; known are {}", args.name, known.join(", "))));
+        return Err(wrong_use(format!("no law or effect is called `{}`; {}", args.name, hint(&args.name, &known))));
     };
     for (about, text) in describe(effect) {
-        console.step(about, text);
+        console.result(about, text)?;
     }
     console.answer(&EffectAnswer::new(effect))
 }
 
 fn check(args: &CheckArgs, console: &Console) -> Result<()> {
-    let text = read_text(&args.file)?;
-    let effect = check_file(&args.file.display().to_string(), &text)?;
+    let file = args.file.display().to_string();
+    let library = args.own.library_with(Some(&args.file))?;
+    let Some(effect) = library.all().find(|effect| effect.file == file) else {
+        unreachable!("the library has what was added to it")
+    };
+    fits(effect, &library).with_context(|| file.clone())?;
     let what = match effect.kind {
         Kind::Law => "law",
         Kind::Effect => "effect; it vanishes exactly at its null value",
     };
-    console.step("good", format!("{}: {} ({what})", args.file.display(), effect.title));
-    for (about, text) in describe(&effect) {
-        console.step(about, text);
+    console.result("good", format!("{file}: {} ({what})", effect.title))?;
+    for (about, text) in describe(effect) {
+        console.result(about, text)?;
     }
-    console.answer(&EffectAnswer::new(&effect))
+    console.answer(&EffectAnswer::new(effect))
+}
+
+/// Refuses formulas too large for the base model of a process in which they act. A law or effect that needs other laws is
+/// judged with them, when a model has both.
+fn fits(effect: &Effect, library: &Library) -> Result<(), ModelError> {
+    let key = if effect.kind == Kind::Law { "law" } else { "effect" };
+    for process in Process::ALL.into_iter().filter(|process| effect.acts_in(*process)) {
+        let text = format!("process = \"{}\"\n[{key}.{}]\n", process.name(), effect.name);
+        let model = Model::parse("the base model", &text, library)?;
+        if let Err(error @ ModelError::TooLarge { .. }) = CompiledModel::new(&model, library, RowCounts::default()) {
+            return Err(error);
+        }
+    }
+    Ok(())
 }
 
 fn add(args: &AddArgs, console: &Console) -> Result<()> {

@@ -14,6 +14,14 @@ use crate::wrong_use;
 
 /// Default number of voxels along the longest side.
 const DEFAULT_RESOLUTION: u32 = 256;
+/// Voxels along a side or diagonal that are accepted.
+const VOXELS: [u64; 2] = [8, 4096];
+/// Processes or meshes at once that are accepted; no machine for this can hold more.
+pub(super) const JOBS: [u64; 2] = [1, 256];
+/// Items that a run may be limited to.
+pub(super) const LIMITS: [u64; 2] = [1, u64::MAX];
+/// Seeds: any number of 64 bits.
+pub(super) const SEEDS: [u64; 2] = [0, u64::MAX];
 
 /// Unit of a mesh file.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -72,10 +80,16 @@ pub(super) struct MeshFlags {
     #[arg(long, value_name = "MM", conflicts_with = "resolution", allow_negative_numbers = true)]
     pub(super) voxel_mm: Option<f64>,
     /// Voxels along the longest side [default: 256].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u32>(VOXELS))]
     pub(super) resolution: Option<u32>,
     /// Voxels along the diagonal of the bounding box, instead of the longest side.
-    #[arg(long, value_name = "N", conflicts_with_all = ["resolution", "voxel_mm"], allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with_all = ["resolution", "voxel_mm"],
+        allow_negative_numbers = true,
+        value_parser = whole::<u32>(VOXELS)
+    )]
     pub(super) diagonal: Option<u32>,
     /// Half width of the band [voxels].
     #[arg(long, value_name = "VOXELS", default_value_t = 3.0, allow_negative_numbers = true)]
@@ -96,20 +110,11 @@ impl MeshFlags {
 
     /// The voxel size asked for, or another default.
     pub(super) fn fineness_or(&self, default: Fineness) -> Result<Fineness> {
-        let across = |flag: &str, voxels: u32, what: &str| match voxels {
-            8..=4096 => Ok(voxels),
-            _ => Err(wrong_use(format!("{flag} {voxels}: 8 to 4096 voxels along the {what} are accepted"))),
-        };
         if let Some(mm) = self.voxel_mm {
             return Ok(Fineness::Voxel(positive("--voxel-mm", mm)? * 1e-3));
         }
-        if let Some(voxels) = self.diagonal {
-            return Ok(Fineness::Diagonal(across("--diagonal", voxels, "diagonal")?));
-        }
-        match self.resolution {
-            Some(voxels) => Ok(Fineness::Resolution(across("--resolution", voxels, "longest side")?)),
-            None => Ok(default),
-        }
+        let across = self.diagonal.map(Fineness::Diagonal).or(self.resolution.map(Fineness::Resolution));
+        Ok(across.unwrap_or(default))
     }
 
     /// The thickness of the shell asked for [m].
@@ -161,7 +166,7 @@ impl FromStr for RangeFlag {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |word: &str| {
-            word.trim().parse::<f64>().map_err(|_| format!("{word:?} is no number; A or A..B is expected"))
+            word.trim().parse::<f64>().map_err(|_| format!("{word:?} is no number; a number, or A..B, is expected"))
         };
         match text.split_once("..") {
             None => Ok(Self([number(text)?; 2])),
@@ -181,12 +186,25 @@ impl RangeFlag {
     }
 }
 
+/// Reads a whole number between bounds, both included.
+pub(super) fn whole<T: TryFrom<u64>>(
+    [least, most]: [u64; 2],
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync {
+    move |text| {
+        let number = text.parse::<u64>().ok().filter(|number| (least..=most).contains(number));
+        number.and_then(|number| T::try_from(number).ok()).ok_or_else(|| match most {
+            u64::MAX => format!("a whole number of 64 bits, {least} or more, is accepted"),
+            _ => format!("a whole number from {least} to {most} is accepted"),
+        })
+    }
+}
+
 /// Checks that a flag's number is finite and above zero.
 pub(super) fn positive(flag: &str, value: f64) -> Result<f64> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
     } else {
-        Err(wrong_use(format!("{flag} {value}: a number above zero is expected")))
+        Err(wrong_use(format!("{flag} {value:?}: a number above zero is expected")))
     }
 }
 

@@ -29,17 +29,19 @@ mod validate_images;
 mod validate_set;
 mod weld;
 
+use std::error::Error as _;
+use std::num::ParseFloatError;
 use std::process::ExitCode;
 
 use anyhow::Result;
+use clap::error::{ContextKind, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::WrongUse;
 use crate::console::Console;
-use crate::{interrupt, named_file};
+use crate::{WrongUse, in_full, interrupt, named_file};
 
-/// More threads than any machine for this has; tens of thousands would only wait for each other.
-const MOST_THREADS: usize = 1024;
+/// Threads that are accepted; tens of thousands would only wait for each other.
+const THREADS: [u64; 2] = [1, 1024];
 
 /// Make welded workpieces, bake them into signed distance fields, grind them in simulation.
 #[derive(Debug, Parser)]
@@ -49,7 +51,13 @@ struct Cli {
     #[arg(long, global = true)]
     json: bool,
     /// Worker threads; the results do not depend on it [default: all cores].
-    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = flags::whole::<usize>(THREADS)
+    )]
     threads: Option<usize>,
     /// Let the manifest of a trial or table name files outside its own folder.
     #[arg(long, global = true)]
@@ -104,8 +112,8 @@ enum Verb {
 
 /// Parses the command line and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
 pub fn main() -> ExitCode {
-    let matches = Cli::command().get_matches();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let matches = Cli::command().try_get_matches().unwrap_or_else(|error| refuse(error));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| refuse(error));
     let console = Console::new(cli.json);
     interrupt::listen();
     let ended = start(cli, &matches, &console);
@@ -113,17 +121,29 @@ pub fn main() -> ExitCode {
     match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", in_full(&error));
             ExitCode::from(if error.is::<WrongUse>() { 2 } else { 1 })
         }
     }
 }
 
+/// Ends the program with what is wrong about the command line: a value in the words of the other refusals, all else in
+/// those of the parser.
+fn refuse(error: clap::Error) -> ! {
+    let text = |kind| error.get(kind).map(|value| value.to_string());
+    let (Some(flag), Some(value)) = (text(ContextKind::InvalidArg), text(ContextKind::InvalidValue)) else {
+        error.exit()
+    };
+    let Some(why) = error.source().filter(|_| error.kind() == ErrorKind::ValueValidation) else { error.exit() };
+    let flag = flag.split(' ').next().unwrap_or_default();
+    let no_number = why.is::<ParseFloatError>();
+    let why = if no_number { "a number such as 0.5 or 2e-3 is accepted".to_owned() } else { why.to_string() };
+    eprintln!("error: {flag} {value}: {why}");
+    std::process::exit(2);
+}
+
 fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
     if let Some(threads) = cli.threads {
-        if !(1..=MOST_THREADS).contains(&threads) {
-            return Err(crate::wrong_use(format!("--threads {threads}: 1 to {MOST_THREADS} are accepted")));
-        }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
     if cli.allow_outside {

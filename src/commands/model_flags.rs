@@ -31,7 +31,23 @@ pub(super) struct OwnFlags {
 impl OwnFlags {
     /// The built-in library with the user's own files.
     pub(super) fn library(&self) -> Result<Library> {
-        let Some(folder) = &self.effects else { return Ok(Library::builtin().clone()) };
+        self.library_with(None)
+    }
+
+    /// As [`OwnFlags::library`], with one file more, which may lie in the folder.
+    pub(super) fn library_with(&self, more: Option<&Path>) -> Result<Library> {
+        let mut files: Vec<PathBuf> = self.files()?;
+        if let Some(more) = more {
+            files.retain(|file| !same_file::is_same_file(file, more).unwrap_or(false));
+            files.push(more.to_owned());
+        }
+        files.sort();
+        let read = |file: PathBuf| Ok((file.display().to_string(), read_text(&file)?));
+        Ok(Library::builtin().with(&files.into_iter().map(read).collect::<Result<Vec<_>>>()?)?)
+    }
+
+    fn files(&self) -> Result<Vec<PathBuf>> {
+        let Some(folder) = &self.effects else { return Ok(Vec::new()) };
         if !folder.is_dir() {
             return Err(wrong_use(format!("--effects {}: no such folder", folder.display())));
         }
@@ -40,11 +56,10 @@ impl OwnFlags {
         for entry in fs::read_dir(folder).with_context(context)? {
             let path = entry.with_context(context)?.path();
             if path.extension().is_some_and(|extension| extension == "toml") {
-                files.push((path.display().to_string(), read_text(&path)?));
+                files.push(path);
             }
         }
-        files.sort();
-        Ok(Library::builtin().with(&files)?)
+        Ok(files)
     }
 }
 
@@ -55,11 +70,11 @@ impl ModelFlags {
         std::iter::once(first).chain(own).collect()
     }
 
-    /// The model file, or the text of the base law with its defaults.
+    /// The model file, or the text of the base law, whose values the flags bound.
     fn read(&self, process: Process, law: &str, library: &Library) -> Result<Model> {
         let Some(path) = &self.model else {
             let text = format!("process = \"{}\"\n{law}", process.name());
-            return Ok(Model::parse("the base law", &text, library)?);
+            return Ok(Model::parse_beyond_ranges("the base law", &text, library)?);
         };
         let model = Model::parse(&path.display().to_string(), &read_text(path)?, library)?;
         if model.process != process {

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::flags::{OutFlags, positive, within};
+use super::flags::{OutFlags, positive, whole, within};
 use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
 use crate::folder::StagedFile;
@@ -15,6 +15,11 @@ use crate::output::FileKind;
 use crate::plan::{LineDirection, Plan, Raster, Travel, along_weld, raster};
 use crate::trial::{Log, LogRow, RPM, Tool, log_csv, read_log};
 use crate::wrong_use;
+
+/// Sizes of a tool that are accepted [mm], as `robofin simulate` has them for its wheel.
+const SIZES_MM: (f64, f64) = (0.1, 1000.0);
+/// Farthest place of a raster [mm]: the longest part is 100 m.
+const FARTHEST_MM: f64 = 1e5;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin weld data/bracket.obj --out out/bracket --seed 7\n  \
@@ -27,7 +32,13 @@ pub(super) struct PathArgs {
     #[command(flatten)]
     out: OutFlags,
     /// Id of the weld to follow [default: 1].
-    #[arg(long, value_name = "ID", conflicts_with = "raster")]
+    #[arg(
+        long,
+        value_name = "ID",
+        conflicts_with = "raster",
+        allow_negative_numbers = true,
+        value_parser = whole::<u16>([1, u16::MAX as u64])
+    )]
     weld: Option<u16>,
     /// Patch of the part's top to cover in lines, in the part's frame: X0,Y0,X1,Y1 [mm].
     #[arg(long, value_name = "MM", requires = "spacing_mm", allow_hyphen_values = true)]
@@ -155,18 +166,17 @@ impl PathArgs {
         let (Some(text), Some(spacing)) = (&self.raster, self.spacing_mm) else { return Ok(None) };
         let wrong = || {
             wrong_use(format!(
-                "--raster {text}: X0,Y0,X1,Y1 in mm with X0 < X1 and Y0 < Y1 is expected, for example 0,0,40,20"
+                "--raster {text}: X0,Y0,X1,Y1 in mm with X0 < X1 and Y0 < Y1, each within {FARTHEST_MM:e}, is expected, for \
+                 example 0,0,40,20"
             ))
         };
         let numbers: Vec<f64> =
             text.split(',').map(|part| part.trim().parse()).collect::<Result<_, _>>().map_err(|_| wrong())?;
         let &[x0, y0, x1, y1] = numbers.as_slice() else { return Err(wrong()) };
-        if !(x0 < x1 && y0 < y1 && numbers.iter().all(|number| number.is_finite())) {
+        if !(x0 < x1 && y0 < y1 && numbers.iter().all(|number| number.abs() <= FARTHEST_MM)) {
             return Err(wrong());
         }
-        let spacing = positive("--spacing-mm", spacing)?;
-        // A line for every spacing; a million of them is no plan.
-        within("--spacing-mm", spacing, (1e-6 * (x1 - x0).max(y1 - y0), f64::MAX))?;
+        let spacing = within("--spacing-mm", positive("--spacing-mm", spacing)?, (1e-3, 1e3))?;
         Ok(Some(Raster {
             low: DVec2::new(x0, y0) * 1e-3,
             high: DVec2::new(x1, y1) * 1e-3,
@@ -206,7 +216,13 @@ fn parse_tool(text: &str) -> Result<Tool> {
     let (mut radius, mut width) = (None, None);
     for part in sizes.split(',') {
         let (key, value) = part.split_once('=').ok_or_else(|| wrong(format!("{part:?} has no '='")))?;
-        let length = parse_length(value).ok_or_else(|| wrong(format!("{value:?} is no length above zero")))?;
+        let length = parse_length(value).ok_or_else(|| wrong(format!("{value:?} is no length with mm or m")))?;
+        if !(SIZES_MM.0..=SIZES_MM.1).contains(&(1e3 * length)) {
+            let (least, most) = SIZES_MM;
+            return Err(wrong_use(format!(
+                "--tool {text}: the {key} is {value}; {least:?} to {most:?} mm is accepted"
+            )));
+        }
         match (kind, key.trim()) {
             (_, "radius") => radius = Some(length),
             ("wheel", "width") => width = Some(length),
@@ -228,6 +244,5 @@ fn parse_length(text: &str) -> Option<f64> {
         Some(number) => (number, 1e-3),
         None => (text.strip_suffix('m')?, 1.0),
     };
-    let length = number.trim().parse::<f64>().ok()? * unit;
-    (length > 0.0 && length.is_finite()).then_some(length)
+    Some(number.trim().parse::<f64>().ok()? * unit)
 }

@@ -5,7 +5,7 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, Parser};
 use sdf_bake::read::UnitChoice;
 
-use super::flags::{MeshFlags, within};
+use super::flags::{MeshFlags, SEEDS, whole, within};
 use super::weld::WeldFlags;
 use crate::dataset::limits::Limits;
 use crate::dataset::piece::PieceWishes;
@@ -21,7 +21,7 @@ const PREVIEW_SIZE: (usize, usize) = (320, 240);
 #[derive(Clone, Debug, Args)]
 pub(super) struct PieceFlags {
     /// Seed of the set; each piece's own follows from it, the part's content and the piece's number.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
     #[command(flatten)]
     mesh: MeshFlags,

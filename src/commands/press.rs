@@ -21,7 +21,7 @@ use crate::asset::{AssetFields, Manifest};
 use crate::budget;
 use crate::console::Console;
 use crate::part::Part;
-use crate::workpiece::DEFAULT_BAND;
+use crate::workpiece::{DEFAULT_BAND, needs_solid};
 use crate::wrong_use;
 
 /// Kinds of tools, as `--tool` takes them.
@@ -276,7 +276,7 @@ impl PressArgs {
             return phi.to_bricks().with_context(context);
         }
         let (mesh, options) = self.mesh(path, (voxel, DEFAULT_BAND))?;
-        Ok(bake(&mesh, &options).with_context(context)?.0)
+        Ok(bake(&mesh, &options).map_err(needs_solid).with_context(context)?.0)
     }
 
     /// The tool asked for.
@@ -304,7 +304,7 @@ impl PressArgs {
         let lowest = mesh.bounds().map_or(0.0, |(low, _)| low.z);
         mesh.positions.iter_mut().for_each(|position| position.z -= lowest);
         let (low, high) = mesh.bounds().unwrap_or_default();
-        let (field, _) = bake(&mesh, &options).with_context(|| path.display().to_string())?;
+        let (field, _) = bake(&mesh, &options).map_err(needs_solid).with_context(|| path.display().to_string())?;
         Ok(Tool::Field(FieldTool { field: Arc::new(field), low, high }))
     }
 }

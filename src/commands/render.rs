@@ -11,7 +11,7 @@ use serde::Serialize;
 use sim::render::{Camera, Marks, Picture, Placement, ROLLED_STEEL, Raster, Scene, Sensor, Table};
 
 use super::backend_flags::{BackendFlags, name_of};
-use super::flags::OutFlags;
+use super::flags::{OutFlags, whole};
 use super::sensor_flags::SensorFlags;
 use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
@@ -41,6 +41,10 @@ pub(super) struct RenderArgs {
     photo: PhotoFlags,
 }
 
+/// Colour samples of all pictures that are accepted: hours of work on a CPU.
+const MOST_RAYS: f64 = 1e11;
+/// Usual colour samples along each side of a pixel.
+const SAMPLES: usize = 2;
 /// What `--camera` accepts.
 const CAMERA_FORM: &str = "AZIMUTH,ELEVATION in degrees is expected, elevation from -90 to 90, for example -58,32";
 /// What `--grind-along` accepts.
@@ -63,7 +67,7 @@ struct PhotoFlags {
     #[command(flatten)]
     backend: BackendFlags,
     /// Colour samples along each side of a pixel.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = SAMPLES, allow_negative_numbers = true, value_parser = whole::<usize>([1, 16]))]
     samples: usize,
     /// Puts the part on a table.
     #[arg(long)]
@@ -79,7 +83,13 @@ struct PhotoFlags {
     )]
     grind_along: Vec<f64>,
     /// Pictures of one turn of the part, as a sequence and as an animated PNG.
-    #[arg(long, value_name = "N", conflicts_with = "lapse")]
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with = "lapse",
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>([2, 720])
+    )]
     turntable: Option<usize>,
     /// One picture of every state that the folder holds, as a sequence and as an animated PNG.
     #[arg(long)]
@@ -101,6 +111,7 @@ struct RenderAnswer<'a> {
 pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let started = std::time::Instant::now();
     let size = parse_size(&args.size)?;
+    args.photo.check()?;
     let out = &args.out.out;
     let is_drawing = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
     let pictures = if is_drawing { draw(args, size, console)? } else { photograph(args, size, console)? };
@@ -126,10 +137,13 @@ fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<us
 
 fn photograph(args: &RenderArgs, (width, height): (usize, usize), console: &Console) -> Result<usize> {
     let photo = &args.photo;
-    if !(1..=16).contains(&photo.samples) {
-        return Err(wrong_use(format!("--samples {}: 1 to 16 are accepted", photo.samples)));
-    }
     let raster = Raster { width, height, samples_per_side: photo.samples };
+    let rays = (width * height * photo.samples * photo.samples) as f64 * photo.turntable.unwrap_or(1) as f64;
+    if rays > MOST_RAYS {
+        return Err(wrong_use(format!(
+            "--size, --samples and --turntable make {rays:.1e} samples, and {MOST_RAYS:.0e} are accepted: lower one of them"
+        )));
+    }
     let folder = StagedFolder::new(&args.out.beside(&[&args.source]), &PHOTOGRAPHS)?;
     let states = if photo.lapse { kept_fields(&args.source)? } else { Vec::new() };
     let is_sequence = photo.lapse || photo.turntable.is_some();
@@ -213,13 +227,10 @@ impl<'a> Album<'a> {
 impl PhotoFlags {
     fn scene<'a>(&self, part: &'a BrickGrid, weld: Option<&WeldTruth>) -> Result<Scene<'a>> {
         let mut scene = Scene::new(part);
-        scene.appearance.marks = match (self.grind_along.as_slice(), weld) {
-            (&[x, y, z], _) if DVec3::new(x, y, z).length() > 0.0 => Marks::parallel(DVec3::new(x, y, z)),
-            ([], Some(weld)) => Marks::along_path(&weld.curve.position),
-            ([], None) => Marks::default(),
-            (other, _) => {
-                return Err(wrong_use(format!("--grind-along {other:?}: {GRIND_FORM}")));
-            }
+        scene.appearance.marks = match (self.grinding()?, weld) {
+            (Some(direction), _) => Marks::parallel(direction),
+            (None, Some(weld)) => Marks::along_path(&weld.curve.position),
+            (None, None) => Marks::default(),
         };
         if self.table {
             let height = surface_bounds(part)?.0.z;
@@ -235,19 +246,47 @@ impl PhotoFlags {
             (self.table, "--table"),
             (self.turntable.is_some(), "--turntable"),
             (self.lapse, "--lapse"),
+            (self.samples != SAMPLES, "--samples"),
+            (!self.grind_along.is_empty(), "--grind-along"),
+            (self.sensor.is_given(), "a flag of lens or sensor"),
             (self.backend.is_gpu(), "--backend gpu"),
         ];
         flags.into_iter().find(|(is_given, _)| *is_given).map(|(_, flag)| flag)
     }
 
-    fn standing(&self, part: &BrickGrid, weld: Option<&WeldTruth>, raster: &Raster) -> Result<Camera> {
-        let (azimuth, elevation) = match self.camera.as_slice() {
-            [] => three_quarter_view(part, weld),
-            &[azimuth, elevation] if azimuth.is_finite() && (-90.0..=90.0).contains(&elevation) => {
-                (azimuth.to_radians(), elevation.to_radians())
+    /// Refuses what no part can be photographed with.
+    fn check(&self) -> Result<()> {
+        self.sensor.sensor()?;
+        self.sensor.distortion()?;
+        self.grinding()?;
+        self.angles()?;
+        Ok(())
+    }
+
+    /// Direction of grinding marks, if one was given.
+    fn grinding(&self) -> Result<Option<DVec3>> {
+        match *self.grind_along.as_slice() {
+            [] => Ok(None),
+            [x, y, z] if DVec3::new(x, y, z).is_finite() && DVec3::new(x, y, z).length() > 0.0 => {
+                Ok(Some(DVec3::new(x, y, z)))
             }
-            other => return Err(wrong_use(format!("--camera {other:?}: {CAMERA_FORM}"))),
-        };
+            ref other => Err(wrong_use(format!("--grind-along {other:?}: {GRIND_FORM}"))),
+        }
+    }
+
+    /// Azimuth and elevation of the camera [rad], if they were given.
+    fn angles(&self) -> Result<Option<(f64, f64)>> {
+        match *self.camera.as_slice() {
+            [] => Ok(None),
+            [azimuth, elevation] if azimuth.is_finite() && (-90.0..=90.0).contains(&elevation) => {
+                Ok(Some((azimuth.to_radians(), elevation.to_radians())))
+            }
+            ref other => Err(wrong_use(format!("--camera {other:?}: {CAMERA_FORM}"))),
+        }
+    }
+
+    fn standing(&self, part: &BrickGrid, weld: Option<&WeldTruth>, raster: &Raster) -> Result<Camera> {
+        let (azimuth, elevation) = self.angles()?.unwrap_or_else(|| three_quarter_view(part, weld));
         let (mut low, mut high) = surface_bounds(part)?;
         if self.turntable.is_some() {
             // The cylinder that the part sweeps.
@@ -262,9 +301,6 @@ impl PhotoFlags {
     /// One photograph, or those of one turn about the upright axis through the part's middle.
     fn turns<'a>(&self, part: &BrickGrid, scene: Scene<'a>, camera: Camera) -> Result<Vec<(Scene<'a>, Camera)>> {
         let Some(pictures) = self.turntable else { return Ok(vec![(scene, camera)]) };
-        if !(2..=720).contains(&pictures) {
-            return Err(wrong_use(format!("--turntable {pictures}: 2 to 720 are accepted")));
-        }
         let (low, high) = surface_bounds(part)?;
         let centre = (0.5 * (low + high)).with_z(0.0);
         let turned = |i: usize| {

@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use sim::render::{Distortion, Sensor};
 
-use super::flags::within;
+use super::flags::{SEEDS, whole, within};
 use crate::wrong_use;
 
 /// Lens and sensor; the defaults show light as it is.
@@ -23,7 +23,7 @@ pub(super) struct SensorFlags {
     #[arg(long, value_name = "ELECTRONS", default_value_t = 0.0, allow_negative_numbers = true)]
     read_noise: f64,
     /// Seed of the noise.
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    #[arg(long, value_name = "SEED", default_value_t = 0, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     noise_seed: u64,
     /// Distortion of the lens, in the order of OpenCV.
     #[arg(long, value_name = "K1,K2,P1,P2,K3", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
@@ -31,8 +31,20 @@ pub(super) struct SensorFlags {
 }
 
 impl SensorFlags {
+    /// Whether anything but the defaults was asked for.
+    pub(super) fn is_given(&self) -> bool {
+        let Self { exposure, blur, full_well, read_noise, distortion, .. } = self;
+        (*exposure, *blur, *read_noise) != (1.0, 0.0, 0.0) || full_well.is_some() || !distortion.is_empty()
+    }
+
     /// The sensor asked for.
     pub(super) fn sensor(&self) -> Result<Sensor> {
+        if self.full_well.is_none() && self.read_noise != 0.0 {
+            return Err(wrong_use(format!(
+                "--read-noise {:?}: it needs --full-well, the electrons of a saturated pixel, 10 to 1e9",
+                self.read_noise
+            )));
+        }
         let full_well = self.full_well.map(|electrons| within("--full-well", electrons, (10.0, 1e9))).transpose()?;
         Ok(Sensor {
             exposure: within("--exposure", self.exposure, (1e-3, 1e3))? as f32,

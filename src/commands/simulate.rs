@@ -10,7 +10,7 @@ use sim::effect::{CompiledModel, Process, RowCounts};
 use sim::{Tool, Wheel};
 
 use super::backend_flags::{BackendFlags, name_of};
-use super::flags::{OutFlags, within};
+use super::flags::{OutFlags, whole, within};
 use super::model_flags::ModelFlags;
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
@@ -22,8 +22,8 @@ use crate::trial::{self, Trial};
 use crate::twin::Twin;
 use crate::wrong_use;
 
-/// More passes than any weld needs; each takes seconds.
-const MOST_PASSES: u32 = 200;
+/// Passes that are accepted; each takes seconds.
+const PASSES: [u64; 2] = [1, 200];
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin weld data/bracket.obj --out out/bracket --seed 7\n  \
@@ -67,7 +67,7 @@ pub(super) struct StateFlags {
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Pass after which to begin [default: the last one kept].
-    #[arg(long, value_name = "N", requires = "resume", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", requires = "resume", allow_negative_numbers = true, value_parser = whole::<usize>(PASSES))]
     after_pass: Option<usize>,
 }
 
@@ -89,7 +89,7 @@ pub(super) struct ProcessFlags {
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     wheel_width_mm: Option<f64>,
     /// Passes along the weld, to and fro [default: 2].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u32>(PASSES))]
     passes: Option<u32>,
     /// Normal force that the controller holds [N] [default: 15].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -140,9 +140,6 @@ impl ProcessFlags {
     /// The passes asked for.
     fn plan(&self) -> Result<Plan> {
         let passes = self.passes.unwrap_or(2);
-        if !(1..=MOST_PASSES).contains(&passes) {
-            return Err(wrong_use(format!("--passes {passes}: 1 to {MOST_PASSES} are accepted")));
-        }
         Ok(Plan {
             passes,
             force_setpoint: within("--force-n", self.force_n.unwrap_or(15.0), (1e-3, 1e4))?,

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use sim::effect::{Library, Model};
 
-use super::flags::OutFlags;
+use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::{ModelFlags, read_text};
 use crate::console::Console;
 use crate::folder::StagedFolder;
@@ -42,7 +42,7 @@ pub(super) struct StudyArgs {
     #[arg(long)]
     step: bool,
     /// Seed of the draws that tell chance from effect.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
 }
 

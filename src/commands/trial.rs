@@ -9,7 +9,7 @@ use rand::rngs::SysRng;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::flags::OutFlags;
+use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::OwnFlags;
 use crate::console::Console;
 use crate::trial::Process;
@@ -17,8 +17,8 @@ use crate::virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unsea
 use crate::virtual_lab::{Choice, Experiment, Hidden, Instrument, Key, Made, MakeError, Plan, Robot, Size};
 use crate::wrong_use;
 
-/// More trials than any campaign needs; each takes seconds.
-const MOST_TRIALS: usize = 64;
+/// Trials that are accepted; each takes seconds.
+const TRIALS: [u64; 2] = [1, 64];
 
 #[derive(Debug, Args)]
 #[command(
@@ -64,7 +64,7 @@ struct SynthArgs {
     #[arg(long, value_enum, default_value_t)]
     plan: PlanFlag,
     /// Number of trials [default: 1 for the plan paper, else 4].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(TRIALS))]
     trials: Option<usize>,
     /// How large workpieces and scans are.
     #[arg(long, value_enum, default_value_t)]
@@ -73,7 +73,7 @@ struct SynthArgs {
     #[arg(long, value_enum, default_value_t)]
     instrument: InstrumentFlag,
     /// Same seed, same bytes [default: 0; sealed: one that no one knows].
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: Option<u64>,
     #[command(flatten)]
     own: OwnFlags,
@@ -167,9 +167,6 @@ impl SynthArgs {
             PlanFlag::Steps => Plan::Steps,
         };
         let trials = self.trials.unwrap_or(plan.usual_trials());
-        if !(1..=MOST_TRIALS).contains(&trials) {
-            return Err(wrong_use(format!("--trials {trials}: 1 to {MOST_TRIALS} are accepted")));
-        }
         let size = match self.size {
             SizeFlag::Small => Size::Small,
             SizeFlag::Full => Size::Full,

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::dataset::jobs;
+use super::flags::{JOBS, whole};
 use super::{validate_images, validate_set};
 use crate::asset::UsdMode;
 use crate::console::Console;
@@ -34,7 +35,7 @@ pub(super) struct ValidateArgs {
     #[arg(long, value_name = "FOLDER|MESH", requires = "repair")]
     from: Vec<PathBuf>,
     /// Pieces of a data set at once [default: all cores].
-    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
     jobs: Option<usize>,
 }
 
@@ -52,11 +53,11 @@ pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
         if !args.from.is_empty() {
             return Err(wrong_use("--from: images are made anew from what their set holds".to_owned()));
         }
-        return validate_images::run(&args.folder, args.repair, jobs(args.jobs)?, console);
+        return validate_images::run(&args.folder, args.repair, jobs(args.jobs), console);
     }
     if args.folder.join(MARKER_FILE).exists() {
         let from = (!args.from.is_empty()).then_some(args.from.as_slice());
-        return validate_set::run(&args.folder, args.repair, from, jobs(args.jobs)?, console);
+        return validate_set::run(&args.folder, args.repair, from, jobs(args.jobs), console);
     }
     if args.repair {
         let place = args.folder.display();

@@ -9,7 +9,7 @@ use weldgen::access::{ToolKind, ToolShape};
 use weldgen::{Difficulty, Placement, Stitch};
 
 use super::bead_flags::BeadFlags;
-use super::flags::{MeshFlags, OutFlags, RangeFlag, optional_mm, positive, within};
+use super::flags::{MeshFlags, OutFlags, RangeFlag, SEEDS, optional_mm, positive, whole, within};
 use crate::asset::{self, ASSET, Extras, Manifest, UsdMode};
 use crate::console::Console;
 use crate::folder::StagedFolder;
@@ -32,7 +32,7 @@ pub(super) struct WeldArgs {
     #[command(flatten)]
     out: OutFlags,
     /// Seed of every random choice; the same seed gives the same bytes.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
     #[command(flatten)]
     mesh: MeshFlags,
@@ -50,7 +50,7 @@ pub(super) struct WeldFlags {
     #[arg(long, value_enum, default_value_t)]
     difficulty: DifficultyFlag,
     /// Number of welds on the part; they keep a distance.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u16>([1, 1000]))]
     count: Option<u16>,
     /// Length of the weld's centreline, or a range [mm].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
@@ -145,7 +145,7 @@ impl WeldFlags {
         let share = |flag: &'static str| {
             move |share: f64| match (0.0..=1.0).contains(&share) {
                 true => Ok(share),
-                false => Err(wrong_use(format!("{flag} {share}: a share from 0 to 1 is expected"))),
+                false => Err(wrong_use(format!("{flag} {share:?}: a share from 0 to 1 is expected"))),
             }
         };
         let curvature = |flag: &'static str| move |curvature: f64| within(flag, curvature, (0.0, 1e4));
@@ -153,9 +153,6 @@ impl WeldFlags {
         let from_min = self.min_exposure.map(share("--min-exposure")).transpose()?.map(|least| [least, 1.0]);
         let exposure = self.exposure.map(|range| range.checked(share("--exposure"))).transpose()?;
         let (curvature_flag, max_flag) = ("--curvature-per-m", "--curvature-max-per-m");
-        if self.count == Some(0) {
-            return Err(wrong_use("--count 0: 1 or more welds are accepted".to_owned()));
-        }
         Ok(WeldWishes {
             difficulty: match self.difficulty {
                 DifficultyFlag::Easy => Difficulty::Easy,
@@ -212,6 +209,8 @@ impl WeldFlags {
 struct WeldAnswer<'a> {
     asset: &'a Path,
     seconds: f64,
+    /// What is implausible, or short of what was asked.
+    warnings: Vec<String>,
     #[serde(flatten)]
     manifest: Manifest,
 }
@@ -233,5 +232,6 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let place = asset::write(&workpiece, &options, folder, Extras::full(args.usd), console)?;
     let manifest = Manifest::read(&place)?;
     console.step("done", format!("{}", args.out.out.display()));
-    console.answer(&WeldAnswer { asset: &args.out.out, seconds: started.elapsed().as_secs_f64(), manifest })
+    let (asset, seconds) = (&args.out.out, started.elapsed().as_secs_f64());
+    console.answer(&WeldAnswer { asset, seconds, warnings: workpiece.warnings(), manifest })
 }

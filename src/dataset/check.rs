@@ -17,6 +17,7 @@ use super::{ASSETS_FOLDER, Catalogue, Dataset, MARKER_FILE, Marker, Piece, Plan,
 use crate::asset::{MANIFEST_FILE, Manifest, UsdMode};
 use crate::cache::find_meshes;
 use crate::claim::Patience;
+use crate::in_full;
 use crate::turns::take_turns;
 use crate::validate::validate;
 
@@ -103,7 +104,7 @@ fn check_piece(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
     // A file made to bring down the one who opens it is a fault of that piece.
     match catch_unwind(AssertUnwindSafe(checked)) {
         Ok(Ok(found)) => found,
-        Ok(Err(error)) => (1, vec![format!("{error:#}")]),
+        Ok(Err(error)) => (1, vec![in_full(&error)]),
         Err(_) => (1, vec!["its files cannot be opened: a bug in this program".to_owned()]),
     }
 }
@@ -114,7 +115,7 @@ fn check_catalogue(dataset: &Dataset, pieces_hold: bool) -> Result<Vec<String>> 
         return Ok(vec!["not compared with the pieces, some of which are broken".to_owned()]);
     }
     match Catalogue::of(dataset) {
-        Err(error) => Ok(vec![format!("{error:#}")]),
+        Err(error) => Ok(vec![in_full(&error)]),
         Ok(catalogue) => compare_files(dataset, &catalogue.files),
     }
 }

@@ -13,6 +13,7 @@ use crate::asset::{self, Extras, UsdMode};
 use crate::claim::Patience;
 use crate::console::Console;
 use crate::folder::StagedFolder;
+use crate::in_full;
 use crate::part::Part;
 use crate::workpiece::{WeldingOptions, weld_part};
 
@@ -52,7 +53,7 @@ pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &PieceWishes) ->
     // The name of the folder in the making holds the number of this process, and reasons are the same in every run.
     let staging = format!(".{id}.part-{}", std::process::id());
     let failed = |stage, error: anyhow::Error| {
-        let reason = format!("{error:#}").replace(&staging, id);
+        let reason = in_full(&error).replace(&staging, id);
         Ending::Failed { stage, reason }
     };
     let _claim = match dataset.claim(id, Patience::None) {

@@ -8,6 +8,7 @@ use sdf_bake::read::{MeshBytes, UnitChoice};
 use sha2::{Digest, Sha256};
 
 use crate::cache::Sources;
+use crate::in_full;
 use crate::part::sha256;
 
 /// Hexadecimal digits of the source in a piece's name: 64 bits, so that millions of parts do not share a name.
@@ -114,7 +115,7 @@ impl Plan {
         for (source, fault) in sources {
             let key = match fault {
                 Some(reason) => Err(reason),
-                None => source_key(&source, unit).map_err(|error| format!("{error:#}")),
+                None => source_key(&source, unit).map_err(|error| in_full(&error)),
             };
             if key.is_ok() {
                 plan.readable.push(source.clone());

@@ -6,7 +6,7 @@ use anyhow::{Context, Error, Result, ensure};
 use sdf_bake::BrickGrid;
 use shaders::Device;
 use sim::effect::{CompiledModel, States};
-use sim::{CurvePoint, LONGEST_STEP, Pass, PassRecord, Process, TOOL_CELLS, Tool, gpu, run_pass};
+use sim::{CurvePoint, Pass, PassRecord, Process, TOOL_CELLS, Tool, gpu, run_pass};
 
 use super::Plan;
 use crate::asset::WeldTruth;
@@ -18,7 +18,7 @@ const MOST_STEPS: f64 = 2e5;
 
 /// Refuses a pass that would take too long.
 fn check_steps(path: &sim::Path, process: &Process, voxel: f64) -> Result<()> {
-    let steps = (path.length() / (process.step_voxels * voxel)).max(path.duration() / LONGEST_STEP);
+    let steps = process.expected_steps(path, voxel);
     ensure!(
         steps <= MOST_STEPS,
         "a pass of {:.3e} s over {:.3e} mm takes {steps:.1e} steps in a field of {:.3e} mm voxels, and {MOST_STEPS:.0e} are \

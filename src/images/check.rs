@@ -14,6 +14,7 @@ use super::{APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, ImageCatalogue, Image
 use crate::asset::FileRecord;
 use crate::dataset::check::{Broken, SetValidation, compare_files};
 use crate::dataset::names;
+use crate::in_full;
 use crate::turns::take_turns;
 use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 
@@ -46,7 +47,7 @@ pub fn check(
     found.catalogue = match found.broken.is_empty() {
         false => vec!["not compared with the images, some of which are broken".to_owned()],
         true => match ImageCatalogue::of(set) {
-            Err(error) => vec![format!("{error:#}")],
+            Err(error) => vec![in_full(&error)],
             Ok(catalogue) => [compare_files(set, &catalogue.files)?, strange_records(set)?, courses(set)?].concat(),
         },
     };
@@ -75,7 +76,7 @@ fn check_task(set: &ImageSet, task: &Task) -> (usize, Vec<String>) {
         Task::Image(image) => checks.image(set, image),
     };
     if let Err(error) = checked {
-        checks.faults.push(format!("{error:#}"));
+        checks.faults.push(in_full(&error));
     }
     (checks.made, checks.faults)
 }

@@ -12,6 +12,7 @@ use super::{ImageRecipe, ImageSet};
 use crate::claim::Patience;
 use crate::dataset::piece::Ending;
 use crate::dataset::{Marker, Stage, remove_stale};
+use crate::in_full;
 
 /// A thing to make.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +99,7 @@ impl Task {
 pub fn make(set: &ImageSet, id: &str) -> Ending {
     let failed = |stage, error: anyhow::Error| {
         // Staged names hold the number of this process, and reasons are the same in every run.
-        let reason = format!("{error:#}").replace(&format!(".part-{}", std::process::id()), "");
+        let reason = in_full(&error).replace(&format!(".part-{}", std::process::id()), "");
         Ending::Failed { stage, reason }
     };
     let Some(task) = Task::named(&set.recipe, id) else {

@@ -86,6 +86,20 @@ pub enum PlanError {
         /// Greatest x, y of the part [m].
         high: [f64; 2],
     },
+    /// Too many places on the surface.
+    #[error(
+        "a --spacing-mm of {:?} needs {points:.1e} places on the surface, and {accepted:.0e} are accepted: use a wider one or a \
+         smaller --raster",
+        1e3 * spacing
+    )]
+    TooFine {
+        /// Places that the lines would touch.
+        points: f64,
+        /// Places that are accepted.
+        accepted: f64,
+        /// Distance between lines asked for [m].
+        spacing: f64,
+    },
     /// Too many rows.
     #[error("{rows:.1e} rows: at most {accepted:.0e} are accepted; use a faster feed or a longer period")]
     TooLong {

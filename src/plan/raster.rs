@@ -6,6 +6,9 @@ use sim::Profilometer;
 
 use super::{Leg, Plan, PlanError, Waypoint};
 
+/// Places of the surface that a raster may touch: a minute of work.
+const MOST_POINTS: f64 = 1e7;
+
 /// Which way the lines run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineDirection {
@@ -69,6 +72,11 @@ impl Raster {
     fn lines(&self, part: &BrickGrid) -> Result<Vec<Vec<Waypoint>>, PlanError> {
         let across = self.high - self.low;
         let count = self.count();
+        let length = if self.direction == LineDirection::X { across.x } else { across.y };
+        let points = count as f64 * (length / part.voxel + 2.0);
+        if points > MOST_POINTS {
+            return Err(PlanError::TooFine { points, accepted: MOST_POINTS, spacing: self.spacing });
+        }
         let step = 1.0 / (count as f64 - 1.0).max(1.0);
         (0..count)
             .map(|k| {

@@ -33,6 +33,15 @@ impl Trial {
     }
 }
 
+/// Radius and width of a tool that are accepted [mm], as the flags of `robofin simulate` have them.
+const TOOL_MM: [f64; 2] = [0.1, 1000.0];
+/// Periods of a controller that are accepted [s]: a hundred times faster than robots are, and once a second.
+const PERIOD_S: [f64; 2] = [1e-5, 1.0];
+/// Passes of a trial that are accepted; each takes seconds.
+const MOST_PASSES: usize = 1000;
+/// Pixels of all scans of a trial that are accepted: 4 GB.
+const MOST_PIXELS: f64 = 5e8;
+
 struct Reader<'a> {
     folder: &'a Path,
     source: &'a Source,
@@ -47,6 +56,7 @@ impl Reader<'_> {
         if manifest.pass.is_empty() {
             return Err(Place::file(&self.source.file).bad("no [[pass]]", "at least one pass is expected"));
         }
+        self.check_size(manifest, &scans.before.pixels)?;
         let passes = manifest.pass.iter().map(|table| self.pass(table, manifest.process, &scans.before.pixels, frame));
         let passes = passes.collect::<Result<Vec<_>, _>>()?;
         let coating = manifest.coating.as_ref().map(|table| self.positive("thickness_mm", &table.thickness_mm));
@@ -64,6 +74,21 @@ impl Reader<'_> {
         })
     }
 
+    /// Refuses more passes, or more pixels in all their scans, than a computer can hold.
+    fn check_size(&self, manifest: &Manifest, pixels: &PixelGrid) -> Result<(), TrialError> {
+        let passes = manifest.pass.len();
+        let place = || Place::file(&self.source.file);
+        if passes > MOST_PASSES {
+            return Err(place().bad(format!("{passes} passes"), format!("at most {MOST_PASSES} are accepted")));
+        }
+        let scanned = (passes + manifest.scan.repeat.len() + 1) as f64 * pixels.nx as f64 * pixels.ny as f64;
+        if scanned > MOST_PIXELS {
+            let found = format!("{passes} passes with scans of {} x {} pixels", pixels.nx, pixels.ny);
+            return Err(place().bad(found, format!("at most {MOST_PIXELS:.0e} pixels together are accepted")));
+        }
+        Ok(())
+    }
+
     fn frame(&self, manifest: &Manifest) -> Result<ScanFrame, TrialError> {
         let pitch = self.positive("pitch_mm", &manifest.scan.pitch_mm)? * 1e-3;
         let [x, y] = *manifest.scan.origin_mm.get_ref();
@@ -75,7 +100,7 @@ impl Reader<'_> {
     }
 
     fn tool(&self, table: &ToolTable) -> Result<Tool, TrialError> {
-        let radius = self.positive("radius_mm", &table.radius_mm)? * 1e-3;
+        let radius = self.within("radius_mm", &table.radius_mm, TOOL_MM)? * 1e-3;
         let missing = |key: &str| self.source.bad(table.kind.span(), format!("a wheel without {key}"), "it is needed");
         match table.kind.get_ref() {
             ToolKind::Pad => {
@@ -88,7 +113,7 @@ impl Reader<'_> {
             ToolKind::Wheel => {
                 let width = table.width_mm.as_ref().ok_or_else(|| missing("width_mm"))?;
                 let axis = table.axis.as_ref().ok_or_else(|| missing("axis"))?;
-                let width = self.positive("width_mm", width)? * 1e-3;
+                let width = self.within("width_mm", width, TOOL_MM)? * 1e-3;
                 Ok(Tool::Wheel { radius, width, axis: self.unit("axis", axis)? })
             }
         }
@@ -112,7 +137,10 @@ impl Reader<'_> {
         Ok(Controller::Admittance {
             mass,
             damping: need("damping_ns_m", damping_ns_m)?,
-            period: need("period_s", period_s)?,
+            period: match period_s {
+                Some(period) => self.within("period_s", period, PERIOD_S)?,
+                None => need("period_s", period_s)?,
+            },
         })
     }
 
@@ -219,12 +247,20 @@ impl Reader<'_> {
         ))
     }
 
+    fn within(&self, key: &str, value: &Spanned<f64>, [least, most]: [f64; 2]) -> Result<f64, TrialError> {
+        let found = self.positive(key, value)?;
+        if (least..=most).contains(&found) {
+            return Ok(found);
+        }
+        Err(self.source.bad(value.span(), format!("{key} is {found:?}"), format!("{least:?} to {most:?} is expected")))
+    }
+
     fn positive(&self, key: &str, value: &Spanned<f64>) -> Result<f64, TrialError> {
         let found = *value.get_ref();
         if found > 0.0 && found.is_finite() {
             return Ok(found);
         }
-        Err(self.source.bad(value.span(), format!("{key} is {found}"), "a finite number above zero is expected"))
+        Err(self.source.bad(value.span(), format!("{key} is {found:?}"), "a finite number above zero is expected"))
     }
 
     fn not_negative(&self, key: &str, value: &Spanned<f64>) -> Result<f64, TrialError> {

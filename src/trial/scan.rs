@@ -19,6 +19,11 @@ const NOISE: f64 = 4e-6;
 /// Relative difference of two pitches that is worth a word.
 const PITCH_NOTE: f64 = 1e-3;
 
+/// Numbers that stand for a missing height: of ESRI grids, of 16-bit integers, of Surfer. No scan is metres deep.
+const MISSING_WORDS: [f64; 6] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0, 1.70141e38];
+/// Height between the lowest and the highest pixel that a scan of a weld may have [m].
+const MOST_SPAN: f64 = 1.0;
+
 /// What `trial.toml` says of all scans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanFrame {
@@ -102,14 +107,34 @@ fn heights_of_text(table: Table, frame: ScanFrame) -> Result<(f64, Grid), TrialE
         return Ok((export.pitch, export.grid));
     }
     let mut grid = Grid::read(&table)?;
+    read_missing(&mut grid);
     grid.values.iter_mut().for_each(|height| *height *= 1e-3);
     Ok((frame.pitch, grid))
+}
+
+/// Takes the numbers that instruments write where they saw nothing as missing, and says so.
+fn read_missing(grid: &mut Grid) {
+    for word in MISSING_WORDS {
+        let cells = grid.values.iter_mut().filter(|height| **height == word);
+        let count = cells.map(|height| *height = f64::NAN).count();
+        if count > 0 {
+            grid.notes.push(format!("{count} cells say {word:?}: read as missing"));
+        }
+    }
 }
 
 /// Refuses maps without heights, and those whose unit cannot be the one assumed.
 fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     if map.missing() == map.heights.len() {
         return Err(Place::file(file).bad("every cell is empty", "heights in mm are expected"));
+    }
+    let seen = map.heights.iter().filter(|height| height.is_finite());
+    let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));
+    if high - low > MOST_SPAN {
+        return Err(Place::file(file).bad(
+            format!("the heights go from {:?} to {:?} mm", 1e3 * low, 1e3 * high),
+            "heights within a metre are expected: is one of these a word for a missing pixel? Leave such cells empty",
+        ));
     }
     let nx = map.pixels.nx;
     // A bead is level along itself, so that the steeper of the two directions counts.

@@ -156,7 +156,7 @@ pub(super) fn true_model(
         let Some(effect) = library.find(&hidden.name) else { continue };
         for parameter in &effect.parameters {
             let given = model.values(&effect.name, &parameter.name).to_vec();
-            refuse_below_zero(effect, parameter, process, &given)?;
+            refuse_out_of_range(effect, parameter, process, &given)?;
             let values = values((effect, parameter), &given, (process, size, rows, drawn), &mut chance);
             model.set(&effect.name, &parameter.name, &values);
         }
@@ -164,17 +164,18 @@ pub(super) fn true_model(
     CompiledModel::new(&model, library, rows)
 }
 
-/// Refuses a value below zero of what is never below zero.
-fn refuse_below_zero(
+/// Refuses a value that the parameter cannot have.
+fn refuse_out_of_range(
     effect: &Effect,
     parameter: &Parameter,
     process: Process,
     given: &[f64],
 ) -> Result<(), ModelError> {
-    let range = parameter.range.of(process);
-    let Some(value) = given.iter().find(|value| **value < 0.0 && range[0] >= 0.0) else { return Ok(()) };
+    let accepted = parameter.accepted(process, None);
+    let Some(value) = given.iter().find(|value| accepted.check(**value).is_err()) else { return Ok(()) };
+    let [low, high] = parameter.range.of(process);
     let shown = |value: f64| format!("{} {}", parameter.unit.show(value), parameter.unit_text);
-    let expected = format!("a size such as {} to {}", shown(range[0]), shown(range[1]));
+    let expected = format!("a size such as {} to {}", shown(low), shown(high));
     let problem = Box::new(Problem::Value { found: shown(*value), expected });
     Err(ModelError::BadValue { owner: effect.name.clone(), name: parameter.name.clone(), problem })
 }
@@ -191,7 +192,7 @@ fn stated(hidden: &Hidden, process: Process, library: &Library) -> Result<Model,
         Model { effects: Model::new(process).with(&hidden.name).effects, ..Model::new(process) }
             .resolve_effects(library)?;
     }
-    let model = Model::parse(&format!("--effect {}", hidden.name), &text, library)?;
+    let model = Model::parse_beyond_ranges(&format!("--effect {}", hidden.name), &text, library)?;
     model.resolve_effects(library)?;
     Ok(model)
 }

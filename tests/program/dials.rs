@@ -66,6 +66,7 @@ fn a_fillet_with_ripples_crater_pores_and_spatter_makes_a_whole_asset() {
     let kinds: Vec<&str> =
         found[0]["imperfections"].as_array().expect("a list").iter().filter_map(|i| i["kind"].as_str()).collect();
     assert_eq!(kinds.iter().filter(|kind| **kind == "surface-pore").count(), 2, "{kinds:?}");
+    assert_eq!(kinds.iter().filter(|kind| **kind == "spatter").count(), 3, "{kinds:?}");
 }
 
 #[test]

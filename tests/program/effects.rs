@@ -24,6 +24,54 @@ fn the_library_is_listed_and_shown() {
 }
 
 #[test]
+fn what_effects_is_asked_for_goes_to_standard_output() {
+    let list = run(&mut robofin(["effects", "list"])).succeeds();
+    assert!(list.stdout.contains("grit-dulling") && list.stdout.contains("preston-threshold"), "{}", list.stdout);
+    assert_eq!(list.stderr, "");
+    let shown = run(&mut robofin(["effects", "show", "grit-dulling"])).succeeds();
+    assert!(shown.stdout.contains("ground_volume / dulling_volume"), "{}", shown.stdout);
+    // One JSON object and nothing else where machines read.
+    let json = run(&mut robofin(["effects", "list", "--json"])).succeeds();
+    assert!(json.stdout.starts_with('{') && json.stderr.contains("grit-dulling"));
+}
+
+#[test]
+fn a_mistyped_effect_gets_the_near_name_and_no_list_of_all() {
+    let message =
+        run(&mut robofin(["effects", "show", "grit-duling"])).is_refused(2, &["did you mean `grit-dulling`?"]);
+    assert!(!message.contains("winkler"), "{message}");
+    let message = run(&mut robofin(["effects", "show", "xyzzy"])).is_refused(2, &["known are", "winkler"]);
+    assert!(message.contains("xyzzy"));
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("model.toml");
+    fs::write(&model, MODEL).unwrap();
+    run(&mut robofin(["effects", "add", model.to_str().unwrap(), "grit-duling"]))
+        .is_refused(1, &["model.toml", "did you mean `grit-dulling`?"]);
+}
+
+#[test]
+fn check_refuses_what_a_run_with_the_file_refuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("own.toml");
+    let (name, own) = (file.to_str().unwrap(), folder.path().to_str().unwrap());
+    // Two sums over many parts in opposite order: all parts are kept until the second.
+    let parts: Vec<String> = (0..150).map(|k| format!("b{k}")).collect();
+    let back: Vec<&str> = parts.iter().rev().map(String::as_str).collect();
+    let defined: String = (0..150).map(|k| format!("b{k} = \"(pressure / 1 [Pa] + {k})^1.5\"\n")).collect();
+    let sums = format!("c = \"{}\"\nd = \"{}\"\n", parts.join(" + "), back.join(" + 2 * "));
+    let wide = EFFECT.replace("[modify]", &format!("[let]\n{defined}{sums}\n[modify]"));
+    for (bad, words) in [
+        (EFFECT.replace("my-effect", "grit-dulling"), "taken by another law or effect"),
+        (wide.replace("1 + amount", "1 + amount * c / d"), "too large"),
+    ] {
+        fs::write(&file, bad).unwrap();
+        run(&mut robofin(["effects", "check", name])).is_refused(1, &[words]);
+    }
+    fs::write(&file, EFFECT.replace("my-effect", "grit-dulling")).unwrap();
+    run(&mut robofin(["effects", "list", "--effects", own])).is_refused(1, &["taken by another law or effect"]);
+}
+
+#[test]
 fn a_file_is_checked_and_a_fault_is_placed() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("my-effect.toml");

@@ -14,6 +14,7 @@ mod flags;
 mod hostile_files;
 mod inputs;
 mod interruption;
+mod limits;
 mod memory;
 mod outputs;
 #[path = "../export/outside.rs"]

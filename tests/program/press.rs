@@ -94,7 +94,8 @@ fn effects_follow_the_force_and_the_size_of_a_tool_that_is_held() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let part = plate(folder.path());
     let model = folder.path().join("model.toml");
-    let text = "process = \"grinding\"\n[law.winkler]\nstiffness = \"0.1 MPa/mm\"\n[effect.robot-compliance]\n\
+    let text = "process = \"grinding\"\n[range]\n\"winkler.stiffness\" = [\"0.1 MPa/mm\", \"1 MPa/mm\"]\n[law.winkler]\n\
+                stiffness = \"0.1 MPa/mm\"\n[effect.robot-compliance]\n\
                 roll_compliance = \"0 mrad/N\"\npitch_compliance = \"0.1 mrad/N\"\n";
     fs::write(&model, text).expect("it can be written");
     let name = model.to_str().expect("a name");

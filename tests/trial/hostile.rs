@@ -191,3 +191,22 @@ fn masks_hold_zero_and_one() {
     edit(folder.path(), "pass1_exposed.csv", |text| text.replacen("\n0,", "\n0.5,", 1));
     refused(folder.path(), &["pass1_exposed.csv, line", "0.5", "1 for exposed"]);
 }
+
+#[test]
+fn words_for_missing_heights_are_read_as_missing_and_walls_a_metre_deep_are_refused() {
+    let plain = Trial::read(folder().path()).unwrap();
+    let with = |text: &str, word: &str| {
+        let (row, rest) = text.split_once('\n').unwrap();
+        let cells: Vec<&str> = row.split(',').collect();
+        format!("{},{word},{}\n{rest}", cells[0], cells[2..].join(","))
+    };
+    for word in ["-9999", "-9999.0", "-32768", "1.70141e38"] {
+        let folder = folder();
+        edit(folder.path(), "before.csv", |text| with(&text, word));
+        let trial = noted(folder.path(), &["before.csv", "1 cells say", "read as missing"]);
+        assert_eq!(trial.scans.before.missing(), plain.scans.before.missing() + 1, "{word}");
+    }
+    let folder = folder();
+    edit(folder.path(), "before.csv", |text| with(&text, "-5000"));
+    refused(folder.path(), &["before.csv", "from -5000.0 to", "heights within a metre", "Leave such cells empty"]);
+}

@@ -1,17 +1,18 @@
-//! What stands in the way when nothing fits: each dial is let go alone, and what then fits is what the part offers.
+//! What stands in the way when nothing fits: each dial is relaxed alone, and what then fits is what the part offers.
 
 use crate::bead::BeadProfile;
+use crate::dial_fault::{shown, shown_mm};
 use crate::place::{Search, Wanted, first_fit};
 use crate::propose::{Candidate, mix};
 use crate::rejection::Tally;
 use crate::request::WIDTHS_PER_LENGTH;
 
-/// Proposals tried with one dial let go.
+/// Proposals tried with one dial relaxed.
 const ATTEMPTS: usize = 96;
 /// Factors of the length and of the width that are tried, from the largest.
 const FACTORS: [f64; 6] = [0.8, 0.6, 0.45, 0.3, 0.2, 0.1];
 
-/// A sentence for each dial that fits when it alone is let go; one that says so when there is none.
+/// A sentence for each dial that lets the weld fit when it alone is relaxed; one that says so when none does.
 pub(crate) fn offers(search: &Search, wanted: &Wanted, profile: BeadProfile, seed: u64) -> Vec<String> {
     let fits = |wanted: Wanted, profile: BeadProfile| -> Option<Candidate> {
         let proposals = search.proposals(&wanted, profile);
@@ -40,7 +41,14 @@ pub(crate) fn offers(search: &Search, wanted: &Wanted, profile: BeadProfile, see
         offers.push(format!("the bead is impossible: {:.3} mm wide fits", 1e3 * thin.width));
     }
     if offers.is_empty() {
-        offers.push("no one of length, curvature, exposure and width is enough to let go".to_owned());
+        let [low, high] = wanted.exposure;
+        offers.push(format!(
+            "relaxing any single one of length ({}), curvature ({} 1/m RMS), exposure ({low:.2} to {high:.2}) or width ({}) is \
+             not enough: relax several, or use another part",
+            shown_mm(wanted.length),
+            shown(wanted.curvature_rms),
+            shown_mm(profile.width)
+        ));
     }
     offers
 }

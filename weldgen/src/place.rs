@@ -10,7 +10,7 @@ use sdf_bake::query::MeshQuery;
 use serde::Serialize;
 
 use crate::access::access;
-use crate::bead::defect::spatter;
+use crate::bead::defect::Ground;
 use crate::bead::{BeadProfile, Defect};
 use crate::curve::WeldCurve;
 use crate::exposure::exposures;
@@ -175,15 +175,13 @@ fn admit(surface: &Surface, request: &WeldRequest) -> Result<(Arc<ExposureField>
     if surface.area() == 0.0 {
         return Err(PlaceError::NoSurface(surface.part.triangles.len()));
     }
-    if let Some(fault) = request.fault() {
-        return Err(PlaceError::Request(fault));
-    }
+    request.check()?;
     let field = surface.exposure_field(request.exposure_reach);
     let offered = field.range().ok_or(PlaceError::Hidden)?;
     Ok((field, offered))
 }
 
-/// The range asked, and any exposure where it may be let go.
+/// The range asked, and any exposure where it may be relaxed.
 fn exposures_to_try(request: &WeldRequest) -> impl Iterator<Item = [f64; 2]> + use<> {
     let any = [0.0, 1.0];
     let second = (request.may_shrink && request.exposure != any).then_some(any);
@@ -322,9 +320,10 @@ fn finish(
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
     let bead_volume = bead.volume();
     let base = request.form.half_reach(profile.half_width_at(root_depth));
-    let ground = (proposals.surface.query, proposals.surface.part);
+    let Surface { query, part, .. } = proposals.surface;
+    let ground = Ground { curve: &curve, query, part, width, clear: base };
     let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
-    let (spattered, drops) = spatter(request.form.spatter, &curve, ground, [width, base], &mut rng);
+    let (spattered, drops) = ground.spatter(request.form.spatter, &mut rng);
     bead.append(&drops);
     let defects = [&form.made_defects()[..], &spattered, &cuts.defects].concat();
     Weld {
@@ -373,9 +372,9 @@ fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
         ((length * wanted).max(wanted.min(WIDTHS_PER_LENGTH * profile.width)), profile)
     };
     let known = |(length, profile): &(f64, BeadProfile)| *length >= least && *profile == section(1.0);
-    let let_go = STAGES.iter().map(smaller).filter(|stage| request.may_shrink && !known(stage));
+    let relaxed = STAGES.iter().map(smaller).filter(|stage| request.may_shrink && !known(stage));
     let mut stages: Vec<(f64, BeadProfile)> = Vec::new();
-    for stage in asked.into_iter().chain(let_go) {
+    for stage in asked.into_iter().chain(relaxed) {
         if !stages.contains(&stage) {
             stages.push(stage);
         }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::bead::BeadError;
+use crate::dial_fault::{DialFault, shown_mm};
 use crate::rejection::Tally;
 
 /// Why no weld was placed.
@@ -29,8 +30,8 @@ pub enum PlaceError {
         reach: f64,
     },
     /// A dial is out of range.
-    #[error("{0}")]
-    Request(String),
+    #[error(transparent)]
+    Request(#[from] DialFault),
     /// The part has no face with an area.
     #[error("the part has no surface to weld on: {0} triangles without area")]
     NoSurface(usize),
@@ -39,9 +40,8 @@ pub enum PlaceError {
     Stitch(#[from] BeadError),
     /// Nothing fits.
     #[error(
-        "no place for the weld in {} proposals (length {:.2} mm, width {:.3} mm at last; longest clear run {:.2} mm): \
-         {tally}{}",
-        tally.total(), 1e3 * length, 1e3 * width, 1e3 * longest_run, listed(offers)
+        "no place for the weld in {} proposals (length {}, width {} at last; longest clear run {}): {tally}{}",
+        tally.total(), shown_mm(*length), shown_mm(*width), shown_mm(*longest_run), listed(offers)
     )]
     Nowhere {
         /// Length of the last stage [m].

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::access::ToolShape;
 use crate::bead::{BeadShape, FormRequest};
+use crate::dial_fault::{DialFault, shown, shown_mm};
 
 /// The voxel that [`WeldRequest::for_part`] is usually given is the part's diagonal over this.
 pub const VOXELS_PER_DIAGONAL: f64 = 256.0;
@@ -178,71 +179,91 @@ impl WeldRequest {
         }
     }
 
-    /// The first dial that is out of range, in words.
-    pub(crate) fn fault(&self) -> Option<String> {
+    /// Checks every dial, before a part is looked at.
+    ///
+    /// # Errors
+    /// The first dial that is out of range.
+    pub fn check(&self) -> Result<(), DialFault> {
         let checks = self.curve_checks().into_iter().chain(self.bead_checks());
-        let dial = checks.into_iter().find(|(_, _, good, _)| !good);
-        let words = dial.map(|(name, value, _, want)| format!("the {name} is {value}; it must be {want}"));
-        words.or_else(|| self.form.fault(self.width))
+        match checks.into_iter().find(|(_, _, good, _)| !good) {
+            Some((dial, found, _, accepted)) => Err(DialFault { dial, found, accepted }),
+            None => self.form.check(self.width),
+        }
     }
 
     fn curve_checks(&self) -> Vec<DialCheck> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let ordered = |[low, high]: [f64; 2], least: f64| low >= least && high >= low && high.is_finite();
         let share = |x: f64| (0.0..=1.0).contains(&x);
-        let range = |name, [low, high]: [f64; 2], good, want| {
-            (name, if low == high { low.to_string() } else { format!("{low} to {high}") }, good, want)
+        let range = |name, [low, high]: [f64; 2], good, want: &str| {
+            let found = if low == high { shown(low) } else { format!("{} to {}", shown(low), shown(high)) };
+            (name, found, good, want.to_owned())
         };
-        let one = |name, value: f64, good, want| (name, value.to_string(), good, want);
+        let one = |name, value: f64, good, want: &str| (name, shown(value), good, want.to_owned());
+        let mm = |name, length: f64, good, want: &str| (name, shown_mm(length), good, want.to_owned());
         let (rms, max) = (self.curvature_rms, self.curvature_max);
         let correlation = self.correlation.unwrap_or(self.width);
+        let most_rms = format!("at most {} 1/m, 0.95 of the curvature maximum", shown(MOST_RMS * max));
+        let half_width = format!("at least {}, half the bead's width", shown_mm(0.5 * self.width));
+        let [low, high] = self.length.map(shown_mm);
         vec![
-            range("length", self.length, ordered(self.length, f64::MIN_POSITIVE), "positive, the lower first"),
+            (
+                "length",
+                if low == high { low } else { format!("{low} to {high}") },
+                ordered(self.length, f64::MIN_POSITIVE),
+                "above zero, the lower first".to_owned(),
+            ),
             range("curvature RMS", rms, ordered(rms, 0.0), "0 or more, the lower first"),
             one("curvature maximum", max, max >= 0.0, "0 or more"),
-            range("curvature RMS", rms, rms[1] <= MOST_RMS * max, "at most 0.95 of the curvature maximum"),
-            one("correlation length", correlation, correlation >= 0.5 * self.width, "at least half the width"),
+            range("curvature RMS", rms, rms[1] <= MOST_RMS * max, &most_rms),
+            mm("correlation length", correlation, correlation >= 0.5 * self.width, &half_width),
             range("exposure", self.exposure, self.exposure.iter().all(|&x| share(x)), "within 0 to 1"),
             range("exposure", self.exposure, ordered(self.exposure, 0.0), "a range, the lower first"),
-            one("exposure reach", self.exposure_reach, positive(self.exposure_reach), "positive"),
-            one("tool radius", self.tool.radius, positive(self.tool.radius), "positive"),
-            one("tool width", self.tool.width, positive(self.tool.width), "positive"),
+            mm("exposure reach", self.exposure_reach, positive(self.exposure_reach), "above zero"),
+            mm("tool radius", self.tool.radius, positive(self.tool.radius), "above zero"),
+            mm("tool width", self.tool.width, positive(self.tool.width), "above zero"),
             one("least access", self.min_access, share(self.min_access), "within 0 to 1"),
-            one("sharp angle", self.sharp_angle, positive(self.sharp_angle), "positive"),
-            one("gap", self.gap, self.gap >= 0.0, "0 or more"),
+            one("sharp angle", self.sharp_angle, positive(self.sharp_angle), "above zero"),
+            mm("gap", self.gap, self.gap >= 0.0, "0 or more"),
             one("number of attempts", self.attempts as f64, self.attempts > 0, "at least 1"),
         ]
     }
 
     fn bead_checks(&self) -> Vec<DialCheck> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
-        let one = |name, value: f64, good, want| (name, value.to_string(), good, want);
+        let mm = |name, length: f64, good, want: &str| (name, shown_mm(length), good, want.to_owned());
+        let one = |name, value: f64, good, want: &str| (name, shown(value), good, want.to_owned());
         let round = self.shape != BeadShape::CircularSegment || self.height <= 0.5 * self.width;
         let convex = (-0.2..=0.25).contains(&self.convexity);
         let fillets = matches!(self.placement, Placement::Seam | Placement::Mixed);
         let lobed = self.form.overlap == 0.0 || !fillets;
-        let apart = |stitch: Stitch| stitch.length >= self.width && stitch.pitch >= stitch.length + 1.5 * self.width;
-        let stitch =
-            self.stitch.map_or(String::new(), |stitch| format!("{} m every {} m", stitch.length, stitch.pitch));
-        vec![
-            one("width", self.width, positive(self.width), "positive"),
-            one("height", self.height, positive(self.height), "positive"),
-            one("height", self.height, round, "at most half of the width for a circular segment"),
-            ("shape", "fillet".to_owned(), self.shape != BeadShape::Fillet, "one for faces; fillets are for seams"),
+        let half = format!("at most {}, half of the width, for a circular segment", shown_mm(0.5 * self.width));
+        let mut checks = vec![
+            mm("width", self.width, positive(self.width), "above zero"),
+            mm("height", self.height, positive(self.height), "above zero"),
+            mm("height", self.height, round, &half),
+            (
+                "shape",
+                "fillet".to_owned(),
+                self.shape != BeadShape::Fillet,
+                "one for faces; fillets are for seams".to_owned(),
+            ),
             one("overlap", self.form.overlap, lobed, "0 where fillets may be laid: they have no lobes"),
             one("convexity", self.convexity, convex, "within -0.2 to 0.25 widths"),
-            (
-                "stitch",
-                stitch,
-                self.stitch.is_none_or(apart),
-                "at least a width long, with at least 1.5 widths between",
-            ),
-        ]
+        ];
+        if let Some(Stitch { length, pitch }) = self.stitch {
+            let least = length + 1.5 * self.width;
+            let long = format!("at least {}, the bead's width", shown_mm(self.width));
+            let apart = format!("at least {}, the stitch and 1.5 widths", shown_mm(least));
+            checks.push(mm("stitch length", length, length >= self.width, &long));
+            checks.push(mm("stitch pitch", pitch, pitch >= least, &apart));
+        }
+        checks
     }
 }
 
 /// A dial's name, its value, whether that is good, and what would be.
-type DialCheck = (&'static str, String, bool, &'static str);
+type DialCheck = (&'static str, String, bool, String);
 
 /// Width [m] of a bead that suits a part, and why.
 fn bead_width(diagonal: f64, voxel: f64) -> (f64, String) {

@@ -3,6 +3,7 @@
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
+use crate::bead::defect::Ground;
 use crate::bead::{BeadError, BeadForm, sweep_formed};
 use crate::curve::{CurvePoint, WeldCurve};
 use crate::cut::Laid;
@@ -37,20 +38,26 @@ fn one(weld: &Weld, points: &[CurvePoint], number: usize, surface: &Surface) -> 
         point.width = profile.width * form.width_factor(point.arc_length);
         point.height = profile.height * form.height_factor(point.arc_length);
     }
-    let bead = sweep_formed(&curve, &profile, &form, weld.root_depth)?;
+    let mut bead = sweep_formed(&curve, &profile, &form, weld.root_depth)?;
     let laid = Laid { surface, curve: &curve, profile: &profile, form: &form };
     let cuts = laid.cuts(&weld.request.form, &mut rng).unwrap_or_default();
+    let Surface { query, part, .. } = surface;
+    let clear = form.half_reach(profile.half_width_at(weld.root_depth));
+    let ground = Ground { curve: &curve, query, part, width: profile.width, clear };
+    let (spattered, drops) = ground.spatter(weld.request.form.spatter, &mut rng);
+    let bead_volume = bead.volume();
+    bead.append(&drops);
     let mut reasons = weld.reasons.clone();
     reasons.push(format!("bead {} of an intermittent weld of {:.2} mm", number + 1, 1e3 * weld.length));
     Ok(Weld {
         length: curve.length(),
-        bead_volume: bead.volume(),
+        bead_volume,
         curvature_rms: curve.curvature_rms(),
         min_exposure: curve.min_exposure(),
         mean_access: curve.mean_access(),
         curve,
         bead,
-        defects: [&form.made_defects()[..], &cuts.defects].concat(),
+        defects: [&form.made_defects()[..], &spattered, &cuts.defects].concat(),
         cuts: cuts.bodies,
         reasons,
         ..weld.clone()

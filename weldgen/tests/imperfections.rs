@@ -173,3 +173,25 @@ fn lobes_on_fillets_and_sizes_out_of_range_are_refused_by_name() {
         assert!(error.contains(name), "{error}");
     }
 }
+
+#[test]
+fn as_many_drops_are_made_as_asked_and_a_part_without_room_for_them_says_so() {
+    let drops = |weld: &Weld| weld.defects.iter().filter(|defect| defect.kind == DefectKind::Spatter).count();
+    let form = FormRequest { spatter: 5, ..FormRequest::default() };
+    let plate = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.2, 0.02));
+    for seed in 1..=20 {
+        let weld = place_weld(&plate, &MeshQuery::new(&plate), &request(&plate, form), seed).unwrap();
+        assert_eq!((drops(&weld), weld.shortfalls()), (5, Vec::new()), "seed {seed}");
+        assert_closed(&weld.bead);
+    }
+    // Truth that lacks drops says which, whatever the part.
+    let mut weld = place_weld(&plate, &MeshQuery::new(&plate), &request(&plate, form), 1).unwrap();
+    weld.defects.truncate(3);
+    assert!(weld.shortfalls()[0].contains("3 of 5 drops of spatter were made"), "{:?}", weld.shortfalls());
+
+    let stitch = Some(Stitch { length: 0.024, pitch: 0.04 });
+    let ask = WeldRequest { length: [0.12; 2], stitch, ..request(&plate, form) };
+    let query = MeshQuery::new(&plate);
+    let welds = place_welds_on(&Surface::new(&plate, &query), &ask, 1, 2).unwrap();
+    assert!(welds.len() == 3 && welds.iter().all(|weld| drops(weld) == 5));
+}

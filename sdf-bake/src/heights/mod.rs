@@ -170,6 +170,20 @@ pub enum HeightsError {
         /// Points that are accepted.
         accepted: f64,
     },
+    /// Heights so far apart that their steps, as walls, or the box around them would not fit in memory.
+    #[error(
+        "heights from {:?} mm to {:?} mm are too far apart for a voxel of {:?} mm: leave cells without a height empty, or use a \
+         larger voxel",
+        1e3 * low, 1e3 * high, 1e3 * voxel
+    )]
+    TooFarApart {
+        /// Least height [m].
+        low: f64,
+        /// Greatest height [m].
+        high: f64,
+        /// Voxel asked for [m].
+        voxel: f64,
+    },
     /// The options make no field.
     #[error("{name} is {found}, it must be {accepted}")]
     BadOption {

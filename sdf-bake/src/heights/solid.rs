@@ -14,6 +14,11 @@ const SIDE_PLACE: f64 = 3.5;
 /// Points that a map with its margin may have: 800 MB of heights.
 const MOST_POINTS: f64 = 1e8;
 
+/// Voxels that the steps between pixels may have as walls together, and bricks that the box around a solid may have: a
+/// minute of work each.
+const MOST_WALL: f64 = 3e7;
+const MOST_BOX: f64 = 3e7;
+
 /// How a height map becomes a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabOptions {
@@ -62,6 +67,25 @@ impl SlabOptions {
     }
 }
 
+impl SlabOptions {
+    /// Refuses heights so far apart that walls and empty bricks between them are most of the work.
+    fn check_steps(&self, map: &HeightMap) -> Result<(), HeightsError> {
+        let PixelGrid { pitch, nx, ny, .. } = map.pixels;
+        let heights = &map.heights;
+        let along = heights.chunks_exact(nx).flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
+        let across = heights.iter().zip(&heights[nx..]).map(|(one, next)| (next - one).abs());
+        let wall = along.chain(across).sum::<f64>() * pitch / (self.voxel * self.voxel);
+        let (low, high) = heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
+        let side = BRICK_SIDE as f64 * self.voxel;
+        let extent = DVec2::new(nx as f64, ny as f64) * pitch + 2.0 * self.margin;
+        let bricks = (extent / side).element_product() * (high - low + self.thickness) / side;
+        if wall <= MOST_WALL && bricks <= MOST_BOX {
+            return Ok(());
+        }
+        Err(HeightsError::TooFarApart { low, high, voxel: self.voxel })
+    }
+}
+
 /// What was changed in a map before it became a surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeightsReport {
@@ -99,6 +123,7 @@ impl BrickGrid {
         }
         options.check_size(&clean.pixels)?;
         let clean = without_empty_rim(&clean).filled()?;
+        options.check_steps(&clean)?;
         let slab = Slab::of(&clean, options);
         Ok((slab.bricks(options.voxel), report))
     }

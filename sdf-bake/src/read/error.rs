@@ -62,12 +62,16 @@ pub enum ReadError {
         position: DVec3,
     },
     /// Points, lines or nothing, but no surface.
-    #[error("{format} file has {vertices} vertices and no faces: a surface of triangles or polygons is needed")]
+    #[error(
+        "{format} file has {vertices} vertices and no faces{left_out}: a surface of triangles or polygons is needed"
+    )]
     NoFaces {
         /// Format the file was read as.
         format: Format,
         /// Number of vertices found.
         vertices: usize,
+        /// What was left out of the file, in brackets, or nothing.
+        left_out: String,
     },
 }
 

@@ -67,6 +67,8 @@ pub struct MeshFile {
     pub unit_reason: String,
     /// Whether the unit is a guess from the size.
     pub unit_assumed: bool,
+    /// Whether it is a guess from a size near the limit between two units.
+    pub unit_doubtful: bool,
     /// Sentences on what was left out or read leniently.
     pub notes: Vec<String>,
 }
@@ -112,7 +114,8 @@ fn parse(bytes: &[u8], format: Format, choice: UnitChoice, around: &Surroundings
     };
     check_finite(&mesh)?;
     if mesh.triangles.is_empty() {
-        return Err(ReadError::NoFaces { format, vertices: mesh.positions.len() });
+        let left_out = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };
+        return Err(ReadError::NoFaces { format, vertices: mesh.positions.len(), left_out });
     }
     let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
     let decision = unit::decide(choice, &unit::Evidence { format, name: around.name, header: &header, longest });
@@ -128,6 +131,7 @@ fn parse(bytes: &[u8], format: Format, choice: UnitChoice, around: &Surroundings
         unit: decision.unit,
         unit_reason: decision.reason,
         unit_assumed: decision.assumed,
+        unit_doubtful: decision.doubtful,
         notes,
     })
 }

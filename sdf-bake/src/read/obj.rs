@@ -30,8 +30,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Surface, ReadError> {
     let loaded = tobj::load_obj_buf(&mut rest, &options, no_materials);
     let (models, _) = loaded.map_err(|error| {
         let consumed = statements.text.len() - rest.len();
-        explain(error, &statements.text[..consumed])
+        explain(error, &statements.text, consumed)
     })?;
+    if models.is_empty() {
+        let vertices = vertices(&statements.text);
+        return Err(ReadError::NoFaces { format: Format::Obj, vertices, left_out: String::new() });
+    }
     let mut surface = Surface { header: statements.header, ..Default::default() };
     for model in models {
         append(&mut surface.mesh, &model.mesh)?;
@@ -133,8 +137,37 @@ fn non_finite_line(text: &str) -> Option<(String, DVec3)> {
     })
 }
 
-fn explain(error: tobj::LoadError, consumed: &str) -> ReadError {
+fn vertices(text: &str) -> usize {
+    text.lines().filter(|line| line.starts_with("v ")).count()
+}
+
+/// The first face that names a vertex which the file does not have, and what it may name.
+fn face_out_of_bounds(text: &str) -> Option<String> {
+    let all = vertices(text);
+    let mut before = 0;
+    for (number, line) in text.lines().enumerate() {
+        before += usize::from(line.starts_with("v "));
+        let Some(face) = line.strip_prefix("f ") else { continue };
+        let exists = |index: i64| match index {
+            ..=-1 => index.unsigned_abs() <= before as u64,
+            _ => (1..=all as u64).contains(&index.unsigned_abs()),
+        };
+        let Some(bad) = face.split(' ').find(|word| !word.parse().is_ok_and(exists)) else { continue };
+        let (line, bad) = (number + 1, quoted_line(bad));
+        return Some(match (all, before) {
+            (0, _) => format!("line {line}: a face names vertex {bad}, and the file has no vertices"),
+            (_, 0) => format!("line {line}: a face names vertex {bad}; 1 to {all} are accepted"),
+            _ => format!(
+                "line {line}: a face names vertex {bad}; 1 to {all} are accepted, or counted back from here -1 to -{before}"
+            ),
+        });
+    }
+    None
+}
+
+fn explain(error: tobj::LoadError, text: &str, consumed: usize) -> ReadError {
     use tobj::LoadError::{FaceParseError, FaceVertexOutOfBounds, PositionParseError, ScalingByZeroError};
+    let consumed = &text[..consumed];
     let line = consumed.lines().count();
     let statement = consumed.lines().last().unwrap_or("");
     let statement = quoted_line(statement);
@@ -144,12 +177,8 @@ fn explain(error: tobj::LoadError, consumed: &str) -> ReadError {
             format!("line {line}: {statement} is no face; `f i j k ...` with vertex numbers is accepted")
         }
         ScalingByZeroError => format!("line {line}: {statement} has weight 0"),
-        FaceVertexOutOfBounds => {
-            let vertices = consumed.lines().filter(|line| line.starts_with("v ")).count();
-            format!(
-                "a face names a vertex that is not there; numbers 1 to {vertices} or -1 to -{vertices} are accepted"
-            )
-        }
+        // Found when all lines are read; the text says on which it is.
+        FaceVertexOutOfBounds => face_out_of_bounds(text).unwrap_or_else(|| error.to_string()),
         other => other.to_string(),
     };
     ReadError::malformed(Format::Obj, reason)

@@ -92,6 +92,7 @@ fn read_ascii(text: &str) -> Result<Surface, ReadError> {
     let header = text.lines().next().unwrap_or("").to_string();
     let mut surface = Surface { header, ..Default::default() };
     let mut corners = Vec::with_capacity(3);
+    let mut foreign: Vec<usize> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         let Some(keyword) = words.next().map(str::to_lowercase) else { continue };
@@ -109,8 +110,12 @@ fn read_ascii(text: &str) -> Result<Surface, ReadError> {
                 })?;
                 push_triangle(&mut surface, corners)?;
             }
-            _ => {}
+            "solid" | "facet" | "outer" | "endloop" | "endfacet" | "endsolid" => {}
+            _ => foreign.push(number + 1),
         }
+    }
+    if let [first, ..] = foreign[..] {
+        surface.notes.push(format!("left out {} lines that are no STL, the first of them line {first}", foreign.len()));
     }
     if !corners.is_empty() {
         return Err(ReadError::Truncated {

@@ -14,6 +14,8 @@ use super::Format;
 const OBJ_METRES_BELOW: f64 = 0.1;
 /// Below this longest side [file units] an STL or PLY is taken to be in metres.
 const SCAN_METRES_BELOW: f64 = 2.0;
+/// Within this factor of the limit the guess is doubtful: parts of one workshop differ in size by as much.
+const DOUBTFUL: f64 = 10.0;
 
 /// The unit a user asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -82,6 +84,7 @@ pub(super) struct Decision {
     pub(super) unit: Unit,
     pub(super) reason: String,
     pub(super) assumed: bool,
+    pub(super) doubtful: bool,
 }
 
 /// What the rule may look at.
@@ -102,11 +105,11 @@ pub(super) fn decide(choice: UnitChoice, evidence: &Evidence) -> Decision {
         UnitChoice::Millimetre => Unit::Millimetre,
         UnitChoice::Inch => Unit::Inch,
     };
-    Decision { unit: asked, reason: format!("The unit is {asked}, as asked for."), assumed: false }
+    Decision { unit: asked, reason: format!("The unit is {asked}, as asked for."), assumed: false, doubtful: false }
 }
 
 fn decide_from(evidence: &Evidence) -> Decision {
-    let known = |unit: Unit, reason: String| Decision { unit, reason, assumed: false };
+    let known = |unit: Unit, reason: String| Decision { unit, reason, assumed: false, doubtful: false };
     if evidence.format == Format::Gltf {
         return known(Unit::Metre, "The unit is metres: the glTF specification fixes it.".into());
     }
@@ -131,7 +134,8 @@ fn decide_from(evidence: &Evidence) -> Decision {
         "The unit is assumed to be {unit}: the {format} file states none and its longest side is {:.4} file units ({because}); `--unit {other}` or `--unit inch` overrides.",
         evidence.longest
     );
-    Decision { unit, reason, assumed: true }
+    let doubtful = (below / DOUBTFUL..=below * DOUBTFUL).contains(&evidence.longest);
+    Decision { unit, reason, assumed: true, doubtful }
 }
 
 /// A unit named in a text: `mm` on its own, or any unit after the word `unit` or `units`.

@@ -17,7 +17,6 @@ use super::variable::{Place, Variable};
 /// The first fault, with its place in the file.
 pub fn check(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     check_names(effect, laws)?;
-    check_circles(effect)?;
     check_formulas(effect, &|place| Scope::new(effect, place, laws))?;
     match effect.kind {
         Kind::Law => check_law(effect, laws),
@@ -104,7 +103,10 @@ fn check_names(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
 }
 
 /// Definitions and lags may use each other, but not in a circle.
-fn check_circles(effect: &Effect) -> Result<(), EffectError> {
+///
+/// # Errors
+/// The first circle, with its names.
+pub fn check_circles(effect: &Effect) -> Result<(), EffectError> {
     let definitions = effect.definitions.iter().map(|item| (item.name.as_str(), &item.formula));
     let lags = effect.states.iter().filter_map(|state| Some((state.name.as_str(), lag(effect, state)?.1)));
     let formulas: Vec<(&str, &Formula)> = definitions.chain(lags).collect();

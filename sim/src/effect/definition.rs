@@ -1,5 +1,6 @@
 //! An effect as its file states it: parameters, states and formulas.
 
+use super::accepted::Accepted;
 use super::syntax::Expr;
 use super::unit::Unit;
 use super::variable::{Place, Variable};
@@ -119,6 +120,19 @@ pub struct Parameter {
     pub about: String,
     /// Line in the file.
     pub line: usize,
+}
+
+impl Parameter {
+    /// The values that a model of a process may give it. `range` [SI] replaces its own.
+    pub fn accepted(&self, process: Process, range: Option<[f64; 2]>) -> Accepted<'_> {
+        Accepted {
+            range: range.unwrap_or(self.range.of(process)),
+            null: self.null,
+            default: self.default.of(process),
+            unit: self.unit,
+            unit_text: &self.unit_text,
+        }
+    }
 }
 
 /// A formula and its place in the file.
@@ -284,6 +298,16 @@ impl Effect {
     /// The formulas that act in a process.
     pub fn changes_in(&self, process: Process) -> impl Iterator<Item = &Change> {
         self.changes.iter().filter(move |change| process.has(change.hook))
+    }
+
+    /// All formulas of the file.
+    pub fn formulas(&self) -> impl Iterator<Item = &Formula> {
+        let definitions = self.definitions.iter().map(|definition| &definition.formula);
+        let states = self.states.iter().flat_map(|state| match &state.motion {
+            Motion::Rate(rate) => [Some(rate), None],
+            Motion::Relax { target, time } => [Some(target), Some(time)],
+        });
+        self.changes.iter().map(|change| &change.formula).chain(definitions).chain(states.flatten())
     }
 
     /// Whether its changes or their named parts read one of some variables.

@@ -6,6 +6,7 @@ use super::definition::{Effect, Kind, Parameter, Process, Rows};
 use super::error::{EffectError, Problem};
 use super::library::Library;
 use super::model::{Model, ModelError, ModelPart};
+use super::nearest::hint;
 use super::toml_text::{Source, parse_quantity};
 
 /// A model file after a change, and what changed, one sentence each.
@@ -73,8 +74,8 @@ impl Model {
         let model = Self::parse(file, text, library)?;
         if !model.effects.iter().any(|part| part.name == name) {
             let known: Vec<&str> = model.effects.iter().map(|part| part.name.as_str()).collect();
-            let known = if known.is_empty() { "none in this model".to_owned() } else { known.join(", ") };
-            return Err(ModelError::UnknownPart { kind: "effect", name: name.to_owned(), known });
+            let hint = if known.is_empty() { "the model has none".to_owned() } else { hint(name, &known) };
+            return Err(ModelError::UnknownPart { kind: "effect", name: name.to_owned(), hint });
         }
         let mut document = open(file, text)?;
         let mut changes = vec![format!("removed {name}")];
@@ -117,7 +118,7 @@ impl Model {
                 return Err(ModelError::UnknownPart {
                     kind: "law or effect",
                     name: owner.clone(),
-                    known: "in the file".to_owned(),
+                    hint: "the file states none of this name".to_owned(),
                 });
             };
             let parameter = find_parameter(effect, name)?;
@@ -196,6 +197,7 @@ fn written_values<'a>(
         let text = given.iter().find(|(name, _)| *name == parameter.name).map(|(_, text)| text);
         if let Some(text) = text {
             let value = parse_quantity(text, parameter.unit).map_err(|problem| unfit(effect, parameter, problem))?;
+            parameter.accepted(process, None).check(value).map_err(|problem| unfit(effect, parameter, problem))?;
             values.push((parameter, value));
         } else if parameter.free.of(process) && parameter.per == Rows::Model {
             values.push((parameter, parameter.default.of(process)));

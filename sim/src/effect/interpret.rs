@@ -1,6 +1,8 @@
 //! Direct interpretation of formulas, one number at a time: what the lane programs must agree with, and what finds the
 //! operation that broke down.
 
+use std::collections::BTreeMap;
+
 use super::definition::{Effect, Formula, Motion, State};
 use super::op::Op;
 use super::scope::{Scope, Symbol};
@@ -20,36 +22,86 @@ pub struct Environment<'a> {
     pub states: &'a [f64],
 }
 
-impl Environment<'_> {
-    /// The value of a formula.
-    pub fn evaluate(&self, expr: &Expr) -> f64 {
+/// One evaluation: what a name stands for is computed once, however often it is used.
+struct Evaluation<'e, 'a> {
+    environment: &'e Environment<'a>,
+    named: BTreeMap<Symbol, f64>,
+    /// Definitions in which no operation breaks down.
+    good: Vec<usize>,
+}
+
+impl Evaluation<'_, '_> {
+    fn of(&mut self, expr: &Expr) -> f64 {
         match &expr.node {
             Node::Number(value, _) => *value,
-            Node::Name(name) => self.scope.find(name).map_or(f64::NAN, |symbol| self.value(symbol)),
+            Node::Name(name) => self.environment.scope.find(name).map_or(f64::NAN, |symbol| self.value(symbol)),
             Node::Apply(op, arguments) => op.apply(self.arguments(arguments)),
         }
     }
 
-    fn arguments(&self, arguments: &[Expr]) -> [f64; 3] {
+    fn arguments(&mut self, arguments: &[Expr]) -> [f64; 3] {
         let mut values = [0.0; 3];
         for (value, argument) in values.iter_mut().zip(arguments) {
-            *value = self.evaluate(argument);
+            *value = self.of(argument);
         }
         values
     }
 
-    fn value(&self, symbol: Symbol) -> f64 {
-        let effect = self.scope.effect;
-        match symbol {
-            Symbol::Parameter(index) => self.parameters[index],
-            Symbol::Definition(index) => self.evaluate(&effect.definitions[index].formula.tree),
-            Symbol::Variable(variable) => self.variables[variable as usize],
-            Symbol::Law(law, index) => self.law_parameters[law][index],
-            Symbol::State(index) => match lag(effect, &effect.states[index]) {
-                Some((parameter, target)) if self.parameters[parameter] == 0.0 => self.evaluate(&target.tree),
-                _ => self.states[index],
-            },
+    fn value(&mut self, symbol: Symbol) -> f64 {
+        if let Some(value) = self.named.get(&symbol) {
+            return *value;
         }
+        let Environment { scope, parameters, law_parameters, variables, states } = *self.environment;
+        let effect = scope.effect;
+        let value = match symbol {
+            Symbol::Parameter(index) => parameters[index],
+            Symbol::Definition(index) => self.of(&effect.definitions[index].formula.tree),
+            Symbol::Variable(variable) => variables[variable as usize],
+            Symbol::Law(law, index) => law_parameters[law][index],
+            Symbol::State(index) => match lag(effect, &effect.states[index]) {
+                Some((parameter, target)) if parameters[parameter] == 0.0 => self.of(&target.tree),
+                _ => states[index],
+            },
+        };
+        self.named.insert(symbol, value);
+        value
+    }
+
+    fn find_fault(&mut self, formula: &Formula, expr: &Expr) -> Option<String> {
+        let scope = self.environment.scope;
+        match &expr.node {
+            Node::Number(..) => None,
+            Node::Name(name) => match scope.find(name)? {
+                Symbol::Definition(index) if self.good.contains(&index) => None,
+                Symbol::Definition(index) => {
+                    let inner = &scope.effect.definitions[index].formula;
+                    let fault = self.find_fault(inner, &inner.tree);
+                    self.good.push(index);
+                    fault
+                }
+                symbol => self.value(symbol).is_nan().then(|| format!("`{name}` is not a number")),
+            },
+            Node::Apply(op, arguments) => {
+                let within = arguments.iter().find_map(|argument| self.find_fault(formula, argument));
+                within.or_else(|| {
+                    let values = self.arguments(arguments);
+                    let fault = fault_of(*op, values, op.apply(values))?;
+                    let (line, column) = scope.effect.line_column(formula.start + expr.span.start);
+                    Some(format!("{fault} in `{}` at {line}:{column}", &formula.text[expr.span.clone()]))
+                })
+            }
+        }
+    }
+}
+
+impl Environment<'_> {
+    /// The value of a formula.
+    pub fn evaluate(&self, expr: &Expr) -> f64 {
+        self.evaluation().of(expr)
+    }
+
+    fn evaluation(&self) -> Evaluation<'_, '_> {
+        Evaluation { environment: self, named: BTreeMap::new(), good: Vec::new() }
     }
 
     /// A state after `dt` [s].
@@ -69,37 +121,17 @@ impl Environment<'_> {
 
     /// The innermost operation that turns finite numbers into none, in words with its place in the file.
     pub fn cause(&self, formula: &Formula) -> String {
-        self.find_fault(formula, &formula.tree).unwrap_or_else(|| "an infinite value is used".to_owned())
-    }
-
-    fn find_fault(&self, formula: &Formula, expr: &Expr) -> Option<String> {
-        match &expr.node {
-            Node::Number(..) => None,
-            Node::Name(name) => match self.scope.find(name)? {
-                Symbol::Definition(index) => {
-                    let inner = &self.scope.effect.definitions[index].formula;
-                    self.find_fault(inner, &inner.tree)
-                }
-                symbol => self.value(symbol).is_nan().then(|| format!("`{name}` is not a number")),
-            },
-            Node::Apply(op, arguments) => {
-                let within = arguments.iter().find_map(|argument| self.find_fault(formula, argument));
-                within.or_else(|| {
-                    let values = self.arguments(arguments);
-                    let fault = fault_of(*op, values, op.apply(values))?;
-                    let (line, column) = self.scope.effect.line_column(formula.start + expr.span.start);
-                    Some(format!("{fault} in `{}` at {line}:{column}", &formula.text[expr.span.clone()]))
-                })
-            }
-        }
+        let fault = self.evaluation().find_fault(formula, &formula.tree);
+        fault.unwrap_or_else(|| "an infinite value is used".to_owned())
     }
 
     /// The names of a formula with their values.
     pub fn inputs(&self, formula: &Formula) -> String {
         let mut names: Vec<&str> = Vec::new();
         self.collect(&formula.tree, &mut names);
+        let mut evaluation = self.evaluation();
         let shown = names.iter().filter_map(|name| {
-            let value = self.scope.find(name).map(|symbol| self.value(symbol))?;
+            let value = self.scope.find(name).map(|symbol| evaluation.value(symbol))?;
             Some(format!("{name} = {value:?}"))
         });
         shown.collect::<Vec<_>>().join(", ")

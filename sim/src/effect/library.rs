@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::check::{check, infer_units};
+use super::check::{check, check_circles, infer_units};
 use super::definition::{Effect, Kind, Process};
 use super::error::{EffectError, Problem};
 use super::read::read;
@@ -164,6 +164,8 @@ pub fn check_file(file: &str, text: &str) -> Result<Effect, EffectError> {
 /// Reads a file and infers what it leaves open.
 fn load(file: &str, text: &str, laws: &[Effect]) -> Result<Effect, EffectError> {
     let mut effect = read(Source { file, text })?;
+    // A circle has no dimension from which a unit could be inferred.
+    check_circles(&effect)?;
     infer_units(&mut effect, laws)?;
     Ok(effect)
 }

@@ -1,5 +1,7 @@
 //! Formulas of a whole model to the graph of one place.
 
+use std::collections::BTreeMap;
+
 use super::definition::{Effect, Formula, Motion, Process, Rows};
 use super::graph::{Graph, Id, Load};
 use super::interpret::lag;
@@ -29,12 +31,15 @@ pub struct Lowering<'a> {
     law_parts: &'a [Part],
     /// The values of the place as they are by now.
     current: Vec<(Variable, Id)>,
+    /// What the names of the present part stand for: a definition that is used often is lowered once.
+    named: BTreeMap<Symbol, Id>,
 }
 
 impl<'a> Lowering<'a> {
     /// Starts with the values as the simulator hands them in; a law gives those that it makes.
     pub fn new(place: Place, process: Process, laws: &'a [Effect], law_parts: &'a [Part]) -> Self {
-        let mut lowering = Self { graph: Graph::default(), place, process, laws, law_parts, current: Vec::new() };
+        let (graph, current, named) = (Graph::default(), Vec::new(), BTreeMap::new());
+        let mut lowering = Self { graph, place, process, laws, law_parts, current, named };
         for &value in place.values() {
             let start = match value.start() {
                 Some(start) => lowering.graph.constant(start),
@@ -49,6 +54,7 @@ impl<'a> Lowering<'a> {
     /// Applies what a law or effect changes at this place.
     pub fn apply(&mut self, part: &Part) {
         let place = self.place;
+        self.named.clear();
         let changes = part.effect.changes.iter().filter(|change| change.hook == place);
         // All formulas of one effect see the values before it.
         let changed: Vec<(Variable, Id)> =
@@ -71,6 +77,7 @@ impl<'a> Lowering<'a> {
 
     /// A state after the step.
     pub fn advanced(&mut self, part: &Part, index: usize) -> Id {
+        self.named.clear();
         let state = &part.effect.states[index];
         let old = self.state(part, index);
         let elapsed = self.graph.load(Load::Elapsed);
@@ -124,6 +131,15 @@ impl<'a> Lowering<'a> {
     }
 
     fn symbol(&mut self, part: &Part, symbol: Symbol) -> Id {
+        if let Some(id) = self.named.get(&symbol) {
+            return *id;
+        }
+        let id = self.lowered(part, symbol);
+        self.named.insert(symbol, id);
+        id
+    }
+
+    fn lowered(&mut self, part: &Part, symbol: Symbol) -> Id {
         match symbol {
             Symbol::Parameter(index) => self.parameter(part, index),
             Symbol::Law(law, index) => self.parameter(&self.law_parts[law], index),

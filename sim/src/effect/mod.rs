@@ -22,6 +22,7 @@
 //!
 //! Nothing here opens a file: texts come with a name for messages.
 
+mod accepted;
 mod call;
 mod check;
 mod compiled;
@@ -37,6 +38,7 @@ mod library;
 mod lower;
 mod math;
 mod model;
+mod nearest;
 mod null;
 mod op;
 mod parse;
@@ -51,6 +53,7 @@ mod unit;
 mod variable;
 mod wgsl;
 
+pub use accepted::Accepted;
 pub use call::Call;
 pub use compiled::{CellState, CompiledModel, PoseChange};
 pub use definition::{
@@ -62,6 +65,7 @@ pub use error::{BadResult, EffectError, Problem, RunError};
 pub use inputs::{Lanes, StepValues};
 pub use library::{EFFECTS, LAWS, Library, check_file};
 pub use model::{Model, ModelError, ModelPart};
+pub use nearest::hint;
 pub use parse::SyntaxError;
 pub use slots::{ParameterSlot, RowCounts};
 pub use states::States;

@@ -19,6 +19,7 @@
 use super::definition::{Effect, Kind, Process, Rows};
 use super::error::{EffectError, Problem};
 use super::library::Library;
+use super::nearest::hint;
 use super::toml_text::{Bare, Entry, Section, Source};
 use super::variable::{Place, Variable};
 
@@ -53,14 +54,14 @@ pub enum ModelError {
     #[error(transparent)]
     File(#[from] EffectError),
     /// A law or effect that is not known.
-    #[error("no {kind} is called `{name}`; known are {known}")]
+    #[error("no {kind} is called `{name}`; {hint}")]
     UnknownPart {
         /// Law or effect.
         kind: &'static str,
         /// The name.
         name: String,
-        /// Names that exist.
-        known: String,
+        /// A guess at the name that was meant, or those that exist.
+        hint: String,
     },
     /// A parameter that does not exist.
     #[error("`{owner}` has no parameter `{name}`; it has {known}")]
@@ -155,7 +156,7 @@ impl Model {
         self.ranges.iter().find(|(name, _)| name == path).map(|(_, range)| *range)
     }
 
-    /// Reads a model file.
+    /// Reads a model file. Values lie within the range of their parameter, the model's own where it states one.
     ///
     /// # Errors
     /// The first fault, with its place in the file.
@@ -163,12 +164,45 @@ impl Model {
         let source = Source { file, text };
         let document = source.document()?;
         let root = Section::root(source, &document);
+        let model = Self::read(&root, library)?;
+        for key in ["law", "effect"] {
+            model.check_ranges(&root, key, library)?;
+        }
+        Ok(model)
+    }
+
+    /// As [`Model::parse`], but values may lie beyond the range of their parameter: for numbers that were checked
+    /// against bounds of their own.
+    ///
+    /// # Errors
+    /// The first fault, with its place in the file.
+    pub fn parse_beyond_ranges(file: &str, text: &str, library: &Library) -> Result<Self, ModelError> {
+        let source = Source { file, text };
+        let document = source.document()?;
+        Self::read(&Section::root(source, &document), library)
+    }
+
+    /// Refuses values of the laws or effects in the file that are out of range.
+    fn check_ranges(&self, root: &Section, key: &str, library: &Library) -> Result<(), ModelError> {
+        for (owner, table) in root.tables(key)? {
+            for (name, entry) in table.entries() {
+                let Some(parameter) = library.find(owner).and_then(|effect| effect.parameter(name)) else { continue };
+                let accepted = parameter.accepted(self.process, self.range_of(&format!("{owner}.{name}")));
+                for value in self.values(owner, name) {
+                    accepted.check(*value).map_err(|problem| entry.error(problem))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn read(root: &Section, library: &Library) -> Result<Self, ModelError> {
         root.accept(&["process", "free", "range", "law", "effect"])?;
         let process = root.need("process")?;
         let process = Process::from_name(process.text()?)
             .ok_or_else(|| process.unfit(format!("`{}`", process.text().unwrap_or_default()), "grinding or sanding"))?;
-        let mut model = Self { laws: parts(&root, "law", library)?, ..Self::new(process) };
-        model.effects = parts(&root, "effect", library)?;
+        let mut model = Self { laws: parts(root, "law", library)?, ..Self::new(process) };
+        model.effects = parts(root, "effect", library)?;
         model.add_default_laws(library);
         model.resolve_laws(library)?;
         model.resolve_effects(library)?;
@@ -258,14 +292,16 @@ impl Model {
         (kind, kind_name): (Kind, &'static str),
         library: &'l Library,
     ) -> Result<Vec<&'l Effect>, ModelError> {
-        let known = || {
-            let all = library.all().filter(|effect| effect.kind == kind && effect.acts_in(self.process));
-            all.map(|effect| effect.name.as_str()).collect::<Vec<_>>().join(", ")
-        };
+        let known: Vec<&str> = library
+            .all()
+            .filter(|effect| effect.kind == kind && effect.acts_in(self.process))
+            .map(|effect| effect.name.as_str())
+            .collect();
         let find = |(index, part): (usize, &ModelPart)| {
             let name = part.name.clone();
             let Some(effect) = library.find(&name).filter(|effect| effect.kind == kind) else {
-                return Err(ModelError::UnknownPart { kind: kind_name, name, known: known() });
+                let hint = hint(&name, &known);
+                return Err(ModelError::UnknownPart { kind: kind_name, name, hint });
             };
             if !effect.acts_in(self.process) {
                 return Err(ModelError::WrongProcess { name, process: self.process });
@@ -314,9 +350,8 @@ fn parts(root: &Section, key: &str, library: &Library) -> Result<Vec<ModelPart>,
     for (name, table) in root.tables(key)? {
         let Some(effect) = library.find(name) else {
             let known: Vec<&str> = library.all().map(|effect| effect.name.as_str()).collect();
-            let problem =
-                Problem::Value { found: format!("`{name}`"), expected: format!("one of {}", known.join(", ")) };
-            return Err(table.error(problem).into());
+            let expected = format!("the name of a law or effect ({})", hint(name, &known));
+            return Err(table.error(Problem::Value { found: format!("`{name}`"), expected }).into());
         };
         let names: Vec<&str> = effect.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         table.accept(&names)?;

@@ -8,6 +8,12 @@ use super::toml_text::{Bare, Entry, Section, Source, named};
 use super::unit::Unit;
 use super::variable::{Place, Variable};
 
+/// Parts of all formulas of a file together: each is evaluated for every cell of every step, and the longest of the
+/// program's own files has a tenth of it.
+const MOST_PARTS: usize = 4096;
+/// Entries of `[parameters]`, of `[let]` and of `[state]`, each.
+const MOST_ENTRIES: usize = 256;
+
 const KEYS: [&str; 11] =
     ["name", "title", "process", "source", "signature", "confused_with", "parameters", "let", "state", "modify", "law"];
 const PARAMETER_KEYS: [&str; 9] = ["symbol", "unit", "null", "range", "scale", "default", "free", "per", "about"];
@@ -28,8 +34,11 @@ pub fn read(source: Source) -> Result<Effect, EffectError> {
     };
     let parameters = root.tables("parameters")?;
     let states = root.tables("state")?;
+    for key in ["parameters", "let", "state"] {
+        bounded(&root, key)?;
+    }
     let name = name(&root)?;
-    Ok(Effect {
+    let effect = Effect {
         title: root.optional_text("title")?.unwrap_or_else(|| name.clone()),
         name,
         source: root.optional_text("source")?.unwrap_or_default(),
@@ -43,7 +52,22 @@ pub fn read(source: Source) -> Result<Effect, EffectError> {
         changes: changes(&root, if kind == Kind::Law { "law" } else { "modify" })?,
         file: source.file.to_owned(),
         text: source.text.to_owned(),
-    })
+    };
+    let parts: usize = effect.formulas().map(|formula| formula.tree.size()).sum();
+    if parts > MOST_PARTS {
+        let found = format!("formulas of {parts} parts together");
+        return Err(root.error(Problem::Value { found, expected: format!("at most {MOST_PARTS} parts in a file") }));
+    }
+    Ok(effect)
+}
+
+/// Refuses a table with too many entries.
+fn bounded(root: &Section, key: &str) -> Result<(), EffectError> {
+    let Some(entry) = root.get(key) else { return Ok(()) };
+    match entry.section()?.entries().count() {
+        0..=MOST_ENTRIES => Ok(()),
+        count => Err(entry.unfit(format!("{count} entries"), format!("at most {MOST_ENTRIES}"))),
+    }
 }
 
 fn name(root: &Section) -> Result<String, EffectError> {

@@ -1,16 +1,18 @@
 //! What the names of a formula stand for, and of which physical dimension it is.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::definition::{Effect, Formula, Motion, Process, State};
 use super::dimension::Dimension;
 use super::error::{EffectError, Problem};
+use super::nearest::near;
 use super::op::Op;
 use super::syntax::{Expr, Node};
 use super::variable::{Place, Variable};
 
 /// What a name stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Symbol {
     /// A parameter of the effect.
     Parameter(usize),
@@ -38,6 +40,9 @@ pub struct Scope<'a> {
 }
 
 type Located<T> = Result<T, EffectError>;
+
+/// Dimensions of the definitions that were met, so that each is found once.
+type Found = BTreeMap<usize, Option<Dimension>>;
 
 impl<'a> Scope<'a> {
     /// The names for any process.
@@ -127,15 +132,12 @@ impl<'a> Scope<'a> {
 
     fn nearest(&self, name: &str) -> Option<String> {
         let names = self.available();
-        let candidates = names.split(", ").filter_map(|shown| shown.split(' ').next());
-        let scored = candidates.map(|candidate| (distance(name, candidate), candidate));
-        let (off, nearest) = scored.min_by_key(|(off, _)| *off)?;
-        (off <= name.len() / 3).then(|| nearest.to_owned())
+        near(name, names.split(", ").filter_map(|shown| shown.split(' ').next())).first().map(|near| (*near).to_owned())
     }
 
     /// The dimension of a formula; nothing for a zero, which fits any.
     pub fn dimension(&self, formula: &Formula) -> Located<Option<Dimension>> {
-        self.dimension_of(formula, &formula.tree)
+        self.dimension_of(formula, &formula.tree, &mut Found::new())
     }
 
     /// Checks that a formula has a dimension.
@@ -150,30 +152,38 @@ impl<'a> Scope<'a> {
         }
     }
 
-    fn dimension_of(&self, formula: &Formula, expr: &Expr) -> Located<Option<Dimension>> {
+    fn dimension_of(&self, formula: &Formula, expr: &Expr, found: &mut Found) -> Located<Option<Dimension>> {
         match &expr.node {
             Node::Number(_, dimension) => Ok(*dimension),
             Node::Name(name) => match self.find(name) {
-                Some(symbol) => self.dimension_of_symbol(symbol),
+                Some(symbol) => self.dimension_of_symbol(symbol, found),
                 None => Err(self.error(formula, &expr.span, self.unknown(name))),
             },
             Node::Apply(op, arguments) => {
                 let dimensions = arguments
                     .iter()
-                    .map(|argument| self.dimension_of(formula, argument))
+                    .map(|argument| self.dimension_of(formula, argument, found))
                     .collect::<Located<Vec<_>>>()?;
                 self.combine(*op, formula, arguments, &dimensions)
             }
         }
     }
 
-    fn dimension_of_symbol(&self, symbol: Symbol) -> Located<Option<Dimension>> {
+    fn dimension_of_symbol(&self, symbol: Symbol, found: &mut Found) -> Located<Option<Dimension>> {
         let effect = self.effect;
         Ok(match symbol {
             Symbol::Parameter(index) => Some(effect.parameters[index].unit.dimension),
             Symbol::Variable(variable) => Some(variable.dimension()),
             Symbol::Law(law, index) => Some(self.laws[law].parameters[index].unit.dimension),
-            Symbol::Definition(index) => self.dimension(&effect.definitions[index].formula)?,
+            Symbol::Definition(index) => match found.get(&index) {
+                Some(known) => *known,
+                None => {
+                    let formula = &effect.definitions[index].formula;
+                    let dimension = self.dimension_of(formula, &formula.tree, found)?;
+                    found.insert(index, dimension);
+                    dimension
+                }
+            },
             Symbol::State(index) => Some(effect.states[index].unit.dimension),
         })
     }
@@ -265,20 +275,4 @@ pub fn motion_formulas(state: &State) -> Vec<(&Formula, Dimension, String)> {
             vec![(target, unit, format!("the state `{}`", state.name)), (time, second, "a time".to_owned())]
         }
     }
-}
-
-/// Edits that turn one name into another (Levenshtein 1966).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -1,5 +1,6 @@
 //! The parameters of a model as one flat list of numbers, as fits need them.
 
+use super::accepted::Accepted;
 use super::definition::{Effect, Parameter, Process, Rows, Scale};
 use super::model::{Model, ModelError};
 use super::unit::Unit;
@@ -51,6 +52,12 @@ impl ParameterSlot {
     pub fn name(&self) -> String {
         let row = self.row.map_or(String::new(), |row| format!("[{}]", row + 1));
         format!("{}.{}{row}", self.owner, self.parameter)
+    }
+
+    /// The values that it may be given.
+    pub fn accepted(&self) -> Accepted<'_> {
+        let Self { range, null, default, unit, ref unit_text, .. } = *self;
+        Accepted { range, null, default, unit, unit_text }
     }
 }
 

@@ -104,33 +104,49 @@ pub(crate) fn overlap(reach: f64, [length, width, _]: [f64; 3], rng: &mut impl R
     })
 }
 
-/// Drops on the part, 0.8 to 2 widths beside the centreline and clear of the bead, 0.2 to 0.3 widths across; drops that
-/// find no ground are left out.
-///
-/// - `clear`: half of the bead's base [m]
-pub(crate) fn spatter(
-    count: u32,
-    curve: &WeldCurve,
-    (query, part): (&MeshQuery, &Mesh),
-    [width, clear]: [f64; 2],
-    rng: &mut impl RngExt,
-) -> (Vec<Defect>, Mesh) {
-    let (mut defects, mut drops) = (Vec::new(), Mesh::default());
-    for _ in 0..count {
+/// Places tried for one drop of spatter: a strip of ground with room for a drop in one of twenty places is found in all but
+/// one of a thousand.
+const TRIES: usize = 128;
+
+/// Ground for drops of spatter beside a bead.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground<'a> {
+    pub(crate) curve: &'a WeldCurve,
+    pub(crate) query: &'a MeshQuery,
+    pub(crate) part: &'a Mesh,
+    /// Width of the bead [m].
+    pub(crate) width: f64,
+    /// Half of the bead's base [m].
+    pub(crate) clear: f64,
+}
+
+impl Ground<'_> {
+    /// Drops on the part, 0.8 to 2 widths beside the centreline and clear of the bead, 0.2 to 0.3 widths across. There are
+    /// fewer where the part has no ground beside the bead.
+    pub(crate) fn spatter(&self, count: u32, rng: &mut impl RngExt) -> (Vec<Defect>, Mesh) {
+        let (mut defects, mut drops) = (Vec::new(), Mesh::default());
+        for _ in 0..count {
+            let Some((body, defect)) = (0..TRIES).find_map(|_| self.drop(rng)) else { break };
+            drops.append(&body);
+            defects.push(defect);
+        }
+        (defects, drops)
+    }
+
+    /// A drop at a place drawn, if there is room.
+    fn drop(&self, rng: &mut impl RngExt) -> Option<(Mesh, Defect)> {
+        let Self { curve, width, .. } = *self;
         let point = &curve.points[(rng.random::<f64>() * curve.points.len() as f64) as usize];
         let side = if rng.random::<bool>() { 1.0 } else { -1.0 };
         let offset = side * width * (0.8 + 1.2 * rng.random::<f64>());
         let radius = width * (0.1 + 0.05 * rng.random::<f64>());
-        let Some(ground) = query.closest_within(point.position + offset * point.side, 0.5 * width) else { continue };
-        let centre = ground.point + SUNK * radius * part.normal(ground.triangle as usize);
-        let apart = curve.points.iter().all(|p| p.position.distance(centre) > clear + 1.5 * radius);
-        if apart {
-            drops.append(&drop(centre, radius));
-            let (arc_length, depth) = (point.arc_length, (1.0 + SUNK) * radius);
-            defects.push(Defect { kind: DefectKind::Spatter, arc_length, offset, size: 2.0 * radius, depth });
-        }
+        let ground = self.query.closest_within(point.position + offset * point.side, 0.5 * width)?;
+        let centre = ground.point + SUNK * radius * self.part.normal(ground.triangle as usize);
+        let apart = curve.points.iter().all(|p| p.position.distance(centre) > self.clear + 1.5 * radius);
+        let (arc_length, depth) = (point.arc_length, (1.0 + SUNK) * radius);
+        let defect = Defect { kind: DefectKind::Spatter, arc_length, offset, size: 2.0 * radius, depth };
+        apart.then(|| (drop(centre, radius), defect))
     }
-    (defects, drops)
 }
 
 /// Height of a drop's centre above the surface, in radii.

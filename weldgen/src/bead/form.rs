@@ -10,9 +10,15 @@ use serde::Serialize;
 
 use super::defect::{Defect, DefectKind, overlap, pores, sag};
 use crate::curvature::CurvatureProfile;
+use crate::dial_fault::{DialFault, shown, shown_mm};
 
 /// Least share of the crown's height that ripples, crater and variation together leave.
 const LEAST_HEIGHT: f64 = 0.1;
+
+/// Pores and drops of spatter that a bead may be asked to have, each.
+pub const MOST_DEFECTS: u32 = 1000;
+/// Burnt holes that a bead may be asked to have.
+pub const MOST_HOLES: u32 = 10;
 
 /// Largest width of an undercut's groove, in bead widths.
 pub(crate) const WIDEST_GROOVE: f64 = 0.3;
@@ -89,34 +95,57 @@ pub struct BeadForm {
 }
 
 impl FormRequest {
-    /// The first part of it that is out of range, in words; `width` is the bead's [m].
-    pub(crate) fn fault(&self, width: f64) -> Option<String> {
-        let Ripples { pitch, height, chevron } =
-            self.ripples.unwrap_or(Ripples { pitch: width, height: 0.0, chevron: 0.0 });
-        let Crater { depth, hump } = self.crater.unwrap_or(Crater { depth: 0.0, hump: 0.0 });
-        let Weave { amplitude, pitch: swing } = self.weave.unwrap_or(Weave { amplitude: 0.0, pitch: 2.0 * width });
-        let checks = [
-            ("ripple pitch", pitch / width, [0.25, 10.0], "widths"),
-            ("ripple height", height, [0.0, 0.5], "heights"),
-            ("chevron", chevron, [0.0, 1.0], "widths"),
-            ("crater depth", depth, [0.0, 0.8], "heights"),
-            ("start hump", hump, [0.0, 0.5], "heights"),
-            ("weave", amplitude / width, [0.0, 0.5], "widths"),
+    /// Checks every part of it for a bead of a width [m].
+    ///
+    /// # Errors
+    /// The first part that is out of range.
+    pub fn check(&self, width: f64) -> Result<(), DialFault> {
+        let lengths = self.lengths(width).into_iter().map(|(dial, length, [low, high])| {
+            let (lowest, highest) = (shown_mm(low * width), shown_mm(high * width));
+            let widths = format!("{} to {} widths", shown(low), shown(high));
+            let good = (low * width..=high * width).contains(&length);
+            (good, DialFault { dial, found: shown_mm(length), accepted: format!("{lowest} to {highest}, {widths}") })
+        });
+        let shares = self.shares().into_iter().map(|(dial, value, [low, high], unit)| {
+            let accepted = format!("{} to {}{unit}", shown(low), shown(high));
+            ((low..=high).contains(&value), DialFault { dial, found: format!("{}{unit}", shown(value)), accepted })
+        });
+        lengths.chain(shares).find(|(good, _)| !good).map_or(Ok(()), |(_, fault)| Err(fault))
+    }
+
+    /// Lengths [m] that are asked for, and their range in bead widths.
+    fn lengths(&self, width: f64) -> Vec<(&'static str, f64, [f64; 2])> {
+        let mut lengths = Vec::new();
+        if let Some(ripples) = self.ripples {
+            lengths.push(("ripple pitch", ripples.pitch, [0.25, 10.0]));
+        }
+        if let Some(Weave { amplitude, pitch }) = self.weave {
+            lengths.push(("weave", amplitude, [0.0, 0.5]));
             // Steeper swings would fold the bead.
-            ("weave pitch", swing / width, [1.5 + TAU * amplitude / width, 1e3], "widths"),
-            ("width variation", self.width_variation, [0.0, 0.3], "widths"),
-            ("sagging", self.sagging, [0.0, 0.7], "heights"),
-            ("overlap", self.overlap, [0.0, 0.3], "widths"),
-            ("undercut", self.undercut, [0.0, 0.5], "heights"),
-            ("number of burnt holes", f64::from(self.burn_through), [0.0, 10.0], ""),
-            ("number of pores", f64::from(self.pores), [0.0, 1e3], ""),
-            ("number of drops of spatter", f64::from(self.spatter), [0.0, 1e3], ""),
-            ("height variation", self.height_variation, [0.0, 0.3], "heights"),
-        ];
-        let bad = checks.iter().find(|(_, value, [low, high], _)| !(low..=high).contains(&value));
-        bad.map(|(name, value, [low, high], unit)| {
-            format!("the {name} is {value:.3} {unit}; it must be {low:.3} to {high:.3}")
-        })
+            lengths.push(("weave pitch", pitch, [1.5 + TAU * amplitude / width, 1e3]));
+        }
+        lengths
+    }
+
+    /// Shares and counts, their range and their unit.
+    fn shares(&self) -> [(&'static str, f64, [f64; 2], &'static str); 12] {
+        let Ripples { height, chevron, .. } = self.ripples.unwrap_or(Ripples { pitch: 0.0, height: 0.0, chevron: 0.0 });
+        let Crater { depth, hump } = self.crater.unwrap_or(Crater { depth: 0.0, hump: 0.0 });
+        let [pores, spatter, holes] = [self.pores, self.spatter, self.burn_through].map(f64::from);
+        [
+            ("ripple height", height, [0.0, 0.5], " heights"),
+            ("ripple chevron", chevron, [0.0, 1.0], " widths"),
+            ("crater depth", depth, [0.0, 0.8], " heights"),
+            ("start hump", hump, [0.0, 0.5], " heights"),
+            ("width variation", self.width_variation, [0.0, 0.3], " widths"),
+            ("height variation", self.height_variation, [0.0, 0.3], " heights"),
+            ("sagging", self.sagging, [0.0, 0.7], " heights"),
+            ("overlap", self.overlap, [0.0, 0.3], " widths"),
+            ("undercut", self.undercut, [0.0, 0.5], " heights"),
+            ("number of burnt holes", holes, [0.0, f64::from(MOST_HOLES)], ""),
+            ("number of pores", pores, [0.0, f64::from(MOST_DEFECTS)], ""),
+            ("number of drops of spatter", spatter, [0.0, f64::from(MOST_DEFECTS)], ""),
+        ]
     }
 
     /// Farthest that something at this distance [m] from the centreline may get.

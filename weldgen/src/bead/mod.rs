@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 pub use defect::{Defect, DefectKind};
 pub(crate) use form::WIDEST_GROOVE;
-pub use form::{BeadForm, Crater, FormRequest, Ripples, Weave};
+pub use form::{BeadForm, Crater, FormRequest, MOST_DEFECTS, MOST_HOLES, Ripples, Weave};
 pub use sweep::{BeadError, sweep, sweep_formed};
 
 /// The outline of a bead's cross-section above the surface.

@@ -1,0 +1,115 @@
+//! What is asked of a weld, checked before anything is baked, and what of a weld is worth a warning.
+
+use anyhow::{Result, anyhow, bail};
+use sdf_bake::{BLEND_REACH, BakeOptions};
+use weldgen::{BeadProfile, DialFault, Placement, Weld, WeldRequest};
+
+use super::WeldWishes;
+
+/// Flags of the dials of a weld.
+const FLAGS: [(&str, &str); 29] = [
+    ("length", "--length-mm"),
+    ("curvature RMS", "--curvature-per-m"),
+    ("curvature maximum", "--curvature-max-per-m"),
+    ("correlation length", "--correlation-mm"),
+    ("exposure", "--exposure"),
+    ("exposure reach", "--exposure-reach-mm"),
+    ("tool radius", "--access-radius-mm"),
+    ("tool width", "--access-width-mm"),
+    ("least access", "--min-access"),
+    ("width", "--width-mm"),
+    ("height", "--height-mm"),
+    ("overlap", "--overlap"),
+    ("convexity", "--convexity"),
+    ("stitch length", "--stitch-mm"),
+    ("stitch pitch", "--stitch-pitch-mm"),
+    ("ripple pitch", "--ripple-pitch-mm"),
+    ("ripple height", "--ripple-height"),
+    ("ripple chevron", "--ripple-chevron"),
+    ("crater depth", "--crater"),
+    ("start hump", "--start-hump"),
+    ("weave", "--weave-mm"),
+    ("weave pitch", "--weave-pitch-mm"),
+    ("width variation", "--width-variation"),
+    ("height variation", "--height-variation"),
+    ("sagging", "--sagging"),
+    ("undercut", "--undercut"),
+    ("number of pores", "--pores"),
+    ("number of drops of spatter", "--spatter"),
+    ("number of burnt holes", "--burn-through"),
+];
+
+/// The thinnest welding wire [m]; no bead is narrower.
+const THINNEST_WIRE: f64 = 0.6e-3;
+
+/// Refuses what cannot be, whatever the part's shape, with the flag that asks for it.
+pub(super) fn check(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
+    check_sizes(wishes, baking.voxel)?;
+    request.check().map_err(|fault| anyhow!("{}{fault}", flag_of(&fault)))?;
+    check_toe_radius(wishes, request, baking)
+}
+
+fn flag_of(fault: &DialFault) -> String {
+    let row = FLAGS.iter().find(|(dial, _)| *dial == fault.dial);
+    row.map_or(String::new(), |(_, flag)| format!("{flag}: "))
+}
+
+/// What is far below the voxel would be in the truth and not in the field.
+fn check_sizes(wishes: &WeldWishes, voxel: f64) -> Result<()> {
+    for (flag, wish, voxels) in [
+        ("--length-mm", wishes.length.map(|[low, _]| low), 1.0),
+        ("--width-mm", wishes.width, 1.0),
+        ("--height-mm", wishes.height, 0.05),
+        // A wave needs two samples (Shannon 1949).
+        ("--ripple-pitch-mm", wishes.form.ripples.map(|ripples| ripples.pitch), 2.0),
+        ("--weave-pitch-mm", wishes.form.weave.map(|weave| weave.pitch), 2.0),
+    ] {
+        if let Some(size) = wish.filter(|&size| size < voxels * voxel) {
+            bail!(
+                "{flag} {:?}: with a voxel of {:.4} mm, {:.4} mm or more is accepted; a smaller --voxel-mm allows less",
+                size * 1e3,
+                voxel * 1e3,
+                voxels * voxel * 1e3
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The round toes must stay within the band. A fillet's angle is known with its seam only.
+fn check_toe_radius(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
+    let Some(radius) = wishes.toe_radius else { return Ok(()) };
+    if matches!(request.placement, Placement::Seam | Placement::Mixed) {
+        return Ok(());
+    }
+    let profile = BeadProfile::on_face(request.shape, request.width, request.height);
+    let band = baking.band_voxels * baking.voxel;
+    // The blend's radius goes with that of the toes.
+    let most = BLEND_REACH * band * radius / profile.blend_radius(radius);
+    if radius <= most {
+        return Ok(());
+    }
+    bail!(
+        "--toe-radius-mm {:?}: 0 to {:.4} mm are accepted for a bead {:.3} mm wide and {:.3} mm high in a band of {:.3} mm; a \
+         wider --band allows more",
+        radius * 1e3,
+        most * 1e3,
+        profile.width * 1e3,
+        profile.height * 1e3,
+        band * 1e3
+    )
+}
+
+/// What of a weld is implausible, or short of what was asked.
+pub(super) fn bead_warnings(weld: &Weld) -> Vec<String> {
+    let width = weld.profile.width;
+    let thin = (width < THINNEST_WIRE).then(|| {
+        format!(
+            "the bead is {:.3} mm wide, and the thinnest welding wire is {} mm: check --unit and the size of the part, or give \
+             --width-mm",
+            width * 1e3,
+            THINNEST_WIRE * 1e3
+        )
+    });
+    thin.into_iter().chain(weld.shortfalls()).collect()
+}

@@ -1,0 +1,25 @@
+//! Imperfections that were asked for and that the part has no room for.
+
+use crate::bead::DefectKind;
+use crate::place::Weld;
+
+impl Weld {
+    /// Which imperfections are fewer than was asked, and why, in sentences.
+    pub fn shortfalls(&self) -> Vec<String> {
+        let form = &self.request.form;
+        let one = |share: f64| u32::from(share > 0.0);
+        let asked = [
+            (DefectKind::SurfacePore, form.pores, "pores", "the bead has no room"),
+            (DefectKind::Sagging, one(form.sagging), "sags", "the bead has no room"),
+            (DefectKind::Overlap, one(form.overlap), "overlaps", "the bead has no room"),
+            (DefectKind::Spatter, form.spatter, "drops of spatter", "no more ground lies clear beside the bead"),
+            (DefectKind::Undercut, one(form.undercut), "undercuts", "the ground beside the toes bends or is too thin"),
+            (DefectKind::BurnThrough, form.burn_through, "burnt holes", "the ground is too thick or closed behind"),
+        ];
+        let short = |(kind, asked, name, why): (DefectKind, u32, &str, &str)| {
+            let made = self.defects.iter().filter(|defect| defect.kind == kind).count();
+            (made < asked as usize).then(|| format!("{made} of {asked} {name} were made: {why}"))
+        };
+        asked.into_iter().filter_map(short).collect()
+    }
+}
