@@ -258,9 +258,9 @@ mod tests {
     #[test]
     fn numbers_of_passes_have_no_halves_between_them() {
         let series = [Series::new("error", vec![(1.0, 30.0), (2.0, 40.0)])];
-        assert!(!chart(&series).to_svg().contains(">1.5</text>"));
+        assert!(!chart(&series).to_svg().contains(">1.2</text>"));
         let series = [Series::new("error", vec![(1.0, 30.0), (1.5, 40.0), (2.0, 40.0)])];
-        assert!(chart(&series).to_svg().contains(">1.5</text>"), "times have halves");
+        assert!(chart(&series).to_svg().contains(">1.2</text>"), "times have halves");
     }
 
     #[test]

@@ -2,6 +2,9 @@
 
 use super::page::escape;
 
+/// What stands where a number is absent.
+const ABSENT: &str = "–";
+
 /// One cell.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
@@ -23,7 +26,11 @@ impl Cell {
 
     /// A dash where a number is absent.
     pub fn absent() -> Self {
-        Self { text: "–".to_owned(), is_number: true, ..Self::default() }
+        Self { text: ABSENT.to_owned(), is_number: true, ..Self::default() }
+    }
+
+    fn is_absent(&self) -> bool {
+        self.is_number && self.value.is_none() && self.text == ABSENT
     }
 
     fn to_html(&self, tag: &str) -> String {
@@ -55,6 +62,21 @@ impl Table {
     pub fn new(caption: &str, headings: &[&str]) -> Self {
         let headings = headings.iter().map(|&heading| heading.to_owned()).collect();
         Self { caption: caption.to_owned(), headings, rows: Vec::new() }
+    }
+
+    /// The table without the columns in which no row has a number.
+    pub fn without_empty_columns(mut self) -> Self {
+        let is_empty = |column: usize| {
+            !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(Cell::is_absent))
+        };
+        let kept: Vec<bool> = (0..self.headings.len()).map(|column| !is_empty(column)).collect();
+        let mut keep = kept.iter().copied();
+        self.headings.retain(|_| keep.next().unwrap_or(true));
+        for row in &mut self.rows {
+            let mut keep = kept.iter().copied();
+            row.retain(|_| keep.next().unwrap_or(true));
+        }
+        self
     }
 
     /// The table as HTML; it scrolls by itself where it is wider than the page.
@@ -89,6 +111,17 @@ fn row_html(row: &[Cell]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_column_without_a_number_is_left_out() {
+        let mut table = Table::new("", &["pass", "typical", "size"]);
+        table.rows.push(vec![Cell::text("1"), Cell::absent(), Cell::number("none shows".to_owned(), f64::NAN)]);
+        table.rows.push(vec![Cell::text("2"), Cell::absent(), Cell::absent()]);
+        let kept = table.without_empty_columns();
+        assert_eq!(kept.headings, ["pass", "size"]);
+        assert!(kept.rows.iter().all(|row| row.len() == 2));
+        assert_eq!(Table::new("", &["pass"]).without_empty_columns().headings, ["pass"]);
+    }
 
     #[test]
     fn a_cell_keeps_the_full_value() {

@@ -11,8 +11,8 @@ use super::fill::{detectable, next_trial, suggested, suspects, waterfall};
 use super::measurements::Data;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
 use crate::laboratory::{
-    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, Fitted, MOST_EFFECTS, Order,
-    ParameterSummary, Suggestion, Told, Verdict, beginning, parameter_summary,
+    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, MOST_EFFECTS,
+    Order, ParameterSummary, Suggestion, Told, Verdict, beginning, parameter_summary,
 };
 use crate::study_report::StudyReport;
 
@@ -31,6 +31,8 @@ pub struct Course<'a> {
     library: &'a Library,
     calibration: Option<Calibration>,
     diagnosis: Option<(Diagnosis, DiagnosisSummary)>,
+    /// Effects that the searches of this run fitted, those of the last search first.
+    suspects: Vec<EffectSummary>,
 }
 
 impl<'a> Course<'a> {
@@ -40,7 +42,16 @@ impl<'a> Course<'a> {
     /// A model that does not fit the measurements.
     pub fn new(data: Data<'a>, library: &'a Library, model: Model, record: StudyRecord) -> Result<Self> {
         let model = data.fitting(model, library)?;
-        Ok(Self { record, model, suggestion: None, data, library, calibration: None, diagnosis: None })
+        Ok(Self {
+            record,
+            model,
+            suggestion: None,
+            data,
+            library,
+            calibration: None,
+            diagnosis: None,
+            suspects: Vec::new(),
+        })
     }
 
     /// Does the next step, unless the study has ended.
@@ -161,6 +172,9 @@ impl<'a> Course<'a> {
         if to_add.is_none() {
             record.ended = Some("no further effect of the library can be named".to_owned());
         }
+        let searched = self.suspects.iter().map(|suspect| suspect.search).max().unwrap_or(0);
+        let numbered = |one: &EffectSummary| EffectSummary { search: searched + one.search, ..one.clone() };
+        self.suspects.splice(0..0, summary.suspects.iter().map(numbered));
         record.to_add = to_add.map(|name| [name, diagnosis.model.to_text(self.library)]);
         self.diagnosis = Some((diagnosis, summary));
         Ok(outcome.join("\n"))
@@ -227,7 +241,7 @@ impl<'a> Course<'a> {
         })?;
         let Some((_, found)) = &self.diagnosis else { return Ok(report) };
         Ok(StudyReport {
-            suspects: suspects(found),
+            suspects: suspects(&self.suspects, found.error_unit),
             detectable: found.detectable.iter().map(detectable).collect(),
             next_trial: found.next_trial.as_ref().map(next_trial),
             suggested_effect: self.suggestion.as_ref().map(suggested),

@@ -87,7 +87,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         scans: filled.scans,
         sections: filled.sections,
         covariates: filled.covariates,
-        suspects: suspects(summary),
+        suspects: suspects(&summary.suspects, summary.error_unit),
         parameters: summary.parameters.iter().map(parameter).collect(),
         correlations: correlations(&diagnosis.fit),
         detectable: summary.detectable.iter().map(detectable).collect(),
@@ -285,18 +285,21 @@ pub(super) fn waterfall(
     Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() }
 }
 
-/// All effects that were fitted, each with why it is out.
-pub(super) fn suspects(summary: &DiagnosisSummary) -> Vec<page::Suspect> {
-    let searches = summary.suspects.iter().map(|suspect| suspect.search).max().unwrap_or(0);
-    summary.suspects.iter().map(|one| suspect(one, summary.error_unit, searches)).collect()
+/// Effects that were fitted, by search and within each the most probable first, each with why it is in or out.
+pub(super) fn suspects(fitted: &[EffectSummary], unit: ErrorUnit) -> Vec<page::Suspect> {
+    let searches = fitted.iter().map(|suspect| suspect.search).max().unwrap_or(0);
+    let of_search = fitted.chunk_by(|a, b| a.search == b.search);
+    let of_search = of_search.flat_map(|search| search.iter().enumerate());
+    of_search.map(|(rank, one)| suspect(one, unit, (rank, searches))).collect()
 }
 
-fn suspect(suspect: &EffectSummary, unit: ErrorUnit, searches: usize) -> page::Suspect {
+fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, usize)) -> page::Suspect {
     let one = 1.0 / unit.per_one();
-    let reason = match &suspect.ruled_out {
-        Some(reason) => format!("Out: {reason}."),
-        None if suspect.indistinguishable_from.is_empty() => "Still in play.".to_owned(),
-        None => format!("Still in play, as are {}.", suspect.indistinguishable_from.join(", ")),
+    let reason = match (&suspect.ruled_out, &suspect.indistinguishable_from[..]) {
+        (Some(reason), _) => format!("Out: {reason}."),
+        (None, []) if rank == 0 => "In: the most probable one.".to_owned(),
+        (None, []) => "In: the data do not decide between it and the most probable one.".to_owned(),
+        (None, alike) => format!("In: the most probable one, which these data cannot tell from {}.", alike.join(", ")),
     };
     let search = if searches > 1 { format!("Search {} of {searches}. ", suspect.search) } else { String::new() };
     page::Suspect {

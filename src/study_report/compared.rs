@@ -33,7 +33,7 @@ fn meaning(verdict: Verdict) -> &'static str {
         Verdict::Calibrated => "Whether anything is missing, and what, a diagnosis says.",
         Verdict::Agrees => "The model was compared as it is; nothing was fitted.",
         Verdict::Differs => {
-            "The model was compared as it is; see below where it fails, and `robofin diagnose` for why."
+            "The model was compared as it is; see below where it fails, and <code>robofin diagnose</code> for why."
         }
     }
 }

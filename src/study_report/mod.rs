@@ -48,7 +48,7 @@ pub fn page(report: &StudyReport) -> String {
     waterfall::add(&mut page, &report.waterfall);
     compared::add_volumes(&mut page, &report.volumes);
     add_residuals(&mut page, report);
-    let is_diagnosed = report.verdict != Verdict::Calibrated;
+    let is_diagnosed = !matches!(report.verdict, Verdict::Calibrated | Verdict::Agrees | Verdict::Differs);
     if is_diagnosed {
         suspects::add(&mut page, &report.suspects, &report.waterfall.misfit);
     }

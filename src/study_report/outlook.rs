@@ -32,7 +32,7 @@ pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
             Cell::text(&row.note),
         ]);
     }
-    page.block(&table.to_html());
+    page.block(&table.without_empty_columns().to_html());
 }
 
 /// Appends the next trial.

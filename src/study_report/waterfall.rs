@@ -31,7 +31,7 @@ pub(super) fn add(page: &mut Page, waterfall: &Waterfall) {
         return page.paragraph("No step of the model was computed.");
     }
     page.drawing(&picture(waterfall), &caption(waterfall));
-    page.block(&table(waterfall).to_html());
+    page.block(&table(waterfall).without_empty_columns().to_html());
     page.block(&list(&waterfall.notes));
     if let Some(volumes) = volumes(waterfall) {
         page.block(&volumes.to_html());
@@ -161,7 +161,10 @@ fn volumes(waterfall: &Waterfall) -> Option<Table> {
     let mut headings = vec!["pass"];
     headings.extend(steps.iter().map(|step| step.name.as_str()));
     let mut table = Table::new(
-        &format!("Error of {VOLUME} after each step: (simulated − measured) / measured; ± as there"),
+        &format!(
+            "Error of {VOLUME} after each step: (simulated − measured) / measured; ± is the standard uncertainty. \
+         The scan is \"raw\" as it was read"
+        ),
         &headings,
     );
     for (k, pass) in waterfall.passes.iter().enumerate() {

@@ -112,12 +112,16 @@ fn each_error_at_a_glance_stands_beside_the_floor_of_the_same_passes() {
 }
 
 #[test]
-fn a_comparison_has_no_columns_of_an_effect() {
+fn a_comparison_has_no_suspects_no_next_trial_and_no_columns_of_an_effect() {
     let mut report = grinding(2, 60, 40);
     assert!(page(&report).contains("with effect [mm³]"));
     report.volumes.iter_mut().for_each(|volume| volume.with_effect = None);
+    report.waterfall.steps.iter_mut().for_each(|step| step.unexplained = None);
+    report.verdict = Verdict::Differs;
     let html = page(&report);
     assert!(!html.contains("with effect [mm³]") && html.contains("model [mm³]"));
+    assert!(!html.contains("still unexplained"), "no step has such a share");
+    assert!(!html.contains("id=\"suspects\"") && !html.contains("id=\"next\""), "nothing was searched for");
 }
 
 #[test]
