@@ -15,7 +15,7 @@ use crate::console::Console;
 use crate::covariate_maps;
 use crate::finishing::{log_csv, model_facts};
 use crate::folder::StagedFolder;
-use crate::measure::{Freedom, despiked, noise_floor, register, untouched};
+use crate::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
 use crate::output::FolderKind;
 use crate::part::sha256;
 use crate::snapshot::{self, Keeping, Origin, Resume, STATE_NAMES, Snapshot, model_origin};
@@ -34,8 +34,6 @@ pub const REHEARSAL: FolderKind = FolderKind {
 };
 /// Value of its `format` key.
 const REHEARSAL_FORMAT: &str = "robofin-simulation/1";
-/// Pixels nearer to the tool than this count as touched when scans are laid on each other [m].
-const CLEARANCE: f64 = 0.1e-3;
 
 /// A simulated trial.
 pub struct Rehearsal {

@@ -44,6 +44,8 @@ pub(super) struct CalibrateArgs {
 #[derive(Serialize)]
 struct CalibrateAnswer<'a> {
     model: &'a Path,
+    /// What the reader understood of the files where it was not the plain case.
+    notes: Vec<String>,
     #[serde(flatten)]
     summary: &'a CalibrationSummary,
 }
@@ -55,13 +57,13 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let measurements = Measurements::read(&args.campaign)?;
     let mut data = measurements.data()?;
     console.step("read", data.describe());
-    data.notes_of_table().iter().for_each(|note| console.step("note", note));
+    data.notes().iter().for_each(|note| console.step("note", note));
     let calibration = calibrated(args, &mut data, &library, console)?;
     let summary = CalibrationSummary::new(data.evidence(), &calibration, &library)?;
     describe(&summary, console);
     data.fix_blur(&calibration.last().fit.model)?;
     let place = args.out.out.join("model.toml");
-    let answer = CalibrateAnswer { model: &place, summary: &summary };
+    let answer = CalibrateAnswer { model: &place, notes: data.notes(), summary: &summary };
     let report = calibration_report(&CalibrationReport {
         data: &data,
         calibration: &calibration,

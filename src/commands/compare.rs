@@ -72,7 +72,7 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
     }
     let evidence = ScanEvidence::new(&campaign.trials, None)?;
     console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
-    campaign.trials.iter().flat_map(|trial| &trial.notes).for_each(|note| console.step("note", note));
+    campaign.notes().iter().for_each(|note| console.step("note", note));
     let model = args.model.model(evidence.process(), &library)?;
     let model = CompiledModel::new(&model, &library, evidence.rows())?;
     compare_scans((&campaign, &evidence), &model, asked)

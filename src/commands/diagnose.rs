@@ -46,7 +46,7 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let measurements = Measurements::read(&args.campaign)?;
     let mut data = measurements.data()?;
     console.step("read", data.describe());
-    data.notes_of_table().iter().for_each(|note| console.step("note", note));
+    data.notes().iter().for_each(|note| console.step("note", note));
     let model = data.fitting(args.model.model(data.evidence().process(), &library)?, &library)?;
     data.prepare(&model, &library)?;
     let fit = calibrate(data.evidence(), &model, &library)?;
@@ -72,7 +72,7 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         summary: &summary,
         suggestion: suggestion.as_ref(),
         seed: args.seed,
-        notes: data.notes_of_table(),
+        notes: data.notes(),
     };
     let report = report(&input)?;
     write(&folder, DIAGNOSIS_FILE, &serde_json::to_string_pretty(&report.diagnosis)?)?;

@@ -174,6 +174,7 @@ struct SimulateAnswer<'a> {
 #[derive(Serialize)]
 struct TrialAnswer<'a> {
     out: &'a Path,
+    notes: &'a [String],
     backend: String,
     real_time_factor: f64,
     #[serde(flatten)]
@@ -184,6 +185,7 @@ struct TrialAnswer<'a> {
 #[derive(Serialize)]
 struct BatchAnswer<'a> {
     out: &'a Path,
+    notes: &'a [String],
     backend: String,
     runs: usize,
     real_time_factor: f64,
@@ -238,7 +240,8 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     }
     console.step("done", format!("{}", args.out.out.display()));
     let backend = name_of(device.as_ref());
-    console.answer(&TrialAnswer { out: &args.out.out, backend, real_time_factor: rehearsal.real_time_factor, summary })
+    let (out, notes, real_time_factor) = (&args.out.out, &trial.notes, rehearsal.real_time_factor);
+    console.answer(&TrialAnswer { out, notes, backend, real_time_factor, summary })
 }
 
 /// The trial under every parameter set of a table.
@@ -267,7 +270,8 @@ fn run_batch(
         bail!("{} of {} runs ended early, {} says why; the first: {first}", stopped.len(), runs.len(), file.display());
     }
     let (backend, real_time_factor) = (name_of(twin.device), simulated / seconds);
-    console.answer(&BatchAnswer { out: &args.out.out, backend, runs: runs.len(), real_time_factor })
+    let (out, notes) = (&args.out.out, &twin.trial.notes);
+    console.answer(&BatchAnswer { out, notes, backend, runs: runs.len(), real_time_factor })
 }
 
 fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {

@@ -58,7 +58,7 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
     let measurements = Measurements::read(&args.campaign)?;
     let mut data = measurements.data()?;
     console.step("read", data.describe());
-    data.notes_of_table().iter().for_each(|note| console.step("note", note));
+    data.notes().iter().for_each(|note| console.step("note", note));
     let progress = Progress::take_up(&std::path::absolute(out)?, &mut data, &inputs_sha256(&args.campaign)?)?;
     if let Some(progress) = progress.as_ref().filter(|progress| progress.known > 0) {
         let folder = progress.folder().display();

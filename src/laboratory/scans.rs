@@ -17,12 +17,10 @@ use super::pass_trend::{PassTrend, trend_of_scans};
 use super::tiles::{TileGrid, Tiles};
 use crate::campaign_twin::CampaignTwin;
 use crate::journal::Journal;
-use crate::measure::{NoiseFloor, despiked, noise_floor, untouched};
-use crate::trial::{PassScan, Role, ToolPath, Trial};
+use crate::measure::{CLEARANCE, NoiseFloor, despiked, noise_floor, untouched};
+use crate::trial::{PassScan, Role, TRIAL_FILE, ToolPath, Trial, least_gap};
 use crate::twin::SimulatedPass;
 
-/// Distance [m] that counts as touched: errors of pose and scan, and dust.
-const CLEARANCE: f64 = 0.1e-3;
 /// Fewest pixels along a tile, and most tiles of a scan: their covariance is a dense matrix.
 const LEAST_SIDE: usize = 3;
 const MOST_TILES: usize = 1000;
@@ -330,7 +328,7 @@ impl Evidence for ScanEvidence<'_> {
 fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloor), EvidenceError> {
     let bad = |what: String| EvidenceError::NoData(format!("{}: {what}", trial.name));
     let (before, _) = despiked(&trial.scans.before);
-    let repeat = trial.scans.repeats.first().ok_or_else(|| bad("no repeated scan".into()))?;
+    let repeat = trial.scans.repeats.first().ok_or_else(|| EvidenceError::NoData(no_repeat(trial)))?;
     let (repeat, _) = despiked(repeat);
     let floor = noise_floor(&before, &repeat).map_err(|error| bad(format!("the repeated scan: {error}")))?;
     let mut free = vec![true; before.heights.len()];
@@ -354,10 +352,35 @@ fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloo
             Role::Calibration => Split::Calibration,
             Role::Evaluation => Split::Evaluation,
         };
-        let data = data.ok_or_else(|| bad(format!("pass {}: the tool touched no scanned surface", number + 1)))?;
+        let data = data.ok_or_else(|| bad(format!("pass {}: {}", number + 1, untouched_words(trial, &path))))?;
         views.push(ScanView { trial: index, pass: number, split, data });
     }
     Ok((views, floor))
+}
+
+/// Why a trial without a repeated scan is no data, and what to do.
+fn no_repeat(trial: &Trial) -> String {
+    format!(
+        "{}: [scan] has no repeat, and without a second scan of the surface before the first pass the noise is unknown: add \
+         repeat = [\"before_repeat.csv\"]; only `simulate` needs none",
+        trial.folder.join(TRIAL_FILE).display()
+    )
+}
+
+/// Why a pass shows nothing.
+fn untouched_words(trial: &Trial, path: &ToolPath) -> String {
+    let clearance = 1e3 * CLEARANCE;
+    match least_gap(&trial.tool, path, &trial.scans.before) {
+        Some(gap) if gap > CLEARANCE => format!(
+            "by its log the tool stays {:.2} mm or more above the scan `before`, and {clearance} mm count as contact: is the \
+             zero of z_mm off, or radius_mm?",
+            1e3 * gap
+        ),
+        Some(_) => {
+            "the tool touched no part of the surface that all scans show: are too many pixels missing there?".into()
+        }
+        None => "by its log the tool never was over the scan `before`: is origin_mm off?".into(),
+    }
 }
 
 /// Smallest tile with which the touched area does not have too many.

@@ -14,9 +14,10 @@ use sdf_bake::HeightMap;
 
 pub use noise::{NoiseFloor, noise_floor};
 pub use plateau::{Across, Plateau, plateau_pixels};
+pub(crate) use register::has_slope;
 pub use register::{Freedom, Registration, RegistrationError, register};
 pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
-pub use untouched::untouched;
+pub use untouched::{CLEARANCE, untouched};
 
 /// What is left between two maps over a mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

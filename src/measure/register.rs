@@ -130,7 +130,7 @@ fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
 }
 
 /// Whether a map's slope at a pixel is known from both sides along both axes.
-pub(super) fn has_slope(map: &HeightMap, at: usize) -> bool {
+pub(crate) fn has_slope(map: &HeightMap, at: usize) -> bool {
     slope(map, at, Freedom::PlaneAndShift).is_finite()
 }
 

@@ -6,13 +6,15 @@ use sdf_bake::HeightMap;
 
 use crate::trial::{Tool, ToolPath, ToolPose};
 
+/// Distance to the tool that counts as touched [m]: covers errors of pose and scan, and grinding dust.
+pub const CLEARANCE: f64 = 0.1e-3;
 /// Poses nearer to each other than this share of a pixel are one.
 const SAME_POSE: f64 = 0.5;
 
 /// For each pixel, whether no point of the tool came nearer to the surface than `clearance` [m] on the whole path.
 ///
 /// - `surface`: the workpiece before the pass; pixels without a height count as touched
-/// - `clearance`: covers errors of pose and scan, and grinding dust; a tenth of a millimetre is plenty for a bead
+/// - `clearance`: such as [`CLEARANCE`]
 pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &Tool, clearance: f64) -> Vec<bool> {
     let poses = thinned(&path.poses, SAME_POSE * surface.pixels.pitch);
     let pixels = surface.pixels;

@@ -63,7 +63,7 @@ pub(super) fn bare_report(
         (None, None) => Default::default(),
     };
     Ok(StudyReport {
-        compared: compared((model, data.scans()), data.folder(), &data.notes_of_table(), &[]),
+        compared: compared((model, data.scans()), data.folder(), &data.notes(), &[]),
         verdict: page::Verdict::Calibrated,
         sentence: String::new(),
         tests: scan_tests::reported(&failures.tests),

@@ -23,7 +23,7 @@ use crate::study_report::{
 };
 use crate::trial::{Campaign, Role};
 
-/// Error over its floor up to which a model agrees even where a test finds structure.
+/// Error over its floor up to which a model that differs is said to be close.
 const CLOSE: f64 = 1.1;
 
 /// A section in numbers.
@@ -69,6 +69,8 @@ pub struct Comparison {
     pub agrees: bool,
     /// One sentence.
     pub sentence: String,
+    /// What the reader understood of the files where it was not the plain case, one sentence each.
+    pub notes: Vec<String>,
     /// In what errors are told: `um`, or `percent` of the removal.
     pub error_unit: ErrorUnit,
     /// Root mean square of what the model leaves.
@@ -124,11 +126,12 @@ pub fn compare_scans(
     };
     let error = [rms(|figures| figures.rms_um), rms(|figures| figures.noise_floor_um)];
     let equal_passes = evidence.trend(model)?;
-    let found = Found { equal_passes, tests, study, named: &places::covariate, error };
+    let notes = campaign.notes();
+    let found = Found { equal_passes, tests, study, named: &places::covariate, error, notes };
     let blur = Some(simulated.blur * 1e6);
     let comparison = Comparison { blur_um: blur, scans: figures, ..found.comparison(evidence.unit(), split) };
     let alignments: Vec<_> = evidence.views.iter().map(|view| scans.alignment(view)).collect();
-    let named = Compared { campaign: folder_name(asked.folder), model: model_words(model), ..Compared::default() };
+    let named = found.compared(model, asked.folder);
     let compared = compared_scans(campaign, evidence, &alignments, named);
     let compared = Compared { blur: Some(simulated.blur).filter(|blur| *blur > 0.0), ..compared };
     let report = StudyReport {
@@ -154,7 +157,8 @@ pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked
     let named = |at: usize| row_places::covariate(evidence, at);
     let equal_passes = evidence.trend(model)?;
     let error = [100.0 * rms(&residuals), 100.0 * evidence.noise];
-    let found = Found { equal_passes, tests, study, named: &named, error };
+    let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().collect();
+    let found = Found { equal_passes, tests, study, named: &named, error, notes };
     let outlier_lines = evidence.outliers(&residuals, split).iter().map(|row| row.line).collect();
     let comparison = Comparison { outlier_lines, ..found.comparison(evidence.unit(), split) };
     let held_out = evidence.residuals(model, Split::Evaluation)?;
@@ -167,12 +171,7 @@ pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked
     let misfit = Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) };
     let steps =
         vec![step("model", rms(&residuals), rms(&held_out)), step("noise floor", evidence.noise, evidence.noise)];
-    let compared = Compared {
-        campaign: folder_name(asked.folder),
-        model: model_words(model),
-        notes: evidence.table.notes.iter().chain(&evidence.notes).cloned().collect(),
-        ..Compared::default()
-    };
+    let compared = found.compared(model, asked.folder);
     let report = StudyReport {
         waterfall: Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() },
         ..found.report(&comparison, compared, (model, asked))?
@@ -188,16 +187,26 @@ struct Found<'a> {
     named: &'a dyn Fn(usize) -> (String, Stated),
     /// Root mean square of what is left and of the floor, in the unit of errors.
     error: [f64; 2],
+    /// What the reader understood of the files.
+    notes: Vec<String>,
 }
 
 impl Found<'_> {
+    /// What was compared, whatever the data are.
+    fn compared(&self, model: &CompiledModel, folder: &Path) -> Compared {
+        let (campaign, model) = (folder_name(folder), model_words(model));
+        Compared { campaign, model, notes: self.notes.clone(), ..Compared::default() }
+    }
+
     fn comparison(&self, unit: ErrorUnit, split: Split) -> Comparison {
         let [rms, floor] = self.error;
         let failures = Failures::new(self.tests.clone(), &self.study, self.named);
-        let agrees = rms <= CLOSE * floor || !self.tests.iter().any(|test| test.rejects);
+        let agrees = !self.tests.iter().any(|test| test.rejects);
         let errors = format!("{rms:.2} {} where noise alone leaves {floor:.2} {}", unit.symbol(), unit.symbol());
         let beyond = self.equal_passes.as_ref().filter(|trend| trend.out_of_reach);
         let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
+        let is_near = !agrees && rms <= CLOSE * floor;
+        let near = if is_near { " The error is near the noise, but what is left has structure." } else { "" };
         let sentence = match (agrees, failures.covariates.iter().find(|covariate| covariate.p_value_of_all <= 0.05)) {
             (true, _) => format!("The model leaves {errors}: no structure beyond noise."),
             (false, Some(most)) => format!(
@@ -209,7 +218,8 @@ impl Found<'_> {
         };
         Comparison {
             agrees,
-            sentence: sentence + &beyond,
+            sentence: sentence + near + &beyond,
+            notes: self.notes.clone(),
             error_unit: unit,
             rms,
             noise_floor: floor,
@@ -320,5 +330,32 @@ fn figures(evidence: &ScanEvidence, view: &ScanView, simulated: &Simulated, line
         exposed_mm2: exposed.map(|exposed| exposed.areas.map(|area| 1e6 * area)),
         intersection_over_union: exposed.map(|exposed| exposed.overlap),
         sections: lines.iter().filter_map(section).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found where a test says this and the error is so many noise floors.
+    fn found(rejects: bool, floors: f64) -> Comparison {
+        let test = StructureTest { name: "runs".to_owned(), statistic: -9.0, p_value: 0.001, rejects };
+        let found = Found {
+            equal_passes: None,
+            tests: vec![test],
+            study: CovariateStudy::default(),
+            named: &|_| unreachable!("there is no covariate"),
+            error: [floors, 1.0],
+            notes: Vec::new(),
+        };
+        found.comparison(ErrorUnit::Micrometre, Split::Calibration)
+    }
+
+    #[test]
+    fn a_model_whose_tests_find_structure_never_agrees() {
+        for floors in [0.2, 1.05, 3.0] {
+            assert!(!found(true, floors).agrees && found(false, floors).agrees);
+            assert_eq!(found(true, floors).sentence.contains("what is left has structure"), floors < 1.1);
+        }
     }
 }

@@ -41,6 +41,7 @@ impl<'a> Course<'a> {
     /// # Errors
     /// A model that does not fit the measurements.
     pub fn new(data: Data<'a>, library: &'a Library, model: Model, record: StudyRecord) -> Result<Self> {
+        let record = StudyRecord { notes: data.notes(), ..record };
         let model = data.fitting(model, library)?;
         Ok(Self {
             record,

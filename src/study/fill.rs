@@ -56,6 +56,8 @@ pub struct ReportInput<'a> {
 /// The answer of a diagnosis: what is missing, and where the base model fails.
 #[derive(Serialize)]
 struct Answer<'a> {
+    /// What the reader understood of the files where it was not the plain case.
+    notes: &'a [String],
     #[serde(flatten)]
     summary: &'a DiagnosisSummary,
     #[serde(flatten)]
@@ -94,7 +96,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         next_trial: summary.next_trial.as_ref().map(next_trial),
         suggested_effect: input.suggestion.map(suggested),
         provenance: provenance(input.folder, input.seed)?,
-        diagnosis: serde_json::to_value(Answer { summary, failures: &filled.failures })?,
+        diagnosis: serde_json::to_value(Answer { notes: &input.notes, summary, failures: &filled.failures })?,
     })
 }
 
@@ -248,7 +250,6 @@ pub(super) fn compared_scans(
         voxel: evidence.twin.trials.first().map(|twin| twin.part.voxel),
         blur: evidence.blur.filter(|blur| *blur > 0.0),
         method: METHOD.map(str::to_owned).to_vec(),
-        notes: campaign.trials.iter().flat_map(|trial| trial.notes.clone()).chain(named.notes).collect(),
         ..named
     }
 }

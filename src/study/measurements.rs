@@ -93,11 +93,10 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// What the reader understood of a table where it was not the plain case, and what was assumed; one sentence each.
-    /// Trials keep their own.
-    pub fn notes_of_table(&self) -> Vec<String> {
+    /// What the reader understood of the files where it was not the plain case, and what was assumed; one sentence each.
+    pub fn notes(&self) -> Vec<String> {
         match self {
-            Self::Scans(..) => Vec::new(),
+            Self::Scans(campaign, _) => campaign.notes(),
             Self::Rows(_, evidence) => evidence.table.notes.iter().chain(&evidence.notes).cloned().collect(),
         }
     }

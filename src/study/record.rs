@@ -83,6 +83,9 @@ pub struct StudyRecord {
     /// The same of the evaluation passes; absent where none is held out.
     #[serde(default)]
     pub evaluation_noise_floor_um: Option<f64>,
+    /// What the reader understood of the files where it was not the plain case, one sentence each.
+    #[serde(default)]
+    pub notes: Vec<String>,
     /// How the error fell so far.
     pub waterfall: Vec<WaterfallStep>,
     /// The effect to add, while that is the next step, and the text of the model with it as the search fitted it.
@@ -107,6 +110,7 @@ impl StudyRecord {
             error_unit: ErrorUnit::default(),
             noise_floor_um: 0.0,
             evaluation_noise_floor_um: None,
+            notes: Vec::new(),
             waterfall: Vec::new(),
             to_add: None,
             diagnosis: None,

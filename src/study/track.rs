@@ -4,12 +4,12 @@ use sdf_bake::{HeightMap, PixelGrid};
 
 use super::simulated::Simulated;
 use crate::laboratory::{HeightView, ScanData, ScanEvidence, ScanView};
-use crate::measure::{Across, Freedom, Plateau, Registration, despiked, plateau_pixels, register, untouched};
+use crate::measure::{
+    Across, CLEARANCE, Freedom, Plateau, Registration, despiked, plateau_pixels, register, untouched,
+};
 use crate::study_report::Direction;
 use crate::trial::Pass;
 
-/// Distance [m] that counts as touched.
-const CLEARANCE: f64 = 0.1e-3;
 /// Removal from which a pixel may be part of a plateau [noise floors].
 const CLEAR: f64 = 3.0;
 

@@ -44,6 +44,14 @@ impl Campaign {
         Self { folder: folder.to_owned(), trials }.checked()
     }
 
+    /// Notes of all trials, one sentence each; where there are several trials each begins with its trial's name.
+    pub fn notes(&self) -> Vec<String> {
+        let several = self.trials.len() > 1;
+        let named =
+            |trial: &Trial, note: &String| if several { format!("{}: {note}", trial.name) } else { note.clone() };
+        self.trials.iter().flat_map(|trial| trial.notes.iter().map(move |note| named(trial, note))).collect()
+    }
+
     /// A worn tool carries on from the trial before, so that must have used the same tool.
     fn checked(mut self) -> Result<Self, TrialError> {
         let tools: Vec<Tool> = self.trials.iter().map(|trial| trial.tool).collect();

@@ -2,7 +2,7 @@
 //!
 //! The road of the data: [`Campaign::read`] finds the trial folders, [`Trial::read`] reads `trial.toml` (`manifest`),
 //! each scan by its content (`scan`, `height_csv`, `keyence`, `x3p`, `mesh_scan`) and each log (`log`), and checks that
-//! they fit each other (`plausible`, `surfaces`). All is SI here; millimetres stay in the files.
+//! they fit each other (`plausible`). All is SI here; millimetres stay in the files.
 
 mod campaign;
 mod error;
@@ -15,7 +15,6 @@ mod plausible;
 mod poses;
 mod read;
 mod scan;
-mod surfaces;
 mod table;
 mod write;
 mod x3p;
@@ -30,6 +29,7 @@ pub use error::{Place, TrialError};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
 pub use manifest::{Process, Role, TRIAL_FILE, TRIAL_FORMAT};
 pub(crate) use manifest::{Source, nearest};
+pub(crate) use plausible::least_gap;
 pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
 pub use scan::{ExposureMask, LabelMap, Read, ScanFrame, read_exposure, read_heights, read_labels};
 pub(crate) use table::{Row as TextRow, Table as TextTable};

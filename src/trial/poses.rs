@@ -7,7 +7,7 @@ use super::{Pass, Tool};
 use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Robust standard deviations of the force's noise that count as contact.
-const NOISE_SIGMAS: f64 = 5.0;
+pub(super) const NOISE_SIGMAS: f64 = 5.0;
 /// Shares of the setpoint between which the threshold of contact lies.
 const CONTACT_SHARE: (f64, f64) = (0.05, 0.5);
 /// Rows in a row above the threshold that make a contact.
@@ -130,14 +130,19 @@ fn pose(row: &LogRow, tool: &Tool, start: f64) -> ToolPose {
 
 /// From the first to the last run of rows whose force is above the noise.
 fn contact(poses: &[ToolPose], force_setpoint: f64) -> Option<Contact> {
-    let steps = poses.windows(2).map(|pair| (pair[1].force - pair[0].force).abs()).collect();
-    // The difference of two rows has twice the variance of one.
-    let noise = MAD_TO_SIGMA * median(steps).unwrap_or(0.0) / 2f64.sqrt();
+    let noise = force_noise(poses.iter().map(|pose| pose.force));
     let threshold = (NOISE_SIGMAS * noise).clamp(CONTACT_SHARE.0 * force_setpoint, CONTACT_SHARE.1 * force_setpoint);
     let touches = |run: &[ToolPose]| run.iter().all(|pose| pose.force > threshold);
     let first = poses.windows(CONTACT_ROWS).position(touches)?;
     let last = poses.windows(CONTACT_ROWS).rposition(touches)? + CONTACT_ROWS - 1;
     Some(Contact { start: poses[first].time, end: poses[last].time })
+}
+
+/// Robust standard deviation of the noise of forces in a row [N].
+pub(super) fn force_noise(forces: impl Iterator<Item = f64> + Clone) -> f64 {
+    let steps = forces.clone().zip(forces.skip(1)).map(|(now, next)| (next - now).abs());
+    // The difference of two rows has twice the variance of one.
+    MAD_TO_SIGMA * median(steps.collect()).unwrap_or(0.0) / 2f64.sqrt()
 }
 
 fn jumps(poses: &[ToolPose]) -> Vec<ClockJump> {

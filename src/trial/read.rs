@@ -13,7 +13,7 @@ use super::manifest::{
     ControllerKind, ControllerTable, Manifest, PassTable, Process, Source, TRIAL_FILE, ToolKind, ToolTable,
 };
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{Controller, Pass, PassScan, Scans, Tool, Trial, plausible, surfaces};
+use super::{Controller, Pass, PassScan, Scans, Tool, Trial, plausible};
 
 impl Trial {
     /// Reads a trial folder completely and checks that its files fit each other.
@@ -25,10 +25,7 @@ impl Trial {
         let manifest = source.manifest()?;
         let mut reader = Reader { folder, source: &source, notes: Vec::new() };
         let mut trial = reader.trial(&manifest)?;
-        let logs: Vec<&Path> = manifest.pass.iter().map(|table| table.log.get_ref().as_path()).collect();
-        plausible::check(&mut trial, &logs)?;
-        let scans: Vec<&Path> = manifest.pass.iter().map(|table| table.scan.get_ref().as_path()).collect();
-        surfaces::check(&mut trial, &scans)?;
+        plausible::check(&mut trial, &plausible::Names::of(&manifest))?;
         Ok(trial)
     }
 }

@@ -16,6 +16,7 @@ mod inputs;
 mod interruption;
 mod limits;
 mod memory;
+mod notes;
 mod outputs;
 #[path = "../export/outside.rs"]
 mod outside;

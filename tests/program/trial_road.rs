@@ -38,10 +38,15 @@ fn log(back: bool) -> Log {
 /// A plate of 18 mm by 8 mm with a bead along x, ground twice, to and fro.
 pub(crate) fn trial() -> (TempDir, PathBuf) {
     let pixels = PixelGrid { origin: DVec2::new(-0.004, -0.004), pitch: 0.25e-3, nx: 73, ny: 33 };
-    let scan = HeightMap::from_function(pixels, |p| (0.8e-3 * (1.0 - (p.y / 2.5e-3).powi(2))).max(0.0));
+    let bead = |p: DVec2| (0.8e-3 * (1.0 - (p.y / 2.5e-3).powi(2))).max(0.0);
+    let scan = HeightMap::from_function(pixels, bead);
+    let ground = |crown: f64| {
+        let height = |p: DVec2| if (0.002..=0.008).contains(&p.x) { bead(p).min(crown) } else { bead(p) };
+        PassScan::Heights(HeightMap::from_function(pixels, height))
+    };
     let pass = |back: bool| Pass {
         log: log(back),
-        scan: PassScan::Heights(scan.clone()),
+        scan: ground(if back { 0.74e-3 } else { 0.77e-3 }),
         role: Role::Calibration,
         force_setpoint: 15.0,
         feed: 5e-3,

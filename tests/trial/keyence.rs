@@ -74,8 +74,8 @@ fn a_short_export_is_noted_and_an_optical_one_refused() {
 #[test]
 fn a_trial_may_be_scanned_with_exports() {
     let folder = folder();
-    for name in ["before.csv", "before_repeat.csv", "pass1_after.csv"] {
-        fs::write(folder.path().join(name), export(ENGLISH, ("mm", 1e3), 33)).unwrap();
+    for (name, scale) in [("before.csv", 1.0), ("before_repeat.csv", 1.001), ("pass1_after.csv", 0.97)] {
+        fs::write(folder.path().join(name), export(ENGLISH, ("mm", scale * 1e3), 33)).unwrap();
     }
     let trial = noted(folder.path(), &["before.csv", "Keyence export: 61 x 33 pixels"]);
     assert_eq!(trial.scans.before.pixels, pixels());

@@ -8,6 +8,7 @@ mod hostile;
 mod instrument;
 mod keyence;
 mod meshes;
+mod plausible;
 mod poses;
 mod reproduced;
 mod scanner;

@@ -1,0 +1,63 @@
+//! Two scans with the same heights are one scan: noise never repeats itself.
+
+use std::path::Path;
+
+use sdf_bake::HeightMap;
+
+use super::super::error::{Place, TrialError};
+use super::super::manifest::TRIAL_FILE;
+use super::super::{ExposureMask, PassScan, Trial};
+use super::{LEAST_PIXELS, Names, ground};
+
+/// Difference of two heights that writing them to a file makes [m]: two roundings to a nanometre.
+const ROUNDING: f64 = 2e-9;
+
+/// Refuses scans that are copies of each other.
+pub(super) fn check(trial: &Trial, names: &Names) -> Result<(), TrialError> {
+    let before = [(names.before, &trial.scans.before)];
+    let repeats = names.repeats.iter().copied().zip(&trial.scans.repeats);
+    let after = trial.passes.iter().zip(&names.scans).filter_map(|(pass, name)| Some((*name, ground(pass)?)));
+    let maps: Vec<(&Path, &HeightMap)> = before.into_iter().chain(repeats).chain(after).collect();
+    refuse_pair(trial, &maps, are_copies, "heights")?;
+    let masks = trial.passes.iter().zip(&names.scans).filter_map(|(pass, name)| match &pass.scan {
+        PassScan::Exposure(mask) => Some((*name, mask)),
+        PassScan::Heights(_) => None,
+    });
+    refuse_pair(trial, &masks.collect::<Vec<_>>(), are_same, "pixels")
+}
+
+/// Refuses the first pair of scans that are the same.
+fn refuse_pair<T>(
+    trial: &Trial,
+    scans: &[(&Path, &T)],
+    same: impl Fn(&T, &T) -> bool,
+    what: &str,
+) -> Result<(), TrialError> {
+    for (k, (name, scan)) in scans.iter().enumerate() {
+        if let Some((first, _)) = scans[..k].iter().find(|(_, first)| same(first, scan)) {
+            if first == name {
+                let found = format!("{} is named as two scans", name.display());
+                return Err(Place::file(&trial.folder.join(TRIAL_FILE))
+                    .bad(found, "a file of its own is expected for each scan"));
+            }
+            return Err(Place::file(&trial.folder.join(name)).bad(
+                format!("it holds the same {what} as {}, pixel by pixel", first.display()),
+                "a scan of its own is expected, with noise of its own: is one a copy of the other?",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether two maps differ by nothing but a common offset.
+fn are_copies(a: &HeightMap, b: &HeightMap) -> bool {
+    let differences = || a.heights.iter().zip(&b.heights).map(|(a, b)| a - b).filter(|d| d.is_finite());
+    let (low, high) =
+        differences().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+    high - low <= ROUNDING && differences().take(LEAST_PIXELS).count() == LEAST_PIXELS
+}
+
+/// Whether two masks are the same and show both coating and substrate: masks of one kind alone may well repeat.
+fn are_same(a: &ExposureMask, b: &ExposureMask) -> bool {
+    a.exposed == b.exposed && a.exposed.contains(&Some(true)) && a.exposed.contains(&Some(false))
+}

@@ -1,0 +1,138 @@
+//! The scans of a ground workpiece, one after the other: swapped and displaced ones are found here and named, and removal
+//! where the tool never came.
+
+use glam::DVec2;
+use sdf_bake::HeightMap;
+
+use super::super::Trial;
+use super::super::error::{Place, TrialError};
+use super::{LEAST_PIXELS, Names, Surfaces};
+use crate::measure::{Freedom, centre_and_sigma, register};
+
+/// Rise that is no noise [robust standard deviations of the untouched surface], and its least size [m].
+const RISE: (f64, f64) = (4.0, 2e-6);
+/// Share of the touched pixels that rose, and how many times those that sank, which is no accident.
+const ROSE: (f64, f64) = (0.1, 4.0);
+/// Displacements that are looked for [pixels], and the share of the difference that a true one leaves.
+const REACH: i64 = 8;
+const LEAVES: f64 = 0.5;
+/// Untouched pixels that are compared for that.
+const COMPARED: usize = 4000;
+/// Tilt of a scan against the one before that is worth a note [1].
+const TILT: f64 = 5e-3;
+/// Shares of the ground area beside the tool's path: worth a note, and refused. Half of it lies beside a path of the same
+/// length and width that is off by half of its width or length; errors of clock and path leave a few hundredths.
+const BESIDE: (f64, f64) = (0.1, 0.5);
+
+/// Refuses scans that are swapped or displaced, and removal beside the path; returns notes on strong tilts, which
+/// registration takes out, and on passes that removed nothing.
+pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
+    let mut notes = Vec::new();
+    let mut earlier = &surfaces.before;
+    for ((now, free), name) in surfaces.after.iter().zip(&surfaces.free).zip(&names.scans) {
+        let place = Place::file(&trial.folder.join(name));
+        notes.extend(follow(now, earlier, free, place)?.into_iter().map(|note| format!("{}: {note}", name.display())));
+        earlier = now;
+    }
+    Ok(notes)
+}
+
+/// Whether a scan can follow another; notes where it is odd.
+fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> Result<Vec<String>, TrialError> {
+    let Ok(found) = register(now, earlier, Freedom::PlaneAndShift, |at| free[at]) else { return Ok(Vec::new()) };
+    let touched: Vec<usize> = (0..free.len()).filter(|&at| !free[at]).collect();
+    if found.pixels < LEAST_PIXELS || touched.len() < LEAST_PIXELS {
+        return Ok(Vec::new());
+    }
+    let levelled = found.levelled(now);
+    if let Some([dx, dy]) = displaced(&levelled, earlier, free) {
+        let pitch = now.pixels.pitch * 1e3;
+        return Err(place.bad(
+            format!(
+                "where no tool came, the surface lies {:.2} mm along x and {:.2} mm along y beside the scan before",
+                dx as f64 * pitch,
+                dy as f64 * pitch
+            ),
+            "scans of the workpiece in one place are expected: cut or move the map by as much",
+        ));
+    }
+    let left = found.left(now, earlier);
+    let clear = (RISE.0 * found.sigma).max(RISE.1);
+    let rises: Vec<f64> = touched.iter().map(|&at| left[at]).filter(|rise| *rise > clear).collect();
+    let sunk = touched.iter().filter(|&&at| left[at] < -clear).count() as f64;
+    let rose = rises.len() as f64;
+    if rose > ROSE.0 * touched.len() as f64 && rose > ROSE.1 * sunk {
+        let (height, _) = centre_and_sigma(&rises).unwrap_or_default();
+        return Err(place.bad(
+            format!("under the tool the surface lies {:.1} µm higher than before the pass", height * 1e6),
+            "a scan after the pass is expected: this one and the scan before it look swapped",
+        ));
+    }
+    let tilt = found.tilt.length();
+    let tilted = (tilt > TILT)
+        .then(|| format!("tilted by {:.1} mrad against the scan before; registration takes it out", tilt * 1e3));
+    let cut = cut(&HeightMap { heights: left, ..now.clone() }, clear);
+    Ok(tilted.into_iter().chain(beside(&cut, now, free, place)?).collect())
+}
+
+/// Pixels that sank with all their neighbours along x and y: noise does that to none.
+fn cut(left: &HeightMap, clear: f64) -> Vec<usize> {
+    let (nx, ny) = (left.pixels.nx, left.pixels.ny);
+    let sank = |at: usize| left.heights[at] < -clear;
+    let inside = |at: &usize| (1..nx - 1).contains(&(at % nx)) && (1..ny - 1).contains(&(at / nx));
+    let all = (0..left.heights.len()).filter(inside);
+    all.filter(|&at| [at, at - 1, at + 1, at - nx, at + nx].into_iter().all(sank)).collect()
+}
+
+/// Refuses a ground area that lies beside the tool's path; notes one that does in part, and a pass that ground nothing.
+fn beside(cut: &[usize], map: &HeightMap, free: &[bool], place: Place) -> Result<Option<String>, TrialError> {
+    if cut.len() < LEAST_PIXELS {
+        return Ok(cut.is_empty().then(|| "the pass removed nothing that rises above the noise".to_owned()));
+    }
+    let outside: Vec<usize> = cut.iter().copied().filter(|&at| free[at]).collect();
+    let share = outside.len() as f64 / cut.len() as f64;
+    if share <= BESIDE.0 || outside.len() < LEAST_PIXELS {
+        return Ok(None);
+    }
+    let pixels = map.pixels;
+    let middle = |of: &[usize]| {
+        of.iter().map(|&at| pixels.position(at % pixels.nx, at / pixels.nx)).sum::<DVec2>() / of.len().max(1) as f64
+    };
+    let touched: Vec<usize> = (0..free.len()).filter(|&at| !free[at]).collect();
+    let away = 1e3 * (middle(cut) - middle(&touched));
+    let found = format!(
+        "{:.0} % of the ground area lies where the tool never came; its middle is {:.2} mm along x and {:.2} mm along y \
+         from that of the path",
+        100.0 * share,
+        away.x,
+        away.y
+    );
+    if share <= BESIDE.1 {
+        return Ok(Some(found));
+    }
+    Err(place.bad(found, "removal under the tool is expected: is origin_mm off, or are the scans or the log mirrored?"))
+}
+
+/// By how many pixels along x and y a scan lies beside another on the untouched surface, where that is beyond doubt.
+fn displaced(now: &HeightMap, earlier: &HeightMap, free: &[bool]) -> Option<[i64; 2]> {
+    let (nx, ny) = (now.pixels.nx as i64, now.pixels.ny as i64);
+    let inside = |at: usize| {
+        let (i, j) = (at as i64 % nx, at as i64 / nx);
+        (REACH..nx - REACH).contains(&i) && (REACH..ny - REACH).contains(&j)
+    };
+    let all: Vec<usize> = (0..free.len()).filter(|&at| free[at] && inside(at)).collect();
+    let kept: Vec<usize> = all.iter().copied().step_by(all.len() / COMPARED + 1).collect();
+    let spread = |[dx, dy]: [i64; 2]| {
+        let difference = |&at: &usize| now.heights[(at as i64 + dy * nx + dx) as usize] - earlier.heights[at];
+        let known: Vec<f64> = kept.iter().map(difference).filter(|d| d.is_finite()).collect();
+        (known.len() >= LEAST_PIXELS.min(kept.len()))
+            .then(|| centre_and_sigma(&known))
+            .flatten()
+            .map(|(_, sigma)| sigma)
+    };
+    let ways = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| [dx, dy]));
+    let spreads = ways.filter_map(|way| Some((way, spread(way)?)));
+    let (best, least) = spreads.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let here = spread([0, 0])?;
+    (best != [0, 0] && least < LEAVES * here && here > RISE.1).then_some(best)
+}
