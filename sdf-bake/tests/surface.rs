@@ -26,12 +26,38 @@ fn straight_box(half: DVec3, centre: DVec3) -> impl Fn(DVec3) -> f64 + Sync {
     }
 }
 
-/// Every edge is passed once each way, and the triangles around every vertex are one fan.
+/// The mesh as a file holds it: in single precision, with vertices in one place merged.
+fn merged(mesh: &Mesh) -> Mesh {
+    let mut places: HashMap<[u32; 3], u32> = HashMap::new();
+    let mut merged = Mesh::default();
+    let vertices: Vec<u32> = mesh
+        .positions
+        .iter()
+        .map(|position| {
+            let place = position.as_vec3();
+            *places.entry(place.to_array().map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
+                merged.positions.push(place.as_dvec3());
+                merged.positions.len() as u32 - 1
+            })
+        })
+        .collect();
+    merged.triangles = mesh.triangles.iter().map(|corners| corners.map(|corner| vertices[corner as usize])).collect();
+    merged
+}
+
+/// Merged in single precision, every edge is passed once each way, the triangles around every vertex are one fan, and every
+/// triangle has an area.
 fn assert_closed_manifold(mesh: &Mesh) {
+    let mesh = &merged(mesh);
     let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
     let mut fans: Vec<Vec<(u32, u32)>> = vec![Vec::new(); mesh.positions.len()];
-    for &[a, b, c] in &mesh.triangles {
+    for (triangle, &[a, b, c]) in mesh.triangles.iter().enumerate() {
         assert!(a != b && b != c && c != a, "a triangle with a corner twice");
+        assert!(
+            mesh.doubled_area_normal(triangle).length() > 0.0,
+            "a triangle without area: {:?}",
+            mesh.corners(triangle)
+        );
         for (a, b, c) in [(a, b, c), (b, c, a), (c, a, b)] {
             *edges.entry((a, b)).or_default() += 1;
             fans[a as usize].push((b, c));
@@ -192,6 +218,80 @@ fn an_inner_edge_of_a_union_is_sharp() {
     println!("block on a plate: area {:+.1e}, off by {far:.4} voxels", mesh.area() / exact - 1.0);
     assert!((mesh.area() / exact - 1.0).abs() < 1e-3);
     assert!(far < 0.1, "{far}");
+}
+
+/// The mesh of a field with distances exact but for errors of up to `noise` voxels.
+fn mesh_of(distance: &(dyn Fn(DVec3) -> f64 + Sync), reach: DVec3, voxel: f64, noise: f64) -> (BrickGrid, Mesh) {
+    let mut grid = BrickGrid::from_distance(-reach, reach, voxel, 3.0, distance);
+    let mut state = 1u64;
+    for phi in &mut grid.phi {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        *phi += ((state >> 40) as f32 / (1u64 << 23) as f32 - 1.0) * (noise * voxel) as f32;
+    }
+    let mesh = grid.surface_mesh();
+    (grid, mesh)
+}
+
+#[test]
+fn a_box_with_its_faces_on_lattice_planes_is_a_manifold_whatever_rounding_does() {
+    let voxel = 0.0005;
+    for (voxels, centre) in [(DVec3::new(12.0, 9.0, 7.0), DVec3::ZERO), (DVec3::new(12.5, 9.0, 7.5), DVec3::splat(0.5))]
+    {
+        let (half, centre) = (voxels * voxel, centre * voxel);
+        let distance = straight_box(half, centre);
+        let area = 8.0 * (half.x * half.y + half.y * half.z + half.z * half.x);
+        for noise in [0.0, 1e-8, 1e-6, 1e-4, 2e-3] {
+            let (_, mesh) = mesh_of(&distance, half + voxel, voxel, noise);
+            assert_closed_manifold(&mesh);
+            let (far, area) = (farthest(&mesh, voxel, &distance), mesh.area() / area - 1.0);
+            println!("{voxels} voxels, errors of {noise:.0e}: area {area:+.1e}, off by {far:.5} voxels");
+            assert!(far < 0.01 + 3.0 * noise && area.abs() < 1e-3 + 3.0 * noise, "{far}, {area}");
+        }
+    }
+}
+
+#[test]
+fn boxes_that_touch_along_an_edge_or_at_a_corner_are_manifolds() {
+    let voxel = 0.0005;
+    let half = DVec3::new(6.0, 5.0, 4.0) * voxel;
+    for shift in [DVec3::ZERO, DVec3::splat(0.5), DVec3::new(0.3, 0.7, 0.2), DVec3::new(1e-7, -1e-7, 0.0)] {
+        for beside in [
+            DVec3::new(2.0, 2.0, 0.0),
+            DVec3::new(2.0, 0.0, -2.0),
+            DVec3::new(2.0, 2.0, 2.0),
+            DVec3::new(2.0, -2.0, 2.0),
+        ] {
+            let one = straight_box(half, (shift - 3.0) * voxel);
+            let other = straight_box(half, (shift - 3.0) * voxel + beside * half);
+            let both = |p: DVec3| one(p).min(other(p));
+            for noise in [0.0, 1e-7] {
+                let (grid, mesh) = mesh_of(&both, DVec3::splat(24.0 * voxel), voxel, noise);
+                assert_closed_manifold(&mesh);
+                let volume = mesh.volume() / (16.0 * half.element_product()) - 1.0;
+                println!("touching at {beside}, shifted by {shift}: volume {volume:+.1e}");
+                assert!(volume.abs() < 5e-3, "{volume}");
+                assert_near_field(&grid, &mesh);
+            }
+        }
+    }
+}
+
+#[test]
+fn plates_and_posts_that_meet_on_lattice_planes_are_manifolds() {
+    let voxel = 0.0005;
+    let bodies = [
+        (DVec3::new(20.0, 16.0, 4.0), DVec3::new(0.0, 0.0, -4.0)),
+        (DVec3::new(3.0, 16.0, 10.0), DVec3::new(-17.0, 0.0, 10.0)),
+        (DVec3::new(6.0, 2.0, 6.0), DVec3::new(-8.0, 1.0, 6.0)),
+    ];
+    let boxes = bodies.map(|(half, centre)| straight_box(half * voxel, centre * voxel));
+    let union = |p: DVec3| boxes.iter().map(|distance| distance(p)).fold(f64::INFINITY, f64::min);
+    for noise in [0.0, 1e-7, 1e-4] {
+        let (_, mesh) = mesh_of(&union, DVec3::splat(24.0 * voxel), voxel, noise);
+        assert_closed_manifold(&mesh);
+        let far = farthest(&mesh, voxel, union);
+        assert!(far < 0.2, "{far}");
+    }
 }
 
 #[test]

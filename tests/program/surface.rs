@@ -43,17 +43,41 @@ fn sharp_edges(mesh: &Mesh) -> Vec<[DVec3; 2]> {
     across.iter().enumerate().flat_map(of_face).collect()
 }
 
-/// Edges that are not gone as often one way as the other, where vertices in one place are one.
-fn open_edges(surface: &Mesh) -> usize {
+/// Edges that are not passed exactly once each way, where vertices in one place are one.
+fn open_or_crowded_edges(surface: &Mesh) -> usize {
     let place = |vertex: u32| surface.positions[vertex as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let mut balance: HashMap<[[u64; 3]; 2], i32> = HashMap::new();
+    let mut passes: HashMap<[[u64; 3]; 2], u32> = HashMap::new();
     for &[a, b, c] in &surface.triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]].map(|ends| ends.map(place)) {
-            *balance.entry([from, to]).or_default() += 1;
-            *balance.entry([to, from]).or_default() -= 1;
+        for ends in [[a, b], [b, c], [c, a]].map(|ends| ends.map(place)) {
+            *passes.entry(ends).or_default() += 1;
         }
     }
-    balance.values().filter(|balance| **balance > 0).count()
+    passes.iter().filter(|&(&[from, to], &uses)| uses != 1 || passes.get(&[to, from]) != Some(&1)).count()
+}
+
+/// The mesh of an asset's `surface.glb`.
+fn whole_surface(asset: &Path) -> Mesh {
+    let mut surface = Mesh::default();
+    parts(&asset.join("surface.glb")).iter().for_each(|piece| surface.append(&piece.mesh));
+    surface
+}
+
+/// Once equal positions are merged, as the file holds them.
+fn assert_manifold(surface: &Mesh) {
+    assert_eq!(open_or_crowded_edges(surface), 0, "edges without exactly two triangles");
+    let flat = (0..surface.triangles.len()).filter(|&t| surface.doubled_area_normal(t).length() == 0.0).count();
+    assert_eq!(flat, 0, "triangles without area");
+}
+
+#[test]
+fn a_fillet_on_a_part_with_its_faces_on_lattice_planes_leaves_a_manifold() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (resolution, width) in [("160", "10"), ("200", "8")] {
+        let asset = folder.path().join(resolution);
+        let flags = ["--seed", "1", "--usd", "off", "--place", "seam", "--resolution", resolution, "--width-mm", width];
+        run(robofin(["weld"]).arg(bracket()).args(flags).arg("--out").arg(&asset)).succeeds();
+        assert_manifold(&whole_surface(&asset));
+    }
 }
 
 #[test]
@@ -65,9 +89,8 @@ fn it_is_closed_lies_on_part_and_bead_and_keeps_sharp_edges() {
     let [part, bead] = &parts(&asset.join("welded.glb"))[..] else { panic!("one part and one bead") };
     let pieces = parts(&asset.join("surface.glb"));
     assert_eq!(pieces.iter().map(|piece| piece.weld_id).collect::<Vec<_>>(), [0, 1]);
-    let mut surface = Mesh::default();
-    pieces.iter().for_each(|piece| surface.append(&piece.mesh));
-    assert_eq!(open_edges(&surface), 0);
+    let surface = whole_surface(&asset);
+    assert_manifold(&surface);
 
     let (part, _) = clean(part.mesh.clone()).expect("a mesh");
     let bead = clean(bead.mesh.clone()).expect("a mesh").0;

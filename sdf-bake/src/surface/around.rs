@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use glam::{DVec3, IVec3};
 
 use super::cell::edge_ends;
-use super::cells::corner_values;
+use super::cells::{corner_values, level};
 use super::place::{Site, Vertex};
 use crate::grid::{BrickGrid, cell_corner, trilinear};
 use crate::halo::Halo;
@@ -17,6 +17,10 @@ const REACH: usize = 4;
 /// The voxels of a brick and around it, whose tangents are found when they are first asked for.
 pub(super) struct Known<'a> {
     grid: &'a BrickGrid,
+    /// As [`super::settle::inset`].
+    pub(super) inset: f64,
+    /// φ [m] below which a lattice point counts as inside.
+    level: f32,
     halo: Halo,
     /// For each voxel of the halo one more than its place in `tangents`, or 0.
     place: RefCell<Vec<u16>>,
@@ -24,10 +28,10 @@ pub(super) struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    pub(super) fn of(grid: &'a BrickGrid, brick: IVec3) -> Self {
+    pub(super) fn of(grid: &'a BrickGrid, brick: IVec3, inset: f64) -> Self {
         let halo = grid.halo(brick, REACH);
         let place = RefCell::new(vec![0; halo.phi.len()]);
-        Self { grid, halo, place, tangents: RefCell::default() }
+        Self { grid, inset, level: level(grid, inset), halo, place, tangents: RefCell::default() }
     }
 
     /// What a voxel knows, its foot relative to the voxel.
@@ -55,17 +59,18 @@ impl Around<'_> {
         let ends = edges.clone().map(edge_ends).fold(0u8, |bits, (low, high)| bits | 1 << low | 1 << high);
         let is_crossed = |step: IVec3| {
             let values = corner_values(&self.known.halo, self.low + step.clamp(-IVec3::ONE, IVec3::ONE));
-            values.iter().any(|&phi| phi < 0.0) && values.iter().any(|&phi| phi >= 0.0)
+            values.iter().any(|&phi| phi < self.known.level) && values.iter().any(|&phi| phi >= self.known.level)
         };
         let mut tangents = Vec::with_capacity(8);
         tangents.extend((0..8).filter(|i| ends >> i & 1 != 0).filter_map(|i| self.tangent(cell_corner(i))));
         let all_clear = tangents.len() == ends.count_ones() as usize;
         let wider = || if all_clear { Vec::new() } else { self.wider() };
-        let values = corner_values(&self.known.halo, self.low);
-        let phi = values.map(|phi| f64::from(phi) / self.known.grid.voxel);
+        let above = |phi: f32| f64::from(phi - self.known.level) / self.known.grid.voxel;
+        let phi = corner_values(&self.known.halo, self.low).map(above);
         let height = |at: DVec3| self.height(at);
-        let centre = middle(&values, edges);
-        Site { tangents, centre, phi, height: &height, is_crossed: &is_crossed, wider: &wider }.vertex()
+        let centre = middle(&phi, edges);
+        let inset = self.known.inset;
+        Site { tangents, centre, phi, inset, height: &height, is_crossed: &is_crossed, wider: &wider }.vertex()
     }
 
     /// φ [voxels] at a place near the cell [voxels from its lowest corner], trilinear.
@@ -87,11 +92,11 @@ impl Around<'_> {
     }
 }
 
-/// Mean of the points where φ vanishes along the edges [voxels from the cell's lowest corner].
-fn middle(values: &[f32; 8], edges: impl Iterator<Item = usize>) -> DVec3 {
+/// Mean of the points where the values vanish along the edges [voxels from the cell's lowest corner].
+fn middle(values: &[f64; 8], edges: impl Iterator<Item = usize>) -> DVec3 {
     let crossing = |edge: usize| {
         let (a, b) = edge_ends(edge);
-        let along = f64::from(values[a]) / (f64::from(values[a]) - f64::from(values[b]));
+        let along = values[a] / (values[a] - values[b]);
         cell_corner(a).as_dvec3().lerp(cell_corner(b).as_dvec3(), along)
     };
     let (sum, count) = edges.map(crossing).fold((DVec3::ZERO, 0.0), |(sum, count), at| (sum + at, count + 1.0));

@@ -4,6 +4,10 @@
 //! corners are joined across it. Each face then pairs its crossed edges, and the pairs close to loops. A loop is one
 //! piece of the surface: one vertex of the mesh (dual marching cubes, Nielson 2004).
 
+use glam::DVec3;
+
+use crate::grid::cell_corner;
+
 /// Bit of an axis in a corner's number, z fastest.
 const AXIS_BIT: [usize; 3] = [4, 2, 1];
 
@@ -44,6 +48,16 @@ pub(super) fn edge_ends(edge: usize) -> (usize, usize) {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let low = (edge >> 1 & 1) * AXIS_BIT[u] + (edge & 1) * AXIS_BIT[v];
     (low, low | AXIS_BIT[axis])
+}
+
+/// Mean of the middles of edges [voxels from the cell's lowest corner].
+pub(super) fn middle_of_edges(edges: impl Iterator<Item = usize>) -> DVec3 {
+    let middle = |edge: usize| {
+        let (low, high) = edge_ends(edge);
+        0.5 * (cell_corner(low) + cell_corner(high)).as_dvec3()
+    };
+    let (sum, count) = edges.map(middle).fold((DVec3::ZERO, 0.0), |(sum, count), at| (sum + at, count + 1.0));
+    sum / count
 }
 
 /// The edge between two corners that differ on one axis.
@@ -163,6 +177,18 @@ mod tests {
                     assert_eq!(turned.pieces().1, count + 1, "{signs:?}, face {face}");
                     assert!(!turned.doubles_at(face));
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn pieces_of_a_cell_have_their_middles_apart() {
+        for (inside, joined) in (0..=255u8).flat_map(|inside| (0..64u8).map(move |joined| (inside, joined))) {
+            let (pieces, count) = Signs { inside, joined }.pieces();
+            let middle = |piece| middle_of_edges((0..12).filter(move |&edge| pieces[edge] == piece));
+            for (a, b) in (0..count).flat_map(|a| (0..a).map(move |b| (a, b))) {
+                let apart = (middle(a) - middle(b)).abs().max_element();
+                assert!(apart > 0.3, "{inside:08b}, {joined:06b}: {apart}");
             }
         }
     }

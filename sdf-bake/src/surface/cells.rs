@@ -1,11 +1,12 @@
 //! All cells that the surface crosses, brick by brick.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
 
 use super::around::{Around, Known};
-use super::cell::{NO_PIECE, Pieces, PiecesOf, Signs};
-use super::place::Shape;
+use super::cell::{NO_PIECE, Pieces, PiecesOf, Signs, middle_of_edges};
+use super::place::{Shape, outside_by};
+use super::settle::keep_apart;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, cell_corner, voxel_at, voxel_offset};
 use crate::halo::Halo;
 use crate::index::BrickIndex;
@@ -39,9 +40,24 @@ pub(super) struct Brick {
 /// A vertex of the mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
-    /// Position [m].
+    /// Position [voxels].
     pub(super) at: DVec3,
     pub(super) shape: Shape,
+    /// Lowest corner of its cell [voxels].
+    pub(super) cell: IVec3,
+    /// Where it is if its place is taken, well within the cell [voxels from its lowest corner].
+    pub(super) home: Vec3,
+}
+
+impl Corner {
+    /// Distance outside the cell on the axis where it is largest [voxels]; negative within.
+    pub(super) fn away(&self) -> f64 {
+        outside_by(self.at - self.cell.as_dvec3())
+    }
+
+    pub(super) fn at_home(&self) -> DVec3 {
+        self.cell.as_dvec3() + self.home.as_dvec3()
+    }
 }
 
 /// The crossed cells of a grid.
@@ -59,8 +75,10 @@ impl Brick {
         voxel_at(self.at, usize::from(cell.offset))
     }
 
-    fn of(grid: &BrickGrid, at: IVec3) -> Option<Self> {
-        let halo = grid.halo(at, 1);
+    fn of(grid: &BrickGrid, at: IVec3, inset: f64) -> Option<Self> {
+        let mut halo = grid.halo(at, 1);
+        let level = level(grid, inset);
+        halo.phi.iter_mut().for_each(|phi| *phi -= level);
         let inside = inside_rows(&halo);
         let mut brick = Self { at, cells: Vec::new(), place: Box::new([NO_CELL; BRICK_VOXELS]) };
         for row in 0..BRICK_SIDE * BRICK_SIDE {
@@ -80,6 +98,11 @@ impl Brick {
         }
         (!brick.cells.is_empty()).then_some(brick)
     }
+}
+
+/// φ [m] below which a lattice point counts as inside.
+pub(super) fn level(grid: &BrickGrid, inset: f64) -> f32 {
+    -(inset * grid.voxel) as f32
 }
 
 /// For each row of a brick's nodes along z a bit for each node that is inside.
@@ -116,13 +139,13 @@ pub(super) fn corner_values(halo: &Halo, low: IVec3) -> [f32; 8] {
 }
 
 impl CellMap {
-    pub(super) fn of(grid: &BrickGrid) -> Self {
+    pub(super) fn of(grid: &BrickGrid, inset: f64) -> Self {
         // A cell whose lowest corner has no brick may still reach into one.
         let mut at: Vec<IVec3> = grid.bricks.iter().flat_map(|&brick| lowest_bricks(brick)).collect();
         at.par_extend(between_sides(grid));
         at.par_sort_unstable_by_key(|brick| brick.to_array());
         at.dedup();
-        let bricks: Vec<Brick> = at.into_par_iter().filter_map(|at| Brick::of(grid, at)).collect();
+        let bricks: Vec<Brick> = at.into_par_iter().filter_map(|at| Brick::of(grid, at, inset)).collect();
         // A crossed cell has a corner in an indexed brick.
         let mut map = Self { bricks, origin: grid.origin - 1, position: BrickIndex::new(grid.dims + 1) };
         for (place, brick) in map.bricks.iter().enumerate() {
@@ -144,6 +167,13 @@ impl CellMap {
         let cell = &self.bricks[brick].cells[cell];
         debug_assert_ne!(cell.pieces[edge], NO_PIECE);
         cell.first_vertex + u32::from(cell.pieces[edge])
+    }
+
+    /// The vertices of a cell; none if the surface does not cross it.
+    pub(super) fn vertices_of(&self, voxel: IVec3) -> std::ops::Range<u32> {
+        let Some((brick, cell)) = self.find(voxel) else { return 0..0 };
+        let cell = &self.bricks[brick].cells[cell];
+        cell.first_vertex..cell.first_vertex + u32::from(cell.piece_count)
     }
 
     fn find(&self, voxel: IVec3) -> Option<(usize, usize)> {
@@ -184,23 +214,30 @@ impl CellMap {
         }
     }
 
-    /// All vertices in their order.
-    pub(super) fn vertices(&self, grid: &BrickGrid) -> Vec<Corner> {
+    /// All vertices in their order, where the surface has them; their homes are `inset` [voxels] within their cells.
+    pub(super) fn vertices(&self, grid: &BrickGrid, inset: f64) -> Vec<Corner> {
         let of_brick = |brick: &Brick| {
-            let known = Known::of(grid, brick.at);
-            let corner = BRICK_SIDE as i32 * brick.at;
+            let known = Known::of(grid, brick.at, inset);
             let mut vertices = Vec::new();
-            for cell in &brick.cells {
-                let low = voxel_at(IVec3::ZERO, usize::from(cell.offset));
-                for piece in 0..cell.piece_count {
-                    let edges = (0..12).filter(|&edge| cell.pieces[edge] == piece);
-                    let vertex = Around { known: &known, low }.vertex(edges);
-                    let at = ((corner + low).as_dvec3() + vertex.at) * grid.voxel;
-                    vertices.push(Corner { at, shape: vertex.shape });
-                }
-            }
+            brick.cells.iter().for_each(|cell| cell_vertices(brick, cell, &known, &mut vertices));
             vertices
         };
         self.bricks.par_iter().map(of_brick).collect::<Vec<_>>().concat()
+    }
+}
+
+fn cell_vertices(brick: &Brick, cell: &Cell, known: &Known, vertices: &mut Vec<Corner>) {
+    let low = voxel_at(IVec3::ZERO, usize::from(cell.offset));
+    let voxel = brick.voxel(cell);
+    let edges_of = |piece: u8| (0..12).filter(move |&edge| cell.pieces[edge] == piece);
+    let first = vertices.len();
+    for piece in 0..cell.piece_count {
+        let vertex = Around { known, low }.vertex(edges_of(piece));
+        let at = voxel.as_dvec3() + vertex.at;
+        vertices.push(Corner { at, shape: vertex.shape, cell: voxel, home: vertex.home.as_vec3() });
+    }
+    if cell.piece_count > 1 {
+        let middles: Vec<DVec3> = (0..cell.piece_count).map(|piece| middle_of_edges(edges_of(piece))).collect();
+        keep_apart(&mut vertices[first..], &middles, known.inset);
     }
 }

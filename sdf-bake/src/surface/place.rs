@@ -34,15 +34,20 @@ const OFF_FACE: f64 = 0.15;
 /// Largest |φ| of the trilinear field on a sharp edge or corner [voxels].
 const OFF_EDGE: f64 = 0.6;
 
+/// Steps of alternating projections onto a plane and into the cell.
+const ONTO_PLANE: usize = 8;
+
 /// Halvings of the way to φ = 0.
 const HALVINGS: usize = 20;
 
 /// A vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
-    /// Place in the cell, 0 to 1 on each axis.
+    /// Place in the cell, 0 to 1 on each axis, or next to it.
     pub(super) at: DVec3,
     pub(super) shape: Shape,
+    /// The same or, where that is not well within the cell, a place near it that is.
+    pub(super) home: DVec3,
 }
 
 /// How the surface is bent at a vertex.
@@ -61,8 +66,10 @@ pub(super) struct Site<'a> {
     pub(super) tangents: Vec<Tangent>,
     /// Middle of the piece's crossed edges.
     pub(super) centre: DVec3,
-    /// φ at the cell's corners [voxels].
+    /// φ at the cell's corners over the level below which they are inside [voxels].
     pub(super) phi: [f64; 8],
+    /// How far within the cell its vertices are at home [voxels], which is also minus that level.
+    pub(super) inset: f64,
     /// φ [voxels], trilinear, up to a voxel outside the cell.
     pub(super) height: &'a dyn Fn(DVec3) -> f64,
     /// Whether the surface crosses the cell at an offset from this one.
@@ -74,6 +81,32 @@ pub(super) struct Site<'a> {
 impl Site<'_> {
     /// The piece's vertex.
     pub(super) fn vertex(mut self) -> Vertex {
+        let (at, shape) = self.place();
+        Vertex { at, shape, home: self.home(at, shape) }
+    }
+
+    /// A place well within the cell for a vertex that is not, on one of the planes and near all faces that they make: the
+    /// planes are exact next to an edge, the trilinear field is not.
+    fn home(&self, at: DVec3, shape: Shape) -> DVec3 {
+        let within = |at: DVec3| at.clamp(DVec3::splat(self.inset), DVec3::splat(1.0 - self.inset));
+        let near = within(at);
+        if (near - at).abs().max_element() <= self.inset {
+            return near;
+        }
+        let off = |at: DVec3| {
+            let heights = self.tangents.iter().map(|t| t.normal.dot(at - t.foot));
+            match shape {
+                Shape::Smooth => (self.height)(at).abs(),
+                Shape::Outer => heights.fold(f64::NEG_INFINITY, f64::max).abs(),
+                Shape::Inner => heights.fold(f64::INFINITY, f64::min).abs(),
+            }
+        };
+        let onto = |t: &Tangent| (0..ONTO_PLANE).fold(near, |at, _| within(at - t.normal * t.normal.dot(at - t.foot)));
+        let best = self.tangents.iter().map(onto).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+        within(self.near_field(best.unwrap_or(near)))
+    }
+
+    fn place(&mut self) -> (DVec3, Shape) {
         if let Some(vertex) = self.sharp_vertex(&self.tangents, MARGIN) {
             return vertex;
         }
@@ -87,13 +120,13 @@ impl Site<'_> {
             a.foot.distance_squared(self.centre).total_cmp(&b.foot.distance_squared(self.centre))
         };
         let Some(nearest) = self.tangents.iter().min_by(by_distance) else {
-            return Vertex { at: self.near_field(self.centre), shape: Shape::Smooth };
+            return (self.near_field(self.centre), Shape::Smooth);
         };
         // Perhaps it is, but no corner of this cell sees its other face.
         let mut wider = (self.wider)();
         wider.retain(|tangent| outside_by(tangent.foot) <= WIDER);
         let sharp = if make_consistent(&mut wider, self.centre) { self.sharp_vertex(&wider, MARGIN) } else { None };
-        sharp.unwrap_or_else(|| Vertex { at: self.near_field(self.face_point(nearest)), shape: Shape::Smooth })
+        sharp.unwrap_or_else(|| (self.near_field(self.face_point(nearest)), Shape::Smooth))
     }
 
     /// A point of the nearest face in the cell. Where planes of several faces meet outside and the field is far from 0 at
@@ -116,26 +149,27 @@ impl Site<'_> {
         if (self.height)(at).abs() <= OFF_EDGE {
             return at;
         }
-        let is_inside = (self.height)(at) < 0.0;
+        let is_inside_at = |at: DVec3| (self.height)(at) < -self.inset;
+        let is_inside = is_inside_at(at);
         let beyond = (0..8).filter(|&i| (self.phi[i] < 0.0) != is_inside).map(|i| cell_corner(i).as_dvec3());
         let nearest = beyond.min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
         let (mut near, mut far) = (at, nearest.expect("a crossed cell has corners on both sides"));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (near + far);
-            if ((self.height)(middle) < 0.0) == is_inside { near = middle } else { far = middle }
+            if is_inside_at(middle) == is_inside { near = middle } else { far = middle }
         }
         near
     }
 
     /// The vertex where the planes meet, if that is no farther outside the cell than `margin` or not another cell's to show.
-    fn sharp_vertex(&self, tangents: &[Tangent], margin: f64) -> Option<Vertex> {
+    fn sharp_vertex(&self, tangents: &[Tangent], margin: f64) -> Option<(DVec3, Shape)> {
         let sharp = sharp_point(tangents, self.centre)?;
         let at = sharp.along.and_then(|along| clipped(sharp.at, along)).unwrap_or(sharp.at);
         // A tip may lie in a cell whose corners are all on one side: then no other vertex stands for it.
         let alone = outside_by(at) <= TIP && !(self.is_crossed)(at.floor().as_ivec3());
         let near = outside_by(at) <= margin || alone;
         let meets = near && !is_curved(tangents, at) && (self.height)(at).abs() <= OFF_EDGE;
-        meets.then(|| Vertex { at, shape: self.bend(tangents) })
+        meets.then(|| (at, self.bend(tangents)))
     }
 
     /// Outer if φ is rather the greatest height over the planes than the least.
@@ -174,7 +208,7 @@ fn is_curved(tangents: &[Tangent], at: DVec3) -> bool {
 }
 
 /// Distance of a point from the unit cell on the axis where it is farthest.
-fn outside_by(at: DVec3) -> f64 {
+pub(super) fn outside_by(at: DVec3) -> f64 {
     (-at).max(at - 1.0).max_element()
 }
 
@@ -273,7 +307,8 @@ mod tests {
         let heights = |at: DVec3| tangents.iter().map(move |t| t.normal.dot(at - t.foot));
         let phi = std::array::from_fn(|i| heights(cell_corner(i).as_dvec3()).fold(f64::NEG_INFINITY, f64::max));
         let height = |at: DVec3| heights(at).fold(f64::NEG_INFINITY, f64::max);
-        Site { tangents: tangents.to_vec(), centre, phi, height: &height, is_crossed, wider: &Vec::new }.vertex()
+        Site { tangents: tangents.to_vec(), centre, phi, inset: 0.0, height: &height, is_crossed, wider: &Vec::new }
+            .vertex()
     }
 
     #[test]

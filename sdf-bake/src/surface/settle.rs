@@ -1,0 +1,161 @@
+//! Gives every vertex a place of its own.
+//!
+//! A vertex may lie outside its cell, where an edge or corner of the surface is, or on the cell's border, where a face of
+//! the part is a plane of the lattice. Several may then ask for one place, and three for one line; merged by position, the
+//! mesh would be no manifold. So the first keeps the place, and the others go home: well within their cells, where no
+//! two vertices meet. Four vertices in the four cells around a lattice edge have a diagonal that leaves two triangles
+//! with an area: seen along the edge they are in four different quadrants, and a line through one of them and its two
+//! neighbours misses the fourth.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+
+use super::cells::{CellMap, Corner};
+use super::triangles::{Quad, Split};
+use crate::grid::{BRICK_SIDE, BrickGrid, cell_corner};
+
+/// Distance from the borders of its cell at which a vertex is at home [voxels], where single precision allows it.
+const INSET: f64 = 1e-3;
+/// As [`INSET`], in steps of single precision: two vertices at home are then apart after rounding.
+const INSET_STEPS: f64 = 4.0;
+/// Largest inset [voxels]: beyond it the voxels are too small for coordinates in single precision.
+const LARGEST_INSET: f64 = 0.125;
+
+/// How far within their cells vertices are at home [voxels].
+///
+/// It is also how far a lattice point must be inside the surface to count as inside. A face of the part that is a plane of
+/// the lattice would otherwise be on one side or the other from point to point, as rounding has it. A mesh in single
+/// precision is off by half a step.
+pub(super) fn inset(grid: &BrickGrid) -> f64 {
+    let bricks = grid.origin.abs().max((grid.origin + grid.dims).abs()).max_element();
+    // Steps are at most 2⁻²³ of the coordinate.
+    let step = f64::from(bricks) * BRICK_SIDE as f64 * f64::from(f32::EPSILON);
+    INSET.max(INSET_STEPS * step).min(LARGEST_INSET)
+}
+
+/// Moves vertices home until no two are in one place and no quad needs a triangle without area.
+pub(super) fn settle(vertices: &mut [Corner], quads: &[Quad], map: &CellMap, split: &Split) {
+    let mut settling = Settling { vertices, map, inset: split.inset, claims: Claims::default() };
+    for vertex in 0..settling.vertices.len() as u32 {
+        if settling.is_home(vertex) {
+            continue;
+        }
+        if settling.near(vertex).is_empty() { settling.claim(vertex) } else { settling.send_home(vertex) }
+    }
+    loop {
+        let of = |quad: &Quad| quad.map(|vertex| settling.vertices[vertex as usize]);
+        let flat: Vec<Quad> = quads.par_iter().filter(|quad| split.is_flat(of(quad))).copied().collect();
+        let away: Vec<u32> = flat.iter().filter_map(|quad| settling.farthest_from_home(quad)).collect();
+        if away.is_empty() {
+            return;
+        }
+        away.into_iter().for_each(|vertex| settling.send_home(vertex));
+    }
+}
+
+struct Settling<'a> {
+    vertices: &'a mut [Corner],
+    map: &'a CellMap,
+    inset: f64,
+    claims: Claims,
+}
+
+/// Vertices that keep a place outside their homes, by the cell in which it is.
+#[derive(Default)]
+struct Claims {
+    /// The last vertex in each cell, as its position in `chain`.
+    last: HashMap<IVec3, usize>,
+    /// A vertex and the one before it in its cell.
+    chain: Vec<(u32, Option<usize>)>,
+}
+
+impl Claims {
+    fn add(&mut self, cell: IVec3, vertex: u32) {
+        let before = self.last.insert(cell, self.chain.len());
+        self.chain.push((vertex, before));
+    }
+
+    fn within(&self, cell: IVec3) -> impl Iterator<Item = u32> {
+        let link = |place: usize| (place, self.chain[place]);
+        let first = self.last.get(&cell).map(|&place| link(place));
+        std::iter::successors(first, move |(_, (_, before))| before.map(link)).map(|(_, (vertex, _))| vertex)
+    }
+}
+
+impl Settling<'_> {
+    fn is_home(&self, vertex: u32) -> bool {
+        let corner = &self.vertices[vertex as usize];
+        corner.away() <= -0.5 * self.inset
+    }
+
+    /// Keeps a place outside home.
+    fn claim(&mut self, vertex: u32) {
+        self.claims.add(self.vertices[vertex as usize].at.floor().as_ivec3(), vertex);
+    }
+
+    /// Moves a vertex home, and whatever is in its way there.
+    fn send_home(&mut self, vertex: u32) {
+        let mut away = vec![vertex];
+        while let Some(vertex) = away.pop() {
+            if self.is_home(vertex) {
+                continue;
+            }
+            let corner = &mut self.vertices[vertex as usize];
+            corner.at = corner.at_home();
+            away.extend(self.near(vertex));
+        }
+    }
+
+    /// Vertices that are at home or have claimed their places, closer to a vertex than homes are to each other.
+    fn near(&self, vertex: u32) -> Vec<u32> {
+        let reach = 0.5 * self.inset;
+        let at = self.vertices[vertex as usize].at;
+        let [low, high] = [at - reach, at + reach].map(|corner| corner.floor().as_ivec3());
+        let mut near = Vec::new();
+        for i in 0..8 {
+            let step = cell_corner(i);
+            if step.cmpgt(high - low).any() {
+                continue;
+            }
+            let residents = self.map.vertices_of(low + step).filter(|&resident| self.is_home(resident));
+            let all = residents.chain(self.claims.within(low + step)).filter(|&other| other != vertex);
+            near.extend(all.filter(|&other| (self.vertices[other as usize].at - at).abs().max_element() < reach));
+        }
+        near
+    }
+
+    /// The vertex of a quad that is farthest outside its cell, or `None` if all are at home.
+    fn farthest_from_home(&self, quad: &Quad) -> Option<u32> {
+        let away = |vertex: &u32| self.vertices[*vertex as usize].away();
+        let not_home = quad.iter().copied().filter(|&vertex| !self.is_home(vertex));
+        not_home.max_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+}
+
+/// Moves the homes of a cell's vertices towards the middles of their pieces until they are apart; `middles` are in voxels
+/// from the cell's lowest corner.
+pub(super) fn keep_apart(vertices: &mut [Corner], middles: &[DVec3], inset: f64) {
+    let are_apart = |homes: &[DVec3]| {
+        (0..homes.len()).all(|i| homes[..i].iter().all(|home| (*home - homes[i]).abs().max_element() >= inset))
+    };
+    let first: Vec<DVec3> = vertices.iter().map(|vertex| vertex.home.as_dvec3()).collect();
+    for step in 0..=STEPS_TO_MIDDLE {
+        let share = f64::from(step) / f64::from(STEPS_TO_MIDDLE);
+        let homes: Vec<DVec3> = first.iter().zip(middles).map(|(home, middle)| home.lerp(*middle, share)).collect();
+        if !are_apart(&homes) {
+            continue;
+        }
+        for (vertex, home) in vertices.iter_mut().zip(homes).filter(|_| step > 0) {
+            vertex.home = home.as_vec3();
+            if vertex.away() <= -0.5 * inset {
+                vertex.at = vertex.at_home();
+            }
+        }
+        return;
+    }
+}
+
+/// Steps in which a vertex goes to the middle of its piece.
+const STEPS_TO_MIDDLE: u32 = 16;
