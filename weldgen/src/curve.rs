@@ -40,6 +40,9 @@ pub struct CurvePoint {
     pub height: f64,
 }
 
+/// Sine of the angle below the horizon up to which a weld still counts as one on an upright wall: 15°.
+const OVERHEAD_LEAN: f64 = 0.26;
+
 /// A weld's centreline on the part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WeldCurve {
@@ -99,6 +102,12 @@ impl WeldCurve {
     /// Mean tool access along the curve; 0 without points.
     pub fn mean_access(&self) -> f64 {
         self.points.iter().map(|point| point.access).sum::<f64>() / self.points.len().max(1) as f64
+    }
+
+    /// Whether the mean normal leans below the horizon by more than 15°, z upwards: a welder would have to work overhead.
+    pub fn faces_down(&self) -> bool {
+        let mean = self.points.iter().map(|point| point.normal.z).sum::<f64>() / self.points.len().max(1) as f64;
+        mean < -OVERHEAD_LEAN
     }
 
     /// Root mean square of κ_g [1/m] over the arc length (trapezoidal rule).

@@ -41,6 +41,7 @@ mod cut;
 mod dial_fault;
 pub mod exposure;
 mod fillet;
+mod fit;
 mod footprint;
 mod offers;
 pub mod place;

@@ -2,7 +2,8 @@
 
 use crate::bead::BeadProfile;
 use crate::dial_fault::{shown, shown_mm};
-use crate::place::{Search, Wanted, first_fit};
+use crate::fit::first_fit;
+use crate::place::{Search, Wanted};
 use crate::propose::{Candidate, mix};
 use crate::rejection::Tally;
 use crate::request::WIDTHS_PER_LENGTH;

@@ -4,20 +4,18 @@ use std::sync::Arc;
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rayon::prelude::*;
 use sdf_bake::Mesh;
 use sdf_bake::query::MeshQuery;
 use serde::Serialize;
 
-use crate::access::access;
 use crate::bead::defect::Ground;
 use crate::bead::{BeadProfile, Defect};
 use crate::curve::WeldCurve;
-use crate::exposure::exposures;
+use crate::fit::first_fit;
 use crate::offers::offers;
 pub use crate::place_error::PlaceError;
-use crate::propose::{Candidate, Proposals, Refused, Taken, mix};
-use crate::rejection::{Rejection, Tally};
+use crate::propose::{Candidate, Proposals, Taken, mix};
+use crate::rejection::Tally;
 use crate::request::{Joint, Placement, WIDTHS_PER_LENGTH, WeldRequest};
 use crate::stitch::stitched;
 use crate::strata::ExposureField;
@@ -28,13 +26,6 @@ use crate::surface::Surface;
 /// The length never falls below three widths. Without leave to shrink, none of it is tried.
 pub const STAGES: [[f64; 2]; 8] =
     [[1.0, 1.0], [0.7, 1.0], [0.5, 1.0], [0.35, 1.0], [0.5, 0.7], [0.35, 0.7], [0.35, 0.5], [0.2, 0.35]];
-
-/// Proposals judged side by side at most; the first that fits wins, so the number of threads changes nothing.
-const LARGEST_BATCH: usize = 32;
-/// Rays per point of a placed weld.
-const MEASURING_RAYS: u32 = 256;
-/// Distance kept from the ends of the range of exposure, so that a finer measurement does not fall out of it.
-const EXPOSURE_MARGIN: f64 = 0.01;
 
 /// A weld on a part, and how it came about.
 #[derive(Clone, Debug, Serialize)]
@@ -240,67 +231,6 @@ impl Search<'_> {
     }
 }
 
-/// The first proposal in order that fits; the dropped ones before it are counted.
-///
-/// Batches start small and double: on most parts one of the first few fits.
-pub(crate) fn first_fit(
-    proposals: &Proposals,
-    attempts: usize,
-    seed: u64,
-    tally: &mut Tally,
-    longest_run: &mut f64,
-) -> Option<Candidate> {
-    let (mut next, mut batch) = (0, 4);
-    while next < attempts {
-        let ids = next..(next + batch).min(attempts);
-        (next, batch) = (ids.end, (2 * batch).min(LARGEST_BATCH));
-        let judged: Vec<_> = ids.into_par_iter().map(|i| proposals.propose(seed, i)).collect();
-        for outcome in judged {
-            match outcome.and_then(|candidate| measure(proposals, candidate)) {
-                Ok(candidate) => return Some(candidate),
-                Err(refused) => {
-                    tally.count(refused.why);
-                    *longest_run = longest_run.max(refused.run);
-                }
-            }
-        }
-    }
-    None
-}
-
-/// Measures what the curve's points record; exposure and access are now known well enough to hold them against the dials.
-fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, Refused> {
-    let refuse = |why| Err(Refused { why, run: proposals.length });
-    let BeadProfile { width, height, .. } = candidate.profile;
-    let places: Vec<_> = candidate.curve.points.iter().map(|point| (point.position, point.normal)).collect();
-    let measured = exposures(proposals.surface.query, &places, proposals.rays(MEASURING_RAYS));
-    for (point, exposure) in candidate.curve.points.iter_mut().zip(measured) {
-        point.exposure = exposure;
-        point.width = width * candidate.form.width_factor(point.arc_length);
-        point.height = height * candidate.form.height_factor(point.arc_length);
-    }
-    let [low, high] = within(proposals.exposure);
-    match candidate.curve.min_exposure() {
-        least if least < low => return refuse(Rejection::Exposure),
-        least if least > high => return refuse(Rejection::TooOpen),
-        _ => {}
-    }
-    let shares = access(proposals.surface.query, &candidate.curve, proposals.request.tool, [width, height]);
-    for (point, access) in candidate.curve.points.iter_mut().zip(shares) {
-        point.access = access;
-    }
-    if candidate.curve.mean_access() < proposals.request.min_access {
-        return refuse(Rejection::Access);
-    }
-    Ok(candidate)
-}
-
-/// A range of exposure without its ends, but for 0 and 1, which nothing passes.
-fn within([low, high]: [f64; 2]) -> [f64; 2] {
-    let margin = EXPOSURE_MARGIN.min(0.25 * (high - low));
-    [if low > 0.0 { low + margin } else { low }, if high < 1.0 { high - margin } else { high }]
-}
-
 fn finish(
     proposals: &Proposals,
     Candidate { curve, mut bead, root_depth, profile, form, cuts }: Candidate,
@@ -317,6 +247,9 @@ fn finish(
         reasons.push(format!("length {now:.2} mm: the {drawn:.2} mm drawn first from the range asked did not fit"));
     }
     reasons.extend(shrunk([length, width], [asked, request.width]));
+    if curve.faces_down() {
+        reasons.push("faces down: no other proposal of this size fitted from above or from the side".to_owned());
+    }
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
     let bead_volume = bead.volume();
     let base = request.form.half_reach(profile.half_width_at(root_depth));

@@ -45,6 +45,8 @@ pub enum Rejection {
     TooOpen,
     /// Too few poses of the tool are free.
     Access,
+    /// Facing down, while another fits that does not.
+    Overhead,
     /// Too near to another weld.
     OtherWeld,
     /// Neighbouring sections of the bead would cross.
@@ -87,6 +89,7 @@ impl Rejection {
             Self::Exposure => "saw too little of the sky (lower least exposure)",
             Self::TooOpen => "saw too much of the sky (higher largest exposure)",
             Self::Access => "left the tool too few free poses (lower least access, smaller tool)",
+            Self::Overhead => "faced down (another side of the part upwards)",
             Self::OtherWeld => "came too near to another weld (fewer welds, smaller gap)",
             Self::Fold => "turned too tightly for the bead (lower curvature, narrower bead)",
         }

@@ -51,6 +51,27 @@ fn turning_rms(weld: &Weld) -> f64 {
 }
 
 #[test]
+fn a_weld_is_laid_from_above_where_one_fits() {
+    for part in [cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03)), icosphere(0.2, 4), closed_tube()] {
+        for seed in 1..=8 {
+            let weld = place(&part, &request(&part), seed);
+            assert!(!weld.curve.faces_down(), "seed {seed} welds overhead: {:?}", weld.reasons);
+            assert!(!weld.reasons.iter().any(|reason| reason.contains("faces down")), "{:?}", weld.reasons);
+        }
+    }
+}
+
+#[test]
+fn where_only_the_underside_has_room_the_weld_is_laid_there_and_says_so() {
+    let positions = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.4), (0.0, 0.4)].map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+    let ceiling = Mesh { positions, triangles: vec![[0, 2, 1], [0, 3, 2]] };
+    let weld = place(&ceiling, &request(&ceiling), 1);
+    assert!(weld.curve.faces_down());
+    assert!(weld.reasons.iter().any(|reason| reason.starts_with("faces down")), "{:?}", weld.reasons);
+    assert_eq!(weld.dropped.of(Rejection::Overhead), 0, "the weld itself is none of the dropped");
+}
+
+#[test]
 fn on_a_plate_the_positions_turn_at_the_rate_the_curve_states() {
     let part = cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03));
     for seed in 1..=5 {
