@@ -62,16 +62,29 @@ pub fn overview(
 ) -> Result<Picture> {
     let bounds = grid.surface_bounds().or_else(|| grid.near_surface_bounds());
     let (low, high) = bounds.context("the field holds no surface to draw")?;
-    let (azimuth, elevation) = three_quarter_view(grid, weld);
+    let (azimuth, elevation) = three_quarter_view(grid, weld, Horizon::Either);
     let camera = Camera::framing(low, high, azimuth, elevation, width as f64 / height as f64);
     Ok(render(grid, &camera, &View { samples_per_side, ..view(width, height, None) }).to_srgb8())
 }
 
+/// Where the camera of a standard view may stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Horizon {
+    /// Above the horizon only: the part stands on something.
+    Above,
+    /// Above it, or below it where a weld can be seen from there only.
+    Either,
+}
+
 /// Azimuth and elevation [rad] of the standard view that shows the most of a weld.
-pub fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>) -> (f64, f64) {
-    let views = [32f64, -32.0].into_iter().flat_map(|elevation| {
-        [-58f64, 32.0, 122.0, 212.0].map(|azimuth| (azimuth.to_radians(), elevation.to_radians()))
-    });
+pub fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>, horizon: Horizon) -> (f64, f64) {
+    let elevations = match horizon {
+        Horizon::Above => &[32f64][..],
+        Horizon::Either => &[32.0, -32.0],
+    };
+    let azimuths = [-58f64, 32.0, 122.0, 212.0];
+    let views =
+        elevations.iter().flat_map(|elevation| azimuths.map(|azimuth| (azimuth.to_radians(), elevation.to_radians())));
     let views: Vec<(f64, f64)> = views.collect();
     let Some(weld) = weld else { return views[0] };
     let directions = views.iter().map(|&(azimuth, elevation)| outward(azimuth, elevation));

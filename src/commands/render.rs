@@ -17,7 +17,7 @@ use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
 use crate::folder::{StagedFile, StagedFolder};
 use crate::photo::{Darkroom, PHOTOGRAPHS, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
-use crate::picture::{DRAWING, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
+use crate::picture::{DRAWING, Horizon, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
 use crate::snapshot::kept_fields;
 use crate::wrong_use;
 
@@ -54,7 +54,7 @@ const GRIND_FORM: &str = "X,Y,Z is expected, for example 1,0,0";
 #[derive(Clone, Debug, Args)]
 struct PhotoFlags {
     /// Where the camera stands, seen from the part: azimuth from x towards y and elevation [deg] [default: a
-    /// three-quarter view that shows the weld].
+    /// three-quarter view from above that shows the weld, from below where it is hidden from above and no table is].
     #[arg(
         long,
         value_name = "AZIMUTH,ELEVATION",
@@ -69,7 +69,7 @@ struct PhotoFlags {
     /// Colour samples along each side of a pixel.
     #[arg(long, value_name = "N", default_value_t = SAMPLES, allow_negative_numbers = true, value_parser = whole::<usize>([1, 16]))]
     samples: usize,
-    /// Puts the part on a table.
+    /// Puts the part on a table, which the camera stands above.
     #[arg(long)]
     table: bool,
     /// Direction of grinding marks in the part's frame [default: along the asset's weld; none without one].
@@ -286,7 +286,8 @@ impl PhotoFlags {
     }
 
     fn standing(&self, part: &BrickGrid, weld: Option<&WeldTruth>, raster: &Raster) -> Result<Camera> {
-        let (azimuth, elevation) = self.angles()?.unwrap_or_else(|| three_quarter_view(part, weld));
+        let horizon = if self.table { Horizon::Above } else { Horizon::Either };
+        let (azimuth, elevation) = self.angles()?.unwrap_or_else(|| three_quarter_view(part, weld, horizon));
         let (mut low, mut high) = surface_bounds(part)?;
         if self.turntable.is_some() {
             // The cylinder that the part sweeps.
@@ -295,7 +296,16 @@ impl PhotoFlags {
             (low, high) = (centre - DVec3::new(reach, reach, half.z), centre + DVec3::new(reach, reach, half.z));
         }
         let aspect = raster.width as f64 / raster.height as f64;
-        Ok(Camera { distortion: self.sensor.distortion()?, ..Camera::framing(low, high, azimuth, elevation, aspect) })
+        let camera = Camera::framing(low, high, azimuth, elevation, aspect);
+        if self.table && camera.eye.z <= low.z {
+            return Err(wrong_use(format!(
+                "--camera {:?} with --table: this camera stands {:.0} mm below the table's top; a greater elevation is \
+                 accepted, 0 or more always",
+                self.camera,
+                (low.z - camera.eye.z) * 1e3
+            )));
+        }
+        Ok(Camera { distortion: self.sensor.distortion()?, ..camera })
     }
 
     /// One photograph, or those of one turn about the upright axis through the part's middle.

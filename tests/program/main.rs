@@ -21,6 +21,7 @@ mod outputs;
 #[path = "../export/outside.rs"]
 mod outside;
 mod paths;
+mod pictures;
 mod places;
 mod press;
 mod process;

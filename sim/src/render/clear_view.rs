@@ -15,13 +15,16 @@ const AZIMUTHS: usize = 24;
 const MOST_POINTS: usize = 48;
 /// Cosine of the angle between surface and view at which a point counts fully.
 const ENOUGH_FACING: f64 = 0.5;
+/// Share of what is seen best from below the horizon that must be seen from above it for a view from above.
+const ENOUGH_FROM_ABOVE: f64 = 0.25;
 /// What a view along a straight weld is worth against one across it.
 const END_ON: f64 = 0.25;
 
 /// Direction from `points` [m] towards a camera that sees most of them, unobstructed, facing it and across.
 ///
 /// `reach`: how far from its point the visible surface may be [m], for example a bead's width for points on the seam
-/// below it. Where the grid has labels, only labelled surface counts: the far side of a thin plate is near, too. Upward views win ties. Meant for [`Camera::close_up`](super::Camera::close_up).
+/// below it. Where the grid has labels, only labelled surface counts: the far side of a thin plate is near, too. A view from below the horizon is taken only
+/// where those from above show less than a quarter as much. Meant for [`Camera::close_up`](super::Camera::close_up).
 pub fn clearest_direction(grid: &BrickGrid, points: &[DVec3], reach: f64) -> DVec3 {
     let azimuth = |step: usize| step as f64 / AZIMUTHS as f64 * std::f64::consts::TAU;
     let directions = ELEVATIONS.iter().flat_map(|&e| (0..AZIMUTHS).map(move |step| outward(azimuth(step), e)));
@@ -29,6 +32,8 @@ pub fn clearest_direction(grid: &BrickGrid, points: &[DVec3], reach: f64) -> DVe
 }
 
 /// As [`clearest_direction`], among given unit directions; the first wins a tie. Up without any.
+///
+/// A part stands with its z axis upwards, so a natural view is from above the horizon.
 pub fn clearest_of(
     grid: &BrickGrid,
     points: &[DVec3],
@@ -49,15 +54,17 @@ pub fn clearest_of(
         points.iter().step_by(stride).map(from_there).sum::<f64>()
             * (END_ON + (1.0 - END_ON) * breadth(points, direction))
     };
-    let mut best = (DVec3::Z, -1.0);
+    let (mut above, mut below) = ((DVec3::Z, -1.0), (DVec3::Z, -1.0));
     for direction in directions {
         let score = seen(direction);
+        let best = if direction.z < 0.0 { &mut below } else { &mut above };
         // A hair more is no reason to leave a natural view.
         if score > best.1 * 1.02 + 1e-9 {
-            best = (direction, score);
+            *best = (direction, score);
         }
     }
-    best.0
+    let is_hidden_from_above = above.1 < ENOUGH_FROM_ABOVE * below.1;
+    if is_hidden_from_above { below.0 } else { above.0 }
 }
 
 /// Root mean square spread of points as seen along a unit direction, by their spread in space: 0 to 1, 1 for one point.
@@ -94,6 +101,21 @@ mod tests {
         let below = clearest_direction(&grid, &[DVec3::new(0.005, 0.0, -0.001)], 0.001);
         assert!(below.z < 0.0, "{below}");
         assert!(clearest_direction(&grid, &[], 0.001).is_finite());
+    }
+
+    #[test]
+    fn a_weld_on_a_leaning_face_is_seen_from_above_although_more_of_it_is_seen_from_below() {
+        let half = DVec3::new(0.02, 0.01, 0.02);
+        // The face leans forward, so that it faces down by 52 degrees.
+        let tilt = glam::DMat3::from_rotation_x(-0.9);
+        let part = |p: DVec3| {
+            let q = (tilt.transpose() * p).abs() - half;
+            q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+        };
+        let grid = BrickGrid::from_distance(DVec3::splat(-0.03), DVec3::splat(0.03), 0.0005, 3.0, part);
+        let weld: Vec<DVec3> = (-5..=5).map(|i| tilt * DVec3::new(0.003 * f64::from(i), half.y, 0.0)).collect();
+        let direction = clearest_direction(&grid, &weld, 0.002);
+        assert!(direction.z > 0.0, "{direction}");
     }
 
     #[test]
