@@ -89,14 +89,16 @@ pub(super) fn run_passes(
                 break;
             }
         };
-        console.step(&format!("pass {number}"), describe(&record));
+        let left = grid.volume();
+        let lost = volume - left;
+        console.step(&format!("pass {number}"), describe(&record, lost));
         if let Some((folder, origin)) = &done.folder {
             let trial_time = number as f64 * forth.duration();
             let state = Snapshot { part: grid.clone(), tool: states.clone(), trial_time, record: record.clone() };
             snapshot::write(folder, number, &state, origin.clone())?;
         }
-        done.lost.push(volume - grid.volume());
-        volume = grid.volume();
+        done.lost.push(lost);
+        volume = left;
         done.passes.push(record);
     }
     Ok(done)
@@ -124,10 +126,11 @@ fn run_one(
     Ok(record)
 }
 
-fn describe(record: &PassRecord) -> String {
+/// A pass for people; `lost`: volume that the field lost [m³], which is what files and pages call removed.
+fn describe(record: &PassRecord, lost: f64) -> String {
     format!(
-        "{:.2} mm³ removed in {:.1} s ({} steps), force off by {:.2e} N rms, peak pressure {:.2} MPa",
-        record.removed_volume * 1e9,
+        "{:.2} mm³ removed from the field in {:.1} s ({} steps), force off by {:.2e} N rms, peak pressure {:.2} MPa",
+        lost * 1e9,
         record.duration,
         record.steps,
         record.force_rms_error,
