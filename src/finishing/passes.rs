@@ -68,10 +68,9 @@ pub(super) fn run_passes(
     (tool, plan, model): (&Tool, Plan, &CompiledModel),
     (device, console): (Option<&Device>, &Console),
 ) -> Result<Done> {
-    let points = weld.curve.position.iter().zip(&weld.curve.normal);
-    let curve: Vec<CurvePoint> = points.map(|(&position, &normal)| CurvePoint { position, normal }).collect();
+    let (curve, search_reach) = followed(weld, tool);
     let forth = sim::Path::along(&curve, plan.feed)?;
-    let process = Process { force_setpoint: plan.force_setpoint, ..Process::default() };
+    let process = Process { force_setpoint: plan.force_setpoint, search_reach, ..Process::default() };
     check_steps(&forth, &process, grid.voxel)?;
     let back = forth.reversed();
     let mut states = done.tool.take().unwrap_or_else(|| States::new(model, TOOL_CELLS));
@@ -102,6 +101,22 @@ pub(super) fn run_passes(
         done.passes.push(record);
     }
     Ok(done)
+}
+
+/// The line that the tool follows on a weld, and how far above and below it the surface is sought [m].
+///
+/// A fillet's centreline is the crease below it, and its approach is slanted: the tool is sought from the crown, within half
+/// of its width or the bead's height, so that the way there does not lead past the walls beside it.
+fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
+    let is_fillet = weld.toe_height_mm > 0.0;
+    let lift = if is_fillet { weld.height_mm * 1e-3 } else { 0.0 };
+    let points = weld.curve.position.iter().zip(&weld.curve.normal);
+    let curve = points.map(|(&position, &normal)| CurvePoint { position: position + lift * normal, normal });
+    let reach = match tool {
+        Tool::Wheel(wheel) if is_fillet => (0.5 * wheel.width).min(lift),
+        _ => Process::default().search_reach,
+    };
+    (curve.collect(), reach)
 }
 
 /// Runs a pass; an error names it.
