@@ -217,6 +217,15 @@ pub(super) fn within(flag: &str, value: f64, (least, most): (f64, f64)) -> Resul
     }
 }
 
+/// Contact stiffness that verbs accept [Pa/m]: from the softest foam that the law is calibrated for to ten times its
+/// hardest wheel.
+const STIFFNESS: (f64, f64) = (1e5, 1e14);
+
+/// Checks `--stiffness` [Pa/m].
+pub(super) fn stiffness(value: f64) -> Result<f64> {
+    within("--stiffness", value, STIFFNESS)
+}
+
 /// As [`positive`], for a flag in millimetres; the result is in metres.
 pub(super) fn optional_mm(flag: &str, value: Option<f64>) -> Result<Option<f64>> {
     value.map(|mm| Ok(positive(flag, mm)? * 1e-3)).transpose()

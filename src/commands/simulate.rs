@@ -10,7 +10,7 @@ use sim::effect::{CompiledModel, Process, RowCounts};
 use sim::{Tool, Wheel};
 
 use super::backend_flags::{BackendFlags, name_of};
-use super::flags::{OutFlags, whole, within};
+use super::flags::{OutFlags, stiffness, whole, within};
 use super::model_flags::ModelFlags;
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
@@ -149,7 +149,7 @@ impl ProcessFlags {
 
     /// The base law asked for, as in a model file.
     fn law(&self) -> Result<String> {
-        let stiffness = within("--stiffness", self.stiffness.unwrap_or(1e10), (1e6, 1e14))?;
+        let stiffness = stiffness(self.stiffness.unwrap_or(1e10))?;
         let grind_rate = within("--grind-rate", self.grind_rate.unwrap_or(1e-9), (1e-15, 1e-6))?;
         let threshold = within("--threshold-mpa", self.threshold_mpa.unwrap_or(0.0), (0.0, 1e4))?;
         Ok(format!(

@@ -55,7 +55,7 @@ fn the_ends_of_the_accepted_ranges_finish() {
         ["--feed-mm-s", "10000"],
         ["--wheel-radius-mm", "1000"],
         ["--wheel-width-mm", "1000"],
-        ["--stiffness", "1e6"],
+        ["--stiffness", "1e5"],
         ["--threshold-mpa", "10000"],
     ] {
         let folder = tempfile::tempdir().expect("a temporary folder");
