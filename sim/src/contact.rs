@@ -2,9 +2,12 @@
 //!
 //! The patch is cut into the squares around the sheet's columns. Within a square the depth is taken as linear where
 //! the patch's rim or the border of the working surface crosses it, and integrated exactly; inside the patch it is taken
-//! as quadratic. So sums over squares are second order in the voxel size.
+//! as quadratic. So sums over squares are second order in the voxel size. A tool from a mesh has edges between columns: its
+//! squares are cut into smaller cells ([`closer`]).
 
 mod border;
+mod closer;
+mod patch;
 mod peak;
 mod rows;
 mod wall;
@@ -16,6 +19,7 @@ use serde::Serialize;
 
 pub(crate) use self::border::SheetFrame;
 use self::border::{Border, Cover, swept_spans};
+pub(crate) use self::peak::Peak;
 use self::rows::{Covers, Depths, Settle, UNSETTLED, rows_around};
 use crate::lines::{Lines, Run};
 use crate::ramp::{ramp_mean, wet_share};
@@ -23,8 +27,6 @@ use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::tool::{Frame, Pose, Tool};
 
-/// How far the height of a column beside a wall may be off [voxels].
-const EDGE_ERROR: f64 = 0.05;
 /// Way of a tool across its own axis for which what lies under it is not measured anew [voxels].
 const SAME_COVER: f64 = 1e-3;
 
@@ -91,6 +93,8 @@ pub struct Squares {
     room: f64,
     /// Where the tool was.
     at: Option<Measured>,
+    /// Whether squares that are not straight are cut into smaller cells, whatever the tool.
+    looks_closer: bool,
 }
 
 impl Squares {
@@ -159,6 +163,10 @@ impl Squares {
     /// Settles all squares, whose depths and covers are known.
     fn settle(&mut self, border: &Border, sheet: &Sheet) {
         pulp::Arch::new().dispatch(Settle { border, sheet, squares: self });
+        let closer = self.is_closer(border);
+        if closer {
+            self.unsettle(sheet);
+        }
         let across = sheet.window.size[1];
         for (place, row) in self.region.rows.clone().enumerate() {
             let columns = &self.columns[place];
@@ -166,7 +174,11 @@ impl Squares {
             while line < end {
                 if self.share[line] == UNSETTLED {
                     self.share[line] = 0.0;
-                    self.measure_square(border, sheet, line);
+                    if closer {
+                        self.measure_closer(border, sheet, line);
+                    } else {
+                        self.measure_square(border, sheet, line);
+                    }
                     line += 1;
                     continue;
                 }
@@ -246,23 +258,6 @@ impl Squares {
     /// Largest depth under the working surface [m], negative: the gap.
     pub fn deepest(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
         self.under(tool, pose, sheet).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// As [`Squares::deepest`], between columns as well. Beside a wall a column's height is less sure than elsewhere, and
-    /// counts as that much deeper.
-    pub fn peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
-        let at = |line: usize| {
-            let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
-            let unsure = if along.is_whole && sideways.is_whole { 0.0 } else { EDGE_ERROR * sheet.pitch };
-            self.top(sheet, line) - unsure
-        };
-        self.under(tool, pose, sheet).map(at).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Lines under the working surface.
-    fn under(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> impl Iterator<Item = usize> {
-        let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, DVec3::ZERO);
-        self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line).share > 0.0)
     }
 }
 

@@ -70,6 +70,6 @@ pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use profilometer::Profilometer;
 pub use record::{LogRow, PassRecord};
 pub use settings::{LONGEST_STEP, PassError, Process};
-pub use tool::{FieldTool, Frame, Pad, Pose, Tool, Wheel};
+pub use tool::{FieldTool, Frame, MeshDepth, Pad, Pose, Tool, Wheel};
 pub use tool_cells::COUNT as TOOL_CELLS;
 pub use topography::Topography;

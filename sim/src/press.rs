@@ -1,5 +1,6 @@
 //! A tool pressed into a part and held still.
 
+use glam::DVec3;
 use sdf_bake::BrickGrid;
 
 use crate::contact::Contact;
@@ -10,6 +11,7 @@ use crate::physics::Physics;
 use crate::region::Region;
 use crate::sheet::{Facing, Sheet};
 use crate::step::Step;
+use crate::surface::way_to_surface;
 use crate::tool::{Pose, Tool};
 
 /// Relative difference between force and setpoint that is good enough.
@@ -21,6 +23,8 @@ const BELOW: f64 = 4.0;
 const FIRST_PRESS: f64 = 1e-6;
 /// Gap at which a tool touches [m].
 const TOUCH_TOLERANCE: f64 = 1e-10;
+/// Gap below which the search for the deepest point may be all that still changes it [m].
+const TOUCH_NOISE: f64 = 1e-9;
 /// Steps of the search for the first touch.
 const TOUCH_STEPS: usize = 500;
 
@@ -31,6 +35,8 @@ pub struct Press<'a> {
     reach: f64,
     sheet: Sheet,
     step: Step,
+    /// Where the tool first touches [m].
+    touched: Option<DVec3>,
 }
 
 impl<'a> Press<'a> {
@@ -43,7 +49,14 @@ impl<'a> Press<'a> {
         let sheet = Sheet::read(grid, facing, window, level + reach, lowest - reach - BELOW * grid.voxel);
         let mut step = Step::default();
         step.look_at(Region::inside(&sheet.window));
-        Self { tool, pose, reach, sheet, step }
+        Self { tool, pose, reach, sheet, step, touched: None }
+    }
+
+    /// The same with the squares at rim and border cut into cells of a sixteenth of a voxel. Without, they are measured
+    /// as in a pass; a tool from a mesh always is measured so.
+    pub fn closer(mut self) -> Self {
+        self.step.look_closer();
+        self
     }
 
     /// What the tool meets, lifted by `travel` [m]. Formulas that ask for the force, area or pressure of the step before are
@@ -56,7 +69,9 @@ impl<'a> Press<'a> {
         self.step.begin((self.tool, &pose), &self.sheet, physics)?;
         self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
         let moment = self.step.moment(&pose, &self.sheet);
-        let contact = Contact { moment, ..self.step.contact(&pose, &self.sheet).0 };
+        let peak = self.step.start_peak(self.tool, &pose, &self.sheet);
+        let pressure_max = self.step.pressure_to(peak.as_ref());
+        let contact = Contact { moment, pressure_max, ..self.step.contact(&pose, &self.sheet).0 };
         let width = self.step.extent(&pose, &self.sheet).map_or(0.0, |extent| extent.y.1 - extent.y.0);
         physics.has_met(&contact, width);
         Ok(contact)
@@ -72,21 +87,40 @@ impl<'a> Press<'a> {
     /// # Errors
     /// As [`Press::contact`].
     pub fn touch(&mut self, physics: &mut Physics) -> Result<Option<f64>, RunError> {
-        let mut travel = self.reach;
+        let (mut travel, mut gap) = (self.reach, f64::INFINITY);
         for _ in 0..TOUCH_STEPS {
             let pose = self.at(travel, physics)?;
             self.step.begin((self.tool, &pose), &self.sheet, physics)?;
-            let depth = self.step.start_peak(self.tool, &pose, &self.sheet);
-            if depth == f64::NEG_INFINITY || travel < -self.reach {
-                return Ok(None);
-            }
+            let peak = self.step.start_peak(self.tool, &pose, &self.sheet);
+            let Some(peak) = peak.filter(|_| travel >= -self.reach) else { return Ok(None) };
             // The gap is the shortest way to the surface, so it is never too far down.
-            travel += depth;
-            if depth.abs() < TOUCH_TOLERANCE {
+            travel += peak.depth;
+            self.touched = Some(self.sheet.facing.world(peak.point));
+            let before = std::mem::replace(&mut gap, peak.depth.abs());
+            if gap < TOUCH_TOLERANCE || (gap < TOUCH_NOISE && gap >= before) {
                 break;
             }
         }
         Ok(Some(travel))
+    }
+
+    /// How thick the part is below the place of the first touch, along the approach axis [m]; `None` before a touch, and
+    /// where the way leaves no underside that can be found.
+    pub fn thickness(&self, grid: &BrickGrid) -> Option<f64> {
+        let into = -self.pose.approach;
+        let start = 0.5 * grid.voxel;
+        let way = way_to_surface(grid, self.touched? + into * start, into, start)?;
+        Some(start + way)
+    }
+
+    /// Length along the tool's x and width along its y of the patch that [`Press::contact`] met at a travel [m].
+    ///
+    /// # Errors
+    /// As [`Press::contact`].
+    pub fn patch(&self, travel: f64, physics: &Physics) -> Result<(f64, f64), RunError> {
+        let pose = self.at(travel, physics)?;
+        let patch = self.step.patch(self.tool, &pose, &self.sheet);
+        Ok(patch.map_or((0.0, 0.0), |patch| (patch.x.1 - patch.x.0, patch.y.1 - patch.y.0)))
     }
 
     /// Travel [m] at which the force is `setpoint` [N]; `None` where nothing is met within reach.

@@ -10,7 +10,7 @@ use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sim::physics::Physics;
 use sim::press::Press;
-use sim::{Contact, Frame, Pose, Tool, Wheel};
+use sim::{Contact, Frame, Pad, Pose, Tool, Wheel};
 
 const K: f64 = 1e10;
 
@@ -149,6 +149,78 @@ fn a_tilted_wheel_meets_the_closed_form_for_force_and_has_a_moment() {
         let found = contact(&plate(voxel, 0.0), &WHEEL, &pose);
         assert!(report("tilted 2.5 mrad", voxel, found.force, exact) < limit);
         assert!(found.moment.x.abs() > 1e-3 * found.force, "{}", found.moment);
+    }
+}
+
+/// A plate whose top is turned by `tilt` [rad] about y, or about x where it is askew `across`.
+fn tilted_plate(voxel: f64, tilt: f64, across: bool) -> BrickGrid {
+    let half = DVec3::new(0.022, 0.022, 0.004);
+    let normal =
+        if across { DVec3::new(0.0, -tilt.sin(), tilt.cos()) } else { DVec3::new(-tilt.sin(), 0.0, tilt.cos()) };
+    BrickGrid::from_distance(-half, half, voxel, 3.0, move |p| p.dot(normal) + 0.37e-4)
+}
+
+/// Force at `depth` below the first touch, and the highest pressure.
+fn below_touch((grid, tool): (&BrickGrid, &Tool), place: (f64, f64), frame: Frame, depth: f64) -> Contact {
+    let model = base();
+    let mut states = fresh(&model);
+    let mut physics = Physics::new(&model, &mut states, 0.0);
+    let centre = DVec3::new(place.0, place.1, tool.drop());
+    let mut press = Press::new(grid, tool, Pose { centre, approach: DVec3::Z, frame }, 2e-3).closer();
+    let touch = press.touch(&mut physics).expect("a model").expect("a touch");
+    press.contact(touch - depth, &mut physics).expect("a contact")
+}
+
+#[test]
+fn a_tilted_surface_is_first_touched_at_the_border_of_the_tool() {
+    for (tilt, depth) in [(2.5e-3f64, 100e-6), (7e-3, 60e-6), (20e-3, 150e-6)] {
+        // Parabolic gap along the wheel; the highest edge of the rim is `depth` deep.
+        let low = (depth - WHEEL.width * tilt.tan()).max(0.0);
+        let wheel = 8.0 / 15.0 * K * (2.0 * WHEEL.radius).sqrt() / tilt.tan() * (depth.powf(2.5) - low.powf(2.5));
+        let radius = 0.012;
+        let (deepest, slope) = (depth, tilt.tan());
+        let n = 4000;
+        // Vertical depth under a level pad, by strips across the slope; it is what the pad's own axis sees.
+        let strip = |i: usize| {
+            let x = radius * (2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
+            2.0 * (radius * radius - x * x).sqrt() * (deepest + (x - radius) * slope).max(0.0)
+        };
+        let pad = K * 2.0 * radius / n as f64 * (0..n).map(strip).sum::<f64>();
+        for (voxel, limit) in [(0.5e-3, 5e-3), (0.25e-3, 1e-3)] {
+            for place in [(0.0, 0.0), (0.11e-3, 0.07e-3), (-0.21e-3, 0.16e-3)] {
+                let (about, level) = (Frame::about(DVec3::Y, DVec3::Z), Frame::facing(DVec3::Z, DVec3::X));
+                let across = tilted_plate(voxel, tilt, true);
+                let found = below_touch((&across, &Tool::from(WHEEL)), place, about, depth);
+                assert!(report(&format!("wheel, {tilt} rad at {place:?}"), voxel, found.force, wheel) < limit);
+                assert!((found.pressure_max / (K * depth) - 1.0).abs() < 1e-3, "{}", found.pressure_max);
+                for across in [across, tilted_plate(voxel, tilt, false)] {
+                    let found = below_touch((&across, &Tool::from(Pad { radius })), place, level, depth);
+                    assert!(report(&format!("pad, {tilt} rad at {place:?}"), voxel, found.force, pad) < limit);
+                    assert!((found.pressure_max / (K * depth) - 1.0).abs() < 1e-3, "{}", found.pressure_max);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wheel_held_across_and_along_a_narrow_bead_meets_the_closed_form() {
+    let (radius, depth) = (4.17e-3, 100e-6);
+    let (across, _) = wheel_across_bar(&WHEEL, radius, depth);
+    // The wheel's distance at the bar's circle, by a fine sum across both.
+    let (n, half) = (200_000, 1.2e-3);
+    let at = |i: usize| half * (2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
+    let overlap = |y: f64| WHEEL.radius - y.hypot(WHEEL.radius - depth + radius - (radius * radius - y * y).sqrt());
+    let along = K * WHEEL.width * 2.0 * half / n as f64 * (0..n).map(|i| overlap(at(i)).max(0.0)).sum::<f64>();
+    for (voxel, limit) in [(0.5e-3, 2e-3), (0.25e-3, 5e-4)] {
+        let grid = bar(voxel, radius, 0.02);
+        for place in [(0.11e-3, 0.07e-3), (0.0, 0.0), (0.2e-3, -0.24e-3)] {
+            let tool = Tool::from(WHEEL);
+            let found = below_touch((&grid, &tool), (place.0, 0.0), Frame::about(DVec3::Y, DVec3::Z), depth);
+            assert!(report(&format!("across at {place:?}"), voxel, found.force, across) < limit);
+            let found = below_touch((&grid, &tool), (place.0, 0.0), Frame::about(DVec3::X, DVec3::Z), depth);
+            assert!(report(&format!("along at {place:?}"), voxel, found.force, along) < limit);
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use glam::DVec3;
 use sdf_bake::input::{self, MOST_MESH_BYTES};
@@ -13,9 +13,9 @@ use serde::Serialize;
 use sim::effect::{CompiledModel, RowCounts, States};
 use sim::physics::Physics;
 use sim::press::Press;
-use sim::{Contact, FieldTool, Frame, Pad, Pose, TOOL_CELLS, Tool, Wheel};
+use sim::{Contact, FieldTool, Frame, MeshDepth, Pad, Pose, TOOL_CELLS, Tool, Wheel};
 
-use super::flags::{SignFlag, UnitFlag, positive, within};
+use super::flags::{SignFlag, UnitFlag, positive, stiffness, within};
 use super::model_flags::ModelFlags;
 use crate::asset::{AssetFields, Manifest};
 use crate::budget;
@@ -28,7 +28,7 @@ use crate::wrong_use;
 const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
 /// Times that a contact is sought anew under effects that follow its own force.
 const SETTLING: usize = 30;
-/// Half width of the band of a tool from a file [voxels]; no deeper can it be pressed.
+/// Half width of the band of a tool from a file [voxels]; one with walls inside can be pressed no deeper.
 const TOOL_BAND: f64 = 8.0;
 
 #[derive(Debug, Args)]
@@ -76,6 +76,10 @@ struct PressAnswer {
     depth_mm: f64,
     /// Projected along z.
     area_mm2: f64,
+    /// Along the tool's x: along the feed, across a wheel's axis.
+    patch_length_mm: f64,
+    /// Along the tool's y: along a wheel's axis.
+    patch_width_mm: f64,
     pressure_max_pa: f64,
     pressure_mean_pa: f64,
     /// About the tool's reference point.
@@ -97,7 +101,7 @@ pub(super) fn run(args: &PressArgs, console: &Console) -> Result<()> {
     };
     let voxel = positive("--voxel-mm", args.voxel_mm)? * 1e-3;
     let tool = args.tool(voxel)?;
-    let stiffness = within("--stiffness", args.stiffness, (1e3, 1e16))?;
+    let stiffness = stiffness(args.stiffness)?;
     let model = args
         .model
         .compile_any(&format!("[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n"), RowCounts::default())?;
@@ -112,6 +116,8 @@ pub(super) fn run(args: &PressArgs, console: &Console) -> Result<()> {
         force_n: contact.force,
         depth_mm: held.depth * 1e3,
         area_mm2: contact.area * 1e6,
+        patch_length_mm: held.patch.0 * 1e3,
+        patch_width_mm: held.patch.1 * 1e3,
         pressure_max_pa: contact.pressure_max,
         pressure_mean_pa: contact.pressure_mean(),
         moment_nm: contact.moment.to_array(),
@@ -123,11 +129,14 @@ pub(super) fn run(args: &PressArgs, console: &Console) -> Result<()> {
 fn describe(held: &Held) -> String {
     let contact = &held.contact;
     format!(
-        "{:.4} N at {:.5} mm below the first touch\npatch of {:.4} mm², pressure {:.4e} Pa at most, {:.4e} Pa in the mean\n\
+        "{:.4} N at {:.5} mm below the first touch\npatch of {:.4} mm², {:.3} mm long and {:.3} mm wide\n\
+         pressure {:.4e} Pa at most, {:.4e} Pa in the mean\n\
          moment {:.3e}, {:.3e}, {:.3e} N m about the tool's reference point",
         contact.force,
         held.depth * 1e3,
         contact.area * 1e6,
+        held.patch.0 * 1e3,
+        held.patch.1 * 1e3,
         contact.pressure_max,
         contact.pressure_mean(),
         contact.moment.x,
@@ -157,6 +166,8 @@ enum Goal {
 /// A tool held in a part.
 struct Held {
     contact: Contact,
+    /// Length and width of the patch [m].
+    patch: (f64, f64),
     depth: f64,
     position: DVec3,
 }
@@ -188,19 +199,25 @@ impl Place {
         let mut physics = Physics::new(model, &mut states, sim::Process::default().coating);
         let setpoint = if let Goal::Force(force) = goal { force } else { 0.0 };
         physics.hold(tool, setpoint);
-        let mut press = Press::new(part, tool, self.pose, self.reach);
+        let mut press = Press::new(part, tool, self.pose, self.reach).closer();
         let Some(touch) = press.touch(&mut physics)? else {
             return Err(wrong_use(format!("{}; the tool meets nothing there", self.words)));
         };
+        // The part's whole height where no underside is found below the touch.
+        let thickness = press.thickness(part).unwrap_or(2.0 * self.reach);
         // Effects may follow the force that they change.
         let mut last = f64::NAN;
         let mut settle = || -> Result<(f64, Contact)> {
             let travel = match goal {
                 Goal::Depth(depth) => touch - depth,
-                Goal::Force(force) => press.travel_for(force, &mut physics)?.with_context(|| {
-                    format!("--force-n {force}: the tool would go right through the part; less force or more stiffness is accepted")
-                })?,
+                Goal::Force(force) => {
+                    press.travel_for(force, &mut physics)?.with_context(|| goes_through(goal, thickness))?
+                }
             };
+            if touch - travel >= thickness {
+                let words = goes_through(goal, thickness);
+                return Err(if matches!(goal, Goal::Depth(_)) { wrong_use(words) } else { anyhow!(words) });
+            }
             check_band(tool, touch - travel)?;
             Ok((travel, press.contact(travel, &mut physics)?))
         };
@@ -221,16 +238,32 @@ impl Place {
                 contact.force
             );
         }
-        Ok(Held { contact, depth: touch - travel, position: self.pose.lifted(travel).centre })
+        let patch = press.patch(travel, &physics)?;
+        Ok(Held { contact, patch, depth: touch - travel, position: self.pose.lifted(travel).centre })
     }
 }
 
-/// A tool from a file knows depths as far as its band.
+/// Why a tool cannot be pressed into a part that is `thickness` [m] thick below it.
+fn goes_through(goal: Goal, thickness: f64) -> String {
+    let thickness = format!("which is {:.3} mm thick below the first touch", thickness * 1e3);
+    match goal {
+        Goal::Depth(depth) => format!(
+            "--depth-mm {}: the tool would go right through the part, {thickness}; less than that is accepted",
+            depth * 1e3
+        ),
+        Goal::Force(force) => format!(
+            "--force-n {force}: the tool would go right through the part, {thickness}; less force or more stiffness is \
+             accepted"
+        ),
+    }
+}
+
+/// A tool from a file that has walls inside knows depths as far as its band.
 fn check_band(tool: &Tool, depth: f64) -> Result<()> {
     match tool {
-        Tool::Field(field) if depth > 0.9 * f64::from(field.field.band) => bail!(
-            "the tool is {:.4} mm deep, and a tool from a file is known to {:.4} mm: a larger --voxel-mm or a shallower press \
-             is accepted",
+        Tool::Field(field) if field.mesh.is_none() && depth > 0.9 * f64::from(field.field.band) => bail!(
+            "the tool is {:.4} mm deep, and a tool from a file with walls inside is known to {:.4} mm: a larger --voxel-mm, \
+             a shallower press or a mesh without walls inside is accepted",
             depth * 1e3,
             0.9e3 * f64::from(field.field.band)
         ),
@@ -304,8 +337,9 @@ impl PressArgs {
         let lowest = mesh.bounds().map_or(0.0, |(low, _)| low.z);
         mesh.positions.iter_mut().for_each(|position| position.z -= lowest);
         let (low, high) = mesh.bounds().unwrap_or_default();
-        let (field, _) = bake(&mesh, &options).map_err(needs_solid).with_context(|| path.display().to_string())?;
-        Ok(Tool::Field(FieldTool { field: Arc::new(field), low, high }))
+        let (field, report) = bake(&mesh, &options).map_err(needs_solid).with_context(|| path.display().to_string())?;
+        let exact = (report.inner_triangles == 0).then(|| Arc::new(MeshDepth::new(&mesh)));
+        Ok(Tool::Field(FieldTool { field: Arc::new(field), low, high, mesh: exact }))
     }
 }
 

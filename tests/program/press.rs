@@ -75,7 +75,7 @@ fn a_tool_may_be_a_file_and_a_part_an_asset_with_effects() {
     let part = plate(folder.path());
     let tool = format!("mesh:{}", part.display());
     let held = press(&part, &["--tool", &tool, "--depth-mm", "0.1"]).succeeds().answer();
-    // Depths near the tool's walls are those to the walls, and its last half voxel is on the part's walls.
+    // The tool's last half voxel is on the part's walls.
     near(&held, "force_n", K * 0.06 * 0.04 * 1e-4, 4e-2);
 
     let model = folder.path().join("model.toml");
@@ -87,6 +87,139 @@ fn a_tool_may_be_a_file_and_a_part_an_asset_with_effects() {
     let held =
         run(robofin(["press", "--json", "--tool", "sphere:radius=10mm", "--force-n", "15"]).arg(asset())).succeeds();
     near(&held.answer(), "force_n", 15.0, 1e-6);
+}
+
+/// A prism of `sides` sides and `radius` [mm] about (0.07, -0.11), 6 mm high, as a file in millimetres.
+fn prism(folder: &Path, name: &str, (sides, radius): (usize, f64)) -> PathBuf {
+    let mut text = String::new();
+    for z in [0.0, 6.0] {
+        for i in 0..sides {
+            let turn = 2.0 * PI * (i as f64 + 0.5) / sides as f64;
+            text += &format!("v {} {} {z}\n", 0.07 + radius * turn.cos(), -0.11 + radius * turn.sin());
+        }
+    }
+    let list = |places: &mut dyn Iterator<Item = usize>| places.map(|i| format!(" {}", i + 1)).collect::<String>();
+    text += &format!("f{}\nf{}\n", list(&mut (0..sides).rev()), list(&mut (sides..2 * sides)));
+    for i in 0..sides {
+        let next = (i + 1) % sides;
+        text += &format!("f{}\n", list(&mut [i, next, next + sides, i + sides].into_iter()));
+    }
+    let file = folder.join(name);
+    fs::write(&file, text).expect("it can be written");
+    file
+}
+
+/// A ball of `radius` [mm] over z = 0 as a file in millimetres, its corners on the sphere.
+fn globe(folder: &Path, radius: f64) -> PathBuf {
+    let (rings, sides) = (720, 240);
+    let mut text = String::new();
+    for ring in 0..=rings {
+        let down = PI * ring as f64 / rings as f64;
+        for side in 0..sides {
+            let turn = 2.0 * PI * side as f64 / sides as f64;
+            let (x, y) = (radius * down.sin() * turn.cos(), radius * down.sin() * turn.sin());
+            text += &format!("v {x:.12} {y:.12} {:.12}\n", radius * (1.0 + down.cos()));
+        }
+    }
+    for ring in 0..rings {
+        for side in 0..sides {
+            let at = |ring: usize, side: usize| ring * sides + side % sides + 1;
+            let [a, b, c, d] = [at(ring, side), at(ring + 1, side), at(ring + 1, side + 1), at(ring, side + 1)];
+            if ring > 0 {
+                text += &format!("f {a} {b} {d}\n");
+            }
+            if ring + 1 < rings {
+                text += &format!("f {b} {c} {d}\n");
+            }
+        }
+    }
+    let file = folder.join("globe.obj");
+    fs::write(&file, text).expect("it can be written");
+    file
+}
+
+#[test]
+fn tools_from_meshes_meet_their_closed_forms_by_depth_and_by_force() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let part = plate(folder.path());
+    // Side 10 mm: the depth is limited by the distance to the side walls.
+    let depth = 1e-4f64;
+    let cube = K * (100e-6 * depth - 0.04 * 0.5 * depth * depth + 4.0 * depth.powi(3) / 3.0);
+    let disc = K * PI * depth * (3.0 * 0.006f64.powi(2) - 3.0 * 0.006 * depth + depth * depth) / 3.0;
+    let ball = PI * K * depth * depth * (0.01 - 2.0 * depth / 3.0);
+    let box_tool = prism(folder.path(), "box.obj", (4, 5.0 * 2f64.sqrt()));
+    let disc_tool = prism(folder.path(), "disc.obj", (256, 6.0));
+    let ball_tool = globe(folder.path(), 10.0);
+    for (tool, force) in [(&box_tool, cube), (&disc_tool, disc), (&ball_tool, ball)] {
+        let tool = format!("mesh:{}", tool.display());
+        for (voxel, limit) in [("0.5", 1e-2), ("0.25", 3e-3)] {
+            let of = |goal: &str, value: &str| {
+                let place = ["--at", "0.13,-0.29", "--voxel-mm", voxel];
+                press(&part, &[&["--tool", &tool, goal, value][..], &place].concat()).succeeds().answer()
+            };
+            let held = of("--depth-mm", "0.1");
+            println!("{tool} at {voxel} mm: {held}, exact {force:.4} N");
+            near(&held, "force_n", force, limit);
+            near(&held, "pressure_max_pa", K * depth, limit);
+            let held = of("--force-n", &force.to_string());
+            println!("by force: {held}");
+            near(&held, "force_n", force, limit);
+            near(&held, "depth_mm", 0.1, limit);
+            near(&held, "pressure_max_pa", K * depth, limit);
+        }
+    }
+}
+
+#[test]
+fn the_patch_has_a_length_and_a_width() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let part = plate(folder.path());
+    let half = (2.0 * 0.05 * 1e-4f64 - 1e-8).sqrt() * 1e3;
+    let ball = (2.0 * 0.01 * 1e-4f64 - 1e-8).sqrt() * 1e3;
+    for (tool, length, width) in [
+        ("wheel:radius=50mm,width=20mm", 2.0 * half, 20.0),
+        ("pad:radius=12mm", 24.0, 24.0),
+        ("sphere:radius=10mm", 2.0 * ball, 2.0 * ball),
+    ] {
+        let held = press(&part, &["--tool", tool, "--depth-mm", "0.1", "--at", "0.21,-0.13"]).succeeds().answer();
+        println!("{tool}: {held}");
+        near(&held, "patch_length_mm", length, 2e-3);
+        near(&held, "patch_width_mm", width, 2e-3);
+    }
+    let text = run(robofin(["press", "--unit", "mm", "--tool", "pad:radius=12mm", "--depth-mm", "0.1"]).arg(&part));
+    let text = format!("{}{}", text.stdout, text.stderr);
+    assert!(text.contains("24.000 mm long and 24.000 mm wide"), "{text}");
+}
+
+#[test]
+fn a_tool_that_would_go_through_the_part_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let part = plate(folder.path());
+    for tool in ["wheel:radius=50mm,width=20mm", "pad:radius=5mm", "sphere:radius=10mm"] {
+        for depth in ["10.01", "500"] {
+            let outcome = press(&part, &["--tool", tool, "--depth-mm", depth]);
+            outcome.is_refused(2, &["--depth-mm", depth, "right through", "10.000 mm thick", "accepted"]);
+        }
+        press(&part, &["--tool", tool, "--depth-mm", "9.9"]).succeeds();
+    }
+    press(&part, &["--tool", "pad:radius=5mm", "--force-n", "9e8"])
+        .is_refused(1, &["--force-n", "right through", "10.000 mm thick", "accepted"]);
+}
+
+#[test]
+fn press_and_simulate_accept_one_range_of_stiffness() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (part, out) = (plate(folder.path()), folder.path().join("ground"));
+    let range = "100000.0 to 100000000000000.0 is accepted";
+    for value in ["9e4", "1.1e14"] {
+        press(&part, &["--tool", "pad:radius=5mm", "--depth-mm", "0.1", "--stiffness", value])
+            .is_refused(2, &["--stiffness", range]);
+        run(robofin(["simulate", "--stiffness", value]).arg(asset()).arg("--out").arg(&out))
+            .is_refused(2, &["--stiffness", range]);
+    }
+    for value in ["1e5", "1e14"] {
+        press(&part, &["--tool", "pad:radius=5mm", "--depth-mm", "0.1", "--stiffness", value]).succeeds();
+    }
 }
 
 #[test]

@@ -2,10 +2,71 @@
 
 use std::ops::Range;
 
-use super::Squares;
-use crate::sheet::Sheet;
+use glam::DVec3;
+
+use super::patch::Patch;
+use super::{Border, SheetFrame, Squares};
+use crate::sheet::{NO_SURFACE, Sheet};
+use crate::tool::{Pose, Tool};
+
+/// How far the height of a column beside a wall may be off [voxels].
+const EDGE_ERROR: f64 = 0.05;
+/// Distance from the border within which a square's neighbours may lie beside it [pitches].
+const BESIDE: f64 = 3.0;
+
+/// The deepest point under a working surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Peak {
+    /// Its depth [m], negative: the gap.
+    pub(crate) depth: f64,
+    /// The line in whose square it is.
+    pub(crate) line: usize,
+    /// Where it is (u, v, up) [m].
+    pub(crate) point: DVec3,
+}
 
 impl Squares {
+    /// The deepest point under the working surface, between columns and at the border as well; `None` where there is no
+    /// surface. Beside a wall a column's height is less sure than elsewhere, and counts as that much less deep.
+    pub(crate) fn peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> Option<Peak> {
+        let frame = SheetFrame::new(pose, sheet);
+        let lines: Vec<usize> = self.under(tool, pose, sheet).filter(|&line| sheet.height[line] > NO_SURFACE).collect();
+        let within = |line: usize| tool.within(frame.local(sheet.point(line)));
+        let mut best: Option<Peak> = None;
+        for &line in lines.iter().filter(|&&line| within(line) >= 0.0) {
+            let depth = self.depth[line] - self.unsure(sheet, line);
+            if best.is_none_or(|best| depth > best.depth) {
+                best = Some(Peak { depth, line, point: sheet.point(line) });
+            }
+        }
+        for line in lines {
+            let unsure = self.unsure(sheet, line);
+            let floor = best.map_or(f64::NEG_INFINITY, |best| best.depth + unsure);
+            // On a plane a neighbour is deeper.
+            let is_plain = within(line) > BESIDE * sheet.pitch && self.is_straight(sheet, line);
+            if is_plain || !self.may_be_wet(sheet, line, floor) {
+                continue;
+            }
+            let patch = Patch::new((tool, &frame), sheet, line, self.depth[line]);
+            if let Some((depth, at)) = patch.top(floor) {
+                best = Some(Peak { depth: depth - unsure, line, point: patch.point(at) });
+            }
+        }
+        best
+    }
+
+    /// Lines under the working surface.
+    pub(super) fn under(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> impl Iterator<Item = usize> {
+        let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, DVec3::ZERO);
+        self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line).share > 0.0)
+    }
+
+    /// How much less deep a square may be than its column says [m].
+    fn unsure(&self, sheet: &Sheet, line: usize) -> f64 {
+        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
+        if along.is_whole && sideways.is_whole { 0.0 } else { EDGE_ERROR * sheet.pitch }
+    }
+
     /// Depth [m] at the peak of the parabolas through a column and its neighbours, if it is in the column's square.
     pub fn top(&self, sheet: &Sheet, line: usize) -> f64 {
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);

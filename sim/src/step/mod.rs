@@ -18,7 +18,7 @@ use self::lanes::{dot, sum};
 use self::relax::{PROBE, Relax, Relaxed};
 use self::sums::ApproachShare;
 use crate::clock::Phase;
-use crate::contact::Squares;
+use crate::contact::{Peak, Squares};
 use crate::effect::{RunError, Variable};
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
@@ -74,6 +74,12 @@ impl Step {
     pub fn look_at(&mut self, region: Region) {
         self.region = region;
         self.end_squares.forget();
+    }
+
+    /// Cuts squares that are not straight into smaller cells from now on: for a tool that is held still.
+    pub(crate) fn look_closer(&mut self) {
+        self.start_squares.look_closer();
+        self.end_squares.look_closer();
     }
 
     /// Starts a step: measures the tool at `pose` over the surface as it is now.
@@ -344,8 +350,8 @@ impl Step {
         self.end_squares.deepest(tool, pose, sheet)
     }
 
-    /// Largest depth under the working surface at the start of the step [m], also between columns; negative: the gap.
-    pub fn start_peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
+    /// The deepest point under the working surface at the start of the step; `None` where there is no surface.
+    pub(crate) fn start_peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> Option<Peak> {
         self.start_squares.peak(tool, pose, sheet)
     }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Step;
 use super::lanes::{Bounds, PARTS, dot};
-use crate::contact::{Contact, SheetFrame};
+use crate::contact::{Contact, Peak, SheetFrame};
 use crate::covariates::Square;
 use crate::extent::Extent;
 use crate::lines::{Lines, Run};
@@ -99,6 +99,22 @@ impl Step {
             }
         }
         highest
+    }
+
+    /// Highest pressure [Pa] at the start of the step: that at a square's mean depth, or at the deepest point, which is as
+    /// much higher as it lies deeper.
+    pub(crate) fn pressure_to(&self, peak: Option<&Peak>) -> f64 {
+        let start = self.start();
+        let wet = |lane: &usize| start.share[*lane] > 0.0;
+        let highest = (0..self.lines.len()).filter(wet).map(|lane| start.pressure[lane]).fold(0.0, f64::max);
+        let lane_of = |peak: &Peak| self.lines.list().iter().position(|&line| line as usize == peak.line).filter(wet);
+        let at = |peak: &Peak| lane_of(peak).map(|lane| start.pressure[lane] * (peak.depth / start.depth[lane]));
+        peak.and_then(at).map_or(highest, |pressure| highest.max(pressure))
+    }
+
+    /// Extent of the contact at the end of the step, to its rim; `None` without any.
+    pub(crate) fn patch(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
+        self.end_squares.extent(tool, pose, sheet)
     }
 
     /// Moment of the mean force about the tool's reference point [N m].

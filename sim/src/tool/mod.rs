@@ -4,8 +4,10 @@
 //! deep the point lies below the working surface, and how far it lies within the working surface's border. Side
 //! walls do not work.
 
+mod mesh;
 mod pose;
 
+pub use mesh::MeshDepth;
 pub use pose::{Frame, Pose};
 
 use std::sync::Arc;
@@ -39,9 +41,10 @@ pub struct Pad {
     pub radius: f64,
 }
 
-/// A tool baked into a field of its own.
+/// A tool from a mesh, baked into a field of its own.
 ///
-/// Its depth is exact to the field's band and truncated beyond it: bake it wider than the deepest press.
+/// With the mesh itself its depth is exact; by the field alone it is linear between voxels, which rounds edges, and
+/// ends at the band: bake that wider than the deepest press.
 #[derive(Clone, Debug)]
 pub struct FieldTool {
     /// The tool in its own frame, its lowest point at the origin, inside negative.
@@ -50,6 +53,8 @@ pub struct FieldTool {
     pub low: DVec3,
     /// Highest corner [m].
     pub high: DVec3,
+    /// The mesh itself in the tool's frame, if it has no walls inside.
+    pub mesh: Option<Arc<MeshDepth>>,
 }
 
 /// What presses on the workpiece.
@@ -84,7 +89,10 @@ impl Tool {
             Self::Wheel(wheel) => wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt(),
             Self::Pad(_) => at.z,
             Self::Sphere(radius) => radius - at.length(),
-            Self::Field(tool) => -f64::from(tool.field.sample(at)),
+            Self::Field(tool) => match &tool.mesh {
+                Some(mesh) => mesh.depth(at, &tool.field),
+                None => -f64::from(tool.field.sample(at)),
+            },
         }
     }
 

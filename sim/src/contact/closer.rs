@@ -1,0 +1,109 @@
+//! Squares that depths at columns alone do not settle: cut into cells of a sixteenth of a voxel.
+//!
+//! So every tool from a mesh is measured, whose edges lie between columns, and every tool that is held still.
+
+use glam::DVec3;
+
+use super::border::Border;
+use super::patch::Patch;
+use super::rows::UNSETTLED;
+use super::{SheetFrame, Squares};
+use crate::extent::Extent;
+use crate::sheet::{NO_SURFACE, Sheet};
+use crate::tool::{Pose, Tool};
+
+/// Second difference below which depths lie on a plane [pitches]: a thousand times the roundings of the heights.
+const STRAIGHT: f64 = 1e-6;
+/// Cells along a side of a square in which the rim of the patch is sought.
+const RIM_CELLS: usize = 8;
+
+impl Squares {
+    /// Cuts squares that are not straight into smaller cells from now on, whatever the tool.
+    pub(crate) fn look_closer(&mut self) {
+        self.looks_closer = true;
+    }
+
+    /// Whether that is done for a tool.
+    pub(super) fn is_closer(&self, border: &Border) -> bool {
+        (self.looks_closer || matches!(border.tool, Tool::Field(_))) && border.sweep == DVec3::ZERO
+    }
+
+    /// Marks the squares that have to be measured by themselves: all that may be wet, but those wet all over whose
+    /// depths lie on a plane.
+    pub(super) fn unsettle(&mut self, sheet: &Sheet) {
+        for (row, columns) in self.region.rows.clone().zip(self.columns.clone()) {
+            for line in columns.map(|column| row * sheet.window.size[1] + column) {
+                let is_plain = self.share[line] == 1.0 && self.is_straight(sheet, line);
+                if self.may_be_wet(sheet, line, 0.0) && !is_plain {
+                    (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, UNSETTLED, 0.0);
+                }
+            }
+        }
+    }
+
+    /// Whether a point of a square may lie deeper than `depth` [m]: depths change by no more than the way on the surface.
+    pub(super) fn may_be_wet(&self, sheet: &Sheet, line: usize, depth: f64) -> bool {
+        // Half a diagonal, and what the slope may still change within the square.
+        let reach = 0.75 * sheet.pitch * (sheet.area_ratio(line) + 0.5);
+        sheet.height[line] > NO_SURFACE && self.depth[line] + reach > depth
+    }
+
+    /// Whether the depths at a column and its eight neighbours lie on a plane.
+    pub(super) fn is_straight(&self, sheet: &Sheet, line: usize) -> bool {
+        let across = sheet.window.size[1];
+        let bend = |step: usize| self.depth[line - step] - 2.0 * self.depth[line] + self.depth[line + step];
+        [1, across, across - 1, across + 1].into_iter().all(|step| bend(step).abs() <= STRAIGHT * sheet.pitch)
+    }
+
+    /// Measures a square in smaller cells.
+    pub(super) fn measure_closer(&mut self, border: &Border, sheet: &Sheet, line: usize) {
+        let patch = Patch::new((border.tool, &border.frame), sheet, line, self.depth[line]);
+        let (mean, share) = patch.wet();
+        if mean > 0.0 {
+            (self.mean_depth[line], self.share[line], self.area[line]) = (mean, share, share);
+            self.wet.push(line);
+        }
+    }
+
+    /// Extent of the patch in the tool's frame, rim and border found between columns; `None` without contact.
+    pub(crate) fn extent(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
+        let (frame, across) = (SheetFrame::new(pose, sheet), sheet.window.size[1]);
+        let is_full = |line: &usize| self.share[*line] == 1.0;
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for line in self.wet.runs().iter().flat_map(|run| run.lines.clone()) {
+            if [line, line - 1, line + 1, line - across, line + across].iter().all(is_full) {
+                continue;
+            }
+            let patch = Patch::new((tool, &frame), sheet, line, self.depth[line]);
+            rim_points(&patch, &mut |at| {
+                let at = frame.local(patch.point(at));
+                (low, high) = (low.min(at), high.max(at));
+            });
+        }
+        (low.x <= high.x).then_some(Extent { x: (low.x, high.x), y: (low.y, high.y) })
+    }
+}
+
+/// Wet points of a fine lattice in a square, and where its lines cross the rim or the border.
+fn rim_points(patch: &Patch, take: &mut impl FnMut([f64; 2])) {
+    let place = |i: usize| i as f64 / RIM_CELLS as f64 - 0.5;
+    let side = RIM_CELLS + 1;
+    let looks: Vec<f64> = (0..side * side)
+        .map(|i| patch.look([place(i / side), place(i % side)]))
+        .map(|look| look.depth.min(look.within))
+        .collect();
+    for i in 0..side * side {
+        let at = [place(i / side), place(i % side)];
+        if looks[i] > 0.0 {
+            take(at);
+        }
+        let next = [(i / side < RIM_CELLS).then_some(i + side), (i % side < RIM_CELLS).then_some(i + 1)];
+        for (axis, next) in next.into_iter().enumerate() {
+            if let Some(next) = next.filter(|&next| (looks[next] > 0.0) != (looks[i] > 0.0)) {
+                let mut crossed = at;
+                crossed[axis] += looks[i] / (looks[i] - looks[next]) / RIM_CELLS as f64;
+                take(crossed);
+            }
+        }
+    }
+}
