@@ -111,10 +111,11 @@ fn prism(folder: &Path, name: &str, (sides, radius): (usize, f64)) -> PathBuf {
 
 /// A ball of `radius` [mm] over z = 0 as a file in millimetres, its corners on the sphere.
 fn globe(folder: &Path, radius: f64) -> PathBuf {
-    let (rings, sides) = (720, 240);
+    let (rings, sides) = (200, 120);
     let mut text = String::new();
     for ring in 0..=rings {
-        let down = PI * ring as f64 / rings as f64;
+        // Finest below, where it touches.
+        let down = PI * (1.0 - (1.0 - ring as f64 / rings as f64).powi(2));
         for side in 0..sides {
             let turn = 2.0 * PI * side as f64 / sides as f64;
             let (x, y) = (radius * down.sin() * turn.cos(), radius * down.sin() * turn.sin());
@@ -148,7 +149,7 @@ fn tools_from_meshes_meet_their_closed_forms_by_depth_and_by_force() {
     let disc = K * PI * depth * (3.0 * 0.006f64.powi(2) - 3.0 * 0.006 * depth + depth * depth) / 3.0;
     let ball = PI * K * depth * depth * (0.01 - 2.0 * depth / 3.0);
     let box_tool = prism(folder.path(), "box.obj", (4, 5.0 * 2f64.sqrt()));
-    let disc_tool = prism(folder.path(), "disc.obj", (256, 6.0));
+    let disc_tool = prism(folder.path(), "disc.obj", (128, 6.0));
     let ball_tool = globe(folder.path(), 10.0);
     for (tool, force) in [(&box_tool, cube), (&disc_tool, disc), (&ball_tool, ball)] {
         let tool = format!("mesh:{}", tool.display());

@@ -28,12 +28,13 @@ impl Squares {
         (self.looks_closer || matches!(border.tool, Tool::Field(_))) && border.sweep == DVec3::ZERO
     }
 
-    /// Marks the squares that have to be measured by themselves: all that may be wet, but those wet all over whose
-    /// depths lie on a plane.
+    /// Marks the squares that have to be measured by themselves: all that may be wet, but those wet or dry all over
+    /// whose depths lie on a plane.
     pub(super) fn unsettle(&mut self, sheet: &Sheet) {
         for (row, columns) in self.region.rows.clone().zip(self.columns.clone()) {
             for line in columns.map(|column| row * sheet.window.size[1] + column) {
-                let is_plain = self.share[line] == 1.0 && self.is_straight(sheet, line);
+                let is_settled = self.share[line] == 1.0 || self.share[line] == 0.0;
+                let is_plain = is_settled && self.is_straight(sheet, line);
                 if self.may_be_wet(sheet, line, 0.0) && !is_plain {
                     (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, UNSETTLED, 0.0);
                 }

@@ -11,6 +11,8 @@ use crate::tool::{Pose, Tool};
 
 /// How far the height of a column beside a wall may be off [voxels].
 const EDGE_ERROR: f64 = 0.05;
+/// Distance from the part's edge within which such a column is among a column's neighbours [pitches].
+const AT_EDGE: f64 = 2.25;
 /// Distance from the border within which a square's neighbours may lie beside it [pitches].
 const BESIDE: f64 = 3.0;
 
@@ -39,8 +41,11 @@ impl Squares {
                 best = Some(Peak { depth, line, point: sheet.point(line) });
             }
         }
+        let edges = sheet.edge_distances();
         for line in lines {
-            let unsure = self.unsure(sheet, line);
+            // The surface between columns is as little sure as the heights of the neighbours.
+            let is_at_edge = edges[line] < AT_EDGE * sheet.pitch;
+            let unsure = if is_at_edge { EDGE_ERROR * sheet.pitch } else { self.unsure(sheet, line) };
             let floor = best.map_or(f64::NEG_INFINITY, |best| best.depth + unsure);
             // On a plane a neighbour is deeper.
             let is_plain = within(line) > BESIDE * sheet.pitch && self.is_straight(sheet, line);
