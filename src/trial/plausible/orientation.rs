@@ -53,12 +53,14 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     let relation = related[odd].expect("it has one");
     let place = |name| Place::file(&trial.folder.join(name));
     let accepted = "all scans in one orientation, sign and unit are expected";
-    // A third scan tells which of the two is the odd one.
+    // Where all other scans lie alike in the first one, the first one is odd; else a third scan tells, where no tool came.
+    let all_alike = others.len() > 1 && related.iter().all(|other| *other == Some(relation));
     let witness = (0..others.len()).find(|&k| k != odd);
-    let is_first = witness.is_some_and(|k| {
-        let to = |map: &HeightMap| misfit(others[k].1, map, &everywhere);
-        to(others[odd].1).zip(to(&surfaces.before)).is_some_and(|(odd, first)| odd < first)
-    });
+    let is_first = all_alike
+        || witness.is_some_and(|k| {
+            let to = |map: &HeightMap| misfit(others[k].1, map, &others[k].2);
+            to(others[odd].1).zip(to(&surfaces.before)).is_some_and(|(odd, first)| odd < first)
+        });
     if is_first {
         let others: Vec<String> = others.iter().map(|(name, ..)| name.display().to_string()).collect();
         let found = format!("against {} it is {}", others.join(", "), relation.inverse());
