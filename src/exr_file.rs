@@ -34,7 +34,7 @@ pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
     channels.push(channel("seen", frame.seen.iter().map(|&seen| f32::from(seen as u8)).collect()));
     let layer = Layer::new(
         (frame.width, frame.height),
-        // Blender and OpenCV look for channels by their own names and find none behind the name of a part.
+        // Blender takes the name of a part for the layer of all channels and then finds neither colour nor passes.
         LayerAttributes::default(),
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels),

@@ -42,7 +42,7 @@ impl ImageRecipe {
         let mut order: Vec<usize> =
             pairs(stages, patterns).map(|(stage, pattern)| 1 + pattern * stages + stage).collect();
         order.insert(0, 0);
-        order.insert((bare + 1) / 2, bare);
+        order.insert(bare.div_ceil(2), bare);
         order
     }
 

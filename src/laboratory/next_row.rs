@@ -46,7 +46,7 @@ const CHANGES: [Change; 8] = [
 pub fn testing_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
     let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
     let with = (found.suspect.name(), &found.suspect.fit);
-    Ok(next_row(evidence, (with, ("without it", &round.base)))?.map(NextTrial::as_test))
+    Ok(next_row(evidence, (with, ("without it", &round.base)))?.map(NextTrial::into_test))
 }
 
 /// The row that would tell the two rivals of a diagnosis apart, where two are still in play.

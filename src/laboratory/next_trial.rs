@@ -57,7 +57,7 @@ pub struct NextTrial {
 
 impl NextTrial {
     /// The same trial as a test of its first effect, for which no rival is left.
-    pub(super) fn as_test(mut self) -> Self {
+    pub(super) fn into_test(mut self) -> Self {
         self.separates.truncate(1);
         self
     }
@@ -71,7 +71,7 @@ impl NextTrial {
 pub fn testing_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
     let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
     let with = (found.suspect.name(), &found.suspect.fit);
-    Ok(next_trial(evidence, (with, ("without it", &round.base)))?.map(NextTrial::as_test))
+    Ok(next_trial(evidence, (with, ("without it", &round.base)))?.map(NextTrial::into_test))
 }
 
 /// The trial that would tell the two rivals of a diagnosis apart, where two are still in play.

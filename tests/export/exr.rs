@@ -42,7 +42,7 @@ fn the_buffers_are_one_part_without_a_name() {
     let bytes = to_exr(&frame()).expect("a file");
     assert_eq!(bytes[5] & MULTIPART, 0, "version field {:?}", &bytes[4..8]);
     let named = bytes.windows(PART_NAME.len()).any(|window| window == PART_NAME);
-    assert!(!named, "the part has a name, with which Blender and OpenCV do not find the channels");
+    assert!(!named, "the part has a name, which Blender takes for the layer of all channels");
 }
 
 #[test]
