@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use sdf_bake::input::{self, MOST_TABLE_BYTES, quoted, quoted_near};
 use serde::Serialize;
-use sim::effect::CompiledModel;
+use sim::effect::{CompiledModel, ParameterSlot};
 
 use crate::output::FolderKind;
 use crate::rehearsal::residual;
@@ -90,11 +90,7 @@ pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
         }
         for (&column, text) in columns.iter().zip(row.iter().skip(1)) {
             let slot = &model.parameters()[column];
-            let value: f64 = text.trim().parse().ok().filter(|value: &f64| !value.is_nan()).with_context(|| {
-                format!("{}: {} is {}, a number in {} is accepted", at(line), slot.name(), quoted(text), slot.unit_text)
-            })?;
-            let accepted = slot.accepted().check(slot.unit.to_si(value));
-            accepted.with_context(|| format!("{}: {}", at(line), slot.name()))?;
+            let value = value(slot, text).with_context(|| at(line))?;
             run.model.set(column, slot.unit.to_si(value));
             run.parameters.insert(slot.name(), value);
         }
@@ -102,6 +98,16 @@ pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
     }
     ensure!(!runs.is_empty(), "{}: no parameter set, one line for each is accepted", at(2));
     Ok(runs)
+}
+
+/// A cell of the table, in the parameter's own unit.
+fn value(slot: &ParameterSlot, text: &str) -> Result<f64> {
+    let value: f64 =
+        text.trim().parse().ok().filter(|value: &f64| !value.is_nan()).with_context(|| {
+            format!("{} is {}, a number in {} is accepted", slot.name(), quoted(text), slot.unit_text)
+        })?;
+    slot.accepted().check(slot.unit.to_si(value)).with_context(|| slot.name())?;
+    Ok(value)
 }
 
 impl BatchLine {

@@ -180,10 +180,7 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     for (id, weld) in
         (FIRST_WELD..).zip(place_welds_on(&Surface::new(&part.mesh, &query), &request, count, options.seed)?)
     {
-        console.step("weld", describe_weld(&weld));
-        for warning in limits::bead_warnings(&weld) {
-            console.step("warning", warning);
-        }
+        tell_weld(&weld, console);
         let mut with_bead = add(&welded, &weld, id, (&baking, options.wishes.toe_radius))?;
         if !weld.cuts.triangles.is_empty() {
             with_bead = cut(&with_bead, &weld, (&baking, &target), id)?;
@@ -254,6 +251,13 @@ impl WeldWishes {
             reasons: if sized { Vec::new() } else { chosen.reasons },
             ..chosen
         }
+    }
+}
+
+fn tell_weld(weld: &Weld, console: &Console) {
+    console.step("weld", describe_weld(weld));
+    for warning in limits::bead_warnings(weld) {
+        console.step("warning", warning);
     }
 }
 

@@ -128,14 +128,6 @@ fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     if map.missing() == map.heights.len() {
         return Err(Place::file(file).bad("every cell is empty", "heights in mm are expected"));
     }
-    let seen = map.heights.iter().filter(|height| height.is_finite());
-    let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));
-    if high - low > MOST_SPAN {
-        return Err(Place::file(file).bad(
-            format!("the heights go from {:?} to {:?} mm", 1e3 * low, 1e3 * high),
-            "heights within a metre are expected: is one of these a word for a missing pixel? Leave such cells empty",
-        ));
-    }
     let nx = map.pixels.nx;
     // A bead is level along itself, so that the steeper of the two directions counts.
     let steps = |stride: usize| {
@@ -146,7 +138,7 @@ fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     let step = [1, nx].map(|stride| median(steps(stride)).unwrap_or(0.0)).into_iter().fold(0.0, f64::max);
     let slope = step / map.pixels.pitch;
     if slope <= MOST_SLOPE + NOISE / map.pixels.pitch {
-        return Ok(());
+        return check_span(file, map);
     }
     Err(Place::file(file).bad(
         format!(
@@ -156,6 +148,19 @@ fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
         ),
         "heights in mm are expected: these look like µm",
     ))
+}
+
+/// Refuses heights farther apart than those of any workpiece.
+fn check_span(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
+    let seen = map.heights.iter().filter(|height| height.is_finite());
+    let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));
+    if high - low > MOST_SPAN {
+        return Err(Place::file(file).bad(
+            format!("the heights go from {:?} to {:?} mm", 1e3 * low, 1e3 * high),
+            "heights within a metre are expected: is one of these a word for a missing pixel? Leave such cells empty",
+        ));
+    }
+    Ok(())
 }
 
 /// Reads an exposure mask: 1 exposed, 0 coated, empty unknown.

@@ -139,6 +139,7 @@ fn sets_of_a_batch_are_single_runs_and_a_bad_line_is_named_by_its_number() {
     for (text, code, words) in [
         (TABLE.replace("40,1.1", "stiff,1.1"), 1, &["sets.csv:3", "winkler.stiffness is \"stiff\"", "MPa/mm"][..]),
         (TABLE.replace("40,1.1", "40"), 1, &["sets.csv:3"]),
+        (TABLE.replace("40,1.1", "-40,1.1"), 1, &["sets.csv:3", "winkler.stiffness", "-40 MPa/mm", "0.5 MPa/mm to"]),
         (TABLE.replace("hard", "soft"), 1, &["sets.csv:3", "\"soft\""]),
         (
             TABLE.replace("winkler.stiffness", "winkler.softness"),
