@@ -6,6 +6,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use common::*;
 use glam::DVec3;
+use sdf_bake::Mesh;
 use sdf_bake::clean::clean;
 use sdf_bake::read::{Format, MeshBytes, MeshFile, ReadError, Unit, UnitChoice, parse_mesh, read_mesh};
 
@@ -68,6 +69,30 @@ fn a_concave_face_is_not_folded() {
         let mesh = parse(format!("{arrow}{face}\n"), Format::Obj).expect("a face").mesh;
         assert!((mesh.area() - 0.5).abs() < 1e-12, "{face} covers {}", mesh.area());
     }
+}
+
+#[test]
+fn bent_quads_make_the_same_mesh_whatever_corner_they_start_at_and_are_reported() {
+    // A cube with one corner lifted: three of its faces are bent.
+    let mut positions = cube(DVec3::ZERO, 10.0).positions;
+    positions[7] += DVec3::new(0.3, 0.4, 1.0);
+    let vertices: String = positions.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z)).collect();
+    let from = |start: usize| {
+        let face = |quad: &[u32; 4]| (0..4).map(|i| format!(" {}", quad[(i + start) % 4] + 1)).collect::<String>();
+        let faces: String = QUADS.iter().map(|quad| format!("f{}\n", face(quad))).collect();
+        parse(format!("{vertices}{faces}"), Format::Obj).expect("a cube")
+    };
+    // The order of the vertices is that of their first use.
+    let corners = |file: &MeshFile| (0..file.mesh.triangles.len()).map(|t| file.mesh.corners(t)).collect::<Vec<_>>();
+    let first = from(0);
+    assert_eq!(first.mesh.triangles.len(), 3 * 2 + 3 * 4);
+    assert!(first.notes.iter().any(|note| note.starts_with("3 quads are not flat")), "{:?}", first.notes);
+    for start in 1..4 {
+        assert_eq!(corners(&from(start)), corners(&first), "faces start at corner {start}");
+    }
+    let faces: Vec<Vec<u32>> = QUADS.iter().map(|quad| quad.to_vec()).collect();
+    let ply = parse(ply(&Mesh { positions, triangles: Vec::new() }, "ascii", &faces), Format::Ply).expect("a cube");
+    assert_eq!(corners(&ply), corners(&first));
 }
 
 #[test]

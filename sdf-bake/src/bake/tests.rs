@@ -1,6 +1,4 @@
-use glam::IVec3;
-
-use glam::DVec3;
+use glam::{DVec3, IVec3};
 
 use super::*;
 use crate::grid::{BRICK_VOXELS, OUTSIDE};

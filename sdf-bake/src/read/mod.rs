@@ -80,6 +80,8 @@ struct Surface {
     /// Header or comments, where a unit may be named.
     header: String,
     notes: Vec<String>,
+    /// Quads that are not flat.
+    bent_quads: usize,
 }
 
 /// Reads a mesh file; buffers of a `.gltf` are looked for beside it.
@@ -106,12 +108,16 @@ fn parse(bytes: &[u8], format: Format, choice: UnitChoice, around: &Surroundings
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(ReadError::Empty { name: around.name.into() });
     }
-    let Surface { mut mesh, header, notes } = match format {
+    let Surface { mut mesh, header, mut notes, bent_quads } = match format {
         Format::Obj => obj::read(bytes)?,
         Format::Stl => stl::read(bytes)?,
         Format::Ply => ply::read(bytes)?,
         Format::Gltf => gltf::read(bytes, around.beside)?,
     };
+    if bent_quads > 0 {
+        let count = if bent_quads == 1 { "1 quad is".into() } else { format!("{bent_quads} quads are") };
+        notes.push(format!("{count} not flat: split into four triangles around the mean of the corners"));
+    }
     check_finite(&mesh)?;
     if mesh.triangles.is_empty() {
         let left_out = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };

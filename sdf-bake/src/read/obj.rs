@@ -8,7 +8,6 @@ use std::fmt::Write;
 use glam::DVec3;
 
 use super::{Format, ReadError, Surface, polygon};
-use crate::Mesh;
 use crate::input::quoted_line;
 
 /// Comment lines that are searched for a unit.
@@ -38,7 +37,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Surface, ReadError> {
     }
     let mut surface = Surface { header: statements.header, ..Default::default() };
     for model in models {
-        append(&mut surface.mesh, &model.mesh)?;
+        append(&mut surface, &model.mesh)?;
     }
     if let Some(vertex) = surface.mesh.positions.iter().position(|p| !p.is_finite()) {
         let unknown = (format!("vertex {vertex}"), surface.mesh.positions[vertex]);
@@ -111,7 +110,8 @@ impl Statements {
     }
 }
 
-fn append(mesh: &mut Mesh, model: &tobj::Mesh) -> Result<(), ReadError> {
+fn append(surface: &mut Surface, model: &tobj::Mesh) -> Result<(), ReadError> {
+    let mesh = &mut surface.mesh;
     let offset = mesh.positions.len() as u32;
     mesh.positions.extend(model.positions.chunks_exact(3).map(|p| DVec3::new(p[0], p[1], p[2])));
     if model.face_arities.is_empty() {
@@ -122,7 +122,7 @@ fn append(mesh: &mut Mesh, model: &tobj::Mesh) -> Result<(), ReadError> {
     for &arity in &model.face_arities {
         let (face, after) = rest.split_at(arity as usize);
         rest = after;
-        polygon::append_face(mesh, Format::Obj, face.iter().map(|&v| v + offset))?;
+        polygon::append_face(surface, Format::Obj, face.iter().map(|&v| v + offset))?;
     }
     Ok(())
 }

@@ -110,7 +110,7 @@ impl Faces {
         for arity in self.arities {
             let (face, after) = rest.split_at(arity);
             rest = after;
-            polygon::append_face(&mut surface.mesh, Format::Ply, face.iter().map(|&index| index as u32))?;
+            polygon::append_face(surface, Format::Ply, face.iter().map(|&index| index as u32))?;
         }
         Ok(())
     }

@@ -1,21 +1,28 @@
-//! Polygons to triangles by constrained Delaunay triangulation.
+//! Polygons to triangles: a flat or concave one by constrained Delaunay triangulation, a bent quad around its middle.
 //!
-//! A fan is wrong for a concave face: it folds over itself.
+//! A fan is wrong for a concave face: it folds over itself. A diagonal is wrong for a bent quad: the two that there are
+//! leave the bilinear patch by half their gap on opposite sides, and nothing in the file says which is meant. Whatever
+//! corner a face starts at, and whichever way it turns, its triangles are the same.
+
+use std::cmp::Ordering;
 
 use glam::{DVec2, DVec3};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use super::{Format, ReadError};
-use crate::Mesh;
+use super::{Format, ReadError, Surface};
 
 /// More corners than a face of any sensible file has; the cost of a crooked one grows with their square.
 const MAX_CORNERS: usize = 10_000;
 
+/// Gap between the diagonals of a quad, as a share of its largest coordinate, up to which it is flat: text files write
+/// six digits or more.
+const FLAT: f64 = 1e-6;
+
 type Triangulated = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
-/// Adds a face's triangles to a mesh; `face` holds valid indices into its positions.
+/// Adds a face's triangles to a surface; `face` holds valid indices into its positions.
 pub(super) fn append_face(
-    mesh: &mut Mesh,
+    surface: &mut Surface,
     format: Format,
     face: impl ExactSizeIterator<Item = u32>,
 ) -> Result<(), ReadError> {
@@ -23,14 +30,55 @@ pub(super) fn append_face(
         let reason = format!("a face has {} corners; up to {MAX_CORNERS} are accepted", face.len());
         return Err(ReadError::malformed(format, reason));
     }
-    let face: Vec<u32> = face.collect();
+    let mut face: Vec<u32> = face.collect();
+    let mesh = &mut surface.mesh;
     if let [a, b, c] = face[..] {
         mesh.triangles.push([a, b, c]);
         return Ok(());
     }
+    let is_turned = turn_to_first(&mut face, &mesh.positions);
     let corners: Vec<_> = face.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
-    mesh.triangles.extend(triangulate(&corners).into_iter().map(|t| t.map(|corner| face[corner])));
+    let mut triangles = triangulate(&corners);
+    if let Some(middle) = middle_of_bent_quad(&corners) {
+        face.push(mesh.positions.len() as u32);
+        mesh.positions.push(middle);
+        surface.bent_quads += 1;
+        triangles = (0..4).map(|i| [i, (i + 1) % 4, 4]).collect();
+    }
+    let of_face = |[a, b, c]: [usize; 3]| if is_turned { [a, c, b] } else { [a, b, c] }.map(|corner| face[corner]);
+    mesh.triangles.extend(triangles.into_iter().map(of_face));
     Ok(())
+}
+
+/// Lets a face start at its first corner in the order of x, y and z, and go on to the first of its neighbours; whether it
+/// now goes the other way around.
+fn turn_to_first(face: &mut [u32], positions: &[DVec3]) -> bool {
+    let order = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|vertex| positions[vertex as usize]);
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
+    };
+    let first = (0..face.len()).min_by(|&i, &j| order(face[i], face[j])).unwrap_or(0);
+    face.rotate_left(first);
+    let goes_back = face.len() > 2 && order(face[face.len() - 1], face[1]) == Ordering::Less;
+    if goes_back {
+        face[1..].reverse();
+    }
+    goes_back
+}
+
+/// Middle of the bilinear patch of four corners that do not lie in a plane; `None` where they do, or where not every
+/// corner stands out, seen along the normal.
+fn middle_of_bent_quad(corners: &[DVec3]) -> Option<DVec3> {
+    let &[a, b, c, d] = corners else { return None };
+    let normal = (c - a).cross(d - b).try_normalize()?;
+    let gap = normal.dot(b - a).abs();
+    let largest = corners.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let stands_out = |i: usize| {
+        let [last, here, next] = [i + 3, i, i + 1].map(|i| corners[i % 4]);
+        (here - last).cross(next - here).dot(normal) > 0.0
+    };
+    // Opposite corners first, so that the sum is the same either way around.
+    (gap > FLAT * largest && (0..4).all(stands_out)).then(|| 0.25 * ((a + c) + (b + d)))
 }
 
 /// Splits a polygon into triangles of the same orientation.
@@ -154,6 +202,76 @@ mod tests {
         assert_eq!(areas.len(), 6);
         assert!(areas.iter().all(|&a| a > 0.4), "{areas:?}");
         assert!((areas.iter().sum::<f64>() - 4.0).abs() < 1e-12);
+    }
+
+    /// Triangles of a face, as corners in order, for each corner that it may start at and both ways around.
+    fn all_starts(corners: &[DVec3]) -> Vec<Vec<[[u64; 3]; 3]>> {
+        let starts = (0..2 * corners.len()).map(|start| {
+            let mut face: Vec<u32> = (0..corners.len() as u32).collect();
+            face.rotate_left(start % corners.len());
+            let goes_back = start >= corners.len();
+            if goes_back {
+                face.reverse();
+            }
+            let mut surface = Surface::default();
+            surface.mesh.positions = corners.to_vec();
+            append_face(&mut surface, Format::Obj, face.into_iter()).unwrap();
+            let bits = |t: usize| {
+                let mut corners = surface.mesh.corners(t).map(|p| p.to_array().map(f64::to_bits));
+                if goes_back {
+                    corners.swap(1, 2);
+                }
+                corners
+            };
+            (0..surface.mesh.triangles.len()).map(bits).collect()
+        });
+        starts.collect()
+    }
+
+    #[test]
+    fn a_bent_face_is_the_same_whatever_corner_it_starts_at() {
+        let bent = |i: u32, of: u32| {
+            let (y, x) = (std::f64::consts::TAU * f64::from(i) / f64::from(of)).sin_cos();
+            DVec3::new(7.0 + x, y / 3.0, 0.1 * f64::from(i % 2) + 0.013 * x)
+        };
+        for count in [4, 5, 6, 9] {
+            let corners: Vec<DVec3> = (0..count).map(|i| bent(i, count)).collect();
+            let starts = all_starts(&corners);
+            assert!(starts.iter().all(|triangles| *triangles == starts[0]), "{count} corners");
+        }
+    }
+
+    #[test]
+    fn a_bent_quad_follows_the_bilinear_patch_four_times_as_closely_as_a_diagonal() {
+        let corners = [(0.0, 0.0, 0.0), (10.0, 0.0, 0.4), (10.0, 8.0, 0.0), (0.0, 8.0, 0.4)].map(DVec3::from);
+        let mut surface = Surface::default();
+        surface.mesh.positions = corners.to_vec();
+        append_face(&mut surface, Format::Obj, 0..4).unwrap();
+        assert_eq!((surface.bent_quads, surface.mesh.triangles.len()), (1, 4));
+        let off = |triangles: &[[u32; 3]]| {
+            let mesh = crate::Mesh { positions: surface.mesh.positions.clone(), triangles: triangles.to_vec() };
+            let query = crate::query::MeshQuery::new(&mesh);
+            let patch = |k: u32| {
+                let (u, v) = (f64::from(k % 21) / 20.0, f64::from(k / 21) / 20.0);
+                corners[0].lerp(corners[1], u).lerp(corners[3].lerp(corners[2], u), v)
+            };
+            (0..21 * 21).map(|k| query.closest(patch(k)).distance).fold(0.0, f64::max)
+        };
+        // The diagonals are 0.4 apart.
+        for diagonal in [[[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]] {
+            assert!((off(&diagonal) - 0.2).abs() < 1e-3);
+        }
+        assert!(off(&surface.mesh.triangles) <= 0.05);
+    }
+
+    #[test]
+    fn six_digits_do_not_bend_a_quad() {
+        let quad = |lift: f64| {
+            let corners = [(30.0, 0.0, 0.0), (40.0, 0.0, lift), (40.0, 8.0, 0.0), (30.0, 8.0, 0.0)];
+            middle_of_bent_quad(&corners.map(DVec3::from))
+        };
+        assert_eq!((quad(0.0), quad(2e-5)), (None, None));
+        assert_eq!(quad(1e-3), Some(DVec3::new(35.0, 4.0, 2.5e-4)));
     }
 
     #[test]
