@@ -70,6 +70,17 @@ pub struct FieldFacts {
     /// What about the part's size is implausible; absent in records of earlier versions.
     #[serde(default)]
     pub warnings: Vec<String>,
+    /// Volume of {φ < 0} [mm³].
+    pub volume_mm3: f64,
+    /// Area of {φ = 0} [mm²].
+    pub area_mm2: f64,
+}
+
+impl FieldFacts {
+    /// Volume and area, for people.
+    pub fn integrals(&self) -> String {
+        format!("volume inside {:.6e} mm³, area {:.6e} mm²", self.volume_mm3, self.area_mm2)
+    }
 }
 
 /// A field in the form of its file.
@@ -102,6 +113,7 @@ pub fn bake_part(part: &Part, options: &BakeOptions) -> Result<BakedField> {
     let started = Instant::now();
     let (grid, report) = bake(&part.mesh, options)?;
     let bake_s = started.elapsed().as_secs_f64();
+    let measures = grid.measures();
     let bytes = nvdb::write(&[GridRef::LevelSet { name: "phi", grid: &grid }], Codec::None)?;
     let facts = FieldFacts {
         voxel_mm: report.voxel_m * 1e3,
@@ -116,6 +128,9 @@ pub fn bake_part(part: &Part, options: &BakeOptions) -> Result<BakedField> {
         bricks: report.bricks,
         active_voxels: report.active_voxels,
         warnings: part.warnings.clone(),
+        volume_mm3: measures.volume * 1e9,
+        area_mm2: measures.area * 1e6,
     };
-    Ok(BakedField { bytes, facts, description: describe_baking(&report, &grid), bake_s })
+    let description = format!("{}\n{}", describe_baking(&report, &grid), facts.integrals());
+    Ok(BakedField { bytes, facts, description, bake_s })
 }

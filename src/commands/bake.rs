@@ -150,7 +150,7 @@ fn tell(outcome: &Outcome, cache: &Cache, tally: &mut Tally, console: &Console) 
         }
     };
     let facts = &record.facts;
-    let about = format!("{mesh}: {} bricks, voxel {:.4} mm", facts.bricks, facts.voxel_mm);
+    let about = format!("{mesh}: {} bricks, voxel {:.4} mm, {}", facts.bricks, facts.voxel_mm, facts.integrals());
     match bake_s {
         Some(seconds) => {
             tally.baked += 1;
