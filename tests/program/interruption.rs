@@ -94,6 +94,37 @@ fn a_signal_ends_a_run_with_its_number_and_leaves_nothing() {
     assert_eq!(signalled(&mut bake, ("INT", folder.path())), (Some(130), vec!["trials".to_owned()]), "bake");
 }
 
+#[test]
+fn a_study_that_was_killed_goes_on_and_ends_with_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let place = |name: &str| folder.path().join(name);
+    run(robofin(["trial", "synth", "--plan", "paper", "--size", "small", "--out"]).arg(place("trials"))).succeeds();
+    let study = |out: &str| {
+        let mut command = robofin(["study"]);
+        command.arg(place("trials")).arg("--out").arg(place(out));
+        command
+    };
+    let kept = place("killed.unfinished").join("simulations.bin");
+    for least in [1, 400_000] {
+        let mut child = study("killed").stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it can be started");
+        let started = Instant::now();
+        while std::fs::metadata(&kept).map_or(0, |file| file.len()) < least
+            && child.try_wait().expect("it can be waited for").is_none()
+            && started.elapsed() < Duration::from_secs(120)
+        {
+            sleep(Duration::from_millis(5));
+        }
+        child.kill().expect("the program can be killed");
+        assert!(!child.wait().expect("the program ends").success(), "it ended before it was killed");
+    }
+    assert!(!place("killed").exists(), "nothing lies under the final name");
+    let resumed = run(&mut study("killed")).succeeds();
+    assert!(resumed.stderr.contains("predictions of an interrupted run"), "{}", resumed.stderr);
+    run(&mut study("whole")).succeeds();
+    assert!(files(&place("killed")) == files(&place("whole")), "the bytes differ");
+    assert_eq!(names(folder.path()), ["killed", "trials", "whole"], "nothing is left over");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_run_for_a_place_that_another_run_writes_ends_before_its_work() {
