@@ -99,14 +99,17 @@ fn a_study_that_was_killed_goes_on_and_ends_with_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let place = |name: &str| folder.path().join(name);
     run(robofin(["trial", "synth", "--plan", "paper", "--size", "small", "--out"]).arg(place("trials"))).succeeds();
-    let study = |out: &str| {
-        let mut command = robofin(["study"]);
+    let step = |out: &str| {
+        let mut command = robofin(["study", "--step"]);
         command.arg(place("trials")).arg("--out").arg(place(out));
         command
     };
+    // The first step compares, the second fits.
+    let _ = ["killed", "whole"].map(|out| run(&mut step(out)).succeeds());
+    let before = files(&place("killed"));
     let kept = place("killed.unfinished").join("simulations.bin");
-    for least in [1, 400_000] {
-        let mut child = study("killed").stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it can be started");
+    for least in [1, 20_000] {
+        let mut child = step("killed").stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it can be started");
         let started = Instant::now();
         while std::fs::metadata(&kept).map_or(0, |file| file.len()) < least
             && child.try_wait().expect("it can be waited for").is_none()
@@ -116,11 +119,11 @@ fn a_study_that_was_killed_goes_on_and_ends_with_the_same_bytes() {
         }
         child.kill().expect("the program can be killed");
         assert!(!child.wait().expect("the program ends").success(), "it ended before it was killed");
+        assert!(files(&place("killed")) == before, "what was finished before is kept");
     }
-    assert!(!place("killed").exists(), "nothing lies under the final name");
-    let resumed = run(&mut study("killed")).succeeds();
+    let resumed = run(&mut step("killed")).succeeds();
     assert!(resumed.stderr.contains("predictions of an interrupted run"), "{}", resumed.stderr);
-    run(&mut study("whole")).succeeds();
+    run(&mut step("whole")).succeeds();
     assert!(files(&place("killed")) == files(&place("whole")), "the bytes differ");
     assert_eq!(names(folder.path()), ["killed", "trials", "whole"], "nothing is left over");
 }
