@@ -145,8 +145,8 @@ fn tell(outcome: &Outcome, cache: &Cache, tally: &mut Tally, console: &Console) 
         Ok(entry) => entry,
         Err(error) => {
             tally.failed += 1;
-            console.step("failed", in_full(&error));
-            return console.answer_line(&Failure { mesh: &mesh, error: in_full(&error) });
+            console.step("failed", in_full(error));
+            return console.answer_line(&Failure { mesh: &mesh, error: in_full(error) });
         }
     };
     let facts = &record.facts;

@@ -62,7 +62,7 @@ pub(super) struct DemoArgs {
     /// Folder to make [default: the first free of out/demo, out/demo-2, ...].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace what is there.
+    /// Replace an earlier demo there, unless the folder holds anything else.
     #[arg(long)]
     force: bool,
     /// Seed of every random choice.
