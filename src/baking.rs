@@ -79,7 +79,7 @@ pub struct FieldFacts {
 impl FieldFacts {
     /// Volume and area, for people.
     pub fn integrals(&self) -> String {
-        format!("volume inside {:.6e} mm³, area {:.6e} mm²", self.volume_mm3, self.area_mm2)
+        format!("volume inside {:.3} mm³, area {:.3} mm²", self.volume_mm3, self.area_mm2)
     }
 }
 
