@@ -1,7 +1,7 @@
 //! The float buffers of a frame as outside readers of OpenEXR see them.
 
-use std::fs;
-use std::path::Path;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
@@ -9,7 +9,7 @@ use robofin::exr_file::to_exr;
 use serde_json::Value;
 use sim::render::{Frame, Seen};
 
-use crate::outside::exr_python;
+use crate::outside::untested;
 
 /// Attribute of a named part as the format writes it: name, type, each closed by a zero.
 const PART_NAME: &[u8] = b"name\0string\0";
@@ -73,4 +73,39 @@ fn openexr_and_opencv_read_the_buffers_bit_by_bit() {
     }
     let channels: Value = expected.into_iter().map(|(name, values)| (name, Value::String(values))).collect();
     assert_eq!(answer["channels"], channels);
+}
+
+/// Readers of OpenEXR. The program itself needs neither, so they stay out of `scripts/requirements.txt`.
+const EXR_READERS: [&str; 3] = ["OpenEXR==3.5.3", "opencv-python-headless==4.14.0.94", "numpy>=2,<3"];
+
+/// Python with [`EXR_READERS`], filled once per build folder; `None` after saying what stays untested.
+fn exr_python(what: &str) -> Option<PathBuf> {
+    exr_readers().map_err(|cause| untested(what, &cause)).ok()
+}
+
+fn exr_readers() -> Result<PathBuf, String> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("exr-readers");
+    fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+    let lock = File::create(folder.join("lock")).map_err(|error| error.to_string())?;
+    lock.lock().map_err(|error| error.to_string())?;
+    let python = folder.join("venv/bin/python");
+    let works = || Command::new(&python).args(["-c", "import cv2, OpenEXR"]).output().is_ok_and(|o| o.status.success());
+    if !works() {
+        let steps = [
+            ("python3", vec!["-m", "venv", "--clear", "venv"]),
+            (
+                "venv/bin/python",
+                [&["-m", "pip", "install", "--quiet", "--only-binary=:all:"], &EXR_READERS[..]].concat(),
+            ),
+        ];
+        for (program, words) in steps {
+            let program = if program == "python3" { PathBuf::from(program) } else { folder.join(program) };
+            let done = Command::new(&program).args(&words).current_dir(&folder).output();
+            let done = done.map_err(|error| format!("{}: {error}", program.display()))?;
+            if !done.status.success() {
+                return Err(format!("{}: {}", program.display(), String::from_utf8_lossy(&done.stderr).trim()));
+            }
+        }
+    }
+    if works() { Ok(python) } else { Err("OpenEXR and OpenCV were installed and cannot be loaded".to_owned()) }
 }

@@ -83,7 +83,7 @@ fn a_file_is_checked_and_a_fault_is_placed() {
     run(&mut robofin(["effects", "check", name]))
         .is_refused(1, &["my-effect.toml:11:", "modify.rate", "`pressure` has the unit Pa"]);
     fs::write(&file, [0xff, 0xfe, 0x00]).unwrap();
-    run(&mut robofin(["effects", "check", name])).is_refused(1, &["my-effect.toml", "as text"]);
+    run(&mut robofin(["effects", "check", name])).is_refused(1, &["my-effect.toml", "not UTF-8"]);
     run(&mut robofin(["effects", "check", "nowhere.toml"])).is_refused(2, &["nowhere.toml", "no such file"]);
 }
 
