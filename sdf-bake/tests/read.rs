@@ -248,7 +248,7 @@ fn a_bad_file_is_answered_with_what_was_found_and_what_is_accepted() {
     assert!(message("", Format::Obj).contains("is empty; an OBJ, STL, PLY, GLB or glTF"));
     assert!(message("v 0 0 0\nv 1 0 0\n", Format::Obj).contains("no faces"));
     assert!(message("solid x\nendsolid x\n", Format::Stl).contains("no faces"));
-    assert!(message(text.replace("f 1 3 4", "f 1 3 99"), Format::Obj).contains("numbers 1 to 8"));
+    assert!(message(text.replace("f 1 3 4", "f 1 3 99"), Format::Obj).contains("1 to 8 are accepted"));
     assert!(message(text.replace("v 1 0 0", "v 1 zero 0"), Format::Obj).contains("line 2: `v 1 zero 0` is no vertex"));
     assert!(message(text.replace("f 1 3 4", "f 1 x 4"), Format::Obj).contains("is no face"));
 

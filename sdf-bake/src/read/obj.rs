@@ -31,7 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Surface, ReadError> {
         let consumed = statements.text.len() - rest.len();
         explain(error, &statements.text, consumed)
     })?;
-    if models.is_empty() {
+    if models.iter().all(|model| model.mesh.indices.is_empty()) {
         let vertices = vertices(&statements.text);
         return Err(ReadError::NoFaces { format: Format::Obj, vertices, left_out: String::new() });
     }
