@@ -86,7 +86,7 @@ fn what_is_no_x3p_file_is_refused_with_the_reason() {
     let without = |from: &str, to: &str| good.replace(from, to);
     for (xml, data, words) in [
         (good.clone(), &data[8..], "16096 bytes where the matrix needs 16104"),
-        (without("bindata/data.bin", "elsewhere.bin"), &data[..], "member elsewhere.bin"),
+        (without("bindata/data.bin", "elsewhere.bin"), &data[..], "member text of 13 characters"),
         (without("<SizeX>61</SizeX>", "<SizeX>99999999999</SizeX>"), &data[..], "a matrix of 99999999999 x 33"),
         (without("<SizeX>61</SizeX>", ""), &data[..], "no Record3/MatrixDimension/SizeX"),
         (without("<DataType>D</DataType><Increment>1<", "<DataType>Q</DataType><Increment>1<"), &data[..], "type"),
