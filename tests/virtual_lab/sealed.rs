@@ -76,7 +76,9 @@ fn a_sealed_campaign_opens_with_its_key_only_and_tells_nothing_before() {
     fs::write(place("wrong.key"), "0".repeat(64)).unwrap();
     is_refused(&unseal(&place("riddle"), &place("wrong.key")), 1, &["sealed.json", "does not open it"]);
     fs::write(place("no.key"), "open sesame").unwrap();
-    is_refused(&unseal(&place("riddle"), &place("no.key")), 2, &["--key", "open sesame", "64 hexadecimal digits"]);
+    let refused = unseal(&place("riddle"), &place("no.key"));
+    is_refused(&refused, 2, &["--key", "text of 11 characters", "64 hexadecimal digits"]);
+    assert!(!text(&refused.stderr).contains("sesame"), "a key is never repeated");
     is_refused(&unseal(&place("riddle"), &place("absent.key")), 2, &["absent.key"]);
     is_refused(&unseal(folder.path(), &place("riddle.key")), 2, &["sealed.json", "trial synth --sealed"]);
 
