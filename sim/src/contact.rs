@@ -3,7 +3,7 @@
 //! The patch is cut into the squares around the sheet's columns. Within a square the depth is taken as linear where
 //! the patch's rim or the border of the working surface crosses it, and integrated exactly; inside the patch it is taken
 //! as quadratic. So sums over squares are second order in the voxel size. A tool from a mesh has edges between columns: its
-//! squares are cut into smaller cells ([`closer`]).
+//! squares are cut into smaller cells (`closer`).
 
 mod border;
 mod closer;

