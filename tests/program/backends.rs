@@ -144,7 +144,7 @@ fn sets_of_a_batch_are_single_runs_and_a_bad_line_is_named_by_its_number() {
         (
             TABLE.replace("winkler.stiffness", "winkler.softness"),
             1,
-            &["sets.csv:1", "`winkler.softness`", "winkler.stiffness"],
+            &["sets.csv:1", "\"winkler.softness\"", "winkler.stiffness"],
         ),
         (TABLE.lines().next().unwrap().to_owned(), 1, &["sets.csv:2", "no parameter set"]),
     ] {

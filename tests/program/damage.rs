@@ -243,7 +243,7 @@ fn a_truth_file_of_an_earlier_version_is_refused_with_the_field_it_lacks() {
     for (path, field) in [("/welds/0/joint", "joint"), ("/welds/0/requested/exposure_reach_mm", "exposure_reach_mm")] {
         let [_, forged] = without(path);
         for words in
-            ["welds.json: not a truth file", "is made anew by `robofin weld`", &format!("missing field `{field}`")]
+            ["welds.json: not a truth file", "is made again by `robofin weld`", &format!("missing field `{field}`")]
         {
             assert_named(&forged, words);
         }
