@@ -38,7 +38,7 @@ pub(super) fn inset(grid: &BrickGrid) -> f64 {
 /// Moves vertices home until no two are in one place and no quad needs a triangle without area.
 pub(super) fn settle(vertices: &mut [Corner], quads: &[Quad], map: &CellMap, split: &Split) {
     let mut settling = Settling { vertices, map, inset: split.inset, claims: Claims::default() };
-    for vertex in 0..settling.vertices.len() as u32 {
+    for vertex in settling.farthest_first() {
         if settling.is_home(vertex) {
             continue;
         }
@@ -88,6 +88,17 @@ impl Settling<'_> {
     fn is_home(&self, vertex: u32) -> bool {
         let corner = &self.vertices[vertex as usize];
         corner.away() <= -0.5 * self.inset
+    }
+
+    /// Vertices outside their homes, those first that going home would move farthest from the surface.
+    fn farthest_first(&self) -> Vec<u32> {
+        let way = |vertex: &u32| {
+            let corner = &self.vertices[*vertex as usize];
+            corner.at.distance_squared(corner.at_home())
+        };
+        let mut away: Vec<u32> = (0..self.vertices.len() as u32).filter(|&vertex| !self.is_home(vertex)).collect();
+        away.sort_by(|a, b| way(b).total_cmp(&way(a)));
+        away
     }
 
     /// Keeps a place outside home.
