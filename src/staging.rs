@@ -151,8 +151,12 @@ struct Turn {
 }
 
 impl Turn {
-    /// Waits for it; a file system without locks gives none.
+    /// Waits for it; a file system without locks gives none. A folder that this process has staged is its own and locked
+    /// already: there is nobody to wait for.
     fn take(folder: &Path) -> Self {
+        if staged().iter().any(|own| folder.starts_with(own)) {
+            return Self { _lock: None };
+        }
         Self { _lock: File::open(folder).ok().filter(|folder| folder.lock().is_ok()) }
     }
 }
@@ -208,6 +212,16 @@ mod tests {
             fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
+    }
+
+    #[test]
+    fn a_place_within_a_staged_folder_does_not_wait_for_that_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let outer = Staging::folder(&folder.path().join("demo")).unwrap();
+        let inner = Staging::folder(&outer.path().join("asset")).unwrap();
+        inner.commit(false).unwrap();
+        outer.commit(false).unwrap();
+        assert_eq!(names(&folder.path().join("demo")), ["asset"]);
     }
 
     #[test]
