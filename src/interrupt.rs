@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether a signal is ending the program.
+/// True while a signal is ending the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
 /// Listens to SIGINT, SIGTERM and SIGHUP from now on, but for those that the caller had the program ignore.

@@ -21,7 +21,7 @@ const WORD: usize = 8;
 /// Most bytes of a journal: a hundred thousand simulations of the eight thousand tiles that eight scans have at most.
 const MOST_BYTES: u64 = 8 << 30;
 
-/// What one entry is known by.
+/// Key of an entry.
 pub type Key = [u8; KEY];
 
 /// Simulations by what decides them.
@@ -57,7 +57,7 @@ impl Journal {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).entries.len()
     }
 
-    /// Whether it holds none.
+    /// True if it holds no entry.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -72,7 +72,7 @@ impl Journal {
         hash.finalize().into()
     }
 
-    /// What was kept under a key.
+    /// The bytes that were kept under a key.
     pub fn find(&self, key: &Key) -> Option<Vec<u8>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).entries.get(key).cloned()
     }

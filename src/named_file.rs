@@ -5,7 +5,7 @@
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether files outside are accepted, in the whole process.
+/// True if files outside are accepted, in the whole process.
 static OUTSIDE: AtomicBool = AtomicBool::new(false);
 
 /// Why a named file is not opened.

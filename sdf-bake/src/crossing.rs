@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-/// What a triangle has over a line of constant y.
+/// The part of a triangle over a line of constant y.
 pub(crate) struct Span {
     /// Ends; columns with `left.x <= x < right.x` are crossed.
     pub(crate) left: DVec3,

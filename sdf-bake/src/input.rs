@@ -34,7 +34,7 @@ pub enum InputError {
     Io {
         /// The file that was asked for.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A folder, device, pipe or socket.
@@ -85,7 +85,7 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, InputError> {
 /// As [`read`], but `refused` sees the length and the first bytes, at most `head` of them, before the rest is read.
 ///
 /// # Errors
-/// What `refused` answers, or [`InputError`].
+/// The error that `refused` returns, or [`InputError`].
 pub fn read_checked<E: From<InputError>>(
     path: &Path,
     (most, head): (u64, usize),

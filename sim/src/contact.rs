@@ -93,7 +93,7 @@ pub struct Squares {
     room: f64,
     /// Where the tool was.
     at: Option<Measured>,
-    /// Whether squares that are not straight are cut into smaller cells, whatever the tool.
+    /// True if squares that are not straight are cut into smaller cells, whatever the tool.
     looks_closer: bool,
 }
 

@@ -107,12 +107,12 @@ pub struct DiagnosisSummary {
     pub blind: BTreeMap<String, String>,
 }
 
-/// Root mean square over scans, in the unit in which errors are told.
+/// Root mean square over scans, in the unit of the errors.
 pub(super) fn rms(of: &[Agreement], unit: ErrorUnit, value: impl Fn(&Agreement) -> f64) -> f64 {
     (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * unit.per_one()
 }
 
-/// What noise alone would leave of some scans, in the unit in which errors are told; `None` without a scan.
+/// What noise alone would leave of some scans, in the unit of the errors; `None` without a scan.
 pub(super) fn floor_of(of: &[Agreement], unit: ErrorUnit) -> Option<f64> {
     (!of.is_empty()).then(|| rms(of, unit, |a| a.floor))
 }

@@ -2,7 +2,7 @@
 
 use super::page::escape;
 
-/// What stands where a number is absent.
+/// Text of an absent number.
 const ABSENT: &str = "–";
 
 /// One cell.

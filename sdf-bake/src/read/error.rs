@@ -70,7 +70,7 @@ pub enum ReadError {
         format: Format,
         /// Number of vertices found.
         vertices: usize,
-        /// What was left out of the file, in brackets, or nothing.
+        /// Parts of the file that were left out, in brackets; empty if none.
         left_out: String,
     },
 }

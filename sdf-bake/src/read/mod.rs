@@ -67,7 +67,7 @@ pub struct MeshFile {
     pub unit_reason: String,
     /// Whether the unit is a guess from the size.
     pub unit_assumed: bool,
-    /// Whether it is a guess from a size near the limit between two units.
+    /// True if the unit is a guess from a size near the limit between two units.
     pub unit_doubtful: bool,
     /// Sentences on what was left out or read leniently.
     pub notes: Vec<String>,

@@ -13,7 +13,7 @@ mod header;
 use body::Body;
 use header::{Element, Header, Kind};
 
-/// Whether it begins as a PLY file does.
+/// True if the bytes begin as a PLY file does.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r")
 }

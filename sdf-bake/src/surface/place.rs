@@ -68,7 +68,7 @@ pub(super) struct Site<'a> {
     pub(super) centre: DVec3,
     /// φ at the cell's corners over the level below which they are inside [voxels].
     pub(super) phi: [f64; 8],
-    /// How far within the cell its vertices are at home [voxels], which is also minus that level.
+    /// Distance of homes from the borders of their cell [voxels], which is also minus that level.
     pub(super) inset: f64,
     /// φ [voxels], trilinear, up to a voxel outside the cell.
     pub(super) height: &'a dyn Fn(DVec3) -> f64,

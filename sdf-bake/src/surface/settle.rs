@@ -23,7 +23,7 @@ const INSET_STEPS: f64 = 4.0;
 /// Largest inset [voxels]: beyond it the voxels are too small for coordinates in single precision.
 const LARGEST_INSET: f64 = 0.125;
 
-/// How far within their cells vertices are at home [voxels].
+/// Distance of homes from the borders of their cells [voxels].
 ///
 /// It is also how far a lattice point must be inside the surface to count as inside. A face of the part that is a plane of
 /// the lattice would otherwise be on one side or the other from point to point, as rounding has it. A mesh in single

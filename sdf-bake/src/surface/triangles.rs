@@ -58,7 +58,7 @@ impl Split {
         if fits == (kept >= self.flat() || kept >= other) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     }
 
-    /// Whether both diagonals of a quad leave a triangle without area.
+    /// True if both diagonals of a quad leave a triangle without area.
     pub(super) fn is_flat(&self, corners: [Corner; 4]) -> bool {
         self.heights(corners).into_iter().all(|height| height < self.flat())
     }

@@ -23,7 +23,7 @@ impl Squares {
         self.looks_closer = true;
     }
 
-    /// Whether that is done for a tool.
+    /// True if squares are cut for this tool.
     pub(super) fn is_closer(&self, border: &Border) -> bool {
         (self.looks_closer || matches!(border.tool, Tool::Field(_))) && border.sweep == DVec3::ZERO
     }
@@ -42,14 +42,14 @@ impl Squares {
         }
     }
 
-    /// Whether a point of a square may lie deeper than `depth` [m]: depths change by no more than the way on the surface.
+    /// True if a point of a square may lie deeper than `depth` [m]: depths change by no more than the way on the surface.
     pub(super) fn may_be_wet(&self, sheet: &Sheet, line: usize, depth: f64) -> bool {
         // Half a diagonal, and what the slope may still change within the square.
         let reach = 0.75 * sheet.pitch * (sheet.area_ratio(line) + 0.5);
         sheet.height[line] > NO_SURFACE && self.depth[line] + reach > depth
     }
 
-    /// Whether the depths at a column and its eight neighbours lie on a plane.
+    /// True if the depths at a column and its eight neighbours lie on a plane.
     pub(super) fn is_straight(&self, sheet: &Sheet, line: usize) -> bool {
         let across = sheet.window.size[1];
         let bend = |step: usize| self.depth[line - step] - 2.0 * self.depth[line] + self.depth[line + step];
