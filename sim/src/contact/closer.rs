@@ -42,7 +42,7 @@ impl Squares {
         }
     }
 
-    /// True if a point of a square may lie deeper than `depth` [m]: depths change by no more than the way on the surface.
+    /// True if a point of a square may lie deeper than `depth` [m]: depths change by at most the way on the surface.
     pub(super) fn may_be_wet(&self, sheet: &Sheet, line: usize, depth: f64) -> bool {
         // Half a diagonal, and what the slope may still change within the square.
         let reach = 0.75 * sheet.pitch * (sheet.area_ratio(line) + 0.5);
