@@ -34,7 +34,8 @@ impl Drop for Progress {
     }
 }
 
-/// The program's voice. Only the command line holds one; libraries report by values and callbacks.
+/// The program's voice. A verb makes one and lends it to the long works of this crate; the other crates report by values
+/// and callbacks.
 pub struct Console {
     json: bool,
     bars: bool,

@@ -1,8 +1,8 @@
 //! What runs on a graphics processor: WGSL sources, the structs they share with the program, and the device.
 //!
-//! A kernel is one WGSL file and one Rust file of the same stem ([`sample`]); the functions it calls are WGSL
-//! files without bindings, each with a Rust twin of the same names and the same order of operations
-//! ([`brick_grid`]). The twin is the reference: a kernel is right when it agrees with it.
+//! A host file ([`sample`], [`simulate`], [`render`]) runs one kernel or several. The functions that a kernel calls are
+//! WGSL files without bindings, each with a CPU twin of the same order of operations, here ([`brick_grid`]) or in the
+//! crate that runs the same step on the CPU; the WGSL file names it. The twin is the reference.
 //!
 //! Inside is negative, as everywhere; lengths are metres, coordinates in the grid are voxels.
 //!
