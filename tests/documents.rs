@@ -1,4 +1,5 @@
-//! README and documents against the project: links lead somewhere, and the commands shown exist.
+//! README and documents against the project: links lead somewhere, the commands shown exist, and the words are those of
+//! the glossary.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,6 +57,94 @@ fn every_verb_that_a_document_shows_has_help_with_an_example() {
         assert!(help.status.success(), "robofin {verb} --help fails");
         assert!(text.contains("Example"), "robofin {verb} --help shows no example");
     }
+}
+
+/// Lines of prose with their numbers from 1: no code, formulas, tables, pictures or comments.
+fn prose(text: &str) -> Vec<(usize, &str)> {
+    let mut fenced = false;
+    let mut prose = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let start = line.trim_start();
+        let fence = start.starts_with("```");
+        fenced ^= fence;
+        let is_other = ["|", "$$", "![", "<"].iter().any(|mark| start.starts_with(mark));
+        if !fence && !fenced && !is_other {
+            prose.push((number, line));
+        }
+    }
+    prose
+}
+
+/// The text without what stands in code font, in lower case, with one space between words.
+fn words(text: &str) -> String {
+    let outside = text.split('`').step_by(2).collect::<Vec<_>>().join("`");
+    outside.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase()
+}
+
+fn glossary() -> String {
+    fs::read_to_string(root().join("docs/glossary.md")).unwrap()
+}
+
+/// Phrases in bold in the first cells of the glossary's table of words not to use.
+fn given_up() -> Vec<String> {
+    let glossary = glossary();
+    let (_, table) = glossary.split_once("## Words not to use").expect("the table of words not to use");
+    let cells = table.lines().filter_map(|line| line.strip_prefix("| ")?.split('|').next());
+    cells.flat_map(|cell| cell.split("**").skip(1).step_by(2)).map(str::to_lowercase).collect()
+}
+
+#[test]
+fn prose_is_wrapped_at_120() {
+    let mut checked = 0;
+    for document in documents() {
+        let text = fs::read_to_string(&document).unwrap();
+        for (number, line) in prose(&text) {
+            let width = line.chars().count();
+            let is_sentence = line.matches(". ").count() == 0 && line.ends_with('.');
+            assert!(width <= 120 || is_sentence, "{}:{number} is {width} characters wide", document.display());
+            checked += 1;
+        }
+    }
+    assert!(checked > 1000, "only {checked} lines of prose found");
+}
+
+#[test]
+fn no_document_says_a_word_that_the_glossary_gave_up() {
+    let given_up = given_up();
+    assert!(given_up.len() >= 10, "{given_up:?}");
+    for document in documents() {
+        let text = fs::read_to_string(&document).unwrap();
+        let text = text.split("## Words not to use").next().unwrap_or_default();
+        let text = words(text);
+        for phrase in &given_up {
+            let found = text.find(phrase.as_str()).map(|at| text[at..].chars().take(60).collect::<String>());
+            assert!(found.is_none(), "{}: \"{}\"; see docs/glossary.md", document.display(), found.unwrap_or_default());
+        }
+    }
+}
+
+#[test]
+fn the_glossary_defines_each_term_once_and_says_where_it_is_used() {
+    let glossary = glossary();
+    let (terms, _) = glossary.split_once("## Words not to use").expect("the table of words not to use");
+    let mut names: Vec<String> = Vec::new();
+    for row in terms.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| term")) {
+        let unescaped = row.replace("\\|", "/");
+        let cells: Vec<&str> = unescaped.split('|').map(str::trim).collect();
+        assert_eq!(cells.len(), 6, "{row}");
+        assert!(cells[2].ends_with('.') && cells[4].contains("]("), "{row}");
+        names.push(cells[1].to_owned());
+    }
+    assert!(names.len() >= 120, "only {} terms found", names.len());
+    names.sort_unstable();
+    let twice: Vec<&[String]> = names.windows(2).filter(|pair| pair[0] == pair[1]).collect();
+    assert!(twice.is_empty(), "{twice:?}");
+}
+
+#[test]
+fn the_readme_is_short() {
+    let lines = fs::read_to_string(root().join("README.md")).unwrap().lines().count();
+    assert!(lines <= 90, "README.md has {lines} lines; at most 90 are read");
 }
 
 #[test]
