@@ -34,6 +34,14 @@ impl Drop for Progress {
     }
 }
 
+/// The outcome of writing to standard output: no fault where the reader closed it.
+fn unless_closed(written: std::io::Result<()>) -> Result<()> {
+    match written {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
 /// The program's voice. A verb makes one and lends it to the long works of this crate; the other crates report by values
 /// and callbacks.
 pub struct Console {
@@ -82,12 +90,19 @@ impl Console {
         }
         let mut out = std::io::stdout().lock();
         let about = std::iter::once(about).chain(std::iter::repeat(""));
-        let written =
-            text.as_ref().lines().zip(about).try_for_each(|(line, about)| writeln!(out, "{about:>10}  {line}"));
-        match written {
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
-            _ => Ok(()),
+        let mut lines = text.as_ref().lines().zip(about);
+        unless_closed(lines.try_for_each(|(line, about)| writeln!(out, "{about:>10}  {line}")))
+    }
+
+    /// A text for another program, as it is, on standard output; nothing where the machine's answer goes there.
+    ///
+    /// # Errors
+    /// When standard output cannot be written.
+    pub fn document(&self, text: &str) -> Result<()> {
+        if self.json {
+            return Ok(());
         }
+        unless_closed(std::io::stdout().lock().write_all(text.as_bytes()))
     }
 
     /// A bar on a terminal, nothing in a pipe.

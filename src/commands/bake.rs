@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
 
-use super::flags::{JOBS, MeshFlags, OutFlags, whole};
+use super::flags::{JOBS, MESH, MeshFlags, OutFlags, whole};
 use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
 use crate::budget;
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
@@ -30,8 +30,6 @@ pub(super) struct BakeArgs {
     #[arg(required = true, value_name = "MESH|FOLDER")]
     meshes: Vec<PathBuf>,
     #[command(flatten)]
-    mesh: MeshFlags,
-    #[command(flatten)]
     out: OutFlags,
     /// Go on with the folder of an earlier run: what is complete there is not baked again.
     #[arg(long, conflicts_with = "force")]
@@ -39,6 +37,8 @@ pub(super) struct BakeArgs {
     /// Meshes at once in a folder; the results do not depend on it, and neither does the limit of memory for fields.
     #[arg(long, value_name = "J", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
     jobs: usize,
+    #[command(flatten, next_help_heading = MESH)]
+    mesh: MeshFlags,
 }
 
 /// The answer of `bake --json`, one line for each mesh.

@@ -6,62 +6,108 @@ use weldgen::bead::{BeadShape, Crater, FormRequest, MOST_DEFECTS, MOST_HOLES, Ri
 
 use super::flags::{optional_mm, whole, within};
 
+/// Heading of the help for a bead's sizes.
+pub(super) const BEAD: &str = "Bead";
+/// Heading of the help for what a welder's hand leaves.
+const FORM: &str = "Form";
+/// Heading of the help for faults that a weld may have.
+const IMPERFECTIONS: &str = "Imperfections";
+
 /// The section of a bead, and what a welder's hand leaves on it.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct BeadFlags {
     /// Cross-section of a weld on a face.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = BEAD)]
     profile: ProfileFlag,
     /// Rise of a fillet's face above the chord between its toes [widths]; below 0 it is concave.
-    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = BEAD)]
     pub(super) convexity: f64,
     /// Least radius of the toes in the field [mm]; without it they are sharp.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = BEAD)]
     toe_radius_mm: Option<f64>,
     /// Distance between ripples [mm]; without it there are none.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = FORM)]
     ripple_pitch_mm: Option<f64>,
     /// Height of ripples from trough to crest [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.1, allow_negative_numbers = true, help_heading = FORM)]
     ripple_height: f64,
     /// How far ripples trail behind at the toes [bead widths].
-    #[arg(long, value_name = "WIDTHS", default_value_t = 0.4, allow_negative_numbers = true)]
+    #[arg(long, value_name = "WIDTHS", default_value_t = 0.4, allow_negative_numbers = true, help_heading = FORM)]
     ripple_chevron: f64,
     /// Depth of the end crater [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
     crater: f64,
     /// Height of the hump at the start beyond the bead [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
     start_hump: f64,
     /// Largest offset of weaving to the sides [mm].
-    #[arg(long, value_name = "MM", requires = "weave_pitch_mm", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", requires = "weave_pitch_mm", allow_negative_numbers = true, help_heading = FORM)]
     weave_mm: Option<f64>,
     /// Length of one swing to and fro [mm].
-    #[arg(long, value_name = "MM", requires = "weave_mm", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", requires = "weave_mm", allow_negative_numbers = true, help_heading = FORM)]
     weave_pitch_mm: Option<f64>,
     /// Largest slow change of the bead's width [widths].
-    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
     width_variation: f64,
     /// Largest slow change of the bead's height [heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
     height_variation: f64,
     /// Number of surface pores (ISO 6520-1: 2017).
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = up_to(MOST_DEFECTS))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true,
+        value_parser = up_to(MOST_DEFECTS),
+        help_heading = IMPERFECTIONS
+    )]
     pores: u32,
     /// Depth of a sag of the crown (ISO 6520-1: 509) [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "HEIGHTS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = IMPERFECTIONS
+    )]
     sagging: f64,
     /// How far a lobe of metal hangs over a toe (ISO 6520-1: 506) [bead widths].
-    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "WIDTHS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = IMPERFECTIONS
+    )]
     overlap: f64,
     /// Depth of a groove along a toe (ISO 6520-1: 5012) [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "HEIGHTS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = IMPERFECTIONS
+    )]
     undercut: f64,
     /// Number of holes burnt through bead and part, where it is thin (ISO 6520-1: 510).
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = up_to(MOST_HOLES))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true,
+        value_parser = up_to(MOST_HOLES),
+        help_heading = IMPERFECTIONS
+    )]
     burn_through: u32,
     /// Number of drops of spatter beside the bead (ISO 6520-1: 602).
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = up_to(MOST_DEFECTS))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true,
+        value_parser = up_to(MOST_DEFECTS),
+        help_heading = IMPERFECTIONS
+    )]
     spatter: u32,
 }
 

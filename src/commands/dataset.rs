@@ -8,8 +8,8 @@ use clap::{ArgMatches, Args, Subcommand};
 use serde::Serialize;
 
 use super::dataset_images::{self, ImagesArgs};
-use super::flags::{JOBS, LIMITS, whole};
-use super::piece_flags::PieceFlags;
+use super::flags::{JOBS, LIMITS, RUNS, whole};
+use super::piece_flags::{ITEMS, PieceFlags};
 use crate::cache::find_meshes;
 use crate::console::Console;
 use crate::dataset::limits::Usage;
@@ -56,7 +56,8 @@ pub(super) struct DatasetArgs {
         value_name = "N",
         default_value_t = 1,
         allow_negative_numbers = true,
-        value_parser = whole::<u32>([1, MOST_PER_PART])
+        value_parser = whole::<u32>([1, MOST_PER_PART]),
+        help_heading = ITEMS
     )]
     per_part: u32,
     /// Only the piece with this number of each part, from 0.
@@ -65,23 +66,36 @@ pub(super) struct DatasetArgs {
         value_name = "K",
         conflicts_with = "per_part",
         allow_negative_numbers = true,
-        value_parser = whole::<u32>([0, MOST_PER_PART - 1])
+        value_parser = whole::<u32>([0, MOST_PER_PART - 1]),
+        help_heading = ITEMS
     )]
     piece: Option<u32>,
     /// At most so many pieces, every part once before any twice; shards share them.
-    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = whole::<usize>(LIMITS))]
+    #[arg(
+        long,
+        value_name = "K",
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>(LIMITS),
+        help_heading = RUNS
+    )]
     limit: Option<usize>,
     /// The i-th of n shares, for several machines.
-    #[arg(long, value_name = "i/n", allow_hyphen_values = true)]
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true, help_heading = RUNS)]
     shard: Option<String>,
     /// Pieces at once [default: all cores].
-    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
+    #[arg(
+        long,
+        value_name = "J",
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>(JOBS),
+        help_heading = RUNS
+    )]
     jobs: Option<usize>,
     /// Go on with the data set of an earlier run: what is complete there is not made again, what failed is tried again.
-    #[arg(long)]
+    #[arg(long, help_heading = RUNS)]
     resume: bool,
     /// Say what would be made, and make nothing.
-    #[arg(long)]
+    #[arg(long, help_heading = RUNS)]
     dry_run: bool,
     #[command(flatten)]
     pieces: PieceFlags,

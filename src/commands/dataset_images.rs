@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::dataset::{jobs, tell};
-use super::flags::{JOBS, LIMITS, SEEDS, whole, within};
+use super::flags::{JOBS, LIMITS, RUNS, SEEDS, whole, within};
 use super::render::parse_size;
 use crate::console::Console;
 use crate::dataset::limits::Limits;
@@ -22,6 +22,9 @@ use crate::wrong_use;
 
 /// Placements or stages that are accepted; names of placements have two digits.
 const COUNTS: [u64; 2] = [1, 99];
+
+/// Heading of the help for what decides the images.
+const CONTENTS: &str = "Contents";
 
 #[derive(Debug, Args)]
 #[command(
@@ -38,41 +41,79 @@ pub(super) struct ImagesArgs {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Seed of the set: placement, camera, light, material, noise, the bracket's weld.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
+    #[arg(
+        long,
+        default_value_t = 1,
+        allow_negative_numbers = true,
+        value_parser = whole::<u64>(SEEDS),
+        help_heading = CONTENTS
+    )]
     seed: u64,
     /// Coated workpieces: bracket, panel, and asset folders made by `robofin weld`.
-    #[arg(long, value_name = "NAME|DIR,...", value_delimiter = ',', default_value = "bracket,panel")]
+    #[arg(
+        long,
+        value_name = "NAME|DIR,...",
+        value_delimiter = ',',
+        default_value = "bracket,panel",
+        help_heading = CONTENTS
+    )]
     workpieces: Vec<String>,
     /// Views of each workpiece.
-    #[arg(long, value_name = "N", default_value_t = 12, allow_negative_numbers = true, value_parser = whole::<u32>(COUNTS))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 12,
+        allow_negative_numbers = true,
+        value_parser = whole::<u32>(COUNTS),
+        help_heading = CONTENTS
+    )]
     placements: u32,
     /// Ways of the sanding pad [default: all].
-    #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',', help_heading = CONTENTS)]
     patterns: Vec<Pattern>,
     /// Equal parts of each way, with an image after each.
-    #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true, value_parser = whole::<u32>(COUNTS))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 5,
+        allow_negative_numbers = true,
+        value_parser = whole::<u32>(COUNTS),
+        help_heading = CONTENTS
+    )]
     stages: u32,
     /// Width and height of the images [pixels].
-    #[arg(long, default_value = "640x480")]
+    #[arg(long, default_value = "640x480", help_heading = CONTENTS)]
     size: String,
     /// Distance between voxels of bracket and panel [mm]; assets have their own.
-    #[arg(long, value_name = "MM", default_value_t = 0.6, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 0.6, allow_negative_numbers = true, help_heading = CONTENTS)]
     voxel_mm: f64,
     /// At most so many images, with every state of the coating, workpiece, placement and split in its share of the set;
     /// a larger limit with --resume adds to those that are there.
-    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = whole::<usize>(LIMITS))]
+    #[arg(
+        long,
+        value_name = "K",
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>(LIMITS),
+        help_heading = RUNS
+    )]
     limit: Option<usize>,
     /// Only the workpiece, simulation or image of this name; what the command lines of failures use.
-    #[arg(long, value_name = "ID", conflicts_with = "limit")]
+    #[arg(long, value_name = "ID", conflicts_with = "limit", help_heading = RUNS)]
     only: Option<String>,
     /// Images at once, each in a process of one thread [default: all cores].
-    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
+    #[arg(
+        long,
+        value_name = "J",
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>(JOBS),
+        help_heading = RUNS
+    )]
     jobs: Option<usize>,
     /// Go on with the set of an earlier run: what is complete there is not made again, what failed is tried again.
-    #[arg(long)]
+    #[arg(long, help_heading = RUNS)]
     resume: bool,
     /// Say what would be made, and make nothing.
-    #[arg(long)]
+    #[arg(long, help_heading = RUNS)]
     dry_run: bool,
     #[command(flatten)]
     limits: LimitFlags,
@@ -85,10 +126,16 @@ const USUAL_LIMITS: (f64, f64) = (600.0, 4.0);
 #[derive(Clone, Debug, Args)]
 pub(super) struct LimitFlags {
     /// Time by the clock that an image or simulation may take [s].
-    #[arg(long, value_name = "s", default_value_t = USUAL_LIMITS.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "s", default_value_t = USUAL_LIMITS.0, allow_negative_numbers = true, help_heading = RUNS)]
     time_limit: f64,
     /// Memory that the process of one may ask for [GB].
-    #[arg(long, value_name = "GB", default_value_t = USUAL_LIMITS.1, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "GB",
+        default_value_t = USUAL_LIMITS.1,
+        allow_negative_numbers = true,
+        help_heading = RUNS
+    )]
     memory_limit: f64,
 }
 

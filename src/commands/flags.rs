@@ -70,6 +70,11 @@ impl From<SignFlag> for SignChoice {
     }
 }
 
+/// Heading of the help for reading and baking a mesh.
+pub(super) const MESH: &str = "Mesh and field";
+/// Heading of the help for the order, the number and the limits of jobs.
+pub(super) const RUNS: &str = "Runs";
+
 /// Reading and baking a mesh.
 #[derive(Clone, Debug, Args)]
 pub(super) struct MeshFlags {

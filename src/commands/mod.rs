@@ -7,6 +7,7 @@ mod bead_flags;
 mod bench;
 mod calibrate;
 mod compare;
+mod completions;
 mod dataset;
 mod dataset_image;
 mod dataset_images;
@@ -15,6 +16,7 @@ mod demo;
 mod diagnose;
 mod effects;
 mod flags;
+mod man;
 mod model_flags;
 mod path;
 mod piece_flags;
@@ -108,6 +110,10 @@ enum Verb {
     Effects(effects::EffectsArgs),
     /// List the devices that can compute, and check them against the CPU.
     Backends(backends::BackendsArgs),
+    /// Print a script that completes verbs and flags in a shell.
+    Completions(completions::CompletionsArgs),
+    /// Print the manual page of the program or of a verb.
+    Man(man::ManArgs),
 }
 
 /// Parses the command line and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
@@ -169,5 +175,7 @@ fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
         Verb::Study(args) => study::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),
+        Verb::Completions(args) => completions::run(&args, Cli::command(), console),
+        Verb::Man(args) => man::run(&args, Cli::command(), console),
     }
 }

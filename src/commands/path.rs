@@ -18,6 +18,8 @@ use crate::wrong_use;
 
 /// Sizes of a tool that are accepted [mm], as `robofin simulate` has them for its wheel.
 const SIZES_MM: (f64, f64) = (0.1, 1000.0);
+/// Heading of the help for the tool and how it moves.
+const MOTION: &str = "Tool and motion";
 /// Farthest place of a raster [mm]: the longest part is 100 m.
 const FARTHEST_MM: f64 = 1e5;
 
@@ -37,25 +39,26 @@ pub(super) struct PathArgs {
         value_name = "ID",
         conflicts_with = "raster",
         allow_negative_numbers = true,
-        value_parser = whole::<u16>([1, u16::MAX as u64])
+        value_parser = whole::<u16>([1, u16::MAX as u64]),
+        help_heading = "Way"
     )]
     weld: Option<u16>,
     /// Patch of the part's top to cover in lines, in the part's frame: X0,Y0,X1,Y1 [mm].
-    #[arg(long, value_name = "MM", requires = "spacing_mm", allow_hyphen_values = true)]
+    #[arg(long, value_name = "MM", requires = "spacing_mm", allow_hyphen_values = true, help_heading = "Way")]
     raster: Option<String>,
     /// Distance between the lines of a raster, at most [mm].
-    #[arg(long, value_name = "MM", requires = "raster", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", requires = "raster", allow_negative_numbers = true, help_heading = "Way")]
     spacing_mm: Option<f64>,
     /// Which way the lines of a raster run.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Way")]
     direction: DirectionFlag,
     /// Lines to and fro without lifting; otherwise the tool returns in the air.
-    #[arg(long, requires = "raster")]
+    #[arg(long, requires = "raster", help_heading = "Way")]
     zigzag: bool,
     /// The tool: wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH, lengths with mm or m.
-    #[arg(long, value_name = "TOOL", default_value = "wheel:radius=50mm,width=20mm")]
+    #[arg(long, value_name = "TOOL", default_value = "wheel:radius=50mm,width=20mm", help_heading = MOTION)]
     tool: String,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = MOTION)]
     motion: MotionFlags,
 }
 

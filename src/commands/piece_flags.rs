@@ -5,7 +5,7 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, Parser};
 use sdf_bake::read::UnitChoice;
 
-use super::flags::{MeshFlags, SEEDS, whole, within};
+use super::flags::{MESH, MeshFlags, RUNS, SEEDS, whole, within};
 use super::weld::WeldFlags;
 use crate::dataset::limits::Limits;
 use crate::dataset::piece::PieceWishes;
@@ -17,24 +17,33 @@ const DIAGONAL_VOXELS: u32 = 256;
 /// Width and height of a piece's picture [pixels]; `robofin render` draws larger ones.
 const PREVIEW_SIZE: (usize, usize) = (320, 240);
 
+/// Heading of the help for what decides items.
+pub(super) const ITEMS: &str = "Items";
+
 /// What decides a piece beside its part and its number, and what its process may use.
 #[derive(Clone, Debug, Args)]
 pub(super) struct PieceFlags {
     /// Seed of the set; each piece's own follows from it, the part's content and the piece's number.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
+    #[arg(
+        long,
+        default_value_t = 1,
+        allow_negative_numbers = true,
+        value_parser = whole::<u64>(SEEDS),
+        help_heading = ITEMS
+    )]
     seed: u64,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = MESH)]
     mesh: MeshFlags,
     #[command(flatten)]
     weld: WeldFlags,
     /// What is known of the licence of the parts; it is written beside each piece.
-    #[arg(long, value_name = "TEXT", default_value = "not stated")]
+    #[arg(long, value_name = "TEXT", default_value = "not stated", help_heading = ITEMS)]
     licence: String,
     /// Time by the clock that a piece may take [s].
-    #[arg(long, value_name = "s", default_value_t = 600.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "s", default_value_t = 600.0, allow_negative_numbers = true, help_heading = RUNS)]
     time_limit: f64,
     /// Memory that the process of a piece may ask for [GB].
-    #[arg(long, value_name = "GB", default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "GB", default_value_t = 2.0, allow_negative_numbers = true, help_heading = RUNS)]
     memory_limit: f64,
 }
 

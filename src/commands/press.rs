@@ -26,7 +26,9 @@ use crate::wrong_use;
 
 /// Kinds of tools, as `--tool` takes them.
 const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
-/// Times that a contact is sought anew under effects that follow its own force.
+/// Heading of the help for the laws of the contact.
+const MODEL: &str = "Model";
+/// Times that a contact is sought again under effects that follow its own force.
 const SETTLING: usize = 30;
 /// Half width of the band of a tool from a file [voxels]; one with walls inside can be pressed no deeper.
 const TOOL_BAND: f64 = 8.0;
@@ -53,18 +55,25 @@ pub(super) struct PressArgs {
     #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true)]
     at: String,
     /// Contact stiffness K: pressure per depth [Pa/m].
-    #[arg(long, value_name = "PA_M", default_value_t = 1e10, conflicts_with = "model", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "PA_M",
+        default_value_t = 1e10,
+        conflicts_with = "model",
+        allow_negative_numbers = true,
+        help_heading = MODEL
+    )]
     stiffness: f64,
     /// Voxel of parts and tools that are meshes [mm].
-    #[arg(long, value_name = "MM", default_value_t = 0.5, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 0.5, allow_negative_numbers = true, help_heading = "Part")]
     voxel_mm: f64,
     /// Unit of the coordinates in mesh files.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Part")]
     unit: UnitFlag,
     /// How inside and outside of a mesh are told apart.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Part")]
     sign: SignFlag,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = MODEL)]
     model: ModelFlags,
 }
 

@@ -37,7 +37,7 @@ pub(super) struct RenderArgs {
     /// Width and height of the picture [pixels].
     #[arg(long, default_value = "960x720")]
     size: String,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Photograph")]
     photo: PhotoFlags,
 }
 
@@ -88,13 +88,14 @@ struct PhotoFlags {
         value_name = "N",
         conflicts_with = "lapse",
         allow_negative_numbers = true,
-        value_parser = whole::<usize>([2, 720])
+        value_parser = whole::<usize>([2, 720]),
+        help_heading = "Sequences"
     )]
     turntable: Option<usize>,
     /// One picture of every state that the folder holds, as a sequence and as an animated PNG.
-    #[arg(long)]
+    #[arg(long, help_heading = "Sequences")]
     lapse: bool,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Lens and sensor")]
     sensor: SensorFlags,
 }
 

@@ -35,25 +35,25 @@ pub(super) struct SimulateArgs {
     #[command(flatten)]
     out: OutFlags,
     #[command(flatten)]
+    backend: BackendFlags,
+    #[command(flatten, next_help_heading = "Model")]
     model: ModelFlags,
     /// Voxel of a trial's field [mm] [default: the scan's pitch].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = "Trial")]
     voxel_mm: Option<f64>,
     /// Keep a trial's tool to the logged heights instead of simulating its controller.
-    #[arg(long)]
+    #[arg(long, help_heading = "Trial")]
     replay: bool,
     /// Write what each pixel of a trial's scan went through: pressure, time, sliding, removal, as CSV maps.
-    #[arg(long)]
+    #[arg(long, help_heading = "Trial")]
     covariates: bool,
-    #[command(flatten)]
-    backend: BackendFlags,
     /// Table of parameter sets for a trial (CSV: name, then parameters as effect.parameter in their own units); one JSON
     /// line for each.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["covariates", "snapshot", "resume"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["covariates", "snapshot", "resume"], help_heading = "Trial")]
     batch: Option<PathBuf>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "States")]
     state: StateFlags,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Grinding of an asset")]
     process: ProcessFlags,
 }
 

@@ -17,14 +17,16 @@ use crate::virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unsea
 use crate::virtual_lab::{Choice, Experiment, Hidden, Instrument, Key, Made, MakeError, Plan, Robot, Size};
 use crate::wrong_use;
 
+/// Heading of the help for what measurements hide.
+const HIDDEN: &str = "Hidden";
 /// Trials that are accepted; each takes seconds.
 const TRIALS: [u64; 2] = [1, 64];
 
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  robofin trial synth --out out/dull --effect \"grit-dulling:dulling_volume=150 mm^3\" --size small\n  \
-                        robofin trial synth --out out/riddle --random --sealed\n  \
-                        robofin trial unseal out/riddle --key out/riddle.key"
+                        robofin trial synth --out out/example --random --sealed\n  \
+                        robofin trial unseal out/example --key out/example.key"
 )]
 pub(super) struct TrialArgs {
     #[command(subcommand)]
@@ -36,10 +38,10 @@ enum Action {
     /// Make a campaign of synthetic measurements in which effects are hidden.
     #[command(after_help = "Examples:\n  robofin trial synth --out out/clean\n  \
                             robofin trial synth --out out/tilt --plan paper --effect \"tool-tilt:roll_angle=12 mrad\"\n  \
-                            robofin trial synth --out out/riddle --random --sealed --size small")]
+                            robofin trial synth --out out/example --random --sealed --size small")]
     Synth(SynthArgs),
     /// Open the sealed answer of a synthetic campaign.
-    #[command(after_help = "Example:\n  robofin trial unseal out/riddle --key out/riddle.key")]
+    #[command(after_help = "Example:\n  robofin trial unseal out/example --key out/example.key")]
     Unseal(UnsealArgs),
 }
 
@@ -48,34 +50,40 @@ struct SynthArgs {
     #[command(flatten)]
     out: OutFlags,
     /// What the tool does.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     process: ProcessFlag,
     /// Effect to hide; may be given several times. Parameters that are not given get a visible size; of one per pass or scan the value
     /// is the standard deviation [default: none].
-    #[arg(long = "effect", value_name = "NAME[:PARAMETER=VALUE,...]")]
+    #[arg(long = "effect", value_name = "NAME[:PARAMETER=VALUE,...]", help_heading = HIDDEN)]
     effect: Vec<String>,
     /// Draw what is hidden: nothing, an effect of the library, or one that it lacks.
-    #[arg(long, conflicts_with = "effect")]
+    #[arg(long, conflicts_with = "effect", help_heading = HIDDEN)]
     random: bool,
     /// Encrypt the answer; the key goes to a file beside the folder.
-    #[arg(long)]
+    #[arg(long, help_heading = HIDDEN)]
     sealed: bool,
     /// How the passes differ.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     plan: PlanFlag,
     /// Number of trials [default: 1 for the plan paper, else 4].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(TRIALS))]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>(TRIALS),
+        help_heading = "Measurements"
+    )]
     trials: Option<usize>,
     /// How large workpieces and scans are.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     size: SizeFlag,
     /// How good scanner and robot are.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     instrument: InstrumentFlag,
     /// Same seed, same bytes [default: 0; sealed: one that no one knows].
     #[arg(long, value_name = "SEED", allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: Option<u64>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = HIDDEN)]
     own: OwnFlags,
 }
 

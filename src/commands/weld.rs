@@ -8,14 +8,19 @@ use serde::Serialize;
 use weldgen::access::{ToolKind, ToolShape};
 use weldgen::{Difficulty, Placement, Stitch};
 
-use super::bead_flags::BeadFlags;
-use super::flags::{MeshFlags, OutFlags, RangeFlag, SEEDS, optional_mm, positive, whole, within};
+use super::bead_flags::{BEAD, BeadFlags};
+use super::flags::{MESH, MeshFlags, OutFlags, RangeFlag, SEEDS, optional_mm, positive, whole, within};
 use crate::asset::{self, ASSET, Extras, Manifest, UsdMode};
 use crate::console::Console;
 use crate::folder::StagedFolder;
 use crate::part::Part;
 use crate::workpiece::{WeldWishes, WeldingOptions, weld_part};
 use crate::wrong_use;
+
+/// Heading of the help for where a weld runs.
+const CURVE: &str = "Curve";
+/// Heading of the help for what gets at a weld.
+const ACCESS: &str = "Exposure and access";
 
 /// Example: robofin weld part.obj --out out/part --seed 7
 #[derive(Debug, Args)]
@@ -34,73 +39,85 @@ pub(super) struct WeldArgs {
     /// Seed of every random choice; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
-    #[command(flatten)]
-    mesh: MeshFlags,
-    #[command(flatten)]
-    wishes: WeldFlags,
     /// USD file: auto makes it if Python can be had, require fails without it, off leaves it out.
     #[arg(long, value_enum, default_value_t)]
     usd: UsdMode,
+    #[command(flatten, next_help_heading = MESH)]
+    mesh: MeshFlags,
+    #[command(flatten)]
+    wishes: WeldFlags,
 }
 
 /// What is fixed of the weld; the rest is chosen for the part. Ranges are written `40..80`; the seed draws from them.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct WeldFlags {
     /// Preset of length, curvature and exposure; each can be fixed beside it.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = CURVE)]
     difficulty: DifficultyFlag,
     /// Number of welds on the part; they keep a distance.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u16>([1, 1000]))]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole::<u16>([1, 1000]),
+        help_heading = CURVE
+    )]
     count: Option<u16>,
     /// Length of the weld's centreline, or a range [mm].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = CURVE)]
     length_mm: Option<RangeFlag>,
     /// Where the weld runs; `seam` lays fillets in concave creases, `butt` joins halves that a plane parts.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = CURVE)]
     place: PlaceFlag,
     /// Length of each bead of an intermittent weld [mm].
-    #[arg(long, value_name = "MM", requires = "stitch_pitch_mm", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", requires = "stitch_pitch_mm", allow_negative_numbers = true, help_heading = CURVE)]
     stitch_mm: Option<f64>,
     /// Distance from the start of a bead of an intermittent weld to that of the next [mm].
-    #[arg(long, value_name = "MM", requires = "stitch_mm", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", requires = "stitch_mm", allow_negative_numbers = true, help_heading = CURVE)]
     stitch_pitch_mm: Option<f64>,
     /// Width of the bead between its toes [mm].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = BEAD)]
     width_mm: Option<f64>,
     /// Height of the bead above the surface [mm].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = BEAD)]
     height_mm: Option<f64>,
     #[command(flatten)]
     form: BeadFlags,
     /// Root mean square of the centreline's geodesic curvature, or a range [1/m]; 0 is a geodesic.
-    #[arg(long, value_name = "PER_M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "PER_M", allow_negative_numbers = true, help_heading = CURVE)]
     curvature_per_m: Option<RangeFlag>,
     /// Largest geodesic curvature [1/m] [default: three times the root mean square asked].
-    #[arg(long, value_name = "PER_M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "PER_M", allow_negative_numbers = true, help_heading = CURVE)]
     curvature_max_per_m: Option<f64>,
     /// Correlation length of the geodesic curvature [mm] [default: half the length].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = CURVE)]
     correlation_mm: Option<f64>,
     /// Least exposure along the weld, or a range for it: the cosine-weighted free share of the hemisphere, 0 to 1.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, conflicts_with = "min_exposure")]
+    #[arg(
+        long,
+        value_name = "SHARE",
+        allow_negative_numbers = true,
+        conflicts_with = "min_exposure",
+        help_heading = ACCESS
+    )]
     exposure: Option<RangeFlag>,
     /// The same as --exposure SHARE..1.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, help_heading = ACCESS)]
     min_exposure: Option<f64>,
     /// What lies farther hides nothing [mm] [default: a quarter of the part's diagonal].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = ACCESS)]
     exposure_reach_mm: Option<f64>,
     /// Tool whose access to the weld is measured.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = ACCESS)]
     access_tool: AccessToolFlag,
     /// Radius of that tool [mm].
-    #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true, help_heading = ACCESS)]
     access_radius_mm: f64,
     /// Width of that tool along its axis [mm].
-    #[arg(long, value_name = "MM", default_value_t = 10.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 10.0, allow_negative_numbers = true, help_heading = ACCESS)]
     access_width_mm: f64,
     /// Least mean share of that tool's poses that are clear of the part, 0 to 1.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, help_heading = ACCESS)]
     min_access: Option<f64>,
 }
 

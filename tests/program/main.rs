@@ -15,6 +15,7 @@ mod hostile_files;
 mod inputs;
 mod interruption;
 mod limits;
+mod manual;
 mod measures;
 mod memory;
 mod notes;
