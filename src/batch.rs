@@ -16,7 +16,7 @@ use crate::twin::{ModelRun, SimulatedPass};
 /// Name of the result file: one JSON object a line, in the order of the table.
 pub const BATCH_FILE: &str = "batch.jsonl";
 /// The result folder.
-pub const BATCH: FolderKind = FolderKind { marker: BATCH_FILE, key: "removed_mm3", names: &[] };
+pub const BATCH: FolderKind = FolderKind { marker: BATCH_FILE, key: "impulse_ns", names: &[] };
 /// First column of the table.
 const NAME: &str = "name";
 
@@ -36,7 +36,7 @@ pub struct BatchLine {
     name: String,
     parameters: BTreeMap<String, f64>,
     /// Volume that Eq. (1) removes in each pass [mm³].
-    removed_mm3: Vec<f64>,
+    removed_by_law_mm3: Vec<f64>,
     /// Volume of coating that Eq. (2) takes off in each pass [mm³].
     coating_mm3: Vec<f64>,
     /// Share of the scanned area that is exposed after each pass; empty when grinding.
@@ -117,7 +117,7 @@ impl BatchLine {
         Self {
             name: run.name.clone(),
             parameters: run.parameters.clone(),
-            removed_mm3: each(|pass| pass.record.removed_volume * 1e9),
+            removed_by_law_mm3: each(|pass| pass.record.removed_volume * 1e9),
             coating_mm3: each(|pass| pass.record.coating_volume * 1e9),
             exposed_share: passes.iter().filter_map(|pass| pass.exposed_share).collect(),
             force_rms_error_n: each(|pass| pass.record.force_rms_error),

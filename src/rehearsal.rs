@@ -54,7 +54,7 @@ pub struct RehearsalSummary {
     voxel_mm: f64,
     model: std::collections::BTreeMap<String, String>,
     /// Volume that Eq. (1) removes in each pass [mm³].
-    removed_mm3: Vec<f64>,
+    removed_by_law_mm3: Vec<f64>,
     /// Volume of coating that Eq. (2) takes off in each pass [mm³].
     coating_mm3: Vec<f64>,
     /// Share of the scanned area that is exposed after each pass, simulated and measured; empty when grinding.
@@ -159,7 +159,7 @@ impl Rehearsal {
             trial: trial.name.clone(),
             voxel_mm: self.state.part.voxel * 1e3,
             model: model_facts(model).into_iter().collect(),
-            removed_mm3: each(|pass| pass.record.removed_volume * 1e9),
+            removed_by_law_mm3: each(|pass| pass.record.removed_volume * 1e9),
             coating_mm3: each(|pass| pass.record.coating_volume * 1e9),
             exposed_share: self.passes.iter().filter_map(|pass| pass.exposed_share).collect(),
             measured_exposed_share: measured.collect(),

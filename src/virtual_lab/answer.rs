@@ -31,9 +31,9 @@ pub struct HiddenEffect {
 /// What truly happened in a trial.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrueTrial {
-    /// Volume removed in each pass [mm³]; empty when sanding.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub removed_mm3: Vec<f64>,
+    /// Volume that Eq. (1) removes in each pass [mm³]; empty when sanding. Older answers call it `removed_mm3`.
+    #[serde(default, alias = "removed_mm3", skip_serializing_if = "Vec::is_empty")]
+    pub removed_by_law_mm3: Vec<f64>,
     /// Share of the scanned area whose coating is gone after each pass; empty when grinding.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub exposed_share: Vec<f64>,
@@ -125,4 +125,15 @@ fn model_text(model: &CompiledModel) -> String {
         };
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_older_answer_keeps_its_volumes() {
+        let read: TrueTrial = serde_json::from_str("{\"removed_mm3\": [1.5, 2.0]}").expect("an answer");
+        assert_eq!(read.removed_by_law_mm3, [1.5, 2.0]);
+    }
 }

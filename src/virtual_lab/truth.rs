@@ -166,7 +166,7 @@ impl<'a> Bout<'a> {
             let at = (pass + 1, row + pass);
             let (record, way, touch) = self.pass(setting, states, at)?;
             match self.experiment.process {
-                Process::Grinding => truth.removed_mm3.push(record.removed_volume * 1e9),
+                Process::Grinding => truth.removed_by_law_mm3.push(record.removed_volume * 1e9),
                 Process::Sanding => truth.exposed_share.push(self.exposed_share()),
             }
             let (force_setpoint, spindle_speed) = self.told(setting);

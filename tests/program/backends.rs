@@ -67,7 +67,7 @@ fn apart(a: &BrickGrid, b: &BrickGrid) -> f64 {
 /// Numbers within a thousandth; the error of the force, a difference itself, within a thousandth of the setpoint.
 #[track_caller]
 fn agree(a: &Value, b: &Value) {
-    for key in ["removed_mm3", "coating_mm3", "impulse_ns", "residual_rms_um", "force_rms_error_n", "steps"] {
+    for key in ["removed_by_law_mm3", "coating_mm3", "impulse_ns", "residual_rms_um", "force_rms_error_n", "steps"] {
         let numbers = |value: &Value| -> Vec<f64> {
             let list = value[key].as_array().cloned().unwrap_or_else(|| vec![value[key].clone()]);
             list.iter().map(|number| number.as_f64().unwrap()).collect()
@@ -100,7 +100,7 @@ fn a_trial_has_the_figures_and_the_field_of_the_cpu_on_the_device_alone_and_in_a
     assert_eq!(cpu["backend"], "cpu");
     assert!(gpu["backend"].as_str().unwrap().contains("vulkan") || !cfg!(target_os = "linux"), "{gpu}");
     agree(&cpu, &gpu);
-    assert!(cpu["removed_mm3"][0].as_f64().unwrap() > 1.0, "{cpu}");
+    assert!(cpu["removed_by_law_mm3"][0].as_f64().unwrap() > 1.0, "{cpu}");
     let difference = apart(&field(&out("cpu")), &field(&out("gpu")));
     assert!(difference <= 1e-4, "{difference} voxels");
     assert_eq!(names(&out("cpu")), names(&out("gpu")));
@@ -108,7 +108,7 @@ fn a_trial_has_the_figures_and_the_field_of_the_cpu_on_the_device_alone_and_in_a
     run(&mut on_device(&place, &out("sets"), &["--batch", &table])).succeeds();
     let sets = lines(&out("sets"));
     assert_eq!(sets[0]["name"], "soft");
-    for key in ["removed_mm3", "impulse_ns", "force_rms_error_n", "residual_rms_um", "steps"] {
+    for key in ["removed_by_law_mm3", "impulse_ns", "force_rms_error_n", "residual_rms_um", "steps"] {
         assert_eq!(sets[0][key], gpu[key], "{key}: a trial in a batch is the trial alone");
         assert_ne!(sets[1][key], Value::Null);
     }
@@ -131,7 +131,7 @@ fn sets_of_a_batch_are_single_runs_and_a_bad_line_is_named_by_its_number() {
         let text = SOFT.replace("20 MPa", &format!("{stiffness} MPa")).replace("1.4 mm", &format!("{rate} mm"));
         let model = written(folder.path(), "model.toml", &text);
         let single = run(&mut simulate(&place, &out("one"), &["--model", &model, "--force"])).succeeds().answer();
-        for key in ["removed_mm3", "impulse_ns", "force_rms_error_n", "residual_rms_um", "steps"] {
+        for key in ["removed_by_law_mm3", "impulse_ns", "force_rms_error_n", "residual_rms_um", "steps"] {
             assert_eq!(set[key], single[key], "{key}");
         }
         assert_eq!(set["parameters"]["winkler.stiffness"], f64::from(stiffness));
@@ -161,7 +161,7 @@ fn sets_of_a_batch_are_single_runs_and_a_bad_line_is_named_by_its_number() {
     run(&mut simulate(&place, &out("some"), &flags)).is_refused(1, &["1 of 2 runs ended early", "batch.jsonl"]);
     let some = lines(&out("some"));
     assert!(some[0]["stopped"].as_str().unwrap().contains("my-effect"), "{}", some[0]);
-    assert!(some[1]["stopped"].is_null() && some[1]["removed_mm3"][0].as_f64().unwrap() > 1.0, "{}", some[1]);
+    assert!(some[1]["stopped"].is_null() && some[1]["removed_by_law_mm3"][0].as_f64().unwrap() > 1.0, "{}", some[1]);
 }
 
 #[test]

@@ -145,7 +145,7 @@ fn a_trial_keeps_the_passes_before_the_one_in_which_the_device_was_lost() {
     let from = out("two");
     let resumed = ["--backend", "cpu", "--resume", from.to_str().unwrap()];
     let answer = run(&mut simulate(&two, &out("on"), &resumed)).succeeds().answer();
-    assert_eq!(answer["removed_mm3"].as_array().unwrap().len(), 2);
+    assert_eq!(answer["removed_by_law_mm3"].as_array().unwrap().len(), 2);
 }
 
 #[test]
@@ -167,8 +167,8 @@ fn sets_of_a_batch_keep_their_passes_before_the_one_in_which_the_device_was_lost
         text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
     };
     for (whole, kept) in lines("one").iter().zip(lines("two")) {
-        assert_eq!(whole["removed_mm3"], kept["removed_mm3"]);
-        assert_eq!(kept["removed_mm3"].as_array().unwrap().len(), 1, "{kept}");
+        assert_eq!(whole["removed_by_law_mm3"], kept["removed_by_law_mm3"]);
+        assert_eq!(kept["removed_by_law_mm3"].as_array().unwrap().len(), 1, "{kept}");
         assert!(kept["stopped"].as_str().unwrap().contains("was lost while "), "{kept}");
     }
 }

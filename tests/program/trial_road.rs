@@ -92,7 +92,7 @@ fn a_trial_gives_its_figures_and_the_same_bytes_on_any_number_of_threads() {
     run(&mut simulate(&place, &out("two"), &["--threads", "2"])).succeeds();
     assert_eq!(files(&out("one")), files(&out("two")));
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
-    for (pass, removed) in answer["removed_mm3"].as_array().unwrap().iter().enumerate() {
+    for (pass, removed) in answer["removed_by_law_mm3"].as_array().unwrap().iter().enumerate() {
         // 15 N over 1.2 s: k F t of the default law, less what the threshold spares.
         assert!((5.0..40.0).contains(&number(removed)), "{answer}");
         assert!((0.0..8.0).contains(&number(&answer["force_rms_error_n"][pass])), "{answer}");
@@ -176,7 +176,7 @@ fn models_that_do_not_fit_are_refused_and_those_that_break_leave_the_last_good_s
     let plain = run(&mut simulate(&place, &out("plain"), &[])).succeeds().answer();
     let dull = model("[effect.grit-dulling]\ndulling_volume = \"10 mm^3\"\n");
     let dulled = run(&mut simulate(&place, &out("dulled"), &["--model", &dull])).succeeds().answer();
-    let second = |answer: &serde_json::Value| answer["removed_mm3"][1].as_f64().unwrap();
+    let second = |answer: &serde_json::Value| answer["removed_by_law_mm3"][1].as_f64().unwrap();
     assert!(second(&dulled) < 0.8 * second(&plain), "{dulled}");
 
     let sanding = model("[effect.pad-loading]\n");

@@ -65,8 +65,8 @@ fn campaigns_are_read_as_they_were_made() {
         let roles: Vec<Role> = read.trials.iter().flat_map(|trial| &trial.passes).map(|pass| pass.role).collect();
         assert_eq!(roles, [Role::Calibration, Role::Calibration, Role::Evaluation, Role::Evaluation]);
         let truth = &made.answer.trials["trial-2"];
-        assert_eq!(truth.removed_mm3.len() + truth.exposed_share.len(), 2);
-        assert!(truth.removed_mm3.iter().all(|volume| *volume > 5.0), "{truth:?}");
+        assert_eq!(truth.removed_by_law_mm3.len() + truth.exposed_share.len(), 2);
+        assert!(truth.removed_by_law_mm3.iter().all(|volume| *volume > 5.0), "{truth:?}");
         assert!(truth.exposed_share.iter().all(|share| (0.02..0.8).contains(share)), "{truth:?}");
     }
 }

@@ -77,7 +77,7 @@ fn the_true_model_reproduces_a_ground_campaign() {
     let (trial, simulated) = (&clean().trials[0], &rehearsed(&experiment, clean())[0]);
     let mut volumes_off = Vec::new();
     for (pass, simulated) in simulated.iter().enumerate() {
-        let truth = clean().answer.trials["trial-1"].removed_mm3[pass];
+        let truth = clean().answer.trials["trial-1"].removed_by_law_mm3[pass];
         let off = simulated.record.removed_volume * 1e9 / truth - 1.0;
         let PassScan::Heights(scan) = &simulated.scan else { panic!("heights are expected") };
         let deviation = deviation(trial, pass, scan);
@@ -121,7 +121,7 @@ fn a_log_tells_what_the_robot_believed() {
     // An admittance that follows a falling surface holds a little less than its setpoint.
     assert!((plain - 15.0).abs() < 1.0 && (biased - plain).abs() < 0.5);
     assert!((speeds.0 / speeds.1 - 1.0).abs() < 1e-3);
-    let volume = |made: &Made| made.answer.trials["trial-1"].removed_mm3[0];
+    let volume = |made: &Made| made.answer.trials["trial-1"].removed_by_law_mm3[0];
     let only_bias = experiment(Process::Grinding, &hidden[..1]).make().unwrap();
     assert!(volume(&only_bias) > 1.1 * volume(clean()), "{}", volume(&only_bias));
     // Same seed, same noise: the scans before are the same.
