@@ -8,7 +8,7 @@ use sdf_bake::{BakeError, BakeOptions, BakeReport, BrickGrid, Combine, Mesh, Sig
 use serde::Serialize;
 use weldgen::access::ToolShape;
 use weldgen::bead::{BeadShape, FormRequest};
-use weldgen::{Difficulty, Placement, Stitch, Surface, Weld, WeldRequest, place_welds_on};
+use weldgen::{Difficulty, PlaceError, Placement, Stitch, Surface, Weld, WeldRequest, place_welds_on};
 
 use crate::budget;
 use crate::console::Console;
@@ -165,6 +165,7 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     budget::check(&part.mesh, &baking)?;
     let request = options.wishes.request(&part, baking.voxel);
     limits::check(&options.wishes, &request, &baking)?;
+    let welds = place(&part, options, (&request, &baking))?;
     let (target, report) = bake(&part.mesh, &baking).map_err(needs_solid)?;
     console.step("bake", describe_baking(&report, &target));
 
@@ -174,12 +175,8 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
         console.step("note", warning);
     }
 
-    let query = MeshQuery::new(&part.mesh);
-    let count = usize::from(options.wishes.count.unwrap_or(1));
     let (mut welded, mut placed) = (target.clone(), Vec::new());
-    for (id, weld) in
-        (FIRST_WELD..).zip(place_welds_on(&Surface::new(&part.mesh, &query), &request, count, options.seed)?)
-    {
+    for (id, weld) in (FIRST_WELD..).zip(welds?) {
         tell_weld(&weld, console);
         let mut with_bead = add(&welded, &weld, id, (&baking, options.wishes.toe_radius))?;
         if !weld.cuts.triangles.is_empty() {
@@ -194,6 +191,24 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
         placed.push(PlacedWeld { id, weld, volume, toe_radius: options.wishes.toe_radius.unwrap_or(0.0) });
     }
     Ok(Workpiece { part, welds: placed, target, welded, baking: report })
+}
+
+/// The welds that a part gets, or why it gets none, which is told only if the part can be baked.
+///
+/// # Errors
+/// When the toes of a weld cannot be as round as was asked.
+fn place(
+    part: &Part,
+    options: &WeldingOptions,
+    (request, baking): (&WeldRequest, &BakeOptions),
+) -> Result<Result<Vec<Weld>, PlaceError>> {
+    let query = MeshQuery::new(&part.mesh);
+    let count = usize::from(options.wishes.count.unwrap_or(1));
+    let placed = place_welds_on(&Surface::new(&part.mesh, &query), request, count, options.seed);
+    for weld in placed.iter().flatten() {
+        limits::check_blend(&weld.profile, options.wishes.toe_radius, baking)?;
+    }
+    Ok(placed)
 }
 
 /// The field with a weld: its bead united with sharp or rounded toes.

@@ -76,13 +76,18 @@ fn check_sizes(wishes: &WeldWishes, voxel: f64) -> Result<()> {
     Ok(())
 }
 
-/// The round toes must stay within the band. A fillet's angle is known with its seam only.
+/// A bead on a face must have room for round toes. The angle of a fillet is that of its seam, so it is checked once placed.
 fn check_toe_radius(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
-    let Some(radius) = wishes.toe_radius else { return Ok(()) };
     if matches!(request.placement, Placement::Seam | Placement::Mixed) {
         return Ok(());
     }
     let profile = BeadProfile::on_face(request.shape, request.width, request.height);
+    check_blend(&profile, wishes.toe_radius, baking)
+}
+
+/// The round toes [m] of a bead must stay within the band.
+pub(super) fn check_blend(profile: &BeadProfile, toe_radius: Option<f64>, baking: &BakeOptions) -> Result<()> {
+    let Some(radius) = toe_radius else { return Ok(()) };
     let band = baking.band_voxels * baking.voxel;
     // The blend's radius goes with that of the toes.
     let most = BLEND_REACH * band * radius / profile.blend_radius(radius);

@@ -106,6 +106,7 @@ fn imperfections_that_cut_and_hang_over_and_rounded_toes_make_a_whole_asset() {
     let refused = weld(&folder.path().join("wide")).args(place).args(["--toe-radius-mm", "9"]).output();
     let said = String::from_utf8(refused.expect("it runs").stderr).expect("text");
     assert!(said.contains("--toe-radius-mm 9.0") && said.contains("are accepted"), "{said}");
+    assert!(!said.lines().any(|line| line.trim_start().starts_with("bake")), "it is judged before baking: {said}");
 }
 
 #[test]
