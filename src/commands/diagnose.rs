@@ -96,4 +96,5 @@ fn describe(summary: &DiagnosisSummary, console: &Console) {
     }
     console.step("floor", format!("{:.2} {unit}", summary.noise_floor_um));
     summary.suspects.iter().for_each(|suspect| console.step("suspect", suspect.shown()));
+    summary.unfitted.iter().for_each(|one| console.step("", format!("{}: {}", one.name, one.reason)));
 }

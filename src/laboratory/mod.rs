@@ -38,6 +38,7 @@ mod table_reach;
 mod table_steps;
 mod tiles;
 mod totals;
+mod unfitted;
 mod verdict;
 
 pub use blur::blurred;
@@ -69,4 +70,5 @@ pub use summary::{BASE_STEP, DiagnosisSummary, EffectSummary, ParameterSummary, 
 pub use suspect::{Suspect, suspects};
 pub use tiles::{TileGrid, Tiles};
 pub use totals::{Total, Totals};
+pub use unfitted::Unfitted;
 pub use verdict::{Verdict, unexplained};

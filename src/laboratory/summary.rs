@@ -10,6 +10,7 @@ use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::fit::{Estimate, Fit};
 use super::next_trial::NextTrial;
 use super::pass_trend::PassTrend;
+use super::unfitted::Unfitted;
 use super::verdict::Verdict;
 
 /// Name of the waterfall's step at which the base law is calibrated.
@@ -97,6 +98,8 @@ pub struct DiagnosisSummary {
     pub parameters: Vec<ParameterSummary>,
     /// Every effect that was fitted.
     pub suspects: Vec<EffectSummary>,
+    /// Every other effect that was looked at.
+    pub unfitted: Vec<Unfitted>,
     /// The next trial; absent where no rivals are left.
     pub next_trial: Option<NextTrial>,
     /// An effect file to begin with where something unknown is at work.
@@ -217,6 +220,10 @@ impl DiagnosisSummary {
         let rounds = || (1..).zip(&diagnosis.rounds);
         let pairs = rounds().flat_map(|(number, round)| round.findings.iter().map(move |f| ((number, round), f)));
         let suspects = pairs.map(|(round, finding)| summary(round, finding)).collect();
+        let left = rounds().flat_map(|(search, round)| round.unfitted().into_iter().map(move |one| (search, one)));
+        let unfitted =
+            left.map(|(search, (name, reason))| Unfitted { name: name.to_owned(), title: title(name), search, reason });
+        let unfitted = unfitted.collect();
         let found = diagnosis.found();
         let effects: Vec<EffectSummary> =
             rounds().zip(&found).map(|(round, finding)| summary(round, finding)).collect();
@@ -243,6 +250,7 @@ impl DiagnosisSummary {
             equal_passes,
             parameters: parameters(&diagnosis.fit, spread),
             suspects,
+            unfitted,
             next_trial: None,
             suggested_effect_file: None,
             detectable: diagnosis.detectable.clone(),

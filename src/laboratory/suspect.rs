@@ -10,12 +10,12 @@ use super::response::{Projector, shifted};
 use super::screen::Screened;
 
 /// Effects that are fitted quickly, and those that are fitted to the end.
-const QUICK: usize = 9;
+pub(super) const QUICK: usize = 9;
 const THOROUGH: usize = 4;
 /// Places from which an effect of several shapes is fitted quickly.
 const STARTS: usize = 2;
 /// Fall of the sum of squares below which an effect is not fitted.
-const LEAST_GAIN: f64 = 4.0;
+pub(super) const LEAST_GAIN: f64 = 4.0;
 /// What the two fits may cost.
 pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
 pub(super) const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
@@ -119,8 +119,7 @@ pub fn suspects(
     screened: &[Screened],
     told: &(dyn Fn(&str) + Sync),
 ) -> Vec<Suspect> {
-    let mut order: Vec<&Screened> = screened.iter().filter(|screened| screened.gain > LEAST_GAIN).collect();
-    order.sort_by(|a, b| b.gain.total_cmp(&a.gain).then_with(|| a.candidate.name.cmp(&b.candidate.name)));
+    let mut order = by_promise(screened.iter().filter(|screened| screened.gain > LEAST_GAIN));
     order.truncate(QUICK);
     let residuals = Projector::new(base).residuals;
     let quick = |screened: &&Screened| {
@@ -150,6 +149,13 @@ pub fn suspects(
     suspects.retain(|suspect| gain(suspect) > 0.0);
     sort(&mut suspects);
     suspects
+}
+
+/// Effects by what the first look promises of them, the most first.
+pub(super) fn by_promise<'a>(screened: impl Iterator<Item = &'a Screened>) -> Vec<&'a Screened> {
+    let mut order: Vec<&Screened> = screened.collect();
+    order.sort_by(|a, b| b.gain.total_cmp(&a.gain).then_with(|| a.candidate.name.cmp(&b.candidate.name)));
+    order
 }
 
 fn sort(suspects: &mut [Suspect]) {

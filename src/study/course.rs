@@ -12,7 +12,7 @@ use super::measurements::Data;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
 use crate::laboratory::{
     BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, MOST_EFFECTS,
-    Order, ParameterSummary, Suggestion, Told, Verdict, beginning, parameter_summary,
+    Order, ParameterSummary, Suggestion, Told, Unfitted, Verdict, beginning, parameter_summary,
 };
 use crate::study_report::StudyReport;
 
@@ -33,6 +33,8 @@ pub struct Course<'a> {
     diagnosis: Option<(Diagnosis, DiagnosisSummary)>,
     /// Effects that the searches of this run fitted, those of the last search first.
     suspects: Vec<EffectSummary>,
+    /// Effects that the last search looked at and did not weigh.
+    unfitted: Vec<Unfitted>,
 }
 
 impl<'a> Course<'a> {
@@ -52,6 +54,7 @@ impl<'a> Course<'a> {
             calibration: None,
             diagnosis: None,
             suspects: Vec::new(),
+            unfitted: Vec::new(),
         })
     }
 
@@ -176,6 +179,8 @@ impl<'a> Course<'a> {
         let searched = self.suspects.iter().map(|suspect| suspect.search).max().unwrap_or(0);
         let numbered = |one: &EffectSummary| EffectSummary { search: searched + one.search, ..one.clone() };
         self.suspects.splice(0..0, summary.suspects.iter().map(numbered));
+        let later = |one: &Unfitted| Unfitted { search: searched + one.search, ..one.clone() };
+        self.unfitted = summary.unfitted.iter().map(later).collect();
         record.to_add = to_add.map(|name| [name, diagnosis.model.to_text(self.library)]);
         self.diagnosis = Some((diagnosis, summary));
         Ok(outcome.join("\n"))
@@ -242,7 +247,7 @@ impl<'a> Course<'a> {
         })?;
         let Some((_, found)) = &self.diagnosis else { return Ok(report) };
         Ok(StudyReport {
-            suspects: suspects(&self.suspects, found.error_unit),
+            suspects: suspects(&self.suspects, &self.unfitted, found.error_unit),
             detectable: found.detectable.iter().map(detectable).collect(),
             next_trial: found.next_trial.as_ref().map(next_trial),
             suggested_effect: self.suggestion.as_ref().map(suggested),

@@ -16,7 +16,7 @@ use super::simulated::Simulated;
 use super::waterfall::{Scans, Step};
 use crate::laboratory::{
     BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterSummary, RowEvidence,
-    ScanEvidence, ScanView, Sides, Suggestion, Verdict,
+    ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
 };
 use crate::measure::Registration;
 use crate::study_report as page;
@@ -89,7 +89,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         scans: filled.scans,
         sections: filled.sections,
         covariates: filled.covariates,
-        suspects: suspects(&summary.suspects, summary.error_unit),
+        suspects: suspects(&summary.suspects, &summary.unfitted, summary.error_unit),
         parameters: summary.parameters.iter().map(parameter).collect(),
         correlations: correlations(&diagnosis.fit),
         detectable: summary.detectable.iter().map(detectable).collect(),
@@ -286,12 +286,31 @@ pub(super) fn waterfall(
     Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() }
 }
 
-/// Effects that were fitted, by search and within each the most probable first, each with why it is in or out.
-pub(super) fn suspects(fitted: &[EffectSummary], unit: ErrorUnit) -> Vec<page::Suspect> {
+/// Effects that were fitted, by search and within each the most probable first, each with why it is in or out; then those
+/// that were not, with the reason.
+pub(super) fn suspects(fitted: &[EffectSummary], unfitted: &[Unfitted], unit: ErrorUnit) -> Vec<page::Suspect> {
     let searches = fitted.iter().map(|suspect| suspect.search).max().unwrap_or(0);
     let of_search = fitted.chunk_by(|a, b| a.search == b.search);
     let of_search = of_search.flat_map(|search| search.iter().enumerate());
-    of_search.map(|(rank, one)| suspect(one, unit, (rank, searches))).collect()
+    let of_search = of_search.map(|(rank, one)| suspect(one, unit, (rank, searches)));
+    of_search.chain(unfitted.iter().map(|one| unweighed(one, searches))).collect()
+}
+
+fn unweighed(one: &Unfitted, searches: usize) -> page::Suspect {
+    page::Suspect {
+        name: one.name.clone(),
+        title: one.title.clone(),
+        probability: 0.0,
+        gain: None,
+        evaluation_before: None,
+        evaluation_after: None,
+        look_alikes: Vec::new(),
+        note: format!("{}Out: {}.", search_words(one.search, searches), one.reason),
+    }
+}
+
+fn search_words(search: usize, searches: usize) -> String {
+    if searches > 1 { format!("Search {search} of {searches}. ") } else { String::new() }
 }
 
 fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, usize)) -> page::Suspect {
@@ -302,16 +321,15 @@ fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, u
         (None, []) => "In: the data do not decide between it and the most probable one.".to_owned(),
         (None, alike) => format!("In: the most probable one, which these data cannot tell from {}.", alike.join(", ")),
     };
-    let search = if searches > 1 { format!("Search {} of {searches}. ", suspect.search) } else { String::new() };
     page::Suspect {
         name: suspect.name.clone(),
         title: suspect.title.clone(),
         probability: suspect.probability,
-        gain: suspect.gain,
+        gain: Some(suspect.gain),
         evaluation_before: suspect.evaluation_rms_um_before.map(|rms| rms * one),
         evaluation_after: suspect.evaluation_rms_um_after.map(|rms| rms * one),
         look_alikes: suspect.indistinguishable_from.clone(),
-        note: search + &reason,
+        note: search_words(suspect.search, searches) + &reason,
     }
 }
 

@@ -28,7 +28,7 @@ pub struct StudyReport {
     pub sections: Vec<ScanSection>,
     /// Residual against what the simulator knows of each place.
     pub covariates: Vec<CovariatePlot>,
-    /// Effects that were scored, the likeliest first.
+    /// Effects that were scored, the likeliest first, then those that were not fitted.
     pub suspects: Vec<Suspect>,
     /// Fitted parameters of laws, effects and measurement.
     pub parameters: Vec<ParameterEstimate>,
@@ -132,8 +132,8 @@ pub struct Suspect {
     pub title: String,
     /// Probability among all that were scored [1].
     pub probability: f64,
-    /// Fall of the whitened sum of squares when it is added [1].
-    pub gain: f64,
+    /// Fall of the whitened sum of squares when it is added [1]; `None` where it was not fitted.
+    pub gain: Option<f64>,
     /// Root mean square in evaluation passes before it is added, in [`Waterfall::misfit`]'s SI unit.
     pub evaluation_before: Option<f64>,
     /// The same afterwards.

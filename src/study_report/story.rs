@@ -181,10 +181,11 @@ fn legend(svg: &mut String, scale: &ColourScale, (x, y): (f64, f64)) {
 }
 
 fn add_suspects(svg: &mut String, suspects: &[Suspect], (x, y): (f64, f64)) {
-    if suspects.is_empty() {
+    let fitted: Vec<&Suspect> = suspects.iter().filter(|suspect| suspect.gain.is_some()).collect();
+    if fitted.is_empty() {
         return text(svg, (x, y + 20.0), (13.0, PALE), "no effect gains more than chance does");
     }
-    for (k, suspect) in suspects.iter().take(SUSPECTS).enumerate() {
+    for (k, suspect) in fitted.iter().take(SUSPECTS).enumerate() {
         let top = y + 40.0 * k as f64;
         let probability = if suspect.probability.is_finite() { suspect.probability } else { 0.0 };
         text(svg, (x, top + 12.0), (13.0, INK), &suspect.name);

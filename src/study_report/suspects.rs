@@ -34,7 +34,8 @@ pub(super) fn add(page: &mut Page, suspects: &[Suspect], misfit: &Misfit) {
     }
     let unit = &misfit.unit.unit;
     let mut table = Table::new(
-        "All effects that were fitted. Δχ² is the fall of the whitened sum of squares when the effect is added",
+        "All effects that were tried. Δχ² is the fall of the whitened sum of squares when the effect is added; effects \
+         without one were not fitted",
         &["effect", "what it is", "probability", "Δχ²", "", "", "indistinguishable from"],
     );
     table.headings[4] = format!("evaluation before [{unit}]");
@@ -59,7 +60,7 @@ fn row(suspect: &Suspect, misfit: &Misfit) -> Vec<Cell> {
         Cell::text(&suspect.name),
         Cell::text(&suspect.title),
         Cell::number(percent(suspect.probability), suspect.probability),
-        Cell::number(significant(suspect.gain, 3), suspect.gain),
+        cell(suspect.gain, 1.0, 3),
         cell(suspect.evaluation_before, si, 3),
         cell(suspect.evaluation_after, si, 3),
         Cell::text(look_alikes),

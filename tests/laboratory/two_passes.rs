@@ -1,5 +1,6 @@
 //! Two equal passes of which the second removes more, where the law says less: no parameters can follow.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
@@ -38,6 +39,19 @@ fn the_law_cannot_follow_and_a_memory_of_the_tool_is_suspected() {
         println!("{}: {:?}", suspect.name, suspect.ruled_out);
         assert!(is_in_play || suspect.ruled_out.is_some(), "{} vanishes without a reason", suspect.name);
         assert!(suspect.ruled_out.as_ref().is_none_or(|reason| !reason.contains(" or ")), "one reason: {suspect:?}");
+    }
+    let screened: BTreeSet<&str> = diagnosis.rounds[0].screened.iter().map(|one| &*one.candidate.name).collect();
+    let fitted = summary.suspects.iter().map(|one| &*one.name);
+    let listed: BTreeSet<&str> = fitted
+        .chain(summary.unfitted.iter().map(|one| &*one.name))
+        .chain(summary.blind.keys().map(|name| &**name))
+        .collect();
+    assert!(listed.is_superset(&screened), "looked at and not listed: {:?}", screened.difference(&listed));
+    assert!(!summary.unfitted.is_empty());
+    for one in &summary.unfitted {
+        println!("{}: {}", one.name, one.reason);
+        assert!(one.reason.starts_with("no gain: ") || one.reason.starts_with("not fitted: "), "{one:?}");
+        assert!(summary.suspects.iter().all(|suspect| suspect.name != one.name), "{} is listed twice", one.name);
     }
     assert!(summary.sentence.contains("no values of its parameters can follow"), "{}", summary.sentence);
     let [first, second, ..] = &diagnosis.rounds[0].findings[..] else { panic!("two rivals at least") };

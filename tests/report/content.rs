@@ -27,7 +27,7 @@ fn full_values_stand_behind_the_cells() {
     let mut values: Vec<f64> = report.waterfall.steps.iter().filter_map(|step| step.evaluation).collect();
     values.extend(report.waterfall.steps.iter().flat_map(|s| s.volume_errors.iter().flatten().map(|v| v.0)));
     values.extend(report.waterfall.steps.iter().filter_map(|step| step.plateau_slope));
-    values.extend(report.suspects.iter().flat_map(|s| [s.probability, s.gain]));
+    values.extend(report.suspects.iter().flat_map(|s| [Some(s.probability), s.gain]).flatten());
     values.extend(report.suspects.iter().filter_map(|s| s.evaluation_after));
     values.extend(report.parameters.iter().map(|p| p.value));
     values.extend(report.parameters.iter().filter_map(|p| p.interval).flatten());

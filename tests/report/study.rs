@@ -206,7 +206,7 @@ fn suspects() -> Vec<Suspect> {
         name: name.into(),
         title: title.into(),
         probability,
-        gain,
+        gain: Some(gain),
         evaluation_before: Some(13.73 * UM),
         evaluation_after: Some(after * UM),
         look_alikes: like.iter().map(|&l| l.to_owned()).collect(),

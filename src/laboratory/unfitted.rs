@@ -1,0 +1,43 @@
+//! Effects that a search looked at and did not weigh, each with the reason.
+
+use serde::Serialize;
+
+use super::diagnose::Round;
+use super::screen::Screened;
+use super::suspect::{LEAST_GAIN, QUICK, by_promise};
+
+/// An effect that a search looked at and did not weigh.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Unfitted {
+    /// Name in the library.
+    pub name: String,
+    /// Title in the library.
+    pub title: String,
+    /// Number of the search, from 1.
+    pub search: usize,
+    /// Why it was not weighed.
+    pub reason: String,
+}
+
+impl Round {
+    /// Effects that could be simulated and are not among the findings, most promising first, each with the reason.
+    pub fn unfitted(&self) -> Vec<(&str, String)> {
+        let is_weighed = |name: &str| self.findings.iter().any(|finding| finding.suspect.name() == name);
+        let order = by_promise(self.screened.iter().filter(|screened| screened.is_simulated()));
+        let ranked = order.into_iter().enumerate();
+        let left = ranked.filter(|(_, screened)| !is_weighed(&screened.candidate.name));
+        left.map(|(rank, screened)| (screened.candidate.name.as_str(), reason(rank, screened))).collect()
+    }
+}
+
+/// Why an effect with a rank among all by what it promised was not weighed.
+fn reason(rank: usize, screened: &Screened) -> String {
+    let gain = screened.gain;
+    if gain <= LEAST_GAIN {
+        return format!("no gain: the first look promises a fall of χ² by {gain:.1}, and {LEAST_GAIN} are needed");
+    }
+    if rank >= QUICK {
+        return format!("not fitted: a fall of χ² by {gain:.1} at first look, and {QUICK} others promise more");
+    }
+    "no gain: no fit of it is better than the model without it".to_owned()
+}
