@@ -6,9 +6,9 @@
 //! cut short ends the journal.
 
 use std::collections::HashMap;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use sdf_bake::input::{self, InputError};
@@ -26,30 +26,34 @@ pub type Key = [u8; KEY];
 
 /// Simulations by what decides them.
 pub struct Journal {
+    place: PathBuf,
     context: Key,
     kept: Mutex<Kept>,
 }
 
 struct Kept {
     entries: HashMap<Key, Vec<u8>>,
-    file: File,
+    /// Absent until there is something to keep.
+    file: Option<File>,
 }
 
 impl Journal {
-    /// Opens a journal, or begins one.
+    /// Opens a journal, or begins one; its file and folder are made for the first entry.
     ///
     /// - `context`: whatever decides the simulations beside their keys, such as the measurements and the program
     ///
     /// # Errors
-    /// When the file cannot be read or written.
+    /// When a file that is there cannot be read or written.
     pub fn open(file: &Path, context: &str) -> Result<Self, InputError> {
         let failed = |source| InputError::Io { path: file.to_owned(), source };
-        let bytes = if file.exists() { input::read(file, MOST_BYTES)? } else { Vec::new() };
-        let (entries, whole) = entries(&bytes);
-        let opened = File::options().create(true).append(true).open(file).map_err(failed)?;
-        opened.set_len(whole as u64).map_err(failed)?;
-        let kept = Mutex::new(Kept { entries, file: opened });
-        Ok(Self { context: Sha256::digest(context).into(), kept })
+        let mut kept = Kept { entries: HashMap::new(), file: None };
+        if file.exists() {
+            let (entries, whole) = entries(&input::read(file, MOST_BYTES)?);
+            let opened = appended(file).map_err(failed)?;
+            opened.set_len(whole as u64).map_err(failed)?;
+            kept = Kept { entries, file: Some(opened) };
+        }
+        Ok(Self { place: file.to_owned(), context: Sha256::digest(context).into(), kept: Mutex::new(kept) })
     }
 
     /// Number of simulations that it holds.
@@ -85,10 +89,23 @@ impl Journal {
         if kept.entries.contains_key(&key) {
             return;
         }
+        if kept.file.is_none() {
+            kept.file = begun(&self.place).ok();
+        }
         // A failed write leaves a cut entry, which the next run drops with all after it.
-        let _: io::Result<()> = kept.file.write_all(&entry);
+        let _: Option<io::Result<()>> = kept.file.as_mut().map(|file| file.write_all(&entry));
         kept.entries.insert(key, content.to_owned());
     }
+}
+
+/// A file to append to, with the folder around it.
+fn begun(file: &Path) -> io::Result<File> {
+    file.parent().map_or(Ok(()), fs::create_dir_all)?;
+    appended(file)
+}
+
+fn appended(file: &Path) -> io::Result<File> {
+    File::options().create(true).append(true).open(file)
 }
 
 /// The entries of a journal, and the bytes that they take up.

@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use crate::wrong_use;
 
-/// Files that make a folder a result or a measurement, whose other files belong to it.
-const MARKERS: [&str; 14] = [
+/// Files that make a folder a result, whose other files belong to it.
+const RESULTS: [&str; 12] = [
     "asset.json",
     "calibration.json",
     "comparison.json",
@@ -21,10 +21,12 @@ const MARKERS: [&str; 14] = [
     "render.json",
     "simulation.json",
     "study.json",
-    "table.toml",
-    "trial.toml",
     "cache.json",
 ];
+/// The same for measurements.
+const MEASUREMENTS: [&str; 2] = ["table.toml", "trial.toml"];
+/// Ending of the folder beside an output that keeps its work until it ends.
+pub(crate) const UNFINISHED: &str = ".unfinished";
 /// Files that file managers leave in every folder.
 const NO_ONES: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
@@ -140,7 +142,7 @@ impl<'a> Out<'a> {
             return refused(&format!("is not {} written by this command", kind.what));
         }
         let beside = |marker: &&&str| place.parent().is_some_and(|folder| folder.join(marker).is_file());
-        match MARKERS.iter().find(beside) {
+        match RESULTS.iter().chain(&MEASUREMENTS).find(beside) {
             None => Ok(()),
             Some(marker) => refused(&format!("belongs to the {marker} beside it")),
         }
@@ -182,6 +184,18 @@ impl<'a> Out<'a> {
     }
 }
 
+/// True for a folder that holds results: of a verb that has ended, that is under way, or that was interrupted.
+pub(crate) fn holds_results(folder: &Path) -> bool {
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    let has = |markers: &[&str]| markers.iter().any(|marker| folder.join(marker).is_file());
+    is_staged(&name) || name.ends_with(UNFINISHED) || (has(&RESULTS) && !has(&MEASUREMENTS))
+}
+
+/// Whether a name is that of an output in the making.
+fn is_staged(name: &str) -> bool {
+    name.starts_with('.') && name.contains(".part-")
+}
+
 pub(crate) fn is_occupied(target: &Path) -> bool {
     match fs::read_dir(target) {
         Ok(mut entries) => entries.next().is_some(),
@@ -205,8 +219,7 @@ fn foreign(folder: &Path, kind: &FolderKind) -> Option<PathBuf> {
         let is_in = |(below, names): &(&str, &[&str])| {
             name.strip_prefix(below).is_some_and(|name| names.iter().any(|pattern| fits(pattern, name)))
         };
-        let is_staged = own.starts_with('.') && own.contains(".part-");
-        name != kind.marker && !is_staged && !NO_ONES.contains(&own) && !kind.names.iter().any(is_in)
+        name != kind.marker && !is_staged(own) && !NO_ONES.contains(&own) && !kind.names.iter().any(is_in)
     };
     entries.into_iter().find_map(|entry| match entry {
         Ok(entry) if entry.file_type().is_dir() => None,

@@ -7,6 +7,7 @@ use sdf_bake::input::{self, MOST_MESH_BYTES};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use sim::effect::{CompiledModel, Model};
+use walkdir::{DirEntry, WalkDir};
 
 use super::failures::{self, Failures};
 use super::maps::{self, Seen};
@@ -19,6 +20,7 @@ use crate::laboratory::{
     ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
 };
 use crate::measure::Registration;
+use crate::output::holds_results;
 use crate::study_report as page;
 use crate::study_report::{
     Compared, ComparedPass, Digest, Misfit, Provenance, Stated, StudyReport, SuggestedEffect, Waterfall, WaterfallStep,
@@ -374,7 +376,7 @@ pub(super) fn detectable(detectable: &crate::laboratory::Detectable) -> page::De
     }
 }
 
-/// SHA-256 over the hashes of all files of a folder: whether measurements are the same.
+/// SHA-256 over the hashes of all files of a folder, results below it left out: whether measurements are the same.
 ///
 /// # Errors
 /// When a file cannot be read.
@@ -384,11 +386,13 @@ pub fn inputs_sha256(folder: &Path) -> Result<String> {
     Ok(crate::part::sha256(lines.as_bytes()))
 }
 
-/// Hashes of all files of a folder, and what made the report.
+/// Hashes of all files of a folder, results below it left out, and what made the report.
 pub(super) fn provenance(folder: &Path, seed: u64) -> Result<Provenance> {
-    let mut files: Vec<_> = walkdir::WalkDir::new(folder).sort_by_file_name().into_iter().collect::<Result<_, _>>()?;
+    let measures = |entry: &DirEntry| entry.depth() == 0 || !entry.file_type().is_dir() || !holds_results(entry.path());
+    let entries = WalkDir::new(folder).sort_by_file_name().into_iter().filter_entry(measures);
+    let mut files: Vec<DirEntry> = entries.collect::<Result<_, _>>()?;
     files.retain(|entry| entry.file_type().is_file());
-    let digest = |entry: &walkdir::DirEntry| -> Result<Digest> {
+    let digest = |entry: &DirEntry| -> Result<Digest> {
         let hash: String = Sha256::digest(input::read(entry.path(), MOST_MESH_BYTES)?)
             .iter()
             .map(|byte| format!("{byte:02x}"))

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -11,13 +12,13 @@ use super::measurements::Data;
 use super::record::{STUDY_FILE, StudyRecord};
 use crate::folder::write_file;
 use crate::journal::Journal;
-use crate::output::FolderKind;
+use crate::output::{self, FolderKind};
 use crate::part::sha256;
 
 /// The simulations.
 const SIMULATIONS_FILE: &str = "simulations.bin";
 /// The folder beside that of the study.
-const UNFINISHED: FolderKind =
+const KEPT: FolderKind =
     FolderKind { marker: STUDY_FILE, key: "measurements_sha256", names: &[("", &[SIMULATIONS_FILE])] };
 
 /// The work of a study that has not ended.
@@ -29,17 +30,16 @@ pub struct Progress {
 
 impl Progress {
     /// Takes up the work of an interrupted run for the same place, or begins; only for who has claimed the place. Rows
-    /// are quick to predict, so that nothing is kept of them.
+    /// are quick to predict, so that nothing is kept of them. The folder is made for the first simulation.
     ///
     /// # Errors
-    /// Wrong use when the place beside holds something else; otherwise when it cannot be written.
+    /// Wrong use when the place beside holds something else; otherwise when what is there cannot be read or written.
     pub fn take_up(out: &Path, data: &mut Data, measurements_sha256: &str) -> Result<Option<Self>> {
         let Data::Scans(_, evidence) = data else { return Ok(None) };
         let mut name = OsString::from(out.file_name().unwrap_or_default());
-        name.push(".unfinished");
+        name.push(output::UNFINISHED);
         let folder = out.with_file_name(name);
-        UNFINISHED.check_continued(&folder)?;
-        fs::create_dir_all(&folder).with_context(|| format!("{}: cannot make this folder", folder.display()))?;
+        KEPT.check_continued(&folder)?;
         // Another build of the program may simulate otherwise.
         let program = sha256(&input::read(&std::env::current_exe()?, MOST_MESH_BYTES)?);
         let journal = Journal::open(&folder.join(SIMULATIONS_FILE), &format!("{measurements_sha256} {program}"))?;
@@ -61,12 +61,14 @@ impl Progress {
         write_file(&self.folder.join(STUDY_FILE), serde_json::to_string_pretty(record)?.as_bytes())
     }
 
-    /// Removes the folder of a study that has ended.
+    /// Removes the folder of a study that has ended, if it kept anything.
     ///
     /// # Errors
     /// When the file system refuses.
     pub fn end(self) -> Result<()> {
-        let context = || format!("{}: cannot be removed", self.folder.display());
-        fs::remove_dir_all(&self.folder).with_context(context)
+        match fs::remove_dir_all(&self.folder) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed.with_context(|| format!("{}: cannot be removed", self.folder.display())),
+        }
     }
 }

@@ -129,6 +129,31 @@ fn a_study_taken_step_by_step_ends_as_the_whole_one() {
 }
 
 #[test]
+fn a_study_in_the_folder_of_its_measurements_goes_on() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    belt(place);
+    let step = |out: &str| answer(&["study", "belt-sanding", "--out", out, "--step"], place);
+    let first = step("belt-sanding/study");
+    let second = step("belt-sanding/study");
+    assert_eq!((&first["next"], &second["next"]), (&Value::from("calibrate"), &Value::from("diagnose")));
+    assert_eq!(first["measurements_sha256"], second["measurements_sha256"]);
+    assert_eq!(step("elsewhere")["measurements_sha256"], first["measurements_sha256"], "results are no measurements");
+}
+
+#[test]
+fn a_study_that_fails_before_its_first_simulation_leaves_nothing() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    let made = robofin(&["trial", "synth", "--plan", "paper", "--size", "small", "--out", "trials"], place);
+    assert!(made.status.success());
+    let failed = robofin(&["study", "trials", "--out", "study", "--model", "no-such-model.toml"], place);
+    assert_eq!(failed.status.code(), Some(2));
+    let left: Vec<_> = fs::read_dir(place).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["trials"], "{}", String::from_utf8_lossy(&failed.stderr));
+}
+
+#[test]
 fn nothing_is_overwritten_and_nothing_is_left_of_what_failed() {
     let place = tempfile::tempdir().unwrap();
     let place = place.path();
