@@ -5,10 +5,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use robofin::trial::{Campaign, Trial};
-use robofin::twin::Twin;
-use sim::effect::{CompiledModel, Library, Model, RowCounts};
+use effects::{CompiledModel, Library, Model, RowCounts};
+use lab::twin::Twin;
 use sim::{Clock, Controller, Phase};
+use trials::trial::{Campaign, Trial};
 
 /// Base laws near those of the campaigns.
 const GRINDING: &str = r#"process = "grinding"
@@ -60,7 +60,7 @@ fn measure(trial: &Trial, model: &CompiledModel) {
         }
     });
     if std::env::var_os("QUASI").is_none()
-        && matches!(trial.controller, Some(robofin::trial::Controller::Admittance { .. }))
+        && matches!(trial.controller, Some(trials::trial::Controller::Admittance { .. }))
     {
         run(&format!("{}, admittance at 1 ms", trial.name), &mut twin, model, &clocks[1]);
     }

@@ -7,10 +7,10 @@ use std::fs;
 use std::time::Instant;
 
 use glam::DVec2;
-use robofin::trial::{ScanFrame, heights_csv, read_heights, read_log};
 use sdf_bake::heights::SlabOptions;
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use sim::Profilometer;
+use trials::trial::{ScanFrame, heights_csv, read_heights, read_log};
 
 fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");

@@ -11,9 +11,9 @@ use sdf_bake::read::UnitChoice;
 use sdf_bake::{BakeOptions, SignChoice, SignMethod, bake};
 use serde::{Deserialize, Serialize};
 
-use crate::output::FileKind;
 use crate::part::Part;
 use crate::workpiece::{Fineness, describe_baking};
+use files::output::FileKind;
 
 /// What a user asks of a field.
 #[derive(Clone, Copy, Debug)]

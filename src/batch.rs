@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use sdf_bake::input::{self, MOST_TABLE_BYTES, quoted, quoted_near};
+use effects::{CompiledModel, ParameterSlot};
+use files::input::{self, MOST_TABLE_BYTES, quoted, quoted_near};
 use serde::Serialize;
-use sim::effect::{CompiledModel, ParameterSlot};
 
-use crate::output::FolderKind;
 use crate::rehearsal::residual;
-use crate::trial::Trial;
-use crate::twin::{ModelRun, SimulatedPass};
+use files::output::FolderKind;
+use lab::twin::{ModelRun, SimulatedPass};
+use trials::trial::Trial;
 
 /// Name of the result file: one JSON object a line, in the order of the table.
 pub const BATCH_FILE: &str = "batch.jsonl";

@@ -1,7 +1,7 @@
 //! Laws and effects as people and machines read them. Values are in the units of their files.
 
+use effects::{Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State};
 use serde::Serialize;
-use sim::effect::{Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State};
 
 /// A law or effect for machines.
 #[derive(Debug, Serialize)]

@@ -7,7 +7,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
 };
 use glam::Vec3;
-use sim::render::Frame;
+use render::Frame;
 
 /// Encodes a frame: one part without a name, 32-bit float channels without loss, one value a pixel.
 ///
@@ -51,7 +51,7 @@ pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use exr::prelude::*;
-    use sim::render::Seen;
+    use render::Seen;
 
     use super::*;
 

@@ -9,22 +9,23 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Error, Result, ensure};
+use effects::CompiledModel;
+use files::input::{self, MOST_TEXT_BYTES};
 use sdf_bake::BrickGrid;
-use sdf_bake::input::{self, MOST_TEXT_BYTES};
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
 use shaders::Device;
-use sim::effect::CompiledModel;
 use sim::{LogRow, PassRecord, Tool, Wheel};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
-use crate::folder::StagedFolder;
-use crate::output::FolderKind;
+use crate::grinding_page::grinding_page;
 use crate::part::{Source, sha256};
 use crate::picture::{grinding, to_png};
-use crate::report::grinding_page;
-use crate::snapshot::{Keeping, Origin, STATE_NAMES, model_origin};
+use crate::snapshot::{Keeping, STATE_NAMES};
+use files::folder::StagedFolder;
+use files::output::FolderKind;
+use lab::{Origin, model_origin};
 use passes::{Done, run_passes};
 
 /// Name of the result file in a grinding folder.
@@ -210,7 +211,7 @@ fn origin(asset_sha256: &str, (wheel, plan): (&Wheel, Plan), model: &CompiledMod
 
 /// Parameters of a model as `effect.parameter` and value with unit.
 pub fn model_facts(model: &CompiledModel) -> Vec<(String, String)> {
-    let value = |(i, slot): (usize, &sim::effect::ParameterSlot)| {
+    let value = |(i, slot): (usize, &effects::ParameterSlot)| {
         (slot.name(), format!("{} {}", slot.unit.from_si(model.value(i)), slot.unit_text))
     };
     model.parameters().iter().enumerate().map(value).collect()

@@ -15,7 +15,7 @@ pub(crate) fn listen() {
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             ENDING.store(true, Ordering::SeqCst);
-            let _nothing_moves = crate::staging::remove_all();
+            let _nothing_moves = files::remove_all();
             eprintln!("interrupted: nothing unfinished is left behind");
             std::process::exit(128 + signal);
         }

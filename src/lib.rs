@@ -22,8 +22,6 @@ pub mod batch;
 pub mod benchmark;
 pub mod budget;
 pub mod cache;
-pub mod campaign_twin;
-pub mod claim;
 pub mod commands;
 pub mod console;
 pub mod covariate_maps;
@@ -32,42 +30,21 @@ pub mod effect_page;
 pub mod export;
 pub mod exr_file;
 pub mod finishing;
-pub mod folder;
+pub mod grinding_page;
 pub mod images;
 mod interrupt;
-pub mod journal;
-pub mod json_file;
-pub mod laboratory;
-pub mod measure;
-mod named_file;
-pub mod output;
 pub mod part;
 pub mod photo;
 pub mod picture;
 pub mod plan;
 pub mod python;
 pub mod rehearsal;
-pub mod report;
 pub mod riddle;
-pub mod scanner;
 pub mod snapshot;
-mod staging;
-pub mod study;
-pub mod study_report;
-pub mod table;
-pub mod trial;
-pub mod turns;
-pub mod twin;
 pub mod validate;
-pub mod virtual_lab;
 pub mod workpiece;
 
-use thiserror::Error;
-
-/// The program was called wrongly: exit code 2, where failed work is exit code 1.
-#[derive(Debug, Error)]
-#[error("{0}")]
-pub struct WrongUse(String);
+use files::WrongUse;
 
 /// An error with its causes in one line, without those that the words before them quote already.
 pub fn in_full(error: &anyhow::Error) -> String {
@@ -84,4 +61,9 @@ pub fn in_full(error: &anyhow::Error) -> String {
 /// An error that ends the program with exit code 2.
 pub fn wrong_use(message: String) -> anyhow::Error {
     WrongUse(message).into()
+}
+
+/// True if the program was called wrongly.
+pub fn is_wrong_use(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| cause.is::<WrongUse>())
 }

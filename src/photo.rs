@@ -5,14 +5,14 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use png::{BitDepth, ColorType, Encoder};
+use render::{Camera, Frame, Photographer, Picture, Projection, Raster, Scene, Sensor};
 use sdf_bake::BrickGrid;
 use serde::Serialize;
 use shaders::Device;
-use sim::render::{Camera, Frame, Photographer, Picture, Projection, Raster, Scene, Sensor};
 
 use crate::exr_file::to_exr;
-use crate::output::FolderKind;
 use crate::picture::to_png;
+use files::output::FolderKind;
 
 /// The file that a folder of photographs has.
 pub const RENDER_FILE: &str = "render.json";

@@ -6,13 +6,13 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder};
-use sdf_bake::BrickGrid;
-use sim::render::{
+use render::{
     Camera, Legend, Panel, Picture, RemovedView, View, clearest_direction, clearest_of, contact_sheet, outward, render,
 };
+use sdf_bake::BrickGrid;
 
 use crate::asset::WeldTruth;
-use crate::output::FileKind;
+use files::output::FileKind;
 
 /// Width and height of one view [pixels].
 pub const VIEW_SIZE: (usize, usize) = (960, 720);

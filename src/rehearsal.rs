@@ -6,21 +6,22 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
+use effects::CompiledModel;
 use sdf_bake::nvdb::{self, Codec};
 use serde::Serialize;
-use sim::effect::CompiledModel;
 
-use crate::asset::write_json;
 use crate::console::Console;
 use crate::covariate_maps;
 use crate::finishing::{log_csv, model_facts};
-use crate::folder::StagedFolder;
-use crate::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
-use crate::output::FolderKind;
-use crate::part::sha256;
-use crate::snapshot::{self, Keeping, Origin, Resume, STATE_NAMES, Snapshot, model_origin};
-use crate::trial::{PassScan, ToolPath, Trial, exposure_csv, heights_csv};
-use crate::twin::{SimulatedPass, TrialState, Twin, TwinError, exposed_share};
+use crate::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
+use files::folder::StagedFolder;
+use files::json_file::write_json;
+use files::output::FolderKind;
+use files::sha256;
+use lab::twin::{SimulatedPass, TrialState, Twin, TwinError, exposed_share};
+use lab::{Origin, model_origin};
+use trials::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
+use trials::trial::{PassScan, ToolPath, Trial, exposure_csv, heights_csv};
 
 /// Name of the result file.
 pub const REHEARSAL_FILE: &str = "simulation.json";
@@ -275,5 +276,5 @@ fn origin(twin: &Twin, model: &CompiledModel, passes: usize) -> Origin {
 
 /// Whether a folder is a trial.
 pub fn is_trial(folder: &Path) -> bool {
-    folder.join(crate::trial::TRIAL_FILE).is_file()
+    folder.join(trials::trial::TRIAL_FILE).is_file()
 }

@@ -4,15 +4,15 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use effects::Library;
 use serde::Serialize;
 use serde_json::Value;
-use sim::effect::Library;
 
-use crate::json_file::read_json;
-use crate::laboratory::Verdict;
-use crate::study::{Course, StudyRecord};
-use crate::study_report::Sealed;
-use crate::virtual_lab::write::{SEAL_FILE, unseal};
+use files::json_file::read_json;
+use lab::Verdict;
+use lab::study::{Course, StudyRecord};
+use report::study::Sealed;
+use virtual_lab::write::{SEAL_FILE, unseal};
 
 /// Name of the bundled campaign.
 pub const RIDDLE_NAME: &str = "first-look";

@@ -3,31 +3,28 @@
 //! After pass N a folder holds `state-N.nvdb` (the field with all its channels) and `state-N.json`. A run that begins
 //! from there gives the same bytes as one that was never interrupted.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use effects::{CompiledModel, States};
+use files::input::{self, MOST_MESH_BYTES, quoted_near};
 use sdf_bake::BrickGrid;
-use sdf_bake::input::{self, MOST_MESH_BYTES, quoted_near};
 use sdf_bake::nvdb::{self, Codec};
 use serde::{Deserialize, Serialize};
 use sim::PassRecord;
-use sim::effect::{CompiledModel, States};
 
-use crate::asset::write_json;
-use crate::json_file::read_json;
-use crate::part::sha256;
 use crate::wrong_use;
+use files::json_file::read_json;
+use files::json_file::write_json;
+use files::sha256;
+use lab::Origin;
 
 /// Value of the `format` key.
 const STATE_FORMAT: &str = "robofin-state/1";
 
 /// Files of states in a result folder.
 pub const STATE_NAMES: &[&str] = &["state-*.nvdb", "state-*.json"];
-
-/// All that a state depends on: each input by name, with its value or its SHA-256.
-pub type Origin = BTreeMap<String, String>;
 
 /// A workpiece and a tool after a pass.
 #[derive(Clone, Debug)]
@@ -142,18 +139,6 @@ pub fn kept_fields(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(fields)
 }
 
-/// What a model contributes to an [`Origin`]: its process, every parameter, and the formulas of every law and effect.
-pub fn model_origin(model: &CompiledModel) -> Origin {
-    let mut origin = Origin::from([("process".to_owned(), model.process().name().to_owned())]);
-    for (slot, value) in model.parameters().iter().zip(model.values()) {
-        origin.insert(format!("model parameter {}", slot.name()), format!("{value:?} (SI)"));
-    }
-    for effect in model.effects() {
-        origin.insert(format!("formulas of {}", effect.name), sha256(format!("{effect:?}").as_bytes()));
-    }
-    origin
-}
-
 /// Writes the state after a pass.
 ///
 /// # Errors
@@ -163,7 +148,7 @@ pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Re
     let file = place(folder, pass, "nvdb");
     fs::write(&file, &field).with_context(|| format!("{}: cannot write this file", file.display()))?;
     let (tool, tool_cells) = state.tool.values();
-    write_json(
+    Ok(write_json(
         &place(folder, pass, "json"),
         &StateFile {
             format: STATE_FORMAT.to_owned(),
@@ -176,7 +161,7 @@ pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Re
             tool_cells: tool_cells.to_vec(),
             record: state.record.clone(),
         },
-    )
+    )?)
 }
 
 /// Reads the state after a pass.

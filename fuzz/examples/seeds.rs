@@ -14,7 +14,7 @@ use robofin_fuzz::Folder;
 use sdf_bake::grid::BRICK_VOXELS;
 use sdf_bake::nvdb::{Codec, GridRef, write};
 use sdf_bake::{BrickGrid, Mesh};
-use sim::effect::{Kind, Library, Process};
+use effects::{Kind, Library, Process};
 
 fn main() -> std::io::Result<()> {
     let mesh = cube(DVec3::ZERO, 1.0);

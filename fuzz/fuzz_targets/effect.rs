@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use robofin_fuzz::{on_one_thread, within_memory};
-use sim::effect::{CompiledModel, Kind, Library, Model, Process, RowCounts, check_file};
+use effects::{CompiledModel, Kind, Library, Model, Process, RowCounts, check_file};
 
 /// Bytes for each byte of a file: the library is copied, and a formula becomes a graph and a program.
 const FACTOR: usize = 20_000;

@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use robofin_fuzz::{on_one_thread, within_memory};
-use sim::effect::{CompiledModel, Library, Model, RowCounts};
+use effects::{CompiledModel, Library, Model, RowCounts};
 
 /// Bytes for each byte of a file: an effect named in twenty bytes compiles to a program of kilobytes.
 const FACTOR: usize = 4000;

@@ -3,8 +3,8 @@
 use std::fs;
 use std::sync::LazyLock;
 
-use robofin::table::Table;
-use robofin::trial::{Trial, write_trial};
+use trials::table::Table;
+use trials::trial::{Trial, write_trial};
 use tempfile::TempDir;
 
 #[allow(dead_code, reason = "the tests use the rest")]

@@ -1,4 +1,4 @@
-//! Steps of many trials at once, on the device and on the CPU: `cargo bench -p sim --bench gpu`.
+//! Steps of many trials at once, on the device and on the CPU: `cargo bench -p robofin-sim --bench gpu`.
 //!
 //! A wheel on a plate under an admittance controller that is sampled every millisecond: a step is a millisecond, and trials run in
 //! real time where a step of all of them takes no longer. The time of a step is the difference between a long and a short pass
@@ -9,6 +9,7 @@
 
 use std::time::Instant;
 
+use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::DVec3;
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
@@ -18,7 +19,6 @@ use shaders::constants::{COLUMN_ARRAYS, PARTIALS};
 use shaders::device::{BackendChoice, open};
 use shaders::layout::{LogRecord, TrialState};
 use shaders::testing::copy_bandwidth;
-use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
 use sim::gpu::{Settings, Trial, run_batch};
 use sim::{Controller, CurvePoint, Pass, PassRecord, Path, Process, TOOL_CELLS, Tool, Wheel, run_pass};
 

@@ -1,4 +1,4 @@
-//! Contact, removal and rendering on live signed distance bricks.
+//! Contact and removal on live signed distance bricks.
 //!
 //! A part is a [`sdf_bake::BrickGrid`], negative inside. A rigid [`Wheel`] follows a [`Path`] and is lifted
 //! or lowered along its approach axis until its contact force is the setpoint; under the contact pressure
@@ -7,7 +7,7 @@
 //! ```
 //! use glam::DVec3;
 //! use sdf_bake::BrickGrid;
-//! use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
+//! use effects::{CompiledModel, Library, Model, RowCounts, States};
 //! use sim::{CurvePoint, Pass, Path, Process, TOOL_CELLS, Tool, Wheel, run_pass};
 //!
 //! let half = DVec3::new(0.03, 0.02, 0.005);
@@ -37,7 +37,6 @@ pub mod control;
 pub mod covariates;
 mod crossing;
 mod decay;
-pub mod effect;
 mod extent;
 pub mod gpu;
 mod lattice_line;
@@ -50,7 +49,6 @@ pub mod profilometer;
 mod ramp;
 pub mod record;
 pub mod region;
-pub mod render;
 pub mod settings;
 pub mod sheet;
 pub mod step;
@@ -59,7 +57,6 @@ pub mod surface;
 pub mod tool;
 mod tool_cells;
 pub mod topography;
-mod wide;
 
 pub use clock::{Clock, Phase};
 pub use contact::Contact;

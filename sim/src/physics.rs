@@ -6,14 +6,14 @@ use glam::DVec3;
 
 use crate::clock::{Clock, Phase};
 use crate::contact::{Contact, SheetFrame, Squares};
-use crate::effect::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
 use crate::lines::{Lines, Run};
 use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::step::Step;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
-use crate::wide::in_wide_lanes;
+use effects::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
+use sdf_bake::simd::in_wide_lanes;
 
 /// Distance of Gauss's two points from the middle of the time in which a square is under the tool, as a part of a
 /// whole sweep: 1/(2 √3). Their mean is exact for a speed that is a cubic in time.

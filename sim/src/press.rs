@@ -5,7 +5,6 @@ use sdf_bake::BrickGrid;
 
 use crate::contact::Contact;
 use crate::control::{Balance, Motion, Response};
-use crate::effect::RunError;
 use crate::extent::Extent;
 use crate::physics::Physics;
 use crate::region::Region;
@@ -13,6 +12,7 @@ use crate::sheet::{Facing, Sheet};
 use crate::step::Step;
 use crate::surface::way_to_surface;
 use crate::tool::{Pose, Tool};
+use effects::RunError;
 
 /// Relative difference between force and setpoint that is good enough.
 const FORCE_TOLERANCE: f64 = 1e-9;

@@ -5,9 +5,9 @@ use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Controller;
-use crate::effect::{CompiledModel, Place, RunError, Variable};
 use crate::path::Path;
 use crate::tool::Tool;
+use effects::{CompiledModel, Place, RunError, Variable};
 
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;

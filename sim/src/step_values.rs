@@ -2,11 +2,11 @@
 
 use crate::contact::Contact;
 use crate::control::Motion;
-use crate::effect::{StepValues, Variable};
 use crate::pass::Pass;
 use crate::record::Removal;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
+use effects::{StepValues, Variable};
 
 /// What a pass remembers from step to step for its formulas.
 #[derive(Clone, Copy, Debug, Default)]

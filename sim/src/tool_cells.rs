@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::effect::{CompiledModel, Lanes, RunError, States, StepValues, Variable};
 use crate::tool::Tool;
+use effects::{CompiledModel, Lanes, RunError, States, StepValues, Variable};
 
 /// Cells of every tool.
 pub const COUNT: usize = 64;

@@ -3,8 +3,8 @@
 use glam::DVec2;
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 
-use crate::effect::{CompiledModel, Lanes, Place, RunError, States, StepValues, Variable};
 use crate::profilometer::Profilometer;
+use effects::{CompiledModel, Lanes, Place, RunError, States, StepValues, Variable};
 
 /// Topmost surface of a part at pixels, as it is: heights, and what the field keeps there. A model's scanner can look at
 /// it again and again, each time with other parameter values.

@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 
 use common::forms::{number, shared_cases};
 use common::{base, fresh, line, plate};
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
-use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use sim::{Controller, Pad, Pass, PassRecord, Path, PathSample, Process, Tool, Wheel, run_pass};
 
 /// A pad on flat work; SI units.

@@ -11,10 +11,10 @@ use std::f64::consts::PI;
 
 use common::forms::{number, shared_cases};
 use common::fresh;
+use effects::{CompiledModel, Library, Model, Process, RowCounts};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use serde_json::Value;
-use sim::effect::{CompiledModel, Library, Model, Process, RowCounts};
 use sim::physics::Physics;
 use sim::press::Press;
 use sim::{Contact, Frame, Pad, Pose, Tool, Wheel};

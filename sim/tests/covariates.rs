@@ -2,9 +2,9 @@
 
 use std::cell::RefCell;
 
+use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::{DVec2, DVec3};
 use sdf_bake::{BrickGrid, PixelGrid};
-use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
 use sim::{Covariates, CurvePoint, Pass, PassRecord, Path, Process, TOOL_CELLS, Tool, Wheel, run_pass};
 
 const VOXEL: f64 = 0.25e-3;

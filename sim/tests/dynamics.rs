@@ -63,7 +63,7 @@ fn states_recover_in_a_pause() {
     let pass = Pass::first(&tool, &path, &process, &model);
     let mut states = fresh(&model);
     run_pass(&mut grid, pass, &mut states, &mut |_| {}).expect("a pass");
-    let of = |states: &sim::effect::States| {
+    let of = |states: &effects::States| {
         let names = ["pad-loading.loaded_volume", "thermal-softening.temperature_rise"];
         names.map(|name| states.tool_state(&model, name).expect(name))
     };

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{base, fresh, line, plate};
-use sdf_bake::BrickGrid;
-use sim::effect::{
+use effects::{
     CompiledModel, EffectError, Lanes, Library, Model, Place, Process as Kind, RowCounts, States, StepValues, Variable,
 };
+use sdf_bake::BrickGrid;
 use sim::{Pad, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
 
 fn run(kind: Kind, model: &CompiledModel) -> (BrickGrid, PassRecord) {

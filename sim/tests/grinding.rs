@@ -3,10 +3,10 @@
 mod common;
 
 use common::{GRIND_RATE, WHEEL, ball, base, fresh, line, odd_turn, plate, threshold, welded_plate, with_effect};
+use effects::CompiledModel;
 use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use sdf_bake::BrickGrid;
-use sim::effect::CompiledModel;
 use sim::{Controller, CurvePoint, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
 
 /// Feed of the tests [m/s].

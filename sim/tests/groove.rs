@@ -4,9 +4,9 @@ mod common;
 
 use common::forms::{Travelling, number, shared_cases};
 use common::{WHEEL, fresh, plate};
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::{DMat3, DVec3};
 use sdf_bake::BrickGrid;
-use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use sim::sheet::{Facing, Sheet, Window};
 use sim::{Controller, CurvePoint, Pass, PassRecord, Path, Process, Tool, Wheel, run_pass};
 

@@ -6,9 +6,9 @@ mod common;
 use std::f64::consts::PI;
 
 use common::fresh;
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
-use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use sim::{Controller, Pad, Pass, Path, PathSample, Process, Tool, run_pass};
 
 const EVEN: &str = r#"

@@ -6,10 +6,10 @@ use std::f64::consts::PI;
 
 use common::forms::{number, pad_dose, shared_cases, tilted_pad_dose};
 use common::{fresh, line};
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sim::contact::Squares;
-use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use sim::region::Region;
 use sim::sheet::{Facing, Sheet, Window};
 use sim::{Controller, Frame, Pad, Pass, PassRecord, Path, PathSample, Pose, Process, Tool, run_pass};

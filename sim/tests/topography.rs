@@ -3,9 +3,9 @@
 mod common;
 
 use common::{model, plate};
+use effects::{CompiledModel, Library, Model, Place, Process, RowCounts, StepValues, Variable};
 use glam::{DVec2, DVec3};
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
-use sim::effect::{CompiledModel, Library, Model, Place, Process, RowCounts, StepValues, Variable};
 use sim::{Profilometer, Topography};
 
 const PITCH: f64 = 0.25e-3;
@@ -65,7 +65,7 @@ fn every_effect_of_the_scanner_is_tried_here() {
 
 /// All effects of the scanner at null.
 fn at_null() -> CompiledModel {
-    let scans = |effect: &&sim::effect::Effect| effect.changes.iter().any(|change| change.hook == Place::Height);
+    let scans = |effect: &&effects::Effect| effect.changes.iter().any(|change| change.hook == Place::Height);
     let effects = Library::builtin().effects().iter().filter(scans);
     let model = effects.fold(Model::new(Process::Grinding), |model, effect| model.with(&effect.name));
     let mut model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model");

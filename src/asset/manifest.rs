@@ -5,13 +5,13 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES, quoted_near};
 use sdf_bake::BakeReport;
-use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES, quoted_near};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::json_file::parse_json;
 use crate::part::{Source, sha256};
+use files::json_file::parse_json;
 
 /// Name of the manifest in an asset folder.
 pub const MANIFEST_FILE: &str = "asset.json";

@@ -18,10 +18,10 @@ use serde::Serialize;
 
 use crate::console::Console;
 use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
-use crate::folder::StagedFolder;
-use crate::output::FolderKind;
 use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
 use crate::workpiece::{WeldingOptions, Workpiece};
+use files::folder::StagedFolder;
+use files::output::FolderKind;
 
 pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
 pub use truth::{CurveTruth, Imperfection, WELDS_FORMAT, WeldTruth, Welds};

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
+use files::input::quoted_near;
 use glam::DVec3;
-use sdf_bake::input::quoted_near;
 use serde::{Deserialize, Serialize};
 use weldgen::bead::{BeadShape, Defect, DefectKind};
 use weldgen::{Joint, Weld, WeldCurve};
 
 use super::WELDS_FILE;
-use crate::json_file::read_json;
 use crate::workpiece::PlacedWeld;
+use files::json_file::read_json;
 
 /// Value of the `format` key.
 pub const WELDS_FORMAT: &str = "robofin-welds/1";

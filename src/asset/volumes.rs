@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use files::input::{self, MOST_MESH_BYTES};
 use sdf_bake::BrickGrid;
-use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::nvdb::{self, Checksum, Codec, GridRef, NvdbFile, NvdbGrid};
 
 use crate::workpiece::Workpiece;

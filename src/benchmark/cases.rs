@@ -1,10 +1,10 @@
 //! The cases: families, designs and what is hidden in each.
 
+use effects::{Effect, Library};
 use serde::{Deserialize, Serialize};
-use sim::effect::{Effect, Library};
 
-use crate::trial::Process;
-use crate::virtual_lab::Plan;
+use trials::trial::Process;
+use virtual_lab::Plan;
 
 /// What a family of cases asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -236,10 +236,10 @@ fn unknown(number: usize) -> (&'static str, Process) {
 }
 
 /// The same word in the effect library.
-pub(super) fn effect_process(process: Process) -> sim::effect::Process {
+pub(super) fn effect_process(process: Process) -> effects::Process {
     match process {
-        Process::Grinding => sim::effect::Process::Grinding,
-        Process::Sanding => sim::effect::Process::Sanding,
+        Process::Grinding => effects::Process::Grinding,
+        Process::Sanding => effects::Process::Sanding,
     }
 }
 

@@ -2,15 +2,15 @@
 
 use std::time::Instant;
 
+use effects::{Effect, Library, Model, Scale};
 use serde::{Deserialize, Serialize};
-use sim::effect::{Effect, Library, Model, Scale};
 
 use super::cases::{Case, Design, Instruments, Sized, effect_process};
-use crate::laboratory::{
+use lab::{
     Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, ScanEvidence, Sides, Verdict, calibrate_scans,
     separating_trial,
 };
-use crate::virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
+use virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
 
 /// Why a case gave no answer.
 pub type BenchError = anyhow::Error;
@@ -58,7 +58,7 @@ pub fn run(case: &Case, detectable: &[Detectable], size: Size, library: &Library
     let testable = hidden.iter().map(|(_, testable)| *testable).reduce(|a, b| Some(a? && b?)).flatten();
     let hidden: Vec<Hidden> = hidden.into_iter().map(|(hidden, _)| hidden).collect();
     let Diagnosed { summary, truth, next_trial, seconds } = diagnosed(case, hidden, size, library)?;
-    let evaluation = |step: Option<&crate::laboratory::WaterfallStep>| step.and_then(|step| step.evaluation_rms_um);
+    let evaluation = |step: Option<&lab::WaterfallStep>| step.and_then(|step| step.evaluation_rms_um);
     Ok(Outcome {
         case: case.clone(),
         truth,

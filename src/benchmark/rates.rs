@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::cases::{Family, Sized};
 use super::outcome::Outcome;
-use crate::laboratory::Verdict;
-use crate::measure::median;
+use lab::Verdict;
+use trials::measure::median;
 
 /// Normal quantile of a 95 % interval.
 const QUANTILE: f64 = 1.959_964;

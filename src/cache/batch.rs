@@ -14,9 +14,9 @@ use super::sources::Sources;
 use super::{Cache, Recipe, Record};
 use crate::baking::{FieldWishes, bake_part};
 use crate::budget;
-use crate::claim::Patience;
 use crate::part::Part;
-use crate::turns::take_turns;
+use files::file_lock::Patience;
+use files::job_queue::take_turns;
 
 /// Meshes to bake into a cache.
 pub struct Batch<'a> {

@@ -10,9 +10,9 @@ use serde_json::Value;
 use super::{Cache, Recipe};
 use crate::asset::FileRecord;
 use crate::baking::{BakedField, FieldFacts};
-use crate::claim::{Claim, Patience};
-use crate::json_file::read_json;
-use crate::part::sha256;
+use files::file_lock::{FileLock, Patience};
+use files::json_file::read_json;
+use files::sha256;
 
 /// What the cache knows of a field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,12 +55,12 @@ impl Cache {
     }
 
     /// The right to make an entry; `None` when someone else has it.
-    pub(super) fn claim(&self, key: &str, patience: Patience) -> Result<Option<Claim>> {
-        Claim::take(&self.folder.join(format!(".{key}.lock")), patience)
+    pub(super) fn claim(&self, key: &str, patience: Patience) -> Result<Option<FileLock>> {
+        Ok(FileLock::take(&self.folder.join(format!(".{key}.lock")), patience)?)
     }
 
     /// Keeps a field: first the field, then the record that makes it an entry.
-    pub(super) fn keep(&self, _claim: &Claim, recipe: &Recipe, baked: BakedField) -> Result<Record> {
+    pub(super) fn keep(&self, _claim: &FileLock, recipe: &Recipe, baked: BakedField) -> Result<Record> {
         let key = recipe.key()?;
         let field = FileRecord { sha256: sha256(&baked.bytes), bytes: baked.bytes.len() as u64 };
         let record = Record { recipe: serde_json::to_value(recipe)?, field, facts: baked.facts };

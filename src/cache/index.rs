@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
-use sdf_bake::input::{self, MOST_TEXT_BYTES};
+use files::input::{self, MOST_TEXT_BYTES};
 use serde::{Deserialize, Serialize};
 
 use super::Cache;
-use crate::claim::{Claim, Patience};
-use crate::folder::write_file;
+use files::file_lock::{FileLock, Patience};
+use files::folder::write_file;
 
 /// Name of the index in a cache.
 pub const INDEX_FILE: &str = "index.jsonl";
@@ -28,7 +28,7 @@ impl Cache {
     /// # Errors
     /// When the folder cannot be written.
     pub(super) fn update_index(&self, keys: &BTreeMap<String, Option<String>>) -> Result<()> {
-        let _claim = Claim::take(&self.folder.join(format!(".{INDEX_FILE}.lock")), Patience::Endless)?;
+        let _claim = FileLock::take(&self.folder.join(format!(".{INDEX_FILE}.lock")), Patience::Endless)?;
         let path = self.folder.join(INDEX_FILE);
         let mut fields = read(&path);
         fields.retain(|mesh, field| !keys.contains_key(mesh) && self.folder.join(field).is_file());
@@ -42,7 +42,7 @@ impl Cache {
             text += &serde_json::to_string(&Line { mesh, field })?;
             text.push('\n');
         }
-        write_file(&path, text.as_bytes())
+        Ok(write_file(&path, text.as_bytes())?)
     }
 }
 

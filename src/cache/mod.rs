@@ -22,13 +22,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use sdf_bake::input::quoted_near;
+use files::input::quoted_near;
 use serde::{Deserialize, Serialize};
 
-use crate::folder::{check_writable, write_file};
-use crate::json_file::read_json;
-use crate::output::{FolderKind, Out};
 use crate::wrong_use;
+use files::folder::{check_writable, write_file};
+use files::json_file::read_json;
+use files::output::{FolderKind, Out};
 
 pub use batch::{Batch, Entry, Outcome};
 pub use entry::Record;

@@ -12,9 +12,9 @@ use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
 use crate::budget;
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
 use crate::console::Console;
-use crate::folder::StagedFile;
 use crate::in_full;
 use crate::part::Part;
+use files::folder::StagedFile;
 
 #[derive(Debug, Args)]
 #[command(

@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand, ValueEnum};
+use effects::Library;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use sim::effect::Library;
 
 use super::flags::{SEEDS, whole};
 use crate::benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use crate::console::Console;
-use crate::folder::{check_writable, write_file};
-use crate::json_file::read_json;
-use crate::output::FolderKind;
-use crate::virtual_lab::Size;
+use files::folder::{check_writable, write_file};
+use files::json_file::read_json;
+use files::output::FolderKind;
+use virtual_lab::Size;
 
 /// The folder of a benchmark: its table, and a file for each finished case.
 const BENCHMARK: FolderKind =

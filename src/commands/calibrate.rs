@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::Args;
+use clap::{Args, ValueEnum};
+use effects::Library;
 use serde::Serialize;
-use sim::effect::Library;
 
 use super::flags::OutFlags;
 use super::model_flags::ModelFlags;
 use crate::console::Console;
-use crate::folder::StagedFolder;
-use crate::laboratory::{Calibration, CalibrationSummary, Order};
-use crate::output::FolderKind;
-use crate::study::{CalibrationReport, Data, Measurements, calibration_report};
-use crate::study_report::page;
+use files::folder::StagedFolder;
+use files::output::FolderKind;
+use lab::study::{CalibrationReport, Data, Measurements, calibration_report};
+use lab::{Calibration, CalibrationSummary, Order};
+use report::study::page;
 
 /// The file by which a result folder is known.
 const CALIBRATION_FILE: &str = "calibration.json";
@@ -37,7 +37,26 @@ pub(super) struct CalibrateArgs {
     model: ModelFlags,
     /// Fit everything at once, or first the removal rate from what was removed in all.
     #[arg(long, value_enum, default_value_t)]
-    order: Order,
+    order: OrderFlag,
+}
+
+/// The order in which parameters are fitted.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum OrderFlag {
+    /// All parameters and the scans' poses at once.
+    #[default]
+    Joint,
+    /// First the removal rate from what was removed in all, then the rest from the profiles.
+    Staged,
+}
+
+impl From<OrderFlag> for Order {
+    fn from(flag: OrderFlag) -> Self {
+        match flag {
+            OrderFlag::Joint => Self::Joint,
+            OrderFlag::Staged => Self::Staged,
+        }
+    }
 }
 
 /// The answer of `calibrate --json`, and `calibration.json`.
@@ -97,7 +116,7 @@ fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console:
         done.set(done.get() + 1);
         progress.tell(name, done.get(), count);
     };
-    Calibration::new(data.evidence(), (&model, &start), library, (args.order, &fitted))
+    Ok(Calibration::new(data.evidence(), (&model, &start), library, (args.order.into(), &fitted))?)
 }
 
 /// How far the whole model is from the noise floor.

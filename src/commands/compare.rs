@@ -4,20 +4,21 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
+use effects::CompiledModel;
 use sdf_bake::PixelGrid;
-use sim::effect::CompiledModel;
 
 use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::ModelFlags;
 use crate::console::Console;
-use crate::folder::StagedFolder;
-use crate::laboratory::{Evidence, RowEvidence, ScanEvidence};
-use crate::output::FolderKind;
-use crate::study::{Asked, Comparison, compare_rows, compare_scans};
-use crate::study_report::{Direction, StudyReport, page};
-use crate::table::{TABLE_FILE, Table};
-use crate::trial::Campaign;
 use crate::wrong_use;
+use files::folder::StagedFolder;
+use files::output::FolderKind;
+use lab::study::{Asked, Comparison, compare_rows, compare_scans};
+use lab::study::{Direction, StudyReport};
+use lab::{Evidence, RowEvidence, ScanEvidence};
+use report::study::page;
+use trials::table::{TABLE_FILE, Table};
+use trials::trial::Campaign;
 
 /// The file by which a result folder is known.
 const COMPARISON_FILE: &str = "comparison.json";
@@ -75,7 +76,7 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
     campaign.notes().iter().for_each(|note| console.step("note", note));
     let model = args.model.model(evidence.process(), &library)?;
     let model = CompiledModel::new(&model, &library, evidence.rows())?;
-    compare_scans((&campaign, &evidence), &model, asked)
+    Ok(compare_scans((&campaign, &evidence), &model, asked)?)
 }
 
 fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comparison, StudyReport)> {
@@ -88,7 +89,7 @@ fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comp
     table.notes.iter().chain(&evidence.notes).for_each(|note| console.step("note", note));
     let model = args.model.model(evidence.process(), &library)?;
     let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;
-    compare_rows(&evidence, &CompiledModel::new(&model, &library, evidence.rows())?, asked)
+    Ok(compare_rows(&evidence, &CompiledModel::new(&model, &library, evidence.rows())?, asked)?)
 }
 
 /// The section that a flag asks for.

@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
+use effects::{CompiledModel, Library, Model, RowCounts};
 use serde::Serialize;
 use sim::Wheel;
-use sim::effect::{CompiledModel, Library, Model, RowCounts};
 use weldgen::Placement;
 
 use super::flags::{SEEDS, whole};
@@ -16,15 +16,15 @@ use super::study::STUDY_NAMES;
 use crate::asset::{self, ASSET_NAMES, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GROUND_NAMES, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};
-use crate::folder::StagedFolder;
-use crate::output::{FolderKind, Out};
 use crate::part::Part;
 use crate::riddle::{Opened, RIDDLE_NAME, open, unpack};
 use crate::snapshot::Keeping;
-use crate::study::{Course, Measurements, STUDY_FILE, StudyRecord, inputs_sha256};
-use crate::study_report::story;
-use crate::virtual_lab::write::CAMPAIGN_NAMES;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
+use files::folder::StagedFolder;
+use files::output::{FolderKind, Out};
+use lab::study::{Course, Measurements, STUDY_FILE, StudyRecord, inputs_sha256};
+use report::study::story;
+use virtual_lab::write::CAMPAIGN_NAMES;
 
 /// Name of the figures file in a demo folder.
 const DEMO_FILE: &str = "demo.json";

@@ -9,11 +9,11 @@ use clap::Args;
 use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::ModelFlags;
 use crate::console::Console;
-use crate::folder::StagedFolder;
-use crate::laboratory::{Diagnosis, DiagnosisSummary, calibrate};
-use crate::output::FolderKind;
-use crate::study::{Measurements, ReportInput, report, suggestion, summary};
-use crate::study_report::page;
+use files::folder::StagedFolder;
+use files::output::FolderKind;
+use lab::study::{Measurements, ReportInput, report, suggestion, summary};
+use lab::{Diagnosis, DiagnosisSummary, calibrate};
+use report::study::page;
 
 /// The file by which a result folder is known.
 const DIAGNOSIS_FILE: &str = "diagnosis.json";

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand, ValueEnum};
+use effects::{CompiledModel, Edit, Effect, Kind, Library, Model, ModelError, Process, RowCounts, hint};
 use serde::Serialize;
-use sim::effect::{CompiledModel, Edit, Effect, Kind, Library, Model, ModelError, Process, RowCounts, hint};
 
 use super::model_flags::{OwnFlags, read_text};
 use crate::console::Console;
 use crate::effect_page::{EffectAnswer, describe};
-use crate::folder::write_file;
 use crate::wrong_use;
+use files::folder::write_file;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin effects list\n  robofin effects show grit-dulling\n  \

@@ -8,9 +8,9 @@ use clap::{Args, ValueEnum};
 use sdf_bake::SignChoice;
 use sdf_bake::read::UnitChoice;
 
-use crate::output::Out;
 use crate::workpiece::Fineness;
 use crate::wrong_use;
+use files::output::Out;
 
 /// Default number of voxels along the longest side.
 const DEFAULT_RESOLUTION: u32 = 256;

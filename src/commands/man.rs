@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::{Args, Command};
 use clap_mangen::Man;
 use serde::Serialize;
-use sim::effect::hint;
+use effects::hint;
 
 use crate::console::Console;
 use crate::wrong_use;

@@ -40,7 +40,8 @@ use clap::error::{ContextKind, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::console::Console;
-use crate::{WrongUse, in_full, interrupt, named_file};
+use crate::{in_full, interrupt, is_wrong_use};
+use files::named_file;
 
 /// Threads that are accepted; tens of thousands would only wait for each other.
 const THREADS: [u64; 2] = [1, 1024];
@@ -128,7 +129,7 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {}", in_full(&error));
-            ExitCode::from(if error.is::<WrongUse>() { 2 } else { 1 })
+            ExitCode::from(if is_wrong_use(&error) { 2 } else { 1 })
         }
     }
 }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use sim::effect::{CompiledModel, Library, Model, Process, RowCounts};
+use effects::{CompiledModel, Library, Model, Process, RowCounts};
 
 use crate::wrong_use;
-use sdf_bake::input::{self, MOST_TEXT_BYTES};
+use files::input::{self, MOST_TEXT_BYTES};
 
 /// Laws and effects of a run.
 #[derive(Clone, Debug, Args)]

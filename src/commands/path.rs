@@ -10,11 +10,11 @@ use serde::Serialize;
 use super::flags::{OutFlags, positive, whole, within};
 use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
-use crate::folder::StagedFile;
-use crate::output::FileKind;
 use crate::plan::{LineDirection, Plan, Raster, Travel, along_weld, raster};
-use crate::trial::{Log, LogRow, RPM, Tool, log_csv, read_log};
 use crate::wrong_use;
+use files::folder::StagedFile;
+use files::output::FileKind;
+use trials::trial::{Log, LogRow, RPM, Tool, log_csv, read_log};
 
 /// Sizes of a tool that are accepted [mm], as `robofin simulate` has them for its wheel.
 const SIZES_MM: (f64, f64) = (0.1, 1000.0);

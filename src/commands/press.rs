@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
+use effects::{CompiledModel, RowCounts, States};
+use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec3;
-use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::nvdb;
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
 use serde::Serialize;
-use sim::effect::{CompiledModel, RowCounts, States};
 use sim::physics::Physics;
 use sim::press::Press;
 use sim::{Contact, FieldTool, Frame, MeshDepth, Pad, Pose, TOOL_CELLS, Tool, Wheel};

@@ -4,22 +4,22 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
+use files::input::{self, MOST_MESH_BYTES};
 use glam::{DQuat, DVec3};
-use sdf_bake::input::{self, MOST_MESH_BYTES};
+use render::{Camera, Marks, Picture, Placement, ROLLED_STEEL, Raster, Scene, Sensor, Table};
 use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
-use sim::render::{Camera, Marks, Picture, Placement, ROLLED_STEEL, Raster, Scene, Sensor, Table};
 
 use super::backend_flags::{BackendFlags, name_of};
 use super::flags::{OutFlags, whole};
 use super::sensor_flags::SensorFlags;
 use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
-use crate::folder::{StagedFile, StagedFolder};
 use crate::photo::{Darkroom, PHOTOGRAPHS, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
 use crate::picture::{DRAWING, Horizon, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
 use crate::snapshot::kept_fields;
 use crate::wrong_use;
+use files::folder::{StagedFile, StagedFolder};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin render out/bracket --out out/bracket.png\n  \

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::Args;
-use sim::render::{Distortion, Sensor};
+use render::{Distortion, Sensor};
 
 use super::flags::{SEEDS, whole, within};
 use crate::wrong_use;

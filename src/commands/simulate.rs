@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 use clap::Args;
+use effects::{CompiledModel, Process, RowCounts};
 use serde::Serialize;
-use sim::effect::{CompiledModel, Process, RowCounts};
 use sim::{Tool, Wheel};
 
 use super::backend_flags::{BackendFlags, name_of};
@@ -15,12 +15,12 @@ use super::model_flags::ModelFlags;
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
 use crate::finishing::{self, GROUND, GrindSummary, Plan, grind_asset};
-use crate::folder::StagedFolder;
 use crate::rehearsal::{REHEARSAL, Rehearsal, RehearsalSummary, is_trial};
 use crate::snapshot::{Keeping, Resume, kept};
-use crate::trial::{self, Trial};
-use crate::twin::Twin;
 use crate::wrong_use;
+use files::folder::StagedFolder;
+use lab::twin::Twin;
+use trials::trial::{self, Trial};
 
 /// Passes that are accepted; each takes seconds.
 const PASSES: [u64; 2] = [1, 200];

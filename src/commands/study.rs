@@ -5,18 +5,19 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use sim::effect::{Library, Model};
+use effects::{Library, Model};
 
 use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::{ModelFlags, read_text};
 use crate::console::Console;
-use crate::folder::StagedFolder;
-use crate::json_file::read_json;
-use crate::output::{FolderKind, Out};
-use crate::study::{Course, Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, inputs_sha256};
-use crate::study_report::{StudyReport, page};
 use crate::wrong_use;
-use sdf_bake::input::quoted_near;
+use files::folder::StagedFolder;
+use files::input::quoted_near;
+use files::json_file::read_json;
+use files::output::{FolderKind, Out};
+use lab::study::StudyReport;
+use lab::study::{Course, Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, inputs_sha256};
+use report::study::page;
 
 /// The model's file in a study's folder.
 const MODEL_FILE: &str = "model.toml";
@@ -70,7 +71,7 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
         progress.map_or(Ok(()), Progress::end)?;
         return console.answer(&course.record);
     }
-    advance(&mut course, args.step, &|record| progress.as_ref().map_or(Ok(()), |it| it.note(record)), console)?;
+    advance(&mut course, args.step, &|record| progress.as_ref().map_or(Ok(()), |it| Ok(it.note(record)?)), console)?;
     write(&mut course, folder, &library, console)?;
     progress.map_or(Ok(()), Progress::end)?;
     console.answer(&course.record)
@@ -80,7 +81,7 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
 fn begun<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<Course<'a>> {
     let record = StudyRecord::new(inputs_sha256(&args.campaign)?, args.seed);
     let model = args.model.model(data.evidence().process(), library)?;
-    Course::new(data, library, model, record)
+    Ok(Course::new(data, library, model, record)?)
 }
 
 /// A study that goes on from its folder.
@@ -111,7 +112,7 @@ fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result
     }
     let model = out.join(MODEL_FILE);
     let model = Model::parse(&model.display().to_string(), &read_text(&model)?, library)?;
-    Course::new(data, library, model, record)
+    Ok(Course::new(data, library, model, record)?)
 }
 
 /// Does the next step, or all steps to the end, says what each did, and lets `note` keep it.

@@ -12,10 +12,10 @@ use serde_json::Value;
 use super::flags::{OutFlags, SEEDS, whole};
 use super::model_flags::OwnFlags;
 use crate::console::Console;
-use crate::trial::Process;
-use crate::virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unseal, write_into};
-use crate::virtual_lab::{Choice, Experiment, Hidden, Instrument, Key, Made, MakeError, Plan, Robot, Size};
 use crate::wrong_use;
+use trials::trial::Process;
+use virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unseal, write_into};
+use virtual_lab::{Choice, Experiment, Hidden, Instrument, Key, Made, MakeError, Plan, Robot, Size};
 
 /// Heading of the help for what measurements hide.
 const HIDDEN: &str = "Hidden";

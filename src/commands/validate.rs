@@ -14,9 +14,9 @@ use crate::asset::UsdMode;
 use crate::console::Console;
 use crate::dataset::MARKER_FILE;
 use crate::images::IMAGES_FORMAT;
-use crate::json_file::read_json;
 use crate::validate::{Validation, validate};
 use crate::wrong_use;
+use files::json_file::read_json;
 
 #[derive(Debug, Args)]
 #[command(

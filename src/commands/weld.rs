@@ -12,10 +12,10 @@ use super::bead_flags::{BEAD, BeadFlags};
 use super::flags::{MESH, MeshFlags, OutFlags, RangeFlag, SEEDS, optional_mm, positive, whole, within};
 use crate::asset::{self, ASSET, Extras, Manifest, UsdMode};
 use crate::console::Console;
-use crate::folder::StagedFolder;
 use crate::part::Part;
 use crate::workpiece::{WeldWishes, WeldingOptions, weld_part};
 use crate::wrong_use;
+use files::folder::StagedFolder;
 
 /// Heading of the help for where a weld runs.
 const CURVE: &str = "Curve";

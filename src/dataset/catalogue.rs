@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use sdf_bake::input::{self, MOST_TEXT_BYTES};
+use files::input::{self, MOST_TEXT_BYTES};
 use serde::Serialize;
 
 use super::row::Seen;
 use super::table::Table;
 use super::{Dataset, Failure, Marker, card, contact, croissant, record_of, remove_stale};
-use crate::folder::write_file;
+use files::folder::write_file;
 
 /// One line of JSON for each piece.
 pub const ROWS_FILE: &str = "manifest.jsonl";

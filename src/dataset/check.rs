@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use sdf_bake::input::{self, MOST_TEXT_BYTES};
+use files::input::{self, MOST_TEXT_BYTES};
 use sdf_bake::read::UnitChoice;
 use serde::Serialize;
 
@@ -16,10 +16,10 @@ use super::row::Row;
 use super::{ASSETS_FOLDER, Catalogue, Dataset, MARKER_FILE, Marker, Piece, Plan, manifest_path, names};
 use crate::asset::{MANIFEST_FILE, Manifest, UsdMode};
 use crate::cache::find_meshes;
-use crate::claim::Patience;
 use crate::in_full;
-use crate::turns::take_turns;
 use crate::validate::validate;
+use files::file_lock::Patience;
+use files::job_queue::take_turns;
 
 /// A piece that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -72,7 +72,7 @@ pub fn check(
             if !faults.is_empty() {
                 found.broken.push(Broken { id: ids[turn].clone(), faults });
             }
-            Ok(())
+            anyhow::Ok(())
         },
     )?;
     found.broken.sort_by(|a, b| a.id.cmp(&b.id));

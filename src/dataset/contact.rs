@@ -1,7 +1,7 @@
 //! A contact sheet: pieces by chance, and those that are hardest to reach and to follow.
 
 use anyhow::{Context, Result};
-use sim::render::{Panel, Picture, contact_sheet};
+use render::{Panel, Picture, contact_sheet};
 
 use super::Dataset;
 use super::plan::number_from;

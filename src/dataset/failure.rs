@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{Piece, Unreadable};
 use super::{Dataset, FAILURES_FOLDER, Marker, names, remove_stale};
-use crate::claim::Patience;
-use crate::folder::write_file;
-use crate::json_file::read_json;
-use crate::part::sha256;
+use files::file_lock::Patience;
+use files::folder::write_file;
+use files::json_file::read_json;
+use files::sha256;
 
 /// Where on the road a piece failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -129,7 +129,7 @@ impl<R: Marker> Dataset<R> {
         let _claim = self.claim(&failure.id, Patience::Endless)?;
         remove_stale(&self.folder().join(FAILURES_FOLDER), &failure.id)?;
         let text = serde_json::to_string_pretty(failure)? + "\n";
-        write_file(&self.failure_path(&failure.id), text.as_bytes())
+        Ok(write_file(&self.failure_path(&failure.id), text.as_bytes())?)
     }
 
     /// Forgets the failure of a piece or source that is well now.
@@ -156,7 +156,7 @@ impl<R: Marker> Dataset<R> {
             let path = folder.join(name);
             read_json(&path, "the record of a failure")
         };
-        names(&folder)?.iter().filter(|name| !name.starts_with('.')).map(read).collect()
+        names(&folder)?.iter().filter(|name| !name.starts_with('.')).map(|name| Ok(read(name)?)).collect()
     }
 }
 

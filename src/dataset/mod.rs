@@ -38,12 +38,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 
 use crate::asset::{FileRecord, MANIFEST_FILE, Manifest};
-use crate::claim::{Claim, Patience};
-use crate::folder::write_file;
-use crate::json_file::read_json;
-use crate::part::sha256;
 use crate::wrong_use;
-use sdf_bake::input::quoted_near;
+use files::file_lock::{FileLock, Patience};
+use files::folder::write_file;
+use files::input::quoted_near;
+use files::json_file::read_json;
+use files::sha256;
 
 pub use catalogue::Catalogue;
 pub use failure::{Failure, Stage, command_line};
@@ -142,12 +142,12 @@ impl<R: Marker> Dataset<R> {
     ///
     /// # Errors
     /// When the file system refuses.
-    pub fn claim(&self, id: &str, patience: Patience) -> Result<Option<Claim>> {
-        Claim::take(&self.folder.join(R::FOLDERS[0]).join(format!(".{id}.lock")), patience)
+    pub fn claim(&self, id: &str, patience: Patience) -> Result<Option<FileLock>> {
+        Ok(FileLock::take(&self.folder.join(R::FOLDERS[0]).join(format!(".{id}.lock")), patience)?)
     }
 
-    pub(crate) fn claim_catalogue(&self) -> Result<Option<Claim>> {
-        Claim::take(&self.folder.join(CLAIM_FILE), Patience::Endless)
+    pub(crate) fn claim_catalogue(&self) -> Result<Option<FileLock>> {
+        Ok(FileLock::take(&self.folder.join(CLAIM_FILE), Patience::Endless)?)
     }
 
     /// Removes what killed runs left of pieces that no one is writing.

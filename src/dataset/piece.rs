@@ -10,12 +10,12 @@ use serde::{Deserialize, Serialize};
 use super::plan::{key_of, source_key};
 use super::{ASSETS_FOLDER, Dataset, Stage, remove_stale};
 use crate::asset::{self, Extras, UsdMode};
-use crate::claim::Patience;
 use crate::console::Console;
-use crate::folder::StagedFolder;
 use crate::in_full;
 use crate::part::Part;
 use crate::workpiece::{WeldingOptions, weld_part};
+use files::file_lock::Patience;
+use files::folder::StagedFolder;
 
 /// Samples along each side of a picture's pixel: four times as many would take most of a piece's time.
 const SAMPLES_PER_SIDE: usize = 1;
@@ -93,7 +93,7 @@ fn place(dataset: &Dataset, id: &str) -> Result<StagedFolder> {
     if folder.exists() {
         fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
     }
-    StagedFolder::fresh(&folder)
+    Ok(StagedFolder::fresh(&folder)?)
 }
 
 fn load(source: &Path, id: &str, unit: UnitChoice) -> Result<Part> {

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::cache::Sources;
 use crate::in_full;
-use crate::part::sha256;
+use files::sha256;
 
 /// Hexadecimal digits of the source in a piece's name: 64 bits, so that millions of parts do not share a name.
 const KEY_DIGITS: usize = 16;

@@ -11,8 +11,8 @@ use super::piece::Ending;
 use super::plan::{Piece, Plan};
 use super::process::{Answer, make_apart};
 use super::{Dataset, Failure};
-use crate::claim::Patience;
-use crate::turns::take_turns;
+use files::file_lock::Patience;
+use files::job_queue::take_turns;
 
 /// Pieces to make.
 pub struct Run<'a> {

@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Error, Result, ensure};
+use effects::{CompiledModel, States};
 use sdf_bake::BrickGrid;
 use shaders::Device;
-use sim::effect::{CompiledModel, States};
 use sim::{CurvePoint, Pass, PassRecord, Process, TOOL_CELLS, Tool, gpu, run_pass};
 
 use super::Plan;
 use crate::asset::WeldTruth;
 use crate::console::Console;
-use crate::snapshot::{self, Origin, Resume, Snapshot};
+use crate::snapshot::{self, Resume, Snapshot};
+use lab::Origin;
 
 /// Steps that a pass may take; a step takes less than a millisecond.
 const MOST_STEPS: f64 = 2e5;

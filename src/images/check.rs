@@ -15,8 +15,8 @@ use crate::asset::FileRecord;
 use crate::dataset::check::{Broken, SetValidation, compare_files};
 use crate::dataset::names;
 use crate::in_full;
-use crate::turns::take_turns;
-use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
+use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
+use files::job_queue::take_turns;
 
 /// Checks all things of a set with `jobs` threads, then the catalogue; calls `done` with each one's faults.
 ///
@@ -40,7 +40,7 @@ pub fn check(
             if !faults.is_empty() {
                 found.broken.push(Broken { id, faults });
             }
-            Ok(())
+            anyhow::Ok(())
         },
     )?;
     found.broken.sort_by(|a, b| a.id.cmp(&b.id));
@@ -104,8 +104,7 @@ impl Checks {
 
     fn sanding(&mut self, set: &ImageSet, id: &str, workpiece: &str) -> Result<()> {
         let record = set.read_sanding(id)?;
-        let source =
-            input::read(&set.workpiece_path(workpiece), MOST_MESH_BYTES).map(|bytes| crate::part::sha256(&bytes));
+        let source = input::read(&set.workpiece_path(workpiece), MOST_MESH_BYTES).map(|bytes| files::sha256(&bytes));
         self.that(source.is_ok_and(|hash| hash == record.workpiece_sha256), || format!("not of {workpiece} as it is"));
         self.that(record.stages.len() == set.recipe.stages as usize, || format!("{} stages", record.stages.len()));
         for (stage, expected) in record.stages.iter().enumerate() {

@@ -9,10 +9,10 @@ use super::scene::Scene;
 use super::shot::shoot;
 use super::workpiece::Coated;
 use super::{ImageRecipe, ImageSet};
-use crate::claim::Patience;
 use crate::dataset::piece::Ending;
 use crate::dataset::{Marker, Stage, remove_stale};
 use crate::in_full;
+use files::file_lock::Patience;
 
 /// A thing to make.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,9 +15,9 @@ use super::shot::Shot;
 use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageSet, RECORDS_FOLDER};
 use crate::asset::FileRecord;
 use crate::dataset::record_of;
-use crate::folder::write_file;
-use crate::json_file::read_json;
 use crate::picture::to_png;
+use files::folder::write_file;
+use files::json_file::read_json;
 
 /// Line of `metadata.jsonl`, and file of its own until all are made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,7 +81,7 @@ impl ImageSet {
     /// When it is absent or damaged.
     pub fn read_record(&self, id: &str) -> Result<ImageRecord> {
         let path = self.record_path(id);
-        read_json(&path, "the record of an image")
+        Ok(read_json(&path, "the record of an image")?)
     }
 
     /// Whether an image is there: its record is that of the plan, and its files have their lengths.
@@ -132,7 +132,7 @@ impl ImageSet {
             files,
         };
         let text = serde_json::to_string(&record)? + "\n";
-        write_file(&self.record_path(&planned.id), text.as_bytes())
+        Ok(write_file(&self.record_path(&planned.id), text.as_bytes())?)
     }
 
     /// Removes an image, its record first, so that it is not taken for whole should this be interrupted.

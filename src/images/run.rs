@@ -7,13 +7,13 @@ use anyhow::Result;
 
 use super::ImageSet;
 use super::make::Task;
-use crate::claim::Patience;
 use crate::dataset::limits::{Limits, Usage};
 use crate::dataset::piece::Ending;
 use crate::dataset::process::{Answer, run_apart};
 use crate::dataset::run::Outcome;
 use crate::dataset::{Failure, command_line};
-use crate::turns::take_turns;
+use files::file_lock::Patience;
+use files::job_queue::take_turns;
 
 /// Verb that does one task in the process that is started.
 pub const TASK_VERB: &str = "dataset-image";

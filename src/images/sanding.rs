@@ -7,13 +7,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use effects::{CompiledModel, Library, Model, RowCounts, States};
+use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
-use sdf_bake::input::{self, MOST_MESH_BYTES};
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::{Deserialize, Serialize};
-use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
 use sim::{Pad, Pass, PathSample, Process, TOOL_CELLS, Tool, run_pass};
 
 use super::patch::Patch;
@@ -21,9 +21,9 @@ use super::pattern::{Pattern, Stroke};
 use super::plan::PlannedSanding;
 use super::{FIELDS_FOLDER, ImageSet};
 use crate::asset::{FileRecord, write_json};
-use crate::folder::StagedFolder;
-use crate::json_file::read_json;
-use crate::part::sha256;
+use files::folder::StagedFolder;
+use files::json_file::read_json;
+use files::sha256;
 
 /// Name of the record in a simulation's folder.
 pub const SANDING_FILE: &str = "sanding.json";
@@ -151,7 +151,7 @@ impl ImageSet {
     /// When it is absent or damaged.
     pub fn read_sanding(&self, id: &str) -> Result<SandingRecord> {
         let path = self.sanding_folder(id).join(SANDING_FILE);
-        read_json(&path, "the record of a simulation")
+        Ok(read_json(&path, "the record of a simulation")?)
     }
 
     /// Whether a simulation is there, all its files at their lengths.

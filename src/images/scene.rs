@@ -2,13 +2,13 @@
 
 use anyhow::{Context, Result};
 use glam::{DQuat, DVec2, DVec3};
+use render::{Camera, Projection, outward};
 use sdf_bake::BrickGrid;
 use serde::{Deserialize, Serialize};
-use sim::render::{Camera, Projection, outward};
 
 use super::ImageRecipe;
 use super::plan::Planned;
-use crate::virtual_lab::chance::Chance;
+use random::Stream;
 
 /// Everything that an image shows beside the state of its coating. The frame has z up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,26 +108,26 @@ impl Scene {
             let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
             DVec3::new(pick(0), pick(1), pick(2))
         });
-        let placement = PlacementDraw::draw(&corners, &mut Chance::of(placement_seed, "placement"));
+        let placement = PlacementDraw::draw(&corners, &mut Stream::of(placement_seed, "placement"));
         let corners = corners.map(|corner| placement.to_scene(corner));
         let aspect = recipe.size.0 as f64 / recipe.size.1 as f64;
-        let camera = CameraDraw::draw(&corners, aspect, &mut Chance::of(placement_seed, "camera"));
+        let camera = CameraDraw::draw(&corners, aspect, &mut Stream::of(placement_seed, "camera"));
         let seed = recipe.image_seed(planned);
-        let mut light = Chance::of(seed, "light");
+        let mut light = Stream::of(seed, "light");
         Ok(Self {
             placement,
             camera,
             lamps: lamps(&mut light),
             environment: light.between([0.35, 1.15]),
-            material: MaterialDraw::draw(&mut Chance::of(seed, "material")),
-            sensor: SensorDraw::draw(&mut Chance::of(seed, "sensor"), seed),
+            material: MaterialDraw::draw(&mut Stream::of(seed, "material")),
+            sensor: SensorDraw::draw(&mut Stream::of(seed, "sensor"), seed),
         })
     }
 }
 
 impl PlacementDraw {
     /// Turned by any angle about z, then tilted a little as on a wedge, then moved; the table is below all corners [m].
-    fn draw(corners: &[DVec3; 8], chance: &mut Chance) -> Self {
+    fn draw(corners: &[DVec3; 8], chance: &mut Stream) -> Self {
         let turn = DQuat::from_rotation_z(chance.between([0.0, std::f64::consts::TAU]));
         let about = chance.between([0.0, std::f64::consts::TAU]);
         let axis = DVec3::new(about.cos(), about.sin(), 0.0);
@@ -145,7 +145,7 @@ impl PlacementDraw {
 
 impl CameraDraw {
     /// A camera that looks down on the corners of a box [m] and shows all of them, from closer or farther.
-    fn draw(corners: &[DVec3; 8], aspect: f64, chance: &mut Chance) -> Self {
+    fn draw(corners: &[DVec3; 8], aspect: f64, chance: &mut Stream) -> Self {
         let vertical_field_of_view = chance.between([0.3, 0.75]);
         let direction = outward(chance.between([0.0, std::f64::consts::TAU]), chance.between([0.66, 1.31]));
         let fill = chance.between([0.72, 0.98]);
@@ -172,7 +172,7 @@ impl CameraDraw {
 }
 
 /// One or two lamps from above, the second weaker than the first.
-fn lamps(chance: &mut Chance) -> Vec<LampDraw> {
+fn lamps(chance: &mut Stream) -> Vec<LampDraw> {
     let count = 1 + chance.below(2);
     let mut power = std::f64::consts::PI * chance.between([0.5, 1.1]);
     let lamp = |_| {
@@ -188,7 +188,7 @@ fn lamps(chance: &mut Chance) -> Vec<LampDraw> {
 
 impl MaterialDraw {
     /// A coating of any hue, dull or strong, dark or light; steel from which it was sanded.
-    fn draw(chance: &mut Chance) -> Self {
+    fn draw(chance: &mut Stream) -> Self {
         let hue = chance.between([0.0, 6.0]);
         let strength = chance.between([0.0, 0.9]);
         let value = chance.ratio_between([0.06, 0.7]);
@@ -217,7 +217,7 @@ fn paint(hue: f64, strength: f64, value: f64) -> DVec3 {
 }
 
 impl SensorDraw {
-    fn draw(chance: &mut Chance, seed: u64) -> Self {
+    fn draw(chance: &mut Stream, seed: u64) -> Self {
         Self {
             aim: chance.between([0.14, 0.34]),
             exposure: 1.0,
@@ -238,10 +238,10 @@ mod tests {
         let corners: [DVec3; 8] =
             std::array::from_fn(|i| DVec3::new([-0.08, 0.08][i & 1], [-0.045, 0.045][i >> 1 & 1], [0.0, 0.06][i >> 2]));
         for seed in 0..200 {
-            let placement = PlacementDraw::draw(&corners, &mut Chance::of(seed, "placement"));
+            let placement = PlacementDraw::draw(&corners, &mut Stream::of(seed, "placement"));
             let placed = corners.map(|corner| placement.to_scene(corner));
             assert!(placed.iter().all(|corner| corner.z >= placement.table_m));
-            let camera = CameraDraw::draw(&placed, 4.0 / 3.0, &mut Chance::of(seed, "camera"));
+            let camera = CameraDraw::draw(&placed, 4.0 / 3.0, &mut Stream::of(seed, "camera"));
             let slope = (0.5 * camera.vertical_field_of_view).tan();
             let [right, up, forward] = camera.axes;
             assert!((right.cross(up) + forward).length() < 1e-12 && camera.eye_m.z > placement.table_m);

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use image::imageops::{FilterType, resize};
-use sim::render::{Panel, Picture, contact_sheet};
+use render::{Panel, Picture, contact_sheet};
 
 use super::label::{SANDED, UNSANDED};
 use super::plan::Treatment;

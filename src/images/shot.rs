@@ -1,11 +1,11 @@
 //! Photographs of a part in a scene, and the labels that follow from comparing them.
 
 use glam::Vec3;
-use sdf_bake::BrickGrid;
-use sim::render::{
+use render::{
     Appearance, Camera, Distortion, Environment, Field, Frame, KeyLight, Lights, Material, Picture, Placement,
     Projection, Raster, Scene as Stage, Seen, Sensor, Table,
 };
+use sdf_bake::BrickGrid;
 
 use super::label::{Colour, labels, seen_share};
 use super::scene::{MaterialDraw, Scene};

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 use glam::{DVec2, DVec3};
-use sdf_bake::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 use sdf_bake::nvdb::{self, Codec};
 use sdf_bake::{BrickGrid, SignChoice};
 use serde::{Deserialize, Serialize};
@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 use super::{FIELDS_FOLDER, ImageSet};
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest};
 use crate::console::Console;
-use crate::folder::write_file;
 use crate::part::{Part, sha256};
 use crate::workpiece::{DEFAULT_BAND, Fineness, WeldWishes, WeldingOptions, weld_part};
 use crate::wrong_use;
+use files::folder::write_file;
 
 /// Letters of an asset's hash in its name.
 const KEY_LETTERS: usize = 8;
@@ -164,7 +164,7 @@ impl ImageSet {
     pub fn make_workpiece(&self, coated: &Coated) -> Result<()> {
         let field = coated.field(self.recipe.seed)?;
         let bytes = nvdb::write_field(&field, Codec::Zip)?;
-        write_file(&self.workpiece_path(&coated.name), &bytes)
+        Ok(write_file(&self.workpiece_path(&coated.name), &bytes)?)
     }
 
     /// Reads the field of a workpiece, and the hash of its file.
@@ -200,6 +200,6 @@ mod tests {
     #[test]
     fn an_unknown_workpiece_is_refused_with_what_there_is() {
         let error = Coated::named("spaceship", 0.6).unwrap_err();
-        assert!(error.is::<crate::WrongUse>() && error.to_string().contains("bracket, panel"), "{error}");
+        assert!(crate::is_wrong_use(&error) && error.to_string().contains("bracket, panel"), "{error}");
     }
 }

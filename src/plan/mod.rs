@@ -12,7 +12,7 @@ mod weld;
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::trial::Tool;
+use trials::trial::Tool;
 
 pub use raster::{LineDirection, Raster, raster};
 pub use weld::along_weld;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::speed::Trapezoid;
 use super::{Leg, Plan, PlanError, Travel, Waypoint};
-use crate::trial::{Log, LogRow, Tool};
+use trials::trial::{Log, LogRow, Tool};
 
 /// Rows that a path may have.
 const MOST_ROWS: f64 = 1e6;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec3;
 use sdf_bake::clean::clean;
-use sdf_bake::input::{self, MOST_MESH_BYTES};
 
 use super::Check;
 use crate::asset::{SURFACE_FILE, WELDED_FILE, WORKPIECE_FILE};

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use files::folder::StagedFolder;
 use robofin::asset::{self, Extras, FileRecord, Manifest, UsdMode};
 use robofin::console::Console;
-use robofin::folder::StagedFolder;
 use robofin::part::{Part, sha256};
 use robofin::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 use sdf_bake::SignChoice;

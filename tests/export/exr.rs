@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
+use render::{Frame, Seen};
 use robofin::exr_file::to_exr;
 use serde_json::Value;
-use sim::render::{Frame, Seen};
 
 use crate::outside::untested;
 

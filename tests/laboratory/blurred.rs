@@ -1,7 +1,7 @@
 //! The instrument's blur on a surface with a cut, holes and borders.
 
 use glam::DVec2;
-use robofin::laboratory::blurred;
+use lab::blurred;
 use sdf_bake::{HeightMap, PixelGrid};
 
 /// A rough surface; where it is cut, 50 µm lower.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use robofin::laboratory::{Diagnosis, Evidence, ScanEvidence, Verdict, calibrate_scans};
-use robofin::trial::Campaign;
-use sim::effect::{Library, Model};
+use effects::{Library, Model};
+use lab::{Diagnosis, Evidence, ScanEvidence, Verdict, calibrate_scans};
+use trials::trial::Campaign;
 
 use crate::shared_folder::shared;
 

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use robofin::laboratory::{Evidence, RowEvidence, ScanEvidence};
-use robofin::study::{Asked, Comparison, compare_rows, compare_scans};
-use robofin::study_report::{Direction, Maps, StudyReport, page};
-use robofin::table::Table;
-use robofin::trial::{Campaign, Role};
-use sim::effect::{CompiledModel, Library, Model};
+use effects::{CompiledModel, Library, Model};
+use lab::study::{Asked, Comparison, compare_rows, compare_scans};
+use lab::study::{Direction, Maps, StudyReport};
+use lab::{Evidence, RowEvidence, ScanEvidence};
+use report::study::page;
+use trials::table::Table;
+use trials::trial::{Campaign, Role};
 
 fn bundled(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
@@ -24,7 +25,7 @@ fn compared(model: &Model) -> (Comparison, StudyReport) {
 
 #[test]
 fn a_model_that_was_never_fitted_differs_and_is_said_where() {
-    let model = Model::new(sim::effect::Process::Grinding);
+    let model = Model::new(effects::Process::Grinding);
     let (comparison, report) = compared(&model);
     println!("{}", serde_json::to_string_pretty(&comparison).unwrap());
     assert!(!comparison.agrees && comparison.rms > 3.0 * comparison.noise_floor);

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use robofin::laboratory::{Agreement, Evidence, ScanEvidence, Split};
-use robofin::trial::{Campaign, Trial};
-use sim::effect::{CompiledModel, Library, Model};
+use effects::{CompiledModel, Library, Model};
+use lab::{Agreement, Evidence, ScanEvidence, Split};
 use tempfile::TempDir;
+use trials::trial::{Campaign, Trial};
 
 /// The first trial of the bundled campaign, to be damaged.
 fn trial() -> TempDir {

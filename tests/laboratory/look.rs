@@ -1,13 +1,13 @@
 //! What is seen of an effect once the base parameters have followed it: in a campaign of the virtual laboratory, and in data made
 //! by hand, depths that are a removal rate times a break-in.
 
-use robofin::laboratory::{
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use lab::{
     Agreement, Candidate, Evidence, EvidenceError, Fit, FitOptions, Look, PassTrend, Projector, ScanEvidence, Screened,
     Sides, Split, calibrate_scans, detectable, with_values,
 };
-use robofin::trial::Process as Work;
-use robofin::virtual_lab::{Choice, Experiment, Hidden, Instrument, Plan, Robot, Size};
-use sim::effect::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use trials::trial::Process as Work;
+use virtual_lab::{Choice, Experiment, Hidden, Instrument, Plan, Robot, Size};
 
 const DATA: usize = 200;
 /// Depth without a break-in [standard deviations].

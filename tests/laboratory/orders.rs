@@ -1,12 +1,10 @@
 //! The joint and the staged order of a calibration, on one trial of two passes.
 
-use robofin::laboratory::{
-    Calibration, CalibrationSummary, Evidence, Order, ScanEvidence, Split, Totals, uncalibrated,
-};
-use robofin::study::{CalibrationReport, Data, calibration_report};
-use robofin::study_report::Maps;
-use robofin::trial::{Campaign, PassScan, Role, Trial};
-use sim::effect::{Library, Model};
+use effects::{Library, Model};
+use lab::study::Maps;
+use lab::study::{CalibrationReport, Data, calibration_report};
+use lab::{Calibration, CalibrationSummary, Evidence, Order, ScanEvidence, Split, Totals, uncalibrated};
+use trials::trial::{Campaign, PassScan, Role, Trial};
 
 use crate::unseen::bundled;
 

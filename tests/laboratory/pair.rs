@@ -1,9 +1,9 @@
 //! Two effects that are found only together, in data made by hand: each effect of a few shifts the data along its own pattern.
 
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use lab::{Agreement, Diagnosis, Evidence, EvidenceError, Fit, FitOptions, PassTrend, Split, Verdict};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use robofin::laboratory::{Agreement, Diagnosis, Evidence, EvidenceError, Fit, FitOptions, PassTrend, Split, Verdict};
-use sim::effect::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 
 const DATA: usize = 240;
 const BLOCK: usize = 6;

@@ -1,11 +1,11 @@
 //! Tests of structure and shares of covariates on data whose answer is known.
 
 use glam::DVec2;
+use lab::{CovariateField, ResidualGrid, covariate_study, spline_columns, structure_tests};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use robofin::laboratory::{CovariateField, ResidualGrid, covariate_study, spline_columns, structure_tests};
-use robofin::measure::{Across, plateau_pixels};
 use sdf_bake::PixelGrid;
+use trials::measure::{Across, plateau_pixels};
 
 /// Random numbers.
 struct Chance(Pcg64Mcg);

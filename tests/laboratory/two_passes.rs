@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-use robofin::laboratory::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate, next_row};
-use robofin::table::Table;
-use sim::effect::{Library, Model};
+use effects::{Library, Model};
+use lab::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate, next_row};
+use trials::table::Table;
 
 fn table() -> Table {
     Table::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tables/two-passes")).unwrap()
@@ -71,7 +71,7 @@ fn a_table_without_equal_passes_has_no_trend() {
     table.rows.iter_mut().for_each(|row| row.fresh = true);
     let evidence = RowEvidence::new(&table).unwrap();
     let model = evidence.scaled(Model::new(evidence.process()), Library::builtin()).unwrap();
-    let model = sim::effect::CompiledModel::new(&model, Library::builtin(), evidence.rows()).unwrap();
+    let model = effects::CompiledModel::new(&model, Library::builtin(), evidence.rows()).unwrap();
     assert_eq!(evidence.trend(&model).unwrap(), None);
 }
 

@@ -1,9 +1,9 @@
 //! What the library lacks gets a form; what data cannot tell apart gets a trial that can.
 
-use robofin::laboratory::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, next_trial, suggest};
-use robofin::trial::{Process, Trial};
-use robofin::virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
-use sim::effect::{CompiledModel, Library, Model, check_file};
+use effects::{CompiledModel, Library, Model, check_file};
+use lab::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, next_trial, suggest};
+use trials::trial::{Process, Trial};
+use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 
 /// An effect that no library holds: the rate rises along the path.
 const ALONG: &str = "name = \"along\"\ntitle = \"Along\"\nsource = \"a test\"\nsignature = \"more along the way\"\nconfused_with = []\n\n\

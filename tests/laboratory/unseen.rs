@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use robofin::laboratory::{Evidence, Fit, FitOptions, ScanEvidence, Split};
-use robofin::trial::{Campaign, PassScan, Role, Trial};
-use sim::effect::{CompiledModel, Library, Model};
+use effects::{CompiledModel, Library, Model};
+use lab::{Evidence, Fit, FitOptions, ScanEvidence, Split};
+use trials::trial::{Campaign, PassScan, Role, Trial};
 
 pub fn bundled() -> Vec<Trial> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look");

@@ -1,7 +1,7 @@
 //! A base law with two valleys, in data made by hand: the one that the library's values lie in is not the deeper one.
 
-use robofin::laboratory::{Agreement, Evidence, EvidenceError, Fit, FitOptions, PassTrend, Split, calibrate};
-use sim::effect::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use lab::{Agreement, Evidence, EvidenceError, Fit, FitOptions, PassTrend, Split, calibrate};
 
 const DATA: usize = 100;
 /// Logarithm of the deeper valley's removal rate over the library's.

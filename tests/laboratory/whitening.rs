@@ -1,9 +1,9 @@
 //! Whitened noise is white, and freedoms are no evidence.
 
+use lab::{Freedom, TileGrid, TileNoise, Tiles, Whitener};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use robofin::laboratory::{Freedom, TileGrid, TileNoise, Tiles, Whitener};
 use sdf_bake::PixelGrid;
 
 const TILES: usize = 120;

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use robofin::trial::{Trial, write_trial};
 use sdf_bake::{BrickGrid, nvdb};
 use serde_json::Value;
 use shaders::choice::DRIVER_PACKAGE;
 use tempfile::TempDir;
+use trials::trial::{Trial, write_trial};
 
 use crate::program::{names, robofin, run};
 use crate::trial_road::{BREAKING, simulate, trial, written};

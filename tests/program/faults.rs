@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use robofin::trial::{Trial, write_trial};
 use serde_json::Value;
 use tempfile::TempDir;
+use trials::trial::{Trial, write_trial};
 
 use crate::faulty_driver::{can_be_made, counted, with_faults};
 use crate::program::{asset, names, robofin, run};

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use robofin::asset::{AssetFields, Welds};
-use robofin::trial::{LogRow, Tool, ToolPath, read_log};
 use serde_json::Value;
+use trials::trial::{LogRow, Tool, ToolPath, read_log};
 
 use crate::program::{asset, names, robofin, run};
 

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
-use robofin::trial::{Controller, Log, LogRow, Pass, PassScan, Process, RPM, Role, Scans, Tool, Trial, write_trial};
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
+use trials::trial::{Controller, Log, LogRow, Pass, PassScan, Process, RPM, Role, Scans, Tool, Trial, write_trial};
 
 use crate::program::{asset, files, names, robofin, run};
 

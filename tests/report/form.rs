@@ -1,6 +1,6 @@
 //! The page's form: well-formed, self-contained, small, the same each time.
 
-use robofin::study_report::page;
+use report::study::page;
 
 use crate::study::{bare, grinding, sanding};
 

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use glam::DVec2;
+use lab::study::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use robofin::measure::Registration;
-use robofin::study_report::*;
-use robofin::trial::Role;
 use sdf_bake::PixelGrid;
 use serde_json::json;
+use trials::measure::Registration;
+use trials::trial::Role;
 
 const FLOOR: f64 = 2.1e-6;
 const UM: f64 = 1e-6;

@@ -1,6 +1,6 @@
 //! What evaluation rows removed reaches no fit.
 
-use robofin::laboratory::{Evidence, RowEvidence, Split};
+use lab::{Evidence, RowEvidence, Split};
 
 use crate::hidden::{fit, model, table};
 use crate::synthetic::{Hidden, MANIFEST, NOISE, Work, csv, work};

@@ -1,8 +1,8 @@
 //! What is hidden in a table is found again, and nothing where nothing is hidden.
 
-use robofin::laboratory::{Estimate, Evidence, Fit, FitOptions, RowEvidence, Split, robust_sum};
-use robofin::table::Table;
-use sim::effect::{CompiledModel, Library, Model, RowCounts};
+use effects::{CompiledModel, Library, Model, RowCounts};
+use lab::{Estimate, Evidence, Fit, FitOptions, RowEvidence, Split, robust_sum};
+use trials::table::Table;
 
 use crate::synthetic::{
     DULLING, Hidden, MANIFEST, NOISE, PRESSURE_EXPONENT, RATE, ROWS, SPEED_EXPONENT, USAGE, csv, folder, work,

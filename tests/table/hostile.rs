@@ -1,6 +1,6 @@
 //! Tables as they should not be: each is refused by name, or survived with a note.
 
-use robofin::table::Table;
+use trials::table::Table;
 
 use crate::synthetic::{Hidden, MANIFEST, csv, folder, work};
 

@@ -1,8 +1,8 @@
 //! Which effects a table can show, and what is said of the others.
 
-use robofin::laboratory::{Evidence, RowEvidence, Split};
-use robofin::table::Table;
-use sim::effect::{CompiledModel, Effect, Library, Model, Process, RowCounts, check_file};
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts, check_file};
+use lab::{Evidence, RowEvidence, Split};
+use trials::table::Table;
 
 use crate::hidden::{model, table};
 use crate::synthetic::{Hidden, MANIFEST, NOISE, csv, work};

@@ -1,8 +1,8 @@
 //! Columns, units, order and roles.
 
-use robofin::table::{Removed, Table};
-use robofin::trial::Role;
-use sim::effect::Process;
+use effects::Process;
+use trials::table::{Removed, Table};
+use trials::trial::Role;
 
 use crate::synthetic::{Hidden, MANIFEST, csv, folder, work};
 

@@ -4,12 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
-use robofin::trial::{
+use sdf_bake::{HeightMap, PixelGrid};
+use tempfile::TempDir;
+use trials::trial::{
     Controller, Covariate, ExposureMask, LabelMap, Log, LogRow, Pass, PassScan, Process, RPM, Role, Scans, Tool, Trial,
     TrialError, write_trial,
 };
-use sdf_bake::{HeightMap, PixelGrid};
-use tempfile::TempDir;
 
 const RADIUS: f64 = 0.05;
 

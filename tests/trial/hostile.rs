@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use robofin::trial::{PassScan, Trial};
+use trials::trial::{PassScan, Trial};
 
 use crate::files::{edit, folder, noted, refused};
 
@@ -185,7 +185,7 @@ fn what_is_no_table_is_refused() {
 #[test]
 fn masks_hold_zero_and_one() {
     let folder = tempfile::tempdir().unwrap();
-    robofin::trial::write_trial(&crate::files::sanding(), folder.path()).unwrap();
+    trials::trial::write_trial(&crate::files::sanding(), folder.path()).unwrap();
     let trial = Trial::read(folder.path()).unwrap();
     assert!(matches!(&trial.passes[0].scan, PassScan::Exposure(mask) if mask.exposed.contains(&None)));
     edit(folder.path(), "pass1_exposed.csv", |text| text.replacen("\n0,", "\n0.5,", 1));

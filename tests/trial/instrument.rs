@@ -1,10 +1,10 @@
 //! Measured maps as workpieces, and the instrument that measured them, on campaigns made elsewhere.
 
-use robofin::measure::{Freedom, NoiseFloor, despiked, noise_floor, register, residual, untouched};
-use robofin::trial::{Campaign, PassScan, Trial};
 use sdf_bake::heights::SlabOptions;
 use sdf_bake::{BrickGrid, HeightMap};
 use sim::Profilometer;
+use trials::measure::{Freedom, NoiseFloor, despiked, noise_floor, register, residual, untouched};
+use trials::trial::{Campaign, PassScan, Trial};
 
 use crate::shared::campaigns;
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use robofin::trial::{ScanFrame, Trial, read_heights};
+use trials::trial::{ScanFrame, Trial, read_heights};
 
 use crate::files::{bead, edit, folder, noted, pixels, refused};
 
@@ -32,7 +32,7 @@ fn export(keys: [&str; 5], unit: (&str, f64), rows: usize) -> String {
 const ENGLISH: [&str; 5] = ["XY Calibration", "Horizontal", "Vertical", "Unit", "Height"];
 const GERMAN: [&str; 5] = ["XY-Justierung", "Horizont.", "Vertikal", "Einheit", "Höhe"];
 
-fn read(text: &str, place: &Path) -> Result<robofin::trial::Read<sdf_bake::HeightMap>, robofin::trial::TrialError> {
+fn read(text: &str, place: &Path) -> Result<trials::trial::Read<sdf_bake::HeightMap>, trials::trial::TrialError> {
     let file = place.join("scan.csv");
     fs::write(&file, text).unwrap();
     read_heights(&file, ScanFrame { origin: pixels().origin, pitch: 0.3e-3, shape: None })

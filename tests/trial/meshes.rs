@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use robofin::trial::{PassScan, Trial};
 use sdf_bake::HeightMap;
+use trials::trial::{PassScan, Trial};
 
 use crate::files::{edit, folder, grinding, noted, refused};
 

@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use robofin::trial::{Campaign, PassScan, Tool, Trial, write_trial};
 use tempfile::TempDir;
+use trials::trial::{Campaign, PassScan, Tool, Trial, write_trial};
 
 use crate::files::{edit, grinding, noted, pixels, refused};
 use crate::shared::campaigns;

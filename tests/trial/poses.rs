@@ -1,7 +1,7 @@
 //! A log as the path of the tool.
 
 use glam::DVec3;
-use robofin::trial::{Tool, ToolPath};
+use trials::trial::{Tool, ToolPath};
 
 use crate::files::grinding;
 

@@ -3,13 +3,13 @@
 //! `residual` compares a scan with a simulation that began from the scan before: untouched pixels differ by the noise of
 //! both scans, √2 times that of one. The measure is that of two scans.
 
-use robofin::campaign_twin::CampaignTwin;
-use robofin::measure::{despiked, noise_floor};
+use effects::{CompiledModel, Library, Model};
+use lab::campaign_twin::CampaignTwin;
+use lab::twin::SimulatedPass;
 use robofin::rehearsal::residual;
-use robofin::trial::{Campaign, Trial};
-use robofin::twin::SimulatedPass;
 use serde_json::Value;
-use sim::effect::{CompiledModel, Library, Model};
+use trials::measure::{despiked, noise_floor};
+use trials::trial::{Campaign, Trial};
 
 use crate::shared::campaigns;
 

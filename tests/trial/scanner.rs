@@ -1,8 +1,8 @@
 //! The scanner of a model at work in a whole trial, and the same passes seen again with other values.
 
-use robofin::trial::{Campaign, PassScan};
-use robofin::twin::{SimulatedPass, Twin};
-use sim::effect::{CompiledModel, Library, Model, RowCounts};
+use effects::{CompiledModel, Library, Model, RowCounts};
+use lab::twin::{SimulatedPass, Twin};
+use trials::trial::{Campaign, PassScan};
 
 use crate::shared::campaigns;
 

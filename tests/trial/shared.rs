@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use robofin::trial::{Campaign, Controller, PassScan, Process, Tool};
+use trials::trial::{Campaign, Controller, PassScan, Process, Tool};
 
 use crate::shared_folder::shared;
 

@@ -1,7 +1,7 @@
 //! What is written is read again as it was.
 
-use robofin::trial::{Campaign, Controller, PassScan, Trial, write_trial};
 use sdf_bake::HeightMap;
+use trials::trial::{Campaign, Controller, PassScan, Trial, write_trial};
 
 use crate::files::{edit, folder, grinding, noted, sanding};
 

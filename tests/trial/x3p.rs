@@ -3,8 +3,8 @@
 use std::fs;
 use std::io::{Cursor, Write as _};
 
-use robofin::trial::{Read, ScanFrame, TrialError, read_heights};
 use sdf_bake::HeightMap;
+use trials::trial::{Read, ScanFrame, TrialError, read_heights};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 

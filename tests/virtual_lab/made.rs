@@ -3,11 +3,11 @@
 use std::fs;
 use std::sync::LazyLock;
 
-use robofin::trial::{Campaign, PassScan, Process, Role, Trial};
-use robofin::virtual_lab::write::write;
-use robofin::virtual_lab::{Choice, Experiment, Hidden, Made, Plan, Size};
+use effects::Library;
 use sdf_bake::HeightMap;
-use sim::effect::Library;
+use trials::trial::{Campaign, PassScan, Process, Role, Trial};
+use virtual_lab::write::write;
+use virtual_lab::{Choice, Experiment, Hidden, Made, Plan, Size};
 
 /// A small experiment of one trial of two equal passes.
 pub(crate) fn experiment(process: Process, hidden: &[Hidden]) -> Experiment {

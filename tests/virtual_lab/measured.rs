@@ -1,12 +1,12 @@
 //! What scanner and robot put into the measurements.
 
-use robofin::campaign_twin::CampaignTwin;
-use robofin::measure::{Freedom, NoiseFloor, centre_and_sigma, despiked, noise_floor, register, untouched};
-use robofin::trial::{PassScan, Process, Trial};
-use robofin::twin::{SimulatedPass, exposed_share};
-use robofin::virtual_lab::{Experiment, Hidden, Instrument, Made, Plan};
+use effects::{CompiledModel, Model};
+use lab::campaign_twin::CampaignTwin;
+use lab::twin::{SimulatedPass, exposed_share};
 use sdf_bake::HeightMap;
-use sim::effect::{CompiledModel, Model};
+use trials::measure::{Freedom, NoiseFloor, centre_and_sigma, despiked, noise_floor, register, untouched};
+use trials::trial::{PassScan, Process, Trial};
+use virtual_lab::{Experiment, Hidden, Instrument, Made, Plan};
 
 use crate::made::{clean, experiment, heights};
 
@@ -108,7 +108,7 @@ fn the_true_model_reproduces_a_sanded_panel() {
 fn a_log_tells_what_the_robot_believed() {
     let hidden = [Hidden::effect("force-bias").with("bias", "3 N"), Hidden::effect("spindle-droop")];
     let made = experiment(Process::Grinding, &hidden).make().unwrap();
-    let mean = |made: &Made, value: fn(&robofin::trial::LogRow) -> f64| {
+    let mean = |made: &Made, value: fn(&trials::trial::LogRow) -> f64| {
         let pass = &made.trials[0].passes[0];
         let contact = pass.tool_path(&made.trials[0].tool).contact.unwrap();
         let rows = pass.log.rows.iter().filter(|row| row.time > contact.start + 0.5 && row.time < contact.end - 0.1);

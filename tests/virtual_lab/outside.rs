@@ -3,17 +3,17 @@
 use std::fs;
 use std::path::Path;
 
-use robofin::measure::untouched;
-use robofin::trial::{Process, Trial};
-use robofin::virtual_lab::outside::EFFECTS;
-use robofin::virtual_lab::{Choice, Experiment, Hidden};
-use sim::effect::{self, Library, check_file};
+use effects::{Library, check_file};
+use trials::measure::untouched;
+use trials::trial::{Process, Trial};
+use virtual_lab::outside::EFFECTS;
+use virtual_lab::{Choice, Experiment, Hidden};
 
 use crate::made::{clean, experiment, heights};
 
 #[test]
 fn every_file_outside_the_library_is_good_listed_and_unknown_to_it() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/virtual_lab/outside");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("virtual-lab/src/outside");
     let mut files: Vec<String> =
         fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
     files.sort();
@@ -23,7 +23,7 @@ fn every_file_outside_the_library_is_good_listed_and_unknown_to_it() {
         let effect = check_file(file, text).unwrap();
         assert_eq!(format!("{}.toml", effect.name), **file);
         assert!(Library::builtin().find(&effect.name).is_none());
-        for (count, process) in counts.iter_mut().zip(effect::Process::ALL) {
+        for (count, process) in counts.iter_mut().zip(effects::Process::ALL) {
             *count += usize::from(effect.acts_in(process));
         }
     }

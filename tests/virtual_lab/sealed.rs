@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use robofin::trial::Campaign;
 use serde_json::Value;
+use trials::trial::Campaign;
 
 fn robofin(arguments: &[&str], out: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_robofin"));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::{Format, MeshFile, ReadError, Unit, UnitChoice, announced, detect_format, gltf, parse, unit};
-use crate::input::{self, MOST_MESH_BYTES};
+use files::input::{self, MOST_MESH_BYTES};
 
 /// Files that a `.gltf` names as its buffers, by the name it gives them.
 pub(super) type Beside = BTreeMap<String, Vec<u8>>;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use super::Format;
-use crate::input::InputError;
+use files::input::InputError;
 
 /// Why a mesh file could not be read.
 #[derive(Debug, thiserror::Error)]

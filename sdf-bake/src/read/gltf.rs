@@ -12,7 +12,7 @@ use gltf_crate::{Document, Gltf, Node, Semantic};
 
 use super::bytes::Beside;
 use super::{Format, ReadError, Surface};
-use crate::input::without_content;
+use files::input::without_content;
 
 mod accessor;
 mod buffers;

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use glam::DVec3;
 
 use super::{Format, ReadError, Surface, polygon};
-use crate::input::quoted_line;
+use files::input::quoted_line;
 
 /// Comment lines that are searched for a unit.
 const HEADER_LINES: usize = 50;

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::{Format, ReadError, Surface};
-use crate::input::quoted_line;
+use files::input::quoted_line;
 
 const HEADER: usize = 80;
 const PREFIX: usize = 84;

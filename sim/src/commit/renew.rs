@@ -7,7 +7,7 @@ use sdf_bake::redistance::KEPT_VOXELS;
 
 use super::{Around, Column, floor, reach};
 use crate::sheet::{NO_SURFACE, Sheet};
-use crate::wide::in_wide_lanes;
+use sdf_bake::simd::in_wide_lanes;
 
 /// Voxel below the surface of a line that has none: far from all that is asked for.
 const NOWHERE: i32 = i32::MAX / 2;

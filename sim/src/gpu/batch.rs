@@ -15,12 +15,12 @@ use shaders::simulate::{Batch, Remains, Rooms, Running, SimulateError, Simulator
 
 use super::setup::time_of;
 use super::{GpuError, refusal, remains, setup};
-use crate::effect::{CompiledModel, DeviceModel, Place, Reset, States};
 use crate::pass::{Pass, Progress};
 use crate::physics::Physics;
 use crate::record::PassRecord;
 use crate::settings::PassError;
 use crate::tool_cells;
+use effects::{CompiledModel, DeviceModel, Place, Reset, States};
 
 /// A pass to be run on a part, which trials may share: each changes a copy of its own.
 #[derive(Clone, Copy)]

@@ -10,11 +10,11 @@ mod setup;
 
 pub use batch::{Outcome, Settings, Trial, run_batch, run_pass};
 
-use crate::effect::{CompiledModel, DeviceModel, Place};
 use crate::pass::Pass;
 use crate::settings::PassError;
 use crate::tool::Tool;
 use crate::tool_cells;
+use effects::{CompiledModel, DeviceModel, Place};
 
 /// Why a trial has no result.
 #[derive(Debug, thiserror::Error, PartialEq)]

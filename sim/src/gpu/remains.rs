@@ -9,10 +9,10 @@ use shaders::simulate::Remains;
 
 use super::setup::time_of;
 use crate::contact::Contact;
-use crate::effect::{CompiledModel, DeviceModel, States};
 use crate::pass::Pass;
 use crate::record::{CLOCK, LogRow, PassRecord, Removal};
 use crate::tool_cells;
+use effects::{CompiledModel, DeviceModel, States};
 
 /// Copies the bricks that a trial wrote into its field.
 pub(super) fn write_bricks(grid: &mut BrickGrid, remains: &Remains, (setup, header): (&TrialSetup, &RunHeader)) {

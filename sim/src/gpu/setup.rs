@@ -4,18 +4,19 @@ use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
 use shaders::constants::{
-    CONTROLLER_ADMITTANCE, CONTROLLER_IDEAL, CONTROLLER_REPLAY, TIME_BLOCKS, TOOL_PAD, TOOL_SPHERE, TOOL_WHEEL,
+    CONTROLLER_ADMITTANCE, CONTROLLER_IDEAL, CONTROLLER_REPLAY, PARTIALS, TIME_BLOCKS, TOOL_PAD, TOOL_SPHERE,
+    TOOL_WHEEL,
 };
 use shaders::layout::{PathPiece, TrialSetup, TrialState};
 
 use crate::control::Controller;
-use crate::effect::{DeviceModel, Place, States, StepValues, Variable};
 use crate::pass::Pass;
 use crate::path::PathSample;
 use crate::physics::Physics;
 use crate::settings::{LONGEST_STEP, PassError};
 use crate::tool::Tool;
 use crate::tool_cells::ToolCells;
+use effects::{DeviceModel, Place, States, StepValues, Variable};
 
 /// Longest piece of a path [voxels]: f32 resolves places on it to 1e-6 voxel.
 const PIECE: f64 = 16.0;
@@ -176,8 +177,8 @@ pub(super) fn values(pass: &Pass, states: &States, model: &DeviceModel) -> Vec<f
         .set(Variable::ToolRadius, pass.tool.rim_radius())
         .set(Variable::ToolWidth, pass.tool.width())
         .set(Variable::ToolFaceArea, face_area);
-    let mut values = vec![0.0; model.values];
-    for variable in Variable::ALL.iter().filter(|variable| variable.row().per == crate::effect::Per::Step) {
+    let mut values = vec![0.0; model.values + PARTIALS as usize];
+    for variable in Variable::ALL.iter().filter(|variable| variable.row().per == effects::Per::Step) {
         values[*variable as usize] = step.get(*variable) as f32;
     }
     let mut fill = |first: usize, from: &[f64]| {

@@ -18,7 +18,6 @@ use crate::clock::{Clock, Phase};
 use crate::commit::commit;
 use crate::control::{Controller, Motion};
 use crate::covariates::Covariates;
-use crate::effect::{CompiledModel, Place, PoseChange, Reset, RunError, States, Variable};
 use crate::extent::Extent;
 use crate::path::Path;
 use crate::physics::Physics;
@@ -29,6 +28,7 @@ use crate::step::Step;
 use crate::step_values::Moment;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells};
+use effects::{CompiledModel, Place, PoseChange, Reset, RunError, States, Variable};
 
 /// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
 const COMMIT_RECESSION: f64 = 0.75;

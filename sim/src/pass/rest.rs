@@ -1,10 +1,10 @@
 //! The pause before a pass: what the tool remembers goes on while it stands in the air.
 
 use super::Pass;
-use crate::effect::{RunError, States, StepValues, Variable};
 use crate::settings::LONGEST_STEP;
 use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
+use effects::{RunError, States, StepValues, Variable};
 
 /// Moves a tool's states on by `duration` [s] before `pass` begins, all speeds, forces and rates at zero: what recovers
 /// in time recovers.

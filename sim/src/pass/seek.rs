@@ -5,13 +5,13 @@ use glam::DVec3;
 use super::{Pass, Runner};
 use crate::clock::Phase;
 use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
-use crate::effect::RunError;
 use crate::extent::{Extent, MARGIN};
 use crate::physics::Physics;
 use crate::region::Region;
 use crate::settings::LONGEST_STEP;
 use crate::sheet::{Facing, Sheet, Window};
 use crate::tool::Pose;
+use effects::RunError;
 
 /// Surface sought below the tool while it is in contact [voxels].
 const NEAR_BELOW: f64 = 4.0;

@@ -1,10 +1,10 @@
 //! The squares in contact at one end of a step, one lane each.
 
 use crate::contact::Squares;
-use crate::effect::RunError;
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
-use crate::wide::in_wide_lanes;
+use effects::RunError;
+use sdf_bake::simd::in_wide_lanes;
 
 /// State of the squares in contact at one end of a step.
 #[derive(Clone, Debug, Default)]

@@ -19,14 +19,14 @@ use self::relax::{PROBE, Relax, Relaxed};
 use self::sums::ApproachShare;
 use crate::clock::Phase;
 use crate::contact::{Peak, Squares};
-use crate::effect::{RunError, Variable};
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::record::Removal;
 use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
-use crate::wide::in_wide_lanes;
+use effects::{RunError, Variable};
+use sdf_bake::simd::in_wide_lanes;
 
 /// What a step does to each square in contact; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]

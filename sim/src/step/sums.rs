@@ -12,7 +12,7 @@ use crate::physics::Physics;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells, Under};
-use crate::wide::in_wide_lanes;
+use sdf_bake::simd::in_wide_lanes;
 
 /// Squares that are looked at together for the highest pressure.
 const LOOKED_AT: usize = 32;

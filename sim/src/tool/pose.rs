@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::effect::PoseChange;
+use effects::PoseChange;
 
 /// Axes of a tool in the workpiece's frame, orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]

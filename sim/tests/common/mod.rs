@@ -3,9 +3,9 @@
 
 pub(crate) mod forms;
 
+use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::{DMat3, DVec3};
 use sdf_bake::BrickGrid;
-use sim::effect::{CompiledModel, Library, Model, RowCounts, States};
 use sim::{CurvePoint, Frame, Pose, Wheel};
 
 pub(crate) const WHEEL: Wheel = Wheel::cylinder(0.05, 0.02);

@@ -5,12 +5,12 @@ use std::process::Command;
 use crate::common::{base, fresh, line, model};
 use crate::device;
 use crate::faulty_driver::{can_be_made, counted, with_faults};
+use effects::CompiledModel;
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use shaders::device::FaultKind;
 use shaders::simulate::{Rooms, SimulateError};
 use shaders::testing::{self, lose};
-use sim::effect::CompiledModel;
 use sim::gpu::{GpuError, Settings, Trial, refusal_of, run_batch, run_pass};
 use sim::{Pass, Path, Process, Tool, Wheel};
 

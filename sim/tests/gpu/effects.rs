@@ -2,10 +2,10 @@
 
 use crate::common::{fresh, line};
 use crate::device;
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
-use sim::effect::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use sim::{Pad, Pass, Path, Process, Tool, Wheel, gpu, run_pass};
 
 fn slab() -> BrickGrid {
@@ -40,7 +40,7 @@ fn agree(model: &CompiledModel, tool: &Tool) {
         [(record.removed_volume, on_device.removed_volume), (record.coating_volume, on_device.coating_volume)];
     assert!(volumes.iter().any(|(a, _)| *a > 0.0), "nothing happened");
     assert!(volumes.iter().all(|(a, b)| (a - b).abs() <= 1e-3 * a), "{volumes:?}");
-    let states = |states: &sim::effect::States| [states.values().0.to_vec(), states.values().1.concat()].concat();
+    let states = |states: &effects::States| [states.values().0.to_vec(), states.values().1.concat()].concat();
     let (a, b) = (states(&cpu_tool), states(&tool_states));
     let most = a.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 2e-3 * a.abs() + 1e-4 * most), "{a:?} {b:?}");

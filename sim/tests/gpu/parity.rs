@@ -2,10 +2,10 @@
 
 use crate::common::{WHEEL, base, fresh, line, model, welded_plate};
 use crate::device;
+use effects::{CompiledModel, States};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use shaders::Device;
-use sim::effect::{CompiledModel, States};
 use sim::{Controller, Pad, Pass, PassRecord, Path, Process, Tool, Wheel, gpu, run_pass};
 
 /// Largest difference of a field [voxels] and of a force [1] between device and CPU.

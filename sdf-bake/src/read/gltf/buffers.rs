@@ -9,9 +9,9 @@ use gltf::Document;
 use gltf::buffer::Source;
 
 use super::malformed;
-use crate::input::{self, MOST_MESH_BYTES, measured};
 use crate::read::ReadError;
 use crate::read::bytes::Beside;
+use files::input::{self, MOST_MESH_BYTES, measured};
 
 /// Reads the files that a document names as its buffers; each once, however often it is named.
 pub(super) fn load_beside(document: &Document, folder: &Path) -> Result<Beside, ReadError> {

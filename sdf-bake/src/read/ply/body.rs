@@ -2,7 +2,7 @@
 
 use super::header::{Element, Encoding, Kind, Scalar};
 use super::{Format, ReadError};
-use crate::input::quoted;
+use files::input::quoted;
 
 pub(super) struct Body<'a> {
     encoding: Encoding,

@@ -1,7 +1,7 @@
 //! The header of a PLY file.
 
 use super::{Format, ReadError};
-use crate::input::{quoted, quoted_line};
+use files::input::{quoted, quoted_line};
 
 /// How rows are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,109 @@
+//! Several jobs that take turns at a list of work, in this process and beside others.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Mutex, PoisonError};
+
+use crate::file_lock::Patience;
+
+/// What the jobs share.
+struct Turns<'a, T> {
+    count: usize,
+    next: AtomicUsize,
+    /// Turns whose work someone else was doing when they came.
+    later: Mutex<Vec<usize>>,
+    work: &'a (dyn Fn(usize, Patience) -> Option<T> + Sync),
+}
+
+/// Works through the turns `0..count` with `jobs` threads and calls `done` here with each outcome, as it comes in.
+///
+/// `work` gives `None` where it has no patience for what someone else is doing; that turn comes again at the end, with
+/// endless patience.
+///
+/// # Errors
+/// The first one of `done`; turns that were not taken then are not taken any more.
+pub fn take_turns<T: Send, E>(
+    count: usize,
+    jobs: usize,
+    work: impl Fn(usize, Patience) -> Option<T> + Sync,
+    mut done: impl FnMut(usize, T) -> Result<(), E>,
+) -> Result<(), E> {
+    let turns = Turns { count, next: AtomicUsize::new(0), later: Mutex::default(), work: &work };
+    std::thread::scope(|scope| {
+        let (sender, receiver) = channel();
+        for _ in 0..jobs.min(count) {
+            let (sender, turns) = (sender.clone(), &turns);
+            scope.spawn(move || turns.take(&sender));
+        }
+        drop(sender);
+        receiver.into_iter().try_for_each(|(turn, outcome)| done(turn, outcome))
+    })
+}
+
+impl<T> Turns<'_, T> {
+    /// One job: turn after turn, and those of others at the end, when they probably are done.
+    fn take(&self, outcomes: &Sender<(usize, T)>) {
+        let later = || self.later.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            let turn = self.next.fetch_add(1, Ordering::Relaxed);
+            let (turn, patience) = if turn < self.count {
+                (turn, Patience::None)
+            } else {
+                let Some(turn) = later().pop() else { return };
+                (turn, Patience::Endless)
+            };
+            let Some(outcome) = (self.work)(turn, patience) else {
+                later().push(turn);
+                continue;
+            };
+            // After an error of its own, nobody listens any more.
+            if outcomes.send((turn, outcome)).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_turn_is_taken_once_and_the_impatient_ones_come_last() {
+        let taken = Mutex::new(Vec::new());
+        let work = |turn: usize, patience: Patience| {
+            if turn.is_multiple_of(5) && patience == Patience::None {
+                return None;
+            }
+            taken.lock().unwrap().push(turn);
+            Some(2 * turn)
+        };
+        let mut outcomes = Vec::new();
+        take_turns(50, 3, work, |turn, outcome| {
+            assert_eq!(outcome, 2 * turn);
+            outcomes.push(turn);
+            Ok::<(), String>(())
+        })
+        .unwrap();
+        outcomes.sort_unstable();
+        assert_eq!(outcomes, (0..50).collect::<Vec<_>>());
+        assert_eq!(taken.into_inner().unwrap().len(), 50);
+    }
+
+    #[test]
+    fn an_error_ends_the_work_early() {
+        let taken = AtomicUsize::new(0);
+        let ended = take_turns(
+            10_000,
+            2,
+            |turn, _| {
+                taken.fetch_add(1, Ordering::Relaxed);
+                std::thread::sleep(std::time::Duration::from_micros(50));
+                Some(turn)
+            },
+            |_, _| Err("enough"),
+        );
+        assert!(ended.is_err());
+        assert!(taken.into_inner() < 10_000);
+    }
+}

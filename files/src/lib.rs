@@ -1,0 +1,30 @@
+//! Files that are read with limits and written whole or not at all. Nothing here knows what is in them.
+//!
+//! 1. [`input`] opens regular files alone, of a stated size; [`json_file`] reads JSON, and [`named_file`] finds the files
+//!    that a manifest names, within its folder.
+//! 2. [`output`] says what a command may replace, and [`folder`] writes beside the place and renames (`staging`).
+//! 3. [`file_lock`] and [`job_queue`] share work among threads and processes; [`journal`] keeps finished work for a run
+//!    that goes on after an interruption.
+//!
+//! This crate never prints and never chooses a place by itself.
+
+mod error;
+pub mod file_lock;
+pub mod folder;
+pub mod input;
+pub mod job_queue;
+pub mod journal;
+pub mod json_file;
+pub mod named_file;
+pub mod output;
+mod staging;
+
+pub use error::{FileError, WrongUse};
+pub use staging::remove_all;
+
+use sha2::{Digest, Sha256};
+
+/// The SHA-256 of bytes, in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,200 @@
+//! A calibration in numbers and words: units of the library, lengths in µm.
+
+use effects::{CompiledModel, Library};
+use serde::Serialize;
+
+use super::calibration::{Calibration, Judged, Order};
+use super::evidence::{ErrorUnit, EvidenceError, Split};
+use super::fit::Fit;
+use super::summary::{ParameterSummary, WaterfallStep, floor_of, parameter_summary, rms, step};
+use super::totals::{Total, Totals};
+
+/// Size of a correlation that is put into words.
+const STRONG: f64 = 0.95;
+
+/// How two parameters' errors go together.
+#[derive(Clone, Debug, Serialize)]
+pub struct Correlation {
+    /// Their names.
+    pub between: [String; 2],
+    /// Correlation; absent where the data do not fix one of them.
+    pub value: Option<f64>,
+}
+
+/// Error of what was removed up to a scan, after each step of the waterfall.
+#[derive(Clone, Debug, Serialize)]
+pub struct RemovalError {
+    /// Trial and pass, or the table.
+    pub about: String,
+    /// Whether fits saw it.
+    pub is_calibration: bool,
+    /// Predicted minus measured of the base model and after each effect [% of the measured].
+    pub error_percent: Vec<f64>,
+    /// Standard deviation of the measured [%].
+    pub sigma_percent: f64,
+}
+
+/// A whole calibration.
+#[derive(Clone, Debug, Serialize)]
+pub struct CalibrationSummary {
+    /// The order of the fits.
+    pub order: Order,
+    /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
+    pub error_unit: ErrorUnit,
+    /// What noise alone would leave of the calibration passes [µm].
+    pub noise_floor_um: f64,
+    /// The same of the evaluation passes; absent where none is held out.
+    pub evaluation_noise_floor_um: Option<f64>,
+    /// From raw data to the whole model.
+    pub waterfall: Vec<WaterfallStep>,
+    /// All that was removed from the start up to each scan, its pose fitted; empty of a table, whose error says it already.
+    pub removal: Vec<RemovalError>,
+    /// All parameters of the whole model.
+    pub parameters: Vec<ParameterSummary>,
+    /// Their correlations.
+    pub correlations: Vec<Correlation>,
+    /// What is to be known of them, one sentence each.
+    pub remarks: Vec<String>,
+}
+
+/// Steps of the waterfall before any fit, and the noise floors of calibration and evaluation passes.
+pub type Beginning = (Vec<WaterfallStep>, (f64, Option<f64>));
+
+/// The two splits of one model.
+struct Step {
+    name: String,
+    calibration: Judged,
+    evaluation: Judged,
+}
+
+impl CalibrationSummary {
+    /// Sums up a calibration; here, and nowhere before, the evaluation data are looked at.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated.
+    pub fn new(evidence: &dyn Totals, calibration: &Calibration, library: &Library) -> Result<Self, EvidenceError> {
+        let unit = evidence.unit();
+        let judge = |name: &str, model| {
+            let [calibration, evaluation] =
+                [Split::Calibration, Split::Evaluation].map(|s| Judged::new(evidence, model, s));
+            Ok(Step { name: name.to_owned(), calibration: calibration?, evaluation: evaluation? })
+        };
+        let fitted: Vec<Step> =
+            calibration.steps.iter().map(|f| judge(&f.name, &f.fit.model)).collect::<Result<_, EvidenceError>>()?;
+        let (mut waterfall, _) = beginning(evidence, &calibration.start)?;
+        waterfall.extend(
+            fitted.iter().map(|s| step(s.name.clone(), unit, &s.calibration.agreement, &s.evaluation.agreement)),
+        );
+        let last = calibration.last();
+        let parameters: Vec<ParameterSummary> = last.estimates().iter().map(parameter_summary).collect();
+        let correlations = correlations(&last.fit);
+        let floor = fitted.last().map_or(0.0, |s| rms(&s.calibration.agreement, unit, |a| a.floor));
+        let evaluation_noise_floor_um = fitted.last().and_then(|s| floor_of(&s.evaluation.agreement, unit));
+        let mut remarks: Vec<String> = parameters.iter().filter_map(remark).collect();
+        remarks.extend(correlations.iter().filter_map(in_words));
+        remarks.extend(unseen(evidence, calibration, library));
+        remarks.extend(last.staged.iter().map(|staged| lost(&staged.totals)));
+        if !last.fit.converged {
+            remarks.push("the fit still improved when it was ended: the values may move a little more".to_owned());
+        }
+        let removal = if unit == ErrorUnit::Micrometre { removal(&fitted) } else { Vec::new() };
+        Ok(Self {
+            order: calibration.order,
+            error_unit: unit,
+            noise_floor_um: floor,
+            evaluation_noise_floor_um,
+            waterfall,
+            removal,
+            parameters,
+            correlations,
+            remarks,
+        })
+    }
+}
+
+/// The base law before any fit: as the scans came, and laid on the surface that the tool left alone; and the noise floors of
+/// calibration and evaluation passes.
+///
+/// # Errors
+/// When the model cannot be simulated.
+pub fn beginning(evidence: &dyn Totals, model: &CompiledModel) -> Result<Beginning, EvidenceError> {
+    let unit = evidence.unit();
+    let mean = |all: &[f64]| {
+        (!all.is_empty())
+            .then(|| (all.iter().map(|rms| rms * rms).sum::<f64>() / all.len() as f64).sqrt() * unit.per_one())
+    };
+    let mut steps = Vec::new();
+    let raw = mean(&evidence.unregistered(model, Split::Calibration)?);
+    if let Some(calibration_rms_um) = raw {
+        let evaluation_rms_um = mean(&evidence.unregistered(model, Split::Evaluation)?);
+        steps.push(WaterfallStep { step: "raw".to_owned(), calibration_rms_um, evaluation_rms_um });
+    }
+    let agreement = [Split::Calibration, Split::Evaluation].map(|split| evidence.agreement(model, split));
+    let [seen, held_out] = agreement;
+    let (seen, held_out) = (seen?, held_out?);
+    let name = if raw.is_some() { "registered" } else { "not calibrated" };
+    steps.push(step(name.to_owned(), unit, &seen, &held_out));
+    Ok((steps, (rms(&seen, unit, |a| a.floor), floor_of(&held_out, unit))))
+}
+
+fn correlations(fit: &Fit) -> Vec<Correlation> {
+    let Some(covariance) = fit.covariance() else { return Vec::new() };
+    let names: Vec<String> = fit.coordinates.iter().map(|c| c.slot.name()).collect();
+    let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
+    let correlation = |(i, j): (usize, usize)| {
+        let value = covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+        Correlation { between: [names[i].clone(), names[j].clone()], value: Some(value).filter(|v| v.is_finite()) }
+    };
+    pairs.map(correlation).collect()
+}
+
+fn remark(parameter: &ParameterSummary) -> Option<String> {
+    let note = parameter.note.as_ref()?;
+    Some(match parameter.interval {
+        None => format!("{} is {note}: any value of its range describes them about as well", parameter.name),
+        Some(_) => format!(
+            "{} is {note}, {} {}: the data would take it farther",
+            parameter.name, parameter.value, parameter.unit
+        ),
+    })
+}
+
+fn in_words(correlation: &Correlation) -> Option<String> {
+    let (value, [one, other]) = (correlation.value.filter(|value| value.abs() >= STRONG)?, &correlation.between);
+    Some(format!(
+        "{one} and {other} go together (correlation {value:+.2}): the data fix one combination of them far better than either"
+    ))
+}
+
+/// Effects of the model that these data cannot show.
+fn unseen(evidence: &dyn Totals, calibration: &Calibration, library: &Library) -> Vec<String> {
+    let blind = |name: &String| Some(format!("{name} cannot show: {}", evidence.is_blind_to(library.find(name)?)?));
+    calibration.model.effects.iter().map(|part| &part.name).filter_map(blind).collect()
+}
+
+/// What the second stage did to the totals that the first was fitted to.
+fn lost(totals: &[Vec<Total>; 2]) -> String {
+    let [first, second] = totals.each_ref().map(|totals| {
+        let (predicted, measured) = totals.iter().fold((0.0, 0.0), |(p, m), t| (p + t.predicted, m + t.measured));
+        100.0 * (predicted / measured - 1.0)
+    });
+    format!(
+        "staged order: what was removed in all was off by {first:+.2} % when the rate had been fitted to it, and is off by {second:+.2} % \
+         after the other parameters were fitted to the profiles"
+    )
+}
+
+fn removal(steps: &[Step]) -> Vec<RemovalError> {
+    let mut all = Vec::new();
+    for is_calibration in [true, false] {
+        let of = |step: &Step| if is_calibration { &step.calibration } else { &step.evaluation }.totals.clone();
+        let last = steps.last().map(of).unwrap_or_default();
+        for (k, total) in last.iter().enumerate() {
+            let error = |step: &Step| 100.0 * of(step)[k].error().0;
+            let error_percent = steps.iter().map(error).collect();
+            let sigma_percent = 100.0 * total.error().1;
+            all.push(RemovalError { about: total.about.clone(), is_calibration, error_percent, sigma_percent });
+        }
+    }
+    all
+}

@@ -1,0 +1,173 @@
+//! What tiles of a scan may differ by without any physics: noise that neighbours share, and the scan's own pose.
+
+use glam::DVec2;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::tiles::Tiles;
+use trials::measure::NoiseFloor;
+
+/// Noise of a tile's mean, one scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileNoise {
+    /// Standard deviation of the part that each tile has alone [m].
+    pub alone: f64,
+    /// Standard deviation of the part that neighbours share [m].
+    pub shared: f64,
+    /// Distance at which that has fallen to 1/e [m].
+    pub length: f64,
+}
+
+impl From<&NoiseFloor> for TileNoise {
+    fn from(floor: &NoiseFloor) -> Self {
+        // Tails count for the part of a tile alone.
+        let alone = (floor.rms * floor.rms - floor.correlated * floor.correlated).max(floor.white * floor.white).sqrt();
+        Self { alone, shared: floor.correlated, length: floor.correlation_length }
+    }
+}
+
+impl TileNoise {
+    /// Standard deviation of a tile's mean [m].
+    pub fn sigma(&self) -> f64 {
+        self.alone.hypot(self.shared)
+    }
+
+    /// Covariance of the parts of two tiles' means that neighbours share [m²].
+    fn shared_between(&self, a: DVec2, b: DVec2) -> f64 {
+        let share = if self.length > 0.0 { (-a.distance(b) / self.length).exp() } else { 0.0 };
+        self.shared * self.shared * share
+    }
+
+    /// Covariance of a scan's tiles. `before`, one value per tile, is how much of the noise of the scan before is still
+    /// in the simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone. Of what a tile has alone, the mean of
+    /// fewer pixels holds more.
+    pub fn covariance(&self, tiles: &Tiles, before: &[f64]) -> DMatrix<f64> {
+        let alone = |i: usize| self.alone * self.alone / tiles.share_known(i);
+        DMatrix::from_fn(tiles.len(), tiles.len(), |i, j| {
+            let own = if i == j { alone(i) } else { 0.0 };
+            (own + self.shared_between(tiles.centres[i], tiles.centres[j])) * (1.0 + before[i] * before[j])
+        })
+    }
+}
+
+/// A change that data may show for a reason that is no physics, such as a tilt of the scan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freedom {
+    /// What one unit of it adds to each datum, shape [data, freedoms].
+    pub columns: DMatrix<f64>,
+    /// Values expected.
+    pub mean: DVector<f64>,
+    /// Covariance of the values.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Freedom {
+    /// Independent freedoms around zero with their standard deviations.
+    pub fn around_zero(columns: DMatrix<f64>, sigmas: &[f64]) -> Self {
+        let variances: Vec<f64> = sigmas.iter().map(|sigma| sigma * sigma).collect();
+        let covariance = DMatrix::from_diagonal(&DVector::from_vec(variances));
+        Self { columns, mean: DVector::zeros(sigmas.len()), covariance }
+    }
+
+    /// These freedoms and others around zero, independent of them.
+    pub fn and(self, columns: DMatrix<f64>, sigmas: &[f64]) -> Self {
+        let other = Self::around_zero(columns, sigmas);
+        let (few, all) = (self.mean.len(), self.mean.len() + sigmas.len());
+        let mut joint = Self {
+            columns: DMatrix::zeros(self.columns.nrows(), all),
+            mean: DVector::zeros(all),
+            covariance: DMatrix::zeros(all, all),
+        };
+        for (first, part) in [(0, &self), (few, &other)] {
+            let count = part.mean.len();
+            joint.columns.columns_mut(first, count).copy_from(&part.columns);
+            joint.mean.rows_mut(first, count).copy_from(&part.mean);
+            joint.covariance.view_mut((first, first), (count, count)).copy_from(&part.covariance);
+        }
+        joint
+    }
+}
+
+/// Turns differences into numbers that are independent and of variance one when only noise and freedoms are at work.
+///
+/// Freedoms with a normal law are noise with covariance `E S Eᵀ` (Kennedy and O'Hagan 2001, section 4): a fit to whitened
+/// data is a joint fit of physics and freedoms.
+#[derive(Clone, Debug)]
+pub struct Whitener {
+    factor: Cholesky<f64, Dyn>,
+    /// Expected difference.
+    offset: DVector<f64>,
+    freedom: Freedom,
+}
+
+impl Whitener {
+    /// - `noise`: covariance of the data, shape [data, data]
+    ///
+    /// `None` where the noise is not positive definite.
+    pub fn new(noise: DMatrix<f64>, freedom: Freedom) -> Option<Self> {
+        let total = noise + &freedom.columns * &freedom.covariance * freedom.columns.transpose();
+        let offset = &freedom.columns * &freedom.mean;
+        Some(Self { factor: Cholesky::new(total)?, offset, freedom })
+    }
+
+    /// Number of data.
+    pub fn len(&self) -> usize {
+        self.offset.len()
+    }
+
+    /// Whether there are no data.
+    pub fn is_empty(&self) -> bool {
+        self.offset.is_empty()
+    }
+
+    /// Measured minus simulated, whitened.
+    pub fn whiten(&self, difference: &[f64]) -> Vec<f64> {
+        let mut left = DVector::from_column_slice(difference) - &self.offset;
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut left);
+        left.as_slice().to_vec()
+    }
+
+    /// The change of the data behind a change of whitened data, without what the freedoms take up of it.
+    pub fn unwhiten(&self, change: &[f64]) -> Vec<f64> {
+        let data = self.factor.l_dirty().lower_triangle() * DVector::from_column_slice(change);
+        let freedoms = &self.freedom.covariance * self.freedom.columns.tr_mul(&self.factor.solve(&data));
+        (data - &self.freedom.columns * freedoms).as_slice().to_vec()
+    }
+
+    /// Measured minus simulated without what the freedoms are expected to add.
+    pub fn centred(&self, difference: &[f64]) -> Vec<f64> {
+        difference.iter().zip(self.offset.iter()).map(|(d, offset)| d - offset).collect()
+    }
+
+    /// Differences, centred, that noise and freedoms make of independent normal numbers.
+    pub fn coloured(&self, normals: &[f64]) -> Vec<f64> {
+        let factor = self.factor.l_dirty();
+        let row = |i: usize| (0..=i).map(|j| factor[(i, j)] * normals[j]).sum();
+        (0..normals.len()).map(row).collect()
+    }
+
+    /// The freedoms before the data are seen.
+    pub fn expected(&self) -> &Freedom {
+        &self.freedom
+    }
+
+    /// As [`Whitener::sigma_of_sum`], with another covariance of the freedoms.
+    pub fn sigma_of_sum_given(&self, weights: &[f64], covariance: &DMatrix<f64>) -> f64 {
+        let arms = self.freedom.columns.tr_mul(&DVector::from_column_slice(weights));
+        let change = arms.dot(&((covariance - &self.freedom.covariance) * &arms));
+        (self.sigma_of_sum(weights).powi(2) + change).max(0.0).sqrt()
+    }
+
+    /// Standard deviation that noise and freedoms give to a weighted sum of the data.
+    pub fn sigma_of_sum(&self, weights: &[f64]) -> f64 {
+        self.factor.l_dirty().lower_triangle().tr_mul(&DVector::from_column_slice(weights)).norm()
+    }
+
+    /// The freedoms given the data (mean and covariance): what a joint fit gives them.
+    pub fn freedoms(&self, difference: &[f64]) -> Freedom {
+        let left = DVector::from_column_slice(difference) - &self.offset;
+        let gain = &self.freedom.covariance * self.freedom.columns.transpose();
+        let mean = &self.freedom.mean + &gain * self.factor.solve(&left);
+        let covariance = &self.freedom.covariance - &gain * self.factor.solve(&gain.transpose());
+        Freedom { columns: self.freedom.columns.clone(), mean, covariance }
+    }
+}

@@ -1,0 +1,322 @@
+//! On what the residual of a removal depends: each thing that the simulator knows of a place held against it.
+//!
+//! The share that a spline of one covariate explains is that of the excess over noise. Its chance comes from maps whose
+//! residuals are shifted around a torus, scan by scan, and whose scans change places: both keep what neighbours share
+//! (Fortin and Jacquez 2000).
+
+use nalgebra::{Cholesky, DMatrix, DVector, QR};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::spline::spline_columns;
+use random::Stream;
+
+/// Draws of shifted maps, and of blocks for the bands.
+const DRAWS: usize = 499;
+const BAND_DRAWS: usize = 400;
+/// Bins of a plot at most.
+const BINS: usize = 10;
+/// Mean length of the pieces of a line that change places.
+const PIECE: f64 = 4.0;
+/// Fewest data, and data of a bin.
+const LEAST_DATA: usize = 20;
+const LEAST_IN_BIN: usize = 8;
+/// Ends of a band.
+const BAND: [f64; 2] = [0.025, 0.975];
+/// Strength of the ridge beside columns of length one.
+const RIDGE: f64 = 1e-3;
+
+/// Residuals of one scan, or of one table, with the covariates of their places.
+#[derive(Clone, Debug, Default)]
+pub struct CovariateField {
+    /// Places along x of the grid that the tiles are part of.
+    pub nx: usize,
+    /// Place of each tile in it, x running fastest.
+    pub cells: Vec<usize>,
+    /// Relative residual of each tile: (measured − simulated) / simulated.
+    pub residuals: Vec<f64>,
+    /// Its standard deviation from noise.
+    pub sigmas: Vec<f64>,
+    /// Block of each tile: neighbours that may depend on each other.
+    pub blocks: Vec<usize>,
+    /// Values of each covariate at each tile.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// Mean residual over a bin.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CovariateBin {
+    /// Mean of the covariate [SI].
+    pub covariate: f64,
+    /// Mean of the relative residual.
+    pub residual: f64,
+    /// Its 95 % band, from blocks drawn again.
+    pub band: [f64; 2],
+}
+
+/// What one covariate explains.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CovariateShare {
+    /// Place among the covariates.
+    pub covariate: usize,
+    /// Share of the excess variance that a spline of it explains.
+    pub share: f64,
+    /// What all covariates together explain less without it, in the same unit.
+    pub drop: f64,
+    /// Chance of such a share where there is no dependence.
+    pub p_value: f64,
+    /// Chance that any of the covariates reaches such a share where none matters.
+    pub p_value_of_all: f64,
+    /// Means over bins.
+    pub bins: Vec<CovariateBin>,
+}
+
+/// What all covariates explain.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CovariateStudy {
+    /// Share of the excess variance that all of them explain together.
+    pub joint_share: f64,
+    /// Those that vary, in their order.
+    pub covariates: Vec<CovariateShare>,
+}
+
+/// A covariate that varies.
+struct Smooth {
+    covariate: usize,
+    /// Orthonormal columns of the constant and its spline, times the weights.
+    space: DMatrix<f64>,
+    /// Columns of the spline, times the weights.
+    columns: DMatrix<f64>,
+}
+
+/// All fields in one list.
+struct Pooled<'a> {
+    fields: &'a [CovariateField],
+    weights: DVector<f64>,
+    /// Residuals over their noise.
+    residuals: DVector<f64>,
+    /// Direction of a constant residual.
+    constant: DVector<f64>,
+    /// Variance of relative residuals beyond noise.
+    excess: f64,
+}
+
+/// Holds covariates against residuals.
+///
+/// - `noise`: variance of a residual over its sigma where the model is right: 1, or 0 where sigmas are not known
+pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> CovariateStudy {
+    let count = fields.first().map_or(0, |field| field.values.len());
+    let pooled = Pooled::new(fields, noise);
+    let smooths: Vec<Smooth> = (0..count).filter_map(|covariate| pooled.smooth(covariate)).collect();
+    if smooths.is_empty() || pooled.residuals.len() < LEAST_DATA {
+        return CovariateStudy::default();
+    }
+    let total = pooled.about_mean(&pooled.residuals).norm_squared();
+    let excess = total - noise * (pooled.residuals.len() - 1) as f64;
+    let share = |explained: f64, columns: usize| {
+        let explained = explained - noise * columns as f64;
+        if excess > 0.0 { (explained / excess).clamp(0.0, 1.0) } else { 0.0 }
+    };
+    let found: Vec<f64> = smooths.iter().map(|smooth| pooled.explained(smooth, &pooled.residuals) / total).collect();
+    let drawn = |draw: usize| -> Vec<f64> {
+        let residuals = pooled.shifted(&mut Stream::of(seed, &format!("torus {draw}")));
+        let total = pooled.about_mean(&residuals).norm_squared();
+        smooths.iter().map(|smooth| pooled.explained(smooth, &residuals) / total).collect()
+    };
+    let draws: Vec<Vec<f64>> = (0..DRAWS).into_par_iter().map(drawn).collect();
+    let all: Vec<usize> = (0..smooths.len()).collect();
+    let width = |among: &[usize]| among.iter().map(|&k| smooths[k].columns.ncols()).sum::<usize>();
+    let joint = |among: &[usize]| share(pooled.ridge(&smooths, among), width(among));
+    let joint_share = joint(&all);
+    let one = |(k, smooth): (usize, &Smooth)| {
+        let chance = |reaches: &dyn Fn(&Vec<f64>) -> bool| {
+            (draws.iter().filter(|draw| reaches(draw)).count() + 1) as f64 / (DRAWS + 1) as f64
+        };
+        let others: Vec<usize> = all.iter().copied().filter(|&other| other != k).collect();
+        CovariateShare {
+            covariate: smooth.covariate,
+            share: share(found[k] * total, smooth.columns.ncols()),
+            drop: (joint_share - joint(&others)).max(0.0),
+            p_value: chance(&|draw| draw[k] >= found[k]),
+            p_value_of_all: chance(&|draw| draw.iter().any(|share| *share >= found[k])),
+            bins: pooled.bins(smooth.covariate, seed),
+        }
+    };
+    CovariateStudy { joint_share, covariates: smooths.par_iter().enumerate().map(one).collect() }
+}
+
+impl<'a> Pooled<'a> {
+    fn new(fields: &'a [CovariateField], noise: f64) -> Self {
+        let all = |of: fn(&CovariateField) -> &Vec<f64>| fields.iter().flat_map(of).copied().collect::<Vec<f64>>();
+        let weights = DVector::from_vec(all(|field| &field.sigmas)).map(|sigma| 1.0 / sigma);
+        let residuals = DVector::from_vec(all(|field| &field.residuals)).component_mul(&weights);
+        let constant = if weights.is_empty() { weights.clone() } else { weights.normalize() };
+        let mut pooled = Self { fields, weights, residuals, constant, excess: 0.0 };
+        let beyond = pooled.about_mean(&pooled.residuals).norm_squared() - noise * pooled.residuals.len() as f64;
+        pooled.excess = (beyond / pooled.weights.norm_squared().max(f64::MIN_POSITIVE)).max(0.0);
+        pooled
+    }
+
+    fn values(&self, covariate: usize) -> Vec<f64> {
+        self.fields.iter().flat_map(|field| &field.values[covariate]).copied().collect()
+    }
+
+    fn smooth(&self, covariate: usize) -> Option<Smooth> {
+        let columns = spline_columns(&self.values(covariate));
+        if columns.is_empty() {
+            return None;
+        }
+        let columns = columns.into_iter().map(|column| DVector::from_vec(column).component_mul(&self.weights));
+        let columns: Vec<DVector<f64>> = columns.map(|column| self.about_mean(&column).normalize()).collect();
+        let columns = DMatrix::from_columns(&columns);
+        Some(Smooth { covariate, space: QR::new(columns.clone()).q(), columns })
+    }
+
+    /// What is left beside a constant relative residual.
+    fn about_mean(&self, values: &DVector<f64>) -> DVector<f64> {
+        values - &self.constant * self.constant.dot(values)
+    }
+
+    /// Sum of squares that a spline explains beyond a constant.
+    fn explained(&self, smooth: &Smooth, residuals: &DVector<f64>) -> f64 {
+        smooth.space.tr_mul(&self.about_mean(residuals)).norm_squared()
+    }
+
+    /// Sum of squares that the splines of several covariates explain together, with a ridge.
+    fn ridge(&self, smooths: &[Smooth], among: &[usize]) -> f64 {
+        let columns: Vec<_> = among.iter().flat_map(|&k| smooths[k].columns.column_iter()).collect();
+        if columns.is_empty() {
+            return 0.0;
+        }
+        let matrix = DMatrix::from_columns(&columns);
+        let goal = self.about_mean(&self.residuals);
+        let mut normal = matrix.tr_mul(&matrix);
+        (0..normal.nrows()).for_each(|k| normal[(k, k)] += RIDGE);
+        let Some(factor) = Cholesky::new(normal) else { return 0.0 };
+        let found = factor.solve(&matrix.tr_mul(&goal));
+        goal.norm_squared() - (&goal - matrix * found).norm_squared()
+    }
+
+    /// The residuals with each scan's map shifted around the torus and the scans' means exchanged. What is shifted is the
+    /// relative residual over its own spread, from noise and beyond, so that deep and shallow places may change places.
+    fn shifted(&self, chance: &mut Stream) -> DVector<f64> {
+        let mut places: Vec<usize> = (0..self.fields.len()).collect();
+        (1..places.len()).rev().for_each(|k| places.swap(k, chance.below(k + 1)));
+        let means: Vec<f64> = self.fields.iter().map(CovariateField::mean).collect();
+        let mut all = Vec::with_capacity(self.residuals.len());
+        for (k, field) in self.fields.iter().enumerate() {
+            let spreads: Vec<f64> = field.sigmas.iter().map(|sigma| (sigma * sigma + self.excess).sqrt()).collect();
+            let own = field.residuals.iter().zip(&spreads).map(|(residual, spread)| (residual - means[k]) / spread);
+            let moved = field.shifted(&own.collect::<Vec<f64>>(), chance);
+            all.extend(moved.iter().zip(&spreads).map(|(residual, spread)| means[places[k]] + residual * spread));
+        }
+        DVector::from_vec(all).component_mul(&self.weights)
+    }
+
+    fn bins(&self, covariate: usize, seed: u64) -> Vec<CovariateBin> {
+        let values = self.values(covariate);
+        let bins = binned(&values);
+        let mut blocks = Vec::new();
+        for (k, field) in self.fields.iter().enumerate() {
+            blocks.extend(field.blocks.iter().map(|&block| (k, block)));
+        }
+        let mut names = blocks.clone();
+        names.sort_unstable();
+        names.dedup();
+        let block_of: Vec<usize> = blocks.iter().filter_map(|block| names.binary_search(block).ok()).collect();
+        let mut chance = Stream::of(seed, &format!("blocks {covariate}"));
+        let mut draws = vec![vec![1.0; names.len()]];
+        for _ in 0..BAND_DRAWS {
+            let mut times = vec![0.0; names.len()];
+            (0..names.len()).for_each(|_| times[chance.below(names.len())] += 1.0);
+            draws.push(times);
+        }
+        let bin = |members: &Vec<usize>| {
+            let mean = |times: &Vec<f64>| {
+                let (mut sum, mut weight) = (0.0, 0.0);
+                for &at in members {
+                    let own = times[block_of[at]] * self.weights[at];
+                    sum += own * self.residuals[at];
+                    weight += own * self.weights[at];
+                }
+                sum / weight
+            };
+            let mut means: Vec<f64> = draws[1..].iter().map(mean).filter(|mean| mean.is_finite()).collect();
+            means.sort_by(f64::total_cmp);
+            let end = |share: f64| means.get((share * (means.len() - 1) as f64).round() as usize).copied();
+            let residual = mean(&draws[0]);
+            CovariateBin {
+                covariate: members.iter().map(|&at| values[at]).sum::<f64>() / members.len() as f64,
+                residual,
+                band: BAND.map(|share| if means.is_empty() { residual } else { end(share).unwrap_or(residual) }),
+            }
+        };
+        bins.iter().map(bin).collect()
+    }
+}
+
+/// Members of each bin: one value each where there are few, else as many data each. In rising order of the covariate.
+fn binned(values: &[f64]) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for &at in &order {
+        match groups.last_mut() {
+            Some(group) if values[group[0]] == values[at] => group.push(at),
+            _ => groups.push(vec![at]),
+        }
+    }
+    let count = (order.len() / LEAST_IN_BIN).clamp(3, BINS);
+    if groups.len() <= count {
+        return groups;
+    }
+    (0..count).map(|k| order[k * order.len() / count..(k + 1) * order.len() / count].to_vec()).collect()
+}
+
+impl CovariateField {
+    /// Mean residual, weighted with its noise.
+    fn mean(&self) -> f64 {
+        let sum =
+            |of: &dyn Fn(usize) -> f64| (0..self.sigmas.len()).map(|k| of(k) / self.sigmas[k].powi(2)).sum::<f64>();
+        sum(&|k| self.residuals[k]) / sum(&|_| 1.0).max(f64::MIN_POSITIVE)
+    }
+
+    /// Values of the tiles shifted by a random way around the torus of the tiles' bounding box; where it has no tile,
+    /// the next one along x is taken.
+    fn shifted(&self, values: &[f64], chance: &mut Stream) -> Vec<f64> {
+        let (column, row) = (|cell: usize| cell % self.nx, |cell: usize| cell / self.nx);
+        let ends = |of: &dyn Fn(usize) -> usize| {
+            let all = self.cells.iter().map(|&cell| of(cell));
+            (all.clone().min().unwrap_or(0), all.max().unwrap_or(0))
+        };
+        let ((west, east), (south, north)) = (ends(&column), ends(&row));
+        let (width, height) = (east - west + 1, north - south + 1);
+        if height == 1 {
+            return in_pieces(values, chance);
+        }
+        let mut map = vec![f64::NAN; width * height];
+        let place = |cell: usize| (row(cell) - south) * width + column(cell) - west;
+        self.cells.iter().zip(values).for_each(|(&cell, &value)| map[place(cell)] = value);
+        let shift = chance.below(width) + width * chance.below(height);
+        let next = |cell: usize| {
+            let (i, j) = (column(cell) - west + shift % width, row(cell) - south + shift / width);
+            let start = j % height * width + i % width;
+            (0..map.len()).map(|step| map[(start + step) % map.len()]).find(|value| value.is_finite())
+        };
+        self.cells.iter().map(|&cell| next(cell).unwrap_or(0.0)).collect()
+    }
+}
+
+/// Values in a line, cut at random into pieces that change places: a plan that repeats would meet itself again when it
+/// is only shifted.
+fn in_pieces(values: &[f64], chance: &mut Stream) -> Vec<f64> {
+    let mut pieces: Vec<Vec<f64>> = vec![Vec::new()];
+    for &value in values {
+        if chance.happens(1.0 / PIECE) {
+            pieces.push(Vec::new());
+        }
+        pieces.last_mut().expect("there is one").push(value);
+    }
+    (1..pieces.len()).rev().for_each(|k| pieces.swap(k, chance.below(k + 1)));
+    pieces.concat()
+}

@@ -1,0 +1,125 @@
+//! What a model is held against, whatever the data are.
+
+use effects::{CompiledModel, Effect, Process, RowCounts, RunError};
+use thiserror::Error;
+
+use super::coordinates::Coordinate;
+use super::pass_trend::PassTrend;
+use crate::campaign_twin::CampaignError;
+
+/// Which data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// Data that fits may see.
+    Calibration,
+    /// Data kept apart: no fit sees them, and what a fit found must hold on them.
+    Evaluation,
+}
+
+/// Why data cannot be compared with a model.
+#[derive(Debug, Error)]
+pub enum EvidenceError {
+    /// The model cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] CampaignError),
+    /// A formula of the scanner.
+    #[error("a simulated scan: {0}")]
+    Scan(#[from] RunError),
+    /// There is nothing to compare with.
+    #[error("{0}")]
+    NoData(String),
+}
+
+/// In what the errors of data are told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum ErrorUnit {
+    /// Micrometres.
+    #[default]
+    #[serde(rename = "um")]
+    Micrometre,
+    /// Hundredths of what was removed.
+    #[serde(rename = "percent")]
+    Percent,
+}
+
+impl ErrorUnit {
+    /// Its size in the data's own unit, turned upside down.
+    pub fn per_one(self) -> f64 {
+        match self {
+            Self::Micrometre => 1e6,
+            Self::Percent => 100.0,
+        }
+    }
+
+    /// For people.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Micrometre => "µm",
+            Self::Percent => "%",
+        }
+    }
+}
+
+/// How well a model describes one scan, or one table.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Agreement {
+    /// Which data, for people.
+    pub about: String,
+    /// Root mean square of measured minus simulated over what the tool may have touched: heights [m], distances of the
+    /// border of what is exposed [m], or logarithms of removal [1].
+    pub rms: f64,
+    /// What the instrument tells apart: its noise, or half a pixel where it shows no more than which side of a border each is on.
+    pub floor: f64,
+    /// What random errors alone leave of a perfect model.
+    pub noise: f64,
+    /// Mean of what was removed, in the same unit; what small errors are small against.
+    pub scale: f64,
+}
+
+/// Data of a campaign, which can be predicted with a model again and again.
+pub trait Evidence: Sync {
+    /// What the tool does.
+    fn process(&self) -> Process;
+
+    /// Rows that a model needs which has a parameter for each pass or scan.
+    fn rows(&self) -> RowCounts;
+
+    /// Measured minus predicted, whitened: independent with variance one where the model is right.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError>;
+
+    /// How well a model describes each scan of a split.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError>;
+
+    /// In what errors are told.
+    fn unit(&self) -> ErrorUnit {
+        ErrorUnit::Micrometre
+    }
+
+    /// The parameters of a model that a fit to these data varies.
+    fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
+        Coordinate::of(model, |_| true)
+    }
+
+    /// Root mean square of the change of the calibration data, in the unit of [`Agreement::rms`], behind a change of the whitened
+    /// residuals; measurement freedoms take up what they can.
+    fn size(&self, change: &[f64]) -> f64;
+
+    /// How the removal changes from a pass to an equal one after it, and what a law can make of that; `None` where there
+    /// are no equal passes.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError>;
+
+    /// Why an effect cannot show in these data, if so.
+    fn is_blind_to(&self, effect: &Effect) -> Option<String>;
+
+    /// For each residual the number of its block: neighbours that may still depend on each other.
+    fn blocks(&self, split: Split) -> Vec<usize>;
+}

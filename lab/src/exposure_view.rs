@@ -1,0 +1,161 @@
+//! One exposure mask as data: how far each tile is from the border of what is exposed.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use nalgebra::{DMatrix, DVector};
+
+use super::border::{Border, Seen};
+use super::covariance::{Freedom, Whitener};
+use super::tiles::{TileGrid, Tiles};
+use trials::measure::median;
+use trials::trial::ExposureMask;
+
+/// How far tool and mask may disagree about where along x and y the part lies [m].
+const SHIFT_SIGMA: f64 = 100e-6;
+/// Pixels around one whose majority says what it should be, and the share of a normal law's spread in its mean size.
+const NEIGHBOURS: i64 = 2;
+const MEAN_TO_SIGMA: f64 = 1.2533;
+/// Least scatter of the border as pixels show it, and of its mean place along one tile: a mask says no more, and the
+/// simulation has a grid of its own [pixels].
+const LEAST_SCATTER: f64 = 0.3;
+const LEAST_ERROR: f64 = 0.5;
+
+/// A mask as data.
+#[derive(Clone, Debug)]
+pub struct ExposureView {
+    /// The mask.
+    pub measured: ExposureMask,
+    /// Tiles that the tool may have touched.
+    pub tiles: Tiles,
+    /// Standard deviation of the border's place as single pixels show it [m].
+    pub scatter: f64,
+    odd: usize,
+    distances: Vec<f64>,
+    reach: f64,
+    whitener: Whitener,
+}
+
+impl ExposureView {
+    /// Makes data of a mask.
+    ///
+    /// - `free`: for each pixel, whether no tool came near it before this mask
+    /// - `reach`: distance from the border beyond which a tile only says on which side it is [m]
+    ///
+    /// `None` where no tile was touched.
+    pub fn new(measured: ExposureMask, free: &[bool], side: usize, reach: f64) -> Option<Self> {
+        let pixels = measured.pixels;
+        let tiles = TileGrid { pixels, side }.tiles(|at| measured.exposed[at].is_some() && !free[at]);
+        let majority = majority(&measured);
+        let field: Vec<f64> = majority.iter().map(|share| share - 0.5).collect();
+        let border = Border::new(&field, pixels);
+        let is_odd = |&at: &usize| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5));
+        let odd = (0..pixels.len()).filter(is_odd).count();
+        let scatter = (MEAN_TO_SIGMA * odd as f64 / border.crossings().max(1) as f64).max(LEAST_SCATTER);
+        let seen = seen(&tiles, &field, &border, reach);
+        let error = (scatter / (side as f64).sqrt()).max(LEAST_ERROR) * pixels.pitch;
+        let sharing = sharing(&seen, side as f64 * pixels.pitch, reach);
+        let variances = sharing.into_iter().map(|tiles| tiles * error * error);
+        let noise = DMatrix::from_diagonal(&DVector::from_iterator(tiles.len(), variances));
+        let columns = DMatrix::from_fn(tiles.len(), 2, |k, axis| -seen[k].away[axis]);
+        let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[SHIFT_SIGMA; 2]))?;
+        let distances = seen.iter().map(|seen| seen.distance).collect();
+        let scatter = scatter * pixels.pitch;
+        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, whitener })
+    }
+
+    /// Measured minus simulated distance of each tile from the border, whitened.
+    ///
+    /// - `margin`: simulated dose beyond the one from which substrate shows, one per pixel
+    pub fn whitened(&self, margin: &[f64]) -> Vec<f64> {
+        let simulated = seen(&self.tiles, margin, &Border::new(margin, self.measured.pixels), self.reach);
+        let difference: Vec<f64> =
+            self.distances.iter().zip(simulated).map(|(measured, seen)| measured - seen.distance).collect();
+        self.whitener.whiten(&difference)
+    }
+
+    /// The change of the tiles' distances [m] behind a change of the whitened ones; the shift takes up what it can.
+    pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
+        self.whitener.unwhiten(change)
+    }
+
+    /// The distance [m] that pixels of this pitch tell apart: the border's scatter, and half a pixel, for one pixel says no more
+    /// about where the border is.
+    pub fn border_floor(&self) -> f64 {
+        self.scatter.max(0.5 * self.measured.pixels.pitch)
+    }
+
+    /// What a perfect model would leave of [`Self::border_distance`] [m]: pixels near the border that differ from most around them.
+    pub fn border_noise(&self) -> f64 {
+        self.odd as f64 / self.border_length() * self.measured.pixels.pitch
+    }
+
+    /// Way across the border on which a simulated dose changes by as much as shows the substrate [m], in the middle of all places.
+    ///
+    /// - `margin`: as in [`Self::whitened`]
+    pub fn border_width(&self, margin: &[f64]) -> f64 {
+        let pixels = self.measured.pixels;
+        let inside = |i: usize, j: usize| i > 0 && j > 0 && i + 1 < pixels.nx && j + 1 < pixels.ny;
+        let width = |at: usize| {
+            let (i, j) = (at % pixels.nx, at / pixels.nx);
+            let crosses = |to: usize| (margin[at] >= 0.0) != (margin[to] >= 0.0);
+            if !inside(i, j) || !(crosses(at + 1) || crosses(at + pixels.nx)) {
+                return None;
+            }
+            let slope = DVec2::new(margin[at + 1] - margin[at - 1], margin[at + pixels.nx] - margin[at - pixels.nx]);
+            Some(2.0 * pixels.pitch / slope.length()).filter(|width| width.is_finite())
+        };
+        median((0..pixels.len()).filter_map(width).collect()).unwrap_or(0.0)
+    }
+
+    /// Mean distance between the measured and the simulated border [m]: the area on which they disagree over the
+    /// border's length.
+    pub fn border_distance(&self, margin: &[f64]) -> f64 {
+        let wrong = |&(_, at): &(usize, usize)| self.measured.exposed[at] != Some(margin[at] >= 0.0);
+        let disagree = self.tiles.pixels().filter(wrong).count() as f64;
+        disagree / self.border_length() * self.measured.pixels.pitch
+    }
+
+    /// Standard deviation of the area on which substrate shows [m²]: the border's pixels err independently.
+    pub fn area_sigma(&self) -> f64 {
+        self.border_floor() * self.measured.pixels.pitch * self.border_length().sqrt()
+    }
+
+    /// Length of the measured border [pixels]; at least one.
+    fn border_length(&self) -> f64 {
+        let field: Vec<f64> = majority(&self.measured).iter().map(|share| share - 0.5).collect();
+        Border::new(&field, self.measured.pixels).crossings().max(1) as f64
+    }
+}
+
+/// All tiles seen from a border of a field.
+fn seen(tiles: &Tiles, field: &[f64], border: &Border, reach: f64) -> Vec<Seen> {
+    let above = tiles.means(|at| f64::from(u8::from(field[at] > 0.0)));
+    tiles.centres.iter().zip(above).map(|(centre, above)| border.seen_from(*centre, above > 0.5, reach)).collect()
+}
+
+/// How many tiles tell of one piece of the border as long as a tile, for each tile; of those out of reach, as many as there
+/// would be across a straight border.
+fn sharing(seen: &[Seen], side: f64, reach: f64) -> Vec<f64> {
+    let piece = |nearest: DVec2| ((nearest.x / side).floor() as i64, (nearest.y / side).floor() as i64);
+    let mut tiles: BTreeMap<(i64, i64), f64> = BTreeMap::new();
+    seen.iter().filter_map(|seen| seen.nearest).for_each(|nearest| *tiles.entry(piece(nearest)).or_default() += 1.0);
+    let count = |seen: &Seen| seen.nearest.map_or(2.0 * reach / side, |nearest| tiles[&piece(nearest)]);
+    seen.iter().map(|seen| count(seen).max(1.0)).collect()
+}
+
+/// Share of exposed pixels around each pixel.
+fn majority(mask: &ExposureMask) -> Vec<f64> {
+    let (nx, ny) = (mask.pixels.nx as i64, mask.pixels.ny as i64);
+    let around = |at: usize| {
+        let (i, j) = (at as i64 % nx, at as i64 / nx);
+        let columns = (i - NEIGHBOURS).max(0)..=(i + NEIGHBOURS).min(nx - 1);
+        let rows = (j - NEIGHBOURS).max(0)..=(j + NEIGHBOURS).min(ny - 1);
+        let known = rows.flat_map(|j| columns.clone().map(move |i| (j * nx + i) as usize));
+        let (sum, count) = known
+            .filter_map(|at| mask.exposed[at])
+            .fold((0.0, 0.0), |(sum, count), seen| (sum + f64::from(u8::from(seen)), count + 1.0));
+        if count > 0.0 { sum / count } else { 0.0 }
+    };
+    (0..mask.pixels.len()).map(around).collect()
+}

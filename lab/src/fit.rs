@@ -1,0 +1,300 @@
+//! Fits a model to data by Levenberg and Marquardt's method within bounds. Measurement freedoms are part of the
+//! whitened data, so every fit is joint.
+
+use effects::CompiledModel;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::coordinates::{Bound, Coordinate, moved};
+use super::evidence::{Evidence, EvidenceError, Split};
+
+/// A step that promises less is the last [χ² per datum of the best value so far, then χ²].
+const CONVERGED: f64 = 0.5;
+/// Damping: first, and factors after good and bad steps.
+const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
+/// Longest step of one round [coordinates].
+const LONGEST_MOVE: f64 = 1.5;
+/// Lengths tried for one step.
+const TRIES: usize = 3;
+/// Way from a fit's end to where it is begun again [coordinates].
+const BESIDE: f64 = 0.4;
+/// Huber's constant [standard deviations].
+const HUBER: f64 = 2.5;
+
+/// How much a fit may cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// How often derivatives may be made anew; between, they are updated from the steps (Broyden 1965).
+    pub derivatives: usize,
+    /// Steps at most.
+    pub steps: usize,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self { derivatives: 4, steps: 25 }
+    }
+}
+
+/// A fitted model.
+#[derive(Clone)]
+pub struct Fit {
+    /// The model at the best values.
+    pub model: CompiledModel,
+    /// What was varied.
+    pub coordinates: Vec<Coordinate>,
+    /// Best values [coordinates].
+    pub at: Vec<f64>,
+    /// Whitened residuals there.
+    pub residuals: Vec<f64>,
+    /// Derivatives of the whitened residuals, shape [data, coordinates].
+    pub jacobian: DMatrix<f64>,
+    /// Robust sum of squares.
+    pub chi2: f64,
+    /// Whether the last step promised nothing more.
+    pub converged: bool,
+    /// Simulations of the data.
+    pub runs: usize,
+}
+
+/// How an attempt to improve a fit ended.
+enum Step {
+    /// With a lower sum of squares.
+    Better {
+        /// What the derivatives promised.
+        promised: f64,
+    },
+    /// With none worth its cost.
+    None,
+}
+
+/// What a fit says about one parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// The parameter.
+    pub coordinate: Coordinate,
+    /// Best value [SI].
+    pub value: f64,
+    /// Standard deviation [coordinates]; infinite where the data do not tell.
+    pub sigma: f64,
+    /// The bound it lies on.
+    pub bound: Option<Bound>,
+}
+
+/// Sum of squares in which outliers count linearly (Huber 1964).
+pub fn robust_sum(residuals: &[f64]) -> f64 {
+    let rho = |r: &f64| if r.abs() <= HUBER { r * r } else { HUBER * (2.0 * r.abs() - HUBER) };
+    residuals.iter().map(rho).sum()
+}
+
+/// Weights that turn least squares into the robust sum.
+pub(super) fn weights(residuals: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(residuals.len(), residuals.iter().map(|r| (HUBER / r.abs()).min(1.0).sqrt()))
+}
+
+impl Fit {
+    /// Fits the calibration data, beginning from the model's values.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated at its first values.
+    pub fn new(
+        evidence: &dyn Evidence,
+        model: &CompiledModel,
+        coordinates: Vec<Coordinate>,
+        options: FitOptions,
+    ) -> Result<Self, EvidenceError> {
+        Ok(Self::unfitted(evidence, model, coordinates)?.refined(evidence, options))
+    }
+
+    /// The model as it is, with derivatives still to be made.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub fn unfitted(
+        evidence: &dyn Evidence,
+        model: &CompiledModel,
+        coordinates: Vec<Coordinate>,
+    ) -> Result<Self, EvidenceError> {
+        let at: Vec<f64> = coordinates.iter().map(|c| c.clamped(c.from_value(model.value(c.index)))).collect();
+        let model = moved(model, &coordinates, &at);
+        let residuals = evidence.residuals(&model, Split::Calibration)?;
+        let chi2 = robust_sum(&residuals);
+        let jacobian = DMatrix::zeros(residuals.len(), coordinates.len());
+        Ok(Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1 })
+    }
+
+    /// Goes on from here; derivatives that are there already are used first.
+    pub fn refined(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
+        let mut damping = DAMPING.0;
+        let mut left = options.derivatives;
+        let mut fresh = false;
+        let mut known = self.jacobian.iter().any(|derivative| *derivative != 0.0);
+        for _ in 0..options.steps {
+            if !known {
+                if left == 0 {
+                    break;
+                }
+                self.renew_derivatives(evidence);
+                (left, fresh) = (left - 1, true);
+            }
+            let before = (self.at.clone(), self.residuals.clone(), self.chi2);
+            match self.improve(evidence, &mut damping) {
+                Step::Better { promised } => {
+                    let kept = before.2 - self.chi2;
+                    self.update_jacobian(&before.0, &before.1);
+                    (known, fresh) = (kept > 0.1 * promised, false);
+                }
+                Step::None if fresh => {
+                    self.converged = true;
+                    break;
+                }
+                Step::None => known = false,
+            }
+        }
+        self
+    }
+
+    /// The same fit begun anew at another place [coordinates].
+    ///
+    /// # Errors
+    /// When the model cannot be simulated there.
+    pub(super) fn begun_at(
+        &self,
+        evidence: &dyn Evidence,
+        place: &[f64],
+        options: FitOptions,
+    ) -> Result<Self, EvidenceError> {
+        let model = moved(&self.model, &self.coordinates, place);
+        Self::new(evidence, &model, self.coordinates.clone(), options)
+    }
+
+    /// Places on both sides along the direction of which the data tell least.
+    pub(super) fn both_sides(&self) -> Vec<Vec<f64>> {
+        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
+        if told.is_empty() {
+            return Vec::new();
+        }
+        let jacobian = self.jacobian.select_columns(&told);
+        let directions = jacobian.tr_mul(&jacobian).symmetric_eigen();
+        let way = directions.eigenvectors.column(directions.eigenvalues.imin());
+        let beside = |side: f64| {
+            let mut at = self.at.clone();
+            for (&k, way) in told.iter().zip(way.iter().map(|share| side * BESIDE * share / way.amax())) {
+                at[k] = self.coordinates[k].clamped(at[k] + way);
+            }
+            at
+        };
+        [-1.0, 1.0].map(beside).into_iter().filter(|at| *at != self.at).collect()
+    }
+
+    /// The derivatives along a coordinate, if this fit has it.
+    pub fn column(&self, coordinate: &Coordinate) -> Option<DVector<f64>> {
+        let place = self.coordinates.iter().position(|own| own.slot.name() == coordinate.slot.name())?;
+        Some(self.jacobian.column(place).into_owned())
+    }
+
+    /// Makes one step that lowers the sum of squares.
+    fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
+        let worth = CONVERGED * (self.chi2 / self.residuals.len() as f64).max(1.0);
+        for _ in 0..TRIES {
+            let Some((at, promised)) = self.step(&self.residuals, *damping) else { return Step::None };
+            if promised < worth {
+                return Step::None;
+            }
+            self.runs += 1;
+            let model = moved(&self.model, &self.coordinates, &at);
+            if let Ok(residuals) = evidence.residuals(&model, Split::Calibration) {
+                let chi2 = robust_sum(&residuals);
+                if chi2 < self.chi2 {
+                    *damping *= if self.chi2 - chi2 > 0.25 * promised { DAMPING.1 } else { 1.0 };
+                    (self.model, self.at, self.residuals, self.chi2) = (model, at, residuals, chi2);
+                    return Step::Better { promised };
+                }
+            }
+            *damping *= DAMPING.2;
+        }
+        Step::None
+    }
+
+    /// How far the coordinates follow a change of the residuals to make up for it, and by how much its sum of squares falls.
+    pub(super) fn following(&self, change: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let (at, taken_up) = self.step(change, DAMPING.0)?;
+        Some((at.iter().zip(&self.at).map(|(b, a)| b - a).collect(), taken_up))
+    }
+
+    /// Where a damped step against residuals leads, kept within the bounds, and what it promises.
+    fn step(&self, residuals: &[f64], damping: f64) -> Option<(Vec<f64>, f64)> {
+        let weights = weights(&self.residuals);
+        let mut jacobian = self.jacobian.clone();
+        jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        let residuals = DVector::from_column_slice(residuals).component_mul(&weights);
+        let mut held = vec![false; self.at.len()];
+        loop {
+            let free: Vec<usize> =
+                (0..self.at.len()).filter(|&k| !held[k] && jacobian.column(k).norm() > 0.0).collect();
+            if free.is_empty() {
+                return None;
+            }
+            let active = jacobian.select_columns(&free);
+            let mut normal = active.tr_mul(&active);
+            (0..free.len()).for_each(|k| normal[(k, k)] *= 1.0 + damping);
+            let way = Cholesky::new(normal)?.solve(&active.tr_mul(&residuals));
+            let shorten = (LONGEST_MOVE / way.amax()).min(1.0);
+            let mut at = self.at.clone();
+            let mut outward = None;
+            for (i, &k) in free.iter().enumerate() {
+                at[k] = self.coordinates[k].clamped(self.at[k] - shorten * way[i]);
+                if at[k] == self.at[k] && way[i] != 0.0 {
+                    outward = Some(k);
+                }
+            }
+            if let Some(k) = outward {
+                held[k] = true;
+                continue;
+            }
+            let moved = DVector::from_iterator(at.len(), at.iter().zip(&self.at).map(|(b, a)| b - a));
+            let promise = residuals.norm_squared() - (&residuals + &jacobian * moved).norm_squared();
+            return Some((at, promise));
+        }
+    }
+
+    /// What the fit says about each parameter; `spread` widens the intervals where the residuals are larger than noise.
+    pub fn estimates(&self, spread: f64) -> Vec<Estimate> {
+        let covariance = self.covariance();
+        let estimate = |(k, coordinate): (usize, &Coordinate)| {
+            let sigma = covariance.as_ref().map_or(f64::INFINITY, |c| spread * c[(k, k)].max(0.0).sqrt());
+            let bound = coordinate.bound(self.at[k]);
+            Estimate { coordinate: coordinate.clone(), value: coordinate.value(self.at[k]), sigma, bound }
+        };
+        self.coordinates.iter().enumerate().map(estimate).collect()
+    }
+
+    /// For each coordinate, whether it lies on a bound and the next step would take it farther.
+    pub fn held_back(&self) -> Vec<bool> {
+        let weights = weights(&self.residuals);
+        let mut jacobian = self.jacobian.clone();
+        jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        let residuals = DVector::from_column_slice(&self.residuals).component_mul(&weights);
+        let way = jacobian.svd(true, true).solve(&residuals, 1e-9).unwrap_or_else(|_| DVector::zeros(self.at.len()));
+        let held = |(k, coordinate): (usize, &Coordinate)| match coordinate.bound(self.at[k]) {
+            Some(Bound::Least) => way[k] > 0.0,
+            Some(Bound::Greatest) => way[k] < 0.0,
+            None => false,
+        };
+        self.coordinates.iter().enumerate().map(held).collect()
+    }
+
+    /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
+    /// others.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
+        let jacobian = self.jacobian.select_columns(&told);
+        let inverse = Cholesky::new(jacobian.tr_mul(&jacobian))?.inverse();
+        let mut covariance = DMatrix::from_diagonal_element(self.at.len(), self.at.len(), f64::INFINITY);
+        for (i, &a) in told.iter().enumerate() {
+            for (j, &b) in told.iter().enumerate() {
+                covariance[(a, b)] = inverse[(i, j)];
+            }
+        }
+        Some(covariance)
+    }
+}

@@ -1,0 +1,266 @@
+//! One scan of a ground surface as data: laid on the untouched area, cut into tiles, with the covariance of what is no
+//! physics.
+
+use glam::DVec2;
+use nalgebra::{DMatrix, DVector};
+use sdf_bake::HeightMap;
+
+use super::covariance::{Freedom, TileNoise, Whitener};
+use super::tiles::{TileGrid, Tiles};
+use trials::measure::despiked;
+
+/// Freedoms of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
+const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
+/// Of these, height and tilts, which the untouched surface gives.
+const HELD: usize = 3;
+/// How far tool and scan may disagree about where along x and y the part lies [m]: the cut is shifted on the surface.
+const CUT_SIGMA: f64 = 100e-6;
+/// Standard deviation of a tile on the rim of what the tool cut, where simulations on different lattices differ [pixels of
+/// height per slope that changes there].
+const RIM_ERROR: f64 = 0.03;
+/// Removed depth at which the noise of the scan before has fallen to 1/e of its share in the surface [tile sigmas].
+const NOISE_GONE: f64 = 3.0;
+
+/// A scan as data.
+#[derive(Clone, Debug)]
+pub struct HeightView {
+    /// The scan without spikes.
+    pub measured: HeightMap,
+    /// Tiles that the tool may have touched.
+    pub tiles: Tiles,
+    /// Noise of a tile.
+    pub noise: TileNoise,
+    slopes: Vec<DVec2>,
+    cut: Vec<DVec2>,
+    whitener: Whitener,
+    /// Share of the noise of the scan before in each tile.
+    pub before_share: Vec<f64>,
+}
+
+impl HeightView {
+    /// Makes data of a scan.
+    ///
+    /// - `measured`, `before`: scans without spikes
+    /// - `free`: for each pixel, whether no tool came near it before this scan
+    ///
+    /// `None` where no tile was touched.
+    pub fn new(
+        measured: HeightMap,
+        before: &HeightMap,
+        free: &[bool],
+        (side, noise): (usize, TileNoise),
+    ) -> Option<Self> {
+        let pixels = measured.pixels;
+        let change: Vec<f64> = measured.heights.iter().zip(&before.heights).map(|(a, b)| a - b).collect();
+        let cut = slopes(&HeightMap { pixels, heights: change.clone() });
+        let slopes = slopes(&measured);
+        let known = |at: usize| change[at].is_finite() && slopes[at].is_finite();
+        let alone = TileGrid { pixels, side: 2 * side }.tiles(|at| known(at) && free[at]);
+        let coarse = TileNoise { alone: 0.5 * noise.alone, ..noise };
+        let untouched = Whitener::new(
+            coarse.covariance(&alone, &vec![1.0; alone.len()]),
+            Freedom::around_zero(pose_columns(&alone, &slopes), &POSE_SIGMAS),
+        )?;
+        let pose = untouched.freedoms(&alone.means(|at| change[at]));
+        let tiles = TileGrid { pixels, side }.tiles(|at| known(at) && !free[at]);
+        let columns = pose_columns(&tiles, &slopes);
+        let planes = &columns * &pose.mean;
+        let removed =
+            tiles.means(|at| -change[at]).into_iter().zip(planes.iter()).map(|(removed, lift)| removed + lift);
+        let depth = NOISE_GONE * noise.sigma();
+        let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
+        let mut covariance = noise.covariance(&tiles, &before_share);
+        for (k, bend) in rims(&tiles, [&cut, &slopes]).into_iter().enumerate() {
+            covariance[(k, k)] += (RIM_ERROR * bend * pixels.pitch).powi(2);
+        }
+        let shift = cut_columns(&tiles, &cut);
+        let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift, &[CUT_SIGMA; 2]))?;
+        (!tiles.is_empty()).then_some(Self { measured, tiles, noise, slopes, cut, whitener, before_share })
+    }
+
+    /// Measured minus simulated height of each tile [m].
+    pub fn difference(&self, simulated: &HeightMap) -> Vec<f64> {
+        self.tiles.means(|at| {
+            let difference = self.measured.heights[at] - simulated.heights[at];
+            if difference.is_finite() { difference } else { 0.0 }
+        })
+    }
+
+    /// The difference, whitened.
+    pub fn whitened(&self, simulated: &HeightMap) -> Vec<f64> {
+        self.whitener.whiten(&self.difference(simulated))
+    }
+
+    /// The change of the tiles' heights [m] behind a change of the whitened ones; pose and place of the cut take up what they can.
+    pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
+        self.whitener.unwhiten(change)
+    }
+
+    /// What the tiles may differ by without any physics.
+    pub fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
+    /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
+    pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
+        self.left_at(simulated, &self.whitener.freedoms(&self.difference(simulated)).mean)
+    }
+
+    /// As [`HeightView::left`], with height and tilt as the untouched surface says: a model that is far off does not pull
+    /// them.
+    pub fn left_held(&self, simulated: &HeightMap) -> Vec<f64> {
+        let mut pose = self.whitener.freedoms(&self.difference(simulated)).mean;
+        pose.rows_mut(0, HELD).copy_from(&self.whitener.expected().mean.rows(0, HELD));
+        self.left_at(simulated, &pose)
+    }
+
+    fn left_at(&self, simulated: &HeightMap, pose: &DVector<f64>) -> Vec<f64> {
+        let frame = Frame::of(self.measured.pixels);
+        let lift = |at: usize| {
+            let cut = if self.cut[at].is_finite() { self.cut[at] } else { DVec2::ZERO };
+            let column = pose_column(frame, self.measured.pixels, at, self.slopes[at]);
+            column.into_iter().chain([-cut.x, -cut.y]).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
+        };
+        let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
+        (0..self.measured.heights.len()).map(left).collect()
+    }
+
+    /// Root mean square of measured minus simulated height over the tiles' pixels, with the scan where it came [m].
+    pub fn raw_rms(&self, simulated: &HeightMap) -> f64 {
+        let raw = self.tiles.pixels().map(|(_, at)| self.measured.heights[at] - simulated.heights[at]);
+        let (sum, count) =
+            raw.filter(|raw| raw.is_finite()).fold((0.0, 0.0), |(sum, count), raw| (sum + raw * raw, count + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
+    /// Standard deviation of a weighted sum over the tiles' differences, from noise, from height and tilt as the untouched
+    /// surface leaves them, and from shifts as all data leave them.
+    pub fn held_sigma(&self, weights: &[f64]) -> f64 {
+        let expected = &self.whitener.expected().covariance;
+        let mut covariance = self.whitener.freedoms(&vec![0.0; self.tiles.len()]).covariance;
+        for k in 0..HELD {
+            covariance.row_mut(k).fill(0.0);
+            covariance.column_mut(k).fill(0.0);
+        }
+        covariance.view_mut((0, 0), (HELD, HELD)).copy_from(&expected.view((0, 0), (HELD, HELD)));
+        self.whitener.sigma_of_sum_given(weights, &covariance)
+    }
+
+    /// Volume that a simulation removed under all tiles, and the volume of what it leaves [m³].
+    pub fn volumes(&self, before: &HeightMap, simulated: &HeightMap) -> (f64, f64) {
+        let left = self.left_held(simulated);
+        let sum = |value: &dyn Fn(usize) -> f64| {
+            let known = self.tiles.pixels().map(|(_, at)| value(at)).filter(|value| value.is_finite());
+            known.sum::<f64>() * self.measured.pixels.pitch.powi(2)
+        };
+        (sum(&|at| before.heights[at] - simulated.heights[at]), sum(&|at| left[at]))
+    }
+
+    /// Standard deviation of the volume under all tiles, from noise and the scan's pose [m³].
+    pub fn volume_sigma(&self) -> f64 {
+        let mut areas = vec![0.0; self.tiles.len()];
+        let pixel = self.measured.pixels.pitch.powi(2);
+        self.tiles.pixels().for_each(|(tile, _)| areas[tile] += pixel);
+        self.held_sigma(&areas)
+    }
+
+    /// Root mean square of what is left over the tiles' pixels, what the scans' noise alone would leave, and the mean
+    /// depth that was removed [m]. Spikes that a steep rim has hidden until the simulation was taken off it do not count.
+    ///
+    /// - `noise`: root mean square of one scan's noise [m]
+    pub fn agreement(&self, simulated: &HeightMap, before: &HeightMap, noise: f64) -> [f64; 3] {
+        let (left, _) = despiked(&HeightMap { heights: self.left(simulated), ..simulated.clone() });
+        let left = left.heights;
+        let (mut squares, mut floor, mut removed, mut count) = (0.0, 0.0, 0.0, 0.0);
+        for (tile, at) in self.tiles.pixels().filter(|(_, at)| left[*at].is_finite()) {
+            squares += left[at] * left[at];
+            floor += noise * noise * (1.0 + self.before_share[tile].powi(2));
+            removed += before.heights[at] - simulated.heights[at];
+            count += 1.0;
+        }
+        [(squares / count).sqrt(), (floor / count).sqrt(), removed / count]
+    }
+}
+
+/// Middle of a map and half of its diagonal [m].
+#[derive(Clone, Copy)]
+struct Frame {
+    middle: DVec2,
+    reach: f64,
+}
+
+impl Frame {
+    fn of(pixels: sdf_bake::PixelGrid) -> Self {
+        let end = pixels.position(pixels.nx - 1, pixels.ny - 1);
+        Self { middle: 0.5 * (pixels.origin + end), reach: 0.5 * pixels.origin.distance(end) }
+    }
+}
+
+/// What each freedom of a scan's pose adds to the height of a pixel.
+fn pose_column(frame: Frame, pixels: sdf_bake::PixelGrid, at: usize, slope: DVec2) -> [f64; 5] {
+    let place = (pixels.position(at % pixels.nx, at / pixels.nx) - frame.middle) / frame.reach;
+    [1.0, place.x, place.y, -slope.x, -slope.y]
+}
+
+fn pose_columns(tiles: &Tiles, slopes: &[DVec2]) -> DMatrix<f64> {
+    let pixels = tiles.grid.pixels;
+    let frame = Frame::of(pixels);
+    let column = |k: usize| tiles.means(|at| pose_column(frame, pixels, at, slopes[at])[k]);
+    DMatrix::from_fn(tiles.len(), 5, {
+        let columns: Vec<Vec<f64>> = (0..5).map(column).collect();
+        move |row, k| columns[k][row]
+    })
+}
+
+/// What shifts of the cut along x and y add to the height of each tile.
+fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
+    let known = |slope: f64| if slope.is_finite() { -slope } else { 0.0 };
+    let (x, y) = (tiles.means(|at| known(cut[at].x)), tiles.means(|at| known(cut[at].y)));
+    DMatrix::from_fn(tiles.len(), 2, move |row, k| if k == 0 { x[row] } else { y[row] })
+}
+
+/// How far the slope turns over four pixels, at most, in each tile: at a rim, all of its bend. Only what both the cut and
+/// the ground surface show is a rim; the bend of one alone is the shape of the part.
+fn rims(tiles: &Tiles, maps: [&[DVec2]; 2]) -> Vec<f64> {
+    let (nx, ny) = (tiles.grid.pixels.nx, tiles.grid.pixels.ny);
+    let bend = |at: usize| {
+        let (i, j) = (at % nx, at / nx);
+        let across = |low: usize, high: usize| {
+            maps.iter().map(|slopes| (slopes[high] - slopes[low]).length()).fold(f64::INFINITY, f64::min)
+        };
+        let along_x = if (2..nx.max(2) - 2).contains(&i) { across(at - 2, at + 2) } else { 0.0 };
+        let along_y = if (2..ny.max(2) - 2).contains(&j) { across(at - 2 * nx, at + 2 * nx) } else { 0.0 };
+        [along_x, along_y].into_iter().filter(|bend| bend.is_finite()).fold(0.0, f64::max)
+    };
+    let mut rims = vec![0.0f64; tiles.len()];
+    tiles.pixels().for_each(|(tile, at)| rims[tile] = rims[tile].max(bend(at)));
+    rims
+}
+
+/// Slope at each pixel from a plane through its neighbours two pixels around, NaN where too few are known.
+fn slopes(map: &HeightMap) -> Vec<DVec2> {
+    let (nx, ny) = (map.pixels.nx as i64, map.pixels.ny as i64);
+    let slope = |at: usize| {
+        let (i, j) = (at as i64 % nx, at as i64 / nx);
+        let height = |di: i64, dj: i64| {
+            let inside = (0..nx).contains(&(i + di)) && (0..ny).contains(&(j + dj));
+            if inside { map.heights[((j + dj) * nx + i + di) as usize] } else { f64::NAN }
+        };
+        DVec2::new(along(|d| height(d, 0)), along(|d| height(0, d))) / map.pixels.pitch
+    };
+    (0..map.heights.len()).map(slope).collect()
+}
+
+/// Slope of the straight line through those of five values that are known [per pixel]; NaN where fewer than two are.
+fn along(height: impl Fn(i64) -> f64) -> f64 {
+    let known: Vec<(f64, f64)> =
+        (-2..=2).map(|d| (d as f64, height(d))).filter(|(_, height)| height.is_finite()).collect();
+    if known.len() < 2 {
+        return f64::NAN;
+    }
+    let middle = known.iter().map(|(d, _)| d).sum::<f64>() / known.len() as f64;
+    let (rise, weight) = known
+        .iter()
+        .fold((0.0, 0.0), |(rise, weight), (d, height)| (rise + (d - middle) * height, weight + (d - middle).powi(2)));
+    rise / weight
+}

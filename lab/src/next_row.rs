@@ -1,0 +1,161 @@
+//! The row that a table needs next: variants of its last pieces of work, one row more after each, that tell two rivals
+//! apart.
+
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::coordinates::moved;
+use super::diagnose::Diagnosis;
+use super::evidence::{Evidence, EvidenceError, Split};
+use super::fit::Fit;
+use super::next_trial::{NextTrial, left_after_refit};
+use super::rows::RowEvidence;
+use trials::measure::median;
+use trials::table::{Row, Table};
+use trials::trial::{RPM, Role};
+
+/// Rows of a piece of work at most that are repeated before the new one.
+const MOST_ROWS: usize = 6;
+
+/// What the new row changes of the one before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Change {
+    Nothing,
+    Dressed,
+    Force(f64),
+    Speed(f64),
+    Duration(f64),
+}
+
+const CHANGES: [Change; 8] = [
+    Change::Nothing,
+    Change::Dressed,
+    Change::Force(0.6),
+    Change::Force(1.6),
+    Change::Speed(0.6),
+    Change::Speed(1.4),
+    Change::Duration(0.5),
+    Change::Duration(3.0),
+];
+
+/// The row on which the effect that was found last changes most, so that it tests what the effect predicts; `None` where
+/// nothing was found.
+///
+/// # Errors
+/// When a model cannot be evaluated.
+pub fn testing_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
+    let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
+    let with = (found.suspect.name(), &found.suspect.fit);
+    Ok(next_row(evidence, (with, ("without it", &round.base)))?.map(NextTrial::into_test))
+}
+
+/// The row that would tell the two rivals of a diagnosis apart, where two are still in play.
+///
+/// # Errors
+/// When a rival cannot be evaluated.
+pub fn separating_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
+    let Some([one, other]) = diagnosis.rivals().map(|rivals| rivals.map(|rival| &rival.suspect)) else {
+        return Ok(None);
+    };
+    next_row(evidence, ((one.name(), &one.fit), (other.name(), &other.fit)))
+}
+
+/// The row that tells two fitted rivals apart best after the last piece of work is repeated, even if their other
+/// parameters are fitted anew (Atkinson and Fedorov 1975); `None` of an empty table.
+///
+/// # Errors
+/// When a rival cannot be evaluated.
+pub fn next_row(
+    evidence: &RowEvidence,
+    (first, second): ((&str, &Fit), (&str, &Fit)),
+) -> Result<Option<NextTrial>, EvidenceError> {
+    let Some(work) = last_work(evidence.table) else { return Ok(None) };
+    let mut best: Option<NextTrial> = None;
+    for change in CHANGES {
+        let Some(row) = work.last().and_then(|row| changed(row, change)) else { continue };
+        let rows: Vec<Row> = work.iter().cloned().chain([row]).collect();
+        let gain = separation(evidence, &rows, first.1, second.1)?;
+        if best.as_ref().is_none_or(|best| gain > best.expected_gain) {
+            best = Some(stated(evidence.table, &rows, change, [first.0, second.0], gain));
+        }
+    }
+    Ok(best)
+}
+
+/// The rows since the tool was last fresh, or the last row.
+fn last_work(table: &Table) -> Option<Vec<Row>> {
+    let start = table.rows.iter().rposition(|row| row.fresh).unwrap_or(table.rows.len().checked_sub(1)?);
+    Some(table.rows[start..].iter().take(MOST_ROWS).cloned().collect())
+}
+
+/// A row that follows another; `None` where the table does not hold what would change.
+fn changed(row: &Row, change: Change) -> Option<Row> {
+    let mut next = Row { fresh: false, began: None, ..row.clone() };
+    let scale = |value: &mut Option<f64>, factor: f64| value.as_mut().map(|value| *value *= factor);
+    match change {
+        Change::Nothing => {}
+        Change::Dressed => next.fresh = true,
+        Change::Force(factor) => {
+            let force = scale(&mut next.force, factor);
+            scale(&mut next.pressure, factor).or(force)?;
+        }
+        Change::Speed(factor) => scale(&mut next.speed, factor)?,
+        Change::Duration(factor) => scale(&mut next.duration, factor)?,
+    }
+    Some(next)
+}
+
+/// Least difference of two rivals' predictions of new rows, over all changes of the second's parameters that the old rows
+/// allow.
+fn separation(evidence: &RowEvidence, rows: &[Row], first: &Fit, second: &Fit) -> Result<f64, EvidenceError> {
+    let usual = median(evidence.table.rows.iter().filter_map(|row| row.removal_rate).collect());
+    let mut table = evidence.table.clone();
+    table.covariates.clear();
+    let new = |row: &Row| Row { role: Role::Calibration, removal_rate: usual, ..row.clone() };
+    table.rows.extend(rows.iter().map(new));
+    let mut there = RowEvidence::new(&table)?;
+    there.noise = evidence.noise;
+    let of = |model: &effects::CompiledModel| -> Result<DVector<f64>, EvidenceError> {
+        let all = there.residuals(model, Split::Calibration)?;
+        Ok(DVector::from_column_slice(&all[all.len() - rows.len()..]))
+    };
+    let (a, b) = (of(&first.model)?, of(&second.model)?);
+    let difference = &b - a;
+    let mut columns = Vec::new();
+    for (k, coordinate) in second.coordinates.iter().enumerate() {
+        let mut at = second.at.clone();
+        at[k] = coordinate.clamped(at[k] + coordinate.step());
+        let step = at[k] - second.at[k];
+        let moved = of(&moved(&second.model, &second.coordinates, &at))?;
+        columns.push(if step == 0.0 { DVector::zeros(b.len()) } else { (moved - &b) / step });
+    }
+    Ok(left_after_refit(&difference, &DMatrix::from_columns(&columns), second))
+}
+
+fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], gain: f64) -> NextTrial {
+    let passes = match rows.len() - 1 {
+        1 => "the last row once more".to_owned(),
+        count => format!("the last {count} rows once more"),
+    };
+    let then = match change {
+        Change::Nothing => "a further equal row without dressing the tool",
+        Change::Dressed => "the tool dressed and an equal row",
+        Change::Force(factor) if factor < 1.0 => "a row at 0.6 times the force",
+        Change::Force(_) => "a row at 1.6 times the force",
+        Change::Speed(factor) if factor < 1.0 => "a row at 0.6 times the speed",
+        Change::Speed(_) => "a row at 1.4 times the speed",
+        Change::Duration(factor) if factor < 1.0 => "a row of half the duration",
+        Change::Duration(_) => "a row of three times the duration",
+    };
+    let force = |row: &Row| row.force.or(Some(row.pressure? * table.area?));
+    let turns = |row: &Row| Some(row.speed? / table.radius? / RPM);
+    NextTrial {
+        summary: format!("Repeat {passes} on a new workpiece, then {then}."),
+        force_n: rows.iter().filter_map(force).collect(),
+        feed_mm_s: Vec::new(),
+        spindle_rpm: rows.iter().filter_map(turns).collect(),
+        separates: separates.map(str::to_owned).to_vec(),
+        expected_gain: gain,
+        chance_right: Normal::standard().cdf(0.5 * gain.sqrt()),
+    }
+}

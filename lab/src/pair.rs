@@ -1,0 +1,290 @@
+//! Two effects found together, where the best single one is no account of what is missing: alone each may be outdone by a third
+//! that takes a part of both for its own, and either may harm the held-out data until the other is there.
+//!
+//! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra: beside the
+//! base model, and beside each effect that was fitted alone. The most promising pairs are fitted. Beside a strong effect another
+//! may do something else than that: where a sure effect explains most but cannot be the only one, all others that were fitted
+//! alone are fitted beside it, too.
+
+use std::collections::BTreeSet;
+
+use effects::{Library, Model};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::coordinates::Coordinate;
+use super::diagnose::{Finding, Round, Told, probabilities, spread, with_values};
+use super::evidence::{Evidence, EvidenceError, Split};
+use super::fit::{Fit, FitOptions};
+use super::probe::Candidate;
+use super::response::{Projector, Response};
+use super::screen::Screened;
+use super::significance::chance_gains;
+use super::suspect::{QUICK_FIT, Suspect, THOROUGH_FIT, is_at_far_end};
+use super::verdict::{CERTAIN, is_open, misses};
+
+/// Pairs that are fitted quickly, and those that are fitted to the end.
+const QUICK: usize = 9;
+const THOROUGH: usize = 2;
+/// Pairs that are fitted with the same lead.
+const PER_LEAD: usize = 3;
+/// Share of the sum of squares that a sure effect leaves at most where others are fitted beside it, what each such fit may cost,
+/// and how many are fitted to the end.
+const MOSTLY: f64 = 0.5;
+const PARTNER_FIT: FitOptions = FitOptions { derivatives: 1, steps: 8 };
+const PARTNERS: usize = 4;
+/// Sine squared of the angle between two changes from which they are two.
+const APART: f64 = 1e-3;
+
+/// Two effects fitted together.
+struct Joint {
+    /// The one that is the better alone, at the values that the fit of both began from.
+    lead: Screened,
+    /// The other one, with the fit of both.
+    both: Suspect,
+}
+
+/// The pair of effects that is an account of what a first search could not name, as two searches one after the other;
+/// `None` where there is none, or several that share no effect.
+///
+/// # Errors
+/// When the model cannot be simulated.
+pub(super) fn pair(
+    evidence: &dyn Evidence,
+    first: &Round,
+    (model, library): (&Model, &Library),
+    (seed, told): (u64, Told),
+) -> Result<Option<[Round; 2]>, EvidenceError> {
+    let mut joints = fitted(evidence, first, (model, library), told);
+    joints.extend(beside_surest(evidence, first, (model, library), told));
+    joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
+    let mut known = BTreeSet::new();
+    joints.retain(|joint| known.insert(joint.names()));
+    let Some(least) = joints.first() else { return Ok(None) };
+    let spread = spread(&least.both.fit.residuals);
+    joints.sort_by(|a, b| a.cost(spread).total_cmp(&b.cost(spread)));
+    let lead = joints[0].lead.candidate.name.clone();
+    let probabilities = probabilities(&joints.iter().map(|joint| joint.cost(spread)).collect::<Vec<_>>(), 1.0);
+    let with_lead = |joint: &Joint| joint.lead.candidate.name == lead;
+    let sure: f64 = joints.iter().zip(probabilities).filter(|(joint, _)| with_lead(joint)).map(|(_, p)| p).sum();
+    if sure < CERTAIN {
+        return Ok(None);
+    }
+    joints.retain(with_lead);
+    let (half, second) = two_searches(evidence, first, joints, (spread, seed))?;
+    let is_account = |both: &Finding| {
+        let at_end = |c: &Coordinate| is_at_far_end(c, value_of(c, &both.suspect.fit));
+        let lead_is_free = !half.suspect.screened.candidate.coordinates.iter().any(at_end);
+        lead_is_free && !is_open(&both.calibration) && !misses(&both.evaluation)
+    };
+    if !second.nameable().is_some_and(is_account) {
+        return Ok(None);
+    }
+    Ok(Some([halved(first, Finding { probability: sure, ..half }), second]))
+}
+
+/// The lead of some pairs as it is alone, and the search that it leads to, in which each pair's other effect is a finding.
+fn two_searches(
+    evidence: &dyn Evidence,
+    first: &Round,
+    joints: Vec<Joint>,
+    (spread, seed): (f64, u64),
+) -> Result<(Finding, Round), EvidenceError> {
+    let (lead, left) = (&joints[0].lead, &joints[0].both.fit.residuals);
+    let blocks = evidence.blocks(Split::Calibration);
+    let chances = chance_gains(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
+    let alone = match known(first, lead) {
+        Some(alone) => alone.clone(),
+        None => Suspect::quick(evidence, &first.base, lead.clone())?,
+    };
+    let half = Finding::new(evidence, alone, (&first.base, &first.calibration), (&chances, spread))?;
+    let base = half.suspect.fit.clone();
+    let calibration = evidence.agreement(&base.model, Split::Calibration)?;
+    let evaluation = evidence.agreement(&base.model, Split::Evaluation)?;
+    let finding = |joint: Joint| Finding::new(evidence, joint.both, (&base, &calibration), (&chances, spread));
+    let findings = joints.into_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
+    let half = Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_sound: true, ..half };
+    let second = Round::weighed((base, calibration, evaluation), Vec::new(), (findings, spread));
+    Ok((half, second))
+}
+
+/// The first search with one half of the pair as the effect that it led to.
+fn halved(first: &Round, half: Finding) -> Round {
+    let others = first.findings.iter().filter(|finding| finding.suspect.name() != half.suspect.name());
+    let others: Vec<Finding> = others.map(|other| Finding { probability: 0.0, ..other.clone() }).collect();
+    Round { findings: std::iter::once(half).chain(others).collect(), is_half: true, ..first.clone() }
+}
+
+/// Value of a parameter in a fit that varies it, perhaps at another place among the model's parameters.
+fn value_of(coordinate: &Coordinate, fit: &Fit) -> f64 {
+    let own = fit.coordinates.iter().find(|own| own.slot.name() == coordinate.slot.name());
+    own.map_or(f64::NAN, |own| fit.model.value(own.index))
+}
+
+impl Joint {
+    /// Names of its effects, in alphabetical order.
+    fn names(&self) -> [String; 2] {
+        let mut names = [self.lead.candidate.name.clone(), self.both.name().to_owned()];
+        names.sort();
+        names
+    }
+
+    /// Sum of squares over the spread of what the best pair leaves, with what the freedoms cost (Schwarz 1978).
+    fn cost(&self, spread: f64) -> f64 {
+        let freedoms = self.both.freedoms() + self.lead.candidate.coordinates.len();
+        self.both.fit.chi2 / spread.powi(2) + freedoms as f64 * (self.both.fit.residuals.len() as f64).ln()
+    }
+}
+
+/// An effect as it was fitted alone.
+fn known<'a>(first: &'a Round, effect: &Screened) -> Option<&'a Suspect> {
+    let alone = first.findings.iter().map(|finding| &finding.suspect);
+    alone.into_iter().find(|alone| alone.name() == effect.candidate.name)
+}
+
+/// The most promising pairs fitted, the best of them thoroughly. Least sum of squares first.
+fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Library), told: Told) -> Vec<Joint> {
+    let base = with_values(model, &first.base);
+    let fit = |[lead, other]: [Screened; 2]| {
+        let alone = known(first, &lead).filter(|alone| alone.at_its_fit().best == lead.best).cloned();
+        let begun = alone.map_or_else(|| Suspect::begun(evidence, &first.base, lead.clone()), Ok).ok()?;
+        let with_lead = with_values(&base.clone().with(&lead.candidate.name), &begun.fit);
+        let effect = library.find(&other.candidate.name)?;
+        let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
+        let both = Suspect::begun(evidence, &begun.fit, Screened { candidate, ..other }).ok()?;
+        told(&format!("{} and {}", lead.candidate.name, both.name()), QUICK, QUICK);
+        Some(Joint { lead, both: both.refined(evidence, QUICK_FIT) })
+    };
+    to_the_end(evidence, promising(first).into_par_iter().filter_map(fit).collect(), THOROUGH)
+}
+
+/// The best `count` pairs fitted to the end. Least sum of squares first.
+fn to_the_end(evidence: &dyn Evidence, mut joints: Vec<Joint>, count: usize) -> Vec<Joint> {
+    let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
+    sort(&mut joints);
+    let rest = joints.split_off(count.min(joints.len()));
+    let thorough = |joint: Joint| Joint { both: joint.both.refined(evidence, THOROUGH_FIT), ..joint };
+    let mut joints: Vec<Joint> = joints.into_par_iter().map(thorough).collect();
+    joints.extend(rest);
+    sort(&mut joints);
+    joints
+}
+
+/// A sure effect that explains most but cannot be the only one, with each other one that was fitted alone, begun at the values that it had
+/// then. The best of them are fitted to the end.
+fn beside_surest(
+    evidence: &dyn Evidence,
+    first: &Round,
+    (model, library): (&Model, &Library),
+    told: Told,
+) -> Vec<Joint> {
+    let explains_most = |best: &&Finding| best.suspect.fit.chi2 < MOSTLY * first.base.chi2;
+    let sure = first.best().filter(|best| best.probability >= CERTAIN);
+    let Some(lead) = sure.filter(explains_most).map(|best| &best.suspect) else { return Vec::new() };
+    let with_lead = with_values(&model.clone().with(lead.name()), &lead.fit);
+    let fit = |other: &Suspect| {
+        let effect = library.find(other.name())?;
+        let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
+        let both = Suspect::begun(evidence, &lead.fit, Screened { candidate, ..other.at_its_fit() }).ok()?;
+        told(&format!("{} and {}", lead.name(), both.name()), QUICK, QUICK);
+        Some(Joint { lead: lead.at_its_fit(), both: both.refined(evidence, PARTNER_FIT) })
+    };
+    let others = first.findings.par_iter().map(|finding| &finding.suspect);
+    let joints = others.filter(|other| other.name() != lead.name()).filter_map(fit).collect();
+    to_the_end(evidence, joints, PARTNERS)
+}
+
+/// A pair before it is fitted: the lead and the other one at the values that are expected to be best.
+struct Promise {
+    effects: [Screened; 2],
+    /// Expected sum of squares.
+    left: f64,
+}
+
+/// The pairs that promise most, a few for each lead.
+fn promising(first: &Round) -> Vec<[Screened; 2]> {
+    let mut promises = beside_fitted(first);
+    promises.extend(beside_base(first));
+    promises.sort_by(|a, b| a.left.total_cmp(&b.left));
+    let mut chosen: Vec<[Screened; 2]> = Vec::new();
+    for Promise { effects, .. } in promises {
+        let names = |pair: &[Screened; 2]| pair.each_ref().map(|effect| effect.candidate.name.clone());
+        let [lead, other] = names(&effects);
+        let known: Vec<[String; 2]> = chosen.iter().map(names).collect();
+        let is_new = known.iter().all(|[a, b]| [a, b] != [&lead, &other] && [b, a] != [&lead, &other]);
+        if is_new && known.iter().filter(|[a, _]| *a == lead).count() < PER_LEAD {
+            chosen.push(effects);
+        }
+    }
+    chosen.truncate(QUICK);
+    chosen
+}
+
+/// Each effect that was fitted alone, with each other one beside it: the changes are those beside the base model.
+fn beside_fitted(first: &Round) -> Vec<Promise> {
+    let with = |finding: &Finding| {
+        let lead = &finding.suspect;
+        let projector = Projector::new(&lead.fit);
+        let others = first.screened.iter().filter(|other| other.candidate.name != lead.name());
+        let beside = others.filter_map(|other| {
+            let other = other.clone().beside(&projector);
+            let left = lead.fit.chi2 - other.gain;
+            (other.gain > 0.0).then(|| Promise { effects: [lead.at_its_fit(), other], left })
+        });
+        beside.collect::<Vec<_>>()
+    };
+    first.findings.par_iter().flat_map(with).collect()
+}
+
+/// All pairs at the shares of their probes that are best together beside the base model, the one that leaves less alone in the lead.
+fn beside_base(first: &Round) -> Vec<Promise> {
+    let residuals = &Projector::new(&first.base).residuals;
+    let alone = |effect: &Screened| known(first, effect).map_or(first.base.chi2 - effect.gain, |alone| alone.fit.chi2);
+    let mut promises = Vec::new();
+    for (at, a) in first.screened.iter().enumerate() {
+        for b in &first.screened[at + 1..] {
+            let effects = if alone(a) <= alone(b) { [a, b] } else { [b, a] };
+            let shares = couples(effects).filter_map(|couple| together(residuals, couple));
+            promises.extend(shares.max_by(|a, b| a.gain.total_cmp(&b.gain)).map(|best| (effects, best)));
+        }
+    }
+    promises.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    promises.truncate(QUICK);
+    let promise = |(effects, together): ([&Screened; 2], Together)| Promise {
+        effects: [0, 1].map(|k| effects[k].clone().moved_to(together.responses[k], together.shares[k])),
+        left: first.base.chi2 - together.gain,
+    };
+    promises.into_iter().map(promise).collect()
+}
+
+/// All probes of one effect with all of another.
+fn couples<'a>([a, b]: [&'a Screened; 2]) -> impl Iterator<Item = [&'a Response; 2]> {
+    let distinct = |effect: &'a Screened| effect.responses.iter().flatten().filter(|response| response.is_distinct());
+    distinct(a).flat_map(move |a| distinct(b).map(move |b| [a, b]))
+}
+
+/// Shares of two probes that are best together.
+struct Together<'a> {
+    responses: [&'a Response; 2],
+    shares: [f64; 2],
+    /// Expected fall of the sum of squares.
+    gain: f64,
+}
+
+/// The best shares of two probes, each within its reach; `None` where they change nearly the same.
+fn together<'a>(residuals: &DVector<f64>, responses: [&'a Response; 2]) -> Option<Together<'a>> {
+    let [a, b] = responses.map(|response| &response.change);
+    let (aa, bb, ab) = (a.norm_squared(), b.norm_squared(), a.dot(b));
+    let (ar, br) = (a.dot(residuals), b.dot(residuals));
+    let apart = aa * bb - ab * ab;
+    if apart <= APART * aa * bb {
+        return None;
+    }
+    let within = |k: usize, share: f64| share.clamp(responses[k].reach[0], responses[k].reach[1]);
+    let (s, t) = ((br * ab - ar * bb) / apart, (ar * ab - br * aa) / apart);
+    let held = (within(0, s), within(1, t));
+    let ends = [(held.0, within(1, -(br + held.0 * ab) / bb)), (within(0, -(ar + held.1 * ab) / aa), held.1)];
+    let gain = |(s, t): (f64, f64)| -(2.0 * (s * ar + t * br) + s * s * aa + 2.0 * s * t * ab + t * t * bb);
+    let best = if gain(ends[0]) >= gain(ends[1]) { ends[0] } else { ends[1] };
+    Some(Together { responses, shares: [best.0, best.1], gain: gain(best) })
+}

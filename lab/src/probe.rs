@@ -1,0 +1,107 @@
+//! Trial values of an effect's parameters: where to look for it before anything is known.
+
+use effects::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, Scale};
+
+use super::coordinates::Coordinate;
+use super::evidence::Evidence;
+
+/// Places of the values tried of a parameter with a scale of ratios, as shares of its range: of one within a hundredfold,
+/// and of a wider one.
+const SPREAD: (&[f64], &[f64]) = (&[0.35, 0.65], &[0.25, 0.5, 0.75]);
+/// Ratio of greatest to least from which a range is wide.
+const WIDE: f64 = 100.0;
+/// Places of the values tried of a parameter that gives an effect its shape.
+const SHAPES: [f64; 2] = [0.25, 0.6];
+/// Share of a range that stands for a typical value where the library gives the null.
+const TYPICAL: f64 = 0.1;
+
+/// An effect added to a model, with the values at which to look.
+#[derive(Clone)]
+pub struct Candidate {
+    /// Name of the effect.
+    pub name: String,
+    /// The model with it, all amplitudes at null.
+    pub model: CompiledModel,
+    /// The effect's free parameters.
+    pub coordinates: Vec<Coordinate>,
+    /// Values [SI] of all these parameters, in groups: the probes of a group differ in amplitude only.
+    pub probes: Vec<Vec<Probe>>,
+}
+
+/// Values at which an effect is tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// One value [SI] for each of the effect's free parameters.
+    pub values: Vec<f64>,
+    /// The parameter that is off its null.
+    pub amplitude: usize,
+}
+
+impl Candidate {
+    /// Adds an effect to a model.
+    ///
+    /// # Errors
+    /// When the model cannot be compiled with it.
+    pub fn new(evidence: &dyn Evidence, model: &Model, effect: &Effect, library: &Library) -> Result<Self, ModelError> {
+        let mut with = model.clone().with(&effect.name);
+        if let Some(free) = &mut with.free {
+            let own = effect.parameters.iter().filter(|parameter| parameter.free.of(model.process));
+            free.extend(own.map(|parameter| format!("{}.{}", effect.name, parameter.name)));
+        }
+        let mut model = CompiledModel::new(&with, library, evidence.rows())?;
+        let mut coordinates = evidence.coordinates(&model);
+        coordinates.retain(|coordinate| coordinate.slot.owner == effect.name);
+        let amplitudes: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].slot.null.is_some()).collect();
+        for own in Coordinate::of(&model, |slot| slot.owner == effect.name) {
+            model.set(own.index, own.slot.null.unwrap_or(own.slot.default));
+        }
+        let rest: Vec<f64> = coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
+        let shapes = shapes(&coordinates, &rest);
+        let group = |(shape, &amplitude): (&Vec<f64>, &usize)| -> Vec<Probe> {
+            let probe = |value: f64| {
+                let mut values = shape.clone();
+                values[amplitude] = value;
+                Probe { values, amplitude }
+            };
+            tried(&coordinates[amplitude].slot).into_iter().map(probe).collect()
+        };
+        let pairs = shapes.iter().flat_map(|shape| amplitudes.iter().map(move |amplitude| (shape, amplitude)));
+        let probes = pairs.map(group).collect();
+        Ok(Self { name: effect.name.clone(), model, coordinates, probes })
+    }
+
+    /// The model with the effect at these values [SI].
+    pub fn at(&self, values: &[f64]) -> CompiledModel {
+        let mut model = self.model.clone();
+        for (coordinate, &value) in self.coordinates.iter().zip(values) {
+            model.set(coordinate.index, value);
+        }
+        model
+    }
+}
+
+/// Amplitudes to try [SI]; on one side of the null only, for small effects of both signs look alike but for the sign.
+fn tried(slot: &ParameterSlot) -> Vec<f64> {
+    let [least, greatest] = slot.range;
+    if slot.scale == Scale::Log {
+        let spread = if greatest > WIDE * least { SPREAD.1 } else { SPREAD.0 };
+        return spread.iter().map(|share| least * (greatest / least).powf(*share)).collect();
+    }
+    let null = slot.null.unwrap_or(0.0);
+    let typical = if slot.default == null { null + TYPICAL * (greatest - least) } else { slot.default };
+    vec![if typical > greatest { 2.0 * null - typical } else { typical }]
+}
+
+/// All parameters' values with each shape parameter in turn away from its typical value.
+fn shapes(coordinates: &[Coordinate], typical: &[f64]) -> Vec<Vec<f64>> {
+    let mut all = vec![typical.to_vec()];
+    for (k, coordinate) in coordinates.iter().enumerate().filter(|(_, c)| c.slot.null.is_none()) {
+        let [least, greatest] = coordinate.bounds();
+        for share in SHAPES {
+            let mut values = typical.to_vec();
+            values[k] = coordinate.value(least + share * (greatest - least));
+            all.push(values);
+        }
+    }
+    all
+}

@@ -1,0 +1,83 @@
+//! The scanner of a trial: what its pixels show of a part, and what it reports of that by a model.
+
+use effects::{CompiledModel, RunError, StepValues, Variable};
+use sdf_bake::{BrickGrid, PixelGrid};
+use sim::{Profilometer, Topography};
+
+use trials::trial::{ExposureMask, PassScan};
+
+/// What the scanner's pixels show of a part after a pass, before the model's effects on the scanner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenSurface {
+    /// Number of the pass in its trial, from 1.
+    pass: usize,
+    /// Row of parameters that have one value per pass or scan, from 0.
+    row: usize,
+    shown: Shown,
+}
+
+/// What is scanned after a pass.
+#[derive(Clone, Debug, PartialEq)]
+enum Shown {
+    /// After grinding.
+    Heights(Topography),
+    /// Coating dose at each pixel, NaN where there is no surface; after sanding.
+    Doses(PixelGrid, Vec<f64>),
+}
+
+impl SeenSurface {
+    /// Looks at a part where a trial's scan has pixels.
+    ///
+    /// - `like`: the trial's own scan after the pass
+    /// - `pass`, `row`: number of the pass in its trial, from 1; row of parameters per pass or scan, from 0
+    pub fn of(
+        part: &BrickGrid,
+        (pixels, like): (PixelGrid, &PassScan),
+        model: &CompiledModel,
+        (pass, row): (usize, usize),
+    ) -> Self {
+        let shown = match like {
+            PassScan::Heights(_) => Shown::Heights(Topography::read(part, pixels, model)),
+            PassScan::Exposure(_) => Shown::Doses(pixels, Profilometer::sharp(pixels).channel(part, &part.dose)),
+        };
+        Self { pass, row, shown }
+    }
+
+    /// How far the dose at each pixel is beyond the one from which the model's scanner sees substrate, NaN where there
+    /// is no surface; `None` when grinding.
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn dose_margin(&self, model: &CompiledModel) -> Result<Option<Vec<f64>>, RunError> {
+        let Shown::Doses(_, doses) = &self.shown else { return Ok(None) };
+        let threshold = model.exposure_threshold(&self.step())?;
+        Ok(Some(doses.iter().map(|dose| dose - threshold).collect()))
+    }
+
+    /// What the scanner's formulas know of the scan.
+    fn step(&self) -> StepValues {
+        let mut step = StepValues::new();
+        (step.pass_row, step.scan_row) = (self.row, self.row);
+        step.set(Variable::PassNumber, self.pass as f64);
+        step
+    }
+
+    /// What the model's scanner reports. Nothing is simulated again, so other values of the scanner's parameters cost
+    /// one run of its formulas over the pixels.
+    ///
+    /// - `model`: the one the pass was simulated with, or the same with other parameter values
+    ///
+    /// # Errors
+    /// A formula that gives no finite number.
+    pub fn reported(&self, model: &CompiledModel) -> Result<PassScan, RunError> {
+        let step = self.step();
+        Ok(match &self.shown {
+            Shown::Heights(surface) => PassScan::Heights(surface.reported(model, &step)?),
+            Shown::Doses(pixels, doses) => {
+                let threshold = model.exposure_threshold(&step)?;
+                let exposed = doses.iter().map(|dose| dose.is_finite().then_some(*dose >= threshold)).collect();
+                PassScan::Exposure(ExposureMask { pixels: *pixels, exposed })
+            }
+        })
+    }
+}

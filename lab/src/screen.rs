@@ -1,0 +1,225 @@
+//! A first look at every effect of the library: what it would change, beside what the base parameters can change
+//! already.
+
+use effects::Scale;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::coordinates::Coordinate;
+use super::probe::{Candidate, Probe};
+use super::response::{FARTHEST, Look, Projector, Response};
+
+/// Change beside the base parameters' changes that a probe should make [standard deviations, all data together], or share of
+/// the base fit's residuals where that is more. A far larger one bends away from small effects, a smaller one from large.
+const APT: (f64, f64) = (12.0, 0.5);
+/// Times by which a probe may miss that.
+const NEARLY_APT: f64 = 3.0;
+/// Share of the best shape's gain that another must promise to be fitted, too.
+const NEARLY: f64 = 0.3;
+/// Least way between two probes, as a share of that from the null.
+const LEAST_APART: f64 = 0.2;
+/// Looks at larger sizes, by how many times each at most, and the expected fall of the sum of squares that is worth one.
+const FARTHER: usize = 3;
+const LONGEST_STEP: f64 = 4.0;
+const WORTH: f64 = 16.0;
+
+/// The first look at an effect.
+#[derive(Clone)]
+pub struct Screened {
+    /// The effect.
+    pub candidate: Candidate,
+    /// All probes that could be simulated, group by group; where none of a group is apt, with one that is.
+    pub responses: Vec<Vec<Response>>,
+    /// Expected fall of the sum of squares.
+    pub gain: f64,
+    /// The values at which it is expected [SI].
+    pub best: Vec<f64>,
+    /// How far the base parameters are expected to follow [coordinates]; empty where they stay.
+    pub shift: Vec<f64>,
+}
+
+/// The probe of a group that needs the least extrapolation to its optimum.
+fn aptest<'a>(group: &'a [Response], residuals: &DVector<f64>) -> Option<&'a Response> {
+    let far = |response: &Response| response.extrapolation(residuals);
+    group.iter().filter(|response| response.is_distinct()).min_by(|a, b| far(a).total_cmp(&far(b)))
+}
+
+impl Screened {
+    /// Simulates a candidate's probes.
+    pub fn new(look: &Look, candidate: Candidate) -> Self {
+        let group = |probes: &Vec<Probe>| -> Vec<Response> {
+            probes.par_iter().filter_map(|probe| look.at(&candidate, probe)).collect()
+        };
+        let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
+        let nulls: Vec<f64> = candidate.coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
+        let mut screened = Self { candidate, responses, gain: 0.0, best: nulls, shift: Vec::new() };
+        let wanted = APT.0.max(APT.1 * look.projector.residuals.norm());
+        let apt: Vec<Option<Response>> = screened
+            .responses
+            .par_iter()
+            .map(|group| look.at(&screened.candidate, &screened.apter(group, wanted)?))
+            .collect();
+        screened.responses.iter_mut().zip(apt).for_each(|(group, response)| group.extend(response));
+        let mut responses = std::mem::take(&mut screened.responses);
+        responses.par_iter_mut().for_each(|group| screened.go_farther(look, group));
+        screened.responses = responses;
+        screened.choose(&look.projector.residuals);
+        screened
+    }
+
+    /// Looks at larger sizes as long as the data promise to want the effect larger than all that were looked at.
+    fn go_farther(&self, look: &Look, group: &mut Vec<Response>) {
+        let residuals = &look.projector.residuals;
+        for _ in 0..FARTHER {
+            let Some(nearest) = aptest(group, residuals) else { return };
+            let wanted = nearest.wanted(residuals);
+            if wanted.abs() <= FARTHEST || nearest.optimum(residuals).1 < WORTH {
+                return;
+            }
+            let values = self.along(nearest, wanted.clamp(-LONGEST_STEP, LONGEST_STEP));
+            let probe = Probe { values, amplitude: nearest.probe.amplitude };
+            if !self.is_apart(group, &probe) {
+                return;
+            }
+            let Some(response) = look.at(&self.candidate, &probe) else { return };
+            group.push(response);
+        }
+    }
+
+    /// Whether a probe is none of a group.
+    fn is_apart(&self, group: &[Response], probe: &Probe) -> bool {
+        let k = probe.amplitude;
+        let null = self.candidate.coordinates[k].slot.null.filter(|null| null.is_finite()).unwrap_or(0.0);
+        let apart = |other: f64| (probe.values[k] - other).abs() > LEAST_APART * (other - null).abs();
+        group.iter().all(|response| apart(response.probe.values[k]))
+    }
+
+    /// Where to look again if no probe of a group changes about as much as wanted.
+    fn apter(&self, group: &[Response], wanted: f64) -> Option<Probe> {
+        let share = |response: &&Response| wanted / response.change.norm();
+        let off = |response: &&Response| share(response).ln().abs();
+        let distinct = group.iter().filter(|response| response.is_distinct());
+        let nearest = distinct.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        if off(&nearest) < NEARLY_APT.ln() {
+            return None;
+        }
+        let probe = Probe { values: self.along(nearest, share(&nearest)), amplitude: nearest.probe.amplitude };
+        self.is_apart(group, &probe).then_some(probe)
+    }
+
+    /// Whether any probe could be simulated.
+    pub fn is_simulated(&self) -> bool {
+        self.responses.iter().any(|group| !group.is_empty())
+    }
+
+    /// Finds the expected best values: the best of single amplitudes, or all amplitudes of one shape together.
+    fn choose(&mut self, residuals: &DVector<f64>) {
+        for response in self.responses.iter().filter_map(|group| aptest(group, residuals)) {
+            let (share, gain) = response.optimum(residuals);
+            if gain > self.gain {
+                self.gain = gain;
+                self.best = self.along(response, share);
+                self.shift = response.shift.iter().map(|shift| share * shift).collect();
+            }
+        }
+        if let Some((values, shift, gain)) = self.together(residuals).filter(|(_, _, gain)| *gain > self.gain) {
+            (self.best, self.shift, self.gain) = (values, shift, gain);
+        }
+    }
+
+    /// The same changes seen beside another fit.
+    pub(super) fn beside(mut self, projector: &Projector) -> Self {
+        for response in self.responses.iter_mut().flatten() {
+            response.change = projector.project(&response.followed);
+        }
+        (self.gain, self.shift) = (0.0, Vec::new());
+        self.choose(&projector.residuals);
+        self
+    }
+
+    /// The same, then with the best values of each other shape that promises nearly as much, the most promising first.
+    pub(super) fn starts(&self, residuals: &DVector<f64>) -> Vec<Self> {
+        let single = self.responses.iter().filter_map(|group| {
+            let response = aptest(group, residuals)?;
+            let (share, gain) = response.optimum(residuals);
+            Some((gain, self.clone().moved_to(response, share)))
+        });
+        let shapes = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
+        let differs = |start: &Self| (0..self.best.len()).filter(shapes).any(|k| start.best[k] != self.best[k]);
+        let mut starts: Vec<(f64, Self)> =
+            single.filter(|(gain, start)| *gain > NEARLY * self.gain && differs(start)).collect();
+        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        std::iter::once(self.clone()).chain(starts.into_iter().map(|(_, start)| start)).collect()
+    }
+
+    /// With the values at a share of the way from null to a probe as its best.
+    pub(super) fn moved_to(self, response: &Response, share: f64) -> Self {
+        let shift = response.shift.iter().map(|shift| share * shift).collect();
+        Self { best: self.along(response, share), shift, ..self }
+    }
+
+    /// Values at a share of the way from null to a probe. An amplitude in ratios with an infinite null is a rate turned
+    /// upside down: its reciprocal goes the way.
+    fn along(&self, response: &Response, share: f64) -> Vec<f64> {
+        let mut values = response.probe.values.clone();
+        let k = response.probe.amplitude;
+        let coordinate = &self.candidate.coordinates[k];
+        let null = coordinate.slot.null.unwrap_or(0.0);
+        let value = if null.is_infinite() { values[k] / share.max(1e-3) } else { null + share * (values[k] - null) };
+        values[k] = coordinate.value(coordinate.clamped(coordinate.from_value(value)));
+        values
+    }
+
+    /// Derivative of the whitened residuals along the effect's coordinate `k` at the best values, from the nearest probe of
+    /// that amplitude; `None` for a parameter of shape.
+    pub fn slope(&self, k: usize) -> Option<DVector<f64>> {
+        let distance = |response: &&Response| -> f64 {
+            let coordinates = self.candidate.coordinates.iter().zip(response.probe.values.iter().zip(&self.best));
+            let apart = |coordinate: &Coordinate, a: f64, b: f64| {
+                let [a, b] = [a, b].map(|value| coordinate.clamped(coordinate.from_value(value)));
+                (a - b).abs()
+            };
+            coordinates.map(|(coordinate, (a, b))| apart(coordinate, *a, *b)).sum()
+        };
+        let along = self.responses.iter().flatten().filter(|response| response.probe.amplitude == k);
+        let nearest = along.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let (probed, best, slot) = (nearest.probe.values[k], self.best[k], &self.candidate.coordinates[k].slot);
+        let null = slot.null.unwrap_or(0.0);
+        let per_coordinate = match slot.scale {
+            Scale::Log if null.is_infinite() => -probed / best,
+            Scale::Log => best / (probed - null),
+            Scale::Linear => (slot.range[1] - slot.range[0]) / (probed - null),
+        };
+        Some(DVector::from_column_slice(&nearest.raw) * per_coordinate)
+    }
+
+    /// The probes of the typical shape, a group for each amplitude.
+    pub(super) fn typical(&self) -> impl Iterator<Item = &[Response]> {
+        let is_typical = |probes: &[Probe]| {
+            let first = &self.candidate.probes[0][0].values;
+            let shape = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
+            (0..first.len()).filter(shape).all(|k| probes[0].values[k] == first[k])
+        };
+        let groups = self.responses.iter().zip(&self.candidate.probes);
+        groups.filter(move |(_, probes)| is_typical(probes)).map(|(group, _)| &group[..])
+    }
+
+    /// All amplitudes of the typical shape at once, by least squares over the aptest probe of each.
+    fn together(&self, residuals: &DVector<f64>) -> Option<(Vec<f64>, Vec<f64>, f64)> {
+        let columns: Vec<&Response> = self.typical().filter_map(|group| aptest(group, residuals)).collect();
+        if columns.len() < 2 {
+            return None;
+        }
+        let matrix = DMatrix::from_columns(&columns.iter().map(|response| response.change.clone()).collect::<Vec<_>>());
+        let shares = matrix.clone().svd(true, true).solve(&(-residuals), 1e-6).ok()?;
+        let left = residuals + &matrix * &shares;
+        let mut values = columns[0].probe.values.clone();
+        let mut shift = vec![0.0; columns.iter().map(|response| response.shift.len()).max()?];
+        for (response, share) in columns.iter().zip(shares.iter()) {
+            let k = response.probe.amplitude;
+            values[k] = self.along(response, *share)[k];
+            shift.iter_mut().zip(&response.shift).for_each(|(sum, shift)| *sum += share * shift);
+        }
+        Some((values, shift, residuals.norm_squared() - left.norm_squared()))
+    }
+}

@@ -1,0 +1,94 @@
+//! The staged order: first the removal rate from what was removed in all, then the other parameters from the profiles.
+
+use effects::{CompiledModel, Kind, Scale, Variable};
+
+use super::coordinates::{Coordinate, moved};
+use super::evidence::{EvidenceError, Split};
+use super::fit::{Estimate, Fit, FitOptions};
+use super::totals::{Total, Totals};
+
+/// Relative error of the totals at which the rate is found.
+const FOUND: f64 = 1e-4;
+/// Most simulations for the rate.
+const MOST_RUNS: usize = 12;
+/// Longest step of the rate [logarithm].
+const LONGEST_STEP: f64 = 1.5;
+
+/// What two stages found beside the fit of the second.
+pub struct Staged {
+    /// The removal rate as the totals give it.
+    pub rate: Estimate,
+    /// The totals once the rate was fitted to them, and once the profiles had moved the rest.
+    pub totals: [Vec<Total>; 2],
+}
+
+impl Staged {
+    /// Fits the calibration data in two stages; the fit is the second's, of all but the rate. `None` where no free parameter
+    /// of a law is a removal rate.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn new(evidence: &dyn Totals, model: &CompiledModel) -> Result<Option<(Self, Fit)>, EvidenceError> {
+        let mut coordinates = evidence.coordinates(model);
+        let Some(place) = coordinates.iter().position(|coordinate| is_rate(model, coordinate)) else { return Ok(None) };
+        let (rate, model, first) = fit_rate(evidence, model, coordinates.remove(place))?;
+        let profiles = Fit::new(evidence, &model, coordinates, FitOptions::default())?;
+        let second = evidence.totals(&profiles.model, Split::Calibration)?;
+        Ok(Some((Self { rate, totals: [first, second] }, profiles)))
+    }
+}
+
+/// Whether a parameter is the factor of the law that removes.
+fn is_rate(model: &CompiledModel, coordinate: &Coordinate) -> bool {
+    let removes = |value: Variable| matches!(value, Variable::Rate | Variable::DoseRate);
+    let mut laws = model.effects().filter(|law| law.kind == Kind::Law && law.name == coordinate.slot.owner);
+    coordinate.slot.scale == Scale::Log
+        && laws.any(|law| law.changes_in(model.process()).any(|change| removes(change.value)))
+}
+
+/// Finds the rate by the secant method on the mean logarithm of measured over predicted.
+fn fit_rate(
+    evidence: &dyn Totals,
+    model: &CompiledModel,
+    rate: Coordinate,
+) -> Result<(Estimate, CompiledModel, Vec<Total>), EvidenceError> {
+    let mut at = rate.clamped(rate.from_value(model.value(rate.index)));
+    // What is removed grows about as the rate does.
+    let mut slope = -1.0;
+    let mut before: Option<(f64, f64)> = None;
+    for _ in 0..MOST_RUNS {
+        let model = moved(model, std::slice::from_ref(&rate), &[at]);
+        let off = shortfall(&evidence.totals(&model, Split::Calibration)?);
+        if let Some((there, other)) = before.filter(|(there, _)| *there != at) {
+            slope = ((off - other) / (at - there)).min(-0.1);
+        }
+        if off.abs() < FOUND {
+            break;
+        }
+        before = Some((at, off));
+        at = rate.clamped(at + (-off / slope).clamp(-LONGEST_STEP, LONGEST_STEP));
+    }
+    let model = moved(model, std::slice::from_ref(&rate), &[at]);
+    let totals = evidence.totals(&model, Split::Calibration)?;
+    let weight: f64 = totals.iter().map(weight).sum();
+    let estimate = Estimate {
+        value: rate.value(at),
+        sigma: 1.0 / (weight.sqrt() * slope.abs()),
+        bound: rate.bound(at),
+        coordinate: rate,
+    };
+    Ok((estimate, model, totals))
+}
+
+/// Mean logarithm of measured over predicted, each total weighted with its certainty.
+fn shortfall(totals: &[Total]) -> f64 {
+    let one = |total: &Total| {
+        let ratio = (total.measured / total.predicted).ln();
+        weight(total) * ratio.clamp(-LONGEST_STEP, LONGEST_STEP)
+    };
+    totals.iter().map(one).sum::<f64>() / totals.iter().map(weight).sum::<f64>()
+}
+
+fn weight(total: &Total) -> f64 {
+    (total.measured / total.sigma).powi(2)
+}

@@ -1,0 +1,232 @@
+//! Whether what a model leaves is noise: tests that need no idea of what may be missing.
+//!
+//! Each looks at whitened residuals, which are independent with variance one where the model is right: their sum of
+//! squares, whether neighbours agree (Moran 1950), whether signs come in runs (Wald and Wolfowitz 1940), and whether
+//! successive passes leave alike. Holm's rule (1979) keeps the chance of any false alarm of all tests at 5 %.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+use super::covariance::Whitener;
+use random::Stream;
+
+/// Chance of any false alarm of all tests.
+const LEVEL: f64 = 0.05;
+/// Draws of noise.
+const DRAWS: usize = 999;
+/// Fewest tiles of a line whose runs are counted.
+const SHORTEST_LINE: usize = 5;
+/// Fewest tiles that two passes must share.
+const LEAST_SHARED: usize = 20;
+
+/// Residuals at places of a grid: the tiles of a scan, or the rows of a table in one line.
+#[derive(Clone, Debug)]
+pub struct ResidualGrid {
+    /// Places along x.
+    pub nx: usize,
+    /// Place of each residual, x running fastest, in rising order.
+    pub cells: Vec<usize>,
+    /// Whitened residuals.
+    pub residuals: Vec<f64>,
+}
+
+/// Tiles that successive scans of one workpiece share.
+pub struct SharedTiles<'a> {
+    /// Whitener of each scan.
+    pub whiteners: Vec<&'a Whitener>,
+    /// Measured minus simulated of all tiles of each scan, centred.
+    pub differences: Vec<Vec<f64>>,
+    /// The shared tiles' places among those of each scan.
+    pub places: Vec<Vec<usize>>,
+}
+
+/// A test and what it says.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StructureTest {
+    /// What is tested.
+    pub name: String,
+    /// Its statistic [1].
+    pub statistic: f64,
+    /// Chance of such a value where nothing is missing, not corrected for the number of tests.
+    pub p_value: f64,
+    /// Whether there is structure, corrected for the number of tests.
+    pub rejects: bool,
+}
+
+/// All tests that the data allow.
+///
+/// - `freedoms`: parameters that were fitted to these data
+/// - `shared`: for each workpiece with two scans or more, what they share
+pub fn structure_tests(
+    grids: &[ResidualGrid],
+    freedoms: usize,
+    shared: &[SharedTiles],
+    seed: u64,
+) -> Vec<StructureTest> {
+    let mut tests = vec![excess(grids, freedoms), neighbours(grids, seed)];
+    tests.extend(runs("runs of one sign along x", grids, true));
+    tests.extend(runs("runs of one sign across x", grids, false));
+    tests.extend(repeats(shared, seed));
+    correct(&mut tests);
+    tests
+}
+
+/// Holm's rule.
+fn correct(tests: &mut [StructureTest]) {
+    let mut order: Vec<usize> = (0..tests.len()).collect();
+    order.sort_by(|&a, &b| tests[a].p_value.total_cmp(&tests[b].p_value));
+    let count = tests.len();
+    let mut rejects = true;
+    for (rank, at) in order.into_iter().enumerate() {
+        rejects &= tests[at].p_value <= LEVEL / (count - rank) as f64;
+        tests[at].rejects = rejects;
+    }
+}
+
+fn test(name: &str, statistic: f64, p_value: f64) -> StructureTest {
+    StructureTest { name: name.to_owned(), statistic, p_value, rejects: false }
+}
+
+/// `(χ² - ν) / √(2 ν)`.
+fn excess(grids: &[ResidualGrid], freedoms: usize) -> StructureTest {
+    let chi2: f64 = grids.iter().flat_map(|grid| &grid.residuals).map(|r| r * r).sum();
+    let count: usize = grids.iter().map(|grid| grid.residuals.len()).sum();
+    let left = count.saturating_sub(freedoms).max(1) as f64;
+    let p = ChiSquared::new(left).map_or(1.0, |law| law.sf(chi2));
+    test("excess of whitened squares", (chi2 - left) / (2.0 * left).sqrt(), p)
+}
+
+/// Moran's I over pairs of neighbours, and its chance among draws of independent noise.
+fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
+    let pairs: Vec<Vec<(usize, usize)>> = grids.iter().map(ResidualGrid::neighbours).collect();
+    let moran = |residuals: &dyn Fn(usize) -> Vec<f64>| {
+        let (mut products, mut squares, mut count, mut number) = (0.0, 0.0, 0, 0);
+        for (k, pairs) in pairs.iter().enumerate() {
+            let residuals = residuals(k);
+            products += pairs.iter().map(|&(a, b)| residuals[a] * residuals[b]).sum::<f64>();
+            squares += residuals.iter().map(|r| r * r).sum::<f64>();
+            count += pairs.len();
+            number += residuals.len();
+        }
+        if count > 0 && squares > 0.0 { products / count as f64 * number as f64 / squares } else { 0.0 }
+    };
+    let found = moran(&|k| grids[k].residuals.clone());
+    let drawn = |draw: usize| {
+        moran(&|k| {
+            let mut chance = Stream::of(seed, &format!("neighbours {draw} {k}"));
+            grids[k].residuals.iter().map(|_| chance.normal()).collect()
+        })
+    };
+    let more = (0..DRAWS).into_par_iter().filter(|&draw| drawn(draw) >= found).count();
+    test("neighbouring tiles agree", found, (more + 1) as f64 / (DRAWS + 1) as f64)
+}
+
+/// Runs of one sign along lines of tiles, fewer than chance makes; `None` where no line is long enough.
+fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest> {
+    let (mut excess, mut variance) = (0.0, 0.0);
+    for line in grids.iter().flat_map(|grid| grid.lines(along)).filter(|line| line.len() >= SHORTEST_LINE) {
+        let n = line.len() as f64;
+        let above = line.iter().filter(|r| **r > 0.0).count() as f64;
+        let expected = 2.0 * above * (n - above) / n + 1.0;
+        let changes = line.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count() as f64;
+        excess += changes + 1.0 - expected;
+        variance += (expected - 1.0) * (expected - 2.0) / (n - 1.0);
+    }
+    let z = excess / variance.sqrt();
+    (variance > 0.0).then(|| test(name, z, Normal::standard().cdf(z)))
+}
+
+/// Whether what a pass adds to the difference is like what the pass before added; `None` without two scans of one
+/// workpiece.
+fn repeats(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
+    let shared: Vec<&SharedTiles> = shared.iter().filter(|shared| shared.places.len() > 1).collect();
+    let usable: Vec<&SharedTiles> =
+        shared.into_iter().filter(|shared| shared.places[0].len() >= LEAST_SHARED).collect();
+    if usable.is_empty() {
+        return None;
+    }
+    let coherence = |differences: &dyn Fn(usize) -> Vec<Vec<f64>>| {
+        let (mut products, mut sizes) = (0.0, 0.0);
+        for (k, shared) in usable.iter().enumerate() {
+            let added = shared.added(&differences(k));
+            for pair in added.windows(2) {
+                let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+                products += dot(&pair[0], &pair[1]);
+                sizes += (dot(&pair[0], &pair[0]) * dot(&pair[1], &pair[1])).sqrt();
+            }
+        }
+        products / sizes
+    };
+    let found = coherence(&|k| usable[k].differences.clone());
+    let drawn = |draw: usize| coherence(&|k| usable[k].drawn(&mut Stream::of(seed, &format!("passes {draw} {k}"))));
+    let draws: Vec<f64> = (0..DRAWS).into_par_iter().map(drawn).collect();
+    let above = draws.iter().filter(|drawn| **drawn >= found).count();
+    let below = draws.iter().filter(|drawn| **drawn <= found).count();
+    let p = 2.0 * (above.min(below) + 1) as f64 / (DRAWS + 1) as f64;
+    Some(test("passes leave alike", found, p.min(1.0)))
+}
+
+impl ResidualGrid {
+    /// Pairs of residuals that are neighbours along or across x.
+    fn neighbours(&self) -> Vec<(usize, usize)> {
+        let place = |cell: usize| self.cells.binary_search(&cell).ok();
+        let pairs = |(at, &cell): (usize, &usize)| {
+            let right = (cell % self.nx + 1 < self.nx).then(|| place(cell + 1)).flatten();
+            right.into_iter().chain(place(cell + self.nx)).map(move |other| (at, other)).collect::<Vec<_>>()
+        };
+        self.cells.iter().enumerate().flat_map(pairs).collect()
+    }
+
+    /// The residuals line by line.
+    fn lines(&self, along: bool) -> Vec<Vec<f64>> {
+        let line = |cell: usize| if along { cell / self.nx } else { cell % self.nx };
+        let mut lines = vec![Vec::new(); self.cells.iter().map(|&cell| line(cell) + 1).max().unwrap_or(0)];
+        self.cells.iter().zip(&self.residuals).for_each(|(&cell, &residual)| lines[line(cell)].push(residual));
+        lines
+    }
+}
+
+impl SharedTiles<'_> {
+    /// What each pass added to the difference of the shared tiles.
+    fn added(&self, differences: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let here = |scan: usize| self.places[scan].iter().map(|&at| differences[scan][at]).collect::<Vec<f64>>();
+        let mut before = vec![0.0; self.places[0].len()];
+        let mut added = Vec::new();
+        for scan in 0..self.places.len() {
+            let now = here(scan);
+            added.push(now.iter().zip(&before).map(|(now, before)| now - before).collect());
+            before = now;
+        }
+        added
+    }
+
+    /// Differences that noise alone would make.
+    fn drawn(&self, chance: &mut Stream) -> Vec<Vec<f64>> {
+        let scan = |whitener: &&Whitener| {
+            let normals: Vec<f64> = (0..whitener.len()).map(|_| chance.normal()).collect();
+            whitener.coloured(&normals)
+        };
+        self.whiteners.iter().map(scan).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_those_of_the_formula() {
+        // + + + - - - : two runs where 4 are expected, variance 3 · 2 / 5.
+        let six = ResidualGrid { nx: 6, cells: (0..6).collect(), residuals: vec![1.0, 2.0, 1.0, -1.0, -1.0, -2.0] };
+        let found = runs("runs", &[six], true).unwrap();
+        assert!((found.statistic + 2.0 / 1.2f64.sqrt()).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn holm_stops_at_the_first_test_that_holds() {
+        let mut tests: Vec<StructureTest> = [0.03, 0.001, 0.04, 0.02].map(|p| test("", 0.0, p)).into();
+        correct(&mut tests);
+        assert_eq!(tests.iter().map(|test| test.rejects).collect::<Vec<_>>(), [false, true, false, false]);
+    }
+}

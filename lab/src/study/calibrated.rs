@@ -1,0 +1,132 @@
+//! The report's text and tables from a calibration.
+
+use crate::error::Result;
+use effects::{CompiledModel, Model};
+use serde_json::Value;
+
+use super::fill::{compared, correlations, parameter, provenance, verdict, waterfall};
+use super::maps::Seen;
+use super::measurements::Data;
+use super::simulated::Simulated;
+use super::{failures, scan_tests};
+use crate::study::{Compared, PassVolume, StudyReport, Waterfall};
+use crate::{BASE_STEP, Calibration, CalibrationSummary, Verdict, WaterfallStep};
+
+/// What the report of a calibration is made from.
+pub struct CalibrationReport<'a> {
+    /// The measurements.
+    pub data: &'a Data<'a>,
+    /// What was fitted.
+    pub calibration: &'a Calibration,
+    /// The same in numbers.
+    pub summary: &'a CalibrationSummary,
+    /// Steps of the waterfall; those of the summary, or those of a study that goes on.
+    pub waterfall: &'a [WaterfallStep],
+    /// What the maps show beside the base law, where that is not the whole model.
+    pub rival: Option<&'a CompiledModel>,
+    /// The verdict of a study, where it has come to one.
+    pub verdict: Option<Verdict>,
+    /// What was done, or found, in a sentence.
+    pub sentence: String,
+    /// Seed of all draws.
+    pub seed: u64,
+    /// The answer for programs.
+    pub answer: Value,
+}
+
+/// A report with what was compared, where it fails, a waterfall, maps, sections and volumes, and nothing fitted or found.
+///
+/// - `models`: what was compared; what its maps show, without and with effects
+/// - `freedoms`: parameters that were fitted without effects
+///
+/// # Errors
+/// When a model cannot be simulated, or an input file not be read again for its hash.
+pub(super) fn bare_report(
+    data: &Data,
+    (model, base, with_effects): (&Model, &CompiledModel, Option<&CompiledModel>),
+    waterfall: Waterfall,
+    (freedoms, seed): (usize, u64),
+) -> Result<StudyReport> {
+    let models: Vec<&CompiledModel> = [base].into_iter().chain(with_effects).collect();
+    let simulated = data.scans().map(|(_, evidence)| Simulated::all(evidence, &models)).transpose()?;
+    let seen = data.scans().zip(simulated.as_deref()).map(|((_, evidence), simulated)| Seen {
+        evidence,
+        base: &simulated[0],
+        found: simulated.get(1),
+        lines: &[],
+    });
+    let seen = seen.as_ref();
+    let (failures, covariates) = match (seen, data.rows()) {
+        (Some(seen), _) => failures::of_scans(seen.evidence, (seen.base, seen.found), (freedoms, seed)),
+        (None, Some(rows)) => failures::of_rows(rows, (base, with_effects), (freedoms, seed))?,
+        (None, None) => Default::default(),
+    };
+    Ok(StudyReport {
+        compared: compared((model, data.scans()), data.folder(), &data.notes(), &[]),
+        verdict: super::Verdict::Calibrated,
+        sentence: String::new(),
+        tests: scan_tests::reported(&failures.tests),
+        waterfall,
+        volumes: seen.map(Seen::volumes).unwrap_or_default(),
+        scans: seen.map(Seen::scans).unwrap_or_default(),
+        sections: seen.map(Seen::sections).unwrap_or_default(),
+        covariates,
+        suspects: Vec::new(),
+        parameters: Vec::new(),
+        correlations: None,
+        detectable: Vec::new(),
+        next_trial: None,
+        suggested_effect: None,
+        provenance: provenance(data.folder(), seed)?,
+        diagnosis: Value::Null,
+    })
+}
+
+/// Fills the report of a calibration.
+///
+/// # Errors
+/// As of a simulation that fails, or an input file that cannot be read again for its hash.
+pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
+    let CalibrationReport { data, calibration, summary, .. } = input;
+    let base = &calibration.steps[0].fit.model;
+    let grown = (calibration.steps.len() > 1).then(|| &calibration.last().fit.model);
+    let last = input.rival.or(grown);
+    let floors = (summary.noise_floor_um, summary.evaluation_noise_floor_um);
+    let falls = waterfall(input.waterfall, floors, summary.error_unit);
+    let mut bare = bare_report(
+        data,
+        (&calibration.model, base, last),
+        falls,
+        (calibration.steps[0].fit.coordinates.len(), input.seed),
+    )?;
+    add_volumes(&mut bare, input.rival.is_none());
+    let notes = [bare.compared.notes.clone(), summary.remarks.clone()].concat();
+    Ok(StudyReport {
+        compared: Compared { notes, ..bare.compared },
+        verdict: input.verdict.map_or(super::Verdict::Calibrated, verdict),
+        sentence: input.sentence.clone(),
+        parameters: summary.parameters.iter().map(parameter).collect(),
+        correlations: correlations(&calibration.last().fit),
+        diagnosis: input.answer.clone(),
+        ..bare
+    })
+}
+
+/// Puts the errors of the removed volumes, as the report lists them, beside the steps that they belong to: the base model and
+/// the last one before the floor.
+///
+/// - `is_last_shown`: the volumes with effects are those of the last step, and not of a model beside it
+fn add_volumes(report: &mut StudyReport, is_last_shown: bool) {
+    let (falls, volumes) = (&mut report.waterfall, &report.volumes);
+    falls.passes = volumes.iter().map(|volume| volume.pass.clone()).collect();
+    let share = |volume: &PassVolume, simulated: f64| {
+        ((simulated - volume.measured) / volume.measured, volume.uncertainty / volume.measured.abs())
+    };
+    let last = falls.steps.len().saturating_sub(2);
+    let Some(base) = falls.steps.iter().position(|step| step.name == BASE_STEP) else { return };
+    falls.steps[base].volume_errors = volumes.iter().map(|volume| Some(share(volume, volume.base))).collect();
+    if last > base && is_last_shown {
+        let with_effect = |volume: &PassVolume| Some(share(volume, volume.with_effect?));
+        falls.steps[last].volume_errors = volumes.iter().map(with_effect).collect();
+    }
+}

@@ -1,0 +1,361 @@
+//! A model held against a campaign as it is: nothing is fitted but the scans' poses and the instrument's blur.
+
+use std::path::Path;
+
+use crate::error::Result;
+use effects::CompiledModel;
+use serde::Serialize;
+
+use super::failures::{Failures, plots};
+use super::fill::{compared_scans, folder_name, provenance};
+use super::maps::{Seen, name, pass_volume, role};
+use super::simulated::Simulated;
+use super::track::{Ground, exposure, line_of};
+use super::waterfall::{Scans, Step};
+use super::{places, row_places, scan_tests};
+use crate::study::{
+    Compared, Direction, Misfit, ParameterEstimate, Stated, StudyReport, Verdict, Waterfall, WaterfallStep,
+};
+use crate::{
+    CovariateStudy, ErrorUnit, Evidence, PassTrend, RowEvidence, ScanData, ScanEvidence, ScanView, Split,
+    StructureTest, robust_sum,
+};
+use trials::measure::Plateau;
+use trials::trial::{Campaign, Role};
+
+/// Error over its floor up to which a model that differs is said to be close.
+const CLOSE: f64 = 1.1;
+
+/// A section in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct SectionFigures {
+    /// Where, such as `x = 20 mm`.
+    pub place: String,
+    /// Root mean square of measured minus simulated along it [µm].
+    pub rms_um: f64,
+    /// Mean of measured minus simulated over its plateau [µm]; absent where the section has none.
+    pub plateau_height_error_um: Option<f64>,
+}
+
+/// One scan in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct ScanFigures {
+    /// Trial and pass.
+    pub pass: String,
+    /// What it may be used for.
+    pub role: Role,
+    /// Root mean square near the tool [µm]; when sanding, the mean distance of the borders.
+    pub rms_um: f64,
+    /// What noise alone would leave [µm].
+    pub noise_floor_um: f64,
+    /// Volume that the pass removed: measured, its standard uncertainty, simulated [mm³]; absent when sanding.
+    pub volume_mm3: Option<[f64; 3]>,
+    /// Mean of measured minus simulated height of the plateau, and its standard uncertainty [µm].
+    pub plateau_height_error_um: Option<[f64; 2]>,
+    /// Slope of the plateau across the path: measured, its standard uncertainty, simulated [mrad].
+    pub plateau_slope_mrad: Option<[f64; 3]>,
+    /// Exposed area, measured and simulated [mm²]; when sanding.
+    pub exposed_mm2: Option<[f64; 2]>,
+    /// Intersection over union of the exposed area.
+    pub intersection_over_union: Option<f64>,
+    /// Sections that were asked for.
+    pub sections: Vec<SectionFigures>,
+}
+
+/// What a comparison found, for people and machines.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    /// Whether the model leaves no more than noise.
+    pub agrees: bool,
+    /// One sentence.
+    pub sentence: String,
+    /// What the reader understood of the files where it was not the plain case, one sentence each.
+    pub notes: Vec<String>,
+    /// In what errors are told: `um`, or `percent` of the removal.
+    pub error_unit: ErrorUnit,
+    /// Root mean square of what the model leaves.
+    pub rms: f64,
+    /// What noise alone would leave.
+    pub noise_floor: f64,
+    /// Standard deviation of the instrument's blur [µm]; absent for tables.
+    pub blur_um: Option<f64>,
+    /// Which passes tests and covariates look at.
+    pub judged: &'static str,
+    /// How equal passes go on, and what the model's law can make of that; absent where there are no equal passes.
+    pub equal_passes: Option<PassTrend>,
+    /// Where the model fails.
+    #[serde(flatten)]
+    pub failures: Failures,
+    /// Scans; none of a table.
+    pub scans: Vec<ScanFigures>,
+    /// Lines of the table whose residuals are gross outliers.
+    pub outlier_lines: Vec<u64>,
+}
+
+/// What was asked of a comparison.
+pub struct Asked<'a> {
+    /// Where the campaign was read.
+    pub folder: &'a Path,
+    /// Sections; where none is asked for, the report shows some.
+    pub lines: &'a [Direction],
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+/// Compares a model with the scans of a campaign.
+///
+/// # Errors
+/// When the model cannot be simulated, or an input file not be read again for its hash.
+pub fn compare_scans(
+    (campaign, evidence): (&Campaign, &ScanEvidence),
+    model: &CompiledModel,
+    asked: &Asked,
+) -> Result<(Comparison, StudyReport)> {
+    let simulated = Simulated::all(evidence, &[model])?.remove(0);
+    let split = if evidence.of(Split::Calibration).next().is_some() { Split::Calibration } else { Split::Evaluation };
+    let tests = scan_tests::of_scans(evidence, &simulated, split, (0, asked.seed));
+    let study = places::study(evidence, &simulated, split, asked.seed);
+    let scans = Scans::new(evidence, false);
+    let waterfall = scans.waterfall(&simulated, &[Step { name: "model".to_owned(), simulated: &simulated }]);
+    let seen = Seen { evidence, base: &simulated, found: None, lines: asked.lines };
+    let figures: Vec<ScanFigures> =
+        evidence.views.iter().map(|view| figures(evidence, view, &simulated, asked.lines)).collect();
+    let judged = || evidence.views.iter().zip(&figures).filter(|(view, _)| view.split == split).map(|(_, f)| f);
+    let rms = |of: fn(&ScanFigures) -> f64| {
+        (judged().map(|f| of(f).powi(2)).sum::<f64>() / judged().count().max(1) as f64).sqrt()
+    };
+    let error = [rms(|figures| figures.rms_um), rms(|figures| figures.noise_floor_um)];
+    let equal_passes = evidence.trend(model)?;
+    let notes = campaign.notes();
+    let found = Found { equal_passes, tests, study, named: &places::covariate, error, notes };
+    let blur = Some(simulated.blur * 1e6);
+    let comparison = Comparison { blur_um: blur, scans: figures, ..found.comparison(evidence.unit(), split) };
+    let alignments: Vec<_> = evidence.views.iter().map(|view| scans.alignment(view)).collect();
+    let named = found.compared(model, asked.folder);
+    let compared = compared_scans(campaign, evidence, &alignments, named);
+    let compared = Compared { blur: Some(simulated.blur).filter(|blur| *blur > 0.0), ..compared };
+    let report = StudyReport {
+        waterfall,
+        volumes: seen.volumes(),
+        scans: seen.scans(),
+        sections: seen.sections(),
+        ..found.report(&comparison, compared, (model, asked))?
+    };
+    Ok((comparison, report))
+}
+
+/// Compares a model with the rows of a table.
+///
+/// # Errors
+/// When the model cannot be evaluated, or an input file not be read again for its hash.
+pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked) -> Result<(Comparison, StudyReport)> {
+    let split = Split::Calibration;
+    let residuals = evidence.residuals(model, split)?;
+    let tests = scan_tests::of_rows(&residuals, 0, asked.seed);
+    let study = row_places::study(evidence, model, split, asked.seed)?;
+    let rms = |residuals: &[f64]| evidence.noise * (robust_sum(residuals) / residuals.len().max(1) as f64).sqrt();
+    let named = |at: usize| row_places::covariate(evidence, at);
+    let equal_passes = evidence.trend(model)?;
+    let error = [100.0 * rms(&residuals), 100.0 * evidence.noise];
+    let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().collect();
+    let found = Found { equal_passes, tests, study, named: &named, error, notes };
+    let outlier_lines = evidence.outliers(&residuals, split).iter().map(|row| row.line).collect();
+    let comparison = Comparison { outlier_lines, ..found.comparison(evidence.unit(), split) };
+    let held_out = evidence.residuals(model, Split::Evaluation)?;
+    let step = |name: &str, calibration: f64, evaluation: f64| WaterfallStep {
+        name: name.to_owned(),
+        calibration: Some(calibration),
+        evaluation: (!held_out.is_empty()).then_some(evaluation),
+        ..WaterfallStep::default()
+    };
+    let misfit = Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) };
+    let steps =
+        vec![step("model", rms(&residuals), rms(&held_out)), step("noise floor", evidence.noise, evidence.noise)];
+    let compared = found.compared(model, asked.folder);
+    let report = StudyReport {
+        waterfall: Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() },
+        ..found.report(&comparison, compared, (model, asked))?
+    };
+    Ok((comparison, report))
+}
+
+/// What tests and covariates say, whatever the data are.
+struct Found<'a> {
+    equal_passes: Option<PassTrend>,
+    tests: Vec<StructureTest>,
+    study: CovariateStudy,
+    named: &'a dyn Fn(usize) -> (String, Stated),
+    /// Root mean square of what is left and of the floor, in the unit of errors.
+    error: [f64; 2],
+    /// What the reader understood of the files.
+    notes: Vec<String>,
+}
+
+impl Found<'_> {
+    /// What was compared, whatever the data are.
+    fn compared(&self, model: &CompiledModel, folder: &Path) -> Compared {
+        let (campaign, model) = (folder_name(folder), model_words(model));
+        Compared { campaign, model, notes: self.notes.clone(), ..Compared::default() }
+    }
+
+    fn comparison(&self, unit: ErrorUnit, split: Split) -> Comparison {
+        let [rms, floor] = self.error;
+        let failures = Failures::new(self.tests.clone(), &self.study, self.named);
+        let agrees = !self.tests.iter().any(|test| test.rejects);
+        let errors = format!("{rms:.2} {} where noise alone leaves {floor:.2} {}", unit.symbol(), unit.symbol());
+        let beyond = self.equal_passes.as_ref().filter(|trend| trend.out_of_reach);
+        let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
+        let is_near = !agrees && rms <= CLOSE * floor;
+        let near = if is_near { " The error is near the noise, but what is left has structure." } else { "" };
+        let sentence = match (agrees, failures.covariates.iter().find(|covariate| covariate.p_value_of_all <= 0.05)) {
+            (true, _) => format!("The model leaves {errors}: no structure beyond noise."),
+            (false, Some(most)) => format!(
+                "The model leaves {errors}; its error depends most on the {}, which alone explains {:.0} % of the excess.",
+                most.name,
+                100.0 * most.share
+            ),
+            (false, None) => format!("The model leaves {errors}; no single covariate explains it."),
+        };
+        Comparison {
+            agrees,
+            sentence: sentence + near + &beyond,
+            notes: self.notes.clone(),
+            error_unit: unit,
+            rms,
+            noise_floor: floor,
+            blur_um: None,
+            judged: if split == Split::Calibration { "calibration" } else { "evaluation" },
+            equal_passes: self.equal_passes.clone(),
+            failures,
+            scans: Vec::new(),
+            outlier_lines: Vec::new(),
+        }
+    }
+
+    /// The report without what only scans have.
+    fn report(
+        &self,
+        comparison: &Comparison,
+        compared: Compared,
+        (model, asked): (&CompiledModel, &Asked),
+    ) -> Result<StudyReport> {
+        Ok(StudyReport {
+            compared,
+            verdict: if comparison.agrees { Verdict::Agrees } else { Verdict::Differs },
+            sentence: comparison.sentence.clone(),
+            tests: scan_tests::reported(&self.tests),
+            waterfall: Waterfall {
+                misfit: Misfit::heights(),
+                passes: Vec::new(),
+                steps: Vec::new(),
+                notes: Vec::new(),
+            },
+            volumes: Vec::new(),
+            scans: Vec::new(),
+            sections: Vec::new(),
+            covariates: plots(&self.study, None, self.named),
+            suspects: Vec::new(),
+            parameters: parameters(model),
+            correlations: None,
+            detectable: Vec::new(),
+            next_trial: None,
+            suggested_effect: None,
+            provenance: provenance(asked.folder, asked.seed)?,
+            diagnosis: serde_json::to_value(comparison)?,
+        })
+    }
+}
+
+/// Laws and effects of a model.
+fn model_words(model: &CompiledModel) -> String {
+    model.effects().map(|effect| effect.name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// The model's values; none was fitted.
+fn parameters(model: &CompiledModel) -> Vec<ParameterEstimate> {
+    let one = |(slot, value): (&effects::ParameterSlot, &f64)| ParameterEstimate {
+        name: slot.name(),
+        unit: Stated::new(&slot.unit_text, 1.0),
+        value: slot.unit.from_si(*value),
+        interval: None,
+        on_bound: false,
+        identifiable: true,
+        fixed: true,
+    };
+    model.parameters().iter().zip(model.values()).map(one).collect()
+}
+
+/// A section in numbers.
+fn section(ground: &Ground, plateau: &Plateau, line: Direction) -> SectionFigures {
+    let pixels = line_of(ground.seen.pixels, line);
+    let left: Vec<f64> = pixels.iter().map(|&at| ground.left[at]).filter(|left| left.is_finite()).collect();
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+    let squares: Vec<f64> = left.iter().map(|left| left * left).collect();
+    let flat: Vec<f64> =
+        pixels.iter().filter(|&&at| plateau.holds(at)).map(|&at| ground.left[at]).filter(|l| l.is_finite()).collect();
+    let place = match line {
+        Direction::Across(x) => format!("x = {} mm", x * 1e3),
+        Direction::Along(y) => format!("y = {} mm", y * 1e3),
+        Direction::AlongCrest => "along the crest".to_owned(),
+    };
+    SectionFigures {
+        place,
+        rms_um: 1e6 * mean(&squares).sqrt(),
+        plateau_height_error_um: (!flat.is_empty()).then(|| 1e6 * mean(&flat)),
+    }
+}
+
+fn figures(evidence: &ScanEvidence, view: &ScanView, simulated: &Simulated, lines: &[Direction]) -> ScanFigures {
+    let trial = evidence.twin.trials[view.trial].trial;
+    let (before, noise) = (&trial.scans.before, evidence.noise[view.trial].rms);
+    let ground = Ground::new(evidence, view, simulated);
+    let plateau = ground.as_ref().map(|ground| ground.plateau(before, &trial.passes[view.pass], noise));
+    let on_plateau = ground.as_ref().zip(plateau.as_ref()).and_then(|(ground, plateau)| ground.figures(plateau));
+    let volume = pass_volume(evidence, view, &|view| Ground::new(evidence, view, simulated));
+    let exposed = exposure(view, simulated);
+    let [rms, floor] = match (&view.data, &ground) {
+        (ScanData::Heights(data), Some(ground)) => [ground.rms(), data.agreement(&ground.seen, before, noise)[1]],
+        (ScanData::Exposure(data), _) => [data.border_distance(&simulated.margin(view)), data.border_floor()],
+        (ScanData::Heights(_), None) => unreachable!("a simulated scan is like the real one"),
+    };
+    let section = |line: &Direction| Some(section(ground.as_ref()?, plateau.as_ref()?, *line));
+    ScanFigures {
+        pass: name(evidence, view),
+        role: role(view),
+        rms_um: 1e6 * rms,
+        noise_floor_um: 1e6 * floor,
+        volume_mm3: volume.map(|v| [v.measured, v.uncertainty, v.simulated].map(|volume| 1e9 * volume)),
+        plateau_height_error_um: on_plateau.map(|p| [p.height_error, p.height_uncertainty].map(|height| 1e6 * height)),
+        plateau_slope_mrad: on_plateau.map(|p| [p.slopes[0], p.slope_uncertainty, p.slopes[1]].map(|s| 1e3 * s)),
+        exposed_mm2: exposed.map(|exposed| exposed.areas.map(|area| 1e6 * area)),
+        intersection_over_union: exposed.map(|exposed| exposed.overlap),
+        sections: lines.iter().filter_map(section).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found where a test says this and the error is so many noise floors.
+    fn found(rejects: bool, floors: f64) -> Comparison {
+        let test = StructureTest { name: "runs".to_owned(), statistic: -9.0, p_value: 0.001, rejects };
+        let found = Found {
+            equal_passes: None,
+            tests: vec![test],
+            study: CovariateStudy::default(),
+            named: &|_| unreachable!("there is no covariate"),
+            error: [floors, 1.0],
+            notes: Vec::new(),
+        };
+        found.comparison(ErrorUnit::Micrometre, Split::Calibration)
+    }
+
+    #[test]
+    fn a_model_whose_tests_find_structure_never_agrees() {
+        for floors in [0.2, 1.05, 3.0] {
+            assert!(!found(true, floors).agrees && found(false, floors).agrees);
+            assert_eq!(found(true, floors).sentence.contains("what is left has structure"), floors < 1.1);
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! The course of a study: compare, calibrate, diagnose, add, calibrate again, until the stop rule ends it.
+
+use std::cell::Cell;
+
+use crate::error::{LabError, Result};
+use effects::{CompiledModel, Library, Model};
+
+use super::calibrated::{CalibrationReport, bare_report, calibration_report};
+use super::conclusion::{suggestion, summary};
+use super::fill::{detectable, next_trial, suggested, suspects, waterfall};
+use super::measurements::Data;
+use super::record::{Action, Done, STUDY_FILE, StudyRecord};
+use crate::study::StudyReport;
+use crate::{
+    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, MOST_EFFECTS,
+    Order, ParameterSummary, Suggestion, Told, Unfitted, Verdict, beginning, parameter_summary,
+};
+
+/// Error at which nothing more is searched [noise floors].
+const AT_FLOOR: f64 = 1.1;
+
+/// A study under way: its record, and what this run of the program has in memory of it.
+pub struct Course<'a> {
+    /// What is kept.
+    pub record: StudyRecord,
+    /// The model so far.
+    pub model: Model,
+    /// A form for what the library lacks, where the last search ended with one.
+    pub suggestion: Option<Suggestion>,
+    data: Data<'a>,
+    library: &'a Library,
+    calibration: Option<Calibration>,
+    diagnosis: Option<(Diagnosis, DiagnosisSummary)>,
+    /// Effects that the searches of this run fitted, those of the last search first.
+    suspects: Vec<EffectSummary>,
+    /// Effects that the last search looked at and did not weigh.
+    unfitted: Vec<Unfitted>,
+}
+
+impl<'a> Course<'a> {
+    /// A study that goes on from a record and a model, or begins with them.
+    ///
+    /// # Errors
+    /// A model that does not fit the measurements.
+    pub fn new(data: Data<'a>, library: &'a Library, model: Model, record: StudyRecord) -> Result<Self> {
+        let record = StudyRecord { notes: data.notes(), ..record };
+        let model = data.fitting(model, library)?;
+        Ok(Self {
+            record,
+            model,
+            suggestion: None,
+            data,
+            library,
+            calibration: None,
+            diagnosis: None,
+            suspects: Vec::new(),
+            unfitted: Vec::new(),
+        })
+    }
+
+    /// Does the next step, unless the study has ended.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated.
+    pub fn step(&mut self, told: Told) -> Result<Option<Done>> {
+        let Some(action) = self.record.next else { return Ok(None) };
+        let outcome = match action {
+            Action::Compare => self.compare()?,
+            Action::Calibrate => self.calibrate(told)?,
+            Action::Diagnose => self.diagnose(told)?,
+            Action::Add => self.add()?,
+        };
+        let done = Done { action, outcome };
+        self.record.done.push(done.clone());
+        Ok(Some(done))
+    }
+
+    /// Holds the base law against the measurements.
+    fn compare(&mut self) -> Result<String> {
+        let evidence = self.data.evidence();
+        let (waterfall, (floor, held_out)) = beginning(evidence, &self.start()?)?;
+        let record = &mut self.record;
+        (record.error_unit, record.noise_floor_um, record.waterfall) = (evidence.unit(), floor, waterfall);
+        record.evaluation_noise_floor_um = held_out;
+        record.next = Some(Action::Calibrate);
+        let lines: Vec<String> = record.waterfall.iter().map(|step| record.shown(step)).collect();
+        Ok(format!("{}\nnoise floor: {floor:.2} {}", lines.join("\n"), record.error_unit.symbol()))
+    }
+
+    /// The base law before any fit.
+    fn start(&self) -> Result<CompiledModel> {
+        let start = self.data.start(&self.model, self.library)?;
+        Ok(CompiledModel::new(&start, self.library, self.data.evidence().rows())?)
+    }
+
+    /// Fits the model, unless a search of this run has done it together with the effect that it found.
+    fn calibrate(&mut self, told: Told) -> Result<String> {
+        self.fitted(told)?;
+        let calibration = self.calibration.as_ref().expect("the model is fitted");
+        let numbers = CalibrationSummary::new(self.data.evidence(), calibration, self.library)?;
+        let record = &mut self.record;
+        record.waterfall = numbers.waterfall;
+        self.model = calibration.model.clone();
+        let last = record.waterfall.last().expect("the model is a step");
+        let ratio = last.calibration_rms_um / record.noise_floor_um;
+        let text = format!("{}\n{ratio:.2} times the noise floor", record.shown(last));
+        let values: Vec<String> = numbers.parameters.iter().map(|parameter| parameter.shown()).collect();
+        let text = [vec![text], values, numbers.remarks].concat().join("\n");
+        self.decide(ratio);
+        Ok(text)
+    }
+
+    /// The stop rule after a calibration.
+    fn decide(&mut self, floors: f64) {
+        let record = &mut self.record;
+        record.next = None;
+        record.ended = match record.verdict {
+            Some(Verdict::Identified) => {
+                Some("what is left is noise and what the simulation itself may err by".to_owned())
+            }
+            Some(_) if floors <= AT_FLOOR => Some(format!("the error is within {AT_FLOOR} times the noise floor")),
+            Some(_) if record.added.len() >= MOST_EFFECTS => {
+                Some(format!("{MOST_EFFECTS} effects were added, and more would be guessing"))
+            }
+            _ => {
+                record.next = Some(Action::Diagnose);
+                None
+            }
+        };
+    }
+
+    /// Makes sure that the model and those that it grew from are fitted.
+    fn fitted(&mut self, told: Told) -> Result<()> {
+        if self.calibration.as_ref().is_some_and(|c| c.steps.len() == 1 + self.model.effects.len()) {
+            return Ok(());
+        }
+        let count = 1 + self.model.effects.len();
+        self.data.prepare(&self.model, self.library)?;
+        let start = self.data.start(&self.model, self.library)?;
+        let done = Cell::new(0);
+        let fitted = |name: &str| {
+            done.set(done.get() + 1);
+            told(name, done.get(), count);
+        };
+        let models = (&self.model, &start);
+        let made = Calibration::new(self.data.evidence(), models, self.library, (Order::Joint, &fitted))?;
+        self.calibration = Some(made);
+        Ok(())
+    }
+
+    /// Searches for one effect that the model lacks.
+    fn diagnose(&mut self, told: Told) -> Result<String> {
+        self.fitted(&|_, _, _| {})?;
+        let fit = self.calibration.as_ref().expect("the model is fitted").last().fit.clone();
+        let search = (self.record.seed, told);
+        let mut diagnosis = Diagnosis::within(self.data.evidence(), (&self.model, fit), self.library, search, 1)?;
+        let sure = matches!(diagnosis.verdict, Verdict::Identified | Verdict::Partly);
+        let to_add = diagnosis.found().first().filter(|_| sure).map(|found| found.suspect.name().to_owned());
+        diagnosis.verdict = self.record.verdict_with(diagnosis.verdict);
+        if to_add.is_none() {
+            self.suggestion = suggestion(&self.data, &diagnosis, self.library, self.record.seed)?;
+        }
+        let summary = summary(&mut self.data, &diagnosis, self.library)?;
+        self.data.free_blur();
+        let record = &mut self.record;
+        let names: Vec<&str> = record.added.iter().chain(&to_add).map(String::as_str).collect();
+        let sentence = match (record.added.is_empty(), diagnosis.verdict) {
+            (false, Verdict::Identified) => format!("The model lacked {}.", names.join(" and ")),
+            (false, _) => format!("The model lacked {}, and more that was not found.", names.join(" and ")),
+            _ => summary.sentence.clone(),
+        };
+        let outcome = [vec![sentence.clone()], summary.suspects.iter().take(3).map(|s| s.shown()).collect()].concat();
+        (record.verdict, record.sentence) = (Some(diagnosis.verdict), Some(sentence));
+        record.diagnosis = Some(serde_json::to_value(&summary)?);
+        record.next = to_add.as_ref().map(|_| Action::Add);
+        if to_add.is_none() {
+            record.ended = Some("no further effect of the library can be named".to_owned());
+        }
+        let searched = self.suspects.iter().map(|suspect| suspect.search).max().unwrap_or(0);
+        let numbered = |one: &EffectSummary| EffectSummary { search: searched + one.search, ..one.clone() };
+        self.suspects.splice(0..0, summary.suspects.iter().map(numbered));
+        let later = |one: &Unfitted| Unfitted { search: searched + one.search, ..one.clone() };
+        self.unfitted = summary.unfitted.iter().map(later).collect();
+        record.to_add = to_add.map(|name| [name, diagnosis.model.to_text(self.library)]);
+        self.diagnosis = Some((diagnosis, summary));
+        Ok(outcome.join("\n"))
+    }
+
+    /// Adds the effect that was found, with the values that the search fitted.
+    fn add(&mut self) -> Result<String> {
+        let Some([name, text]) = self.record.to_add.take() else {
+            return Err(LabError::Refused(format!("{STUDY_FILE}: names no effect to add")));
+        };
+        self.model = Model::parse(STUDY_FILE, &text, self.library)?;
+        if let (Some((diagnosis, _)), Some(calibration)) = (&self.diagnosis, &mut self.calibration) {
+            calibration.steps.push(Fitted { name: format!("+ {name}"), fit: diagnosis.fit.clone(), staged: None });
+            calibration.model = self.model.clone();
+        }
+        self.record.next = Some(Action::Calibrate);
+        self.record.added.push(name.clone());
+        Ok(format!("{name} is in the model"))
+    }
+
+    /// The fitted parameters of the model so far; none before the first calibration.
+    pub fn parameters(&self) -> Vec<ParameterSummary> {
+        let estimates = self.calibration.iter().flat_map(|calibration| calibration.last().estimates());
+        estimates.map(|estimate| parameter_summary(&estimate)).collect()
+    }
+
+    /// The report of what is known so far.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated.
+    pub fn report(&mut self) -> Result<StudyReport> {
+        let numbers = self
+            .calibration
+            .as_ref()
+            .map(|calibration| CalibrationSummary::new(self.data.evidence(), calibration, self.library));
+        let numbers = numbers.transpose()?;
+        let seen = match &self.calibration {
+            Some(calibration) => calibration.last().fit.model.clone(),
+            None => self.start()?,
+        };
+        self.data.fix_blur(&seen)?;
+        let report = self.report_with(&seen, numbers.as_ref());
+        self.data.free_blur();
+        report
+    }
+
+    fn report_with(&self, seen: &CompiledModel, numbers: Option<&CalibrationSummary>) -> Result<StudyReport> {
+        let record = &self.record;
+        let (sentence, answer) = (self.sentence(), serde_json::to_value(record)?);
+        let (Some(calibration), Some(summary)) = (&self.calibration, numbers) else {
+            let falls = waterfall(&record.waterfall, record.floors(), record.error_unit);
+            let models = (&self.model, seen, None);
+            let bare = bare_report(&self.data, models, falls, (0, record.seed))?;
+            return Ok(StudyReport { sentence, diagnosis: answer, ..bare });
+        };
+        let report = calibration_report(&CalibrationReport {
+            data: &self.data,
+            calibration,
+            summary,
+            waterfall: &record.waterfall,
+            rival: self.rival(),
+            verdict: record.verdict,
+            sentence,
+            seed: record.seed,
+            answer,
+        })?;
+        let Some((_, found)) = &self.diagnosis else { return Ok(report) };
+        Ok(StudyReport {
+            suspects: suspects(&self.suspects, &self.unfitted, found.error_unit),
+            detectable: found.detectable.iter().map(detectable).collect(),
+            next_trial: found.next_trial.as_ref().map(next_trial),
+            suggested_effect: self.suggestion.as_ref().map(suggested),
+            ..report
+        })
+    }
+
+    /// The most probable model of the last search, where the study ended because it could not be named alone.
+    fn rival(&self) -> Option<&CompiledModel> {
+        let searched_last = self.record.done.last().is_some_and(|done| done.action == Action::Diagnose);
+        let (diagnosis, _) = self.diagnosis.as_ref().filter(|_| searched_last && self.record.next.is_none())?;
+        diagnosis.found().first().map(|found| &found.suspect.fit.model)
+    }
+
+    /// The verdict, or how far the study is.
+    fn sentence(&self) -> String {
+        let record = &self.record;
+        let next = record.next.map_or(String::new(), |next| format!(" Next: {}.", next.intent()));
+        match &record.sentence {
+            Some(sentence) => format!("{sentence}{next}"),
+            None => {
+                let last = record.waterfall.iter().rev().find(|step| step.step == BASE_STEP);
+                let far = last.or(record.waterfall.last()).map_or(String::new(), |step| record.shown(step));
+                format!("Nothing is diagnosed yet; {far}.{next}")
+            }
+        }
+    }
+}

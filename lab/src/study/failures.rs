@@ -1,0 +1,117 @@
+//! Where a model fails, in numbers: tests of structure, and what the error depends on.
+
+use crate::error::Result;
+use effects::CompiledModel;
+use serde::Serialize;
+
+use super::simulated::Simulated;
+use super::{places, row_places, scan_tests};
+use crate::study::{Bin, CovariatePlot, Stated};
+use crate::{CovariateBin, CovariateShare, CovariateStudy, Evidence, RowEvidence, ScanEvidence, Split, StructureTest};
+
+/// A covariate in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct CovariateFigures {
+    /// Its name.
+    pub name: String,
+    /// Share of the excess variance that it explains.
+    pub share: f64,
+    /// What all together explain less without it.
+    pub drop: f64,
+    /// Chance of such a share where there is no dependence.
+    pub p_value: f64,
+    /// Chance that any covariate reaches it where none matters.
+    pub p_value_of_all: f64,
+}
+
+/// Where a model fails.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Failures {
+    /// Tests of structure.
+    pub tests: Vec<StructureTest>,
+    /// Share of the excess variance that all covariates explain together.
+    pub joint_share: f64,
+    /// Covariates, in falling order of their shares.
+    pub covariates: Vec<CovariateFigures>,
+}
+
+impl Failures {
+    /// - `named`: name and unit of a covariate
+    pub(super) fn new(
+        tests: Vec<StructureTest>,
+        study: &CovariateStudy,
+        named: &dyn Fn(usize) -> (String, Stated),
+    ) -> Self {
+        let one = |share: &CovariateShare| CovariateFigures {
+            name: named(share.covariate).0,
+            share: share.share,
+            drop: share.drop,
+            p_value: share.p_value,
+            p_value_of_all: share.p_value_of_all,
+        };
+        let mut covariates: Vec<CovariateFigures> = study.covariates.iter().map(one).collect();
+        covariates.sort_by(|a, b| b.share.total_cmp(&a.share));
+        Self { tests, joint_share: study.joint_share, covariates }
+    }
+}
+
+/// Where a base model fails on the calibration scans, in numbers and as plots that show beside it what is left with effects.
+///
+/// - `freedoms`: parameters of the base model that were fitted to them
+pub(super) fn of_scans(
+    evidence: &ScanEvidence,
+    (base, last): (&Simulated, Option<&Simulated>),
+    (freedoms, seed): (usize, u64),
+) -> (Failures, Vec<CovariatePlot>) {
+    let study = |simulated| places::study(evidence, simulated, Split::Calibration, seed);
+    let (with_base, with_last) = (study(base), last.map(study));
+    let tests = scan_tests::of_scans(evidence, base, Split::Calibration, (freedoms, seed));
+    let plots = plots(&with_base, with_last.as_ref(), &places::covariate);
+    (Failures::new(tests, &with_base, &places::covariate), plots)
+}
+
+/// As [`of_scans`], of the calibration rows of a table.
+///
+/// # Errors
+/// When a model cannot be evaluated.
+pub(super) fn of_rows(
+    evidence: &RowEvidence,
+    (base, last): (&CompiledModel, Option<&CompiledModel>),
+    (freedoms, seed): (usize, u64),
+) -> Result<(Failures, Vec<CovariatePlot>)> {
+    let study = |model: &CompiledModel| row_places::study(evidence, model, Split::Calibration, seed);
+    let (with_base, with_last) = (study(base)?, last.map(study).transpose()?);
+    let tests = scan_tests::of_rows(&evidence.residuals(base, Split::Calibration)?, freedoms, seed);
+    let named = |at: usize| row_places::covariate(evidence, at);
+    let plots = plots(&with_base, with_last.as_ref(), &named);
+    Ok((Failures::new(tests, &with_base, &named), plots))
+}
+
+/// Covariates as the report draws them.
+///
+/// - `named`: name and unit of a covariate
+pub(super) fn plots(
+    base: &CovariateStudy,
+    found: Option<&CovariateStudy>,
+    named: &dyn Fn(usize) -> (String, Stated),
+) -> Vec<CovariatePlot> {
+    let bins = |share: &CovariateShare| -> Vec<Bin> {
+        let bin = |bin: &CovariateBin| Bin { covariate: bin.covariate, residual: bin.residual, band: bin.band };
+        share.bins.iter().map(bin).collect()
+    };
+    let plot = |share: &CovariateShare| {
+        let (name, unit) = named(share.covariate);
+        let same = found.and_then(|found| found.covariates.iter().find(|other| other.covariate == share.covariate));
+        CovariatePlot {
+            name,
+            unit,
+            bins: bins(share),
+            with_effect: same.map(bins).unwrap_or_default(),
+            share: share.share,
+            drop: share.drop,
+            p_value: share.p_value,
+            p_value_of_all: share.p_value_of_all,
+        }
+    };
+    base.covariates.iter().map(plot).collect()
+}

@@ -1,0 +1,408 @@
+//! The report's text and tables from a diagnosis.
+
+use std::path::Path;
+
+use crate::error::Result;
+use effects::{CompiledModel, Model};
+use files::input::{self, MOST_MESH_BYTES};
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+use walkdir::{DirEntry, WalkDir};
+
+use super::failures::{self, Failures};
+use super::maps::{self, Seen};
+use super::scan_tests;
+use super::shares::overlap;
+use super::simulated::Simulated;
+use super::waterfall::{Scans, Step};
+use crate::study::{
+    Compared, ComparedPass, Digest, Misfit, Provenance, Stated, StudyReport, SuggestedEffect, Waterfall, WaterfallStep,
+};
+use crate::{
+    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterSummary, RowEvidence,
+    ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
+};
+use files::output::holds_results;
+use trials::measure::Registration;
+use trials::trial::{Campaign, PassScan, Tool};
+
+/// How scans are laid and judged, a sentence each.
+const METHOD: [&str; 3] = [
+    "Each scan is laid on the surface that the tool left alone; its height, tilt and shift stay free in every fit.",
+    "The scan noise is the root mean square of one pixel's error, from the repeated scan before the first pass.",
+    "The noise floor is what the noise of the scan, and that of the scan before the first pass where the tool left it alone, \
+     leaves of an error near the tool. Calibration and evaluation passes each have their own.",
+];
+
+/// What a report is made from.
+pub struct ReportInput<'a> {
+    /// The campaign, where it has scans.
+    pub scans: Option<(&'a Campaign, &'a ScanEvidence<'a>)>,
+    /// The rows, where it is a table.
+    pub rows: Option<&'a RowEvidence<'a>>,
+    /// Where it was read.
+    pub folder: &'a Path,
+    /// What was found.
+    pub diagnosis: &'a Diagnosis,
+    /// The same in numbers.
+    pub summary: &'a DiagnosisSummary,
+    /// A form for what the library lacks.
+    pub suggestion: Option<&'a Suggestion>,
+    /// Seed of all draws.
+    pub seed: u64,
+    /// What the reader understood of the files.
+    pub notes: Vec<String>,
+}
+
+/// The answer of a diagnosis: what is missing, and where the base model fails.
+#[derive(Serialize)]
+struct Answer<'a> {
+    /// What the reader understood of the files where it was not the plain case.
+    notes: &'a [String],
+    #[serde(flatten)]
+    summary: &'a DiagnosisSummary,
+    #[serde(flatten)]
+    failures: &'a Failures,
+}
+
+/// Fills a report; its `diagnosis` is the answer for machines.
+///
+/// # Errors
+/// When a model cannot be simulated, or an input file not be read again for its hash.
+pub fn report(input: &ReportInput) -> Result<StudyReport> {
+    let ReportInput { diagnosis, summary, .. } = input;
+    let filled = match (input.scans, input.rows) {
+        (Some((_, evidence)), _) => of_scans(input, evidence)?,
+        (None, Some(rows)) => of_rows(input, rows)?,
+        (None, None) => Filled::default(),
+    };
+    let floors = (summary.noise_floor_um, summary.evaluation_noise_floor_um);
+    let mut waterfall =
+        filled.waterfall.unwrap_or_else(|| self::waterfall(&summary.waterfall, floors, summary.error_unit));
+    waterfall.notes.extend(overlap(diagnosis, summary));
+    Ok(StudyReport {
+        compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),
+        verdict: verdict(summary.verdict),
+        sentence: summary.sentence.clone(),
+        tests: scan_tests::reported(&filled.failures.tests),
+        waterfall,
+        volumes: filled.volumes,
+        scans: filled.scans,
+        sections: filled.sections,
+        covariates: filled.covariates,
+        suspects: suspects(&summary.suspects, &summary.unfitted, summary.error_unit),
+        parameters: summary.parameters.iter().map(parameter).collect(),
+        correlations: correlations(&diagnosis.fit),
+        detectable: summary.detectable.iter().map(detectable).collect(),
+        next_trial: summary.next_trial.as_ref().map(next_trial),
+        suggested_effect: input.suggestion.map(suggested),
+        provenance: provenance(input.folder, input.seed)?,
+        diagnosis: serde_json::to_value(Answer { notes: &input.notes, summary, failures: &filled.failures })?,
+    })
+}
+
+/// What comes from the data themselves.
+#[derive(Default)]
+struct Filled {
+    failures: Failures,
+    waterfall: Option<Waterfall>,
+    alignments: Vec<Option<Registration>>,
+    volumes: Vec<super::PassVolume>,
+    scans: Vec<super::ScanComparison>,
+    sections: Vec<super::ScanSection>,
+    covariates: Vec<super::CovariatePlot>,
+}
+
+fn of_scans(input: &ReportInput, evidence: &ScanEvidence) -> Result<Filled> {
+    let first = &input.diagnosis.rounds[0];
+    let found = input.diagnosis.found();
+    let models: Vec<(String, &CompiledModel)> = [("base model".to_owned(), &first.base.model)]
+        .into_iter()
+        .chain(found.iter().map(|found| (format!("+ {}", found.suspect.name()), &found.suspect.fit.model)))
+        .collect();
+    let start = start_of(&first.base.model);
+    let all: Vec<&CompiledModel> = [&start].into_iter().chain(models.iter().map(|(_, model)| *model)).collect();
+    let simulated = Simulated::all(evidence, &all)?;
+    let steps: Vec<Step> =
+        models.into_iter().zip(&simulated[1..]).map(|((name, _), simulated)| Step { name, simulated }).collect();
+    let scans = Scans::new(evidence, true);
+    let (base, last) = (&simulated[1], (simulated.len() > 2).then(|| &simulated[simulated.len() - 1]));
+    let seen = Seen { evidence, base, found: last, lines: &[] };
+    let (failures, covariates) = failures::of_scans(evidence, (base, last), (first.base.coordinates.len(), input.seed));
+    Ok(Filled {
+        failures,
+        waterfall: Some(scans.waterfall(&simulated[0], &steps)),
+        alignments: evidence.views.iter().map(|view| scans.alignment(view)).collect(),
+        volumes: seen.volumes(),
+        scans: seen.scans(),
+        sections: seen.sections(),
+        covariates,
+    })
+}
+
+fn of_rows(input: &ReportInput, evidence: &RowEvidence) -> Result<Filled> {
+    let base = &input.diagnosis.rounds[0].base;
+    let found = input.diagnosis.found();
+    let models = (&base.model, found.last().map(|found| &found.suspect.fit.model));
+    let (failures, covariates) = failures::of_rows(evidence, models, (base.coordinates.len(), input.seed))?;
+    Ok(Filled { failures, covariates, ..Filled::default() })
+}
+
+/// The base law before any fit: all parameters at their defaults.
+fn start_of(base: &CompiledModel) -> CompiledModel {
+    let mut start = base.clone();
+    for (index, slot) in base.parameters().iter().enumerate() {
+        start.set(index, slot.default);
+    }
+    start
+}
+
+pub(super) fn next_trial(next: &NextTrial) -> super::NextTrial {
+    let list = |values: &[f64]| {
+        values
+            .iter()
+            .map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let steps =
+        [("force", &next.force_n, "N"), ("feed", &next.feed_mm_s, "mm/s"), ("spindle speed", &next.spindle_rpm, "rpm")];
+    let steps = steps.iter().filter(|(_, values, _)| !values.is_empty());
+    let (question, chance) = match &next.separates[..] {
+        [one, other] => (format!("Whether it is {one} or {other}."), Some(next.chance_right)),
+        tested => (format!("Whether {} predicts passes that no fit has seen.", tested.join(" and ")), None),
+    };
+    super::NextTrial {
+        summary: next.summary.clone(),
+        steps: steps.map(|(name, values, unit)| ((*name).to_owned(), format!("{} {unit}", list(values)))).collect(),
+        settles: vec![question],
+        leaves_open: Vec::new(),
+        chance,
+    }
+}
+
+/// A form as the report shows it.
+pub(super) fn suggested(suggestion: &Suggestion) -> SuggestedEffect {
+    let Suggestion { name, summary, text, .. } = suggestion;
+    SuggestedEffect { file: format!("{name}.toml"), summary: summary.clone(), text: text.clone() }
+}
+
+pub(super) fn verdict(verdict: Verdict) -> super::Verdict {
+    match verdict {
+        Verdict::Identified => super::Verdict::Identified,
+        Verdict::Ambiguous => super::Verdict::Ambiguous,
+        Verdict::Partly => super::Verdict::Partly,
+        Verdict::Unknown => super::Verdict::Unknown,
+        Verdict::NothingMissing => super::Verdict::NothingMissing,
+        Verdict::NotTestable => super::Verdict::NotTestable,
+    }
+}
+
+/// What was compared: a model with the scans of a campaign, or with rows.
+pub(super) fn compared(
+    (model, scans): (&Model, Option<(&Campaign, &ScanEvidence)>),
+    folder: &Path,
+    notes: &[String],
+    alignments: &[Option<Registration>],
+) -> Compared {
+    let effects: Vec<String> = model.effects.iter().map(|part| part.name.clone()).collect();
+    let laws: Vec<String> = model.laws.iter().map(|part| part.name.clone()).collect();
+    let model = [laws, effects].concat().join(", ");
+    let named = Compared { campaign: folder_name(folder), model, notes: notes.to_vec(), ..Compared::default() };
+    match scans {
+        Some((campaign, evidence)) => compared_scans(campaign, evidence, alignments, named),
+        None => named,
+    }
+}
+
+/// Name of a campaign's folder.
+pub(super) fn folder_name(folder: &Path) -> String {
+    folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
+}
+
+/// What was compared of a campaign with scans, added to what is `named` already.
+pub(super) fn compared_scans(
+    campaign: &Campaign,
+    evidence: &ScanEvidence,
+    alignments: &[Option<Registration>],
+    named: Compared,
+) -> Compared {
+    let trial = &campaign.trials[0];
+    let tool = match trial.tool {
+        Tool::Wheel { radius, width, .. } => format!("wheel, radius {} mm, width {} mm", radius * 1e3, width * 1e3),
+        Tool::Pad { radius } => format!("pad, radius {} mm", radius * 1e3),
+    };
+    let pass = |(k, view): (usize, &ScanView)| {
+        let pass = &campaign.trials[view.trial].passes[view.pass];
+        ComparedPass {
+            name: maps::name(evidence, view),
+            role: maps::role(view),
+            force: Some(pass.force_setpoint),
+            feed: Some(pass.feed),
+            spindle_speed: Some(pass.spindle_speed),
+            noise_floor: matches!(pass.scan, PassScan::Heights(_)).then_some(evidence.noise[view.trial].rms),
+            alignment: alignments.get(k).copied().flatten(),
+        }
+    };
+    Compared {
+        tool,
+        passes: evidence.views.iter().enumerate().map(pass).collect(),
+        pitch: Some(trial.scans.before.pixels.pitch),
+        voxel: evidence.twin.trials.first().map(|twin| twin.part.voxel),
+        blur: evidence.blur.filter(|blur| *blur > 0.0),
+        method: METHOD.map(str::to_owned).to_vec(),
+        ..named
+    }
+}
+
+/// The steps and the noise floors of calibration and evaluation passes below them. Steps before the base model have no share
+/// of its excess.
+pub(super) fn waterfall(
+    steps: &[crate::WaterfallStep],
+    (floor, held_out): (f64, Option<f64>),
+    unit: ErrorUnit,
+) -> Waterfall {
+    let one = 1.0 / unit.per_one();
+    let excess = |rms: f64| (rms * rms - floor * floor).max(0.0);
+    let base = steps.iter().position(|step| step.step == BASE_STEP).unwrap_or(0);
+    let whole = steps.get(base).map_or(0.0, |step| excess(step.calibration_rms_um));
+    let step = |(k, step): (usize, &crate::WaterfallStep)| WaterfallStep {
+        name: step.step.clone(),
+        calibration: Some(step.calibration_rms_um * one),
+        evaluation: step.evaluation_rms_um.map(|rms| rms * one),
+        unexplained: (k >= base && whole > 0.0).then(|| excess(step.calibration_rms_um) / whole),
+        ..WaterfallStep::default()
+    };
+    let last = WaterfallStep {
+        name: "noise floor".to_owned(),
+        calibration: Some(floor * one),
+        evaluation: held_out.map(|floor| floor * one),
+        ..WaterfallStep::default()
+    };
+    let misfit = match unit {
+        ErrorUnit::Micrometre => Misfit::heights(),
+        ErrorUnit::Percent => Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
+    };
+    let steps = steps.iter().enumerate().map(step).chain([last]).collect();
+    Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() }
+}
+
+/// Effects that were fitted, by search and within each the most probable first, each with why it is in or out; then those
+/// that were not, with the reason.
+pub(super) fn suspects(fitted: &[EffectSummary], unfitted: &[Unfitted], unit: ErrorUnit) -> Vec<super::Suspect> {
+    let searches = fitted.iter().map(|suspect| suspect.search).max().unwrap_or(0);
+    let of_search = fitted.chunk_by(|a, b| a.search == b.search);
+    let of_search = of_search.flat_map(|search| search.iter().enumerate());
+    let of_search = of_search.map(|(rank, one)| suspect(one, unit, (rank, searches)));
+    of_search.chain(unfitted.iter().map(|one| unweighed(one, searches))).collect()
+}
+
+fn unweighed(one: &Unfitted, searches: usize) -> super::Suspect {
+    super::Suspect {
+        name: one.name.clone(),
+        title: one.title.clone(),
+        probability: 0.0,
+        gain: None,
+        evaluation_before: None,
+        evaluation_after: None,
+        look_alikes: Vec::new(),
+        note: format!("{}Out: {}.", search_words(one.search, searches), one.reason),
+    }
+}
+
+fn search_words(search: usize, searches: usize) -> String {
+    if searches > 1 { format!("Search {search} of {searches}. ") } else { String::new() }
+}
+
+fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, usize)) -> super::Suspect {
+    let one = 1.0 / unit.per_one();
+    let reason = match (&suspect.ruled_out, &suspect.indistinguishable_from[..]) {
+        (Some(reason), _) => format!("Out: {reason}."),
+        (None, []) if rank == 0 => "In: the most probable one.".to_owned(),
+        (None, []) => "In: the data do not decide between it and the most probable one.".to_owned(),
+        (None, alike) => format!("In: the most probable one, which these data cannot tell from {}.", alike.join(", ")),
+    };
+    super::Suspect {
+        name: suspect.name.clone(),
+        title: suspect.title.clone(),
+        probability: suspect.probability,
+        gain: Some(suspect.gain),
+        evaluation_before: suspect.evaluation_rms_um_before.map(|rms| rms * one),
+        evaluation_after: suspect.evaluation_rms_um_after.map(|rms| rms * one),
+        look_alikes: suspect.indistinguishable_from.clone(),
+        note: search_words(suspect.search, searches) + &reason,
+    }
+}
+
+pub(super) fn parameter(parameter: &ParameterSummary) -> super::ParameterEstimate {
+    let note = parameter.note.as_deref().unwrap_or_default();
+    super::ParameterEstimate {
+        name: parameter.name.clone(),
+        unit: Stated::new(&parameter.unit, 1.0),
+        value: parameter.value,
+        interval: parameter.interval,
+        on_bound: note.starts_with("on its"),
+        identifiable: !note.starts_with("not"),
+        fixed: false,
+    }
+}
+
+pub(super) fn correlations(fit: &Fit) -> Option<super::Correlations> {
+    let covariance = fit.covariance()?;
+    let count = covariance.nrows();
+    let names = fit.coordinates.iter().map(|c| c.slot.name()).collect();
+    let value = |k: usize| {
+        let (i, j) = (k / count, k % count);
+        covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt()
+    };
+    (count > 1).then(|| super::Correlations { names, values: (0..count * count).map(value).collect() })
+}
+
+pub(super) fn detectable(detectable: &crate::Detectable) -> super::Detectable {
+    super::Detectable {
+        name: detectable.effect.clone(),
+        parameter: detectable.parameter.clone(),
+        unit: Stated::new(&detectable.unit, 1.0),
+        size: detectable.size,
+        typical: None,
+        map_rms: None,
+        note: match (detectable.testable, detectable.sides) {
+            (false, _) => "not testable with these passes".to_owned(),
+            (true, Sides::All) => String::new(),
+            (true, Sides::Above) => "only above its null".to_owned(),
+            (true, Sides::Below) => "only below its null".to_owned(),
+        },
+    }
+}
+
+/// SHA-256 over the hashes of all files of a folder, results below it left out: whether measurements are the same.
+///
+/// # Errors
+/// When a file cannot be read.
+pub fn inputs_sha256(folder: &Path) -> Result<String> {
+    let inputs = provenance(folder, 0)?.inputs;
+    let lines: String = inputs.iter().map(|input| format!("{} {}\n", input.sha256, input.file)).collect();
+    Ok(files::sha256(lines.as_bytes()))
+}
+
+/// Hashes of all files of a folder, results below it left out, and what made the report.
+pub(super) fn provenance(folder: &Path, seed: u64) -> Result<Provenance> {
+    let measures = |entry: &DirEntry| entry.depth() == 0 || !entry.file_type().is_dir() || !holds_results(entry.path());
+    let entries = WalkDir::new(folder).sort_by_file_name().into_iter().filter_entry(measures);
+    let mut files: Vec<DirEntry> = entries.collect::<Result<_, _>>()?;
+    files.retain(|entry| entry.file_type().is_file());
+    let digest = |entry: &DirEntry| -> Result<Digest> {
+        let hash: String = Sha256::digest(input::read(entry.path(), MOST_MESH_BYTES)?)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        let file = entry.path().strip_prefix(folder).unwrap_or(entry.path()).display().to_string();
+        Ok(Digest { file, sha256: hash })
+    };
+    Ok(Provenance {
+        inputs: files.iter().map(digest).collect::<Result<_>>()?,
+        seed,
+        versions: vec![("robofin".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
+        ..Provenance::default()
+    })
+}

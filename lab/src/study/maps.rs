@@ -1,0 +1,141 @@
+//! Maps, sections and volumes of the report: every scan against the base model and the model with what was found.
+
+use super::simulated::Simulated;
+use super::track::{Ground, Volume, line_of};
+use crate::study::{Direction, ExposureMaps, HeightMaps, Maps, PassVolume, ScanComparison, ScanSection};
+use crate::{HeightView, ScanData, ScanEvidence, ScanView, Split};
+use trials::trial::Role;
+
+/// Sections across where none are asked for, as shares of the map's length.
+const ACROSS: [f64; 3] = [1.0 / 7.0, 0.5, 6.0 / 7.0];
+/// Scans from which sections are shown where none are asked for.
+const SECTIONED: usize = 2;
+
+/// What both models make of all scans.
+pub struct Seen<'a> {
+    /// The scans.
+    pub evidence: &'a ScanEvidence<'a>,
+    /// The base model.
+    pub base: &'a Simulated,
+    /// The model with what was found, where something was.
+    pub found: Option<&'a Simulated>,
+    /// Sections that were asked for.
+    pub lines: &'a [Direction],
+}
+
+/// Name of a scan's pass.
+pub fn name(evidence: &ScanEvidence, view: &ScanView) -> String {
+    format!("{}, pass {}", evidence.twin.trials[view.trial].trial.name, view.pass + 1)
+}
+
+/// Role of a scan's pass.
+pub fn role(view: &ScanView) -> Role {
+    match view.split {
+        Split::Calibration => Role::Calibration,
+        Split::Evaluation => Role::Evaluation,
+    }
+}
+
+/// Volume that a pass removed, from what scans up to it say against a model; `None` when sanding.
+///
+/// - `ground`: a scan against the model
+pub fn pass_volume<'a>(
+    evidence: &'a ScanEvidence,
+    view: &'a ScanView,
+    ground: &dyn Fn(&'a ScanView) -> Option<Ground<'a>>,
+) -> Option<Volume> {
+    let before = &evidence.twin.trials[view.trial].trial.scans.before;
+    let up_to = |view: &'a ScanView| Some(ground(view)?.volume(before));
+    let all = up_to(view)?;
+    let is_earlier = |other: &&ScanView| other.trial == view.trial && other.pass + 1 == view.pass;
+    let Some(earlier) = evidence.views.iter().find(is_earlier).and_then(up_to) else { return Some(all) };
+    Some(Volume {
+        measured: all.measured - earlier.measured,
+        uncertainty: all.uncertainty.hypot(earlier.uncertainty),
+        simulated: all.simulated - earlier.simulated,
+    })
+}
+
+impl Seen<'_> {
+    /// All scans against both models.
+    pub fn scans(&self) -> Vec<ScanComparison> {
+        let compare = |view: &ScanView| {
+            let maps = match &view.data {
+                ScanData::Heights(data) => Maps::Heights(self.heights(view, data)?),
+                ScanData::Exposure(data) => Maps::Exposure(ExposureMaps {
+                    pixels: data.measured.pixels,
+                    measured: data.measured.exposed.clone(),
+                    base: self.base.exposed(view),
+                    with_effect: self.found.map(|found| found.exposed(view)),
+                }),
+            };
+            Some(ScanComparison { pass: name(self.evidence, view), role: role(view), maps })
+        };
+        self.evidence.views.iter().filter_map(compare).collect()
+    }
+
+    fn heights(&self, view: &ScanView, data: &HeightView) -> Option<HeightMaps> {
+        let left = |simulated: &Simulated| Some(Ground::new(self.evidence, view, simulated)?.left);
+        let mut judged = vec![false; data.measured.heights.len()];
+        data.tiles.pixels().for_each(|(_, at)| judged[at] = true);
+        Some(HeightMaps {
+            pixels: data.measured.pixels,
+            base: left(self.base)?,
+            with_effect: self.found.and_then(left),
+            judged,
+            judged_as: "near the tool".to_owned(),
+            noise_floor: self.evidence.noise[view.trial].rms,
+        })
+    }
+
+    /// The sections that were asked for through all scans, or some through the last ones.
+    pub fn sections(&self) -> Vec<ScanSection> {
+        let count = if self.lines.is_empty() { SECTIONED } else { self.evidence.views.len() };
+        let mut views: Vec<&ScanView> = self.evidence.views.iter().rev().take(count).collect();
+        if !self.lines.is_empty() {
+            views.reverse();
+        }
+        views.into_iter().flat_map(|view| self.sections_of(view).unwrap_or_default()).collect()
+    }
+
+    fn sections_of(&self, view: &ScanView) -> Option<Vec<ScanSection>> {
+        let ground = Ground::new(self.evidence, view, self.base)?;
+        let found = self.found.and_then(|found| found.heights(self.evidence, view));
+        let (pixels, levelled) = (ground.seen.pixels, ground.levelled());
+        let section = |&direction: &Direction| {
+            let line = line_of(pixels, direction);
+            let start = if matches!(direction, Direction::Across(_)) { pixels.origin.y } else { pixels.origin.x };
+            let of = |heights: &[f64]| line.iter().map(|&at| heights[at]).collect::<Vec<f64>>();
+            ScanSection {
+                pass: name(self.evidence, view),
+                direction,
+                position: (0..line.len()).map(|k| start + pixels.pitch * k as f64).collect(),
+                measured: of(&levelled),
+                base: of(&ground.seen.heights),
+                with_effect: found.as_ref().map(|found| of(&found.heights)),
+                noise_floor: self.evidence.noise[view.trial].rms,
+            }
+        };
+        let across = |share: &f64| Direction::Across(pixels.origin.x + share * pixels.pitch * (pixels.nx - 1) as f64);
+        let usual: Vec<Direction> = ACROSS.iter().map(across).chain([Direction::AlongCrest]).collect();
+        Some(if self.lines.is_empty() { &usual } else { self.lines }.iter().map(section).collect())
+    }
+
+    /// Volume that each pass removed.
+    pub fn volumes(&self) -> Vec<PassVolume> {
+        let volume = |view: &ScanView| {
+            let of = |simulated: &Simulated| {
+                pass_volume(self.evidence, view, &|view| Ground::new(self.evidence, view, simulated))
+            };
+            let (base, found) = (of(self.base)?, self.found.and_then(of));
+            Some(PassVolume {
+                pass: name(self.evidence, view),
+                measured: base.measured,
+                uncertainty: base.uncertainty,
+                base: base.simulated,
+                with_effect: found.map(|found| found.simulated),
+            })
+        };
+        self.evidence.views.iter().filter_map(volume).collect()
+    }
+}

@@ -1,0 +1,148 @@
+//! What a folder holds for a study, trials with scans or a table of rows, and the same as data for fits.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{LabError, Result};
+use effects::{CompiledModel, Library, Model};
+
+use crate::{Evidence, RowEvidence, ScanEvidence, Totals, uncalibrated};
+use trials::table::{TABLE_FILE, Table};
+use trials::trial::Campaign;
+
+/// Measurements as they were read.
+pub enum Measurements {
+    /// Trials with scans.
+    Scans(Campaign),
+    /// Rows.
+    Rows(PathBuf, Box<Table>),
+}
+
+/// Measurements as data.
+pub enum Data<'a> {
+    /// Scans, and the campaign that they are of.
+    Scans(&'a Campaign, Box<ScanEvidence<'a>>),
+    /// Rows, and the folder of their table.
+    Rows(&'a Path, Box<RowEvidence<'a>>),
+}
+
+impl Measurements {
+    /// Reads a folder of trial folders, one trial folder, or a folder with a table.
+    ///
+    /// # Errors
+    /// The first fault, with its place in the files.
+    pub fn read(folder: &Path) -> Result<Self> {
+        Ok(if folder.join(TABLE_FILE).is_file() {
+            Self::Rows(folder.to_owned(), Box::new(Table::read(folder)?))
+        } else {
+            Self::Scans(Campaign::read(folder)?)
+        })
+    }
+
+    /// Makes data of them.
+    ///
+    /// # Errors
+    /// When there is nothing that a fit could use.
+    pub fn data(&self) -> Result<Data<'_>> {
+        Ok(match self {
+            Self::Scans(campaign) => Data::Scans(campaign, Box::new(ScanEvidence::new(&campaign.trials, None)?)),
+            Self::Rows(folder, table) => Data::Rows(folder, Box::new(RowEvidence::new(table)?)),
+        })
+    }
+}
+
+impl<'a> Data<'a> {
+    /// For fits.
+    pub fn evidence(&self) -> &dyn Totals {
+        match self {
+            Self::Scans(_, evidence) => evidence.as_ref(),
+            Self::Rows(_, evidence) => evidence.as_ref(),
+        }
+    }
+
+    /// The scans, where there are scans.
+    pub fn scans(&self) -> Option<(&'a Campaign, &ScanEvidence<'a>)> {
+        match self {
+            Self::Scans(campaign, evidence) => Some((campaign, evidence)),
+            Self::Rows(..) => None,
+        }
+    }
+
+    /// The rows, where there is a table.
+    pub fn rows(&self) -> Option<&RowEvidence<'a>> {
+        match self {
+            Self::Scans(..) => None,
+            Self::Rows(_, evidence) => Some(evidence),
+        }
+    }
+
+    /// Where they were read.
+    pub fn folder(&self) -> &'a Path {
+        match self {
+            Self::Scans(campaign, _) => &campaign.folder,
+            Self::Rows(folder, _) => folder,
+        }
+    }
+
+    /// What there is, in one line.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Scans(campaign, evidence) => {
+                format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len())
+            }
+            Self::Rows(_, evidence) => format!("{} rows", evidence.table.rows.len()),
+        }
+    }
+
+    /// What the reader understood of the files where it was not the plain case, and what was assumed; one sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        match self {
+            Self::Scans(campaign, _) => campaign.notes(),
+            Self::Rows(_, evidence) => evidence.table.notes.iter().chain(&evidence.notes).cloned().collect(),
+        }
+    }
+
+    /// A model ready for these data: that of a table gets the rate constant and the reference values that its rows need.
+    ///
+    /// # Errors
+    /// A model that the library does not know.
+    pub fn fitting(&self, model: Model, library: &Library) -> Result<Model> {
+        match self {
+            Self::Scans(..) => Ok(model),
+            Self::Rows(_, evidence) => evidence.scaled(model, library).map_err(LabError::Refused),
+        }
+    }
+
+    /// The base law of a model before any fit.
+    ///
+    /// # Errors
+    /// A model that the library does not know.
+    pub fn start(&self, model: &Model, library: &Library) -> Result<Model> {
+        self.fitting(uncalibrated(model, library, self.evidence())?, library)
+    }
+
+    /// Makes ready for fits that begin with a model: simulations that take far longer than its own are given up.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn prepare(&mut self, model: &Model, library: &Library) -> Result<()> {
+        let Self::Scans(_, evidence) = self else { return Ok(()) };
+        evidence.limit_steps(&CompiledModel::new(model, library, evidence.rows())?)?;
+        Ok(())
+    }
+
+    /// Keeps the instrument's blur at what a model finds, so that maps of several models are seen alike.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn fix_blur(&mut self, model: &CompiledModel) -> Result<()> {
+        let Self::Scans(_, evidence) = self else { return Ok(()) };
+        Ok(evidence.fix_blur(model)?)
+    }
+
+    /// Lets every model find the instrument's blur again, as fits do.
+    pub fn free_blur(&mut self) {
+        if let Self::Scans(_, evidence) = self {
+            evidence.blur = None;
+        }
+    }
+}

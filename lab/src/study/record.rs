@@ -1,0 +1,140 @@
+//! What a study keeps between its steps: `study.json`.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::{ErrorUnit, Verdict, WaterfallStep};
+
+/// The file by which the folder of a study is known.
+pub const STUDY_FILE: &str = "study.json";
+/// Form of that file.
+pub const STUDY_FORMAT: &str = "robofin-study/1";
+
+/// A step of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Action {
+    /// Hold the base law against the measurements before anything is fitted.
+    Compare,
+    /// Fit the model.
+    Calibrate,
+    /// Search for the effect that it lacks.
+    Diagnose,
+    /// Add that effect to the model.
+    Add,
+}
+
+impl Action {
+    /// For people.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Compare => "compare",
+            Self::Calibrate => "calibrate",
+            Self::Diagnose => "diagnose",
+            Self::Add => "add",
+        }
+    }
+
+    /// What it will do, in a few words.
+    pub fn intent(self) -> &'static str {
+        match self {
+            Self::Compare => "hold the base law against the measurements",
+            Self::Calibrate => "fit the model to the calibration passes",
+            Self::Diagnose => "search the library for what the model lacks",
+            Self::Add => "add the effect that was found to the model",
+        }
+    }
+}
+
+/// A step that was done.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Done {
+    /// Which.
+    pub action: Action,
+    /// What came out.
+    pub outcome: String,
+}
+
+/// A study as far as it has come.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StudyRecord {
+    /// [`STUDY_FORMAT`].
+    pub format: String,
+    /// SHA-256 over the hashes of all measurements.
+    pub measurements_sha256: String,
+    /// Seed of all draws.
+    pub seed: u64,
+    /// The verdict, once there is one.
+    pub verdict: Option<Verdict>,
+    /// The verdict in a sentence.
+    pub sentence: Option<String>,
+    /// Why the study ended; absent while it goes on.
+    pub ended: Option<String>,
+    /// The next step; absent where the study has ended.
+    pub next: Option<Action>,
+    /// What was done.
+    pub done: Vec<Done>,
+    /// Effects that the study added, in order.
+    pub added: Vec<String>,
+    /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
+    pub error_unit: ErrorUnit,
+    /// What noise alone would leave of the calibration passes [µm].
+    pub noise_floor_um: f64,
+    /// The same of the evaluation passes; absent where none is held out.
+    #[serde(default)]
+    pub evaluation_noise_floor_um: Option<f64>,
+    /// What the reader understood of the files where it was not the plain case, one sentence each.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// How the error fell so far.
+    pub waterfall: Vec<WaterfallStep>,
+    /// The effect to add, while that is the next step, and the text of the model with it as the search fitted it.
+    pub to_add: Option<[String; 2]>,
+    /// The last diagnosis as `diagnose --json` tells it.
+    pub diagnosis: Option<Value>,
+}
+
+impl StudyRecord {
+    /// A study that begins.
+    pub fn new(measurements_sha256: String, seed: u64) -> Self {
+        Self {
+            format: STUDY_FORMAT.to_owned(),
+            measurements_sha256,
+            seed,
+            verdict: None,
+            sentence: None,
+            ended: None,
+            next: Some(Action::Compare),
+            done: Vec::new(),
+            added: Vec::new(),
+            error_unit: ErrorUnit::default(),
+            noise_floor_um: 0.0,
+            evaluation_noise_floor_um: None,
+            notes: Vec::new(),
+            waterfall: Vec::new(),
+            to_add: None,
+            diagnosis: None,
+        }
+    }
+
+    /// The verdict over all searches, from that of the last and the effects that were added before it.
+    pub(super) fn verdict_with(&self, last: Verdict) -> Verdict {
+        match (self.added.is_empty(), last) {
+            (true, verdict) => verdict,
+            (false, Verdict::Identified | Verdict::NothingMissing | Verdict::NotTestable) => Verdict::Identified,
+            (false, Verdict::Ambiguous | Verdict::Partly | Verdict::Unknown) => Verdict::Partly,
+        }
+    }
+
+    /// What noise alone leaves of calibration and evaluation passes, as the report takes it.
+    pub(super) fn floors(&self) -> (f64, Option<f64>) {
+        (self.noise_floor_um, self.evaluation_noise_floor_um)
+    }
+
+    /// An error in its unit, with the held-out one.
+    pub(super) fn shown(&self, step: &WaterfallStep) -> String {
+        let unit = self.error_unit.symbol();
+        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", held out {rms:.2} {unit}"));
+        format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um)
+    }
+}

@@ -1,0 +1,83 @@
+//! Residuals of a table's rows with what is known of each row.
+
+use effects::CompiledModel;
+
+use crate::study::Stated;
+use crate::{CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, covariate_study};
+use trials::measure::centre_and_sigma;
+use trials::table::Row;
+
+/// Residual beyond which a row was written down wrongly [robust standard deviations of all].
+const GROSS: f64 = 5.0;
+/// Rows in a block.
+const BLOCK: usize = 5;
+
+/// What a row may tell of itself: name, unit, SI value of one unit, value.
+type Known = (&'static str, &'static str, f64, fn(&Row) -> Option<f64>);
+const COVARIATES: [Known; 5] = [
+    ("force", "N", 1.0, |row| row.force),
+    ("pressure", "MPa", 1e6, |row| row.pressure),
+    ("sliding speed", "m/s", 1.0, |row| row.speed),
+    ("duration", "s", 1.0, |row| row.duration),
+    ("time since the first row", "h", 3600.0, |row| row.began),
+];
+
+/// Name and unit of a covariate: those above, the order of the rows, rows since the tool was fresh, states that columns
+/// measure, and further columns.
+pub fn covariate(evidence: &RowEvidence, at: usize) -> (String, Stated) {
+    let table = evidence.table;
+    let plain = |name: &str| (name.to_owned(), Stated::new("", 1.0));
+    let rest = at.checked_sub(COVARIATES.len() + 2);
+    match (COVARIATES.get(at), rest) {
+        (Some((name, unit, si, _)), _) => ((*name).to_owned(), Stated::new(unit, *si)),
+        (None, None) => plain(if at == COVARIATES.len() { "row" } else { "rows since the tool was fresh" }),
+        (None, Some(rest)) => match table.usage.get(rest) {
+            Some(usage) => plain(&format!("{}, in SI units", usage.name)),
+            None => plain(&table.covariates[rest - table.usage.len()].name),
+        },
+    }
+}
+
+/// Holds what is known of each row against what a model leaves of a split.
+///
+/// # Errors
+/// When the model cannot be evaluated.
+pub fn study(
+    evidence: &RowEvidence,
+    model: &CompiledModel,
+    split: Split,
+    seed: u64,
+) -> Result<CovariateStudy, EvidenceError> {
+    let table = evidence.table;
+    let all: Vec<f64> = evidence.residuals(model, split)?.iter().map(|r| r * evidence.noise).collect();
+    let (middle, spread) = centre_and_sigma(&all).unwrap_or_default();
+    let counts = |(_, residual): &(&usize, &f64)| (*residual - middle).abs() <= GROSS * spread;
+    let (rows, residuals): (Vec<usize>, Vec<f64>) = evidence.of(split).iter().zip(&all).filter(counts).unzip();
+    let known = |value: f64| if value.is_finite() { value } else { 0.0 };
+    let of = |value: &dyn Fn(usize) -> f64| rows.iter().map(|&at| known(value(at))).collect::<Vec<f64>>();
+    let since = since_fresh(&table.rows);
+    let mut values: Vec<Vec<f64>> =
+        COVARIATES.iter().map(|(_, _, _, value)| of(&|at| value(&table.rows[at]).unwrap_or(0.0))).collect();
+    values.push(of(&|at| at as f64));
+    values.push(of(&|at| since[at]));
+    values.extend((0..table.usage.len()).map(|k| of(&|at| table.rows[at].usage[k])));
+    values.extend(table.covariates.iter().map(|covariate| of(&|at| covariate.values[at])));
+    let field = CovariateField {
+        nx: rows.len(),
+        cells: (0..rows.len()).collect(),
+        residuals,
+        sigmas: vec![evidence.noise; rows.len()],
+        blocks: rows.iter().map(|at| at / BLOCK).collect(),
+        values,
+    };
+    Ok(covariate_study(&[field], 1.0, seed))
+}
+
+/// Rows that a tool has done since it was fresh, before each row.
+fn since_fresh(rows: &[Row]) -> Vec<f64> {
+    let count = |at: usize| {
+        let same = rows[..=at].iter().rev().filter(|row| row.tool == rows[at].tool);
+        same.take_while(|row| !row.fresh).count().min(at) as f64
+    };
+    (0..rows.len()).map(count).collect()
+}

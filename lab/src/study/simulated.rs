@@ -1,0 +1,68 @@
+//! What a model makes of all passes of a campaign, with what each place of the surface went through.
+
+use effects::CompiledModel;
+use rayon::prelude::*;
+use sdf_bake::HeightMap;
+
+use crate::campaign_twin::{CampaignError, CampaignTwin};
+use crate::twin::{SimulatedPass, Twin};
+use crate::{EvidenceError, ScanEvidence, ScanView};
+use trials::trial::PassScan;
+
+/// The same twin, which also tells what each place went through.
+fn watched<'a>(twin: &Twin<'a>) -> Result<Twin<'a>, CampaignError> {
+    let own = Twin::new(twin.trial, twin.part.voxel, twin.replay);
+    let mut own = own.map_err(|error| CampaignError { trial: twin.trial.name.clone(), error })?;
+    own.covariates = true;
+    Ok(own)
+}
+
+/// All passes with one model.
+pub struct Simulated {
+    /// The model.
+    pub model: CompiledModel,
+    /// Passes of each trial.
+    pub passes: Vec<Vec<SimulatedPass>>,
+    /// Standard deviation of the instrument's blur with which they are seen [m].
+    pub blur: f64,
+}
+
+impl Simulated {
+    /// Simulates all passes, calibration and evaluation, with each model.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated.
+    pub fn all(evidence: &ScanEvidence, models: &[&CompiledModel]) -> Result<Vec<Self>, EvidenceError> {
+        let trials: Result<Vec<Twin>, CampaignError> = evidence.twin.trials.par_iter().map(watched).collect();
+        let twin = CampaignTwin { trials: trials? };
+        let run = |model: &&CompiledModel| {
+            let passes = twin.run(model)?;
+            let blur = evidence.blur_of(&passes, model)?;
+            Ok(Self { model: (*model).clone(), passes, blur })
+        };
+        models.par_iter().map(run).collect()
+    }
+
+    /// The pass after which a scan was taken.
+    pub fn pass(&self, view: &ScanView) -> &SimulatedPass {
+        &self.passes[view.trial][view.pass]
+    }
+
+    /// The ground surface as the instrument sees it; `None` when sanding.
+    pub fn heights(&self, evidence: &ScanEvidence, view: &ScanView) -> Option<HeightMap> {
+        match &self.pass(view).scan {
+            PassScan::Heights(map) => Some(evidence.seen(view, map, self.blur)),
+            PassScan::Exposure(_) => None,
+        }
+    }
+
+    /// Dose at each pixel beyond the one from which substrate shows; nothing when grinding.
+    pub fn margin(&self, view: &ScanView) -> Vec<f64> {
+        self.pass(view).surface.dose_margin(&self.model).ok().flatten().unwrap_or_default()
+    }
+
+    /// Which pixels show substrate.
+    pub fn exposed(&self, view: &ScanView) -> Vec<bool> {
+        self.margin(view).iter().map(|margin| *margin >= 0.0).collect()
+    }
+}

@@ -1,0 +1,178 @@
+//! What a pass did in its track, measured and simulated: volume, plateau, exposed area.
+
+use sdf_bake::{HeightMap, PixelGrid};
+
+use super::simulated::Simulated;
+use crate::study::Direction;
+use crate::{HeightView, ScanData, ScanEvidence, ScanView};
+use trials::measure::{
+    Across, CLEARANCE, Freedom, Plateau, Registration, despiked, plateau_pixels, register, untouched,
+};
+use trials::trial::Pass;
+
+/// Removal from which a pixel may be part of a plateau [noise floors].
+const CLEAR: f64 = 3.0;
+
+/// A volume with its standard uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// Measured [m³].
+    pub measured: f64,
+    /// Standard uncertainty from noise and the scans' poses [m³].
+    pub uncertainty: f64,
+    /// Simulated [m³].
+    pub simulated: f64,
+}
+
+/// Height and slope of a plateau, measured and simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlateauFigures {
+    /// Mean of measured minus simulated height [m].
+    pub height_error: f64,
+    /// Its standard uncertainty [m].
+    pub height_uncertainty: f64,
+    /// Slope across the path, measured and simulated [1].
+    pub slopes: [f64; 2],
+    /// Standard uncertainty of the measured slope [1].
+    pub slope_uncertainty: f64,
+}
+
+/// Exposed substrate, measured and simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExposureFigures {
+    /// Measured and simulated area [m²].
+    pub areas: [f64; 2],
+    /// Intersection over union.
+    pub overlap: f64,
+}
+
+/// One scan of a ground surface against one model.
+pub struct Ground<'a> {
+    data: &'a HeightView,
+    /// The simulated surface as the instrument sees it.
+    pub seen: HeightMap,
+    /// Measured minus simulated, with height and tilt of the scan as the untouched surface says, and the shift that fits
+    /// best [m]; NaN where it is not known.
+    pub left: Vec<f64>,
+}
+
+impl<'a> Ground<'a> {
+    /// `None` when sanding.
+    pub fn new(evidence: &ScanEvidence, view: &'a ScanView, simulated: &Simulated) -> Option<Self> {
+        let ScanData::Heights(data) = &view.data else { return None };
+        let seen = simulated.heights(evidence, view)?;
+        let left = data.left_held(&seen);
+        Some(Self { data, seen, left })
+    }
+
+    /// The same simulation against other measured heights, whose pose stays as it is.
+    pub fn against(&self, measured: &HeightMap) -> Self {
+        let left = measured.heights.iter().zip(&self.seen.heights).map(|(measured, seen)| measured - seen).collect();
+        Self { data: self.data, seen: self.seen.clone(), left }
+    }
+
+    /// Root mean square of what is left near the tool [m].
+    pub fn rms(&self) -> f64 {
+        let left = self.data.tiles.pixels().map(|(_, at)| self.left[at]).filter(|left| left.is_finite());
+        let (sum, count) = left.fold((0.0, 0.0), |(sum, count), left| (sum + left * left, count + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
+    /// Measured heights without the scan's pose [m].
+    pub fn levelled(&self) -> Vec<f64> {
+        self.left.iter().zip(&self.seen.heights).map(|(left, seen)| left + seen).collect()
+    }
+
+    /// Depth that the simulation removed since `before` [m].
+    pub fn removed(&self, before: &HeightMap) -> Vec<f64> {
+        before.heights.iter().zip(&self.seen.heights).map(|(before, after)| before - after).collect()
+    }
+
+    /// Volume removed since the scan before the first pass.
+    pub fn volume(&self, before: &HeightMap) -> Volume {
+        let area = self.seen.pixels.pitch.powi(2);
+        let removed = self.removed(before);
+        let sum = |of: &[f64]| {
+            let known = self.data.tiles.pixels().map(|(_, at)| of[at]).filter(|value| value.is_finite());
+            area * known.sum::<f64>()
+        };
+        let simulated = sum(&removed);
+        Volume { measured: simulated - sum(&self.left), uncertainty: self.data.volume_sigma(), simulated }
+    }
+
+    /// The plateau that a pass left.
+    pub fn plateau(&self, before: &HeightMap, pass: &Pass, noise: f64) -> Plateau {
+        let across = if pass.direction.x.abs() >= pass.direction.y.abs() { Across::Y } else { Across::X };
+        plateau_pixels(self.seen.pixels, &self.removed(before), CLEAR * noise, across)
+    }
+
+    /// Height and slope of a plateau, or of a section of one; `None` where too little of it is known.
+    pub fn figures(&self, plateau: &Plateau) -> Option<PlateauFigures> {
+        let knows = |at: usize| self.left[at].is_finite();
+        let (mean, slope) = (plateau.mean_weights(knows), plateau.slope_weights(knows));
+        let sum = |weights: &[(usize, f64)], of: &[f64]| weights.iter().map(|&(at, w)| w * of[at]).sum::<f64>();
+        let simulated = sum(&slope, &self.seen.heights);
+        let found = PlateauFigures {
+            height_error: sum(&mean, &self.left),
+            height_uncertainty: self.sigma(&mean),
+            slopes: [simulated + sum(&slope, &self.left), simulated],
+            slope_uncertainty: self.sigma(&slope),
+        };
+        (found.height_error.is_finite() && found.slopes[0].is_finite()).then_some(found)
+    }
+
+    /// Standard deviation that noise and pose give to a weighted sum over pixels.
+    fn sigma(&self, weights: &[(usize, f64)]) -> f64 {
+        let mut of_pixel = vec![0.0; self.left.len()];
+        weights.iter().for_each(|&(at, weight)| of_pixel[at] = weight);
+        let mut of_tile = vec![0.0; self.data.tiles.len()];
+        self.data.tiles.pixels().for_each(|(tile, at)| of_tile[tile] += of_pixel[at]);
+        self.data.held_sigma(&of_tile)
+    }
+}
+
+/// The pixels of a section.
+pub fn line_of(pixels: PixelGrid, line: Direction) -> Vec<usize> {
+    let nearest = |place: f64, start: f64, count: usize| {
+        (((place - start) / pixels.pitch).round().max(0.0) as usize).min(count - 1)
+    };
+    let along_x = |j: usize| (0..pixels.nx).map(|i| pixels.at(i, j)).collect();
+    match line {
+        Direction::Across(x) => {
+            let i = nearest(x, pixels.origin.x, pixels.nx);
+            (0..pixels.ny).map(|j| pixels.at(i, j)).collect()
+        }
+        Direction::Along(y) => along_x(nearest(y, pixels.origin.y, pixels.ny)),
+        Direction::AlongCrest => along_x(pixels.ny / 2),
+    }
+}
+
+/// Exposed area of a mask; `None` when grinding.
+pub fn exposure(view: &ScanView, simulated: &Simulated) -> Option<ExposureFigures> {
+    let ScanData::Exposure(data) = &view.data else { return None };
+    let exposed = simulated.exposed(view);
+    let known = data.measured.exposed.iter().zip(&exposed).filter_map(|(m, s)| m.map(|m| (m, *s)));
+    let count = |takes: fn(bool, bool) -> bool| known.clone().filter(|&(m, s)| takes(m, s)).count() as f64;
+    let pixel = data.measured.pixels.pitch.powi(2);
+    let (both, either) = (count(|m, s| m && s), count(|m, s| m || s));
+    Some(ExposureFigures {
+        areas: [pixel * count(|m, _| m), pixel * count(|_, s| s)],
+        overlap: if either > 0.0 { both / either } else { 1.0 },
+    })
+}
+
+/// How a scan lay on the scan before the first pass, on the surface that no tool had touched; `None` when sanding, or
+/// where too little was left alone.
+pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registration, HeightMap)> {
+    let trial = evidence.twin.trials[view.trial].trial;
+    let ScanData::Heights(data) = &view.data else { return None };
+    let (before, _) = despiked(&trial.scans.before);
+    let mut free = vec![true; before.heights.len()];
+    for pass in &trial.passes[..=view.pass] {
+        let alone = untouched(&trial.scans.before, &pass.tool_path(&trial.tool), &trial.tool, CLEARANCE);
+        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
+    }
+    let found = register(&data.measured, &before, Freedom::PlaneAndShift, |at| free[at]).ok()?;
+    let levelled = found.levelled(&data.measured);
+    Some((found, levelled))
+}

@@ -1,0 +1,176 @@
+//! How the error of scans falls: as they were read, laid on the untouched surface, with each model, down to the floor.
+
+use rayon::prelude::*;
+use sdf_bake::HeightMap;
+
+use super::maps::{name, pass_volume};
+use super::simulated::Simulated;
+use super::track::{Ground, alignment, exposure};
+use crate::study::{Misfit, Waterfall, WaterfallStep};
+use crate::{ScanData, ScanEvidence, ScanView, Split};
+use trials::measure::Registration;
+
+/// How measured heights lie on the simulated ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pose {
+    /// As in the file.
+    AsRead,
+    /// As on the scan before, where no tool came.
+    Registered,
+    /// Height and tilt as on the scan before, where no tool came, and the shift that fits best.
+    Held,
+}
+
+/// A model in the waterfall.
+pub struct Step<'a> {
+    /// Such as `base model` or `+ grit-dulling`.
+    pub name: String,
+    /// Its passes.
+    pub simulated: &'a Simulated,
+}
+
+/// All scans with their registrations.
+pub struct Scans<'a> {
+    /// The scans.
+    pub evidence: &'a ScanEvidence<'a>,
+    /// Whether the errors of models are told with the poses that fit them best, as a diagnosis does.
+    free: bool,
+    /// How each lay on the scan before, and its levelled heights.
+    alignments: Vec<Option<(Registration, HeightMap)>>,
+}
+
+impl<'a> Scans<'a> {
+    /// Lays every scan on the untouched surface.
+    ///
+    /// - `free`: tell the errors of models with the poses that fit them best, as a diagnosis does
+    pub fn new(evidence: &'a ScanEvidence<'a>, free: bool) -> Self {
+        Self { evidence, free, alignments: evidence.views.par_iter().map(|view| alignment(evidence, view)).collect() }
+    }
+
+    /// How a scan lay on the scan before the first pass.
+    pub fn alignment(&self, view: &ScanView) -> Option<Registration> {
+        Some(self.of(view)?.0)
+    }
+
+    fn of(&self, view: &ScanView) -> Option<&(Registration, HeightMap)> {
+        let same = |other: &ScanView| (other.trial, other.pass) == (view.trial, view.pass);
+        self.alignments[self.evidence.views.iter().position(same)?].as_ref()
+    }
+
+    fn ground(&self, view: &'a ScanView, simulated: &Simulated, pose: Pose) -> Option<Ground<'a>> {
+        let held = Ground::new(self.evidence, view, simulated)?;
+        let ScanData::Heights(data) = &view.data else { return None };
+        match pose {
+            Pose::AsRead => Some(held.against(&data.measured)),
+            Pose::Registered => Some(held.against(&self.of(view)?.1)),
+            Pose::Held => Some(held),
+        }
+    }
+
+    /// The waterfall from `start`, which is shown as read and as registered, over the models to the floor. Shares are
+    /// those of the first model's excess over the floor.
+    pub fn waterfall(&self, start: &Simulated, models: &[Step]) -> Waterfall {
+        let views = &self.evidence.views;
+        let ground = views.iter().any(|view| matches!(view.data, ScanData::Heights(_)));
+        let mut steps = Vec::new();
+        if ground {
+            steps.push(self.step("raw", start, Pose::AsRead));
+            steps.push(self.step("registered", start, Pose::Registered));
+        }
+        let first = steps.len();
+        steps.extend(models.iter().map(|model| self.step(&model.name, model.simulated, Pose::Held)));
+        let floor = models.first().map(|model| self.floor(model.simulated)).unwrap_or_default();
+        let least = floor.calibration.or(floor.evaluation).unwrap_or(0.0);
+        let excess = |step: &WaterfallStep| {
+            let rms = step.calibration.or(step.evaluation).unwrap_or(0.0);
+            (rms * rms - least * least).max(0.0)
+        };
+        let whole = steps.get(first).map_or(0.0, excess);
+        let shares: Vec<f64> = steps.iter().map(|step| excess(step) / whole).collect();
+        if models.len() > 1 && whole > 0.0 {
+            steps.iter_mut().zip(shares).skip(first).for_each(|(step, share)| step.unexplained = Some(share));
+        }
+        steps.push(floor);
+        let misfit = if ground {
+            Misfit::heights()
+        } else {
+            Misfit { name: "distance between the borders, mean".to_owned(), ..Misfit::heights() }
+        };
+        let passes = if ground { views.iter().map(|view| name(self.evidence, view)).collect() } else { Vec::new() };
+        Waterfall { misfit, passes, steps, notes: Vec::new() }
+    }
+
+    fn step(&self, name: &str, simulated: &Simulated, pose: Pose) -> WaterfallStep {
+        let views = &self.evidence.views;
+        let misfit = |view: &'a ScanView| match &view.data {
+            ScanData::Heights(data) if self.free && pose == Pose::Held => {
+                let before = &self.evidence.twin.trials[view.trial].trial.scans.before;
+                let seen = simulated.heights(self.evidence, view)?;
+                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].rms)[0])
+            }
+            ScanData::Heights(_) => Some(self.ground(view, simulated, pose)?.rms()),
+            ScanData::Exposure(data) => Some(data.border_distance(&simulated.margin(view))),
+        };
+        let volume = |view: &'a ScanView| {
+            let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, pose))?;
+            Some(((volume.simulated - volume.measured) / volume.measured, volume.uncertainty / volume.measured.abs()))
+        };
+        let slope = |view: &'a ScanView| {
+            let [measured, simulated] = self.plateau(view, simulated, pose)?.slopes;
+            Some(measured - simulated)
+        };
+        let overlaps: Vec<f64> = views.iter().filter_map(|view| Some(exposure(view, simulated)?.overlap)).collect();
+        WaterfallStep {
+            name: name.to_owned(),
+            calibration: self.rms(Split::Calibration, misfit),
+            evaluation: self.rms(Split::Evaluation, misfit),
+            volume_errors: views.iter().map(volume).collect(),
+            plateau_slope: rms(views.iter().filter_map(slope)),
+            overlap: (!overlaps.is_empty()).then(|| overlaps.iter().sum::<f64>() / overlaps.len() as f64),
+            unexplained: None,
+        }
+    }
+
+    /// What noise alone leaves of each figure.
+    fn floor(&self, simulated: &Simulated) -> WaterfallStep {
+        let views = &self.evidence.views;
+        let misfit = |view: &ScanView| match &view.data {
+            ScanData::Heights(data) => {
+                let before = &self.evidence.twin.trials[view.trial].trial.scans.before;
+                let seen = simulated.heights(self.evidence, view)?;
+                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].rms)[1])
+            }
+            ScanData::Exposure(data) => Some(data.border_floor()),
+        };
+        let volume = |view: &'a ScanView| {
+            let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, Pose::Held))?;
+            Some((0.0, volume.uncertainty / volume.measured.abs()))
+        };
+        let slope = |view: &'a ScanView| Some(self.plateau(view, simulated, Pose::Held)?.slope_uncertainty);
+        WaterfallStep {
+            name: "noise floor".to_owned(),
+            calibration: self.rms(Split::Calibration, misfit),
+            evaluation: self.rms(Split::Evaluation, misfit),
+            volume_errors: views.iter().map(volume).collect(),
+            plateau_slope: rms(views.iter().filter_map(slope)),
+            ..WaterfallStep::default()
+        }
+    }
+
+    fn plateau(&self, view: &'a ScanView, simulated: &Simulated, pose: Pose) -> Option<super::track::PlateauFigures> {
+        let trial = self.evidence.twin.trials[view.trial].trial;
+        let ground = self.ground(view, simulated, pose)?;
+        let plateau =
+            ground.plateau(&trial.scans.before, &trial.passes[view.pass], self.evidence.noise[view.trial].rms);
+        ground.figures(&plateau)
+    }
+
+    fn rms(&self, split: Split, misfit: impl Fn(&'a ScanView) -> Option<f64>) -> Option<f64> {
+        rms(self.evidence.of(split).filter_map(misfit))
+    }
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
+    (count > 0.0).then(|| f64::sqrt(sum / count))
+}

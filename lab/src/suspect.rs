@@ -1,0 +1,163 @@
+//! Effects fitted together with the base parameters, and how they compare.
+
+use effects::Scale;
+use rayon::prelude::*;
+
+use super::coordinates::Coordinate;
+use super::evidence::{Evidence, EvidenceError};
+use super::fit::{Fit, FitOptions};
+use super::response::{Projector, shifted};
+use super::screen::Screened;
+
+/// Effects that are fitted quickly, and those that are fitted to the end.
+pub(super) const QUICK: usize = 9;
+const THOROUGH: usize = 4;
+/// Places from which an effect of several shapes is fitted quickly.
+const STARTS: usize = 2;
+/// Fall of the sum of squares below which an effect is not fitted.
+pub(super) const LEAST_GAIN: f64 = 4.0;
+/// What the two fits may cost.
+pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
+pub(super) const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
+/// What the last fit may cost, of those whose fit to the end did not converge, and the fall of the sum of squares that is worth one.
+const LAST_FIT: FitOptions = FitOptions { derivatives: 3, steps: 18 };
+const WORTH: f64 = 40.0;
+/// Share of the best one's gain that another must have after the quick fit to be fitted to the end, and then to be fitted on.
+const PROMISING: f64 = 0.3;
+const NEAR_BEST: f64 = 0.7;
+
+/// An effect at its best values.
+#[derive(Clone)]
+pub struct Suspect {
+    /// The first look at it.
+    pub screened: Screened,
+    /// The fit of base and effect together.
+    pub fit: Fit,
+}
+
+impl Suspect {
+    /// Name of the effect.
+    pub fn name(&self) -> &str {
+        &self.screened.candidate.name
+    }
+
+    /// Free parameters of the effect.
+    pub fn freedoms(&self) -> usize {
+        self.screened.candidate.coordinates.len()
+    }
+
+    /// The first look at it with the fitted values as the best.
+    pub(super) fn at_its_fit(&self) -> Screened {
+        let best = self.screened.candidate.coordinates.iter().map(|c| self.fit.model.value(c.index)).collect();
+        Screened { best, shift: Vec::new(), ..self.screened.clone() }
+    }
+
+    /// Whether the effect ended at its null, where it does nothing.
+    pub fn is_null(&self) -> bool {
+        let amplitudes = self.screened.candidate.coordinates.iter().filter(|c| c.slot.null.is_some());
+        amplitudes.clone().all(|c| {
+            let value = self.fit.model.value(c.index);
+            let [least, greatest] = c.slot.range;
+            match (c.slot.null, c.slot.scale) {
+                (Some(null), _) if value == null => true,
+                (Some(null), Scale::Log) if null.is_infinite() => value >= 0.99 * greatest,
+                (Some(null), Scale::Log) => null <= least && value <= 1.01 * least,
+                (Some(null), Scale::Linear) => (value - null).abs() < 1e-6 * (greatest - least),
+                (None, _) => true,
+            }
+        })
+    }
+
+    /// Whether a size of the effect ended at the far end of its range.
+    pub fn is_on_bound(&self) -> bool {
+        self.screened.candidate.coordinates.iter().any(|c| is_at_far_end(c, self.fit.model.value(c.index)))
+    }
+
+    /// As it is fitted quickly.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated with it.
+    pub(super) fn quick(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
+        Ok(Self::begun(evidence, base, screened)?.refined(evidence, QUICK_FIT))
+    }
+
+    /// As its fit begins: at the best values of the first look, derivatives taken from there.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated with it.
+    pub(super) fn begun(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
+        let model = shifted(screened.candidate.at(&screened.best), base, &screened.shift);
+        let own = |name: &str| base.coordinates.iter().any(|c| c.slot.name() == name);
+        let effect = &screened.candidate.name;
+        let coordinates = Coordinate::of(&model, |slot| own(&slot.name()) || slot.owner == *effect);
+        let mut fit = Fit::unfitted(evidence, &model, coordinates)?;
+        let lent = |coordinate: &Coordinate| {
+            let own = screened.candidate.coordinates.iter().position(|c| c.slot.name() == coordinate.slot.name());
+            own.map_or_else(|| base.column(coordinate), |k| screened.slope(k))
+        };
+        fit.borrow_derivatives(evidence, lent);
+        Ok(Self { screened, fit })
+    }
+
+    /// Its fit taken further.
+    pub(super) fn refined(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
+        Self { fit: self.fit.refined(evidence, options), ..self }
+    }
+}
+
+/// Whether a value of a parameter with a null is at the end of the range that is farthest from it.
+pub(super) fn is_at_far_end(coordinate: &Coordinate, value: f64) -> bool {
+    let [least, greatest] = coordinate.slot.range;
+    let at = |end: f64| (value - end).abs() <= 1e-3 * end.abs();
+    coordinate.slot.null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
+}
+
+/// Fits the most promising effects, the best of them thoroughly. Best first.
+pub fn suspects(
+    evidence: &dyn Evidence,
+    base: &Fit,
+    screened: &[Screened],
+    told: &(dyn Fn(&str) + Sync),
+) -> Vec<Suspect> {
+    let mut order = by_promise(screened.iter().filter(|screened| screened.gain > LEAST_GAIN));
+    order.truncate(QUICK);
+    let residuals = Projector::new(base).residuals;
+    let quick = |screened: &&Screened| {
+        let starts = screened.starts(&residuals).into_par_iter().take(STARTS);
+        let suspects: Vec<Suspect> = starts.filter_map(|start| Suspect::quick(evidence, base, start).ok()).collect();
+        told(&screened.candidate.name);
+        suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))
+    };
+    let mut suspects: Vec<Suspect> = order.par_iter().filter_map(quick).collect();
+    sort(&mut suspects);
+    let gain = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
+    let worth = suspects.first().map_or(0.0, |best| PROMISING * gain(best));
+    let promising = suspects.iter().take(THOROUGH).take_while(|suspect| gain(suspect) >= worth).count();
+    let rest = suspects.split_off(promising);
+    let thorough = |suspect: Suspect| {
+        let suspect = suspect.refined(evidence, THOROUGH_FIT);
+        told(suspect.name());
+        suspect
+    };
+    let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
+    let best = suspects.iter().map(gain).fold(0.0, f64::max);
+    let is_underway = |suspect: &Suspect| !suspect.fit.converged && gain(suspect) >= WORTH.max(NEAR_BEST * best);
+    suspects.par_iter_mut().filter(|suspect| is_underway(suspect)).for_each(|suspect| {
+        *suspect = suspect.clone().refined(evidence, LAST_FIT);
+    });
+    suspects.extend(rest);
+    suspects.retain(|suspect| gain(suspect) > 0.0);
+    sort(&mut suspects);
+    suspects
+}
+
+/// Effects by what the first look promises of them, the most first.
+pub(super) fn by_promise<'a>(screened: impl Iterator<Item = &'a Screened>) -> Vec<&'a Screened> {
+    let mut order: Vec<&Screened> = screened.collect();
+    order.sort_by(|a, b| b.gain.total_cmp(&a.gain).then_with(|| a.candidate.name.cmp(&b.candidate.name)));
+    order
+}
+
+fn sort(suspects: &mut [Suspect]) {
+    suspects.sort_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2).then_with(|| a.name().cmp(b.name())));
+}

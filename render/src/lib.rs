@@ -1,0 +1,96 @@
+//! Pictures of a part, rendered from its signed distance field. No mesh is extracted and no file is written: a view
+//! gives float buffers ([`Frame`]), and these an eight-bit [`Picture`] for whoever can store one.
+//!
+//! The stages, in the order in which data meets them:
+//! 1. [`Camera`]: a ray for every sample of the image, bent by the lens ([`Distortion`]);
+//! 2. [`Field`]: strides through empty bricks and blocks, exact root in the trilinear cell;
+//! 3. geometry buffers: depth, normal, position, weld id, dose, [`removed_depth`], visibility;
+//! 4. light: a [`Scene`] is photographed ([`Material`], [`Marks`], [`Lights`]), a [`View`] is drawn with edges or in the
+//!    [`colour_map`] of removed depth;
+//! 5. [`Sensor`]: blur, exposure and noise; [`contact_sheet`]: panels side by side and the legend, in one picture.
+//!
+//! Every sample is a pure function of its arguments, so a picture is the same for any number of threads.
+//!
+//! ```
+//! use glam::DVec3;
+//! use sdf_bake::BrickGrid;
+//! use render::{Camera, Raster, Scene, Sensor};
+//!
+//! let half = DVec3::splat(0.01);
+//! let ball = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.length() - 0.01);
+//! let scene = Scene::new(&ball);
+//! let camera = Camera::framing(-half, half, -0.9, 0.6, 4.0 / 3.0);
+//! let mut frame = scene.photograph(&camera, &Raster { width: 64, height: 48, samples_per_side: 2 });
+//! Sensor { full_well: 20e3, seed: 7, ..Sensor::default() }.expose(&mut frame);
+//! assert!(frame.depth[24 * 64 + 32].is_finite());
+//! assert_eq!(frame.to_srgb8().rgb.len(), 3 * 64 * 48);
+//! ```
+
+// Units stand in brackets: `[m]` is no link.
+
+// Loops over lanes index several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
+mod beam;
+mod bundle;
+mod camera;
+mod clear_view;
+mod colour;
+mod colour_map;
+mod cubic;
+mod edges;
+mod field;
+mod font;
+mod frame;
+mod index;
+mod lanes;
+mod legend;
+mod lens;
+mod lights;
+mod lit;
+mod lockstep;
+mod marks;
+mod material;
+mod microfacet;
+mod occupancy;
+mod padded;
+mod photographer;
+mod placement;
+mod rays;
+mod removed;
+mod rows;
+mod scene;
+mod sensor;
+mod shade;
+mod shadow;
+mod sheet;
+mod sight;
+mod skyline;
+mod surface;
+mod text;
+mod tile;
+mod trace;
+mod view;
+mod walk;
+
+pub use camera::{Camera, Projection, Ray, outward};
+pub use clear_view::{clearest_direction, clearest_of};
+pub use colour::{from_srgb8, to_srgb8};
+pub use colour_map::colour_map;
+pub use field::Field;
+pub use frame::{Frame, Picture, Seen};
+pub use legend::Legend;
+pub use lens::Distortion;
+pub use lights::{Environment, KeyLight, Lights};
+pub use marks::{MOST_POINTS, MarkPoint, Marks};
+pub use material::{Appearance, FRESH_WELD, GROUND_STEEL, Material, PRIMER, ROLLED_STEEL};
+pub use photographer::Photographer;
+pub use placement::Placement;
+pub use removed::{REMOVED_RESOLUTION, removed_depth, round_full_scale};
+pub use scene::{Raster, Scene, Table};
+pub use sensor::Sensor;
+pub use shade::{BASE_STEEL, Finish, UNTOUCHED, WELD_METAL};
+pub use sheet::{Panel, contact_sheet};
+pub use text::{draw_text, text_size};
+pub use trace::Hit;
+pub use view::{RemovedView, View, render};

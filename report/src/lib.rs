@@ -1,0 +1,17 @@
+//! Pages for people: one HTML file with everything in it, which loads nothing.
+//!
+//! [`Page`] gathers sections, [`Table`]s, [`Chart`]s and pictures; [`study`] draws what a study found. Nothing here reads a
+//! file, simulates or judges.
+
+mod axis;
+mod chart;
+mod page;
+pub mod study;
+mod table;
+
+pub(crate) use axis::{Axis, short};
+pub use chart::{Chart, Series, Stroke, WIDE, stacked};
+pub use page::Page;
+pub(crate) use page::escape;
+pub(crate) use table::exact;
+pub use table::{Cell, Table};

@@ -1,0 +1,73 @@
+//! The report of a study: one HTML file that says what was compared, what is missing and what to do next.
+//!
+//! [`StudyReport`] holds what a study found, in SI units (`data`, and `scan_data` for what belongs to one scan).
+//! [`page`] draws it; nothing here reads a file, simulates or judges.
+
+mod colour_scale;
+mod compared;
+mod covariates;
+mod exposure;
+mod map_image;
+mod maps;
+mod number;
+mod outlook;
+mod parameters;
+mod provenance;
+mod sections;
+mod statistics;
+mod story;
+mod suspects;
+mod waterfall;
+mod words;
+
+pub use story::{Sealed, story};
+
+use crate::Page;
+use lab::study::{StudyReport, Verdict};
+
+/// The report as an HTML document that loads nothing. The same study gives the same bytes.
+///
+/// # Panics
+/// When a map has not as many values as its pixels, which is a bug of the caller.
+pub fn page(report: &StudyReport) -> String {
+    let campaign = &report.compared.campaign;
+    let mut page = Page::new(&format!("{campaign}: measured against simulated"), "Report of a study, by RoboFin");
+    page.style(include_str!("style.css"));
+    compared::add_verdict(&mut page, report);
+    page.contents();
+    compared::add(&mut page, &report.compared);
+    waterfall::add(&mut page, &report.waterfall);
+    compared::add_volumes(&mut page, &report.volumes);
+    add_residuals(&mut page, report);
+    let is_diagnosed = !matches!(report.verdict, Verdict::Calibrated | Verdict::Agrees | Verdict::Differs);
+    if is_diagnosed {
+        suspects::add(&mut page, &report.suspects, &report.waterfall.misfit);
+    }
+    parameters::add(&mut page, &report.parameters, report.correlations.as_ref());
+    outlook::add_detectable(&mut page, &report.detectable);
+    outlook::add_suggested(&mut page, report.suggested_effect.as_ref());
+    if is_diagnosed {
+        outlook::add_next(&mut page, report);
+    }
+    compared::add_method(&mut page, &report.compared);
+    provenance::add(&mut page, &report.provenance);
+    provenance::add_diagnosis(&mut page, &report.diagnosis);
+    page.block(&format!(
+        "<div id=\"tip\" aria-hidden=\"true\"></div>\n<script>\n{}</script>\n",
+        include_str!("hover.js")
+    ));
+    page.finish()
+}
+
+/// Where measurement and model differ: tests, maps, sections, covariates.
+fn add_residuals(page: &mut Page, report: &StudyReport) {
+    page.part("residuals", "Where the model fails");
+    suspects::add_tests(page, &report.tests);
+    if report.scans.is_empty() {
+        page.paragraph("There are no maps: what was measured has no places.");
+    }
+    maps::add(page, &report.scans);
+    exposure::add(page, &report.scans);
+    sections::add(page, &report.sections, maps::page_noise(&report.scans));
+    covariates::add(page, &report.covariates);
+}

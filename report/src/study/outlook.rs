@@ -1,0 +1,101 @@
+//! What these passes could have shown, what to do next, and a form for what the library lacks.
+
+use super::number::{cell, percent};
+use super::words::list;
+use crate::{Cell, Page, Table, escape};
+use lab::study::{Detectable, ParameterEstimate, StudyReport, SuggestedEffect, Verdict};
+
+/// Appends the least sizes of effects that would have shown.
+pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
+    if detectable.is_empty() {
+        return;
+    }
+    page.part("detectable", "What these passes could show");
+    page.paragraph(
+        "The least size of each effect that would have been found, at 5 % error over all effects and 80 % power. What is smaller may be present.",
+    );
+    let mut table = Table::new(
+        "Detectable sizes",
+        &["effect", "parameter", "least size", "typical", "unit", "its map, rms [µm]", "remark"],
+    );
+    for row in detectable {
+        let si = row.unit.si_per_unit;
+        let size =
+            if row.size.is_some() { cell(row.size, si, 3) } else { Cell::number("none shows".to_owned(), f64::NAN) };
+        table.rows.push(vec![
+            Cell::text(&row.name),
+            Cell::text(&row.parameter),
+            size,
+            cell(row.typical, si, 3),
+            Cell::text(&row.unit.unit),
+            cell(row.map_rms, 1e-6, 3),
+            Cell::text(&row.note),
+        ]);
+    }
+    page.block(&table.without_empty_columns().to_html());
+}
+
+/// Appends the next trial.
+pub(super) fn add_next(page: &mut Page, report: &StudyReport) {
+    page.part("next", "The next trial");
+    let Some(next) = &report.next_trial else {
+        return page.paragraph(&worth_of_another(report));
+    };
+    page.paragraph(&next.summary);
+    if !next.steps.is_empty() {
+        page.facts(&next.steps);
+    }
+    if let Some(chance) = next.chance {
+        let html = format!(
+            "<p data-value=\"{}\">Chance that it names the right one: <b>{}</b>.</p>\n",
+            crate::exact(chance),
+            percent(chance)
+        );
+        page.block(&html);
+    }
+    for (heading, items) in [("It would settle", &next.settles), ("It would leave open", &next.leaves_open)] {
+        if !items.is_empty() {
+            page.block(&format!("<h3>{heading}</h3>\n{}", list(items)));
+        }
+    }
+}
+
+/// What another trial would buy where no two effects are in play.
+fn worth_of_another(report: &StudyReport) -> String {
+    let open = |parameter: &&ParameterEstimate| !parameter.fixed && !parameter.identifiable;
+    let open: Vec<&str> = report.parameters.iter().filter(open).map(|parameter| parameter.name.as_str()).collect();
+    let open = match &open[..] {
+        [] => String::new(),
+        names => {
+            format!(" Other settings of force, feed or speed could show what these leave open: {}.", names.join(", "))
+        }
+    };
+    // The standard error of a mean falls with the root of the number of measurements.
+    let buys = match report.verdict {
+        Verdict::Identified => {
+            "One effect is left, so no trial has to separate two. The same passes on another workpiece would make the intervals of its parameters about 0.7 times as wide."
+        }
+        Verdict::NothingMissing => {
+            "Nothing is missing, so no trial has to separate two effects. The same passes on another workpiece would make the least detectable sizes about 0.7 times as large."
+        }
+        Verdict::NotTestable => {
+            "These passes put no two effects in play. Passes at other forces, feeds and spindle speeds would make more of them detectable."
+        }
+        _ => {
+            "No two effects of the library are in play. A trial that changes force, feed or spindle speed within a pass would show on what the error that is left depends."
+        }
+    };
+    format!("{buys}{open}")
+}
+
+/// Appends the file of a suggested effect.
+pub(super) fn add_suggested(page: &mut Page, effect: Option<&SuggestedEffect>) {
+    let Some(effect) = effect else { return };
+    page.part("suggested", "A form for what no known effect explains");
+    page.paragraph(&effect.summary);
+    page.block(&format!(
+        "<p>The file <code>{}</code> holds it; name it, edit it, and add it to a model with <code>robofin effects add</code>.</p>\n<pre>{}</pre>\n",
+        escape(&effect.file),
+        escape(&effect.text)
+    ));
+}

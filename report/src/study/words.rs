@@ -1,0 +1,22 @@
+//! Words that several parts of the page use.
+
+use lab::study::with_raised_powers;
+use trials::trial::Role;
+
+/// What a pass was used for.
+pub(super) fn role(role: Role) -> &'static str {
+    match role {
+        Role::Calibration => "calibration",
+        Role::Evaluation => "evaluation",
+    }
+}
+
+/// A list as HTML; nothing where it is empty.
+pub(super) fn list(items: &[String]) -> String {
+    if items.is_empty() {
+        return String::new();
+    }
+    let item = |item: &String| format!("<li>{}</li>\n", crate::escape(&with_raised_powers(item)));
+    let items: String = items.iter().map(item).collect();
+    format!("<ul>\n{items}</ul>\n")
+}

@@ -1,0 +1,153 @@
+//! The page of a ground asset.
+
+mod section;
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use crate::asset::{FileRecord, MANIFEST_FILE, Manifest, PREVIEW_FILE, WeldTruth, record_files};
+use crate::finishing::{Ground, model_facts};
+use crate::picture::{GrindPictures, to_png};
+use files::input::{self, MOST_MESH_BYTES};
+use report::{Chart, Page, Series, WIDE};
+
+/// The summary of a ground asset: workpiece, grinding, figures, files.
+///
+/// # Errors
+/// When the manifest, the picture or a file of the asset cannot be read.
+pub fn grinding_page(asset: &Path, ground: &Ground, pictures: &GrindPictures) -> Result<String> {
+    let manifest = Manifest::read(asset)?;
+    let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead(ground));
+    let welded = input::read(&asset.join(PREVIEW_FILE), MOST_MESH_BYTES)?;
+    page.picture(&welded, "The welded workpiece, drawn from its signed distance field; weld metal is tinted.");
+    page.picture(&to_png(&pictures.sheet)?, "The weld before and after grinding, and the depth that was removed.");
+    add_grinding(&mut page, ground);
+    page.section("Weld");
+    page.facts(&weld_facts(&ground.weld));
+    for choice in &manifest.choices {
+        page.paragraph(choice);
+    }
+    page.section("Part and field");
+    page.facts(&part_facts(&manifest));
+    page.section("Files of the asset");
+    let files: Vec<_> = record_files(asset)?.into_iter().collect();
+    page.table(&["file", "bytes", "SHA-256"], &files.iter().map(file_row).collect::<Vec<_>>());
+    page.paragraph(&format!(
+        "RoboFin {}; the manifest {MANIFEST_FILE} holds every parameter. `robofin validate` checks the folder.",
+        env!("CARGO_PKG_VERSION")
+    ));
+    Ok(page.finish())
+}
+
+fn lead(ground: &Ground) -> String {
+    let removed: f64 = ground.lost.iter().map(|volume| volume * 1e9).sum();
+    let passes =
+        if ground.passes.len() == 1 { "one pass".to_owned() } else { format!("{} passes", ground.passes.len()) };
+    format!(
+        "A weld of {:.0} mm was laid on {}, and {passes} of a wheel at {:.0} N took {removed:.1} mm³ off it.",
+        ground.weld.length_mm, ground.source.file, ground.plan.force_setpoint
+    )
+}
+
+fn add_grinding(page: &mut Page, ground: &Ground) {
+    page.section("Grinding");
+    if let Some(error) = &ground.stopped {
+        page.paragraph(&format!("The run ended before its last pass: {error:#}."));
+    }
+    let headings = [
+        "pass",
+        "removed [mm³]",
+        "Eq. (1) over the contact [mm³]",
+        "force error [N rms]",
+        "peak pressure [MPa]",
+        "time [s]",
+        "steps",
+    ];
+    page.table(&headings, &pass_rows(ground));
+    page.drawing(&section::middle_section(ground), "Section across the middle of the weld, as welded and as ground.");
+    page.drawing(&force_chart(ground), "Normal force along each pass.");
+    page.facts(&process_facts(ground));
+}
+
+fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
+    let row = |(i, pass): (usize, &sim::PassRecord)| {
+        vec![
+            format!("{}", i + 1),
+            format!("{:.3}", ground.lost[i] * 1e9),
+            format!("{:.3}", pass.removed_volume * 1e9),
+            format!("{:.2e}", pass.force_rms_error),
+            format!("{:.2}", pass.pressure_max * 1e-6),
+            format!("{:.1}", pass.duration),
+            format!("{}", pass.steps),
+        ]
+    };
+    ground.passes.iter().enumerate().map(row).collect()
+}
+
+fn force_chart(ground: &Ground) -> String {
+    let line = |(i, pass): (usize, &sim::PassRecord)| {
+        Series::new(format!("pass {}", i + 1), pass.log.iter().map(|row| (row.time, row.force)).collect())
+    };
+    let series: Vec<Series> = ground.passes.iter().enumerate().map(line).collect();
+    Chart {
+        title: "Normal force along each pass",
+        x_label: "time in the pass [s]",
+        y_label: "normal force [N]",
+        series: &series,
+        size: WIDE,
+        from_zero: true,
+        band: None,
+    }
+    .to_svg()
+}
+
+fn process_facts(ground: &Ground) -> Vec<(String, String)> {
+    let (wheel, plan) = (&ground.wheel, &ground.plan);
+    let mut facts = vec![
+        ("wheel".into(), format!("radius {:.0} mm, width {:.0} mm", wheel.radius * 1e3, wheel.width * 1e3)),
+        ("force setpoint, feed".into(), format!("{:.1} N, {:.1} mm/s", plan.force_setpoint, plan.feed * 1e3)),
+    ];
+    facts.extend(model_facts(&ground.model));
+    facts.extend([
+        (
+            "weld metal left above the part".into(),
+            format!("{:.2} of {:.2} mm³", ground.weld_left * 1e9, ground.weld.volume_mm3),
+        ),
+        ("base metal ground away".into(), format!("{:.3} mm³", ground.base_removed * 1e9)),
+    ]);
+    facts
+}
+
+fn weld_facts(weld: &WeldTruth) -> Vec<(&'static str, String)> {
+    vec![
+        ("length, width, height", format!("{:.2} x {:.2} x {:.2} mm", weld.length_mm, weld.width_mm, weld.height_mm)),
+        ("volume added to the part", format!("{:.2} mm³", weld.volume_mm3)),
+        (
+            "geodesic curvature",
+            format!(
+                "{:.2} 1/m rms, {:.2} 1/m at most",
+                weld.geodesic_curvature_rms_per_m, weld.geodesic_curvature_max_per_m
+            ),
+        ),
+        ("exposure", format!("{:.3} mean, {:.3} at least", weld.exposure_mean, weld.exposure_min)),
+    ]
+}
+
+fn part_facts(manifest: &Manifest) -> Vec<(&'static str, String)> {
+    let (source, baking) = (&manifest.source, &manifest.baking);
+    let repairs =
+        if manifest.repairs.is_empty() { "nothing to repair".to_owned() } else { manifest.repairs.join("; ") };
+    vec![
+        ("part", source.file.clone()),
+        ("unit", source.unit_reason.clone()),
+        ("cleaning", repairs),
+        ("voxel, band", format!("{:.4} mm, {} voxels", baking.voxel_m * 1e3, baking.band_voxels)),
+        ("bricks, active voxels", format!("{}, {}", baking.bricks, baking.active_voxels)),
+        ("SHA-256 of the source", source.sha256.clone()),
+    ]
+}
+
+fn file_row((name, record): &(String, FileRecord)) -> Vec<String> {
+    vec![name.clone(), record.bytes.to_string(), record.sha256[..16].to_owned() + "…"]
+}

@@ -1,0 +1,133 @@
+//! The crates and the arrows between them, as `ARCHITECTURE.md` states them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+use walkdir::WalkDir;
+
+/// Each folder with the crates of the workspace that it may use.
+const MAY_USE: [(&str, &[&str]); 13] = [
+    ("shaders", &[]),
+    ("random", &[]),
+    ("files", &[]),
+    ("effects", &["files"]),
+    ("sdf-bake", &["files"]),
+    ("weldgen", &["sdf-bake"]),
+    ("sim", &["effects", "sdf-bake", "shaders"]),
+    ("render", &["sdf-bake", "shaders"]),
+    ("trials", &["effects", "files", "sdf-bake"]),
+    ("lab", &["effects", "files", "random", "sdf-bake", "shaders", "sim", "trials"]),
+    ("virtual-lab", &["effects", "files", "random", "sdf-bake", "sim", "trials"]),
+    ("report", &["lab", "sdf-bake", "trials"]),
+    (
+        "",
+        &[
+            "effects",
+            "files",
+            "lab",
+            "random",
+            "render",
+            "report",
+            "sdf-bake",
+            "shaders",
+            "sim",
+            "trials",
+            "virtual-lab",
+            "weldgen",
+        ],
+    ),
+];
+/// Packages of the command line, which only the program itself may use.
+const OF_THE_PROGRAM: [&str; 3] = ["anyhow", "clap", "indicatif"];
+/// Most lines of product code in a crate.
+const MOST_LINES: usize = 15_000;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The packages of the workspace by their folder.
+fn packages() -> BTreeMap<String, Value> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let answer = Command::new(cargo)
+        .args(["metadata", "--no-deps", "--offline", "--format-version", "1"])
+        .current_dir(root())
+        .output()
+        .expect("cargo runs");
+    assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+    let metadata: Value = serde_json::from_slice(&answer.stdout).expect("JSON");
+    let packages = metadata["packages"].as_array().expect("packages");
+    packages.iter().map(|package| (folder_of(&package["manifest_path"]), package.clone())).collect()
+}
+
+/// Folder of a manifest below the root, empty for the root's own.
+fn folder_of(manifest: &Value) -> String {
+    let manifest = PathBuf::from(manifest.as_str().expect("a path"));
+    let folder = manifest.parent().expect("a folder");
+    folder.strip_prefix(root()).expect("a folder below the root").display().to_string()
+}
+
+/// What a package depends on when it is built, in the workspace by folder and elsewhere by name.
+fn dependencies(package: &Value) -> BTreeSet<String> {
+    let all = package["dependencies"].as_array().expect("dependencies");
+    let product = all.iter().filter(|dependency| dependency["kind"].is_null());
+    let name = |dependency: &Value| match dependency["path"].as_str() {
+        Some(path) => Path::new(path).strip_prefix(root()).expect("a folder below the root").display().to_string(),
+        None => dependency["name"].as_str().expect("a name").to_owned(),
+    };
+    product.map(name).collect()
+}
+
+#[test]
+fn crates_use_only_what_they_may() {
+    let packages = packages();
+    assert_eq!(packages.len(), MAY_USE.len(), "a crate without a place in this list");
+    for (folder, allowed) in MAY_USE {
+        let own = packages.keys().cloned().collect::<BTreeSet<_>>();
+        let used = dependencies(&packages[folder]);
+        let inside: Vec<&String> = used.iter().filter(|name| own.contains(*name)).collect();
+        let wrong: Vec<_> = inside.iter().filter(|name| !allowed.contains(&name.as_str())).collect();
+        assert!(wrong.is_empty(), "{folder:?} uses {wrong:?}");
+        let unused: Vec<_> = allowed.iter().filter(|name| !used.contains(**name)).collect();
+        assert!(unused.is_empty(), "{folder:?} may use {unused:?} but does not");
+    }
+}
+
+#[test]
+fn arrows_run_one_way() {
+    for (at, (folder, allowed)) in MAY_USE.iter().enumerate() {
+        for name in *allowed {
+            let below = MAY_USE[..at].iter().any(|(lower, _)| lower == name);
+            assert!(below, "{folder:?} uses {name:?}, which does not stand below it");
+        }
+    }
+}
+
+#[test]
+fn only_the_program_knows_the_command_line() {
+    for (folder, package) in packages().iter().filter(|(folder, _)| !folder.is_empty()) {
+        let used = dependencies(package);
+        let wrong: Vec<_> = OF_THE_PROGRAM.iter().filter(|name| used.contains(**name)).collect();
+        assert!(wrong.is_empty(), "{folder} uses {wrong:?}");
+    }
+}
+
+#[test]
+fn no_crate_is_too_large_to_know() {
+    for (folder, _) in MAY_USE {
+        let files = WalkDir::new(root().join(folder).join("src")).into_iter().map(|entry| entry.expect("a folder"));
+        let rust = files.filter(|file| file.path().extension().is_some_and(|ending| ending == "rs"));
+        let lines: usize = rust.map(|file| product_lines(file.path())).sum();
+        assert!(lines > 0, "{folder:?} is empty");
+        assert!(lines <= MOST_LINES, "{folder:?} has {lines} lines of product code, and {MOST_LINES} are accepted");
+    }
+}
+
+/// Lines of a source file above its tests.
+fn product_lines(file: &Path) -> usize {
+    let is_test = file.components().any(|part| part.as_os_str() == "tests") || file.ends_with("tests.rs");
+    let text = std::fs::read_to_string(file).expect("a source file");
+    if is_test { 0 } else { text.lines().take_while(|line| *line != "#[cfg(test)]").count() }
+}

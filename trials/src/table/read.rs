@@ -1,0 +1,382 @@
+//! From the cells of the CSV to rows.
+
+use std::path::Path;
+
+use super::columns::{Columns, Load, Motion, Numbers};
+use super::manifest::Manifest;
+use super::order::Order;
+use super::{Row, Table, Usage, plausible};
+use crate::trial::{Covariate, Place, Role, TextRow, TextTable, TrialError};
+use files::input::quoted;
+
+/// Rows with a removal that calibrate, at least.
+const LEAST_ROWS: usize = 4;
+/// Without a column for it, every third row evaluates.
+const EVALUATES: usize = 3;
+/// Lines that a note names at most.
+const NAMED_LINES: usize = 8;
+/// Rows as they are read, with what the order is made from.
+struct Reading<'a> {
+    manifest: &'a Manifest,
+    columns: Columns,
+    rows: Vec<Row>,
+    /// Text in the order column of each row.
+    order: Vec<String>,
+    /// Role of each row where a column says it.
+    roles: Vec<Role>,
+    others: Vec<Vec<f64>>,
+    text: Vec<bool>,
+    groups: Vec<String>,
+    tools: Vec<String>,
+    /// Why rows, and why removals, are left out.
+    bad_rows: Vec<(Place, String)>,
+    bad_removals: Vec<(Place, String)>,
+    /// A row with too few cells: forgiven where it is the last one.
+    short: Option<(Place, usize)>,
+}
+
+pub(super) fn read(folder: &Path) -> Result<Table, TrialError> {
+    let manifest = Manifest::read(folder)?;
+    let file = manifest.source.named(folder, &manifest.csv)?;
+    let text = TextTable::read(&file)?;
+    let mut reading: Option<Reading> = None;
+    text.rows(|row| {
+        match &mut reading {
+            None => reading = Some(Reading::new(&manifest, row)?),
+            Some(reading) => reading.push(row)?,
+        }
+        Ok(true)
+    })?;
+    let reading = reading.ok_or_else(|| Place::file(&file).bad("no row", "a header and rows are expected"))?;
+    reading.finish(folder, &text)
+}
+
+impl<'a> Reading<'a> {
+    fn new(manifest: &'a Manifest, header: &TextRow) -> Result<Self, TrialError> {
+        let columns = Columns::find(manifest, header)?;
+        let others = columns.others.len();
+        Ok(Self {
+            manifest,
+            columns,
+            rows: Vec::new(),
+            order: Vec::new(),
+            roles: Vec::new(),
+            others: vec![Vec::new(); others],
+            text: vec![false; others],
+            groups: Vec::new(),
+            tools: Vec::new(),
+            bad_rows: Vec::new(),
+            bad_removals: Vec::new(),
+            short: None,
+        })
+    }
+
+    fn push(&mut self, row: &TextRow) -> Result<(), TrialError> {
+        if let Some((place, found)) = self.short.take() {
+            return Err(self.wrong_count(place, found));
+        }
+        if row.len() > self.columns.count {
+            return Err(self.wrong_count(row.place(self.columns.count), row.len()));
+        }
+        if row.len() < self.columns.count {
+            self.short = Some((row.place(0), row.len()));
+            return Ok(());
+        }
+        match self.row(row)? {
+            Ok(read) => self.keep(read, row),
+            Err((column, why)) => {
+                self.bad_rows.push((row.place(column), why));
+                Ok(())
+            }
+        }
+    }
+
+    fn wrong_count(&self, place: Place, found: usize) -> TrialError {
+        let hint = if found > self.columns.count { "; are decimals written with commas?" } else { "" };
+        place.bad(
+            format!("{found} cells where the header has {}{hint}", self.columns.count),
+            "as many cells as the header has are expected",
+        )
+    }
+
+    /// The row, or the column and the reason for which it cannot be used.
+    fn row(&mut self, row: &TextRow) -> Result<Result<Row, (usize, String)>, TrialError> {
+        let mut settings = Vec::new();
+        for numbers in self.columns.settings() {
+            match setting(numbers, row) {
+                Ok(value) => settings.push(value),
+                Err(why) => return Ok(Err((numbers.at, why))),
+            }
+        }
+        if let Some(at) = self.columns.order.filter(|&at| row.cell(at).is_empty()) {
+            return Ok(Err((at, "the cell of the order is empty".to_owned())));
+        }
+        let mut settings = settings.into_iter();
+        let load = settings.next().unwrap_or_default();
+        let motion = self.columns.motion.as_ref().and_then(|_| settings.next());
+        let duration = self.columns.duration.as_ref().and_then(|_| settings.next());
+        let (force, pressure) = self.load(load);
+        Ok(Ok(Row {
+            line: row.line,
+            began: None,
+            force,
+            pressure,
+            speed: self.speed(motion),
+            duration,
+            removal_rate: self.removal_rate(row, duration),
+            group: named(&mut self.groups, self.columns.group.map(|at| row.text(at))),
+            tool: named(&mut self.tools, self.columns.tool.map(|at| row.text(at))),
+            fresh: self.columns.fresh.map_or(Ok(false), |at| fresh(row, at))?,
+            role: Role::Calibration,
+            usage: settings.collect(),
+        }))
+    }
+
+    /// Force [N] and pressure [Pa] as far as they are known.
+    fn load(&self, load: f64) -> (Option<f64>, Option<f64>) {
+        let area = self.manifest.area;
+        match self.columns.load.0 {
+            Load::Force => (Some(load), area.map(|area| load / area)),
+            Load::Pressure => (area.map(|area| load * area), Some(load)),
+        }
+    }
+
+    /// Sliding speed [m/s].
+    fn speed(&self, motion: Option<f64>) -> Option<f64> {
+        match self.columns.motion.as_ref()?.0 {
+            Motion::Speed => motion,
+            Motion::Spindle => Some(motion?.abs() * self.manifest.radius?),
+        }
+    }
+
+    fn removal_rate(&mut self, row: &TextRow, duration: Option<f64>) -> Option<f64> {
+        let Columns { removed, removal: (_, per_time), per_mass, .. } = &self.columns;
+        let why = match number(removed, row) {
+            Ok(value) if value > 0.0 => {
+                let total = value * per_mass;
+                return Some(if *per_time { total } else { total / duration? });
+            }
+            Ok(_) => format!("{} is {}, which has no logarithm", removed.name, plain(row, removed.at)),
+            Err(why) => why,
+        };
+        let place = row.place(removed.at);
+        self.bad_removals.push((place, why));
+        None
+    }
+
+    fn keep(&mut self, read: Row, row: &TextRow) -> Result<(), TrialError> {
+        self.rows.push(read);
+        self.order.extend(self.columns.order.map(|at| row.text(at)));
+        if let Some(at) = self.columns.role {
+            self.roles.push(role(row, at)?);
+        }
+        for (k, (column, _)) in self.columns.others.iter().enumerate() {
+            let value = row.number(*column);
+            self.text[k] |= value.is_err();
+            self.others[k].push(value.ok().flatten().unwrap_or(f64::NAN));
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, folder: &Path, text: &TextTable) -> Result<Table, TrialError> {
+        let mut notes = text.notes.clone();
+        notes.extend(self.short_row(text)?);
+        self.check_losses(text.file())?;
+        plausible::check(&self.columns, &self.rows, self.manifest.radius, text.file())?;
+        notes.extend(self.sort(text.file())?);
+        notes.extend(self.set_roles(text.file())?);
+        for (bad, what) in [
+            (&self.bad_rows, "left out"),
+            (&self.bad_removals, "without a removal that can be compared, but the tool works in them"),
+        ] {
+            notes.extend(losses(bad, what));
+        }
+        let covariates = self.covariates(&mut notes);
+        let columns = &self.columns;
+        let usage = |numbers: &Numbers| Usage { name: numbers.name.clone(), dimension: numbers.unit.dimension() };
+        let mut table = Table {
+            folder: folder.to_owned(),
+            name: self.manifest.name.clone(),
+            process: self.manifest.process,
+            area: self.manifest.area,
+            radius: self.manifest.radius,
+            coating: self.manifest.coating,
+            removed: columns.removal.0,
+            groups: self.groups,
+            tools: self.tools,
+            usage: columns.usage.iter().map(usage).collect(),
+            rows: self.rows,
+            covariates,
+            notes: Vec::new(),
+        };
+        notes.splice(0..0, understood(self.manifest, columns, &table));
+        table.notes = notes;
+        Ok(table)
+    }
+
+    fn short_row(&mut self, text: &TextTable) -> Result<Option<String>, TrialError> {
+        let Some((place, found)) = self.short.take() else { return Ok(None) };
+        if !text.ends_within_a_line() {
+            return Err(self.wrong_count(place, found));
+        }
+        let line = place.line.unwrap_or_default();
+        Ok(Some(format!("line {line}, the last one, is cut short after {found} cells and left out")))
+    }
+
+    /// Refuses a table of which most is lost, at the first place.
+    fn check_losses(&self, file: &Path) -> Result<(), TrialError> {
+        let lost = self.bad_rows.len() + self.bad_removals.len();
+        let known = self.rows.iter().filter(|row| row.removal_rate.is_some()).count();
+        let first = self.bad_rows.iter().chain(&self.bad_removals).min_by_key(|(place, _)| place.line);
+        match first {
+            Some((place, why)) if lost > known => Err(place.clone().bad(
+                format!("{why}, and {} of {} rows cannot be used", lost, lost + known),
+                "a column of numbers in the stated unit is expected",
+            )),
+            _ if known < LEAST_ROWS => Err(Place::file(file)
+                .bad(format!("{known} rows with a removal"), format!("at least {LEAST_ROWS} are expected"))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts all rows in the order of time.
+    fn sort(&mut self, file: &Path) -> Result<Option<String>, TrialError> {
+        let Some(column) = self.columns.order else { return Ok(None) };
+        let cells: Vec<&str> = self.order.iter().map(String::as_str).collect();
+        let order = Order::of(&cells).map_err(|at| {
+            let found = format!("{} is no number, and no date as in the rows before", quoted(&self.order[at]));
+            Place::cell(file, self.rows[at].line, column + 1)
+                .bad(found, "numbers, or dates such as 2024-03-31, 2024-03-31 14:05 or 31.03.2024, are expected")
+        })?;
+        let (keys, how) = match &order {
+            Order::Numbers(keys) => (keys, "by number".to_owned()),
+            Order::Dates(keys, format) => {
+                let first = keys.iter().copied().fold(f64::INFINITY, f64::min);
+                self.rows.iter_mut().zip(keys).for_each(|(row, key)| row.began = Some(key - first));
+                (keys, format!("by date, read as {format}"))
+            }
+        };
+        let mut places: Vec<usize> = (0..keys.len()).collect();
+        places.sort_by(|&a, &b| keys[a].total_cmp(&keys[b]));
+        let moved = places.iter().enumerate().filter(|(at, place)| at != *place).count();
+        self.rows = places.iter().map(|&at| self.rows[at].clone()).collect();
+        self.roles = places.iter().filter_map(|&at| self.roles.get(at).copied()).collect();
+        for values in &mut self.others {
+            *values = places.iter().map(|&at| values[at]).collect();
+        }
+        Ok(Some(format!("rows are ordered {how}; {moved} stand elsewhere in the file")))
+    }
+
+    fn set_roles(&mut self, file: &Path) -> Result<Option<String>, TrialError> {
+        let stated = !self.roles.is_empty();
+        let mut measured = 0;
+        for (at, row) in self.rows.iter_mut().enumerate() {
+            measured += usize::from(row.removal_rate.is_some());
+            let third = row.removal_rate.is_some() && measured % EVALUATES == 0;
+            let by_count = if third { Role::Evaluation } else { Role::Calibration };
+            row.role = self.roles.get(at).copied().unwrap_or(by_count);
+        }
+        let calibrates = |row: &&Row| row.role == Role::Calibration && row.removal_rate.is_some();
+        let known = self.rows.iter().filter(calibrates).count();
+        if known < LEAST_ROWS.min(measured - measured / EVALUATES) {
+            let found = format!("{known} rows with a removal calibrate");
+            return Err(Place::file(file).bad(found, format!("at least {LEAST_ROWS} are expected")));
+        }
+        Ok((!stated).then(|| "no column says which rows evaluate: every third one does".to_owned()))
+    }
+
+    fn covariates(&mut self, notes: &mut Vec<String>) -> Vec<Covariate> {
+        let mut covariates = Vec::new();
+        for ((values, (_, name)), text) in self.others.drain(..).zip(&self.columns.others).zip(&self.text) {
+            if *text {
+                notes.push(format!("column {name:?} holds text and is left out"));
+            } else {
+                covariates.push(Covariate { name: name.clone(), values });
+            }
+        }
+        if !covariates.is_empty() {
+            let names: Vec<&str> = covariates.iter().map(|covariate| covariate.name.as_str()).collect();
+            notes.push(format!("further columns kept as covariates: {}", names.join(", ")));
+        }
+        covariates
+    }
+}
+
+/// A finite number [SI], or why there is none.
+fn number(numbers: &Numbers, row: &TextRow) -> Result<f64, String> {
+    match row.number(numbers.at) {
+        Ok(Some(value)) if value.is_finite() => Ok(numbers.unit.to_si(value)),
+        Ok(None) => Err(format!("{} is empty", numbers.name)),
+        _ => Err(format!("{} is {}, no number", numbers.name, row.shown(numbers.at))),
+    }
+}
+
+/// A number as the file has it.
+fn plain(row: &TextRow, at: usize) -> String {
+    row.shown(at).trim_matches('"').to_owned()
+}
+
+/// As [`number`], above zero where the quantity must be.
+fn setting(numbers: &Numbers, row: &TextRow) -> Result<f64, String> {
+    let value = number(numbers, row)?;
+    let has_sign = match numbers.key.as_str() {
+        "force" | "pressure" | "speed" | "duration" => false,
+        "spindle_rpm" => value != 0.0,
+        _ => true,
+    };
+    let fits = has_sign || value > 0.0;
+    if fits { Ok(value) } else { Err(format!("{} is {}, not above zero", numbers.name, plain(row, numbers.at))) }
+}
+
+/// The place of a name in a list, which grows by it.
+fn named(list: &mut Vec<String>, name: Option<String>) -> usize {
+    let name = name.unwrap_or_default();
+    list.iter().position(|known| *known == name).unwrap_or_else(|| {
+        list.push(name);
+        list.len() - 1
+    })
+}
+
+fn fresh(row: &TextRow, at: usize) -> Result<bool, TrialError> {
+    match row.text(at).to_lowercase().as_str() {
+        "true" | "yes" | "1" => Ok(true),
+        "false" | "no" | "0" | "" => Ok(false),
+        _ => Err(row.place(at).bad(row.shown(at), "true or false, yes or no, 1 or 0 is expected")),
+    }
+}
+
+fn role(row: &TextRow, at: usize) -> Result<Role, TrialError> {
+    match row.text(at).to_lowercase().as_str() {
+        "calibration" => Ok(Role::Calibration),
+        "evaluation" => Ok(Role::Evaluation),
+        _ => Err(row.place(at).bad(row.shown(at), "calibration or evaluation is expected")),
+    }
+}
+
+/// A sentence about rows that are lost.
+fn losses(bad: &[(Place, String)], what: &str) -> Option<String> {
+    let line = |(place, why): &(Place, String)| format!("line {} ({why})", place.line.unwrap_or_default());
+    let named: Vec<String> = bad.iter().take(NAMED_LINES).map(line).collect();
+    let more = if bad.len() > NAMED_LINES { " and more" } else { "" };
+    (!bad.is_empty()).then(|| format!("{} rows are {what}: {}{more}", bad.len(), named.join(", ")))
+}
+
+/// What the table is, in sentences.
+fn understood(manifest: &Manifest, columns: &Columns, table: &Table) -> Vec<String> {
+    let of = |numbers: &Numbers| format!("{} from {:?}", numbers.key, numbers.name);
+    let given: Vec<String> = columns.settings().chain([&columns.removed]).map(of).collect();
+    let evaluates = table.rows.iter().filter(|row| row.role == Role::Evaluation).count();
+    let mut notes = vec![format!(
+        "{} rows, of which {evaluates} evaluate, in {} groups; {}",
+        table.rows.len(),
+        table.groups.len(),
+        given.join(", ")
+    )];
+    if manifest.polishes {
+        notes.push("polishing is read as sanding: removal by pressure, speed and time (Preston 1927)".to_owned());
+    }
+    if columns.duration.is_none() {
+        notes.push("no column gives a duration: what a tool remembers does not move between rows".to_owned());
+    }
+    notes
+}

@@ -1,0 +1,241 @@
+//! `trial.toml` as it stands in the file, in its units.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use files::input::{self, MOST_TEXT_BYTES, quoted_near, without_content};
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use files::named_file::{self, Absent};
+
+use super::error::{Place, TrialError};
+
+/// Value of the `format` key.
+pub const TRIAL_FORMAT: &str = "finishing-trial/1";
+/// Name of the file that makes a folder a trial.
+pub const TRIAL_FILE: &str = "trial.toml";
+
+/// Known keys of each table.
+const KEYS: [(&str, &[&str]); 6] = [
+    ("", &["format", "name", "process", "tool", "scan", "controller", "coating", "pass"]),
+    ("tool", &["kind", "radius_mm", "width_mm", "axis", "fresh"]),
+    ("scan", &["pitch_mm", "origin_mm", "before", "repeat", "material"]),
+    ("controller", &["kind", "mass_kg", "damping_ns_m", "period_s"]),
+    ("coating", &["thickness_mm"]),
+    ("pass", &["log", "scan", "role", "force_setpoint_n", "feed_mm_s", "spindle_rpm", "direction"]),
+];
+
+/// What the tool does to the workpiece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Process {
+    /// Material recedes.
+    Grinding,
+    /// Coating is worn off.
+    Sanding,
+}
+
+/// What a pass may be used for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// Fitting.
+    #[default]
+    Calibration,
+    /// Judging only.
+    Evaluation,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ToolKind {
+    Wheel,
+    Pad,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ControllerKind {
+    Admittance,
+    Ideal,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Manifest {
+    pub(super) format: Spanned<String>,
+    pub(super) name: String,
+    pub(super) process: Process,
+    pub(super) tool: ToolTable,
+    pub(super) scan: ScanTable,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) controller: Option<Spanned<ControllerTable>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) coating: Option<CoatingTable>,
+    #[serde(default)]
+    pub(super) pass: Vec<PassTable>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct ToolTable {
+    pub(super) kind: Spanned<ToolKind>,
+    pub(super) radius_mm: Spanned<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) width_mm: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) axis: Option<Spanned<[f64; 3]>>,
+    #[serde(default = "fresh")]
+    pub(super) fresh: bool,
+}
+
+fn fresh() -> bool {
+    true
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct ScanTable {
+    pub(super) pitch_mm: Spanned<f64>,
+    pub(super) origin_mm: Spanned<[f64; 2]>,
+    pub(super) before: Spanned<PathBuf>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) repeat: Vec<Spanned<PathBuf>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) material: Option<Spanned<PathBuf>>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct ControllerTable {
+    pub(super) kind: ControllerKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mass_kg: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) damping_ns_m: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) period_s: Option<Spanned<f64>>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct CoatingTable {
+    pub(super) thickness_mm: Spanned<f64>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct PassTable {
+    pub(super) log: Spanned<PathBuf>,
+    pub(super) scan: Spanned<PathBuf>,
+    #[serde(default)]
+    pub(super) role: Role,
+    pub(super) force_setpoint_n: Spanned<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) feed_mm_s: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) spindle_rpm: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) direction: Option<Spanned<[f64; 3]>>,
+}
+
+/// The text of a `trial.toml` or `table.toml`, for errors that name a place in it.
+pub(crate) struct Source {
+    pub(crate) file: PathBuf,
+    pub(crate) text: String,
+}
+
+impl Source {
+    /// Reads a file.
+    pub(crate) fn read(file: PathBuf) -> Result<Self, TrialError> {
+        let bytes = input::read(&file, MOST_TEXT_BYTES)?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            Place::file(&file)
+                .bad(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()), "UTF-8 text is expected")
+        })?;
+        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
+        Ok(Self { file, text })
+    }
+
+    /// The manifest in the text.
+    pub(super) fn manifest(&self) -> Result<Manifest, TrialError> {
+        self.check_keys()?;
+        let manifest: Manifest = toml::from_str(&self.text).map_err(|error| self.toml_error(&error))?;
+        if manifest.format.get_ref() != TRIAL_FORMAT {
+            let found = format!("format is {}", quoted_near(manifest.format.get_ref(), [TRIAL_FORMAT]));
+            return Err(self.bad(manifest.format.span(), found, format!("{TRIAL_FORMAT:?} is expected")));
+        }
+        Ok(manifest)
+    }
+
+    /// The error that something else was expected at a span of the text.
+    pub(crate) fn bad(&self, at: Range<usize>, found: impl Into<String>, accepted: impl Into<String>) -> TrialError {
+        Place::of_byte(&self.file, &self.text, at.start).bad(found, accepted)
+    }
+
+    /// The place of a file that the text names.
+    pub(crate) fn named(&self, folder: &Path, name: &Spanned<PathBuf>) -> Result<PathBuf, TrialError> {
+        let shown = || folder.join(name.get_ref()).display().to_string();
+        named_file::place(folder, name.get_ref()).map_err(|absent| match absent {
+            Absent::Missing => {
+                let found = format!("{} is not there", shown());
+                self.bad(name.span(), found, "the name of a file in the folder of this file is expected")
+            }
+            Absent::Outside => {
+                let found = format!("{} lies outside the folder of this file", shown());
+                self.bad(name.span(), found, "a file in that folder, or --allow-outside, is expected")
+            }
+        })
+    }
+
+    fn toml_error(&self, error: &toml::de::Error) -> TrialError {
+        let accepted = format!("a file of format {TRIAL_FORMAT:?} is expected");
+        let message = without_content(&error.message().trim().replace('\n', ", "));
+        match error.span() {
+            Some(span) => self.bad(span, message, accepted),
+            None => Place::file(&self.file).bad(message, accepted),
+        }
+    }
+
+    /// Refuses keys that the format does not know, and names the nearest one that it does.
+    fn check_keys(&self) -> Result<(), TrialError> {
+        let table = DeTable::parse(&self.text).map_err(|error| self.toml_error(&error))?;
+        self.check_table("", table.get_ref())?;
+        for (name, value) in table.get_ref() {
+            match value.get_ref() {
+                DeValue::Table(inner) => self.check_table(name.get_ref(), inner)?,
+                DeValue::Array(list) => {
+                    for inner in list.iter().filter_map(|item| item.get_ref().as_table()) {
+                        self.check_table(name.get_ref(), inner)?;
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn check_table(&self, name: &str, table: &DeTable) -> Result<(), TrialError> {
+        let known = KEYS.iter().find(|(table, _)| *table == name).map_or(&[][..], |(_, keys)| keys);
+        for (key, _) in table {
+            if known.contains(&key.get_ref().as_ref()) {
+                continue;
+            }
+            let place = if name.is_empty() { String::new() } else { format!(" in [{name}]") };
+            let accepted = match nearest(key.get_ref(), known.iter().copied()) {
+                Some(near) => format!("did you mean {near:?}? Accepted are {}", known.join(", ")),
+                None => format!("accepted are {}", known.join(", ")),
+            };
+            let shown = quoted_near(key.get_ref(), known.iter().copied());
+            return Err(self.bad(key.span(), format!("unknown key {shown}{place}"), accepted));
+        }
+        Ok(())
+    }
+}
+
+/// The candidate that a mistyped word most likely means, if any is near.
+pub(crate) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let likeness = |candidate: &str| {
+        let (a, b) = (word.to_lowercase(), candidate.to_lowercase());
+        let contained = !b.is_empty() && (a.starts_with(&b) || b.starts_with(&a));
+        strsim::jaro_winkler(&a, &b).max(if contained { 0.9 } else { 0.0 })
+    };
+    let scored = candidates.map(|candidate| (likeness(candidate), candidate));
+    scored.filter(|(score, _)| *score > 0.8).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, candidate)| candidate)
+}

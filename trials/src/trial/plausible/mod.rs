@@ -1,0 +1,141 @@
+//! Physical plausibility of a trial: can these files describe one workpiece and one tool?
+//!
+//! All checks run when a trial is read, before any simulation. Each refuses with file, column or key, the gap that it
+//! found and a guess of the cause, or leaves a note:
+//!
+//! - [`readings`]: force, feed and spindle speed of a log against the values of its pass;
+//! - [`copies`]: two scans with the same heights are one scan;
+//! - [`orientation`]: one scan is a mirror image of the others, or has another sign or unit;
+//! - [`contact`]: the tool must lie on the surface that it ground, neither above it nor deep inside;
+//! - [`follow`]: scans that are swapped or displaced, and removal beside the tool's path;
+//! - [`repeat`]: the repeated scan must differ from the first one by noise only.
+
+mod contact;
+mod copies;
+mod follow;
+mod orientation;
+mod readings;
+mod repeat;
+
+pub use contact::least_gap;
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use sdf_bake::HeightMap;
+
+use super::error::{Place, TrialError};
+use super::manifest::Manifest;
+use super::poses::{ToolPath, ToolPose};
+use super::{Pass, PassScan, Trial};
+use crate::measure::{CLEARANCE, despiked, untouched};
+
+/// Fewest pixels that a judgement needs: the standard error of a mean is then a tenth of the spread.
+const LEAST_PIXELS: usize = 100;
+/// Time between two passes that is worth a note [s].
+const LONG_PAUSE: f64 = 3600.0;
+
+/// Names of a trial's files, as `trial.toml` gives them.
+pub(super) struct Names<'a> {
+    before: &'a Path,
+    repeats: Vec<&'a Path>,
+    logs: Vec<&'a Path>,
+    scans: Vec<&'a Path>,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn of(manifest: &'a Manifest) -> Self {
+        Self {
+            before: manifest.scan.before.get_ref(),
+            repeats: manifest.scan.repeat.iter().map(|name| name.get_ref().as_path()).collect(),
+            logs: manifest.pass.iter().map(|table| table.log.get_ref().as_path()).collect(),
+            scans: manifest.pass.iter().map(|table| table.scan.get_ref().as_path()).collect(),
+        }
+    }
+}
+
+/// A trial's scans without spikes, with its paths.
+struct Surfaces {
+    before: HeightMap,
+    repeats: Vec<HeightMap>,
+    /// After each pass; empty when sanding.
+    after: Vec<HeightMap>,
+    /// Path of each pass.
+    paths: Vec<ToolPath>,
+    /// For each pass and pixel: no tool came near it in this pass.
+    free: Vec<Vec<bool>>,
+}
+
+impl Surfaces {
+    fn of(trial: &Trial) -> Self {
+        let clean = |map: &HeightMap| despiked(map).0;
+        let before = &trial.scans.before;
+        let after: Vec<&HeightMap> = trial.passes.iter().filter_map(ground).collect();
+        let paths: Vec<ToolPath> = trial.passes.iter().map(|pass| pass.tool_path(&trial.tool)).collect();
+        Self {
+            before: clean(before),
+            repeats: trial.scans.repeats.iter().map(clean).collect(),
+            after: after.into_par_iter().map(clean).collect(),
+            free: paths.iter().map(|path| untouched(before, path, &trial.tool, CLEARANCE)).collect(),
+            paths,
+        }
+    }
+
+    /// Pixels that no pass up to this one came near; all pixels where those are too few to judge by.
+    fn free_until(&self, pass: usize) -> Vec<bool> {
+        let alone = |at: usize| self.free[..=pass].iter().all(|free| free[at]);
+        let free: Vec<bool> = (0..self.before.heights.len()).map(alone).collect();
+        let enough = free.iter().filter(|free| **free).count() >= LEAST_PIXELS;
+        if enough { free } else { vec![true; free.len()] }
+    }
+}
+
+/// The ground surface after a pass; `None` when sanding.
+fn ground(pass: &Pass) -> Option<&HeightMap> {
+    match &pass.scan {
+        PassScan::Heights(map) => Some(map),
+        PassScan::Exposure(_) => None,
+    }
+}
+
+/// Refuses a trial whose files contradict each other, and notes what is odd.
+pub(super) fn check(trial: &mut Trial, names: &Names) -> Result<(), TrialError> {
+    let mut notes = Vec::new();
+    for (pass, name) in trial.passes.iter().zip(&names.logs) {
+        let found = readings::check(pass, trial, &trial.folder.join(name))?;
+        notes.extend(found.into_iter().map(|note| format!("{}: {note}", name.display())));
+    }
+    let surfaces = Surfaces::of(trial);
+    for (path, name) in surfaces.paths.iter().zip(&names.logs) {
+        contact::check_place(&touching(path), &trial.scans.before, &Place::file(&trial.folder.join(name)))?;
+    }
+    orientation::check(trial, &surfaces, names)?;
+    notes.extend(contact::check(trial, &surfaces, names)?);
+    for pass in &trial.passes {
+        let note = readings::check_rim(pass, trial)?;
+        notes.extend(note.filter(|note| !notes.contains(note)));
+    }
+    copies::check(trial, names)?;
+    notes.extend(follow::check(trial, &surfaces, names)?);
+    notes.extend(repeat::check(trial, &surfaces, names)?);
+    let pauses = trial.passes.windows(2).zip(&names.logs[1..]);
+    notes.extend(pauses.filter_map(|(pair, name)| Some(format!("{}: {}", name.display(), pause(&pair[0], &pair[1])?))));
+    trial.notes.extend(notes);
+    Ok(())
+}
+
+/// Poses of a path while the tool touched; none where the force never rose above its noise.
+fn touching(path: &ToolPath) -> Vec<&ToolPose> {
+    let Some(contact) = path.contact else { return Vec::new() };
+    path.poses.iter().filter(|pose| (contact.start..=contact.end).contains(&pose.time)).collect()
+}
+
+/// What is odd about the time between two passes.
+fn pause(before: &Pass, after: &Pass) -> Option<String> {
+    let (first, last) = (before.log.rows.first()?.time, before.log.rows.last()?.time);
+    let start = after.log.rows.first()?.time;
+    if start - last > LONG_PAUSE {
+        return Some(format!("begins {:.1} h after the pass before ends: taken as a pause", (start - last) / 3600.0));
+    }
+    (first < start && start < last).then(|| "begins before the pass before ends: its clock is its own".to_owned())
+}

@@ -1,0 +1,199 @@
+//! One scan of a workpiece: the file is recognised by its content, not by its name.
+
+use std::path::Path;
+
+use files::input::{self, MOST_MESH_BYTES};
+use glam::DVec2;
+use sdf_bake::{HeightMap, PixelGrid};
+
+use super::error::{Place, TrialError};
+use super::height_csv::Grid;
+use super::table::Table;
+use super::{keyence, mesh_scan, x3p};
+use crate::measure::median;
+
+/// Slope between neighbouring pixels that most of no surface has [1].
+const MOST_SLOPE: f64 = 2.0;
+/// Difference of neighbouring pixels that noise alone may make [m].
+const NOISE: f64 = 4e-6;
+/// Relative difference of two pitches that is worth a word.
+const PITCH_NOTE: f64 = 1e-3;
+
+/// Numbers that stand for a missing height: of ESRI grids, of 16-bit integers, of Surfer. No scan is metres deep.
+const MISSING_WORDS: [f64; 6] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0, 1.70141e38];
+/// Height between the lowest and the highest pixel that a scan of a weld may have [m].
+const MOST_SPAN: f64 = 1.0;
+
+/// What `trial.toml` says of all scans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScanFrame {
+    /// x, y of the first pixel [m].
+    pub origin: DVec2,
+    /// Distance between pixels [m].
+    pub pitch: f64,
+    /// Pixels along x and y, where a file without pixels of its own is to be looked at.
+    pub shape: Option<(usize, usize)>,
+}
+
+impl ScanFrame {
+    /// The same with the shape of a map.
+    pub(super) fn like(self, pixels: &PixelGrid) -> Self {
+        Self { shape: Some((pixels.nx, pixels.ny)), ..self }
+    }
+}
+
+/// Which pixels show substrate after sanding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExposureMask {
+    /// Where the pixels lie.
+    pub pixels: PixelGrid,
+    /// `None` where the optics could not tell, shape `[ny, nx]`.
+    pub exposed: Vec<Option<bool>>,
+}
+
+/// A label for each pixel: 0 base metal, 1 weld metal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelMap {
+    /// Where the pixels lie.
+    pub pixels: PixelGrid,
+    /// Shape `[ny, nx]`; 0 where the file has none.
+    pub labels: Vec<u16>,
+}
+
+/// Something read from a file, with what was understood of it, in sentences.
+#[derive(Clone, Debug)]
+pub struct Read<T> {
+    /// What was read.
+    pub content: T,
+    /// What was understood, where it was not the plain case.
+    pub notes: Vec<String>,
+}
+
+/// Reads a height map: a plain grid in millimetres, a Keyence VR export, an X3P file, or an STL or PLY surface.
+///
+/// # Errors
+/// [`TrialError`] with the place in the file.
+pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
+    let bytes = input::read(file, MOST_MESH_BYTES)?;
+    if let Some(format) = mesh_scan::format(file, &bytes) {
+        let read = mesh_scan::read(file, &bytes, format, frame)?;
+        check_heights(file, &read.content)?;
+        return Ok(read);
+    }
+    let (pitch, grid) = if bytes.starts_with(x3p::MAGIC) {
+        let matrix = x3p::read(file, &bytes)?;
+        (matrix.pitch, matrix.grid)
+    } else {
+        heights_of_text(Table::parse(file, bytes)?, frame)?
+    };
+    let mut notes = grid.notes;
+    if (pitch / frame.pitch - 1.0).abs() > PITCH_NOTE {
+        notes.push(format!(
+            "the file's pitch of {} mm is used, not pitch_mm = {} of trial.toml",
+            pitch * 1e3,
+            frame.pitch * 1e3
+        ));
+    }
+    let pixels = PixelGrid { origin: frame.origin, pitch, nx: grid.nx, ny: grid.ny };
+    let map = HeightMap { pixels, heights: grid.values };
+    check_heights(file, &map)?;
+    Ok(Read { content: map, notes })
+}
+
+/// Pitch and heights [m] of a text: an export with its own pitch, or a plain grid in millimetres.
+fn heights_of_text(table: Table, frame: ScanFrame) -> Result<(f64, Grid), TrialError> {
+    if keyence::is_export(&table)? {
+        let export = keyence::read(&table)?;
+        return Ok((export.pitch, export.grid));
+    }
+    let mut grid = Grid::read(&table)?;
+    read_missing(&mut grid);
+    grid.values.iter_mut().for_each(|height| *height *= 1e-3);
+    Ok((frame.pitch, grid))
+}
+
+/// Takes the numbers that instruments write where they saw nothing as missing, and says so.
+fn read_missing(grid: &mut Grid) {
+    for word in MISSING_WORDS {
+        let cells = grid.values.iter_mut().filter(|height| **height == word);
+        let count = cells.map(|height| *height = f64::NAN).count();
+        if count > 0 {
+            grid.notes.push(format!("{count} cells say {word:?}: read as missing"));
+        }
+    }
+}
+
+/// Refuses maps without heights, and those whose unit cannot be the one assumed.
+fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
+    if map.missing() == map.heights.len() {
+        return Err(Place::file(file).bad("every cell is empty", "heights in mm are expected"));
+    }
+    let nx = map.pixels.nx;
+    // A bead is level along itself, so that the steeper of the two directions counts.
+    let steps = |stride: usize| {
+        let pairs = map.heights.iter().zip(&map.heights[stride..]).enumerate();
+        let within = pairs.filter(|(at, _)| stride > 1 || at % nx + 1 < nx);
+        within.map(|(_, (a, b))| (b - a).abs()).filter(|step| step.is_finite()).collect::<Vec<f64>>()
+    };
+    let step = [1, nx].map(|stride| median(steps(stride)).unwrap_or(0.0)).into_iter().fold(0.0, f64::max);
+    let slope = step / map.pixels.pitch;
+    if slope <= MOST_SLOPE + NOISE / map.pixels.pitch {
+        return check_span(file, map);
+    }
+    Err(Place::file(file).bad(
+        format!(
+            "half of all neighbouring pixels, {} mm apart, differ by {:.3} mm or more",
+            map.pixels.pitch * 1e3,
+            step * 1e3
+        ),
+        "heights in mm are expected: these look like µm",
+    ))
+}
+
+/// Refuses heights farther apart than those of any workpiece.
+fn check_span(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
+    let seen = map.heights.iter().filter(|height| height.is_finite());
+    let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));
+    if high - low > MOST_SPAN {
+        return Err(Place::file(file).bad(
+            format!("the heights go from {:?} to {:?} mm", 1e3 * low, 1e3 * high),
+            "heights within a metre are expected: is one of these a word for a missing pixel? Leave such cells empty",
+        ));
+    }
+    Ok(())
+}
+
+/// Reads an exposure mask: 1 exposed, 0 coated, empty unknown.
+///
+/// # Errors
+/// [`TrialError`] with the place in the file.
+pub fn read_exposure(file: &Path, frame: ScanFrame) -> Result<Read<ExposureMask>, TrialError> {
+    let (pixels, grid) = read_integers(file, frame, 1.0, "0 for coated, 1 for exposed, or an empty cell")?;
+    let exposed = grid.values.iter().map(|&value| (!value.is_nan()).then_some(value == 1.0)).collect();
+    Ok(Read { content: ExposureMask { pixels, exposed }, notes: grid.notes })
+}
+
+/// Reads a label map: a whole number for each pixel.
+///
+/// # Errors
+/// [`TrialError`] with the place in the file.
+pub fn read_labels(file: &Path, frame: ScanFrame) -> Result<Read<LabelMap>, TrialError> {
+    let accepted = "a whole number from 0 to 65535, 0 for base metal";
+    let (pixels, mut grid) = read_integers(file, frame, f64::from(u16::MAX), accepted)?;
+    let missing = grid.values.iter().filter(|value| value.is_nan()).count();
+    if missing > 0 {
+        grid.notes.push(format!("{missing} pixels have no label: taken as 0, base metal"));
+    }
+    let labels = grid.values.iter().map(|&value| if value.is_nan() { 0 } else { value as u16 }).collect();
+    Ok(Read { content: LabelMap { pixels, labels }, notes: grid.notes })
+}
+
+fn read_integers(file: &Path, frame: ScanFrame, most: f64, accepted: &str) -> Result<(PixelGrid, Grid), TrialError> {
+    let grid = Grid::read(&Table::read(file)?)?;
+    let good = |value: f64| value.is_nan() || ((0.0..=most).contains(&value) && value.fract() == 0.0);
+    if let Some(at) = grid.values.iter().position(|&value| !good(value)) {
+        let place = Place::cell(file, (at / grid.nx + 1) as u64, at % grid.nx + 1);
+        return Err(place.bad(format!("{} is found", grid.values[at]), format!("{accepted} is expected")));
+    }
+    Ok((PixelGrid { origin: frame.origin, pitch: frame.pitch, nx: grid.nx, ny: grid.ny }, grid))
+}

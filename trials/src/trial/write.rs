@@ -1,0 +1,202 @@
+//! Writing trials: each file as [`Trial::read`](super::Trial::read) takes it.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use files::FileError;
+use sdf_bake::HeightMap;
+use toml::Spanned;
+
+use super::log::{APPROACH_COLUMNS, Log, REQUIRED_COLUMNS, RPM, TEMPERATURE_COLUMN};
+use super::manifest::{
+    CoatingTable, ControllerKind, ControllerTable, Manifest, PassTable, ScanTable, TRIAL_FILE, TRIAL_FORMAT, ToolKind,
+    ToolTable,
+};
+use super::{Controller, ExposureMask, LabelMap, Pass, PassScan, Tool, Trial};
+
+/// A number with as many decimals as it needs, up to the sixth.
+fn number(value: f64) -> f64 {
+    // Adding zero turns -0 into 0.
+    (value * 1e6).round() / 1e6 + 0.0
+}
+
+fn rows<T>(values: &[T], nx: usize, mut cell: impl FnMut(&mut String, &T)) -> String {
+    let mut text = String::with_capacity(8 * values.len());
+    for row in values.chunks_exact(nx) {
+        for (i, value) in row.iter().enumerate() {
+            if i > 0 {
+                text.push(',');
+            }
+            cell(&mut text, value);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// A height map as a plain grid in millimetres, to a nanometre.
+pub fn heights_csv(map: &HeightMap) -> String {
+    rows(&map.heights, map.pixels.nx, |text, height| {
+        if height.is_finite() {
+            let _ = write!(text, "{}", number(height * 1e3));
+        }
+    })
+}
+
+/// An exposure mask: 1 exposed, 0 coated, empty unknown.
+pub fn exposure_csv(mask: &ExposureMask) -> String {
+    rows(&mask.exposed, mask.pixels.nx, |text, exposed| {
+        if let Some(exposed) = exposed {
+            text.push(if *exposed { '1' } else { '0' });
+        }
+    })
+}
+
+/// A label map.
+pub fn labels_csv(map: &LabelMap) -> String {
+    rows(&map.labels, map.pixels.nx, |text, label| {
+        let _ = write!(text, "{label}");
+    })
+}
+
+/// A log with all its columns; times and forces to a millionth, lengths to a nanometre.
+pub fn log_csv(log: &Log) -> String {
+    let mut header: Vec<&str> = REQUIRED_COLUMNS.to_vec();
+    if log.has_approach {
+        header.extend(APPROACH_COLUMNS);
+    }
+    if !log.temperature.is_empty() {
+        header.push(TEMPERATURE_COLUMN);
+    }
+    header.extend(log.covariates.iter().map(|covariate| covariate.name.as_str()));
+    let mut text = header.join(",");
+    text.push('\n');
+    for (k, row) in log.rows.iter().enumerate() {
+        let p = row.position * 1e3;
+        let mut values = vec![row.time, p.x, p.y, p.z, row.force, row.spindle_speed / RPM];
+        if log.has_approach {
+            values.extend(row.approach.to_array());
+        }
+        values.extend(log.temperature.get(k));
+        values.extend(log.covariates.iter().map(|covariate| covariate.values[k]));
+        let cells: Vec<String> = values.into_iter().map(cell).collect();
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// A number, or nothing where there is none.
+fn cell(value: f64) -> String {
+    if value.is_nan() { String::new() } else { number(value).to_string() }
+}
+
+/// Writes a trial into a folder that exists: `trial.toml` and the files it names.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_trial(trial: &Trial, folder: &Path) -> Result<(), FileError> {
+    let manifest = manifest_of(trial);
+    let put = |name: &Path, text: String| {
+        let place = folder.join(name);
+        fs::write(&place, text).map_err(FileError::at(&place, "cannot write this file"))
+    };
+    put(manifest.scan.before.get_ref(), heights_csv(&trial.scans.before))?;
+    for (name, repeat) in manifest.scan.repeat.iter().zip(&trial.scans.repeats) {
+        put(name.get_ref(), heights_csv(repeat))?;
+    }
+    if let (Some(name), Some(material)) = (&manifest.scan.material, &trial.scans.material) {
+        put(name.get_ref(), labels_csv(material))?;
+    }
+    for (table, pass) in manifest.pass.iter().zip(&trial.passes) {
+        put(table.log.get_ref(), log_csv(&pass.log))?;
+        let scan = match &pass.scan {
+            PassScan::Heights(map) => heights_csv(map),
+            PassScan::Exposure(mask) => exposure_csv(mask),
+        };
+        put(table.scan.get_ref(), scan)?;
+    }
+    let text = toml::to_string(&manifest).map_err(FileError::encoding(&folder.join(TRIAL_FILE)))?;
+    put(Path::new(TRIAL_FILE), text)
+}
+
+/// A value as it is written; where it stood before does not matter.
+fn plain<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}
+
+fn millimetres(length: f64) -> Spanned<f64> {
+    plain(number(length * 1e3))
+}
+
+fn manifest_of(trial: &Trial) -> Manifest {
+    let pixels = &trial.scans.before.pixels;
+    let repeat = |k: usize| match k {
+        0 => "before_repeat.csv".into(),
+        k => format!("before_repeat{}.csv", k + 1).into(),
+    };
+    Manifest {
+        format: plain(TRIAL_FORMAT.to_owned()),
+        name: trial.name.clone(),
+        process: trial.process,
+        tool: tool_table(trial),
+        scan: ScanTable {
+            // Over thousands of pixels a nanometre of pitch would be a micrometre.
+            pitch_mm: plain((pixels.pitch * 1e12).round() / 1e9),
+            origin_mm: plain([number(pixels.origin.x * 1e3), number(pixels.origin.y * 1e3)]),
+            before: plain("before.csv".into()),
+            repeat: (0..trial.scans.repeats.len()).map(|k| plain(repeat(k))).collect(),
+            material: trial.scans.material.as_ref().map(|_| plain("material.csv".into())),
+        },
+        controller: trial.controller.map(|controller| plain(controller_table(controller))),
+        coating: trial.coating.map(|thickness| CoatingTable { thickness_mm: millimetres(thickness) }),
+        pass: trial.passes.iter().enumerate().map(|(k, pass)| pass_table(k + 1, pass)).collect(),
+    }
+}
+
+fn tool_table(trial: &Trial) -> ToolTable {
+    let fresh = trial.fresh;
+    match trial.tool {
+        Tool::Wheel { radius, width, axis } => ToolTable {
+            kind: plain(ToolKind::Wheel),
+            radius_mm: millimetres(radius),
+            width_mm: Some(millimetres(width)),
+            axis: Some(plain(axis.to_array())),
+            fresh,
+        },
+        Tool::Pad { radius } => {
+            ToolTable { kind: plain(ToolKind::Pad), radius_mm: millimetres(radius), width_mm: None, axis: None, fresh }
+        }
+    }
+}
+
+fn controller_table(controller: Controller) -> ControllerTable {
+    match controller {
+        Controller::Ideal => {
+            ControllerTable { kind: ControllerKind::Ideal, mass_kg: None, damping_ns_m: None, period_s: None }
+        }
+        Controller::Admittance { mass, damping, period } => ControllerTable {
+            kind: ControllerKind::Admittance,
+            mass_kg: Some(plain(mass)),
+            damping_ns_m: Some(plain(damping)),
+            period_s: Some(plain(period)),
+        },
+    }
+}
+
+fn pass_table(number_of_pass: usize, pass: &Pass) -> PassTable {
+    let name = |rest: &str| -> Spanned<PathBuf> { plain(format!("pass{number_of_pass}_{rest}.csv").into()) };
+    PassTable {
+        log: name("log"),
+        scan: name(match pass.scan {
+            PassScan::Heights(_) => "after",
+            PassScan::Exposure(_) => "exposed",
+        }),
+        role: pass.role,
+        force_setpoint_n: plain(pass.force_setpoint),
+        feed_mm_s: Some(plain(number(pass.feed * 1e3))),
+        spindle_rpm: Some(plain(number(pass.spindle_speed / RPM))),
+        direction: Some(plain(pass.direction.to_array())),
+    }
+}

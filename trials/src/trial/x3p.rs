@@ -1,0 +1,160 @@
+//! X3P files (ISO 25178-72): `main.xml` and binary heights in a zip.
+
+use files::input::{quoted, quoted_near};
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use roxmltree::{Document, Node};
+use zip::ZipArchive;
+
+use super::error::{Place, TrialError};
+use super::height_csv::Grid;
+
+/// First bytes of a zip.
+pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
+/// Description of the file.
+const MAIN: &str = "main.xml";
+/// Bytes that a description may have.
+const MOST_XML: u64 = 16 << 20;
+/// Pixels that a map may have.
+const MOST_PIXELS: usize = 1 << 28;
+/// Relative difference of the two pitches that is rounding.
+const SQUARE: f64 = 1e-6;
+
+const ACCEPTED: &str = "an X3P file (ISO 25178-72) with one matrix of heights is expected";
+
+/// A height map with its own pitch.
+pub(super) struct Matrix {
+    /// Pixel pitch [m].
+    pub(super) pitch: f64,
+    /// Heights [m].
+    pub(super) grid: Grid,
+}
+
+/// What `main.xml` says of the matrix.
+struct Description {
+    nx: usize,
+    ny: usize,
+    pitch: f64,
+    /// Metres in a step of z, and height of step zero [m].
+    scale: (f64, f64),
+    kind: Kind,
+    /// Member with the heights, and one with a bit for each valid pixel.
+    members: (String, Option<String>),
+}
+
+/// Type of the stored heights.
+#[derive(Clone, Copy)]
+enum Kind {
+    I16,
+    I32,
+    F32,
+    F64,
+}
+
+/// Reads the bytes of a file.
+pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Matrix, TrialError> {
+    let bad = |found: String| Place::file(file).bad(found, ACCEPTED);
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| bad(format!("no readable zip: {error}")))?;
+    let xml = member(&mut archive, MAIN, MOST_XML).map_err(&bad)?;
+    let text = String::from_utf8(xml).map_err(|_| bad(format!("{MAIN} is not UTF-8")))?;
+    let document = Document::parse(&text).map_err(|error| bad(format!("{MAIN}, line {}: no XML", error.pos().row)))?;
+    let matrix = Description::of(document.root_element()).map_err(&bad)?;
+    let count = matrix.nx * matrix.ny;
+    let heights = member(&mut archive, &matrix.members.0, (count * matrix.kind.size()) as u64).map_err(&bad)?;
+    if heights.len() != count * matrix.kind.size() {
+        let (found, expected) = (heights.len(), count * matrix.kind.size());
+        return Err(bad(format!("{} has {found} bytes where the matrix needs {expected}", shown(&matrix.members.0))));
+    }
+    let valid = match &matrix.members.1 {
+        Some(name) => Some(member(&mut archive, name, count.div_ceil(8) as u64).map_err(&bad)?),
+        None => None,
+    };
+    Ok(matrix.decoded(&heights, valid.as_deref()))
+}
+
+/// A member's name as an error may repeat it.
+fn shown(name: &str) -> String {
+    quoted_near(name, [MAIN, "bindata/data.bin", "bindata/valid.bin"]).trim_matches('"').to_owned()
+}
+
+/// The bytes of a member, at most one more than `most`.
+fn member(archive: &mut ZipArchive<Cursor<&[u8]>>, name: &str, most: u64) -> Result<Vec<u8>, String> {
+    let file = archive.by_name(name).map_err(|error| format!("member {}: {error}", shown(name)))?;
+    let mut bytes = Vec::new();
+    file.take(most + 1).read_to_end(&mut bytes).map_err(|error| format!("member {}: {error}", shown(name)))?;
+    Ok(bytes)
+}
+
+impl Description {
+    fn of(root: Node) -> Result<Self, String> {
+        let text = |path: &[&str]| text_at(root, path);
+        let number = |path: &[&str]| -> Result<f64, String> {
+            let found = text(path).ok_or_else(|| format!("{MAIN} has no {}", path.join("/")))?;
+            found.parse().map_err(|_| format!("{MAIN}: {} is {}", path.join("/"), quoted(&found)))
+        };
+        let optional = |path: &[&str], default: f64| if text(path).is_some() { number(path) } else { Ok(default) };
+        let size = |name: &str| number(&["Record3", "MatrixDimension", name]).map(|size| size as usize);
+        let (nx, ny, layers) = (size("SizeX")?, size("SizeY")?, size("SizeZ").unwrap_or(1));
+        if layers > 1 || nx.checked_mul(ny).is_none_or(|count| count > MOST_PIXELS || count == 0) {
+            return Err(format!("a matrix of {nx} x {ny} x {layers}"));
+        }
+        let axis = |name: &'static str, key: &'static str| ["Record1", "Axes", name, key];
+        let (pitch, pitch_y) = (number(&axis("CX", "Increment"))?, number(&axis("CY", "Increment"))?);
+        if !(pitch > 0.0 && pitch.is_finite() && (pitch_y / pitch - 1.0).abs() < SQUARE) {
+            return Err(format!("pixels of {pitch} x {pitch_y} m, and square ones are needed"));
+        }
+        let kind = match text(&axis("CZ", "DataType")).as_deref() {
+            Some("I") => Kind::I16,
+            Some("L") => Kind::I32,
+            Some("F") => Kind::F32,
+            Some("D") => Kind::F64,
+            other => return Err(format!("{MAIN}: heights of type {}", quoted(other.unwrap_or_default()))),
+        };
+        let scale = (optional(&axis("CZ", "Increment"), 1.0)?, optional(&axis("CZ", "Offset"), 0.0)?);
+        let link = |key: &'static str| text(&["Record3", "DataLink", key]);
+        let heights = link("PointDataLink").ok_or("heights are not in a binary member")?;
+        Ok(Self { nx, ny, pitch, scale, kind, members: (heights, link("ValidPointsLink")) })
+    }
+
+    fn decoded(&self, bytes: &[u8], valid: Option<&[u8]>) -> Matrix {
+        let is_valid =
+            |at: usize| valid.is_none_or(|bits| bits.get(at / 8).is_some_and(|byte| byte >> (at % 8) & 1 == 1));
+        let heights = bytes.chunks_exact(self.kind.size()).enumerate().map(|(at, chunk)| {
+            let height = self.kind.value(chunk) * self.scale.0 + self.scale.1;
+            if is_valid(at) && height.is_finite() { height } else { f64::NAN }
+        });
+        let note = format!("X3P file: {} x {} pixels, pitch {} µm", self.nx, self.ny, self.pitch * 1e6);
+        let grid = Grid { nx: self.nx, ny: self.ny, values: heights.collect(), notes: vec![note] };
+        Matrix { pitch: self.pitch, grid }
+    }
+}
+
+impl Kind {
+    fn size(self) -> usize {
+        match self {
+            Self::I16 => 2,
+            Self::I32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// The number in a chunk of [`Kind::size`] bytes; little-endian, as the machines that this runs on.
+    fn value(self, chunk: &[u8]) -> f64 {
+        match self {
+            Self::I16 => f64::from(bytemuck::pod_read_unaligned::<i16>(chunk)),
+            Self::I32 => f64::from(bytemuck::pod_read_unaligned::<i32>(chunk)),
+            Self::F32 => f64::from(bytemuck::pod_read_unaligned::<f32>(chunk)),
+            Self::F64 => bytemuck::pod_read_unaligned::<f64>(chunk),
+        }
+    }
+}
+
+/// Text of the element at a path of local names below `root`.
+fn text_at(root: Node, path: &[&str]) -> Option<String> {
+    let mut node = root;
+    for name in path {
+        node = node.children().find(|child| child.tag_name().name() == *name)?;
+    }
+    node.text().map(|text| text.trim().to_owned()).filter(|text| !text.is_empty())
+}

@@ -1,0 +1,203 @@
+//! The virtual scanner: what it makes of a true surface.
+//!
+//! `scan = quantised(faults(blurred(truth(p - shift))) + white + correlated + piston + tilt · (p - centre))`, then holes,
+//! an empty rim and spikes. Every scan has its own registration error and its own noise, the repeated scan as well.
+
+use effects::RunError;
+use glam::DVec2;
+use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
+use sim::Profilometer;
+
+use super::fault::Fault;
+use super::noise::correlated;
+use random::Stream;
+use trials::trial::ExposureMask;
+
+/// Sizes of the scanner's errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instrument {
+    /// Standard deviation of the lateral blur, a Gaussian [m].
+    pub blur: f64,
+    /// Step of the heights [m].
+    pub quantum: f64,
+    /// Noise that differs from pixel to pixel [m].
+    pub white: f64,
+    /// Noise that neighbours share [m].
+    pub correlated: f64,
+    /// Distance at which its correlation has fallen to 1/e [m].
+    pub correlation_length: f64,
+    /// Height offset of a scan, standard deviation [m].
+    pub piston: f64,
+    /// Tilt of a scan along x and y, standard deviation [1].
+    pub tilt: f64,
+    /// Lateral shift of a scan along x and y, standard deviation [m].
+    pub shift: f64,
+    /// Least and greatest share of pixels that a scan lacks in holes.
+    pub holes: [f64; 2],
+    /// Greatest radius of a hole [m].
+    pub hole_radius: f64,
+    /// Empty pixels along the border of a height map.
+    pub rim: usize,
+    /// Share of pixels that are spikes.
+    pub spikes: f64,
+    /// Least and greatest height of a spike, up or down [m].
+    pub spike_height: [f64; 2],
+    /// Blur of the exposed border, standard deviation [m]; sanding only.
+    pub border_blur: f64,
+    /// Noise of the dose at the exposed border, shared over `correlation_length` [1]; sanding only.
+    pub border_noise: f64,
+    /// Dose around the threshold where the optics cannot tell [1]; sanding only.
+    pub undecided: f64,
+}
+
+impl Instrument {
+    /// A good instrument and a careful operator (benchmark family N0).
+    pub fn clean() -> Self {
+        Self {
+            blur: 30e-6,
+            quantum: 1e-6,
+            white: 2e-6,
+            correlated: 2e-6,
+            correlation_length: 2e-3,
+            piston: 10e-6,
+            tilt: 1e-4,
+            shift: 5e-6,
+            holes: [0.008, 0.012],
+            hole_radius: 0.8e-3,
+            rim: 1,
+            spikes: 2e-3,
+            spike_height: [40e-6, 400e-6],
+            border_blur: 0.2e-3,
+            border_noise: 0.01,
+            undecided: 0.005,
+        }
+    }
+
+    /// Shiny surfaces, re-fixtured after every pass: more of every error (benchmark family N1).
+    pub fn hard() -> Self {
+        Self {
+            blur: 80e-6,
+            white: 3e-6,
+            correlated: 4e-6,
+            piston: 20e-6,
+            tilt: 2e-4,
+            shift: 20e-6,
+            holes: [0.05, 0.2],
+            hole_radius: 1.5e-3,
+            spikes: 1e-2,
+            border_blur: 0.4e-3,
+            border_noise: 0.03,
+            undecided: 0.02,
+            ..Self::clean()
+        }
+    }
+
+    /// Root mean square of one scan's noise without spikes [m].
+    pub fn noise(&self) -> f64 {
+        // A rounded height is off by a twelfth of the step's square.
+        (self.white.powi(2) + self.correlated.powi(2) + self.quantum.powi(2) / 12.0).sqrt()
+    }
+
+    /// A scan of the heights of a part.
+    ///
+    /// # Errors
+    /// A formula of the fault that gives no finite number.
+    pub(super) fn heights(
+        &self,
+        part: &BrickGrid,
+        pixels: PixelGrid,
+        fault: Option<&Fault>,
+        chance: &mut Stream,
+    ) -> Result<HeightMap, RunError> {
+        let placed = PixelGrid { origin: pixels.origin - self.shift(chance), ..pixels };
+        let seen = Profilometer { pixels: placed, blur: self.blur }.heights(part);
+        let mut map = HeightMap { pixels, ..seen };
+        if let Some(fault) = fault {
+            map.heights = fault.of(&map, part, placed)?;
+        }
+        self.disturb(&mut map, chance);
+        self.drop(&mut map, chance);
+        Ok(map)
+    }
+
+    /// A mask of the exposed substrate.
+    ///
+    /// - `threshold`: dose from which on the substrate is called exposed
+    pub(super) fn mask(
+        &self,
+        part: &BrickGrid,
+        pixels: PixelGrid,
+        threshold: f64,
+        chance: &mut Stream,
+    ) -> ExposureMask {
+        let placed = PixelGrid { origin: pixels.origin - self.shift(chance), ..pixels };
+        let doses = Profilometer { pixels: placed, blur: self.border_blur }.channel(part, &part.dose);
+        let noise = correlated((pixels.nx, pixels.ny), self.correlation_length / pixels.pitch, chance);
+        let holes = self.holes(&pixels, chance);
+        let exposed = (0..pixels.len()).map(|k| {
+            let dose = doses[k] + self.border_noise * noise[k];
+            let told = !holes[k] && (dose - threshold).abs() > self.undecided;
+            told.then_some(dose >= threshold)
+        });
+        ExposureMask { pixels, exposed: exposed.collect() }
+    }
+
+    fn shift(&self, chance: &mut Stream) -> DVec2 {
+        self.shift * DVec2::new(chance.normal(), chance.normal())
+    }
+
+    /// Adds noise, offset and tilt; rounds.
+    fn disturb(&self, map: &mut HeightMap, chance: &mut Stream) {
+        let PixelGrid { pitch, nx, ny, .. } = map.pixels;
+        let shared = correlated((nx, ny), self.correlation_length / pitch, chance);
+        let piston = self.piston * chance.normal();
+        let tilt = self.tilt * DVec2::new(chance.normal(), chance.normal());
+        let centre = 0.5 * (map.pixels.position(0, 0) + map.pixels.position(nx - 1, ny - 1));
+        for (k, height) in map.heights.iter_mut().enumerate() {
+            let place = map.pixels.position(k % nx, k / nx) - centre;
+            *height += piston + tilt.dot(place) + self.white * chance.normal() + self.correlated * shared[k];
+            *height = (*height / self.quantum).round() * self.quantum;
+        }
+    }
+
+    /// Takes out holes and the rim, puts in spikes.
+    fn drop(&self, map: &mut HeightMap, chance: &mut Stream) {
+        let PixelGrid { nx, ny, .. } = map.pixels;
+        let holes = self.holes(&map.pixels, chance);
+        let on_rim = |k: usize| (k % nx).min(nx - 1 - k % nx).min(k / nx).min(ny - 1 - k / nx) < self.rim;
+        for (k, height) in map.heights.iter_mut().enumerate() {
+            if chance.happens(self.spikes) {
+                let spike = chance.ratio_between(self.spike_height);
+                *height += if chance.happens(0.5) { spike } else { -spike };
+                *height = (*height / self.quantum).round() * self.quantum;
+            }
+            if holes[k] || on_rim(k) {
+                *height = f64::NAN;
+            }
+        }
+    }
+
+    /// Which pixels lie in holes: discs of random size until their share is reached.
+    fn holes(&self, pixels: &PixelGrid, chance: &mut Stream) -> Vec<bool> {
+        let PixelGrid { pitch, nx, ny, .. } = *pixels;
+        let goal = (chance.between(self.holes) * pixels.len() as f64) as usize;
+        let mut missing = vec![false; pixels.len()];
+        let mut count = 0;
+        while count < goal {
+            let centre = DVec2::new(chance.between([0.0, nx as f64]), chance.between([0.0, ny as f64]));
+            // Small holes are the most frequent ones.
+            let radius = chance.ratio_between([0.5 * pitch, self.hole_radius.max(pitch)]) / pitch;
+            let low = (centre - radius).max(DVec2::ZERO).ceil();
+            let high = (centre + radius).min(DVec2::new(nx as f64 - 1.0, ny as f64 - 1.0));
+            for j in low.y as usize..=high.y.max(0.0) as usize {
+                for i in low.x as usize..=high.x.max(0.0) as usize {
+                    let within = i < nx && j < ny && DVec2::new(i as f64, j as f64).distance(centre) <= radius;
+                    if within && count < goal && !std::mem::replace(&mut missing[pixels.at(i, j)], true) {
+                        count += 1;
+                    }
+                }
+            }
+        }
+        missing
+    }
+}

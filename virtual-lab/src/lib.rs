@@ -1,0 +1,175 @@
+//! The virtual laboratory: trials with synthetic measurements in which effects are hidden, and the answer.
+//!
+//! An [`Experiment`] says what is made; [`Experiment::make`] makes it:
+//!
+//! 1. `hidden` draws the base law from its prior and adds the effects of the [`Choice`], from the library or [`outside`] it.
+//! 2. `surface` draws each workpiece, a formula; `truth` lays it on a lattice finer than the scan and not aligned to its
+//!    pixels.
+//! 3. `plan` and `motion` say how the passes are run; `truth` runs them with half the usual steps, at the controller's own
+//!    period.
+//! 4. [`Instrument`] scans the part, [`Robot`] logs what it believes.
+//! 5. [`Answer`] tells all of it, open or behind a [`Seal`]; [`write`](write::write) writes the campaign.
+//!
+//! The measurements never come from the model that is fitted to them: other lattice, steps, path and surface. The same
+//! seed gives the same bytes on any number of threads.
+
+mod answer;
+mod fault;
+mod hidden;
+mod instrument;
+mod motion;
+mod noise;
+pub mod outside;
+mod plan;
+mod robot;
+mod seal;
+mod surface;
+mod truth;
+pub mod write;
+
+use std::collections::BTreeMap;
+
+use effects::{CompiledModel, EffectError, Library, ModelError, Reset, RowCounts, States};
+use rayon::prelude::*;
+use sim::TOOL_CELLS;
+use thiserror::Error;
+
+use plan::Setting;
+use trials::trial::{Process, Trial};
+use truth::Bout;
+
+pub use answer::{ANSWER_FORMAT, Answer, HiddenEffect, Quantity, TrueTrial};
+pub use hidden::{Choice, Hidden};
+pub use instrument::Instrument;
+pub use plan::{Plan, Size};
+pub use robot::Robot;
+pub use seal::{Key, SEAL_FORMAT, Seal, SealError};
+pub use truth::TruthError;
+
+/// A virtual experiment.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// What the tool does.
+    pub process: Process,
+    /// How the passes differ.
+    pub plan: Plan,
+    /// Number of trials.
+    pub trials: usize,
+    /// How large workpieces and scans are.
+    pub size: Size,
+    /// Which effects are hidden.
+    pub choice: Choice,
+    /// The scanner.
+    pub instrument: Instrument,
+    /// The robot.
+    pub robot: Robot,
+    /// Laws and effects that are known to the laboratory.
+    pub library: Library,
+    /// Same seed, same bytes.
+    pub seed: u64,
+}
+
+/// What an experiment gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// The trials as they would be read from their folders.
+    pub trials: Vec<Trial>,
+    /// What was hidden.
+    pub answer: Answer,
+}
+
+/// Why an experiment cannot be made.
+#[derive(Debug, Error)]
+pub enum MakeError {
+    /// The effects do not fit the process or the library.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// What happens in a trial.
+    #[error(transparent)]
+    Truth(#[from] TruthError),
+}
+
+impl Experiment {
+    /// A varied, clean experiment of full size with nothing hidden, whose laboratory knows the effects outside the library as well.
+    ///
+    /// # Errors
+    /// A library of one's own that has a name of theirs.
+    pub fn new(process: Process, library: &Library, seed: u64) -> Result<Self, EffectError> {
+        Ok(Self {
+            process,
+            plan: Plan::default(),
+            trials: Plan::default().usual_trials(),
+            size: Size::default(),
+            choice: Choice::These(Vec::new()),
+            instrument: Instrument::clean(),
+            robot: Robot::clean(),
+            library: outside::with_outside(library)?,
+            seed,
+        })
+    }
+
+    /// Makes the trials.
+    ///
+    /// # Errors
+    /// [`MakeError`] for effects that do not exist or act, or a pass that fails.
+    pub fn make(&self) -> Result<Made, MakeError> {
+        self.make_reporting(&|| {})
+    }
+
+    /// As [`Experiment::make`], and calls `done` after each pass.
+    ///
+    /// # Errors
+    /// As [`Experiment::make`].
+    pub fn make_reporting(&self, done: &(dyn Fn() + Sync)) -> Result<Made, MakeError> {
+        let model = self.true_model()?;
+        let settings = self.plan.settings(self.trials);
+        let lasting = model.effects().flat_map(|effect| &effect.states).any(|state| state.reset == Reset::Never);
+        let run = |trials: &[usize]| self.run(&model, &settings, trials, done);
+        let all: Vec<usize> = (0..self.trials).collect();
+        // A state that outlasts the tool binds the trials to their order.
+        let groups: Vec<&[usize]> = if lasting { vec![&all] } else { all.chunks(1).collect() };
+        let ran: Vec<Vec<_>> = groups.into_par_iter().map(run).collect::<Result<_, _>>()?;
+        let (trials, truths): (Vec<Trial>, Vec<TrueTrial>) = ran.into_iter().flatten().unzip();
+        let truths: BTreeMap<_, _> = trials.iter().map(|trial| trial.name.clone()).zip(truths).collect();
+        Ok(Made { trials, answer: Answer::of(&model, self.seed, truths) })
+    }
+
+    /// Passes of all trials.
+    pub fn passes(&self) -> usize {
+        self.plan.settings(self.trials).iter().map(Vec::len).sum()
+    }
+
+    /// Names of the effects that are at work, in the order in which they act.
+    ///
+    /// # Errors
+    /// Effects that do not exist or act.
+    pub fn hidden_effects(&self) -> Result<Vec<String>, ModelError> {
+        let model = self.true_model()?;
+        Ok(answer::hidden(&model).iter().map(|effect| effect.name.clone()).collect())
+    }
+
+    /// The model that is at work.
+    fn true_model(&self) -> Result<CompiledModel, ModelError> {
+        let process = match self.process {
+            Process::Grinding => effects::Process::Grinding,
+            Process::Sanding => effects::Process::Sanding,
+        };
+        let rows = RowCounts { passes: self.passes(), scans: self.passes() };
+        hidden::true_model((process, self.size, rows), &self.choice, &self.library, self.seed)
+    }
+
+    fn run(
+        &self,
+        model: &CompiledModel,
+        settings: &[Vec<Setting>],
+        trials: &[usize],
+        done: &(dyn Fn() + Sync),
+    ) -> Result<Vec<(Trial, TrueTrial)>, TruthError> {
+        let mut states = States::new(model, TOOL_CELLS);
+        let run = |&trial: &usize| {
+            let row = settings[..trial].iter().map(Vec::len).sum();
+            Bout::new(self, model, trial)?.run((&settings[trial], &mut states, row), done)
+        };
+        trials.iter().map(run).collect()
+    }
+}

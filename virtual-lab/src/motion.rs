@@ -1,0 +1,143 @@
+//! Where the tool goes: the way over the workpiece in time, with the approach from the air.
+
+use glam::{DVec2, DVec3};
+use sim::{Path, PathError, PathSample};
+
+use super::noise::correlated_line;
+use super::plan::{Bench, Setting};
+use super::robot::Robot;
+use random::Stream;
+use trials::trial::Process;
+
+/// Way from a bead's end to where its passes begin and end, so that the wheel is on the bead [m].
+const INSET: f64 = 3e-3;
+/// Time between two samples of a path [s].
+const SAMPLE: f64 = 0.02;
+/// Distance between a pad's lines [pad radii].
+const LINE_SPACING: f64 = 0.65;
+/// Way from a panel's border to the pad's edge [m].
+const PANEL_BORDER: f64 = 3e-3;
+
+/// A straight stretch at one feed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stretch {
+    from: DVec2,
+    to: DVec2,
+    feed: f64,
+}
+
+/// The way of a pass over the workpiece, as it was commanded.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Way(Vec<Stretch>);
+
+impl Way {
+    /// The way of a pass.
+    ///
+    /// - `ends`: least and greatest x of the bead or panel [m]
+    pub(super) fn of(process: Process, bench: &Bench, ends: [f64; 2], setting: &Setting) -> Self {
+        let mut corners = match process {
+            Process::Grinding => vec![DVec2::new(ends[0] + INSET, 0.0), DVec2::new(ends[1] - INSET, 0.0)],
+            Process::Sanding => lines(bench, ends),
+        };
+        if setting.backwards {
+            corners.reverse();
+        }
+        let feeds = setting.feeds.map(|feed| (feed * bench.feed * 1e4).round() * 1e-4);
+        let total: f64 = corners.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        let mut stretches = Vec::new();
+        let mut done = 0.0;
+        for pair in corners.windows(2) {
+            let length = pair[0].distance(pair[1]);
+            let share = ((0.5 * total - done) / length).clamp(0.0, 1.0);
+            let middle = pair[0].lerp(pair[1], share);
+            let halves = [(pair[0], middle, feeds[0]), (middle, pair[1], feeds[1])];
+            let real = halves.into_iter().filter(|(from, to, _)| from != to);
+            stretches.extend(real.map(|(from, to, feed)| Stretch { from, to, feed }));
+            done += length;
+        }
+        Self(stretches)
+    }
+
+    /// Time of the whole way [s].
+    pub(super) fn duration(&self) -> f64 {
+        self.0.iter().map(Stretch::duration).sum()
+    }
+
+    /// Length over time [m/s].
+    pub(super) fn mean_feed(&self) -> f64 {
+        self.0.iter().map(|stretch| stretch.from.distance(stretch.to)).sum::<f64>() / self.duration()
+    }
+
+    /// Unit direction in which it sets out.
+    pub(super) fn direction(&self) -> DVec3 {
+        (self.0[0].to - self.0[0].from).normalize().extend(0.0)
+    }
+
+    /// Place at a time [s], held at both ends.
+    pub(super) fn at(&self, time: f64) -> DVec2 {
+        let mut rest = time.max(0.0);
+        for stretch in &self.0 {
+            let duration = stretch.duration();
+            if rest < duration {
+                return stretch.from.lerp(stretch.to, rest / duration);
+            }
+            rest -= duration;
+        }
+        self.0[self.0.len() - 1].to
+    }
+
+    /// The tool as it comes down over the beginning of the way and stays there.
+    ///
+    /// - `levels`: height of its reference point at first and at last [m]
+    pub(super) fn descent(&self, levels: [f64; 2], speed: f64, tool: &sim::Tool) -> Result<Path, PathError> {
+        let time = (levels[0] - levels[1]) / speed;
+        let sample = |(time, level): (f64, f64)| sample(time, self.at(0.0).extend(level), tool);
+        Path::from_samples([(0.0, levels[0]), (time, levels[1])].map(sample).to_vec())
+    }
+
+    /// The true path: down until `touch` [s], then along the way, off its line by the robot's wander.
+    ///
+    /// - `levels`: height of the reference point at first and at the touch [m]
+    pub(super) fn path(
+        &self,
+        (levels, touch): ([f64; 2], f64),
+        robot: &Robot,
+        tool: &sim::Tool,
+        chance: &mut Stream,
+    ) -> Result<Path, PathError> {
+        let steps = (self.duration() / SAMPLE).ceil() as usize;
+        let length = robot.wander_length / (self.mean_feed() * SAMPLE);
+        let mut wander = || correlated_line(steps + 1, length, chance);
+        let (along, across) = (wander(), wander());
+        let moving = (0..=steps).map(|k| {
+            let time = (k as f64 * SAMPLE).min(self.duration());
+            let place = self.at(time) + robot.wander * DVec2::new(along[k], across[k]);
+            sample(touch + time, place.extend(levels[1]), tool)
+        });
+        let start = sample(0.0, self.at(0.0).extend(levels[0]), tool);
+        Path::from_samples(std::iter::once(start).chain(moving).collect())
+    }
+}
+
+impl Stretch {
+    fn duration(&self) -> f64 {
+        self.from.distance(self.to) / self.feed
+    }
+}
+
+fn sample(time: f64, centre: DVec3, tool: &sim::Tool) -> PathSample {
+    PathSample::from_centre(time, centre, (DVec3::Z, DVec3::Y), tool)
+}
+
+/// Corners of lines along x, to and fro without lifting.
+fn lines(bench: &Bench, ends: [f64; 2]) -> Vec<DVec2> {
+    let border = PANEL_BORDER + bench.tool_radius;
+    let reach = 0.5 * bench.width - border;
+    let count = 1 + (2.0 * reach / (LINE_SPACING * bench.tool_radius)).ceil() as usize;
+    let line = |k: usize| {
+        let y = -reach + 2.0 * reach * k as f64 / (count as f64 - 1.0);
+        let [low, high] = [DVec2::new(ends[0] + border, y), DVec2::new(ends[1] - border, y)];
+        if k.is_multiple_of(2) { [low, high] } else { [high, low] }
+    };
+    (0..count).flat_map(line).collect()
+}

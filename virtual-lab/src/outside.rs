@@ -1,0 +1,28 @@
+//! Effects that the library does not have: what a diagnosis must call unknown. They are files of formulas like the library's.
+
+use effects::{EffectError, Library};
+
+macro_rules! files {
+    ($($name:literal,)*) => { &[$(($name, include_str!(concat!("outside/", $name))),)*] };
+}
+
+/// File and text of each.
+pub const EFFECTS: &[(&str, &str)] = files![
+    "axis-wander.toml",
+    "grit-loss.toml",
+    "lateral-wander.toml",
+    "paint-run.toml",
+    "plate-warping.toml",
+    "spatter-patch.toml",
+    "stick-slip.toml",
+    "thermal-stiffness.toml",
+];
+
+/// A library with these effects.
+///
+/// # Errors
+/// A name that one of the library's own effects has.
+pub fn with_outside(library: &Library) -> Result<Library, EffectError> {
+    let files: Vec<(String, String)> = EFFECTS.iter().map(|&(file, text)| (file.to_owned(), text.to_owned())).collect();
+    library.with(&files)
+}

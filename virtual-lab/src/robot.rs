@@ -1,0 +1,143 @@
+//! The virtual robot: what it reports of a pass. It reports what it believes: the planned pose, the force as its
+//! controller read it, the speed as its drive was told.
+
+use glam::{DVec2, DVec3};
+use sim::PassRecord;
+
+use super::motion::Way;
+use random::Stream;
+use trials::trial::{Controller, Log, LogRow, RPM};
+
+/// Time between two rows [s]: 100 Hz.
+const PERIOD: f64 = 0.01;
+/// Speed at which the tool comes down [m/s].
+const APPROACH_SPEED: f64 = 2e-3;
+/// Height above the surface at which the log begins [m].
+const CLEARANCE: f64 = 0.5e-3;
+/// Speed at which the tool is lifted at the end [m/s], and how long the log goes on [s].
+const RETRACT: (f64, f64) = (20e-3, 0.15);
+/// Steps of the logged places [m], forces [N] and speeds [rpm].
+const STEPS: (f64, f64, f64) = (1e-6, 0.01, 1.0);
+
+/// Sizes of the robot's errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Robot {
+    /// Noise of the force sensor [N].
+    pub force_noise: f64,
+    /// Noise of the spindle's tachometer [rpm].
+    pub speed_noise: f64,
+    /// Noise of the logged place along x, y and z [m].
+    pub pose_jitter: f64,
+    /// How far the tool truly is off the planned line, unseen by the log [m].
+    pub wander: f64,
+    /// Way over which it wanders [m].
+    pub wander_length: f64,
+}
+
+impl Robot {
+    /// A good robot.
+    pub fn clean() -> Self {
+        Self { force_noise: 0.2, speed_noise: 4.0, pose_jitter: 2e-6, wander: 5e-6, wander_length: 8e-3 }
+    }
+
+    /// More of every error.
+    pub fn hard() -> Self {
+        Self { force_noise: 0.4, pose_jitter: 5e-6, wander: 20e-6, ..Self::clean() }
+    }
+
+    /// Heights above the touch between which the touch is sought [m], and the speed [m/s].
+    pub(super) fn descent() -> ([f64; 2], f64) {
+        ([CLEARANCE, -CLEARANCE], APPROACH_SPEED)
+    }
+
+    /// The log of a pass.
+    pub(super) fn log(&self, pass: &Ran, chance: &mut Stream) -> Log {
+        let end = pass.touch + pass.way.duration();
+        let rows = ((end + RETRACT.1) / PERIOD).floor() as usize;
+        let row = |k: usize| {
+            let time = k as f64 * PERIOD;
+            let lifted = RETRACT.0 * (time - end).max(0.0);
+            let level = pass.level(time.min(end)) + lifted;
+            let mut jitter = || self.pose_jitter * chance.normal();
+            let jitter = DVec3::new(jitter(), jitter(), jitter());
+            let force = if lifted > 0.0 { 0.0 } else { pass.force_reading(time) };
+            let force = force + self.force_noise * chance.normal();
+            let rpm = pass.spindle_speed / RPM + self.speed_noise * chance.normal();
+            let place = pass.way.at(time - pass.touch).extend(level) + jitter;
+            LogRow {
+                // The rounded product of two decimals is the decimal that the file holds.
+                time: (time * 1e6).round() / 1e6,
+                position: (place / STEPS.0).round() * STEPS.0,
+                force: (force / STEPS.1).round() * STEPS.1,
+                spindle_speed: (rpm / STEPS.2).round() * STEPS.2 * RPM,
+                approach: DVec3::Z,
+            }
+        };
+        Log { rows: (0..=rows).map(row).collect(), ..Log::default() }
+    }
+}
+
+/// A pass as it truly was.
+pub(super) struct Ran<'a> {
+    /// The simulated pass.
+    pub(super) record: &'a PassRecord,
+    /// As it was commanded.
+    pub(super) way: &'a Way,
+    /// When the force reached the share of the setpoint at which the feed sets in [s].
+    pub(super) touch: f64,
+    /// Who held the force.
+    pub(super) controller: Controller,
+    /// What it held [N].
+    pub(super) force_setpoint: f64,
+    /// What the spindle was told [rad/s].
+    pub(super) spindle_speed: f64,
+}
+
+impl Ran<'_> {
+    /// The two logged values around a time, and how far between them it is.
+    fn around(&self, time: f64) -> (&sim::LogRow, &sim::LogRow, f64) {
+        // The record ends with a row in the air that no robot would have at this time.
+        let end = self.record.log.iter().rposition(|row| row.force > 0.0).map_or(0, |last| last + 1);
+        let log = &self.record.log[..end.max(2)];
+        let after = log.partition_point(|row| row.time < time).clamp(1, log.len() - 1);
+        let (a, b) = (&log[after - 1], &log[after]);
+        (a, b, ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0))
+    }
+
+    /// Height of the tool's reference point [m].
+    fn level(&self, time: f64) -> f64 {
+        let (a, b, t) = self.around(time);
+        a.position.z + (b.position.z - a.position.z) * t
+    }
+
+    /// What the sensor told the controller [N], the mean since the row before: from how the tool moved, by the
+    /// controller's own law `mass · z'' = (F - setpoint) - damping · z'`. Before the touch there is nothing to believe.
+    fn force_reading(&self, time: f64) -> f64 {
+        let since = (time - PERIOD).max(self.touch);
+        let Controller::Admittance { mass, damping, .. } = self.controller else {
+            return if time < self.touch { 0.0 } else { self.force_setpoint };
+        };
+        if time - since < 0.1 * PERIOD {
+            let (a, b, t) = self.around(time);
+            return a.force + (b.force - a.force) * t;
+        }
+        let speed =
+            |from: f64, to: f64| if to > from { (self.level(to) - self.level(from)) / (to - from) } else { 0.0 };
+        let (now, before) = (speed(since, time), speed((since - PERIOD).max(self.touch), since));
+        (self.force_setpoint + damping * now + mass * (now - before) / (time - since)).max(0.0)
+    }
+}
+
+/// Height of a tool's reference point where it touches a surface from above [m].
+///
+/// - `height`: of the surface [m], by place [m]
+pub(super) fn touching(tool: &sim::Tool, place: DVec2, step: f64, height: impl Fn(DVec2) -> f64) -> f64 {
+    let (along, across) = tool.half_footprint(CLEARANCE);
+    let (nx, ny) = ((along / step).ceil() as i32, (across / step).ceil() as i32);
+    let points = (-ny..=ny).flat_map(|j| (-nx..=nx).map(move |i| step * DVec2::new(f64::from(i), f64::from(j))));
+    let reach = |at: DVec2| match tool {
+        sim::Tool::Wheel(wheel) => (wheel.radius * wheel.radius - at.x * at.x).max(0.0).sqrt(),
+        _ => 0.0,
+    };
+    points.map(|at| height(place + at) + reach(at)).fold(f64::NEG_INFINITY, f64::max)
+}

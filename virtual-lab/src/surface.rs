@@ -1,0 +1,160 @@
+//! The true workpieces: beads on plates and domed panels, each a formula with random sizes.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use random::Stream;
+
+/// Plate before the bead begins [m].
+const RUN_IN: f64 = 6e-3;
+/// Half width of a bead [m].
+const BEAD_HALF_WIDTH: [f64; 2] = [3.6e-3, 5.2e-3];
+/// Height of a bead's crest [m].
+const BEAD_HEIGHT: [f64; 2] = [1.6e-3, 2.3e-3];
+/// Relative swing of crest and width along a bead.
+const BEAD_SWING: [f64; 2] = [0.02, 0.06];
+/// Wavelength of that swing [m].
+const SWING_LENGTH: [f64; 2] = [12e-3, 45e-3];
+/// Amplitude of a bead's ripples [m].
+const RIPPLE: [f64; 2] = [15e-6, 45e-6];
+/// Their wavelength [m].
+const RIPPLE_LENGTH: [f64; 2] = [2.8e-3, 4.5e-3];
+/// How far a ripple's flanks lag behind its crest [half widths].
+const RIPPLE_LAG: f64 = 0.35;
+/// Rounding of a bead's toes [m].
+const TOE: f64 = 0.1e-3;
+/// Tilt of a plate or panel [1].
+const TILT: [f64; 2] = [-2e-3, 2e-3];
+/// Amplitude of a plate's waves [m], and their wavelength [m].
+const PLATE_WAVE: ([f64; 2], [f64; 2]) = ([2e-6, 8e-6], [15e-3, 60e-3]);
+/// Share of a bead's length from which on it is laid with filler that grinds as the base metal does.
+const SECOND_FILLER: [f64; 2] = [0.55, 0.75];
+/// Radii of a panel along x and y [m].
+const PANEL_RADIUS: ([f64; 2], [f64; 2]) = ([2.0, 4.0], [0.8, 1.5]);
+/// Amplitude of a panel's waves [m], and their wavelength [m].
+const PANEL_WAVE: ([f64; 2], [f64; 2]) = ([4e-6, 15e-6], [20e-3, 60e-3]);
+
+/// A wave in the plane.
+pub(super) struct Wave {
+    amplitude: f64,
+    /// Radians per metre along x and y.
+    number: DVec2,
+    phase: f64,
+}
+
+impl Wave {
+    /// A wave along `direction`, a unit vector.
+    fn draw(amplitude: [f64; 2], length: [f64; 2], direction: DVec2, chance: &mut Stream) -> Self {
+        let number = direction * TAU / chance.ratio_between(length);
+        Self { amplitude: chance.between(amplitude), number, phase: chance.between([0.0, TAU]) }
+    }
+
+    fn at(&self, place: DVec2) -> f64 {
+        self.amplitude * (self.number.dot(place) + self.phase).sin()
+    }
+}
+
+fn sum(waves: &[Wave], place: DVec2) -> f64 {
+    waves.iter().map(|wave| wave.at(place)).sum()
+}
+
+/// Waves in any direction.
+fn waves(count: usize, (amplitude, length): ([f64; 2], [f64; 2]), chance: &mut Stream) -> Vec<Wave> {
+    let wave = |_| {
+        let direction = DVec2::from_angle(chance.between([0.0, TAU]));
+        Wave::draw(amplitude, length, direction, chance)
+    };
+    (0..count).map(wave).collect()
+}
+
+/// A weld bead along x on a plate.
+pub(super) struct Bead {
+    start: f64,
+    end: f64,
+    half_width: f64,
+    height: f64,
+    /// Relative change of height and of width along x.
+    swings: [Vec<Wave>; 2],
+    ripple: Wave,
+    tilt: DVec2,
+    plate: Vec<Wave>,
+    second_filler: f64,
+}
+
+/// A true workpiece.
+pub(super) enum Workpiece {
+    /// For grinding.
+    Bead(Bead),
+    /// For sanding: a dome with its middle at the second value.
+    Panel([f64; 2], DVec2, DVec2, Vec<Wave>),
+}
+
+impl Workpiece {
+    /// A bead of a length [m] that begins 6 mm from x = 0, along y = 0.
+    pub(super) fn bead(length: f64, chance: &mut Stream) -> Self {
+        let mut swing = || (0..3).map(|_| Wave::draw(BEAD_SWING, SWING_LENGTH, DVec2::X, chance)).collect();
+        let swings = [swing(), swing()];
+        Self::Bead(Bead {
+            start: RUN_IN,
+            end: RUN_IN + length,
+            half_width: chance.between(BEAD_HALF_WIDTH),
+            height: chance.between(BEAD_HEIGHT),
+            swings,
+            ripple: Wave::draw(RIPPLE, RIPPLE_LENGTH, DVec2::X, chance),
+            tilt: DVec2::new(chance.between(TILT), chance.between(TILT)),
+            plate: waves(3, PLATE_WAVE, chance),
+            second_filler: RUN_IN + length * chance.between(SECOND_FILLER),
+        })
+    }
+
+    /// Length of plate that a bead of this length needs [m].
+    pub(super) fn plate_length(bead: f64) -> f64 {
+        bead + 2.0 * RUN_IN
+    }
+
+    /// A dome around `middle` [m].
+    pub(super) fn panel(middle: DVec2, chance: &mut Stream) -> Self {
+        let radii = [chance.between(PANEL_RADIUS.0), chance.between(PANEL_RADIUS.1)];
+        let tilt = DVec2::new(chance.between(TILT), chance.between(TILT));
+        Self::Panel(radii, middle, tilt, waves(4, PANEL_WAVE, chance))
+    }
+
+    /// Height [m] at a place [m].
+    pub(super) fn height(&self, place: DVec2) -> f64 {
+        match self {
+            Self::Bead(bead) => bead.height(place),
+            Self::Panel([along, across], middle, tilt, waves) => {
+                let from = place - middle;
+                sum(waves, place) + tilt.dot(from) - 0.5 * (from.x * from.x / along + from.y * from.y / across)
+            }
+        }
+    }
+
+    /// Material at a place [m]: 1 weld metal, 0 base metal.
+    pub(super) fn label(&self, place: DVec2) -> u16 {
+        match self {
+            Self::Bead(bead) => u16::from(bead.share(place) > 0.0 && place.x < bead.second_filler),
+            Self::Panel(..) => 0,
+        }
+    }
+}
+
+impl Bead {
+    /// 1 on the crest, 0 at the toes, negative beyond; ends are round.
+    fn share(&self, place: DVec2) -> f64 {
+        let width = self.half_width * (1.0 + sum(&self.swings[1], place));
+        let beyond = (self.start + width - place.x).max(place.x - self.end + width).max(0.0);
+        1.0 - (place.y * place.y + beyond * beyond) / (width * width)
+    }
+
+    fn height(&self, place: DVec2) -> f64 {
+        let share = self.share(place);
+        let crest = self.height * (1.0 + sum(&self.swings[0], place));
+        let lag = RIPPLE_LAG * place.y * place.y / self.half_width;
+        let ripple = share.clamp(0.0, 1.0) * self.ripple.at(place + DVec2::X * lag);
+        let over = crest * share + ripple;
+        // A smooth maximum of bead and plate.
+        0.5 * (over + (over * over + TOE * TOE).sqrt()) + self.tilt.dot(place) + sum(&self.plate, place)
+    }
+}

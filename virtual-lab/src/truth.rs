@@ -1,0 +1,351 @@
+//! What truly happens in a trial: another lattice, shorter steps and another quadrature in time than a fit has.
+
+use effects::{CompiledModel, Place, Reset, RunError, States, StepValues, Variable};
+use glam::{DVec2, DVec3};
+use sdf_bake::channels::Scalar;
+use sdf_bake::heights::{HeightsError, SlabOptions};
+use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
+use sim::pass::TOUCH;
+use sim::{PassError, PassRecord, PathError, Profilometer, run_pass};
+use thiserror::Error;
+
+use super::Experiment;
+use super::answer::TrueTrial;
+use super::fault::Fault;
+use super::motion::Way;
+use super::plan::{Bench, Setting, role};
+use super::robot::{Ran, Robot, touching};
+use super::surface::Workpiece;
+use random::Stream;
+use trials::trial::{Controller, LabelMap, Pass, PassScan, Process, RPM, Scans, Tool, Trial};
+
+/// Voxel of the true part [scan pitches]: finer than half a pixel, and no whole share of it, so that lattice lines and
+/// pixels fall apart.
+const VOXEL: f64 = 0.44;
+/// Way of the tool in a step [voxels]: half as long as usual, besides the smaller voxel.
+const STEP_VOXELS: f64 = 0.25;
+/// Width of the wheel [m].
+const WHEEL_WIDTH: f64 = 20e-3;
+/// Part beyond the scan, past half the tool's width [m].
+const BEYOND: f64 = 1e-3;
+/// Virtual mass [kg], damping [N s/m] and period [s] of the controllers. The true one is stepped at its period.
+const GRINDING_CONTROLLER: (f64, f64, f64) = (2.0, 1500.0, 2e-3);
+const SANDING_CONTROLLER: (f64, f64, f64) = (1.0, 400.0, 5e-3);
+/// Coating [m].
+const COATING: f64 = 60e-6;
+
+/// Why an experiment cannot be made.
+#[derive(Debug, Error)]
+pub enum TruthError {
+    /// The surface makes no part.
+    #[error("{trial}: the true surface: {error}")]
+    Part {
+        /// Name of the trial.
+        trial: String,
+        /// Why.
+        error: HeightsError,
+    },
+    /// The way of the tool makes no path.
+    #[error("{trial}, pass {pass}: {error}")]
+    Path {
+        /// Name of the trial.
+        trial: String,
+        /// From 1.
+        pass: usize,
+        /// Why.
+        error: PathError,
+    },
+    /// The tool comes down and meets nothing.
+    #[error(
+        "{trial}, pass {pass}: the tool does not meet the part: an effect holds it more than half a millimetre off"
+    )]
+    NoTouch {
+        /// Name of the trial.
+        trial: String,
+        /// From 1.
+        pass: usize,
+    },
+    /// A pass failed.
+    #[error("{trial}, pass {pass}: {error}")]
+    Pass {
+        /// Name of the trial.
+        trial: String,
+        /// From 1.
+        pass: usize,
+        /// Why.
+        error: PassError,
+    },
+    /// A formula of the scanner.
+    #[error("{trial}, scan after pass {pass}: {error}")]
+    Scan {
+        /// Name of the trial.
+        trial: String,
+        /// From 1; 0 for the scan before.
+        pass: usize,
+        /// Which formula.
+        error: RunError,
+    },
+}
+
+/// One trial in the making.
+pub(super) struct Bout<'a> {
+    experiment: &'a Experiment,
+    model: &'a CompiledModel,
+    bench: Bench,
+    name: String,
+    /// Number of the trial, from 0.
+    number: usize,
+    pixels: PixelGrid,
+    /// Least and greatest x of bead or panel [m].
+    ends: [f64; 2],
+    piece: Workpiece,
+    tool: Tool,
+    controller: Controller,
+    part: BrickGrid,
+    trial_time: f64,
+}
+
+impl<'a> Bout<'a> {
+    /// Draws the workpiece of a trial and makes the part.
+    pub(super) fn new(experiment: &'a Experiment, model: &'a CompiledModel, number: usize) -> Result<Self, TruthError> {
+        let bench = Bench::of(experiment.process, experiment.size);
+        let name = format!("trial-{}", number + 1);
+        let mut chance = Stream::of(experiment.seed, &format!("{name}/workpiece"));
+        let length = (chance.between(bench.length) * 1e3).round() * 1e-3;
+        let (piece, extent, ends) = match experiment.process {
+            Process::Grinding => {
+                let plate = Workpiece::plate_length(length);
+                let start = 0.5 * (plate - length);
+                (Workpiece::bead(length, &mut chance), plate, [start, start + length])
+            }
+            Process::Sanding => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut chance), length, [0.0, length]),
+        };
+        let (tool, controller) = tooling(experiment.process, &bench);
+        let count = |extent: f64| (extent / bench.pitch).round() as usize + 1;
+        let pixels = PixelGrid {
+            origin: DVec2::new(0.0, -0.5 * bench.width),
+            pitch: bench.pitch,
+            nx: count(extent),
+            ny: count(bench.width),
+        };
+        let part =
+            true_part(&piece, &pixels, &tool).map_err(|error| TruthError::Part { trial: name.clone(), error })?;
+        Ok(Self {
+            experiment,
+            model,
+            bench,
+            name,
+            number,
+            pixels,
+            ends,
+            piece,
+            tool,
+            controller,
+            part,
+            trial_time: 0.0,
+        })
+    }
+
+    /// Scans, runs all passes with a tool that remembers `states`, and scans again.
+    ///
+    /// - `row`: passes of the campaign before
+    /// - `done`: called after each pass
+    pub(super) fn run(
+        mut self,
+        (settings, states, row): (&[Setting], &mut States, usize),
+        done: &(dyn Fn() + Sync),
+    ) -> Result<(Trial, TrueTrial), TruthError> {
+        let scans = self.scans()?;
+        if self.model.needs(Place::Height).contains(&Variable::RemovedDepth) {
+            self.part.scalar_or_zero(Scalar::Removed);
+        }
+        states.reset(self.model, Reset::FreshTool);
+        states.reset(self.model, Reset::Trial);
+        let (mut passes, mut truth) = (Vec::new(), TrueTrial::default());
+        for (pass, setting) in settings.iter().enumerate() {
+            let at = (pass + 1, row + pass);
+            let (record, way, touch) = self.pass(setting, states, at)?;
+            match self.experiment.process {
+                Process::Grinding => truth.removed_by_law_mm3.push(record.removed_volume * 1e9),
+                Process::Sanding => truth.exposed_share.push(self.exposed_share()),
+            }
+            let (force_setpoint, spindle_speed) = self.told(setting);
+            let controller = self.controller;
+            let ran = Ran { record: &record, way: &way, touch, controller, force_setpoint, spindle_speed };
+            passes.push(Pass {
+                log: self.experiment.robot.log(&ran, &mut self.chance(&format!("pass-{}/log", pass + 1))),
+                scan: self.scan_after(at)?,
+                role: role((self.number, self.experiment.trials), (pass, settings.len())),
+                force_setpoint,
+                feed: way.mean_feed(),
+                spindle_speed,
+                direction: way.direction(),
+            });
+            done();
+        }
+        Ok((self.into_trial(scans, passes), truth))
+    }
+
+    fn into_trial(self, scans: Scans, passes: Vec<Pass>) -> Trial {
+        let sands = self.experiment.process == Process::Sanding;
+        Trial {
+            folder: self.name.clone().into(),
+            name: self.name,
+            process: self.experiment.process,
+            tool: self.tool,
+            fresh: true,
+            scans,
+            controller: Some(self.controller),
+            coating: sands.then_some(COATING),
+            passes,
+            notes: Vec::new(),
+        }
+    }
+
+    fn chance(&self, purpose: &str) -> Stream {
+        Stream::of(self.experiment.seed, &format!("{}/{purpose}", self.name))
+    }
+
+    /// Force setpoint [N] and spindle speed [rad/s] of a pass, as people set them.
+    fn told(&self, setting: &Setting) -> (f64, f64) {
+        let force = (setting.force * self.bench.force * 10.0).round() / 10.0;
+        (force, (setting.speed * self.bench.rpm / 10.0).round() * 10.0 * RPM)
+    }
+
+    /// The scan before and its repetition, by a scanner without faults.
+    fn scans(&self) -> Result<Scans, TruthError> {
+        let scan = |purpose: &str| {
+            let scanned = self.experiment.instrument.heights(&self.part, self.pixels, None, &mut self.chance(purpose));
+            scanned.map_err(|error| self.scan_error(0, error))
+        };
+        let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx);
+        let labels = || (0..self.pixels.len()).map(|k| self.piece.label(place(k))).collect();
+        let grinds = self.experiment.process == Process::Grinding;
+        Ok(Scans {
+            before: scan("before")?,
+            repeats: vec![scan("repeat")?],
+            material: grinds.then(|| LabelMap { pixels: self.pixels, labels: labels() }),
+        })
+    }
+
+    fn scan_error(&self, pass: usize, error: RunError) -> TruthError {
+        TruthError::Scan { trial: self.name.clone(), pass, error }
+    }
+
+    fn scan_after(&self, (pass, row): (usize, usize)) -> Result<PassScan, TruthError> {
+        let (instrument, mut chance) = (&self.experiment.instrument, self.chance(&format!("pass-{pass}/scan")));
+        if self.experiment.process == Process::Sanding {
+            let mut step = StepValues::new();
+            (step.scan_row, step.pass_row) = (row, row);
+            step.set(Variable::PassNumber, pass as f64);
+            let threshold = self.model.exposure_threshold(&step).map_err(|error| self.scan_error(pass, error))?;
+            return Ok(PassScan::Exposure(instrument.mask(&self.part, self.pixels, threshold, &mut chance)));
+        }
+        let fault = Fault { model: self.model, pass, row };
+        let map = instrument.heights(&self.part, self.pixels, Some(&fault), &mut chance);
+        map.map(PassScan::Heights).map_err(|error| self.scan_error(pass, error))
+    }
+
+    /// Share of the scanned area whose coating is gone.
+    fn exposed_share(&self) -> f64 {
+        let doses = Profilometer::sharp(self.pixels).channel(&self.part, &self.part.dose);
+        doses.iter().filter(|dose| **dose >= 1.0).count() as f64 / doses.len() as f64
+    }
+
+    /// Runs a pass on the part. Returns what happened, where the tool was told to go, and when it touched.
+    fn pass(
+        &mut self,
+        setting: &Setting,
+        states: &mut States,
+        (number, row): (usize, usize),
+    ) -> Result<(PassRecord, Way, f64), TruthError> {
+        let tool = simulated(&self.tool);
+        let way = Way::of(self.experiment.process, &self.bench, self.ends, setting);
+        let process = self.process(setting);
+        let trial = || self.name.clone();
+        let no_path = |error| TruthError::Path { trial: trial(), pass: number, error };
+        let failed = |error| TruthError::Pass { trial: trial(), pass: number, error };
+        let surface = |place: DVec2| self.piece.height(place);
+        let level = touching(&tool, way.at(0.0), self.part.voxel, surface);
+        let (reach, speed) = Robot::descent();
+        // What is there now may lie far below the first surface.
+        let deep = if number > 1 { self.ground_below(&way, surface) } else { 0.0 };
+        let levels = [level + reach[0] - deep, level + reach[1] - deep];
+        let descent = way.descent(levels, speed, &tool).map_err(no_path)?;
+        let base = sim::Pass {
+            number,
+            row,
+            trial_time: self.trial_time,
+            ..sim::Pass::first(&tool, &descent, &process, self.model)
+        };
+        let seeking = sim::Process { controller: sim::Controller::Replay, ..process };
+        let trying = sim::Pass { process: &seeking, approach: descent.duration(), ..base };
+        let sought = run_pass(&mut self.part.clone(), trying, &mut states.clone(), &mut |_| {}).map_err(failed)?;
+        let meets = |row: &&sim::LogRow| row.force > TOUCH * process.force_setpoint && row.time > 0.0;
+        let touch = sought.log.iter().find(meets).map(|row| row.time);
+        let touch = touch.ok_or_else(|| TruthError::NoTouch { trial: trial(), pass: number })?;
+        let levels = [levels[0], levels[0] - speed * touch];
+        let mut chance = self.chance(&format!("pass-{number}/wander"));
+        let path = way.path((levels, touch), &self.experiment.robot, &tool, &mut chance).map_err(no_path)?;
+        let pass = sim::Pass { path: &path, approach: touch, ..base };
+        let record = run_pass(&mut self.part, pass, states, &mut |_| {}).map_err(failed)?;
+        self.trial_time += path.duration();
+        Ok((record, way, touch))
+    }
+
+    /// Depth of the present surface below the first one where the way begins [m].
+    fn ground_below(&self, way: &Way, first: impl Fn(DVec2) -> f64) -> f64 {
+        let place = way.at(0.0);
+        let pixel = PixelGrid { origin: place, pitch: self.part.voxel, nx: 1, ny: 1 };
+        (first(place) - Profilometer::sharp(pixel).heights(&self.part).heights[0]).max(0.0)
+    }
+
+    fn process(&self, setting: &Setting) -> sim::Process {
+        let (force_setpoint, spindle_speed) = self.told(setting);
+        let Controller::Admittance { mass, damping, period } = self.controller else { unreachable!("made in `new`") };
+        sim::Process {
+            controller: sim::Controller::Admittance { mass, damping, period },
+            force_setpoint,
+            spindle_speed,
+            step_voxels: STEP_VOXELS,
+            quasi_static: false,
+            coating: COATING,
+            ..sim::Process::default()
+        }
+    }
+}
+
+/// The tool and who holds the force.
+fn tooling(process: Process, bench: &Bench) -> (Tool, Controller) {
+    let radius = bench.tool_radius;
+    let (tool, (mass, damping, period)) = match process {
+        Process::Grinding => (Tool::Wheel { radius, width: WHEEL_WIDTH, axis: DVec3::Y }, GRINDING_CONTROLLER),
+        Process::Sanding => (Tool::Pad { radius }, SANDING_CONTROLLER),
+    };
+    (tool, Controller::Admittance { mass, damping, period })
+}
+
+fn simulated(tool: &Tool) -> sim::Tool {
+    match *tool {
+        Tool::Wheel { radius, width, .. } => sim::Wheel::cylinder(radius, width).into(),
+        Tool::Pad { radius } => sim::Pad { radius }.into(),
+    }
+}
+
+/// The true surface on a lattice finer than the scan, past its border by half the tool's width.
+fn true_part(piece: &Workpiece, scan: &PixelGrid, tool: &Tool) -> Result<BrickGrid, HeightsError> {
+    let voxel = VOXEL * scan.pitch;
+    let margin = tool.half_width() + BEYOND;
+    let low = ((scan.origin - margin) / voxel).floor();
+    let high = ((scan.position(scan.nx - 1, scan.ny - 1) + margin) / voxel).ceil();
+    let count = (high - low).as_uvec2() + 1;
+    let pixels = PixelGrid { origin: low * voxel, pitch: voxel, nx: count.x as usize, ny: count.y as usize };
+    let map = HeightMap::from_function(pixels, |place| piece.height(place));
+    let (mut part, _) = BrickGrid::from_heights(&map, &SlabOptions { margin: 0.0, ..SlabOptions::with_voxel(voxel) })?;
+    let place = |k: usize| pixels.position(k % pixels.nx, k / pixels.nx);
+    let labels: Vec<u16> = (0..pixels.len()).map(|k| piece.label(place(k))).collect();
+    if labels.iter().any(|&label| label != 0) {
+        part.label_columns(&pixels, &labels);
+    }
+    Ok(part)
+}

@@ -1,0 +1,232 @@
+//! A virtual campaign on disk, with its answer open or sealed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use thiserror::Error;
+
+use super::answer::Answer;
+use super::seal::{Key, Seal, SealError};
+use super::{Experiment, Made};
+use files::folder::{StagedFile, StagedFolder};
+use files::json_file::write_json;
+use files::json_file::{parse_json, read_json};
+use files::output::{FileKind, FolderKind, Out};
+use files::{FileError, WrongUse, sha256};
+use trials::trial::write_trial;
+
+/// File that says that a campaign was made here, and how, without what is hidden.
+pub const LABORATORY_FILE: &str = "laboratory.json";
+/// The open answer.
+pub const ANSWER_FILE: &str = "answers.json";
+/// The sealed answer.
+pub const SEAL_FILE: &str = "sealed.json";
+
+/// Files of a campaign that was made here.
+pub const CAMPAIGN_NAMES: &[&str] = &[
+    LABORATORY_FILE,
+    ANSWER_FILE,
+    SEAL_FILE,
+    "trial-*/trial.toml",
+    "trial-*/before.csv",
+    "trial-*/before_repeat*.csv",
+    "trial-*/material.csv",
+    "trial-*/pass*_log.csv",
+    "trial-*/pass*_after.csv",
+    "trial-*/pass*_exposed.csv",
+];
+/// The folder of a campaign that was made here.
+const CAMPAIGN: FolderKind = FolderKind { marker: LABORATORY_FILE, key: "plan", names: &[("", CAMPAIGN_NAMES)] };
+/// The key beside it.
+const KEY: FileKind = FileKind { what: "a key", is_own: is_key };
+
+fn is_key(file: &Path) -> bool {
+    fs::metadata(file).is_ok_and(|file| file.len() <= Key::MOST_BYTES)
+        && fs::read_to_string(file).is_ok_and(|text| Key::parse(&text).is_ok())
+}
+
+/// The places of a campaign in the making, taken before any work is done.
+pub struct Places {
+    folder: StagedFolder,
+    key: Option<StagedFile>,
+}
+
+impl Places {
+    /// Takes the folder, and the place of the key beside it where the answer is sealed.
+    ///
+    /// # Errors
+    /// Wrong use when a place holds something that may not be replaced; otherwise when it cannot be written.
+    pub fn take(out: &Out, sealed: bool) -> Result<Self, WriteError> {
+        let folder = StagedFolder::new(out, &CAMPAIGN)?;
+        let key = key_place(out.place);
+        let key = sealed.then(|| StagedFile::new(&Out { place: &key, ..*out }, &KEY)).transpose()?;
+        Ok(Self { folder, key })
+    }
+}
+
+/// An answer and the measurements that it belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeptAnswer {
+    /// SHA-256 of all names and contents of the trials' files in order.
+    pub measurements_sha256: String,
+    /// The answer.
+    #[serde(flatten)]
+    pub answer: Answer,
+}
+
+/// How a campaign was made: all that a visitor may know.
+#[derive(Serialize)]
+struct Laboratory<'a> {
+    format: &'static str,
+    version: &'static str,
+    process: trials::trial::Process,
+    plan: super::Plan,
+    size: super::Size,
+    trials: usize,
+    answer: &'a str,
+}
+
+/// Name of the key's file beside a campaign's folder.
+pub fn key_place(folder: &Path) -> PathBuf {
+    let mut name = folder.file_name().unwrap_or_default().to_owned();
+    name.push(".key");
+    folder.with_file_name(name)
+}
+
+/// Writes a campaign.
+///
+/// - `key`: seals the answer; the key goes to [`key_place`]
+///
+/// # Errors
+/// Wrong use when a place is taken and `force` is not set; otherwise when a file cannot be written.
+pub fn write(
+    made: &Made,
+    experiment: &Experiment,
+    folder: &Path,
+    key: Option<Key>,
+    force: bool,
+) -> Result<(), WriteError> {
+    let out = Out { place: folder, force, inputs: &[] };
+    write_into(made, experiment, Places::take(&out, key.is_some())?, key)
+}
+
+/// Writes a campaign into places that were taken before.
+///
+/// - `key`: seals the answer; it goes to its place beside the folder
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_into(made: &Made, experiment: &Experiment, places: Places, key: Option<Key>) -> Result<(), WriteError> {
+    let place = places.folder.path();
+    for trial in &made.trials {
+        let folder = place.join(&trial.name);
+        fs::create_dir(&folder).map_err(FileError::at(&folder, "cannot make this folder"))?;
+        write_trial(trial, &folder)?;
+    }
+    let kept = KeptAnswer { measurements_sha256: measurements(place)?, answer: made.answer.clone() };
+    let answer_file = if key.is_some() { SEAL_FILE } else { ANSWER_FILE };
+    match key {
+        Some(key) => write_json(&place.join(SEAL_FILE), &Seal::new(&serde_json::to_string_pretty(&kept)?, key))?,
+        None => write_json(&place.join(ANSWER_FILE), &kept)?,
+    }
+    let laboratory = Laboratory {
+        format: "robofin-virtual-laboratory/1",
+        version: env!("CARGO_PKG_VERSION"),
+        process: experiment.process,
+        plan: experiment.plan,
+        size: experiment.size,
+        trials: made.trials.len(),
+        answer: answer_file,
+    };
+    write_json(&place.join(LABORATORY_FILE), &laboratory)?;
+    // First the key: a seal without one could never be opened.
+    if let (Some(file), Some(key)) = (places.key, key) {
+        file.commit(key.text().as_bytes())?;
+    }
+    places.folder.commit()?;
+    Ok(())
+}
+
+/// The reason why a campaign cannot be written, or its seal not be opened.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// A file or a place.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The seal does not open.
+    #[error("{}", place.display())]
+    Seal {
+        /// The sealed answer.
+        place: PathBuf,
+        /// The reason.
+        source: SealError,
+    },
+    /// An answer that cannot be written as JSON.
+    #[error("the answer cannot be written as JSON")]
+    Json(#[from] serde_json::Error),
+}
+
+/// A seal opened.
+pub struct Unsealed {
+    /// The answer as it was sealed.
+    pub answer: Value,
+    /// Whether the measurements are those that it was sealed with.
+    pub measurements_unchanged: bool,
+}
+
+/// Opens the sealed answer of a campaign and holds the measurements against it.
+///
+/// # Errors
+/// Wrong use when the folder or the key file holds something else; otherwise when the key does not open the seal.
+pub fn unseal(folder: &Path, key_file: &Path) -> Result<Unsealed, WriteError> {
+    let place = folder.join(SEAL_FILE);
+    if !place.is_file() {
+        let open = folder.join(ANSWER_FILE).is_file();
+        let hint = if open { format!("; its answer lies open in {ANSWER_FILE}") } else { String::new() };
+        return Err(wrong_use(format!(
+            "{}: no {SEAL_FILE} here{hint}; a folder made by `robofin trial synth --sealed` is expected",
+            folder.display()
+        )));
+    }
+    if !key_file.is_file() {
+        return Err(wrong_use(format!("--key {}: no such file", key_file.display())));
+    }
+    let text = input::read_text(key_file, MOST_TEXT_BYTES).map_err(FileError::from)?;
+    let key = Key::parse(&text).map_err(|error| wrong_use(format!("--key {}: {error}", key_file.display())))?;
+    let seal: Seal = read_json(&place, "a sealed answer")?;
+    let answer: Value = parse_json(
+        &place,
+        &seal.open(key).map_err(|source| WriteError::Seal { place: place.clone(), source })?,
+        "an answer",
+    )?;
+    let measurements_unchanged = answer["measurements_sha256"] == measurements(folder)?.as_str();
+    Ok(Unsealed { answer, measurements_unchanged })
+}
+
+/// SHA-256 over names and contents of all files in the folders of a campaign, in the order of their names.
+fn measurements(folder: &Path) -> Result<String, WriteError> {
+    let list = |folder: &Path| -> Result<Vec<PathBuf>, FileError> {
+        let failed = || FileError::at(folder, "cannot be listed");
+        let entries = fs::read_dir(folder).map_err(failed())?;
+        let mut places: Vec<PathBuf> =
+            entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>().map_err(failed())?;
+        places.sort();
+        Ok(places)
+    };
+    let mut lines = String::new();
+    for trial in list(folder)?.into_iter().filter(|place| place.is_dir()) {
+        for file in list(&trial)? {
+            let name = file.strip_prefix(folder).unwrap_or(&file).display().to_string().replace('\\', "/");
+            let bytes = input::read(&file, MOST_MESH_BYTES).map_err(FileError::from)?;
+            lines += &format!("{} {name}\n", sha256(&bytes));
+        }
+    }
+    Ok(sha256(lines.as_bytes()))
+}
+
+fn wrong_use(message: String) -> WriteError {
+    FileError::from(WrongUse(message)).into()
+}
