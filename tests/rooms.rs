@@ -8,7 +8,7 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Each folder with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
@@ -17,9 +17,12 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("weldgen", &["sdf-bake"]),
     ("sim", &["effects", "sdf-bake", "shaders"]),
     ("render", &["sdf-bake", "shaders"]),
+    ("export", &["sdf-bake"]),
     ("trials", &["effects", "files", "sdf-bake"]),
+    ("paths", &["sdf-bake", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "sdf-bake", "shaders", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "sdf-bake", "sim", "trials"]),
+    ("benchmark", &["effects", "lab", "trials", "virtual-lab"]),
     ("report", &["lab", "sdf-bake", "trials"]),
     (
         "",

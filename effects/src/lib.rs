@@ -41,6 +41,7 @@ mod model;
 mod nearest;
 mod null;
 mod op;
+pub mod page;
 mod parse;
 mod program;
 mod read;

@@ -17,7 +17,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 
 use crate::console::Console;
-use crate::export::glb::{GlbMaterial, GlbPart, write_glb};
+use export::glb::{GlbMaterial, GlbPart, write_glb};
 use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
 use crate::workpiece::{WeldingOptions, Workpiece};
 use files::folder::StagedFolder;

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use sdf_bake::{BrickGrid, Mesh};
 
 use super::SURFACE_FILE;
-use crate::export::glb::{GlbMaterial, GlbPart, write_surface_glb};
+use export::glb::{GlbMaterial, GlbPart, write_surface_glb};
 use crate::workpiece::Workpiece;
 
 /// A triangle is weld metal when its middle is farther than this outside the bare part [voxels].

@@ -7,8 +7,8 @@ use clap::ValueEnum;
 
 use super::USD_FILE;
 use crate::console::Console;
-use crate::export::usd::export;
-use crate::python;
+use export::usd::export;
+use export::python;
 
 /// What to do about USD.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

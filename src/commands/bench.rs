@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::flags::{SEEDS, whole};
-use crate::benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
+use benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use crate::console::Console;
 use files::folder::{check_writable, write_file};
 use files::json_file::read_json;

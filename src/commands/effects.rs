@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::model_flags::{OwnFlags, read_text};
 use crate::console::Console;
-use crate::effect_page::{EffectAnswer, describe};
+use effects::page::{EffectAnswer, describe};
 use crate::wrong_use;
 use files::folder::write_file;
 

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::flags::{OutFlags, positive, whole, within};
 use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
-use crate::plan::{LineDirection, Plan, Raster, Travel, along_weld, raster};
+use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
 use crate::wrong_use;
 use files::folder::StagedFile;
 use files::output::FileKind;
@@ -148,7 +148,7 @@ fn weld_plan(asset: &Path, id: u16) -> Result<Plan> {
     let known: Vec<String> = welds.iter().map(|weld| weld.id.to_string()).collect();
     let weld = welds.iter().find(|weld| weld.id == id);
     let weld = weld.with_context(|| format!("--weld {id}: the asset has the welds {}", known.join(", ")))?;
-    Ok(along_weld(weld)?)
+    Ok(along_weld(&weld.curve.position, &weld.curve.normal, weld.height_mm * 1e-3)?)
 }
 
 impl PathArgs {

@@ -9,7 +9,7 @@ use sdf_bake::clean::clean;
 
 use super::Check;
 use crate::asset::{SURFACE_FILE, WELDED_FILE, WORKPIECE_FILE};
-use crate::export::glb_read::{ReadPart, read_glb};
+use export::glb_read::{ReadPart, read_glb};
 
 /// What the glTF files hold.
 pub(super) struct Meshes {

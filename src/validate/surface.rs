@@ -7,7 +7,7 @@ use sdf_bake::Mesh;
 
 use super::Check;
 use crate::asset::{AssetFields, SURFACE_FILE, Welds};
-use crate::export::glb_read::ReadPart;
+use export::glb_read::ReadPart;
 
 /// Largest |φ| of the trilinear field at a vertex [voxels]: on sharp edges and corners, which interpolation rounds off,
 /// extraction allows 0.6.

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use std::thread::sleep;
 use std::time::Duration;
 
-use robofin::python::{Script, find};
+use export::python::{Script, find};
 use serde_json::Value;
 use tempfile::TempDir;
 

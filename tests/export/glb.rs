@@ -2,8 +2,8 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use glam::{DVec3, Vec3, dvec3};
-use robofin::export::glb::{GlbMaterial, GlbPart, GlbWriteError, write_glb};
-use robofin::export::glb_read::{ReadPart, read_glb};
+use export::glb::{GlbMaterial, GlbPart, GlbWriteError, write_glb};
+use export::glb_read::{ReadPart, read_glb};
 use sdf_bake::Mesh;
 use serde_json::{Map, Value};
 

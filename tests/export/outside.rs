@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use robofin::python::{Python, find};
+use export::python::{Python, find};
 use serde_json::Value;
 
 /// Says what stays untested, past the test harness's capture; fails where outside programs were promised.

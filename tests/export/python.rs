@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use robofin::python::{Places, Script};
+use export::python::{Places, Script};
 
 use crate::outside::{python, untested};
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, dvec3};
-use robofin::export::glb::{GlbMaterial, GlbPart, write_glb};
+use export::glb::{GlbMaterial, GlbPart, write_glb};
 use sdf_bake::Mesh;
 
 /// A box [m] with 8 vertices and 12 outward triangles.

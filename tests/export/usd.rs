@@ -2,7 +2,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use robofin::export::usd;
+use export::usd;
 
 use crate::outside::python;
 use crate::solids::{asset, bead, plate};

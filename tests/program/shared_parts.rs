@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use robofin::asset::Welds;
-use robofin::export::manifold::{ManifoldError, added_volume_in_glb};
+use export::manifold::{ManifoldError, added_volume_in_glb};
 
 use crate::outside::{gltf_validator, python, untested};
 use crate::program::{Outcome, names, robofin, run};

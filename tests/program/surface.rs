@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
-use robofin::export::glb_read::{ReadPart, read_glb};
-use robofin::export::manifold::added_volume_in_glb;
+use export::glb_read::{ReadPart, read_glb};
+use export::manifold::added_volume_in_glb;
 use sdf_bake::Mesh;
 use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;

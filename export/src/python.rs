@@ -20,7 +20,7 @@ use std::process::Command;
 use std::time::Duration;
 
 /// The pinned requirements, embedded so that an installed program needs no source tree.
-pub const REQUIREMENTS: &str = include_str!("../scripts/requirements.txt");
+pub const REQUIREMENTS: &str = include_str!("../../scripts/requirements.txt");
 
 /// How long one script may run. A batch of hundreds of assets takes minutes, never this long per process.
 const SCRIPT_LIMIT: Duration = Duration::from_secs(300);
@@ -63,11 +63,11 @@ impl Script {
 
 /// The programs above and the modules they import, by file name.
 const FILES: [(&str, &str); 5] = [
-    ("glb.py", include_str!("../scripts/glb.py")),
-    ("export_usd.py", include_str!("../scripts/export_usd.py")),
-    ("check_usd.py", include_str!("../scripts/check_usd.py")),
-    ("check_bead_volume.py", include_str!("../scripts/check_bead_volume.py")),
-    ("check_coco.py", include_str!("../scripts/check_coco.py")),
+    ("glb.py", include_str!("../../scripts/glb.py")),
+    ("export_usd.py", include_str!("../../scripts/export_usd.py")),
+    ("check_usd.py", include_str!("../../scripts/check_usd.py")),
+    ("check_bead_volume.py", include_str!("../../scripts/check_bead_volume.py")),
+    ("check_coco.py", include_str!("../../scripts/check_coco.py")),
 ];
 
 /// Why Python could not be found, made or used.
@@ -321,6 +321,6 @@ mod tests {
     #[test]
     fn in_the_source_tree_the_environment_is_the_projects_own() {
         let own = Places::from_environment().own;
-        assert_eq!(own, Some(Path::new(env!("CARGO_MANIFEST_DIR")).join(".venv")));
+        assert_eq!(own, Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv")));
     }
 }

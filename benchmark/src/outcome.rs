@@ -4,16 +4,31 @@ use std::time::Instant;
 
 use effects::{Effect, Library, Model, Scale};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use super::cases::{Case, Design, Instruments, Sized, effect_process};
 use lab::{
-    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, ScanEvidence, Sides, Verdict, calibrate_scans,
+    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, EvidenceError, LabError, ScanEvidence, Sides, Verdict, calibrate_scans,
     separating_trial,
 };
-use virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
+use virtual_lab::{MakeError, Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
 
-/// Why a case gave no answer.
-pub type BenchError = anyhow::Error;
+/// The reason why a case gave no answer.
+#[derive(Debug, Error)]
+pub enum BenchError {
+    /// It could not be made.
+    #[error(transparent)]
+    Made(#[from] MakeError),
+    /// It could not be diagnosed.
+    #[error(transparent)]
+    Diagnosed(#[from] LabError),
+}
+
+impl From<EvidenceError> for BenchError {
+    fn from(error: EvidenceError) -> Self {
+        Self::Diagnosed(error.into())
+    }
+}
 
 /// What came out of a case.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! Laws and effects as people and machines read them. Values are in the units of their files.
 
-use effects::{Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State};
+use crate::{Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State};
 use serde::Serialize;
 
 /// A law or effect for machines.

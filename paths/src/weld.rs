@@ -3,26 +3,27 @@
 use glam::DVec3;
 
 use super::{Leg, Plan, PlanError, Waypoint};
-use crate::asset::WeldTruth;
 
 /// Along the crown of a weld from its first to its last point, the approach axis across the curve.
 ///
+/// - `positions`, `normals`: of the weld's curve on the part [m, unit], as many of each
+/// - `height`: of the crown above the curve [m]
+///
 /// # Errors
-/// [`PlanError::BadCurve`] when the truth's curve has fewer than two points, or a normal along the curve.
-pub fn along_weld(weld: &WeldTruth) -> Result<Plan, PlanError> {
-    let curve = &weld.curve;
-    let count = curve.position.len().min(curve.normal.len());
+/// [`PlanError::BadCurve`] when the curve has fewer than two points, or a normal along the curve.
+pub fn along_weld(positions: &[DVec3], normals: &[DVec3], height: f64) -> Result<Plan, PlanError> {
+    let count = positions.len().min(normals.len());
     if count < 2 {
         return Err(PlanError::BadCurve { point: 0, found: format!("{count} points with a normal") });
     }
     let mut points: Vec<Waypoint> = Vec::with_capacity(count);
     for k in 0..count {
-        let along = curve.position[(k + 1).min(count - 1)] - curve.position[k.saturating_sub(1)];
-        let approach = across(curve.normal[k], along).ok_or_else(|| PlanError::BadCurve {
+        let along = positions[(k + 1).min(count - 1)] - positions[k.saturating_sub(1)];
+        let approach = across(normals[k], along).ok_or_else(|| PlanError::BadCurve {
             point: k,
-            found: format!("normal {} along {along}", curve.normal[k]),
+            found: format!("normal {} along {along}", normals[k]),
         })?;
-        let contact = curve.position[k] + approach * weld.height_mm * 1e-3;
+        let contact = positions[k] + approach * height;
         if points.last().is_none_or(|last| last.contact.distance(contact) > 1e-9) {
             points.push(Waypoint { contact, approach });
         }
