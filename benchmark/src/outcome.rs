@@ -2,20 +2,23 @@
 
 use std::time::Instant;
 
-use effects::{Effect, Library, Model, Scale};
+use effects::{Effect, EffectError, Library, Model, Scale};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::cases::{Case, Design, Instruments, Sized, effect_process};
 use lab::{
-    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, EvidenceError, LabError, ScanEvidence, Sides, Verdict, calibrate_scans,
-    separating_trial,
+    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, EvidenceError, LabError, ScanEvidence, Sides,
+    Verdict, calibrate_scans, separating_trial,
 };
-use virtual_lab::{MakeError, Choice, Experiment, Hidden, HiddenEffect, Instrument, Robot, Size};
+use virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, MakeError, Robot, Size};
 
 /// The reason why a case gave no answer.
 #[derive(Debug, Error)]
 pub enum BenchError {
+    /// Its experiment is none.
+    #[error(transparent)]
+    Experiment(#[from] EffectError),
     /// It could not be made.
     #[error(transparent)]
     Made(#[from] MakeError),

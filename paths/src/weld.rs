@@ -19,10 +19,8 @@ pub fn along_weld(positions: &[DVec3], normals: &[DVec3], height: f64) -> Result
     let mut points: Vec<Waypoint> = Vec::with_capacity(count);
     for k in 0..count {
         let along = positions[(k + 1).min(count - 1)] - positions[k.saturating_sub(1)];
-        let approach = across(normals[k], along).ok_or_else(|| PlanError::BadCurve {
-            point: k,
-            found: format!("normal {} along {along}", normals[k]),
-        })?;
+        let approach = across(normals[k], along)
+            .ok_or_else(|| PlanError::BadCurve { point: k, found: format!("normal {} along {along}", normals[k]) })?;
         let contact = positions[k] + approach * height;
         if points.last().is_none_or(|last| last.contact.distance(contact) > 1e-9) {
             points.push(Waypoint { contact, approach });

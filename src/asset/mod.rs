@@ -17,9 +17,9 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 
 use crate::console::Console;
-use export::glb::{GlbMaterial, GlbPart, write_glb};
 use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
 use crate::workpiece::{WeldingOptions, Workpiece};
+use export::glb::{GlbMaterial, GlbPart, write_glb};
 use files::folder::StagedFolder;
 use files::output::FolderKind;
 

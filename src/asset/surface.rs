@@ -8,8 +8,8 @@ use anyhow::{Context, Result};
 use sdf_bake::{BrickGrid, Mesh};
 
 use super::SURFACE_FILE;
-use export::glb::{GlbMaterial, GlbPart, write_surface_glb};
 use crate::workpiece::Workpiece;
+use export::glb::{GlbMaterial, GlbPart, write_surface_glb};
 
 /// A triangle is weld metal when its middle is farther than this outside the bare part [voxels].
 const OFF_PART: f32 = 0.1;

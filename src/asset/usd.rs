@@ -7,8 +7,8 @@ use clap::ValueEnum;
 
 use super::USD_FILE;
 use crate::console::Console;
-use export::usd::export;
 use export::python;
+use export::usd::export;
 
 /// What to do about USD.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

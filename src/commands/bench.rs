@@ -9,8 +9,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::flags::{SEEDS, whole};
-use benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use crate::console::Console;
+use benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use files::folder::{check_writable, write_file};
 use files::json_file::read_json;
 use files::output::FolderKind;

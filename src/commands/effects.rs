@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::model_flags::{OwnFlags, read_text};
 use crate::console::Console;
-use effects::page::{EffectAnswer, describe};
 use crate::wrong_use;
+use effects::page::{EffectAnswer, describe};
 use files::folder::write_file;
 
 #[derive(Debug, Args)]

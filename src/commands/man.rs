@@ -3,8 +3,8 @@
 use anyhow::Result;
 use clap::{Args, Command};
 use clap_mangen::Man;
-use serde::Serialize;
 use effects::hint;
+use serde::Serialize;
 
 use crate::console::Console;
 use crate::wrong_use;

@@ -10,10 +10,10 @@ use serde::Serialize;
 use super::flags::{OutFlags, positive, whole, within};
 use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
-use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
 use crate::wrong_use;
 use files::folder::StagedFile;
 use files::output::FileKind;
+use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
 use trials::trial::{Log, LogRow, RPM, Tool, log_csv, read_log};
 
 /// Sizes of a tool that are accepted [mm], as `robofin simulate` has them for its wheel.

@@ -7,8 +7,8 @@ use anyhow::Result;
 use super::meshes::Meshes;
 use super::{Check, Validation};
 use crate::asset::{Manifest, USD_FILE, UsdMode};
-use export::usd::{self, UsdReport};
 use export::python;
+use export::usd::{self, UsdReport};
 
 /// Boxes of the glTF and the USD file hold the same single-precision numbers.
 const BOX_TOLERANCE: f64 = 1e-6;

@@ -1,9 +1,9 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use glam::{DVec3, Vec3, dvec3};
 use export::glb::{GlbMaterial, GlbPart, GlbWriteError, write_glb};
 use export::glb_read::{ReadPart, read_glb};
+use glam::{DVec3, Vec3, dvec3};
 use sdf_bake::Mesh;
 use serde_json::{Map, Value};
 

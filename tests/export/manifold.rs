@@ -1,7 +1,7 @@
 use std::fs;
 
-use glam::{DVec3, dvec3};
 use export::manifold::{ManifoldError, added_volume, added_volume_in_glb};
+use glam::{DVec3, dvec3};
 use sdf_bake::Mesh;
 
 use crate::outside::python;

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, dvec3};
 use export::glb::{GlbMaterial, GlbPart, write_glb};
+use glam::{DVec3, dvec3};
 use sdf_bake::Mesh;
 
 /// A box [m] with 8 vertices and 12 outward triangles.

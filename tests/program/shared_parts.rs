@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use robofin::asset::Welds;
 use export::manifold::{ManifoldError, added_volume_in_glb};
+use robofin::asset::Welds;
 
 use crate::outside::{gltf_validator, python, untested};
 use crate::program::{Outcome, names, robofin, run};

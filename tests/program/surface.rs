@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-use glam::DVec3;
 use export::glb_read::{ReadPart, read_glb};
 use export::manifold::added_volume_in_glb;
+use glam::DVec3;
 use sdf_bake::Mesh;
 use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;
