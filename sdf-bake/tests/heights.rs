@@ -131,6 +131,33 @@ fn the_border_is_continued_with_the_plates_tilt_and_no_wall() {
 }
 
 #[test]
+fn voxels_of_a_hundred_pixels_cost_about_what_the_map_does() {
+    let tilted = |p: DVec2| 1e-3 + 0.004 * p.x - 0.003 * p.y;
+    let pixels = PixelGrid { origin: DVec2::new(0.0, -1e-3), pitch: 1e-5, nx: 500, ny: 400 };
+    let map = HeightMap::from_function(pixels, tilted);
+    let timed = |across: f64| {
+        let started = std::time::Instant::now();
+        let options = SlabOptions::with_voxel(across * pixels.pitch);
+        let (grid, _) = BrickGrid::from_heights(&map, &options).unwrap();
+        (grid, started.elapsed().as_secs_f64())
+    };
+    let ((_, ten), (grid, hundred)) = (timed(10.0), timed(100.0));
+    let voxel = grid.voxel;
+    println!("{ten:.2} s with voxels of 10 pixels, {hundred:.2} s with voxels of 100");
+    // Smoothing every pixel of the margin adds up four hundred times as many products.
+    assert!(hundred < 40.0 * ten, "{hundred} s, and {ten} s with voxels of 10 pixels");
+    for (i, j) in [(1, 0), (3, 2), (-10, -8), (15, 12)] {
+        let place = DVec2::new(f64::from(i), f64::from(j)) * voxel;
+        let found = crossing(&grid, i, j).unwrap();
+        assert!((found - tilted(place)).abs() < 1e-6, "at {place}: {found}, {}", tilted(place));
+    }
+    let finer = HeightMap { pixels: PixelGrid { pitch: 1e-6, ..pixels }, ..map };
+    let error = BrickGrid::from_heights(&finer, &SlabOptions::with_voxel(2e-3)).unwrap_err();
+    assert!(matches!(error, HeightsError::TooCoarse { .. }), "{error}");
+    assert!(error.to_string().contains("a voxel of 2000 pixels"), "{error}");
+}
+
+#[test]
 fn labels_follow_the_columns() {
     let map = HeightMap::from_function(pixels(), bead);
     let (mut grid, _) = BrickGrid::from_heights(&map, &SlabOptions::with_voxel(PITCH)).unwrap();

@@ -1,6 +1,10 @@
 //! A cleaned height map laid on the voxel lattice, with a continued border.
 
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
 use glam::{DVec2, IVec2};
+use rayon::prelude::*;
 
 use super::{HeightMap, PixelGrid};
 
@@ -24,21 +28,26 @@ impl LatticeHeights {
     ///
     /// Between pixels the surface is the bicubic of Keys 1981. Where a voxel spans two pixels or more, the pixels are
     /// first smoothed by local parabolas over a voxel to each side (Savitzky and Golay 1964), which keeps smooth
-    /// beads and halves the noise.
+    /// beads and halves the noise. Only pixels that the lattice points read are smoothed.
     pub(super) fn of(map: &HeightMap, voxel: f64, first: IVec2, last: IVec2) -> Self {
         let low = map.pixels.coordinates(first.as_dvec2() * voxel);
         let high = map.pixels.coordinates(last.as_dvec2() * voxel);
         let beyond = [-low.x, -low.y, high.x - map.pixels.nx as f64, high.y - map.pixels.ny as f64];
         let pad = beyond.into_iter().fold(0.0, f64::max).ceil() as usize + 3;
-        let mut padded = padded(map, pad);
-        let half_width = (voxel / map.pixels.pitch + 1e-9).floor() as usize;
-        if half_width >= 2 {
-            smooth(&mut padded, half_width);
-        }
-        let (nx, ny) = ((last.x - first.x + 1) as usize, (last.y - first.y + 1) as usize);
-        let place = |k: usize| (first + IVec2::new((k % nx) as i32, (k / nx) as i32)).as_dvec2() * voxel;
-        let heights = (0..nx * ny).map(|k| bicubic(&padded, padded.pixels.coordinates(place(k))) / voxel).collect();
-        Self { first, nx, heights }
+        let padded = Padded::of(map, pad);
+        let along = |points: RangeInclusive<i32>, origin: f64, count: usize| -> Vec<Stencil> {
+            points.map(|k| Stencil::at((f64::from(k) * voxel - origin) / map.pixels.pitch, count)).collect()
+        };
+        let (origin, [nx, ny]) = (padded.origin, padded.shape());
+        let (x, y) = (along(first.x..=last.x, origin.x, nx), along(first.y..=last.y, origin.y, ny));
+        let half_width = half_width(voxel / map.pixels.pitch);
+        let heights: Vec<f64> = if half_width >= 2 {
+            let smooth = Smooth::of(&padded, (&x, &y), half_width);
+            laid((&x, &y), |i, j| smooth.height(i, j))
+        } else {
+            laid((&x, &y), |i, j| padded.height(i, j))
+        };
+        Self { first, nx: x.len(), heights: heights.into_iter().map(|height| height / voxel).collect() }
     }
 
     /// Position of a lattice point in `heights`.
@@ -83,14 +92,154 @@ pub(super) fn without_empty_rim(map: &HeightMap) -> HeightMap {
     HeightMap { pixels, heights }
 }
 
-/// The map with `pad` more pixels on each side: the mean of the border's pixels, continued with the side's tilt.
-fn padded(map: &HeightMap, pad: usize) -> HeightMap {
-    let PixelGrid { origin, pitch, nx, ny } = map.pixels;
-    let most = MOST_TILT * pitch;
-    let along_x = extended(&map.heights, nx, pad, most);
-    let along_y = extended(&transposed(&along_x, nx + 2 * pad), ny, pad, most);
-    let pixels = PixelGrid { origin: origin - pitch * pad as f64, pitch, nx: nx + 2 * pad, ny: ny + 2 * pad };
-    HeightMap { pixels, heights: transposed(&along_y, pixels.ny) }
+/// The map with `pad` more pixels on each side: the mean of the border's pixels, continued with the side's tilt. Rows
+/// beyond the map are straight lines along y, which are not stored.
+struct Padded {
+    /// Place of the first pixel [m].
+    origin: DVec2,
+    pad: usize,
+    nx: usize,
+    /// Heights [m] of the map's rows, continued along x, shape `[ny of the map, nx]`.
+    rows: Vec<f64>,
+    /// Below and above the map: for each column the mean of its border [m], and the slope outwards [m per pixel].
+    low: (Vec<f64>, f64),
+    high: (Vec<f64>, f64),
+}
+
+impl Padded {
+    fn of(map: &HeightMap, pad: usize) -> Self {
+        let PixelGrid { origin, pitch, nx, ny } = map.pixels;
+        let most = MOST_TILT * pitch;
+        let rows = extended(&map.heights, nx, pad, most);
+        let nx = nx + 2 * pad;
+        let columns = transposed(&rows, nx);
+        let border = BORDER.min(ny);
+        let means = |of: fn(&[f64], usize) -> &[f64]| {
+            columns.chunks_exact(ny).map(|column| mean(of(column, border))).collect::<Vec<f64>>()
+        };
+        let low = (means(|column, border| &column[..border]), -side_slope(&columns, ny, false, most));
+        let high = (means(|column, border| &column[column.len() - border..]), side_slope(&columns, ny, true, most));
+        Self { origin: origin - pitch * pad as f64, pad, nx, rows, low, high }
+    }
+
+    /// Pixels along x and y.
+    fn shape(&self) -> [usize; 2] {
+        [self.nx, self.rows.len() / self.nx + 2 * self.pad]
+    }
+
+    /// Height of a pixel [m].
+    fn height(&self, i: usize, j: usize) -> f64 {
+        let ny = self.rows.len() / self.nx;
+        let outwards = |(means, slope): &(Vec<f64>, f64), beyond: usize| {
+            // The mean stands for the middle of its pixels.
+            let centre = 0.5 * (BORDER.min(ny) as f64 - 1.0);
+            means[i] + slope * (beyond as f64 + centre)
+        };
+        match j.checked_sub(self.pad) {
+            None => outwards(&self.low, self.pad - j),
+            Some(row) if row < ny => self.rows[row * self.nx + i],
+            Some(row) => outwards(&self.high, row + 1 - ny),
+        }
+    }
+}
+
+/// The four pixels around a place along an axis, and their weights.
+struct Stencil {
+    pixels: [usize; 4],
+    weights: [f64; 4],
+}
+
+impl Stencil {
+    /// At a pixel coordinate of an axis with `count` pixels.
+    fn at(coordinate: f64, count: usize) -> Self {
+        let floor = coordinate.floor();
+        let clamp = |step: usize| (floor as isize + step as isize - 1).clamp(0, count as isize - 1) as usize;
+        Self { pixels: [0, 1, 2, 3].map(clamp), weights: cubic_weights(coordinate - floor) }
+    }
+}
+
+/// Heights at the crossings of stencils along x and y, from those of pixels; x runs fastest.
+fn laid((x, y): (&[Stencil], &[Stencil]), height: impl Fn(usize, usize) -> f64 + Sync) -> Vec<f64> {
+    let at = |across: &Stencil, along: &Stencil| -> f64 {
+        let row = |j: usize| (0..4).map(|a| across.weights[a] * height(across.pixels[a], j)).sum::<f64>();
+        (0..4).map(|b| along.weights[b] * row(along.pixels[b])).sum()
+    };
+    let rows = y.par_iter().flat_map_iter(|along| x.iter().map(|across| at(across, along)).collect::<Vec<_>>());
+    rows.collect()
+}
+
+/// Pixels to each side over which parabolas are fitted, for a voxel of so many pixels.
+fn half_width(pixels: f64) -> usize {
+    (pixels + 1e-9).floor() as usize
+}
+
+/// Products that [`LatticeHeights::of`] adds up at most, for voxels of so many pixels: over each row of the padded map for
+/// each column that is read, then over those. Shapes are those of the lattice and of the padded map.
+pub(super) fn smoothing_sums(pixels: f64, lattice: DVec2, padded: DVec2) -> f64 {
+    let half_width = half_width(pixels);
+    if half_width < 2 {
+        return 0.0;
+    }
+    let read = (4.0 * lattice).min(padded);
+    (2 * half_width + 1) as f64 * read.x * (padded.y + read.y)
+}
+
+/// The pixels that stencils read, each on the parabola over `half_width` pixels to each side of it, along x and then y.
+struct Smooth {
+    /// Columns and rows, ascending.
+    columns: Vec<usize>,
+    rows: Vec<usize>,
+    /// Heights [m], shape `[rows, columns]`.
+    heights: Vec<f64>,
+}
+
+impl Smooth {
+    fn of(padded: &Padded, (x, y): (&[Stencil], &[Stencil]), half_width: usize) -> Self {
+        let (columns, rows) = (read(x), read(y));
+        let weights = parabola(half_width);
+        let [nx, ny] = padded.shape();
+        let along_x = (0..ny).into_par_iter().flat_map_iter(|j| {
+            let row: Vec<f64> = (0..nx).map(|i| padded.height(i, j)).collect();
+            columns.iter().map(|&i| fitted(&weights, &row, i)).collect::<Vec<_>>()
+        });
+        let along_x = transposed(&along_x.collect::<Vec<f64>>(), columns.len());
+        let heights = rows
+            .par_iter()
+            .flat_map_iter(|&j| along_x.chunks_exact(ny).map(|column| fitted(&weights, column, j)).collect::<Vec<_>>());
+        let heights = heights.collect();
+        Self { columns, rows, heights }
+    }
+
+    /// Height of a pixel that a stencil reads [m].
+    fn height(&self, i: usize, j: usize) -> f64 {
+        let place = |of: &[usize], pixel: usize| of.binary_search(&pixel).expect("a pixel that a stencil reads");
+        self.heights[place(&self.rows, j) * self.columns.len() + place(&self.columns, i)]
+    }
+}
+
+/// The pixels of some stencils, ascending.
+fn read(stencils: &[Stencil]) -> Vec<usize> {
+    let pixels: BTreeSet<usize> = stencils.iter().flat_map(|stencil| stencil.pixels).collect();
+    pixels.into_iter().collect()
+}
+
+/// Weights of the values around a pixel in the parabola's value there.
+fn parabola(half_width: usize) -> Vec<f64> {
+    let m = half_width as f64;
+    let norm = (2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0);
+    let weight = |k: f64| (3.0 * (3.0 * m * m + 3.0 * m - 1.0) - 15.0 * k * k) / norm;
+    (0..=2 * half_width).map(|k| weight(k as f64 - m)).collect()
+}
+
+/// Value at pixel `i` on the parabola through the values around it; beyond the ends the last ones go on.
+fn fitted(weights: &[f64], values: &[f64], i: usize) -> f64 {
+    let half_width = weights.len() / 2;
+    let first = i.checked_sub(half_width);
+    if let Some(around) = first.and_then(|first| values.get(first..first + weights.len())) {
+        return weights.iter().zip(around).map(|(weight, value)| weight * value).sum();
+    }
+    let clamped = |k: usize| values[(i + k).saturating_sub(half_width).min(values.len() - 1)];
+    weights.iter().enumerate().map(|(k, weight)| weight * clamped(k)).sum()
 }
 
 /// Rows of `width` values, each continued by `pad` values at both ends; `most` is the steepest tilt per pixel.
@@ -131,38 +280,6 @@ fn mean(values: &[f64]) -> f64 {
 fn transposed(values: &[f64], width: usize) -> Vec<f64> {
     let height = values.len() / width;
     (0..values.len()).map(|k| values[(k % height) * width + k / height]).collect()
-}
-
-/// Fits a parabola over `half_width` pixels to each side of every pixel, along x and then along y.
-fn smooth(map: &mut HeightMap, half_width: usize) {
-    let PixelGrid { nx, ny, .. } = map.pixels;
-    let along_x = transposed(&smoothed_rows(&map.heights, nx, half_width), nx);
-    map.heights = transposed(&smoothed_rows(&along_x, ny, half_width), ny);
-}
-
-fn smoothed_rows(values: &[f64], width: usize, half_width: usize) -> Vec<f64> {
-    let m = half_width as f64;
-    let norm = (2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0);
-    let weight = |k: f64| (3.0 * (3.0 * m * m + 3.0 * m - 1.0) - 15.0 * k * k) / norm;
-    let weights: Vec<f64> = (0..=2 * half_width).map(|k| weight(k as f64 - m)).collect();
-    let fitted = |row: &[f64], i: usize| {
-        let sum = |(k, weight): (usize, &f64)| weight * row[(i + k).saturating_sub(half_width).min(width - 1)];
-        weights.iter().enumerate().map(sum).sum::<f64>()
-    };
-    values.chunks_exact(width).flat_map(|row| (0..width).map(move |i| fitted(row, i)).collect::<Vec<_>>()).collect()
-}
-
-/// Height [m] at pixel coordinates inside the map.
-fn bicubic(map: &HeightMap, at: DVec2) -> f64 {
-    let floor = at.floor();
-    let (wx, wy) = (cubic_weights(at.x - floor.x), cubic_weights(at.y - floor.y));
-    let clamp =
-        |k: f64, step: usize, count: usize| (k as isize + step as isize - 1).clamp(0, count as isize - 1) as usize;
-    let row = |b: usize| {
-        let j = clamp(floor.y, b, map.pixels.ny);
-        (0..4).map(|a| wx[a] * map.height(clamp(floor.x, a, map.pixels.nx), j)).sum::<f64>()
-    };
-    (0..4).map(|b| wy[b] * row(b)).sum()
 }
 
 /// Weights of the four points around a cell at `t` (0 to 1): Keys's cubic with a = -1/2.

@@ -165,9 +165,21 @@ pub enum HeightsError {
     /// The field, or the map with its margin, would not fit in memory.
     #[error("{points:.1e} points: at most {accepted:.0e} are accepted; use a larger voxel or a smaller margin")]
     TooLarge {
-        /// Lattice points, or pixels with the margin.
+        /// Lattice points, or pixels of the map's rows with the margin.
         points: f64,
         /// Points that are accepted.
+        accepted: f64,
+    },
+    /// The pixels between voxels would take too long to smooth.
+    #[error(
+        "a voxel of {pixels:.0} pixels: at most {accepted:.0e} sums are accepted, not {sums:.1e}; use a smaller voxel or margin"
+    )]
+    TooCoarse {
+        /// Pixels along a voxel.
+        pixels: f64,
+        /// Products that smoothing would add up.
+        sums: f64,
+        /// Products that are accepted.
         accepted: f64,
     },
     /// Heights so far apart that their steps, as walls, or the box around them would not fit in memory.

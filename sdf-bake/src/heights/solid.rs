@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, IVec2, IVec3};
 
 use super::foot::distance;
-use super::lattice::{LatticeHeights, without_empty_rim};
+use super::lattice::{LatticeHeights, smoothing_sums, without_empty_rim};
 use super::{HeightMap, HeightsError, PixelGrid};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, voxel_at};
 use crate::implicit::Filled;
@@ -13,6 +13,9 @@ const SIDE_PLACE: f64 = 3.5;
 
 /// Points that a map with its margin may have: 800 MB of heights.
 const MOST_POINTS: f64 = 1e8;
+
+/// Products that smoothing the pixels between voxels may add up: a minute of work.
+const MOST_SUMS: f64 = 3e10;
 
 /// Voxels that the steps between pixels may have as walls together, and bricks that the box around a solid may have: a
 /// minute of work each.
@@ -56,12 +59,22 @@ impl SlabOptions {
 }
 
 impl SlabOptions {
-    /// Refuses more points than fit in memory: of the lattice over map and margin, or of the map's own pixels.
+    /// Refuses more points than fit in memory: of the lattice over map and margin, or of the map's rows continued as far.
+    /// Refuses more sums than a minute has time for where a voxel spans many pixels.
     fn check_size(&self, pixels: &PixelGrid) -> Result<(), HeightsError> {
-        let extent = DVec2::new(pixels.nx as f64, pixels.ny as f64) * pixels.pitch + 2.0 * self.margin;
-        let points = (extent / self.voxel.min(pixels.pitch)).element_product();
+        let ratio = self.voxel / pixels.pitch;
+        let shape = DVec2::new(pixels.nx as f64, pixels.ny as f64);
+        // Whole bricks around the margin, and those that may lie beyond the sides.
+        let beyond = self.margin / self.voxel + 3.0 * BRICK_SIDE as f64 + self.band_voxels;
+        let lattice = shape / ratio + 2.0 * beyond;
+        let padded = shape + 2.0 * beyond * ratio;
+        let points = lattice.element_product().max(padded.x * shape.y);
         if points > MOST_POINTS {
             return Err(HeightsError::TooLarge { points, accepted: MOST_POINTS });
+        }
+        let sums = smoothing_sums(ratio, lattice, padded);
+        if sums > MOST_SUMS {
+            return Err(HeightsError::TooCoarse { pixels: ratio, sums, accepted: MOST_SUMS });
         }
         Ok(())
     }
