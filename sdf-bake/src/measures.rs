@@ -1,17 +1,17 @@
-//! Volume and area of a field at once, from its surface mesh, in memory that does not grow with the part.
+//! Volume and area of a field at once, from the triangles of its surface, in memory that does not grow with the part.
 //!
-//! The mesh keeps sharp edges, which sums over voxels and cells cut off, and a wrong sign shows in both integrals. A large
-//! field is taken a slab of bricks at a time: a mesh of the slab and of two bricks beside it, of which the triangles
-//! with their middle in the slab count. Vertices depend on voxels less than a brick away, so they are those of the whole.
+//! The triangles keep sharp edges, which sums over voxels and cells cut off, and a wrong sign shows in both integrals. They
+//! are those of the surface mesh before any vertex goes home: sums need no manifold. A large field is taken a slab of bricks
+//! at a time, with two bricks beside it, of which the triangles with their middle in the slab count. Vertices depend on
+//! voxels less than a brick away, so they are those of the whole.
 
 use std::ops::Range;
 
 use glam::IVec3;
 
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
-use crate::mesh::Mesh;
 
-/// Bricks of a slab where there is more than one layer: with some 80 triangles a brick, 150 MB of mesh.
+/// Bricks of a slab where there is more than one layer: with some 40 vertices a brick, 150 MB of them.
 const SLAB_BRICKS: usize = 1 << 15;
 
 /// Bricks beside a slab that its own triangles may depend on.
@@ -27,37 +27,38 @@ pub struct Measures {
 }
 
 impl BrickGrid {
-    /// Volume inside and area of the zero set, of [`BrickGrid::surface_mesh`]: exact for flat faces on the lattice's axes,
+    /// Volume inside and area of the zero set, over the triangles of [`BrickGrid::surface_mesh`]: exact for flat faces on the lattice's axes,
     /// else of second order in the voxel (`docs/fields.md` has figures).
     pub fn measures(&self) -> Measures {
         self.measures_by_slabs(SLAB_BRICKS)
     }
 
     fn measures_by_slabs(&self, most_bricks: usize) -> Measures {
-        let mut sum = Measures::default();
         if self.bricks.len() <= most_bricks {
-            self.add_triangles(&self.surface_mesh(), |_| true, &mut sum);
-            return sum;
+            return self.measures_between(f64::NEG_INFINITY..f64::INFINITY);
         }
+        let mut sum = Measures::default();
         for layers in self.slabs(most_bricks) {
-            let side = BRICK_SIDE as f64 * self.voxel;
-            let holds = |x: f64| (f64::from(layers.start) * side..f64::from(layers.end) * side).contains(&x);
             let slab = self.layers(layers.start - BESIDE..layers.end + BESIDE);
-            self.add_triangles(&slab.surface_mesh(), holds, &mut sum);
+            let side = BRICK_SIDE as f64;
+            let Measures { volume, area } =
+                slab.measures_between(f64::from(layers.start) * side..f64::from(layers.end) * side);
+            sum = Measures { volume: sum.volume + volume, area: sum.area + area };
         }
         sum
     }
 
-    /// Adds cones from the middle of the grid, and areas, of the triangles whose middle has an x [m] that counts.
-    fn add_triangles(&self, mesh: &Mesh, counts: impl Fn(f64) -> bool, sum: &mut Measures) {
-        let middle = (self.origin.as_dvec3() + 0.5 * self.dims.as_dvec3()) * BRICK_SIDE as f64 * self.voxel;
-        for corners in (0..mesh.triangles.len()).map(|t| mesh.corners(t)) {
-            if counts(corners.iter().map(|p| p.x).sum::<f64>() / 3.0) {
-                let [a, b, c] = corners.map(|p| p - middle);
-                sum.volume += a.dot(b.cross(c)) / 6.0;
-                sum.area += 0.5 * (b - a).cross(c - a).length();
+    /// Cones from the middle of the grid, and areas, of the triangles whose middle has an x within a range [voxels].
+    fn measures_between(&self, range: Range<f64>) -> Measures {
+        let middle = (self.origin.as_dvec3() + 0.5 * self.dims.as_dvec3()) * BRICK_SIDE as f64;
+        let [volume, area] = self.surface_sums(|corners| {
+            if !range.contains(&(corners.iter().map(|p| p.x).sum::<f64>() / 3.0)) {
+                return [0.0; 2];
             }
-        }
+            let [a, b, c] = corners.map(|p| p - middle);
+            [a.dot(b.cross(c)) / 6.0, 0.5 * (b - a).cross(c - a).length()]
+        });
+        Measures { volume: volume * self.voxel.powi(3), area: area * self.voxel.powi(2) }
     }
 
     /// Runs of layers of bricks along x, of at most `most` bricks where a layer has no more. They reach a layer beyond the
@@ -106,7 +107,7 @@ impl BrickGrid {
 mod tests {
     use std::f64::consts::PI;
 
-    use glam::DVec3;
+    use glam::{DMat3, DVec3};
 
     use super::*;
 
@@ -135,6 +136,32 @@ mod tests {
         let Measures { volume, area } = grid.measures();
         let off = [volume / (4.0 / 3.0 * PI * 1e-6) - 1.0, area / (4.0 * PI * 1e-4) - 1.0];
         assert!(off.iter().all(|off| off.abs() < 5e-4), "{off:?}");
+    }
+
+    #[test]
+    fn a_turned_box_and_a_torus_have_theirs_as_the_mesh_has() {
+        let half = DVec3::new(0.010, 0.0071, 0.0052);
+        let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.7).normalize(), 0.6);
+        let reach = DVec3::splat(half.length());
+        let turned = BrickGrid::from_distance(-reach, reach, 0.02 / 64.0, 3.0, |p| {
+            let q = (turn.transpose() * p).abs() - half;
+            q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+        });
+        let faces = 8.0 * (half.x * half.y + half.y * half.z + half.z * half.x);
+        let reach = DVec3::new(0.0101, 0.0101, 0.0031);
+        let torus =
+            BrickGrid::from_distance(-reach, reach, 0.02 / 64.0, 3.0, |p| (p.x.hypot(p.y) - 0.007).hypot(p.z) - 0.003);
+        let of_torus = [2.0 * PI * PI * 0.007 * 9e-6, 4.0 * PI * PI * 0.007 * 0.003];
+        for (name, grid, expected) in
+            [("box", turned, [8.0 * half.element_product(), faces]), ("torus", torus, of_torus)]
+        {
+            let (Measures { volume, area }, mesh) = (grid.measures(), grid.surface_mesh());
+            let off = |[v, a]: [f64; 2]| [v / expected[0] - 1.0, a / expected[1] - 1.0];
+            let (off, of_mesh) = (off([volume, area]), off([mesh.volume(), mesh.area()]));
+            println!("{name}: {off:?}, the mesh {of_mesh:?}");
+            assert!(off[0].abs() < 2e-4 && off[1].abs() < 6e-4, "{name}: {off:?}");
+            assert!(off[1].abs() < of_mesh[1].abs() + 1e-5, "{name}: {off:?}, the mesh {of_mesh:?}");
+        }
     }
 
     #[test]

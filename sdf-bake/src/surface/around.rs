@@ -14,6 +14,9 @@ use crate::tangent::Tangent;
 /// Voxels around a brick that its cells, the voxels around those and their slopes read.
 const REACH: usize = 4;
 
+/// Voxels of a brick with a smooth face across it whose tangents are asked for: two layers, with those around the brick.
+const TYPICAL: usize = 256;
+
 /// The voxels of a brick and around it, whose tangents are found when they are first asked for.
 pub(super) struct Known<'a> {
     grid: &'a BrickGrid,
@@ -31,7 +34,14 @@ impl<'a> Known<'a> {
     pub(super) fn of(grid: &'a BrickGrid, brick: IVec3, inset: f64) -> Self {
         let halo = grid.halo(brick, REACH);
         let place = RefCell::new(vec![0; halo.phi.len()]);
-        Self { grid, inset, level: level(grid, inset), halo, place, tangents: RefCell::default() }
+        Self {
+            grid,
+            inset,
+            level: level(grid, inset),
+            halo,
+            place,
+            tangents: RefCell::new(Vec::with_capacity(TYPICAL)),
+        }
     }
 
     /// What a voxel knows, its foot relative to the voxel.
@@ -39,7 +49,12 @@ impl<'a> Known<'a> {
         let at = self.halo.at(local);
         let (mut place, mut tangents) = (self.place.borrow_mut(), self.tangents.borrow_mut());
         if place[at] == 0 {
-            tangents.push(self.grid.tangent_of(|step| self.halo.phi[self.halo.at(local + step)]));
+            let strides = self.halo.strides().map(|stride| stride as i32);
+            let phi = |step: IVec3| {
+                let [x, y, z] = step.to_array();
+                self.halo.phi[(at as i32 + x * strides[0] + y * strides[1] + z * strides[2]) as usize]
+            };
+            tangents.push(self.grid.tangent_of(phi));
             place[at] = tangents.len() as u16;
         }
         tangents[usize::from(place[at]) - 1]
@@ -64,13 +79,14 @@ impl Around<'_> {
         let mut tangents = Vec::with_capacity(8);
         tangents.extend((0..8).filter(|i| ends >> i & 1 != 0).filter_map(|i| self.tangent(cell_corner(i))));
         let all_clear = tangents.len() == ends.count_ones() as usize;
-        let wider = || if all_clear { Vec::new() } else { self.wider() };
+        let wider = || self.wider();
         let above = |phi: f32| f64::from(phi - self.known.level) / self.known.grid.voxel;
         let phi = corner_values(&self.known.halo, self.low).map(above);
         let height = |at: DVec3| self.height(at);
         let centre = middle(&phi, edges);
         let inset = self.known.inset;
-        Site { tangents, centre, phi, inset, height: &height, is_crossed: &is_crossed, wider: &wider }.vertex()
+        let wider: Option<&dyn Fn() -> Vec<Tangent>> = if all_clear { None } else { Some(&wider) };
+        Site { tangents, centre, phi, inset, height: &height, is_crossed: &is_crossed, wider }.vertex()
     }
 
     /// φ [voxels] at a place near the cell [voxels from its lowest corner], trilinear.

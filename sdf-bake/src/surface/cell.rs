@@ -43,11 +43,19 @@ impl PiecesOf {
 
 /// Corners at the lower and upper end of an edge. Edge 4a + 2u + v runs along axis a; u and v are the places on the
 /// following two axes, in turn.
-pub(super) fn edge_ends(edge: usize) -> (usize, usize) {
-    let axis = edge / 4;
-    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-    let low = (edge >> 1 & 1) * AXIS_BIT[u] + (edge & 1) * AXIS_BIT[v];
-    (low, low | AXIS_BIT[axis])
+pub(super) const fn edge_ends(edge: usize) -> (usize, usize) {
+    const ENDS: [(usize, usize); 12] = {
+        let (mut ends, mut edge) = ([(0, 0); 12], 0);
+        while edge < 12 {
+            let axis = edge / 4;
+            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+            let low = (edge >> 1 & 1) * AXIS_BIT[u] + (edge & 1) * AXIS_BIT[v];
+            ends[edge] = (low, low | AXIS_BIT[axis]);
+            edge += 1;
+        }
+        ends
+    };
+    ENDS[edge]
 }
 
 /// Mean of the middles of edges [voxels from the cell's lowest corner].

@@ -135,7 +135,8 @@ fn between_sides(grid: &BrickGrid) -> impl ParallelIterator<Item = IVec3> {
 }
 
 pub(super) fn corner_values(halo: &Halo, low: IVec3) -> [f32; 8] {
-    std::array::from_fn(|i| halo.phi[halo.at(low + cell_corner(i))])
+    let ([x, y, z], base) = (halo.strides(), halo.at(low));
+    [0, z, y, y + z, x, x + z, x + y, x + y + z].map(|step| halo.phi[base + step])
 }
 
 impl CellMap {

@@ -14,12 +14,13 @@ mod place;
 mod settle;
 mod triangles;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::grid::BrickGrid;
 use crate::mesh::Mesh;
-use cells::CellMap;
-use triangles::{Split, quads};
+use cells::{Brick, CellMap};
+use triangles::{Split, quads, split};
 
 impl BrickGrid {
     /// The surface {φ = 0} as a closed manifold mesh with outward triangles; sharp edges and corners are kept.
@@ -36,6 +37,22 @@ impl BrickGrid {
         settle::settle(&mut vertices, &quads, &map, &split);
         let triangles = quads.par_iter().flat_map_iter(|&quad| split.triangles(quad, &vertices)).collect();
         Mesh { positions: vertices.into_iter().map(|vertex| vertex.at * self.voxel).collect(), triangles }
+    }
+
+    /// Sums over the triangles of [`BrickGrid::surface_mesh`], before any vertex goes home: of `of` at their corners [voxels],
+    /// in the order of the bricks' coordinates.
+    pub(crate) fn surface_sums(&self, of: impl Fn([DVec3; 3]) -> [f64; 2] + Sync) -> [f64; 2] {
+        let inset = settle::inset(self);
+        let map = CellMap::of(self, inset);
+        let vertices = map.vertices(self, inset);
+        let add = |sum: [f64; 2], more: [f64; 2]| [sum[0] + more[0], sum[1] + more[1]];
+        let of_brick = |brick: &Brick| {
+            let triangles =
+                quads(&map, brick).into_iter().flat_map(|quad| split(quad.map(|vertex| vertices[vertex as usize])));
+            triangles.map(&of).fold([0.0; 2], add)
+        };
+        let sums: Vec<[f64; 2]> = map.bricks().par_iter().map(of_brick).collect();
+        sums.into_iter().fold([0.0; 2], add)
     }
 
     /// Area of {φ = 0} [m²]: that of [`BrickGrid::surface_mesh`]. Second order in the voxel size on smooth parts; next to

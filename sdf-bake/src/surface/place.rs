@@ -74,8 +74,8 @@ pub(super) struct Site<'a> {
     pub(super) height: &'a dyn Fn(DVec3) -> f64,
     /// Whether the surface crosses the cell at an offset from this one.
     pub(super) is_crossed: &'a dyn Fn(IVec3) -> bool,
-    /// Tangents of more voxels around; empty if those of all corners are known.
-    pub(super) wider: &'a dyn Fn() -> Vec<Tangent>,
+    /// Tangents of more voxels around; `None` if those of all corners are known.
+    pub(super) wider: Option<&'a dyn Fn() -> Vec<Tangent>>,
 }
 
 impl Site<'_> {
@@ -107,13 +107,15 @@ impl Site<'_> {
     }
 
     fn place(&mut self) -> (DVec3, Shape) {
-        if let Some(vertex) = self.sharp_vertex(&self.tangents, MARGIN) {
+        // Most cells are so, and no edge is near them.
+        let is_smooth = self.wider.is_none() && all_face_one_way(&self.tangents);
+        if !is_smooth && let Some(vertex) = self.sharp_vertex(&self.tangents, MARGIN) {
             return vertex;
         }
         // Perhaps the edge is not in this cell, and a voxel's closest point is beyond it. If both faces have points in
         // this cell, the edge runs close by.
         self.tangents.retain(|tangent| outside_by(tangent.foot) <= MARGIN);
-        if let Some(vertex) = self.sharp_vertex(&self.tangents, TIP) {
+        if !is_smooth && let Some(vertex) = self.sharp_vertex(&self.tangents, TIP) {
             return vertex;
         }
         let by_distance = |a: &&Tangent, b: &&Tangent| {
@@ -123,24 +125,30 @@ impl Site<'_> {
             return (self.near_field(self.centre), Shape::Smooth);
         };
         // Perhaps it is, but no corner of this cell sees its other face.
-        let mut wider = (self.wider)();
-        wider.retain(|tangent| outside_by(tangent.foot) <= WIDER);
-        let sharp = if make_consistent(&mut wider, self.centre) { self.sharp_vertex(&wider, MARGIN) } else { None };
-        sharp.unwrap_or_else(|| (self.near_field(self.face_point(nearest)), Shape::Smooth))
+        let sharp = self.wider.and_then(|wider| {
+            let mut wider = wider();
+            wider.retain(|tangent| outside_by(tangent.foot) <= WIDER);
+            if make_consistent(&mut wider, self.centre) { self.sharp_vertex(&wider, MARGIN) } else { None }
+        });
+        sharp.unwrap_or_else(|| (self.face_point(nearest), Shape::Smooth))
     }
 
-    /// A point of the nearest face in the cell. Where planes of several faces meet outside and the field is far from 0 at
-    /// that point, it is the point of one of the planes at which φ is nearest to 0.
+    /// A point of the nearest face in the cell and near φ = 0. Where planes of several faces meet outside and the field is
+    /// far from 0 at that point, it is the point of one of the planes at which φ is nearest to 0.
     fn face_point(&self, nearest: &Tangent) -> DVec3 {
         let within = |at: DVec3| at.clamp(DVec3::ZERO, DVec3::ONE);
         let off = |at: &DVec3| (self.height)(*at).abs();
         let on_face = within(smooth_point(&self.tangents, nearest, self.centre));
-        if off(&on_face) <= OFF_FACE || all_face_one_way(&self.tangents) {
+        if off(&on_face) <= OFF_FACE {
             return on_face;
+        }
+        if all_face_one_way(&self.tangents) {
+            return self.near_field(on_face);
         }
         let on_plane = |t: &Tangent| within(self.centre - t.normal * t.normal.dot(self.centre - t.foot));
         let on_planes = self.tangents.iter().map(on_plane);
-        std::iter::once(on_face).chain(on_planes).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(on_face)
+        let best = std::iter::once(on_face).chain(on_planes).min_by(|a, b| off(a).total_cmp(&off(b)));
+        self.near_field(best.unwrap_or(on_face))
     }
 
     /// A point of the cell, or where the field is farther from 0 there than on an edge, one on φ = 0 on the way to the
@@ -263,10 +271,11 @@ fn all_face_one_way(tangents: &[Tangent]) -> bool {
 /// A point above or below `centre` of the smooth face that one of the tangents belongs to. On a curved face a tangent
 /// plane lies above the surface's top by as much as its foot lies below it.
 fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
-    let face: Vec<&Tangent> = tangents.iter().filter(|t| t.normal.dot(one.normal) > SAME_FACE).collect();
-    let normal = face.iter().map(|t| t.normal).sum::<DVec3>().normalize();
-    let height: f64 = face.iter().map(|t| normal.lerp(t.normal, BALANCE).dot(t.foot - centre)).sum();
-    centre + normal * (height / face.len() as f64)
+    let face = tangents.iter().filter(|t| t.normal.dot(one.normal) > SAME_FACE);
+    let normal = face.clone().map(|t| t.normal).sum::<DVec3>().normalize();
+    let heights = face.map(|t| normal.lerp(t.normal, BALANCE).dot(t.foot - centre));
+    let (sum, count) = heights.fold((0.0, 0.0), |(sum, count), height| (sum + height, count + 1.0));
+    centre + normal * (sum / count)
 }
 
 /// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations (Golub & Van Loan 2013,
@@ -307,8 +316,16 @@ mod tests {
         let heights = |at: DVec3| tangents.iter().map(move |t| t.normal.dot(at - t.foot));
         let phi = std::array::from_fn(|i| heights(cell_corner(i).as_dvec3()).fold(f64::NEG_INFINITY, f64::max));
         let height = |at: DVec3| heights(at).fold(f64::NEG_INFINITY, f64::max);
-        Site { tangents: tangents.to_vec(), centre, phi, inset: 0.0, height: &height, is_crossed, wider: &Vec::new }
-            .vertex()
+        Site {
+            tangents: tangents.to_vec(),
+            centre,
+            phi,
+            inset: 0.0,
+            height: &height,
+            is_crossed,
+            wider: Some(&Vec::new),
+        }
+        .vertex()
     }
 
     #[test]

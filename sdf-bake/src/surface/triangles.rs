@@ -74,6 +74,12 @@ impl Split {
     }
 }
 
+/// The two triangles of a quad with the diagonal that fits the surface [voxels].
+pub(super) fn split(corners: [Corner; 4]) -> [[DVec3; 3]; 2] {
+    let [p, q, r, s] = corners.map(|corner| corner.at);
+    if fits_first(corners) { [[p, q, r], [p, r, s]] } else { [[p, q, s], [q, r, s]] }
+}
+
 /// The least height of a triangle.
 fn height([a, b, c]: [DVec3; 3]) -> f64 {
     let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt();
