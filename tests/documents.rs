@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use walkdir::{DirEntry, WalkDir};
+
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
@@ -139,6 +141,64 @@ fn the_glossary_defines_each_term_once_and_says_where_it_is_used() {
     names.sort_unstable();
     let twice: Vec<&[String]> = names.windows(2).filter(|pair| pair[0] == pair[1]).collect();
     assert!(twice.is_empty(), "{twice:?}");
+}
+
+/// Files of the project and its folders, relative to the root; folders end with a slash.
+fn places() -> Vec<String> {
+    let is_own = |name: &str| !name.starts_with('.') && name != "target" && name != "out";
+    let entries = WalkDir::new(root()).min_depth(1).into_iter();
+    let entries = entries.filter_entry(|entry| entry.depth() == 0 || is_own(&entry.file_name().to_string_lossy()));
+    let place = |entry: DirEntry| {
+        let path = entry.path().strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+        if entry.file_type().is_dir() { path + "/" } else { path }
+    };
+    entries.map(|entry| place(entry.unwrap())).collect()
+}
+
+/// Whether what stands in code font is a source file of the project or a folder below one at its root.
+fn is_place(code: &str, places: &[String]) -> bool {
+    let is_source = ["rs", "wgsl", "py", "mjs", "cpp"].iter().any(|end| code.ends_with(&format!(".{end}")));
+    let is_below = |top: &String| top.ends_with('/') && top.matches('/').count() == 1 && code.starts_with(top.as_str());
+    let is_folder = code.ends_with('/') || code.ends_with(".toml");
+    let is_plain = code.chars().all(|c| c.is_alphanumeric() || "._-/{},*".contains(c)) && !code.contains("NAME");
+    is_plain && (is_source || (is_folder && places.iter().any(is_below)))
+}
+
+/// The names behind one with `{a,b}` in it.
+fn expanded(code: &str) -> Vec<String> {
+    match (code.split_once('{'), code.split_once('}')) {
+        (Some((before, _)), Some((list, after))) => {
+            let (_, list) = list.split_once('{').unwrap_or_default();
+            list.split(',').map(|name| format!("{before}{name}{after}")).collect()
+        }
+        _ => vec![code.to_owned()],
+    }
+}
+
+/// Whether a place of the project ends with this name, in which `*` stands for any characters.
+fn exists(name: &str, places: &[String]) -> bool {
+    let (start, end) = name.split_once('*').unwrap_or((name, ""));
+    let whole = format!("/{start}");
+    places.iter().map(|place| format!("/{place}")).any(|place| match name.contains('*') {
+        true => place.ends_with(end) && place.contains(&whole),
+        false => place.ends_with(&whole),
+    })
+}
+
+#[test]
+fn every_source_that_a_document_names_exists() {
+    let places = places();
+    let mut checked = 0;
+    for document in documents().into_iter().filter(|document| !document.ends_with("CHANGELOG.md")) {
+        let text = fs::read_to_string(&document).unwrap();
+        let lines = text.split("```").step_by(2).flat_map(str::lines);
+        let codes = lines.flat_map(|line| line.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>());
+        for name in codes.filter(|code| is_place(code, &places)).flat_map(|code| expanded(&code)) {
+            assert!(exists(&name, &places), "{} names `{name}`, which does not exist", document.display());
+            checked += 1;
+        }
+    }
+    assert!(checked > 100, "only {checked} sources found");
 }
 
 #[test]
