@@ -155,13 +155,18 @@ fn places() -> Vec<String> {
     entries.map(|entry| place(entry.unwrap())).collect()
 }
 
+/// Whether a name begins with a folder at the project's root.
+fn is_rooted(name: &str, places: &[String]) -> bool {
+    let (top, _) = name.split_once('/').unwrap_or_default();
+    places.iter().any(|place| place.strip_suffix('/') == Some(top))
+}
+
 /// Whether what stands in code font is a source file of the project or a folder below one at its root.
 fn is_place(code: &str, places: &[String]) -> bool {
     let is_source = ["rs", "wgsl", "py", "mjs", "cpp"].iter().any(|end| code.ends_with(&format!(".{end}")));
-    let is_below = |top: &String| top.ends_with('/') && top.matches('/').count() == 1 && code.starts_with(top.as_str());
     let is_folder = code.ends_with('/') || code.ends_with(".toml");
     let is_plain = code.chars().all(|c| c.is_alphanumeric() || "._-/{},*".contains(c)) && !code.contains("NAME");
-    is_plain && (is_source || (is_folder && places.iter().any(is_below)))
+    is_plain && (is_source || (is_folder && is_rooted(code, places)))
 }
 
 /// The names behind one with `{a,b}` in it.
@@ -175,13 +180,17 @@ fn expanded(code: &str) -> Vec<String> {
     }
 }
 
-/// Whether a place of the project ends with this name, in which `*` stands for any characters.
+/// Whether a place of the project has this name, or ends with it if the name begins below the root; `*` stands for any
+/// characters.
 fn exists(name: &str, places: &[String]) -> bool {
     let (start, end) = name.split_once('*').unwrap_or((name, ""));
-    let whole = format!("/{start}");
-    places.iter().map(|place| format!("/{place}")).any(|place| match name.contains('*') {
-        true => place.ends_with(end) && place.contains(&whole),
-        false => place.ends_with(&whole),
+    let begun = format!("/{start}");
+    let is_rooted = is_rooted(name, places);
+    places.iter().map(|place| format!("/{place}")).any(|place| match (is_rooted, name.contains('*')) {
+        (true, true) => place.starts_with(&begun) && place.ends_with(end),
+        (true, false) => place == begun,
+        (false, true) => place.contains(&begun) && place.ends_with(end),
+        (false, false) => place.ends_with(&begun),
     })
 }
 

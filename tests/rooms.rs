@@ -99,6 +99,21 @@ fn crates_use_only_what_they_may() {
 }
 
 #[test]
+fn the_architecture_page_states_the_same_arrows() {
+    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let packages = packages();
+    let cell = |row: &str, column: usize| row.split('|').nth(column).expect("five columns").trim().to_owned();
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    assert_eq!(rows.len(), MAY_USE.len(), "ARCHITECTURE.md has another number of crates");
+    for (row, (folder, allowed)) in rows.into_iter().zip(MAY_USE) {
+        let shown = if folder.is_empty() { "src" } else { folder };
+        assert_eq!(cell(row, 1), format!("`{shown}/`"));
+        assert_eq!(cell(row, 2), format!("`{}`", packages[folder]["name"].as_str().expect("a name")));
+        assert_eq!(cell(row, 4), allowed.join(", "), "{shown}/ in ARCHITECTURE.md");
+    }
+}
+
+#[test]
 fn arrows_run_one_way() {
     for (at, (folder, allowed)) in MAY_USE.iter().enumerate() {
         for name in *allowed {
