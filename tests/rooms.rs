@@ -124,6 +124,19 @@ fn arrows_run_one_way() {
 }
 
 #[test]
+fn every_crate_is_described() {
+    for (folder, package) in packages() {
+        for key in ["description", "license", "readme"] {
+            assert!(package[key].as_str().is_some_and(|text| !text.is_empty()), "{folder:?} has no {key}");
+        }
+        for key in ["keywords", "categories"] {
+            let words = package[key].as_array().map_or(0, Vec::len);
+            assert!((1..=5).contains(&words), "{folder:?} has {words} {key}; 1 to 5 are accepted");
+        }
+    }
+}
+
+#[test]
 fn only_the_program_knows_the_command_line() {
     for (folder, package) in packages().iter().filter(|(folder, _)| !folder.is_empty()) {
         let used = dependencies(package);
