@@ -7,14 +7,15 @@
 //!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD; [`dataset`] does it for thousands, and
 //!    [`images`] makes labelled pictures of coated ones in the course of sanding.
-//! 4. [`finishing`] grinds the weld ([`sim`]) and [`report`] shows what happened.
-//! 5. [`plan`] makes tool paths; [`trial`] and [`table`] read what was measured, [`measure`] says what scans are worth.
-//! 6. [`virtual_lab`] makes trials in which effects are hidden, with the answer.
-//! 7. [`laboratory`] fits a model to what was measured and finds what it lacks; [`study`] is the whole course of that, and
-//!    [`study_report`] its page. [`riddle`] is a campaign to try it on.
-//! 8. [`validate`] opens what was written and holds it against itself.
+//! 4. [`finishing`] grinds the weld ([`sim`]) and [`grinding_page`] shows what happened ([`report`]).
+//! 5. [`plan`] makes tool paths; [`trials`] reads measurements, [`rehearsal`] simulates them ([`snapshot`], [`batch`]).
+//! 6. [`virtual_lab`] makes virtual experiments with hidden effects, and the answers.
+//! 7. [`lab`] fits a model to measurements and finds what it lacks; [`lab::study`] is the whole course, and
+//!    [`report::study`] its page. [`riddle`] is a sealed example to try it on.
+//! 8. [`validate`] opens what was written and compares its files with each other.
 //!
-//! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints or knows folders.
+//! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints. `ARCHITECTURE.md` has the
+//! crates and what each may use.
 
 pub mod asset;
 pub mod baking;

@@ -1,4 +1,21 @@
-//! The laboratory: a model held against the scans of a campaign, its parameters fitted, and what it lacks found.
+//! The laboratory: compares a model with measurements, fits it, and finds the effect that it lacks.
+//!
+//! The method in ten steps, each with its files:
+//!
+//! 1. [`twin`] simulates a trial as it was logged, [`campaign_twin`] all trials in order; [`scanner`] reads the result as
+//!    the instrument does.
+//! 2. `height_view`, `exposure_view` and `rows` make data of scans, masks and tables; `tiles` cuts scans up.
+//! 3. `covariance` whitens residuals: noise, and each scan's free pose; `blur` fits the instrument.
+//! 4. `fit` varies the parameters (`coordinates`, `derivatives`); `staged` fits the rate first.
+//! 5. `calibration` fits one effect after the other; the errors are the waterfall.
+//! 6. `structure`, `covariate_share` and `pass_trend` test what the model leaves.
+//! 7. `screen` simulates every effect at a few sizes (`probe`) beside what the base parameters can change (`response`).
+//! 8. `suspect` fits the most promising effects, `pair` two together; `significance` gives the Δχ² that noise reaches.
+//! 9. `diagnose` runs the search to its `verdict`; `ruled_out` and `detectable` say why others are out and what would show;
+//!    `forms` proposes a formula, `next_trial` and `next_row` an experiment.
+//! 10. [`study`] repeats it: compare, calibrate, diagnose, add.
+//!
+//! SI units inside; the same seed gives the same bytes on any number of threads.
 
 mod blur;
 mod border;
