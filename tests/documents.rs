@@ -211,6 +211,16 @@ fn every_source_that_a_document_names_exists() {
 }
 
 #[test]
+fn the_index_leads_to_every_page() {
+    let index = fs::read_to_string(root().join("docs/index.md")).unwrap();
+    let linked: Vec<&str> = links(&index).into_iter().filter_map(|link| link.split('#').next()).collect();
+    let pages = documents().into_iter().filter(|page| page.starts_with(root().join("docs")));
+    let names = pages.filter_map(|page| Some(page.file_name()?.to_string_lossy().into_owned()));
+    let missing: Vec<String> = names.filter(|name| name != "index.md" && !linked.contains(&name.as_str())).collect();
+    assert!(linked.len() > 20 && missing.is_empty(), "docs/index.md does not lead to {missing:?}");
+}
+
+#[test]
 fn the_readme_is_short() {
     let lines = fs::read_to_string(root().join("README.md")).unwrap().lines().count();
     assert!(lines <= 90, "README.md has {lines} lines; at most 90 are read");
