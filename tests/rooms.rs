@@ -27,9 +27,12 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     (
         "",
         &[
+            "benchmark",
             "effects",
+            "export",
             "files",
             "lab",
+            "paths",
             "random",
             "render",
             "report",
