@@ -173,6 +173,19 @@ pub fn quoted_near<'a>(text: &str, expected: impl IntoIterator<Item = &'a str>) 
     if is_quotable(text) || expected.into_iter().any(is_near) { format!("{text:?}") } else { measured(text) }
 }
 
+/// Names that [`quoted_names`] shows.
+const MOST_NAMES: usize = 20;
+
+/// As [`quoted_near`], for the names of a header; of many the first, and how many more there are.
+pub fn quoted_names<'a>(names: &[String], expected: impl IntoIterator<Item = &'a str> + Clone) -> String {
+    let shown = names.iter().take(MOST_NAMES).map(|name| quoted_near(name, expected.clone()));
+    let shown = shown.collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
 /// As [`quoted`], for a line: a keyword and numbers, of which one may be none.
 pub fn quoted_line(line: &str) -> String {
     let line = line.trim();
@@ -234,6 +247,10 @@ mod tests {
         }
         assert_eq!(quoted_near("force_setpoint", ["force_setpoint_n"]), "\"force_setpoint\"");
         assert_eq!(quoted_near("admin_password", ["force_setpoint_n"]), "text of 14 characters");
+        let names: Vec<String> = (0..1000).map(|k| format!("column_{k}")).collect();
+        assert_eq!(quoted_names(&names[..2], ["column_1"]), "text of 8 characters, \"column_1\"");
+        let many = quoted_names(&names, []);
+        assert!(many.ends_with(" and 980 more") && many.len() < 1000, "{many}");
         assert_eq!(quoted_line(" v 1 zero 0 "), "`v 1 zero 0`");
         assert_eq!(quoted_line("f correct horse battery"), "text of 23 characters");
         assert_eq!(quoted_line("v 1 root:x 0"), "text of 12 characters");

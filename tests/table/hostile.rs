@@ -157,3 +157,12 @@ fn an_order_or_role_that_cannot_be_read_is_refused_at_its_line() {
         &["rows.csv, line 5, column 6", "\"maybe\"", "calibration or evaluation"],
     );
 }
+
+#[test]
+fn rows_of_a_thousand_columns_are_refused_in_few_words() {
+    let header: String = (0..1000).map(|k| format!("column_{k},")).collect();
+    let csv = format!("{header}end\n{}\n", "1,".repeat(1000) + "1");
+    let error = Table::read(folder(MANIFEST, &csv).path()).expect_err("no column is there").to_string();
+    assert!(error.contains("no column") && error.contains("and 981 more"), "{error}");
+    assert!(error.chars().count() < 2000, "{error}");
+}

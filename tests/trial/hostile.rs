@@ -210,3 +210,12 @@ fn words_for_missing_heights_are_read_as_missing_and_walls_a_metre_deep_are_refu
     edit(folder.path(), "before.csv", |text| with(&text, "-5000"));
     refused(folder.path(), &["before.csv", "from -5000.0 to", "heights within a metre", "Leave such cells empty"]);
 }
+
+#[test]
+fn a_log_of_a_thousand_columns_is_refused_in_few_words() {
+    let folder = folder();
+    let header: String = (0..1000).map(|k| format!("column_{k},")).collect();
+    fs::write(folder.path().join("pass1_log.csv"), format!("{header}end\n1\n")).unwrap();
+    let message = refused(folder.path(), &["pass1_log.csv, line 1", "no column t_s", "and 981 more"]);
+    assert!(message.chars().count() < 2000, "{message}");
+}

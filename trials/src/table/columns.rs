@@ -5,7 +5,7 @@ use effects::Dimension;
 use super::Removed;
 use super::manifest::{Column, ColumnUnit, Manifest};
 use crate::trial::{TextRow, TrialError, nearest};
-use files::input::quoted_near;
+use files::input::{quoted_names, quoted_near};
 
 const LENGTH: Dimension = Dimension::whole([0, 1, 0, 0]);
 const VOLUME: Dimension = Dimension::whole([0, 3, 0, 0]);
@@ -75,7 +75,7 @@ struct Search<'a> {
 impl Columns {
     pub(super) fn find(manifest: &Manifest, header: &TextRow) -> Result<Self, TrialError> {
         let names: Vec<String> = (0..header.len()).map(|k| header.text(k).trim_matches('"').to_owned()).collect();
-        let header = names.iter().map(|name| quoted_near(name, [])).collect::<Vec<_>>().join(", ");
+        let header = quoted_names(&names, []);
         let search = Search { manifest, header, names };
         let order = manifest.order.as_ref().map(|name| search.place("order", name.get_ref(), name.span().start));
         let text = |key: &str| manifest.column(key).map(|column| search.column(column)).transpose();

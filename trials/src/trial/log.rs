@@ -1,6 +1,6 @@
 //! The log of a pass: what robot, force sensor and drive reported, row by row.
 
-use files::input::quoted_near;
+use files::input::quoted_names;
 use std::path::Path;
 
 use glam::DVec3;
@@ -112,8 +112,7 @@ impl Columns {
             find(wanted).ok_or_else(|| {
                 let near = super::manifest::nearest(wanted, names.iter().map(String::as_str));
                 let hint = near.map_or(String::new(), |near| format!(" ({near:?} is near, but not it)"));
-                let shown = names.iter().map(|name| quoted_near(name, KNOWN_COLUMNS)).collect::<Vec<_>>().join(", ");
-                let found = format!("no column {wanted}{hint} in the header {shown}");
+                let found = format!("no column {wanted}{hint} in the header {}", quoted_names(&names, KNOWN_COLUMNS));
                 header.place(0).bad(found, format!("the columns {} are expected", REQUIRED_COLUMNS.join(",")))
             })
         };
