@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use effects::{CompiledModel, Library, Model, RowCounts};
-use lab::twin::Twin;
+use lab::simulation::Simulation;
 use sim::{Clock, Controller, Phase};
 use trials::trial::{Campaign, Trial};
 
@@ -48,12 +48,12 @@ fn main() {
 fn measure(trial: &Trial, model: &CompiledModel) {
     let pitch = trial.scans.before.pixels.pitch;
     let clocks = [Clock::default(), Clock::default()];
-    let mut twin = Twin::new(trial, pitch, false).expect("a twin");
+    let mut simulation = Simulation::new(trial, pitch, false).expect("a simulation");
     let start = cpu_seconds();
-    let part = Twin::new(trial, pitch, false).expect("a twin").part;
+    let part = Simulation::new(trial, pitch, false).expect("a simulation").part;
     let baking = cpu_seconds() - start;
-    run(&format!("{}, quasi-static", trial.name), &mut twin, model, &clocks[0]);
-    twin.change_process(|process| {
+    run(&format!("{}, quasi-static", trial.name), &mut simulation, model, &clocks[0]);
+    simulation.change_process(|process| {
         process.quasi_static = false;
         if let Controller::Admittance { period, .. } = &mut process.controller {
             *period = 1e-3;
@@ -62,37 +62,37 @@ fn measure(trial: &Trial, model: &CompiledModel) {
     if std::env::var_os("QUASI").is_none()
         && matches!(trial.controller, Some(trials::trial::Controller::Admittance { .. }))
     {
-        run(&format!("{}, admittance at 1 ms", trial.name), &mut twin, model, &clocks[1]);
+        run(&format!("{}, admittance at 1 ms", trial.name), &mut simulation, model, &clocks[1]);
     }
     println!("  part from the scan in {baking:.3} s, {:.1} MB", part.bytes() as f64 / 1e6);
 }
 
 /// Runs a trial for its time, the least of some runs, and once more for where that goes.
-fn run<'a>(name: &str, twin: &mut Twin<'a>, model: &CompiledModel, clock: &'a Clock) {
+fn run<'a>(name: &str, simulation: &mut Simulation<'a>, model: &CompiledModel, clock: &'a Clock) {
     forget_peak();
-    let runs = [(); RUNS].map(|()| run_once(twin, model));
+    let runs = [(); RUNS].map(|()| run_once(simulation, model));
     let (steps, seconds) = (runs[0].0, runs.iter().map(|run| run.1).fold(f64::INFINITY, f64::min));
     let peak = peak_bytes() / 1e6;
     println!(
         "{name}: {:.1} s in {seconds:.3} CPU s, {:.0} times real time, {steps} steps, {:.0} µs each, {peak:.0} MB at most",
-        twin.duration(0),
-        twin.duration(0) / seconds,
+        simulation.duration(0),
+        simulation.duration(0) / seconds,
         seconds / steps as f64 * 1e6
     );
-    twin.clock = Some(clock);
+    simulation.clock = Some(clock);
     let start = Instant::now();
-    run_once(twin, model);
+    run_once(simulation, model);
     let all = start.elapsed().as_secs_f64();
-    twin.clock = None;
+    simulation.clock = None;
     let shares = Phase::ALL.map(|phase| format!("{} {:.0} %", label(phase), clock.seconds(phase) / all * 100.0));
     let rest = all - Phase::ALL.iter().map(|&phase| clock.seconds(phase)).sum::<f64>();
     println!("  {}, scan and other {:.0} %", shares.join(", "), rest / all * 100.0);
 }
 
 /// Steps of a trial, and the CPU time that they took [s].
-fn run_once(twin: &Twin, model: &CompiledModel) -> (usize, f64) {
+fn run_once(simulation: &Simulation, model: &CompiledModel) -> (usize, f64) {
     let start = cpu_seconds();
-    let (passes, _) = twin.run(model, &mut Twin::fresh_states(model), 0, &mut |_, _| {}).expect("a trial");
+    let (passes, _) = simulation.run(model, &mut Simulation::fresh_states(model), 0, &mut |_, _| {}).expect("a trial");
     (passes.iter().map(|pass| pass.record.steps).sum(), cpu_seconds() - start)
 }
 

@@ -8,9 +8,9 @@ use effects::{CompiledModel, ParameterSlot};
 use files::input::{self, MOST_TABLE_BYTES, quoted, quoted_near};
 use serde::Serialize;
 
-use crate::rehearsal::residual;
+use crate::trial_run::residual;
 use files::output::FolderKind;
-use lab::twin::{ModelRun, SimulatedPass};
+use lab::simulation::{ModelRun, SimulatedPass};
 use trials::trial::Trial;
 
 /// Name of the result file: one JSON object a line, in the order of the table.

@@ -8,10 +8,10 @@
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD; [`dataset`] does it for thousands, and
 //!    [`images`] makes labelled pictures of coated ones in the course of sanding.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`grinding_page`] shows what happened ([`report`]).
-//! 5. [`paths`] plans tool paths; [`trials`] reads measurements, [`rehearsal`] simulates them ([`snapshot`], [`batch`]).
+//! 5. [`paths`] plans tool paths; [`trials`] reads measurements, [`trial_run`] simulates them ([`snapshot`], [`batch`]).
 //! 6. [`virtual_lab`] makes virtual experiments with hidden effects, and the answers.
 //! 7. [`lab`] fits a model to measurements and finds what it lacks; [`lab::study`] is the whole course, and
-//!    [`report::study`] its page; [`benchmark`] counts how often it is right. [`riddle`] is a sealed example to try it on.
+//!    [`report::study`] its page; [`benchmark`] counts how often it is right. [`sealed_example`] is a sealed example to try it on.
 //! 8. [`validate`] opens what was written and compares its files with each other.
 //!
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints. `ARCHITECTURE.md` has the
@@ -20,7 +20,6 @@
 pub mod asset;
 pub mod baking;
 pub mod batch;
-pub mod budget;
 pub mod cache;
 pub mod commands;
 pub mod console;
@@ -31,12 +30,13 @@ pub mod finishing;
 pub mod grinding_page;
 pub mod images;
 mod interrupt;
+pub mod memory_budget;
 pub mod part;
 pub mod photo;
 pub mod picture;
-pub mod rehearsal;
-pub mod riddle;
+pub mod sealed_example;
 pub mod snapshot;
+pub mod trial_run;
 pub mod validate;
 pub mod workpiece;
 

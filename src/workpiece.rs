@@ -10,8 +10,8 @@ use weldgen::access::ToolShape;
 use weldgen::bead::{BeadShape, FormRequest};
 use weldgen::{Difficulty, PlaceError, Placement, Stitch, Surface, Weld, WeldRequest, place_welds_on};
 
-use crate::budget;
 use crate::console::Console;
+use crate::memory_budget;
 use crate::part::Part;
 
 /// Weld id of the first weld.
@@ -162,7 +162,7 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
         sign: options.sign,
         shell: None,
     };
-    budget::check(&part.mesh, &baking)?;
+    memory_budget::check(&part.mesh, &baking)?;
     let request = options.wishes.request(&part, baking.voxel);
     limits::check(&options.wishes, &request, &baking)?;
     let welds = place(&part, options, (&request, &baking))?;

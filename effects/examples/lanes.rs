@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use effects::{CompiledModel, Lanes, Library, Model, Place, Process, RowCounts, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Lanes, Library, Model, Process, RowCounts, States, StepValues, Variable};
 
 const LANES: usize = 512;
 const CALLS: usize = 20_000;
@@ -36,7 +36,7 @@ fn main() {
     let mut all: Vec<&str> = Library::builtin()
         .effects()
         .iter()
-        .filter(|effect| effect.changes_in(Process::Grinding).any(|change| change.hook == Place::Rate))
+        .filter(|effect| effect.changes_in(Process::Grinding).any(|change| change.hook == Hook::Rate))
         .filter(|effect| effect.acts_in(Process::Grinding))
         .map(|effect| effect.name.as_str())
         .collect();
@@ -49,9 +49,9 @@ fn main() {
     ] {
         let model = compiled(effects);
         let states = States::new(&model, 16);
-        let call = model.at(Place::Rate, &step, &states);
+        let call = model.at(Hook::Rate, &step, &states);
         let places = vec![3.5; LANES];
-        let needed = model.needs(Place::Rate).iter().filter(|variable| variable.is_lane_at(Place::Rate));
+        let needed = model.needs(Hook::Rate).iter().filter(|variable| variable.is_lane_at(Hook::Rate));
         let lanes = needed.fold(Lanes::new(LANES).with_tool_cell(&places), |lanes, variable| {
             lanes.with(*variable, if *variable == Variable::Pressure { &pressure } else { &depth })
         });

@@ -10,12 +10,12 @@ use super::lower::Part;
 use super::program::{Input, MOST_INPUTS, Operand, Program, ScalarInputs};
 use super::scope::Scope;
 use super::states::States;
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// A place of a model prepared for a step. It can be shared among threads and run over any number of lanes.
 pub struct Call<'a> {
     model: &'a CompiledModel,
-    place: Place,
+    place: Hook,
     step: &'a StepValues,
     states: &'a States,
     elapsed: f64,
@@ -25,7 +25,7 @@ pub struct Call<'a> {
 impl<'a> Call<'a> {
     pub(super) fn new(
         model: &'a CompiledModel,
-        place: Place,
+        place: Hook,
         step: &'a StepValues,
         states: &'a States,
         elapsed: f64,
@@ -191,7 +191,7 @@ impl<'a> Call<'a> {
     fn states_of(&self, part: &Part, lanes: &Lanes, lane: usize) -> Vec<f64> {
         let value = |(state, number): (&super::definition::State, &usize)| match state.per {
             Holder::Tool => self.states.tool[*number],
-            Holder::ToolCell if self.place == Place::ToolCell => self.states.tool_cells[*number][lane],
+            Holder::ToolCell if self.place == Hook::ToolCell => self.states.tool_cells[*number][lane],
             Holder::ToolCell => lanes.tool_cell.get(lane).map_or(state.initial, |place| {
                 let cells = &self.states.tool_cells[*number];
                 cells[(*place as usize).min(cells.len() - 1)]

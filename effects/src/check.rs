@@ -9,7 +9,7 @@ use super::null::check_null;
 use super::scope::{Scope, Symbol, motion_formulas};
 use super::toml_text::Source;
 use super::unit::Unit;
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// Checks an effect against the base laws whose parameters it may use.
 ///
@@ -37,7 +37,7 @@ pub fn check_in_model(effect: &Effect, laws: &[Effect], process: Process) -> Res
 }
 
 /// Known names and matching dimensions, at every place where a process of the scope gets.
-fn check_formulas<'a>(effect: &'a Effect, scope: &dyn Fn(Place) -> Scope<'a>) -> Result<(), EffectError> {
+fn check_formulas<'a>(effect: &'a Effect, scope: &dyn Fn(Hook) -> Scope<'a>) -> Result<(), EffectError> {
     for change in effect.changes.iter().filter(|change| scope(change.hook).is_reached()) {
         let of = format!("the value `{}`", change.value.name());
         scope(change.hook).expect(&change.formula, change.value.dimension(), &of)?;
@@ -132,7 +132,7 @@ fn follow<'a>(
         let circle = trail.iter().position(|before| *before == used);
         trail.push(used);
         if let Some(from) = circle {
-            let scope = Scope::new(effect, Place::ToolState, &[]);
+            let scope = Scope::new(effect, Hook::ToolState, &[]);
             return Err(scope.error(formula, &span, Problem::Cycle(trail[from..].join(" -> "))));
         }
         follow(effect, formulas, done, trail)?;

@@ -11,10 +11,10 @@ use super::inputs::{Lanes, StepValues};
 use super::library::{LAWS, Library};
 use super::lower::{Lowering, Part};
 use super::model::{Model, ModelError};
+use super::parameter_vector::{ParameterSlot, RowCounts, Slots};
 use super::program::{MOST_INPUTS, MOST_REGISTERS, Program};
-use super::slots::{ParameterSlot, RowCounts, Slots};
 use super::states::States;
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// A state of the workpiece cells, whose values the caller keeps.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub(super) struct Structure {
     pub(super) law_parts: Vec<Part>,
     /// The effects in the order in which they act.
     pub(super) effect_parts: Vec<Part>,
-    /// By [`Place`].
+    /// By [`Hook`].
     programs: Vec<Program>,
     needs: Vec<Vec<Variable>>,
     slots: Vec<ParameterSlot>,
@@ -81,19 +81,19 @@ pub struct CompiledModel {
 }
 
 /// Every place that has a program.
-const PLACES: [Place; 12] = [
-    Place::Pose,
-    Place::Shape,
-    Place::Pressure,
-    Place::Spindle,
-    Place::Force,
-    Place::Rate,
-    Place::Dose,
-    Place::Height,
-    Place::Exposure,
-    Place::ToolState,
-    Place::ToolCell,
-    Place::WorkpieceCell,
+const PLACES: [Hook; 12] = [
+    Hook::Pose,
+    Hook::Shape,
+    Hook::Pressure,
+    Hook::Spindle,
+    Hook::Force,
+    Hook::Rate,
+    Hook::Dose,
+    Hook::Height,
+    Hook::Exposure,
+    Hook::ToolState,
+    Hook::ToolCell,
+    Hook::WorkpieceCell,
 ];
 
 impl CompiledModel {
@@ -145,7 +145,7 @@ impl CompiledModel {
     }
 
     /// Whether an effect acts at a hook. Where none does, only the base law is at work, or nothing.
-    pub fn has(&self, hook: Place) -> bool {
+    pub fn has(&self, hook: Hook) -> bool {
         self.structure.process.has(hook)
             && self
                 .structure
@@ -155,7 +155,7 @@ impl CompiledModel {
     }
 
     /// The effects that act at a hook and are not at their null value.
-    pub fn acting(&self, hook: Place) -> impl Iterator<Item = &Effect> {
+    pub fn acting(&self, hook: Hook) -> impl Iterator<Item = &Effect> {
         let Structure { process, effect_parts, slots, .. } = &*self.structure;
         let is_null = |effect: &Effect| {
             let mut own = slots.iter().zip(&self.values).filter(|(slot, _)| slot.owner == effect.name);
@@ -170,11 +170,11 @@ impl CompiledModel {
     pub fn may_bend(&self) -> bool {
         let is_own = |part: &Part| !LAWS.iter().any(|(file, _)| file.strip_suffix(".toml") == Some(&part.effect.name));
         self.structure.law_parts.iter().any(is_own)
-            || [Place::Pressure, Place::Rate].into_iter().any(|hook| self.acting(hook).next().is_some())
+            || [Hook::Pressure, Hook::Rate].into_iter().any(|hook| self.acting(hook).next().is_some())
     }
 
     /// The variables that formulas read at a place: what the simulator must supply.
-    pub fn needs(&self, place: Place) -> &[Variable] {
+    pub fn needs(&self, place: Hook) -> &[Variable] {
         &self.structure.needs[place as usize]
     }
 
@@ -184,7 +184,7 @@ impl CompiledModel {
     }
 
     /// Whether formulas at a place read the tool cell over each lane.
-    pub fn reads_tool_cells(&self, place: Place) -> bool {
+    pub fn reads_tool_cells(&self, place: Hook) -> bool {
         self.program(place).reads_tool_cell_over()
     }
 
@@ -227,7 +227,7 @@ impl CompiledModel {
     }
 
     /// Prepares a hook for a step: what has one value per step is computed here.
-    pub fn at<'a>(&'a self, place: Place, step: &'a StepValues, states: &'a States) -> Call<'a> {
+    pub fn at<'a>(&'a self, place: Hook, step: &'a StepValues, states: &'a States) -> Call<'a> {
         Call::new(self, place, step, states, 0.0)
     }
 
@@ -236,7 +236,7 @@ impl CompiledModel {
     /// # Errors
     /// A formula that gives no finite number.
     pub fn pose(&self, step: &StepValues, states: &States) -> Result<PoseChange, RunError> {
-        let call = self.at(Place::Pose, step, states);
+        let call = self.at(Hook::Pose, step, states);
         let [x, y, z, roll, pitch] = [0, 1, 2, 3, 4].map(|output| call.scalar(output));
         Ok(PoseChange { offset: [x?, y?, z?], roll: roll?, pitch: pitch? })
     }
@@ -246,7 +246,7 @@ impl CompiledModel {
     /// # Errors
     /// A formula that gives no finite number.
     pub fn spindle_speed(&self, step: &StepValues, states: &States) -> Result<f64, RunError> {
-        self.at(Place::Spindle, step, states).scalar(0)
+        self.at(Hook::Spindle, step, states).scalar(0)
     }
 
     /// Force that the controller believes [N], from [`Variable::ForceReading`] as it is.
@@ -254,7 +254,7 @@ impl CompiledModel {
     /// # Errors
     /// A formula that gives no finite number.
     pub fn force_reading(&self, step: &StepValues, states: &States) -> Result<f64, RunError> {
-        self.at(Place::Force, step, states).scalar(0)
+        self.at(Hook::Force, step, states).scalar(0)
     }
 
     /// Dose from which the scanner calls the substrate exposed; 1 for a perfect one.
@@ -263,7 +263,7 @@ impl CompiledModel {
     /// A formula that gives no finite number.
     pub fn exposure_threshold(&self, step: &StepValues) -> Result<f64, RunError> {
         let states = States::new(self, 1);
-        self.at(Place::Exposure, step, &states).scalar(0)
+        self.at(Hook::Exposure, step, &states).scalar(0)
     }
 
     /// Moves the states of workpiece cells on by `elapsed` [s]: old values in `lanes`, new ones into `out`.
@@ -277,10 +277,10 @@ impl CompiledModel {
         lanes: &Lanes,
         out: &mut [&mut [f64]],
     ) -> Result<(), RunError> {
-        Call::new(self, Place::WorkpieceCell, step, states, elapsed).run_all(lanes, out)
+        Call::new(self, Hook::WorkpieceCell, step, states, elapsed).run_all(lanes, out)
     }
 
-    pub(super) fn program(&self, place: Place) -> &Program {
+    pub(super) fn program(&self, place: Hook) -> &Program {
         &self.structure.programs[place as usize]
     }
 }
@@ -292,12 +292,12 @@ impl Structure {
         if index < laws { &self.law_parts[index] } else { &self.effect_parts[index - laws] }
     }
 
-    fn compile(&self, place: Place) -> Result<Program, ModelError> {
+    fn compile(&self, place: Hook) -> Result<Program, ModelError> {
         let mut lowering = Lowering::new(place, self.process, &self.laws, &self.law_parts);
         let outputs: Vec<Id> = match place {
-            Place::ToolState => self.advance_all(&mut lowering, Holder::Tool),
-            Place::ToolCell => self.advance_all(&mut lowering, Holder::ToolCell),
-            Place::WorkpieceCell => self.advance_all(&mut lowering, Holder::WorkpieceCell),
+            Hook::ToolState => self.advance_all(&mut lowering, Holder::Tool),
+            Hook::ToolCell => self.advance_all(&mut lowering, Holder::ToolCell),
+            Hook::WorkpieceCell => self.advance_all(&mut lowering, Holder::WorkpieceCell),
             hook => {
                 if self.process.has(hook) {
                     self.law_parts.iter().chain(&self.effect_parts).for_each(|part| lowering.apply(part));

@@ -3,7 +3,7 @@
 use super::accepted::Accepted;
 use super::syntax::Expr;
 use super::unit::Unit;
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// A finishing process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -32,10 +32,10 @@ impl Process {
     }
 
     /// Whether the process has this place: grinding has no dose and no exposure, sanding no recession.
-    pub fn has(self, place: Place) -> bool {
+    pub fn has(self, place: Hook) -> bool {
         match self {
-            Self::Grinding => !matches!(place, Place::Dose | Place::Exposure),
-            Self::Sanding => place != Place::Rate,
+            Self::Grinding => !matches!(place, Hook::Dose | Hook::Exposure),
+            Self::Sanding => place != Hook::Rate,
         }
     }
 }
@@ -170,11 +170,11 @@ pub enum Holder {
 
 impl Holder {
     /// Where the state's own formulas are evaluated.
-    pub fn place(self) -> Place {
+    pub fn place(self) -> Hook {
         match self {
-            Self::Tool => Place::ToolState,
-            Self::ToolCell => Place::ToolCell,
-            Self::WorkpieceCell => Place::WorkpieceCell,
+            Self::Tool => Hook::ToolState,
+            Self::ToolCell => Hook::ToolCell,
+            Self::WorkpieceCell => Hook::WorkpieceCell,
         }
     }
 
@@ -188,11 +188,11 @@ impl Holder {
     }
 
     /// Whether formulas at `place` may read such a state.
-    pub fn is_readable_at(self, place: Place) -> bool {
+    pub fn is_readable_at(self, place: Hook) -> bool {
         match self {
             Self::Tool => !place.is_scan(),
             Self::ToolCell => place.is_per_lane() && !place.is_scan(),
-            Self::WorkpieceCell => place.is_per_lane() && !place.is_scan() && place != Place::ToolCell,
+            Self::WorkpieceCell => place.is_per_lane() && !place.is_scan() && place != Hook::ToolCell,
         }
     }
 }
@@ -251,7 +251,7 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// The hook.
-    pub hook: Place,
+    pub hook: Hook,
     /// The value.
     pub value: Variable,
     /// Its new value.

@@ -3,7 +3,7 @@
 use super::dimension::Dimension;
 use super::parse::SyntaxError;
 use super::unit::UnitError;
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// A fault in an effect or model file, with its place.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -58,7 +58,7 @@ pub enum Problem {
         /// The name.
         name: String,
         /// Where the formula is evaluated.
-        place: Place,
+        place: Hook,
         /// A guess at what was meant, or where the name is known.
         hint: String,
         /// Names with their units.
@@ -125,7 +125,7 @@ pub enum RunError {
         /// Its value.
         value: f64,
         /// The hook.
-        place: Place,
+        place: Hook,
         /// The first such lane.
         lane: usize,
     },
@@ -139,7 +139,7 @@ pub enum RunError {
         /// Lanes.
         expected: usize,
         /// The hook.
-        place: Place,
+        place: Hook,
     },
 }
 
@@ -158,7 +158,7 @@ pub struct BadResult {
     /// What came out.
     pub result: f64,
     /// Where it is evaluated.
-    pub place: Place,
+    pub place: Hook,
     /// The operation that broke down.
     pub cause: String,
     /// Values of the variables in the first such lane.

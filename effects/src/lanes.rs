@@ -20,7 +20,7 @@ pub struct LaneInputs<'a> {
     pub scalars: &'a [f64],
     /// One slice per input of the program, all as long as the lanes.
     pub slices: &'a [&'a [f64]],
-    /// Place of each lane among the tool cells.
+    /// Hook of each lane among the tool cells.
     pub tool_cell: &'a [f64],
     /// States of the tool cells.
     pub tool_states: &'a [Vec<f64>],

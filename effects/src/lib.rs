@@ -7,14 +7,14 @@
 //! a tree directly: it is what the programs are tested against, and what explains a result that is not finite.
 //!
 //! ```
-//! use effects::{CompiledModel, Lanes, Library, Model, Place, Process, RowCounts, States, StepValues, Variable};
+//! use effects::{CompiledModel, Lanes, Library, Model, Hook, Process, RowCounts, States, StepValues, Variable};
 //!
 //! let model = Model::new(Process::Grinding).with("pressure-exponent");
 //! let mut model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).unwrap();
 //! model.set(model.index("pressure-exponent.exponent").unwrap(), 0.5);
 //!
 //! let (step, states) = (StepValues::new(), States::new(&model, 0));
-//! let call = model.at(Place::Rate, &step, &states);
+//! let call = model.at(Hook::Rate, &step, &states);
 //! let mut rate = [0.0; 2];
 //! call.run(&Lanes::new(2).with(Variable::Pressure, &[1e6, 4e6]), &mut rate).unwrap();
 //! assert!((rate[1] / rate[0] - 2.0).abs() < 1e-12);   // r ~ p^0.5
@@ -42,11 +42,11 @@ mod nearest;
 mod null;
 mod op;
 pub mod page;
+mod parameter_vector;
 mod parse;
 mod program;
 mod read;
 mod scope;
-mod slots;
 mod states;
 mod syntax;
 mod toml_text;
@@ -67,11 +67,11 @@ pub use inputs::{Lanes, StepValues};
 pub use library::{EFFECTS, LAWS, Library, check_file};
 pub use model::{Model, ModelError, ModelPart};
 pub use nearest::hint;
+pub use parameter_vector::{ParameterSlot, RowCounts};
 pub use parse::SyntaxError;
-pub use slots::{ParameterSlot, RowCounts};
 pub use states::States;
 pub use unit::{Unit, UnitError};
-pub use variable::{Per, Place, TABLE, Variable, VariableRow};
+pub use variable::{Hook, Per, TABLE, Variable, VariableRow};
 pub use wgsl::{DeviceModel, Unwritable};
 
 #[cfg(test)]

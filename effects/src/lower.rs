@@ -8,7 +8,7 @@ use super::interpret::lag;
 use super::op::Op;
 use super::scope::{Scope, Symbol};
 use super::syntax::{Expr, Node};
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// A law or effect of a model, with the numbers of its first parameter and state values among all of the model.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ pub struct Part {
 pub struct Lowering<'a> {
     /// The graph so far.
     pub graph: Graph,
-    place: Place,
+    place: Hook,
     process: Process,
     laws: &'a [Effect],
     law_parts: &'a [Part],
@@ -37,7 +37,7 @@ pub struct Lowering<'a> {
 
 impl<'a> Lowering<'a> {
     /// Starts with the values as the simulator hands them in; a law gives those that it makes.
-    pub fn new(place: Place, process: Process, laws: &'a [Effect], law_parts: &'a [Part]) -> Self {
+    pub fn new(place: Hook, process: Process, laws: &'a [Effect], law_parts: &'a [Part]) -> Self {
         let (graph, current, named) = (Graph::default(), Vec::new(), BTreeMap::new());
         let mut lowering = Self { graph, place, process, laws, law_parts, current, named };
         for &value in place.values() {
@@ -70,7 +70,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The values as they are now, in the order of [`Place::values`].
+    /// The values as they are now, in the order of [`Hook::values`].
     pub fn outputs(&self) -> Vec<Id> {
         self.current.iter().map(|(_, id)| *id).collect()
     }
@@ -170,7 +170,7 @@ impl<'a> Lowering<'a> {
         let number = part.states[index];
         self.graph.load(match part.effect.states[index].per {
             Tool => Load::ToolState(number),
-            ToolCell if self.place == Place::ToolCell => Load::OwnToolCell(number),
+            ToolCell if self.place == Hook::ToolCell => Load::OwnToolCell(number),
             ToolCell => Load::ToolCellOver(number),
             WorkpieceCell => Load::CellState(number),
         })

@@ -21,7 +21,7 @@ use super::error::{EffectError, Problem};
 use super::library::Library;
 use super::nearest::hint;
 use super::toml_text::{Bare, Entry, Section, Source};
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// A law or effect of a model with the values that differ from its defaults.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,7 +116,7 @@ pub enum ModelError {
     #[error("the formulas at the hook {place} are too large together: simplify or remove an effect")]
     TooLarge {
         /// Where.
-        place: Place,
+        place: Hook,
     },
 }
 

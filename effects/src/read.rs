@@ -6,7 +6,7 @@ use super::definition::{
 use super::error::{EffectError, Problem};
 use super::toml_text::{Bare, Entry, Section, Source, named};
 use super::unit::Unit;
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// Parts of all formulas of a file together: each is evaluated for every cell of every step, and the longest of the
 /// program's own files has a tenth of it.
@@ -233,7 +233,7 @@ fn changes(root: &Section, key: &str) -> Result<Vec<Change>, EffectError> {
     let mut changes = Vec::new();
     for (name, entry) in root.need(key)?.section()?.entries() {
         let Some((hook, value)) = Variable::modified_by(name) else {
-            let values = Place::HOOKS.iter().flat_map(|hook| hook.values());
+            let values = Hook::HOOKS.iter().flat_map(|hook| hook.values());
             let accepted: Vec<&str> = values.map(|value| value.name()).collect();
             return Err(
                 entry.error(Problem::UnknownKey { found: named(name, &accepted), accepted: accepted.join(", ") })

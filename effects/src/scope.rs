@@ -9,7 +9,7 @@ use super::error::{EffectError, Problem};
 use super::nearest::near;
 use super::op::Op;
 use super::syntax::{Expr, Node};
-use super::variable::{Place, Variable};
+use super::variable::{Hook, Variable};
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,7 +32,7 @@ pub struct Scope<'a> {
     /// The effect.
     pub effect: &'a Effect,
     /// Where its formula is evaluated.
-    pub place: Place,
+    pub place: Hook,
     /// Base laws whose parameters are visible.
     pub laws: &'a [Effect],
     /// The only process that gets here; nothing: every process in which the effect acts.
@@ -46,7 +46,7 @@ type Found = BTreeMap<usize, Option<Dimension>>;
 
 impl<'a> Scope<'a> {
     /// The names for any process.
-    pub fn new(effect: &'a Effect, place: Place, laws: &'a [Effect]) -> Self {
+    pub fn new(effect: &'a Effect, place: Hook, laws: &'a [Effect]) -> Self {
         Self { effect, place, laws, process: None }
     }
 

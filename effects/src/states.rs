@@ -5,7 +5,7 @@ use super::compiled::CompiledModel;
 use super::definition::{Holder, Reset};
 use super::error::RunError;
 use super::inputs::{Lanes, StepValues};
-use super::variable::Place;
+use super::variable::Hook;
 
 /// States of a tool [SI].
 #[derive(Clone, Debug, PartialEq)]
@@ -88,9 +88,9 @@ impl States {
     ) -> Result<Vec<f64>, RunError> {
         if !cells.is_empty() {
             let mut outputs: Vec<&mut [f64]> = cells.iter_mut().map(Vec::as_mut_slice).collect();
-            Call::new(model, Place::ToolCell, step, self, elapsed).run_all(tool_lanes, &mut outputs)?;
+            Call::new(model, Hook::ToolCell, step, self, elapsed).run_all(tool_lanes, &mut outputs)?;
         }
-        let call = Call::new(model, Place::ToolState, step, self, elapsed);
+        let call = Call::new(model, Hook::ToolState, step, self, elapsed);
         (0..self.tool.len()).map(|index| call.scalar(index)).collect()
     }
 

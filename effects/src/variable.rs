@@ -8,7 +8,7 @@ use super::unit::Unit;
 /// Where a formula is evaluated: the hooks in their fixed order, then the three kinds of state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
-pub enum Place {
+pub enum Hook {
     /// Offset and tilt of the tool, once per step.
     Pose,
     /// Gap between tool and workpiece, per contact cell.
@@ -35,9 +35,9 @@ pub enum Place {
     WorkpieceCell,
 }
 
-use Place::{Dose, Exposure, Force, Height, Pose, Pressure, Rate, Shape, Spindle, ToolCell, ToolState, WorkpieceCell};
+use Hook::{Dose, Exposure, Force, Height, Pose, Pressure, Rate, Shape, Spindle, ToolCell, ToolState, WorkpieceCell};
 
-impl Place {
+impl Hook {
     /// The hooks in the order in which they act.
     pub const HOOKS: [Self; 9] = [Pose, Shape, Pressure, Spindle, Force, Rate, Dose, Height, Exposure];
 
@@ -100,18 +100,18 @@ pub enum Per {
 }
 
 /// All process places.
-const PROCESS: &[Place] = &[Pose, Shape, Pressure, Spindle, Force, Rate, Dose, ToolState, ToolCell, WorkpieceCell];
+const PROCESS: &[Hook] = &[Pose, Shape, Pressure, Spindle, Force, Rate, Dose, ToolState, ToolCell, WorkpieceCell];
 /// Process places and the scanner's.
-const EVERYWHERE: &[Place] =
+const EVERYWHERE: &[Hook] =
     &[Pose, Shape, Pressure, Spindle, Force, Rate, Dose, Height, Exposure, ToolState, ToolCell, WorkpieceCell];
 /// Contact cells.
-const CELL: &[Place] = &[Shape, Pressure, Rate, Dose, WorkpieceCell];
+const CELL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell];
 /// Contact cells whose depth is known.
-const PRESSED: &[Place] = &[Pressure, Rate, Dose, WorkpieceCell];
+const PRESSED: &[Hook] = &[Pressure, Rate, Dose, WorkpieceCell];
 /// Contact cells and pixels.
-const CELL_PIXEL: &[Place] = &[Shape, Pressure, Rate, Dose, WorkpieceCell, Height];
+const CELL_PIXEL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell, Height];
 /// Contact cells and tool cells.
-const CELL_TOOL: &[Place] = &[Shape, Pressure, Rate, Dose, WorkpieceCell, ToolCell];
+const CELL_TOOL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell, ToolCell];
 
 /// One row of [`TABLE`].
 #[derive(Clone, Copy, Debug)]
@@ -123,7 +123,7 @@ pub struct VariableRow {
     /// How often it changes.
     pub per: Per,
     /// Where formulas may use it.
-    pub places: &'static [Place],
+    pub places: &'static [Hook],
     /// Plausible least and greatest value [SI], from which checks draw their inputs.
     pub probe: [f64; 2],
     /// What it is.
@@ -249,23 +249,23 @@ impl Variable {
     }
 
     /// Whether it has one value per cell or pixel at `place`.
-    pub fn is_lane_at(self, place: Place) -> bool {
+    pub fn is_lane_at(self, place: Hook) -> bool {
         place.is_per_lane() && self.row().per != Per::Step
     }
 
     /// The variable of this name that formulas at `place` may use.
-    pub fn find(name: &str, place: Place) -> Option<Self> {
+    pub fn find(name: &str, place: Hook) -> Option<Self> {
         Self::at(place).find(|variable| variable.name() == name)
     }
 
     /// The variables that formulas at `place` may use, in the order of the table.
-    pub fn at(place: Place) -> impl Iterator<Item = Self> {
+    pub fn at(place: Hook) -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(move |variable| variable.row().places.contains(&place))
     }
 
     /// The hook that modifies the value of this name. A hook with a single value also answers to its own name.
-    pub fn modified_by(name: &str) -> Option<(Place, Self)> {
-        Place::HOOKS.into_iter().find_map(|hook| {
+    pub fn modified_by(name: &str) -> Option<(Hook, Self)> {
+        Hook::HOOKS.into_iter().find_map(|hook| {
             let values = hook.values();
             let single = (values.len() == 1 && hook.name() == name).then(|| values[0]);
             let value = single.or_else(|| values.iter().copied().find(|value| value.name() == name))?;
@@ -280,7 +280,7 @@ impl fmt::Display for Variable {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Hook {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name())
     }

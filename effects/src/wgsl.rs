@@ -10,7 +10,7 @@ use super::definition::{Holder, Rows};
 use super::graph::{Load, Node};
 use super::op::Op;
 use super::program::{Input, LaneOp, Operand, Program};
-use super::variable::{Per, Place, Variable};
+use super::variable::{Hook, Per, Variable};
 
 /// A model as a device runs it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct DeviceModel {
 pub enum Unwritable {
     /// A variable that takes a walk over the whole sheet.
     #[error("the hook {0} reads edge_distance")]
-    EdgeDistance(Place),
+    EdgeDistance(Hook),
     /// States that the workpiece keeps.
     #[error("`{0}` is a state of the workpiece's cells")]
     WorkpieceState(String),
@@ -49,14 +49,14 @@ const CELL_SUMS: [Variable; 6] = [
 ];
 
 /// Hooks over lanes.
-const LANE_HOOKS: [Place; 4] = [Place::Shape, Place::Pressure, Place::Rate, Place::Dose];
+const LANE_HOOKS: [Hook; 4] = [Hook::Shape, Hook::Pressure, Hook::Rate, Hook::Dose];
 /// Hooks with one value, or five, per step.
-const STEP_HOOKS: [Place; 3] = [Place::Pose, Place::Spindle, Place::Force];
+const STEP_HOOKS: [Hook; 3] = [Hook::Pose, Hook::Spindle, Hook::Force];
 
 impl DeviceModel {
     /// Writes out a model for a tool with so many cells.
     pub fn new(model: &CompiledModel, tool_cells: usize) -> Result<Self, Unwritable> {
-        let reads_edges = |place: &Place| model.needs(*place).contains(&Variable::EdgeDistance);
+        let reads_edges = |place: &Hook| model.needs(*place).contains(&Variable::EdgeDistance);
         if let Some(place) = LANE_HOOKS.into_iter().find(reads_edges) {
             return Err(Unwritable::EdgeDistance(place));
         }
@@ -81,7 +81,7 @@ impl DeviceModel {
         ] {
             let _ = writeln!(text, "const {name}_AT: u32 = {at}u;");
         }
-        for place in [Place::Pose, Place::Shape, Place::Spindle, Place::Force] {
+        for place in [Hook::Pose, Hook::Shape, Hook::Spindle, Hook::Force] {
             let name = place.name().to_uppercase();
             let _ = writeln!(text, "const HAS_{name}: bool = {};", model.has(place));
         }
@@ -110,10 +110,10 @@ impl Writer {
     }
 
     /// A hook that one invocation runs.
-    fn step_hook(&mut self, place: Place, program: &Program) {
+    fn step_hook(&mut self, place: Hook, program: &Program) {
         let results: Vec<String> = program.outputs.iter().map(|output| scalar_name("s", output)).collect();
         let (kind, result) = match place {
-            Place::Pose => ("array<f32, 5>", format!("array<f32, 5>({})", results.join(", "))),
+            Hook::Pose => ("array<f32, 5>", format!("array<f32, 5>({})", results.join(", "))),
             _ => ("f32", results[0].clone()),
         };
         let body = format!("{}    return {result};\n", scalars("s", program));
@@ -121,7 +121,7 @@ impl Writer {
     }
 
     /// A hook over lanes. Gives the text that prepares it.
-    fn lane_hook(&mut self, place: Place, program: &Program) -> String {
+    fn lane_hook(&mut self, place: Hook, program: &Program) -> String {
         let prefix = &place.name()[..2];
         let first = self.kept;
         let prepared = scalars(prefix, program) + &self.keep(prefix, program);
@@ -139,7 +139,7 @@ impl Writer {
 
     /// States of the tool and of its cells.
     fn states(&mut self, model: &CompiledModel) {
-        let (tool, cells) = (model.program(Place::ToolState), model.program(Place::ToolCell));
+        let (tool, cells) = (model.program(Hook::ToolState), model.program(Hook::ToolCell));
         let first = self.kept;
         let mut prepared = scalars("c", cells) + &self.keep("c", cells) + &scalars("t", tool);
         for (index, output) in tool.outputs.iter().enumerate() {

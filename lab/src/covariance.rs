@@ -52,7 +52,7 @@ impl TileNoise {
 /// A change that data may show for a reason that is no physics, such as a tilt of the scan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freedom {
-    /// What one unit of it adds to each datum, shape [data, freedoms].
+    /// What one unit of it adds to each datum, shape [data, degrees of freedom].
     pub columns: DMatrix<f64>,
     /// Values expected.
     pub mean: DVector<f64>,
@@ -61,14 +61,14 @@ pub struct Freedom {
 }
 
 impl Freedom {
-    /// Independent freedoms around zero with their standard deviations.
+    /// Independent degrees of freedom around zero with their standard deviations.
     pub fn around_zero(columns: DMatrix<f64>, sigmas: &[f64]) -> Self {
         let variances: Vec<f64> = sigmas.iter().map(|sigma| sigma * sigma).collect();
         let covariance = DMatrix::from_diagonal(&DVector::from_vec(variances));
         Self { columns, mean: DVector::zeros(sigmas.len()), covariance }
     }
 
-    /// These freedoms and others around zero, independent of them.
+    /// These degrees of freedom and others around zero, independent of them.
     pub fn and(self, columns: DMatrix<f64>, sigmas: &[f64]) -> Self {
         let other = Self::around_zero(columns, sigmas);
         let (few, all) = (self.mean.len(), self.mean.len() + sigmas.len());
@@ -87,10 +87,10 @@ impl Freedom {
     }
 }
 
-/// Turns differences into numbers that are independent and of variance one when only noise and freedoms are at work.
+/// Turns differences into numbers that are independent and of variance one when only noise and degrees of freedom are at work.
 ///
-/// Freedoms with a normal law are noise with covariance `E S Eᵀ` (Kennedy and O'Hagan 2001, section 4): a fit to whitened
-/// data is a joint fit of physics and freedoms.
+/// Degrees of freedom with a normal law are noise with covariance `E S Eᵀ` (Kennedy and O'Hagan 2001, section 4): a fit to whitened
+/// data is a joint fit of physics and degrees of freedom.
 #[derive(Clone, Debug)]
 pub struct Whitener {
     factor: Cholesky<f64, Dyn>,
@@ -126,44 +126,44 @@ impl Whitener {
         left.as_slice().to_vec()
     }
 
-    /// The change of the data behind a change of whitened data, without what the freedoms take up of it.
+    /// The change of the data behind a change of whitened data, without what the degrees of freedom take up of it.
     pub fn unwhiten(&self, change: &[f64]) -> Vec<f64> {
         let data = self.factor.l_dirty().lower_triangle() * DVector::from_column_slice(change);
-        let freedoms = &self.freedom.covariance * self.freedom.columns.tr_mul(&self.factor.solve(&data));
-        (data - &self.freedom.columns * freedoms).as_slice().to_vec()
+        let degrees_of_freedom = &self.freedom.covariance * self.freedom.columns.tr_mul(&self.factor.solve(&data));
+        (data - &self.freedom.columns * degrees_of_freedom).as_slice().to_vec()
     }
 
-    /// Measured minus simulated without what the freedoms are expected to add.
+    /// Measured minus simulated without what the degrees of freedom are expected to add.
     pub fn centred(&self, difference: &[f64]) -> Vec<f64> {
         difference.iter().zip(self.offset.iter()).map(|(d, offset)| d - offset).collect()
     }
 
-    /// Differences, centred, that noise and freedoms make of independent normal numbers.
+    /// Differences, centred, that noise and degrees of freedom make of independent normal numbers.
     pub fn coloured(&self, normals: &[f64]) -> Vec<f64> {
         let factor = self.factor.l_dirty();
         let row = |i: usize| (0..=i).map(|j| factor[(i, j)] * normals[j]).sum();
         (0..normals.len()).map(row).collect()
     }
 
-    /// The freedoms before the data are seen.
+    /// The degrees of freedom before the data are seen.
     pub fn expected(&self) -> &Freedom {
         &self.freedom
     }
 
-    /// As [`Whitener::sigma_of_sum`], with another covariance of the freedoms.
+    /// As [`Whitener::sigma_of_sum`], with another covariance of the degrees of freedom.
     pub fn sigma_of_sum_given(&self, weights: &[f64], covariance: &DMatrix<f64>) -> f64 {
         let arms = self.freedom.columns.tr_mul(&DVector::from_column_slice(weights));
         let change = arms.dot(&((covariance - &self.freedom.covariance) * &arms));
         (self.sigma_of_sum(weights).powi(2) + change).max(0.0).sqrt()
     }
 
-    /// Standard deviation that noise and freedoms give to a weighted sum of the data.
+    /// Standard deviation that noise and degrees of freedom give to a weighted sum of the data.
     pub fn sigma_of_sum(&self, weights: &[f64]) -> f64 {
         self.factor.l_dirty().lower_triangle().tr_mul(&DVector::from_column_slice(weights)).norm()
     }
 
-    /// The freedoms given the data (mean and covariance): what a joint fit gives them.
-    pub fn freedoms(&self, difference: &[f64]) -> Freedom {
+    /// The degrees of freedom given the data (mean and covariance): what a joint fit gives them.
+    pub fn degrees_of_freedom(&self, difference: &[f64]) -> Freedom {
         let left = DVector::from_column_slice(difference) - &self.offset;
         let gain = &self.freedom.covariance * self.freedom.columns.transpose();
         let mean = &self.freedom.mean + &gain * self.factor.solve(&left);

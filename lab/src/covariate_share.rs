@@ -1,6 +1,6 @@
 //! On what the residual of a removal depends: each thing that the simulator knows of a place held against it.
 //!
-//! The share that a spline of one covariate explains is that of the excess over noise. Its chance comes from maps whose
+//! The share that a spline of one covariate explains is that of the excess over noise. Its p-value comes from maps whose
 //! residuals are shifted around a torus, scan by scan, and whose scans change places: both keep what neighbours share
 //! (Fortin and Jacquez 2000).
 
@@ -63,9 +63,9 @@ pub struct CovariateShare {
     pub share: f64,
     /// What all covariates together explain less without it, in the same unit.
     pub drop: f64,
-    /// Chance of such a share where there is no dependence.
+    /// P-value of such a share where there is no dependence.
     pub p_value: f64,
-    /// Chance that any of the covariates reaches such a share where none matters.
+    /// P-value that any of the covariates reaches such a share where none matters.
     pub p_value_of_all: f64,
     /// Means over bins.
     pub bins: Vec<CovariateBin>,
@@ -129,7 +129,7 @@ pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> Cova
     let joint = |among: &[usize]| share(pooled.ridge(&smooths, among), width(among));
     let joint_share = joint(&all);
     let one = |(k, smooth): (usize, &Smooth)| {
-        let chance = |reaches: &dyn Fn(&Vec<f64>) -> bool| {
+        let p_value = |reaches: &dyn Fn(&Vec<f64>) -> bool| {
             (draws.iter().filter(|draw| reaches(draw)).count() + 1) as f64 / (DRAWS + 1) as f64
         };
         let others: Vec<usize> = all.iter().copied().filter(|&other| other != k).collect();
@@ -137,8 +137,8 @@ pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> Cova
             covariate: smooth.covariate,
             share: share(found[k] * total, smooth.columns.ncols()),
             drop: (joint_share - joint(&others)).max(0.0),
-            p_value: chance(&|draw| draw[k] >= found[k]),
-            p_value_of_all: chance(&|draw| draw.iter().any(|share| *share >= found[k])),
+            p_value: p_value(&|draw| draw[k] >= found[k]),
+            p_value_of_all: p_value(&|draw| draw.iter().any(|share| *share >= found[k])),
             bins: pooled.bins(smooth.covariate, seed),
         }
     };
@@ -199,15 +199,15 @@ impl<'a> Pooled<'a> {
 
     /// The residuals with each scan's map shifted around the torus and the scans' means exchanged. What is shifted is the
     /// relative residual over its own spread, from noise and beyond, so that deep and shallow places may change places.
-    fn shifted(&self, chance: &mut Stream) -> DVector<f64> {
+    fn shifted(&self, stream: &mut Stream) -> DVector<f64> {
         let mut places: Vec<usize> = (0..self.fields.len()).collect();
-        (1..places.len()).rev().for_each(|k| places.swap(k, chance.below(k + 1)));
+        (1..places.len()).rev().for_each(|k| places.swap(k, stream.below(k + 1)));
         let means: Vec<f64> = self.fields.iter().map(CovariateField::mean).collect();
         let mut all = Vec::with_capacity(self.residuals.len());
         for (k, field) in self.fields.iter().enumerate() {
             let spreads: Vec<f64> = field.sigmas.iter().map(|sigma| (sigma * sigma + self.excess).sqrt()).collect();
             let own = field.residuals.iter().zip(&spreads).map(|(residual, spread)| (residual - means[k]) / spread);
-            let moved = field.shifted(&own.collect::<Vec<f64>>(), chance);
+            let moved = field.shifted(&own.collect::<Vec<f64>>(), stream);
             all.extend(moved.iter().zip(&spreads).map(|(residual, spread)| means[places[k]] + residual * spread));
         }
         DVector::from_vec(all).component_mul(&self.weights)
@@ -224,11 +224,11 @@ impl<'a> Pooled<'a> {
         names.sort_unstable();
         names.dedup();
         let block_of: Vec<usize> = blocks.iter().filter_map(|block| names.binary_search(block).ok()).collect();
-        let mut chance = Stream::of(seed, &format!("blocks {covariate}"));
+        let mut stream = Stream::of(seed, &format!("blocks {covariate}"));
         let mut draws = vec![vec![1.0; names.len()]];
         for _ in 0..BAND_DRAWS {
             let mut times = vec![0.0; names.len()];
-            (0..names.len()).for_each(|_| times[chance.below(names.len())] += 1.0);
+            (0..names.len()).for_each(|_| times[stream.below(names.len())] += 1.0);
             draws.push(times);
         }
         let bin = |members: &Vec<usize>| {
@@ -283,7 +283,7 @@ impl CovariateField {
 
     /// Values of the tiles shifted by a random way around the torus of the tiles' bounding box; where it has no tile,
     /// the next one along x is taken.
-    fn shifted(&self, values: &[f64], chance: &mut Stream) -> Vec<f64> {
+    fn shifted(&self, values: &[f64], stream: &mut Stream) -> Vec<f64> {
         let (column, row) = (|cell: usize| cell % self.nx, |cell: usize| cell / self.nx);
         let ends = |of: &dyn Fn(usize) -> usize| {
             let all = self.cells.iter().map(|&cell| of(cell));
@@ -292,12 +292,12 @@ impl CovariateField {
         let ((west, east), (south, north)) = (ends(&column), ends(&row));
         let (width, height) = (east - west + 1, north - south + 1);
         if height == 1 {
-            return in_pieces(values, chance);
+            return in_pieces(values, stream);
         }
         let mut map = vec![f64::NAN; width * height];
         let place = |cell: usize| (row(cell) - south) * width + column(cell) - west;
         self.cells.iter().zip(values).for_each(|(&cell, &value)| map[place(cell)] = value);
-        let shift = chance.below(width) + width * chance.below(height);
+        let shift = stream.below(width) + width * stream.below(height);
         let next = |cell: usize| {
             let (i, j) = (column(cell) - west + shift % width, row(cell) - south + shift / width);
             let start = j % height * width + i % width;
@@ -309,14 +309,14 @@ impl CovariateField {
 
 /// Values in a line, cut at random into pieces that change places: a plan that repeats would meet itself again when it
 /// is only shifted.
-fn in_pieces(values: &[f64], chance: &mut Stream) -> Vec<f64> {
+fn in_pieces(values: &[f64], stream: &mut Stream) -> Vec<f64> {
     let mut pieces: Vec<Vec<f64>> = vec![Vec::new()];
     for &value in values {
-        if chance.happens(1.0 / PIECE) {
+        if stream.happens(1.0 / PIECE) {
             pieces.push(Vec::new());
         }
         pieces.last_mut().expect("there is one").push(value);
     }
-    (1..pieces.len()).rev().for_each(|k| pieces.swap(k, chance.below(k + 1)));
+    (1..pieces.len()).rev().for_each(|k| pieces.swap(k, stream.below(k + 1)));
     pieces.concat()
 }

@@ -11,9 +11,9 @@ use super::fit::{Fit, robust_sum};
 /// Change of the whitened data that a finite difference aims at [standard deviations, all data together].
 const AIM: f64 = 12.0;
 /// A step that changes the data less is made anew with a length that does, and one that changes them more.
-const SOUND: [f64; 2] = [4.0, 60.0];
+const ADMISSIBLE: [f64; 2] = [4.0, 60.0];
 /// Share of the whole misfit that a step may change far from the best values.
-const SOUND_SHARE: f64 = 0.3;
+const ADMISSIBLE_SHARE: f64 = 0.3;
 /// Longest finite difference [coordinates].
 const LONGEST_STEP: f64 = 0.5;
 
@@ -113,8 +113,8 @@ impl Fit {
             };
             best = moved.iter().zip(&self.residuals).map(|(b, a)| (b - a) / (there - here)).collect();
             let change = best.iter().map(|d| d * d).sum::<f64>().sqrt() * (there - here).abs();
-            let most = SOUND[1].max(SOUND_SHARE * self.chi2.sqrt());
-            if (SOUND[0]..most).contains(&change) || (step >= LONGEST_STEP && change < SOUND[0]) {
+            let most = ADMISSIBLE[1].max(ADMISSIBLE_SHARE * self.chi2.sqrt());
+            if (ADMISSIBLE[0]..most).contains(&change) || (step >= LONGEST_STEP && change < ADMISSIBLE[0]) {
                 break;
             }
             step = (step * (AIM / change.max(1e-3)).clamp(0.03, 30.0)).min(LONGEST_STEP);

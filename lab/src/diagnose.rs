@@ -13,16 +13,16 @@ use super::pair::pair;
 use super::probe::Candidate;
 use super::response::{Look, Projector};
 use super::screen::Screened;
-use super::significance::{chance, chance_gains};
+use super::significance::{null_delta_chi2, p_value};
 use super::suspect::{Suspect, suspects};
 use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_account, is_open, misses, rms};
 use trials::measure::{MAD_TO_SIGMA, median};
 
 /// Chance below which an effect is no accident.
-pub(super) const CHANCE: f64 = 0.05;
+pub(super) const SIGNIFICANCE_LEVEL: f64 = 0.05;
 /// Least size of an effect: shares of the mean removal, what the simulation itself may err by, and of the noise floor.
 const SIZE: (f64, f64) = (0.005, 0.3);
-/// Flattens probabilities: no simulation is the truth, so that effects which are not there gain up to forty.
+/// Flattens probabilities: no simulation is the truth, so that effects which are not there reach Δχ² up to forty.
 const TEMPERATURE: f64 = 5.0;
 /// Difference of two effects' sums of squares from which data tell them apart: nine to one.
 const SEPARABLE: f64 = 22.0;
@@ -39,9 +39,9 @@ pub struct Finding {
     /// The effect fitted.
     pub suspect: Suspect,
     /// Fall of the sum of squares, over the spread of what is left.
-    pub gain: f64,
+    pub delta_chi2: f64,
     /// Chance that the luckiest effect gains as much without being there.
-    pub chance: f64,
+    pub p_value: f64,
     /// Root mean square of what it changes in the calibration data or takes from their errors, whichever is more, in their unit.
     pub size: f64,
     /// Probability among all effects that were fitted.
@@ -51,7 +51,7 @@ pub struct Finding {
     /// How well it describes held-out data that no fit has seen; empty where it is not sound.
     pub evaluation: Vec<Agreement>,
     /// Whether it is large and sure enough to be named.
-    pub is_sound: bool,
+    pub is_admissible: bool,
 }
 
 /// One search for a missing effect.
@@ -92,7 +92,7 @@ pub struct Diagnosis {
 }
 
 /// Tells how far the work is: what is done, and of how many parts.
-pub type Told<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
+pub type OnProgress<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
 
 /// A model with the values of a fit.
 pub fn with_values(model: &Model, fit: &Fit) -> Model {
@@ -125,7 +125,7 @@ impl Round {
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
         library: &Library,
-        (seed, told): (u64, Told),
+        (seed, told): (u64, OnProgress),
     ) -> Result<Self, EvidenceError> {
         let projector = Projector::new(&base);
         let look = Look { evidence, base: &base, projector: &projector };
@@ -144,7 +144,7 @@ impl Round {
         let fitted = suspects(evidence, &base, &screened, &|name| told(name, count, count));
         let left = fitted.first().map_or(&base.residuals, |best| &best.fit.residuals);
         let spread = spread(left);
-        let chances = chance_gains(&projector, &screened, left, &evidence.blocks(Split::Calibration), seed);
+        let chances = null_delta_chi2(&projector, &screened, left, &evidence.blocks(Split::Calibration), seed);
         let [calibration, evaluation] =
             [Split::Calibration, Split::Evaluation].map(|split| evidence.agreement(&base.model, split));
         let (calibration, evaluation) = (calibration?, evaluation?);
@@ -165,13 +165,13 @@ impl Round {
         round
     }
 
-    /// Probabilities of the effects that gain more than chance (Schwarz 1978, tempered). Those that cannot be the cause are out
+    /// Probabilities of the effects with a significant Δχ² (Schwarz 1978, tempered). Those that cannot be the cause are out
     /// of it where the calibration data cannot tell the best of the others from them, and where one of the others is an account
     /// of all data: what the refused one fits better is then an error of all of them, so that they must be so much farther apart.
     fn weigh(&mut self) {
         let data = (self.base.residuals.len() as f64).ln();
-        let cost = |finding: &Finding| match finding.is_sound {
-            true => -finding.gain + finding.suspect.freedoms() as f64 * data,
+        let cost = |finding: &Finding| match finding.is_admissible {
+            true => -finding.delta_chi2 + finding.suspect.degrees_of_freedom() as f64 * data,
             false => f64::INFINITY,
         };
         let costs_of = |is_in: &dyn Fn(&Finding) -> bool| -> Vec<f64> {
@@ -190,7 +190,8 @@ impl Round {
         let probabilities = probabilities(&weighed, error);
         self.separable = SEPARABLE * error;
         self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| finding.probability = p);
-        self.findings.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
+        self.findings
+            .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
     }
 
     /// Whether an effect is what is missing.
@@ -205,7 +206,7 @@ impl Round {
 
     /// The most probable effect that is sound.
     pub fn best(&self) -> Option<&Finding> {
-        self.findings.first().filter(|finding| finding.is_sound)
+        self.findings.first().filter(|finding| finding.is_admissible)
     }
 
     /// The best, unless it does harm to the held-out data or wants to be larger than it can be.
@@ -217,7 +218,7 @@ impl Round {
     pub fn look_alikes(&self) -> Vec<&Finding> {
         let Some(best) = self.best() else { return Vec::new() };
         let near = |finding: &&Finding| {
-            finding.is_sound && finding.probability > 0.0 && best.gain - finding.gain < self.separable
+            finding.is_admissible && finding.probability > 0.0 && best.delta_chi2 - finding.delta_chi2 < self.separable
         };
         self.findings[1..].iter().filter(near).collect()
     }
@@ -239,18 +240,19 @@ impl Finding {
         (base, before): (&Fit, &[Agreement]),
         (chances, spread): (&[f64], f64),
     ) -> Result<Self, EvidenceError> {
-        let gain = base.chi2 - suspect.fit.chi2;
-        let chance = chance(chances, gain);
-        let is_real = chance < CHANCE && !suspect.is_null();
+        let delta_chi2 = base.chi2 - suspect.fit.chi2;
+        let p_value = p_value(chances, delta_chi2);
+        let is_real = p_value < SIGNIFICANCE_LEVEL && !suspect.is_null();
         let calibration =
             if is_real { evidence.agreement(&suspect.fit.model, Split::Calibration)? } else { Vec::new() };
         let change: Vec<f64> = base.residuals.iter().zip(&suspect.fit.residuals).map(|(b, a)| b - a).collect();
         let explained = rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2);
         let size = if is_real { evidence.size(&change).max(explained.max(0.0).sqrt()) } else { 0.0 };
-        let is_sound = is_real && size > least_size(before);
-        let evaluation = if is_sound { evidence.agreement(&suspect.fit.model, Split::Evaluation)? } else { Vec::new() };
-        let gain = gain / (spread * spread);
-        Ok(Self { suspect, gain, chance, size, probability: 0.0, calibration, evaluation, is_sound })
+        let is_admissible = is_real && size > least_size(before);
+        let evaluation =
+            if is_admissible { evidence.agreement(&suspect.fit.model, Split::Evaluation)? } else { Vec::new() };
+        let delta_chi2 = delta_chi2 / (spread * spread);
+        Ok(Self { suspect, delta_chi2, p_value, size, probability: 0.0, calibration, evaluation, is_admissible })
     }
 }
 
@@ -268,7 +270,7 @@ impl Search {
         evidence: &dyn Evidence,
         (model, base): (&Model, &Fit),
         library: &Library,
-        (seed, told): (u64, Told),
+        (seed, told): (u64, OnProgress),
         searches: usize,
     ) -> Result<Self, EvidenceError> {
         let (mut grown, mut fit) = (model.clone(), base.clone());
@@ -319,7 +321,7 @@ impl Diagnosis {
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
         library: &Library,
-        (seed, told): (u64, Told),
+        (seed, told): (u64, OnProgress),
     ) -> Result<Self, EvidenceError> {
         Self::within(evidence, (model, base), library, (seed, told), MOST_EFFECTS)
     }
@@ -332,7 +334,7 @@ impl Diagnosis {
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
         library: &Library,
-        (seed, told): (u64, Told),
+        (seed, told): (u64, OnProgress),
         searches: usize,
     ) -> Result<Self, EvidenceError> {
         let mut search = Search::one_by_one(evidence, (model, &base), library, (seed, told), searches)?;

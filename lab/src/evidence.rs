@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::coordinates::Coordinate;
 use super::pass_trend::PassTrend;
-use crate::campaign_twin::CampaignError;
+use crate::campaign_simulation::CampaignError;
 
 /// Which data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +107,7 @@ pub trait Evidence: Sync {
     }
 
     /// Root mean square of the change of the calibration data, in the unit of [`Agreement::rms`], behind a change of the whitened
-    /// residuals; measurement freedoms take up what they can.
+    /// residuals; measurement degrees of freedom take up what they can.
     fn size(&self, change: &[f64]) -> f64;
 
     /// How the removal changes from a pass to an equal one after it, and what a law can make of that; `None` where there

@@ -1,4 +1,4 @@
-//! Fits a model to data by Levenberg and Marquardt's method within bounds. Measurement freedoms are part of the
+//! Fits a model to data by Levenberg and Marquardt's method within bounds. Measurement degrees of freedom are part of the
 //! whitened data, so every fit is joint.
 
 use effects::CompiledModel;

@@ -9,7 +9,7 @@ use super::covariance::{Freedom, TileNoise, Whitener};
 use super::tiles::{TileGrid, Tiles};
 use trials::measure::despiked;
 
-/// Freedoms of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
+/// Degrees of freedom of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
 const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
 /// Of these, height and tilts, which the untouched surface gives.
 const HELD: usize = 3;
@@ -61,7 +61,7 @@ impl HeightView {
             coarse.covariance(&alone, &vec![1.0; alone.len()]),
             Freedom::around_zero(pose_columns(&alone, &slopes), &POSE_SIGMAS),
         )?;
-        let pose = untouched.freedoms(&alone.means(|at| change[at]));
+        let pose = untouched.degrees_of_freedom(&alone.means(|at| change[at]));
         let tiles = TileGrid { pixels, side }.tiles(|at| known(at) && !free[at]);
         let columns = pose_columns(&tiles, &slopes);
         let planes = &columns * &pose.mean;
@@ -103,13 +103,13 @@ impl HeightView {
 
     /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
     pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
-        self.left_at(simulated, &self.whitener.freedoms(&self.difference(simulated)).mean)
+        self.left_at(simulated, &self.whitener.degrees_of_freedom(&self.difference(simulated)).mean)
     }
 
     /// As [`HeightView::left`], with height and tilt as the untouched surface says: a model that is far off does not pull
     /// them.
     pub fn left_held(&self, simulated: &HeightMap) -> Vec<f64> {
-        let mut pose = self.whitener.freedoms(&self.difference(simulated)).mean;
+        let mut pose = self.whitener.degrees_of_freedom(&self.difference(simulated)).mean;
         pose.rows_mut(0, HELD).copy_from(&self.whitener.expected().mean.rows(0, HELD));
         self.left_at(simulated, &pose)
     }
@@ -137,7 +137,7 @@ impl HeightView {
     /// surface leaves them, and from shifts as all data leave them.
     pub fn held_sigma(&self, weights: &[f64]) -> f64 {
         let expected = &self.whitener.expected().covariance;
-        let mut covariance = self.whitener.freedoms(&vec![0.0; self.tiles.len()]).covariance;
+        let mut covariance = self.whitener.degrees_of_freedom(&vec![0.0; self.tiles.len()]).covariance;
         for k in 0..HELD {
             covariance.row_mut(k).fill(0.0);
             covariance.column_mut(k).fill(0.0);

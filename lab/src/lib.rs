@@ -2,7 +2,7 @@
 //!
 //! The method in ten steps, each with its files:
 //!
-//! 1. [`twin`] simulates a trial as it was logged, [`campaign_twin`] all trials in order; [`scanner`] reads the result as
+//! 1. [`simulation`] simulates a trial as it was logged, [`campaign_simulation`] all trials in order; [`scanner`] reads the result as
 //!    the instrument does.
 //! 2. `height_view`, `exposure_view` and `rows` make data of scans, masks and tables; `tiles` cuts scans up.
 //! 3. `covariance` whitens residuals: noise, and each scan's free pose; `blur` fits the instrument.
@@ -12,7 +12,7 @@
 //! 7. `screen` simulates every effect at a few sizes (`probe`) beside what the base parameters can change (`response`).
 //! 8. `suspect` fits the most promising effects, `pair` two together; `significance` gives the Δχ² that noise reaches.
 //! 9. `diagnose` runs the search to its `verdict`; `ruled_out` and `detectable` say why others are out and what would show;
-//!    `forms` proposes a formula, `next_trial` and `next_row` an experiment.
+//!    `effect_templates` proposes a formula, `next_trial` and `next_row` an experiment.
 //! 10. [`study`] repeats it: compare, calibrate, diagnose, add.
 //!
 //! SI units inside; the same seed gives the same bytes on any number of threads.
@@ -22,18 +22,18 @@ mod border;
 mod calibrate;
 mod calibration;
 mod calibration_summary;
-pub mod campaign_twin;
+pub mod campaign_simulation;
 mod coordinates;
 mod covariance;
 mod covariate_share;
 mod derivatives;
 mod detectable;
 mod diagnose;
+mod effect_templates;
 mod error;
 mod evidence;
 mod exposure_view;
 mod fit;
-mod forms;
 mod height_view;
 mod model_origin;
 mod next_row;
@@ -49,6 +49,7 @@ pub mod scanner;
 mod scans;
 mod screen;
 mod significance;
+pub mod simulation;
 mod spline;
 mod staged;
 mod structure;
@@ -60,7 +61,6 @@ mod table_reach;
 mod table_steps;
 mod tiles;
 mod totals;
-pub mod twin;
 mod unfitted;
 mod verdict;
 
@@ -72,12 +72,12 @@ pub use coordinates::{Bound, Coordinate, moved};
 pub use covariance::{Freedom, TileNoise, Whitener};
 pub use covariate_share::{CovariateBin, CovariateField, CovariateShare, CovariateStudy, covariate_study};
 pub use detectable::{Detectable, Sides, detectable};
-pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, Round, Told, with_values};
+pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, OnProgress, Round, with_values};
+pub use effect_templates::{Suggestion, suggest};
 pub use error::{LabError, Result};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
-pub use forms::{Suggestion, suggest};
 pub use height_view::HeightView;
 pub use model_origin::{Origin, model_origin};
 pub use next_row::{next_row, separating_row, testing_row};

@@ -74,9 +74,9 @@ pub fn next_row(
     for change in CHANGES {
         let Some(row) = work.last().and_then(|row| changed(row, change)) else { continue };
         let rows: Vec<Row> = work.iter().cloned().chain([row]).collect();
-        let gain = separation(evidence, &rows, first.1, second.1)?;
-        if best.as_ref().is_none_or(|best| gain > best.expected_gain) {
-            best = Some(stated(evidence.table, &rows, change, [first.0, second.0], gain));
+        let delta_chi2 = separation(evidence, &rows, first.1, second.1)?;
+        if best.as_ref().is_none_or(|best| delta_chi2 > best.expected_delta_chi2) {
+            best = Some(stated(evidence.table, &rows, change, [first.0, second.0], delta_chi2));
         }
     }
     Ok(best)
@@ -132,7 +132,7 @@ fn separation(evidence: &RowEvidence, rows: &[Row], first: &Fit, second: &Fit) -
     Ok(left_after_refit(&difference, &DMatrix::from_columns(&columns), second))
 }
 
-fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], gain: f64) -> NextTrial {
+fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], delta_chi2: f64) -> NextTrial {
     let passes = match rows.len() - 1 {
         1 => "the last row once more".to_owned(),
         count => format!("the last {count} rows once more"),
@@ -155,7 +155,7 @@ fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], gai
         feed_mm_s: Vec::new(),
         spindle_rpm: rows.iter().filter_map(turns).collect(),
         separates: separates.map(str::to_owned).to_vec(),
-        expected_gain: gain,
-        chance_right: Normal::standard().cdf(0.5 * gain.sqrt()),
+        expected_delta_chi2: delta_chi2,
+        probability_right: Normal::standard().cdf(0.5 * delta_chi2.sqrt()),
     }
 }

@@ -50,9 +50,9 @@ pub struct NextTrial {
     /// The two effects that it would tell apart; or the one effect whose prediction it would test.
     pub separates: Vec<String>,
     /// Expected difference of their sums of squares; for one effect, of those with and without it.
-    pub expected_gain: f64,
+    pub expected_delta_chi2: f64,
     /// Probability that the better of the two is the right one afterwards.
-    pub chance_right: f64,
+    pub probability_right: f64,
 }
 
 impl NextTrial {
@@ -94,11 +94,11 @@ pub fn next_trial(
     evidence: &ScanEvidence,
     (first, second): ((&str, &Fit), (&str, &Fit)),
 ) -> Result<Option<NextTrial>, EvidenceError> {
-    let template = evidence.twin.trials[0].trial;
+    let template = evidence.simulation.trials[0].trial;
     let tried = |change: &Option<Change>| -> Result<(NextTrial, f64), EvidenceError> {
         let trial = varied(template, *change);
-        let gain = separation(evidence, &trial, first.1, second.1)?;
-        Ok((stated(&trial, *change, [first.0, second.0], gain), gain))
+        let delta_chi2 = separation(evidence, &trial, first.1, second.1)?;
+        Ok((stated(&trial, *change, [first.0, second.0], delta_chi2), delta_chi2))
     };
     let all: Vec<_> = CHANGES.par_iter().map(tried).collect();
     let known = all.into_iter().filter_map(Result::ok);
@@ -167,7 +167,7 @@ fn varied(template: &Trial, change: Option<Change>) -> Trial {
     trial
 }
 
-fn stated(trial: &Trial, change: Option<Change>, separates: [&str; 2], gain: f64) -> NextTrial {
+fn stated(trial: &Trial, change: Option<Change>, separates: [&str; 2], delta_chi2: f64) -> NextTrial {
     let what = match change {
         None => "the same passes on a new workpiece".to_owned(),
         Some(Change::Force(factor)) => format!("the same passes at {factor} times the force"),
@@ -182,7 +182,7 @@ fn stated(trial: &Trial, change: Option<Change>, separates: [&str; 2], gain: f64
         feed_mm_s: each(|pass| pass.feed * 1e3),
         spindle_rpm: each(|pass| pass.spindle_speed * RPM),
         separates: separates.map(str::to_owned).to_vec(),
-        expected_gain: gain,
-        chance_right: Normal::standard().cdf(0.5 * gain.sqrt()),
+        expected_delta_chi2: delta_chi2,
+        probability_right: Normal::standard().cdf(0.5 * delta_chi2.sqrt()),
     }
 }

@@ -13,13 +13,13 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
-use super::diagnose::{Finding, Round, Told, probabilities, spread, with_values};
+use super::diagnose::{Finding, OnProgress, Round, probabilities, spread, with_values};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::{Fit, FitOptions};
 use super::probe::Candidate;
 use super::response::{Projector, Response};
 use super::screen::Screened;
-use super::significance::chance_gains;
+use super::significance::null_delta_chi2;
 use super::suspect::{QUICK_FIT, Suspect, THOROUGH_FIT, is_at_far_end};
 use super::verdict::{CERTAIN, is_open, misses};
 
@@ -53,7 +53,7 @@ pub(super) fn pair(
     evidence: &dyn Evidence,
     first: &Round,
     (model, library): (&Model, &Library),
-    (seed, told): (u64, Told),
+    (seed, told): (u64, OnProgress),
 ) -> Result<Option<[Round; 2]>, EvidenceError> {
     let mut joints = fitted(evidence, first, (model, library), told);
     joints.extend(beside_surest(evidence, first, (model, library), told));
@@ -92,7 +92,7 @@ fn two_searches(
 ) -> Result<(Finding, Round), EvidenceError> {
     let (lead, left) = (&joints[0].lead, &joints[0].both.fit.residuals);
     let blocks = evidence.blocks(Split::Calibration);
-    let chances = chance_gains(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
+    let chances = null_delta_chi2(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
     let alone = match known(first, lead) {
         Some(alone) => alone.clone(),
         None => Suspect::quick(evidence, &first.base, lead.clone())?,
@@ -103,7 +103,8 @@ fn two_searches(
     let evaluation = evidence.agreement(&base.model, Split::Evaluation)?;
     let finding = |joint: Joint| Finding::new(evidence, joint.both, (&base, &calibration), (&chances, spread));
     let findings = joints.into_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
-    let half = Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_sound: true, ..half };
+    let half =
+        Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_admissible: true, ..half };
     let second = Round::weighed((base, calibration, evaluation), Vec::new(), (findings, spread));
     Ok((half, second))
 }
@@ -129,10 +130,10 @@ impl Joint {
         names
     }
 
-    /// Sum of squares over the spread of what the best pair leaves, with what the freedoms cost (Schwarz 1978).
+    /// Sum of squares over the spread of what the best pair leaves, with what the degrees of freedom cost (Schwarz 1978).
     fn cost(&self, spread: f64) -> f64 {
-        let freedoms = self.both.freedoms() + self.lead.candidate.coordinates.len();
-        self.both.fit.chi2 / spread.powi(2) + freedoms as f64 * (self.both.fit.residuals.len() as f64).ln()
+        let degrees_of_freedom = self.both.degrees_of_freedom() + self.lead.candidate.coordinates.len();
+        self.both.fit.chi2 / spread.powi(2) + degrees_of_freedom as f64 * (self.both.fit.residuals.len() as f64).ln()
     }
 }
 
@@ -143,7 +144,12 @@ fn known<'a>(first: &'a Round, effect: &Screened) -> Option<&'a Suspect> {
 }
 
 /// The most promising pairs fitted, the best of them thoroughly. Least sum of squares first.
-fn fitted(evidence: &dyn Evidence, first: &Round, (model, library): (&Model, &Library), told: Told) -> Vec<Joint> {
+fn fitted(
+    evidence: &dyn Evidence,
+    first: &Round,
+    (model, library): (&Model, &Library),
+    told: OnProgress,
+) -> Vec<Joint> {
     let base = with_values(model, &first.base);
     let fit = |[lead, other]: [Screened; 2]| {
         let alone = known(first, &lead).filter(|alone| alone.at_its_fit().best == lead.best).cloned();
@@ -176,7 +182,7 @@ fn beside_surest(
     evidence: &dyn Evidence,
     first: &Round,
     (model, library): (&Model, &Library),
-    told: Told,
+    told: OnProgress,
 ) -> Vec<Joint> {
     let explains_most = |best: &&Finding| best.suspect.fit.chi2 < MOSTLY * first.base.chi2;
     let sure = first.best().filter(|best| best.probability >= CERTAIN);
@@ -228,8 +234,8 @@ fn beside_fitted(first: &Round) -> Vec<Promise> {
         let others = first.screened.iter().filter(|other| other.candidate.name != lead.name());
         let beside = others.filter_map(|other| {
             let other = other.clone().beside(&projector);
-            let left = lead.fit.chi2 - other.gain;
-            (other.gain > 0.0).then(|| Promise { effects: [lead.at_its_fit(), other], left })
+            let left = lead.fit.chi2 - other.delta_chi2;
+            (other.delta_chi2 > 0.0).then(|| Promise { effects: [lead.at_its_fit(), other], left })
         });
         beside.collect::<Vec<_>>()
     };
@@ -239,20 +245,21 @@ fn beside_fitted(first: &Round) -> Vec<Promise> {
 /// All pairs at the shares of their probes that are best together beside the base model, the one that leaves less alone in the lead.
 fn beside_base(first: &Round) -> Vec<Promise> {
     let residuals = &Projector::new(&first.base).residuals;
-    let alone = |effect: &Screened| known(first, effect).map_or(first.base.chi2 - effect.gain, |alone| alone.fit.chi2);
+    let alone =
+        |effect: &Screened| known(first, effect).map_or(first.base.chi2 - effect.delta_chi2, |alone| alone.fit.chi2);
     let mut promises = Vec::new();
     for (at, a) in first.screened.iter().enumerate() {
         for b in &first.screened[at + 1..] {
             let effects = if alone(a) <= alone(b) { [a, b] } else { [b, a] };
             let shares = couples(effects).filter_map(|couple| together(residuals, couple));
-            promises.extend(shares.max_by(|a, b| a.gain.total_cmp(&b.gain)).map(|best| (effects, best)));
+            promises.extend(shares.max_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2)).map(|best| (effects, best)));
         }
     }
-    promises.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    promises.sort_by(|a, b| b.1.delta_chi2.total_cmp(&a.1.delta_chi2));
     promises.truncate(QUICK);
     let promise = |(effects, together): ([&Screened; 2], Together)| Promise {
         effects: [0, 1].map(|k| effects[k].clone().moved_to(together.responses[k], together.shares[k])),
-        left: first.base.chi2 - together.gain,
+        left: first.base.chi2 - together.delta_chi2,
     };
     promises.into_iter().map(promise).collect()
 }
@@ -268,7 +275,7 @@ struct Together<'a> {
     responses: [&'a Response; 2],
     shares: [f64; 2],
     /// Expected fall of the sum of squares.
-    gain: f64,
+    delta_chi2: f64,
 }
 
 /// The best shares of two probes, each within its reach; `None` where they change nearly the same.
@@ -284,7 +291,7 @@ fn together<'a>(residuals: &DVector<f64>, responses: [&'a Response; 2]) -> Optio
     let (s, t) = ((br * ab - ar * bb) / apart, (ar * ab - br * aa) / apart);
     let held = (within(0, s), within(1, t));
     let ends = [(held.0, within(1, -(br + held.0 * ab) / bb)), (within(0, -(ar + held.1 * ab) / aa), held.1)];
-    let gain = |(s, t): (f64, f64)| -(2.0 * (s * ar + t * br) + s * s * aa + 2.0 * s * t * ab + t * t * bb);
-    let best = if gain(ends[0]) >= gain(ends[1]) { ends[0] } else { ends[1] };
-    Some(Together { responses, shares: [best.0, best.1], gain: gain(best) })
+    let delta_chi2 = |(s, t): (f64, f64)| -(2.0 * (s * ar + t * br) + s * s * aa + 2.0 * s * t * ab + t * t * bb);
+    let best = if delta_chi2(ends[0]) >= delta_chi2(ends[1]) { ends[0] } else { ends[1] };
+    Some(Together { responses, shares: [best.0, best.1], delta_chi2: delta_chi2(best) })
 }

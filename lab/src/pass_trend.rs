@@ -165,7 +165,7 @@ struct EqualScans<'a> {
 impl<'a> EqualScans<'a> {
     fn new(evidence: &'a ScanEvidence<'a>) -> Self {
         let views: Vec<&ScanView> = evidence.of(Split::Calibration).collect();
-        let pass = |view: &ScanView| &evidence.twin.trials[view.trial].trial.passes[view.pass];
+        let pass = |view: &ScanView| &evidence.simulation.trials[view.trial].trial.passes[view.pass];
         let follows = |&(a, b): &(usize, usize)| {
             let (first, next) = (views[a], views[b]);
             first.trial == next.trial && first.pass + 1 == next.pass && is_equal(pass(first), pass(next))
@@ -180,7 +180,7 @@ impl<'a> EqualScans<'a> {
         let volume = |view: &&ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
             (ScanData::Heights(data), PassScan::Heights(simulated)) => {
                 let seen = self.evidence.seen(view, simulated, blur);
-                let before = &self.evidence.twin.trials[view.trial].trial.scans.before;
+                let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
                 let (removed, left) = data.volumes(before, &seen);
                 [removed - left, data.volume_sigma(), removed]
             }

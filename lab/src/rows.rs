@@ -139,7 +139,7 @@ impl<'a> RowEvidence<'a> {
         let members = &self.groups(Split::Calibration)[group].members;
         let own: Vec<f64> = members.iter().map(|&k| differences[k]).collect();
         let gain = self.free_gain();
-        if own.is_empty() { gain } else { self.whitener(own.len(), &gain).freedoms(&own) }
+        if own.is_empty() { gain } else { self.whitener(own.len(), &gain).degrees_of_freedom(&own) }
     }
 }
 

@@ -1,13 +1,13 @@
 //! Why an effect that was fitted is out, and which effects are still in play.
 
-use super::diagnose::{CHANCE, Diagnosis, Finding, Round, least_size};
+use super::diagnose::{Diagnosis, Finding, Round, SIGNIFICANCE_LEVEL, least_size};
 use super::evidence::ErrorUnit;
 use super::verdict::{CERTAIN, carries_over};
 
 impl Round {
     /// Why a fitted effect is out, in words; `None` for the best one and for those that the data cannot tell from it.
     pub fn ruled_out(&self, finding: &Finding, unit: ErrorUnit) -> Option<String> {
-        let reasons = if finding.is_sound {
+        let reasons = if finding.is_admissible {
             self.beaten(finding).into_iter().collect()
         } else {
             self.inadmissible(finding, unit)
@@ -21,8 +21,8 @@ impl Round {
         if finding.suspect.is_null() {
             reasons.push("it ended at its null, where it changes nothing".to_owned());
         }
-        if finding.chance >= CHANCE {
-            reasons.push(format!("p-value {:.3}: not significant, {CHANCE} is the level", finding.chance));
+        if finding.p_value >= SIGNIFICANCE_LEVEL {
+            reasons.push(format!("p-value {:.3}: not significant, {SIGNIFICANCE_LEVEL} is the level", finding.p_value));
         }
         if reasons.is_empty() {
             let [size, least] = [finding.size, least_size(&self.calibration)].map(|size| size * unit.per_one());
@@ -38,7 +38,7 @@ impl Round {
         if best.suspect.name() == finding.suspect.name() {
             return None;
         }
-        let (name, behind) = (best.suspect.name(), best.gain - finding.gain);
+        let (name, behind) = (best.suspect.name(), best.delta_chi2 - finding.delta_chi2);
         if finding.probability == 0.0 && !self.is_half {
             if finding.suspect.is_on_bound() {
                 return Some("its best size lies beyond its range".to_owned());
@@ -58,8 +58,8 @@ impl Round {
     /// The best effect and the most probable one that is still in play beside it: no verdict decides between them.
     fn in_play(&self) -> Option<[&Finding; 2]> {
         let best = self.best()?;
-        let second = self.findings.get(1).filter(|second| second.is_sound && second.probability > 0.0)?;
-        let is_open = best.probability < CERTAIN || best.gain - second.gain < self.separable;
+        let second = self.findings.get(1).filter(|second| second.is_admissible && second.probability > 0.0)?;
+        let is_open = best.probability < CERTAIN || best.delta_chi2 - second.delta_chi2 < self.separable;
         is_open.then_some([best, second])
     }
 }

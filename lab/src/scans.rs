@@ -1,4 +1,4 @@
-//! The scans of a campaign as data, and their prediction with the twins of its trials.
+//! The scans of a campaign as data, and their prediction with the simulations of its trials.
 
 use std::ops::Range;
 
@@ -15,8 +15,8 @@ use super::fit::robust_sum;
 use super::height_view::HeightView;
 use super::pass_trend::{PassTrend, trend_of_scans};
 use super::tiles::{TileGrid, Tiles};
-use crate::campaign_twin::CampaignTwin;
-use crate::twin::SimulatedPass;
+use crate::campaign_simulation::CampaignSimulation;
+use crate::simulation::SimulatedPass;
 use files::journal::Journal;
 use trials::measure::{CLEARANCE, NoiseFloor, despiked, noise_floor, untouched};
 use trials::trial::{PassScan, Role, TRIAL_FILE, ToolPath, Trial, least_gap};
@@ -69,7 +69,7 @@ impl ScanData {
         }
     }
 
-    /// The change of the tiles [m] behind a change of the whitened ones, without what the scan's freedoms take up of it.
+    /// The change of the tiles [m] behind a change of the whitened ones, without what the scan's degrees of freedom take up of it.
     fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
         match self {
             Self::Heights(view) => view.unwhitened(change),
@@ -81,7 +81,7 @@ impl ScanData {
 /// All scans of a campaign.
 pub struct ScanEvidence<'a> {
     /// The trials, ready to be simulated.
-    pub twin: CampaignTwin<'a>,
+    pub simulation: CampaignSimulation<'a>,
     /// Scans in order of time.
     pub views: Vec<ScanView>,
     /// Noise of one scan by trial.
@@ -109,11 +109,11 @@ impl<'a> ScanEvidence<'a> {
             let across = trials[0].tool.half_width() / VOXELS_PER_HALF_TOOL;
             across.clamp(pitch(&trials[0]), SANDING_VOXEL * pitch(&trials[0]))
         };
-        let twin = CampaignTwin::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
+        let simulation = CampaignSimulation::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
         let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
         let (views, noise): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();
         Ok(Self {
-            twin,
+            simulation,
             views: views.into_iter().flatten().collect(),
             noise,
             blur: None,
@@ -129,7 +129,7 @@ impl<'a> ScanEvidence<'a> {
 
     /// Passes of each trial that must be simulated to predict a split.
     fn needed(&self, split: Split) -> Vec<usize> {
-        let trials = &self.twin.trials;
+        let trials = &self.simulation.trials;
         let mut needed = vec![0; trials.len()];
         for view in self.of(split) {
             needed[view.trial] = needed[view.trial].max(view.pass + 1);
@@ -149,12 +149,12 @@ impl<'a> ScanEvidence<'a> {
     pub fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {
         let blur = if self.blur.is_none() { self.needed(Split::Calibration) } else { Vec::new() };
         let needed = self.needed(split).into_iter().enumerate().map(|(k, own)| own.max(*blur.get(k).unwrap_or(&0)));
-        Ok(self.twin.run_first(model, &needed.collect::<Vec<_>>())?)
+        Ok(self.simulation.run_first(model, &needed.collect::<Vec<_>>())?)
     }
 
     /// A simulated surface as an instrument with this blur [m] sees it.
     pub fn seen(&self, view: &ScanView, simulated: &HeightMap, blur: f64) -> HeightMap {
-        blurred(simulated, &self.twin.trials[view.trial].trial.scans.before, blur)
+        blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, blur)
     }
 
     /// Measured minus simulated tiles of a scan, whitened, through an instrument of so much blur.
@@ -183,8 +183,8 @@ impl<'a> ScanEvidence<'a> {
         let passes = self.simulate(model, Split::Calibration)?;
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
         let most_steps = Some(MOST_STEPS * most.max(1000));
-        for twin in &mut self.twin.trials {
-            twin.change_process(|process| process.most_steps = most_steps);
+        for simulation in &mut self.simulation.trials {
+            simulation.change_process(|process| process.most_steps = most_steps);
         }
         self.most_steps = most_steps;
         Ok(())
@@ -213,7 +213,7 @@ impl<'a> ScanEvidence<'a> {
         if self.process() == Process::Sanding {
             return Ok(0.0);
         }
-        let pitch = self.twin.trials[0].trial.scans.before.pixels.pitch;
+        let pitch = self.simulation.trials[0].trial.scans.before.pixels.pitch;
         let scans: Vec<&ScanView> = self.of(Split::Calibration).collect();
         let cost = |blur: f64| -> Result<f64, EvidenceError> {
             let one = |view: &&ScanView| Ok(robust_sum(&self.whitened(view, (passes, model), blur)?));
@@ -228,10 +228,10 @@ impl<'a> ScanEvidence<'a> {
         let blur = self.blur_of(&passes, model)?;
         let agreement = |view: &ScanView| {
             let pass = &passes[view.trial][view.pass];
-            let about = format!("{} pass {}", self.twin.trials[view.trial].trial.name, view.pass + 1);
+            let about = format!("{} pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
             Ok(match (&view.data, &pass.scan, pass.surface.dose_margin(model)?) {
                 (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
-                    let before = &self.twin.trials[view.trial].trial.scans.before;
+                    let before = &self.simulation.trials[view.trial].trial.scans.before;
                     let [rms, floor, scale] =
                         data.agreement(&self.seen(view, simulated, blur), before, self.noise[view.trial].rms);
                     Agreement { about, rms, floor, noise: floor, scale }
@@ -261,14 +261,14 @@ impl<'a> ScanEvidence<'a> {
 
 impl Evidence for ScanEvidence<'_> {
     fn process(&self) -> Process {
-        match self.twin.trials[0].trial.process {
+        match self.simulation.trials[0].trial.process {
             trials::trial::Process::Grinding => Process::Grinding,
             trials::trial::Process::Sanding => Process::Sanding,
         }
     }
 
     fn rows(&self) -> RowCounts {
-        self.twin.rows()
+        self.simulation.rows()
     }
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
@@ -285,8 +285,9 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
-        let trials = self.twin.trials.iter().zip(self.needed(Split::Calibration));
-        let passes = trials.flat_map(|(twin, needed)| (0..twin.trial.passes.len()).map(move |pass| pass < needed));
+        let trials = self.simulation.trials.iter().zip(self.needed(Split::Calibration));
+        let passes =
+            trials.flat_map(|(simulation, needed)| (0..simulation.trial.passes.len()).map(move |pass| pass < needed));
         let seen: Vec<bool> = passes.collect();
         Coordinate::of(model, |slot| slot.row.is_none_or(|row| seen[row]))
     }

@@ -31,7 +31,7 @@ pub struct Screened {
     /// All probes that could be simulated, group by group; where none of a group is apt, with one that is.
     pub responses: Vec<Vec<Response>>,
     /// Expected fall of the sum of squares.
-    pub gain: f64,
+    pub delta_chi2: f64,
     /// The values at which it is expected [SI].
     pub best: Vec<f64>,
     /// How far the base parameters are expected to follow [coordinates]; empty where they stay.
@@ -52,7 +52,7 @@ impl Screened {
         };
         let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
         let nulls: Vec<f64> = candidate.coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
-        let mut screened = Self { candidate, responses, gain: 0.0, best: nulls, shift: Vec::new() };
+        let mut screened = Self { candidate, responses, delta_chi2: 0.0, best: nulls, shift: Vec::new() };
         let wanted = APT.0.max(APT.1 * look.projector.residuals.norm());
         let apt: Vec<Option<Response>> = screened
             .responses
@@ -115,15 +115,17 @@ impl Screened {
     /// Finds the expected best values: the best of single amplitudes, or all amplitudes of one shape together.
     fn choose(&mut self, residuals: &DVector<f64>) {
         for response in self.responses.iter().filter_map(|group| aptest(group, residuals)) {
-            let (share, gain) = response.optimum(residuals);
-            if gain > self.gain {
-                self.gain = gain;
+            let (share, delta_chi2) = response.optimum(residuals);
+            if delta_chi2 > self.delta_chi2 {
+                self.delta_chi2 = delta_chi2;
                 self.best = self.along(response, share);
                 self.shift = response.shift.iter().map(|shift| share * shift).collect();
             }
         }
-        if let Some((values, shift, gain)) = self.together(residuals).filter(|(_, _, gain)| *gain > self.gain) {
-            (self.best, self.shift, self.gain) = (values, shift, gain);
+        if let Some((values, shift, delta_chi2)) =
+            self.together(residuals).filter(|(_, _, delta_chi2)| *delta_chi2 > self.delta_chi2)
+        {
+            (self.best, self.shift, self.delta_chi2) = (values, shift, delta_chi2);
         }
     }
 
@@ -132,7 +134,7 @@ impl Screened {
         for response in self.responses.iter_mut().flatten() {
             response.change = projector.project(&response.followed);
         }
-        (self.gain, self.shift) = (0.0, Vec::new());
+        (self.delta_chi2, self.shift) = (0.0, Vec::new());
         self.choose(&projector.residuals);
         self
     }
@@ -141,13 +143,13 @@ impl Screened {
     pub(super) fn starts(&self, residuals: &DVector<f64>) -> Vec<Self> {
         let single = self.responses.iter().filter_map(|group| {
             let response = aptest(group, residuals)?;
-            let (share, gain) = response.optimum(residuals);
-            Some((gain, self.clone().moved_to(response, share)))
+            let (share, delta_chi2) = response.optimum(residuals);
+            Some((delta_chi2, self.clone().moved_to(response, share)))
         });
         let shapes = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
         let differs = |start: &Self| (0..self.best.len()).filter(shapes).any(|k| start.best[k] != self.best[k]);
         let mut starts: Vec<(f64, Self)> =
-            single.filter(|(gain, start)| *gain > NEARLY * self.gain && differs(start)).collect();
+            single.filter(|(delta_chi2, start)| *delta_chi2 > NEARLY * self.delta_chi2 && differs(start)).collect();
         starts.sort_by(|a, b| b.0.total_cmp(&a.0));
         std::iter::once(self.clone()).chain(starts.into_iter().map(|(_, start)| start)).collect()
     }

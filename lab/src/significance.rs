@@ -1,4 +1,4 @@
-//! How large a gain chance alone would give the luckiest of all effects.
+//! Largest Δχ² that noise alone would give the luckiest of all effects.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -13,14 +13,14 @@ const DRAWS: u64 = 400;
 /// Share of the largest singular value below which changes depend on each other.
 const DEPENDENT: f64 = 1e-3;
 
-/// The largest gain over all effects in each draw, in rising order (Westfall and Young 1993).
+/// The largest Δχ² over all effects in each draw, in rising order (Westfall and Young 1993).
 ///
 /// A draw flips the signs of whole blocks of the residuals that the best model leaves (wild bootstrap, Wu 1986): what
 /// neighbours share stays, and so does all that the simulation itself does a little wrong.
 ///
 /// - `left`: whitened residuals of the best model
 /// - `blocks`: block of each
-pub fn chance_gains(
+pub fn null_delta_chi2(
     projector: &Projector,
     screened: &[Screened],
     left: &[f64],
@@ -35,9 +35,9 @@ pub fn chance_gains(
         let drawn: Vec<f64> = left.iter().zip(blocks).map(|(r, block)| r * signs[*block]).collect();
         luckiest((screened, &spaces), &projector.project(&drawn))
     };
-    let mut gains: Vec<f64> = (0..DRAWS).into_par_iter().map(draw).collect();
-    gains.sort_by(f64::total_cmp);
-    gains
+    let mut null: Vec<f64> = (0..DRAWS).into_par_iter().map(draw).collect();
+    null.sort_by(f64::total_cmp);
+    null
 }
 
 /// All that an effect of several amplitudes can change at once, as an orthonormal basis.
@@ -59,8 +59,8 @@ fn luckiest((screened, spaces): (&[Screened], &[DMatrix<f64>]), residuals: &DVec
     alone.chain(spaces.iter().map(|space| space.tr_mul(residuals).norm_squared())).fold(0.0, f64::max)
 }
 
-/// Share of draws in which chance gives at least this gain; never below that of one draw.
-pub fn chance(gains: &[f64], gain: f64) -> f64 {
-    let more = gains.len() - gains.partition_point(|chance| *chance < gain);
-    (more + 1) as f64 / (gains.len() + 1) as f64
+/// Share of draws of noise that reach at least this Δχ²; never below that of one draw.
+pub fn p_value(null: &[f64], delta_chi2: f64) -> f64 {
+    let more = null.len() - null.partition_point(|drawn| *drawn < delta_chi2);
+    (more + 1) as f64 / (null.len() + 1) as f64
 }

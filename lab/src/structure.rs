@@ -2,7 +2,7 @@
 //!
 //! Each looks at whitened residuals, which are independent with variance one where the model is right: their sum of
 //! squares, whether neighbours agree (Moran 1950), whether signs come in runs (Wald and Wolfowitz 1940), and whether
-//! successive passes leave alike. Holm's rule (1979) keeps the chance of any false alarm of all tests at 5 %.
+//! successive passes leave alike. Holm's rule (1979) keeps the probability of any false alarm of all tests at 5 %.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -11,7 +11,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use super::covariance::Whitener;
 use random::Stream;
 
-/// Chance of any false alarm of all tests.
+/// Probability of any false alarm of all tests.
 const LEVEL: f64 = 0.05;
 /// Draws of noise.
 const DRAWS: usize = 999;
@@ -56,15 +56,15 @@ pub struct StructureTest {
 
 /// All tests that the data allow.
 ///
-/// - `freedoms`: parameters that were fitted to these data
+/// - `degrees_of_freedom`: parameters that were fitted to these data
 /// - `shared`: for each workpiece with two scans or more, what they share
 pub fn structure_tests(
     grids: &[ResidualGrid],
-    freedoms: usize,
+    degrees_of_freedom: usize,
     shared: &[SharedTiles],
     seed: u64,
 ) -> Vec<StructureTest> {
-    let mut tests = vec![excess(grids, freedoms), neighbours(grids, seed)];
+    let mut tests = vec![excess(grids, degrees_of_freedom), neighbours(grids, seed)];
     tests.extend(runs("runs of one sign along x", grids, true));
     tests.extend(runs("runs of one sign across x", grids, false));
     tests.extend(repeats(shared, seed));
@@ -89,15 +89,15 @@ fn test(name: &str, statistic: f64, p_value: f64) -> StructureTest {
 }
 
 /// `(χ² - ν) / √(2 ν)`.
-fn excess(grids: &[ResidualGrid], freedoms: usize) -> StructureTest {
+fn excess(grids: &[ResidualGrid], degrees_of_freedom: usize) -> StructureTest {
     let chi2: f64 = grids.iter().flat_map(|grid| &grid.residuals).map(|r| r * r).sum();
     let count: usize = grids.iter().map(|grid| grid.residuals.len()).sum();
-    let left = count.saturating_sub(freedoms).max(1) as f64;
+    let left = count.saturating_sub(degrees_of_freedom).max(1) as f64;
     let p = ChiSquared::new(left).map_or(1.0, |law| law.sf(chi2));
     test("excess of whitened squares", (chi2 - left) / (2.0 * left).sqrt(), p)
 }
 
-/// Moran's I over pairs of neighbours, and its chance among draws of independent noise.
+/// Moran's I over pairs of neighbours, and its p-value among draws of independent noise.
 fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
     let pairs: Vec<Vec<(usize, usize)>> = grids.iter().map(ResidualGrid::neighbours).collect();
     let moran = |residuals: &dyn Fn(usize) -> Vec<f64>| {
@@ -114,8 +114,8 @@ fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
     let found = moran(&|k| grids[k].residuals.clone());
     let drawn = |draw: usize| {
         moran(&|k| {
-            let mut chance = Stream::of(seed, &format!("neighbours {draw} {k}"));
-            grids[k].residuals.iter().map(|_| chance.normal()).collect()
+            let mut stream = Stream::of(seed, &format!("neighbours {draw} {k}"));
+            grids[k].residuals.iter().map(|_| stream.normal()).collect()
         })
     };
     let more = (0..DRAWS).into_par_iter().filter(|&draw| drawn(draw) >= found).count();
@@ -202,9 +202,9 @@ impl SharedTiles<'_> {
     }
 
     /// Differences that noise alone would make.
-    fn drawn(&self, chance: &mut Stream) -> Vec<Vec<f64>> {
+    fn drawn(&self, stream: &mut Stream) -> Vec<Vec<f64>> {
         let scan = |whitener: &&Whitener| {
-            let normals: Vec<f64> = (0..whitener.len()).map(|_| chance.normal()).collect();
+            let normals: Vec<f64> = (0..whitener.len()).map(|_| stream.normal()).collect();
             whitener.coloured(&normals)
         };
         self.whiteners.iter().map(scan).collect()

@@ -47,9 +47,9 @@ pub struct EffectSummary {
     /// Its parameters by name.
     pub parameters: BTreeMap<String, ParameterSummary>,
     /// Fall of the sum of squares over the spread of what is left.
-    pub gain: f64,
+    pub delta_chi2: f64,
     /// Chance that the luckiest effect gains as much without being there.
-    pub chance: f64,
+    pub p_value: f64,
     /// Number of the search that fitted it, from 1.
     pub search: usize,
     /// Why it is out; absent for the best one of a search and for those that these data cannot tell from it.
@@ -167,16 +167,19 @@ fn significant(value: f64) -> String {
 }
 
 impl EffectSummary {
-    /// Probability, gain and values, in a line.
+    /// Probability, Δχ² and values, in a line.
     pub fn shown(&self) -> String {
         let value = |(name, p): (&String, &ParameterSummary)| format!("{name} = {}", p.quantity());
         let values: Vec<String> = self.parameters.iter().map(value).collect();
-        let Self { name, probability, gain, chance, .. } = self;
-        format!("{name}: probability {probability:.3}, gain {gain:.1}, chance {chance:.3}; {}", values.join(", "))
+        let Self { name, probability, delta_chi2, p_value, .. } = self;
+        format!(
+            "{name}: probability {probability:.3}, Δχ² {delta_chi2:.1}, p-value {p_value:.3}; {}",
+            values.join(", ")
+        )
     }
 
     fn new(evidence: &dyn Evidence, (search, round): (usize, &Round), finding: &Finding, title: &str) -> Self {
-        let before: &[Agreement] = if finding.is_sound { &round.evaluation } else { &[] };
+        let before: &[Agreement] = if finding.is_admissible { &round.evaluation } else { &[] };
         let own = |e: &Estimate| e.coordinate.slot.owner == finding.suspect.name();
         let estimates = finding.suspect.fit.estimates(round.spread);
         let row = |e: &Estimate| e.coordinate.slot.row.map_or(String::new(), |row| format!("[{}]", row + 1));
@@ -194,8 +197,8 @@ impl EffectSummary {
             probability: finding.probability,
             indistinguishable_from: if is_best { alike.collect() } else { Vec::new() },
             parameters: parameters.collect(),
-            gain: finding.gain,
-            chance: finding.chance,
+            delta_chi2: finding.delta_chi2,
+            p_value: finding.p_value,
             search,
             ruled_out: round.ruled_out(finding, unit),
             evaluation_rms_um_before: error(before),

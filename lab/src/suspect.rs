@@ -15,7 +15,7 @@ const THOROUGH: usize = 4;
 /// Places from which an effect of several shapes is fitted quickly.
 const STARTS: usize = 2;
 /// Fall of the sum of squares below which an effect is not fitted.
-pub(super) const LEAST_GAIN: f64 = 4.0;
+pub(super) const LEAST_DELTA_CHI2: f64 = 4.0;
 /// What the two fits may cost.
 pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
 pub(super) const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
@@ -42,7 +42,7 @@ impl Suspect {
     }
 
     /// Free parameters of the effect.
-    pub fn freedoms(&self) -> usize {
+    pub fn degrees_of_freedom(&self) -> usize {
         self.screened.candidate.coordinates.len()
     }
 
@@ -119,7 +119,7 @@ pub fn suspects(
     screened: &[Screened],
     told: &(dyn Fn(&str) + Sync),
 ) -> Vec<Suspect> {
-    let mut order = by_promise(screened.iter().filter(|screened| screened.gain > LEAST_GAIN));
+    let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > LEAST_DELTA_CHI2));
     order.truncate(QUICK);
     let residuals = Projector::new(base).residuals;
     let quick = |screened: &&Screened| {
@@ -130,9 +130,9 @@ pub fn suspects(
     };
     let mut suspects: Vec<Suspect> = order.par_iter().filter_map(quick).collect();
     sort(&mut suspects);
-    let gain = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
-    let worth = suspects.first().map_or(0.0, |best| PROMISING * gain(best));
-    let promising = suspects.iter().take(THOROUGH).take_while(|suspect| gain(suspect) >= worth).count();
+    let delta_chi2 = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
+    let worth = suspects.first().map_or(0.0, |best| PROMISING * delta_chi2(best));
+    let promising = suspects.iter().take(THOROUGH).take_while(|suspect| delta_chi2(suspect) >= worth).count();
     let rest = suspects.split_off(promising);
     let thorough = |suspect: Suspect| {
         let suspect = suspect.refined(evidence, THOROUGH_FIT);
@@ -140,13 +140,13 @@ pub fn suspects(
         suspect
     };
     let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
-    let best = suspects.iter().map(gain).fold(0.0, f64::max);
-    let is_underway = |suspect: &Suspect| !suspect.fit.converged && gain(suspect) >= WORTH.max(NEAR_BEST * best);
+    let best = suspects.iter().map(delta_chi2).fold(0.0, f64::max);
+    let is_underway = |suspect: &Suspect| !suspect.fit.converged && delta_chi2(suspect) >= WORTH.max(NEAR_BEST * best);
     suspects.par_iter_mut().filter(|suspect| is_underway(suspect)).for_each(|suspect| {
         *suspect = suspect.clone().refined(evidence, LAST_FIT);
     });
     suspects.extend(rest);
-    suspects.retain(|suspect| gain(suspect) > 0.0);
+    suspects.retain(|suspect| delta_chi2(suspect) > 0.0);
     sort(&mut suspects);
     suspects
 }
@@ -154,7 +154,7 @@ pub fn suspects(
 /// Effects by what the first look promises of them, the most first.
 pub(super) fn by_promise<'a>(screened: impl Iterator<Item = &'a Screened>) -> Vec<&'a Screened> {
     let mut order: Vec<&Screened> = screened.collect();
-    order.sort_by(|a, b| b.gain.total_cmp(&a.gain).then_with(|| a.candidate.name.cmp(&b.candidate.name)));
+    order.sort_by(|a, b| b.delta_chi2.total_cmp(&a.delta_chi2).then_with(|| a.candidate.name.cmp(&b.candidate.name)));
     order
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use effects::{
-    CompiledModel, Effect, Formula, Holder, Kind, Library, Model, Motion, Per, Place, Process, RowCounts, Rows, Scale,
+    CompiledModel, Effect, Formula, Holder, Hook, Kind, Library, Model, Motion, Per, Process, RowCounts, Rows, Scale,
     Variable,
 };
 
@@ -15,7 +15,7 @@ use trials::measure::median;
 use trials::table::{Removed, Table};
 
 /// Hooks that rows have.
-const HOOKS: [Place; 4] = [Place::Spindle, Place::Force, Place::Rate, Place::Dose];
+const HOOKS: [Hook; 4] = [Hook::Spindle, Hook::Force, Hook::Rate, Hook::Dose];
 /// A prediction that changes by less is the same [logarithm].
 const SAME: f64 = 1e-6;
 /// Factors from a rate constant to its bounds.
@@ -64,8 +64,8 @@ fn within_reach(table: &Table, effect: &Effect) -> Result<(), String> {
     };
     if changes.is_empty() {
         return Err(match first.hook {
-            Place::Height | Place::Exposure => "acts only in a scan".to_owned(),
-            Place::Pressure => "acts only across the surface: the force sets the mean pressure".to_owned(),
+            Hook::Height | Hook::Exposure => "acts only in a scan".to_owned(),
+            Hook::Pressure => "acts only across the surface: the force sets the mean pressure".to_owned(),
             _ => "acts only across the surface".to_owned(),
         });
     }
@@ -81,7 +81,7 @@ fn within_reach(table: &Table, effect: &Effect) -> Result<(), String> {
     }
     let integrated = states.iter().find(|state| measuring(table, &effect.name, state).is_none());
     if let Some(state) = integrated {
-        if changes.iter().any(|change| change.hook == Place::Force) {
+        if changes.iter().any(|change| change.hook == Hook::Force) {
             return Err("acts within a row: the logged force is a mean in which it is averaged out".to_owned());
         }
         if table.rows.iter().any(|row| row.duration.is_none()) {

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use effects::{CompiledModel, Dimension, Holder, Lanes, Place, Process, Reset, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Dimension, Holder, Hook, Lanes, Process, Reset, RunError, States, StepValues, Variable};
 
 use trials::table::{Removed, Row, Table};
 
@@ -31,9 +31,9 @@ const FORCE_SAME: f64 = 1e-10;
 /// A state of the tool that a column measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Measured {
-    /// Place among the model's tool states.
+    /// Hook among the model's tool states.
     state: usize,
-    /// Place among [`Table::usage`].
+    /// Hook among [`Table::usage`].
     usage: usize,
     /// Value of the column at which the state is zero [SI].
     zero: f64,
@@ -94,7 +94,7 @@ impl<'a> Rows<'a> {
             let zero = if table.usage[usage].dimension == KELVIN { ROOM } else { 0.0 };
             Some(Measured { state: number, usage, zero })
         });
-        let places = [Place::Rate, Place::Dose, Place::ToolCell];
+        let places = [Hook::Rate, Hook::Dose, Hook::ToolCell];
         let read = places.iter().flat_map(|&place| model.needs(place).iter().filter(move |v| v.is_lane_at(place)));
         let neutral = |&variable: &Variable| match variable {
             Variable::EdgeDistance => (variable, [1.0]),
@@ -211,7 +211,7 @@ impl<'a> Rows<'a> {
         step.set(Variable::SlidingSpeed, speed);
         let Some(radius) = self.table.radius else { return Ok(()) };
         step.set(Variable::SpindleSetpoint, speed / radius).set(Variable::SpindleSpeed, speed / radius);
-        if self.model.has(Place::Spindle) {
+        if self.model.has(Hook::Spindle) {
             let spindle = self.model.spindle_speed(step, states)?;
             step.set(Variable::SpindleSpeed, spindle).set(Variable::SlidingSpeed, spindle.abs() * radius);
         }
@@ -220,7 +220,7 @@ impl<'a> Rows<'a> {
 
     /// The force [N] that the sensor reads as `reading`, by the secant rule.
     fn true_force(&self, reading: f64, states: &States, step: &mut StepValues) -> Result<f64, RunError> {
-        if !self.model.has(Place::Force) {
+        if !self.model.has(Hook::Force) {
             return Ok(reading);
         }
         let mut error = |force: f64| -> Result<f64, RunError> {
@@ -248,7 +248,7 @@ impl<'a> Rows<'a> {
         step: &StepValues,
     ) -> Result<(f64, f64), RunError> {
         let grinds = self.model.process() == Process::Grinding;
-        let place = if grinds { Place::Rate } else { Place::Dose };
+        let place = if grinds { Hook::Rate } else { Hook::Dose };
         let own = [
             (Variable::Pressure, [pressure]),
             (Variable::SlipSpeed, [step.get(Variable::SlidingSpeed)]),

@@ -8,7 +8,7 @@ use super::exposure_view::ExposureView;
 use super::height_view::HeightView;
 use super::rows::RowEvidence;
 use super::scans::{ScanData, ScanEvidence, ScanView};
-use crate::twin::SimulatedPass;
+use crate::simulation::SimulatedPass;
 use trials::measure::median;
 use trials::trial::PassScan;
 
@@ -54,10 +54,10 @@ impl Totals for ScanEvidence<'_> {
         let blur = self.blur_of(&passes, model)?;
         let total = |view: &ScanView| {
             let pass = &passes[view.trial][view.pass];
-            let about = format!("{}, pass {}", self.twin.trials[view.trial].trial.name, view.pass + 1);
+            let about = format!("{}, pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
             Ok(match (&view.data, &pass.scan) {
                 (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                    let before = &self.twin.trials[view.trial].trial.scans.before;
+                    let before = &self.simulation.trials[view.trial].trial.scans.before;
                     Total { about, ..volume(data, &self.seen(view, simulated, blur), before) }
                 }
                 (ScanData::Exposure(data), _) => Total { about, ..bare_area(data, &margin(pass, model)?) },

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::diagnose::Round;
 use super::screen::Screened;
-use super::suspect::{LEAST_GAIN, QUICK, by_promise};
+use super::suspect::{LEAST_DELTA_CHI2, QUICK, by_promise};
 
 /// An effect that a search looked at and did not weigh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,12 +32,14 @@ impl Round {
 
 /// Why an effect with a rank among all by what it promised was not weighed.
 fn reason(rank: usize, screened: &Screened) -> String {
-    let gain = screened.gain;
-    if gain <= LEAST_GAIN {
-        return format!("no gain: the first look promises a fall of χ² by {gain:.1}, and {LEAST_GAIN} are needed");
+    let delta_chi2 = screened.delta_chi2;
+    if delta_chi2 <= LEAST_DELTA_CHI2 {
+        return format!(
+            "no delta_chi2: the first look promises a fall of χ² by {delta_chi2:.1}, and {LEAST_DELTA_CHI2} are needed"
+        );
     }
     if rank >= QUICK {
-        return format!("not fitted: a fall of χ² by {gain:.1} at first look, and {QUICK} others promise more");
+        return format!("not fitted: a fall of χ² by {delta_chi2:.1} at first look, and {QUICK} others promise more");
     }
-    "no gain: no fit of it is better than the model without it".to_owned()
+    "no delta_chi2: no fit of it is better than the model without it".to_owned()
 }

@@ -31,8 +31,6 @@
 // Loops over lanes index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-mod beam;
-mod bundle;
 mod camera;
 mod clear_view;
 mod colour;
@@ -42,12 +40,13 @@ mod edges;
 mod field;
 mod font;
 mod frame;
+mod gbuffer_lanes;
 mod index;
 mod lanes;
 mod legend;
 mod lens;
+mod light_visibility;
 mod lights;
-mod lit;
 mod lockstep;
 mod marks;
 mod material;
@@ -56,15 +55,16 @@ mod occupancy;
 mod padded;
 mod photographer;
 mod placement;
+mod ray_packet;
 mod rays;
 mod removed;
 mod rows;
 mod scene;
 mod sensor;
 mod shade;
+mod shade_lanes;
 mod shadow;
 mod sheet;
-mod sight;
 mod skyline;
 mod surface;
 mod text;

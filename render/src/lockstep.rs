@@ -1,7 +1,7 @@
 //! The rays of a tile in lockstep: what [`Field::trace`] finds for each, in lanes.
 //!
 //! ```text
-//!   φ > 0 at all corners of the cell      on by φ, as [`common_clear_length`](super::bundle::common_clear_length) does, or
+//!   φ > 0 at all corners of the cell      on by φ, as [`common_clear_length`](super::ray_packet::common_clear_length) does, or
 //!   free cube of bricks                   across the cell or the cube, whichever is longer
 //!   a corner in the metal                 the exact root in the cell
 //! ```
@@ -153,8 +153,8 @@ mod tests {
     use sdf_bake::BrickGrid;
 
     use super::*;
-    use crate::bundle::common_clear_length;
     use crate::camera::{Camera, Ray};
+    use crate::ray_packet::common_clear_length;
     use crate::rays::Places;
     use crate::tile::tile_pixels;
 

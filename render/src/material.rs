@@ -112,7 +112,7 @@ impl Appearance {
     /// Coated and exposed appearance mixed by min(D, 1); what is exposed is ground where a tool has removed metal or
     /// coating, else base or weld metal.
     ///
-    /// - `weld_share`, `dose`, `removed`: as in [`Samples`](super::sight::Samples)
+    /// - `weld_share`, `dose`, `removed`: as in [`Samples`](super::gbuffer_lanes::Samples)
     #[inline(always)]
     pub(crate) fn blends(&self, weld_share: &Lanes, dose: &Lanes, removed: &Lanes) -> MaterialLanes {
         let none = [0.0; LANES];

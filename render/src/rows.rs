@@ -4,8 +4,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::frame::{Frame, Seen};
+use super::gbuffer_lanes::Samples;
 use super::lanes::Points;
-use super::sight::Samples;
 use super::tile::{TILE, tile_row};
 
 /// [`TILE`] rows of a frame, or fewer at its lower edge, each buffer a slice.

@@ -4,18 +4,18 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
-use super::beam::Beam;
 use super::camera::Camera;
 use super::field::Field;
 use super::frame::Frame;
+use super::gbuffer_lanes::{Clear, Samples, Sight};
 use super::lanes::{LANES, Points, any};
+use super::light_visibility::Beam;
 use super::lights::Lights;
-use super::lit::Lit;
 use super::material::{Appearance, Material, PRIMER};
 use super::placement::Placement;
 use super::rays::Places;
 use super::rows::Rows;
-use super::sight::{Clear, Samples, Sight};
+use super::shade_lanes::Lit;
 use super::tile::{Shelter, TILE, tile_pixels};
 
 /// Tiles beside each other that one ray looks ahead for.

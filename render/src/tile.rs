@@ -1,10 +1,10 @@
 //! Neighbouring samples of an image that are looked at together, since what shelters one mostly shelters all.
 
-use super::beam::Beam;
+use super::gbuffer_lanes::Samples;
 use super::lanes::{LANES, Lanes, any};
+use super::light_visibility::Beam;
 use super::scene::Stage;
 use super::shade::{Openness, SHADOW_START};
-use super::sight::Samples;
 
 /// Pixels along each side of a tile, which fills the lanes.
 pub(crate) const TILE: usize = 4;

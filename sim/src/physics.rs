@@ -12,7 +12,7 @@ use crate::sheet::Sheet;
 use crate::step::Step;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
-use effects::{CompiledModel, Lanes, Per, Place, PoseChange, Process, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, Process, RunError, States, StepValues, Variable};
 use sdf_bake::simd::in_wide_lanes;
 
 /// Distance of Gauss's two points from the middle of the time in which a square is under the tool, as a part of a
@@ -41,7 +41,7 @@ pub struct Physics<'a> {
     balancing: Vec<Variable>,
     /// The others.
     following: Vec<Variable>,
-    /// Place of each lane among the tool's cells.
+    /// Hook of each lane among the tool's cells.
     tool_cell: Vec<f64>,
     /// States of the workpiece's cells, by lattice line.
     cells: HashMap<(i32, i32), Vec<f64>>,
@@ -52,15 +52,15 @@ pub struct Physics<'a> {
 impl<'a> Physics<'a> {
     /// A model and its tool's states before the first step.
     pub fn new(model: &'a CompiledModel, states: &'a mut States, coating: f64) -> Self {
-        let of_cells = |hooks: &[Place]| {
+        let of_cells = |hooks: &[Hook]| {
             let read = hooks.iter().flat_map(|&place| model.needs(place)).copied();
             let mut read: Vec<Variable> = read.filter(|variable| variable.row().per == Per::Cell).collect();
             read.sort_unstable_by_key(|&variable| variable as usize);
             read.dedup();
             read
         };
-        let balancing = of_cells(&[Place::Shape, Place::Pressure, Place::Rate]);
-        let mut following = of_cells(&[Place::Dose, Place::WorkpieceCell]);
+        let balancing = of_cells(&[Hook::Shape, Hook::Pressure, Hook::Rate]);
+        let mut following = of_cells(&[Hook::Dose, Hook::WorkpieceCell]);
         following.retain(|variable| !balancing.contains(variable));
         let wanted = [balancing.as_slice(), &following].concat();
         let lanes = vec![Vec::new(); Variable::COUNT];
@@ -110,7 +110,7 @@ impl<'a> Physics<'a> {
 
     /// Whether the surface recedes.
     pub fn grinds(&self) -> bool {
-        self.model.process() == Process::Grinding || self.model.has(Place::Rate)
+        self.model.process() == Process::Grinding || self.model.has(Hook::Rate)
     }
 
     /// Whether pressure and recession may be anything but straight lines in the depth.
@@ -133,7 +133,7 @@ impl<'a> Physics<'a> {
     /// # Errors
     /// A formula that gives no finite number; so for all hooks.
     pub fn pose_change(&self) -> Result<PoseChange, RunError> {
-        if !self.model.has(Place::Pose) {
+        if !self.model.has(Hook::Pose) {
             return Ok(PoseChange { offset: [0.0; 3], roll: 0.0, pitch: 0.0 });
         }
         self.model.pose(&self.step, self.states)
@@ -141,7 +141,7 @@ impl<'a> Physics<'a> {
 
     /// Force that the controller believes [N] when the true one is `force`.
     pub fn force_reading(&mut self, force: f64) -> Result<f64, RunError> {
-        if !self.model.has(Place::Force) {
+        if !self.model.has(Hook::Force) {
             return Ok(force);
         }
         self.step.set(Variable::ForceReading, force);
@@ -158,14 +158,14 @@ impl<'a> Physics<'a> {
         out: &mut Vec<f64>,
     ) -> Result<(), RunError> {
         out.clear();
-        if !self.model.has(Place::Shape) {
+        if !self.model.has(Hook::Shape) {
             return Ok(());
         }
         let mut lines = Lines::default();
         region.grown().lines(sheet.window.size[1]).for_each(|line| lines.push(line));
         self.place(tool, pose, sheet, None, &lines);
         out.resize(lines.len(), 0.0);
-        self.run(Place::Shape, &[], out)
+        self.run(Hook::Shape, &[], out)
     }
 
     /// Takes up what decides the balance of forces on the squares `lines` of a sheet under a tool at `pose`.
@@ -276,7 +276,7 @@ impl<'a> Physics<'a> {
     /// Pressure [Pa] at depths [m] that change by `depth_rate` [m/s].
     pub fn pressure(&self, depth: &[f64], depth_rate: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
         out.resize(depth.len(), 0.0);
-        self.run(Place::Pressure, &[(Variable::Depth, depth), (Variable::DepthRate, depth_rate)], out)
+        self.run(Hook::Pressure, &[(Variable::Depth, depth), (Variable::DepthRate, depth_rate)], out)
     }
 
     /// Recession speed r [m/s].
@@ -286,7 +286,7 @@ impl<'a> Physics<'a> {
             out.fill(0.0);
             return Ok(());
         }
-        self.run(Place::Rate, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
+        self.run(Hook::Rate, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
     }
 
     /// Dose per time [1/s].
@@ -296,10 +296,10 @@ impl<'a> Physics<'a> {
             out.fill(0.0);
             return Ok(());
         }
-        self.run(Place::Dose, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
+        self.run(Hook::Dose, &[(Variable::Depth, depth), (Variable::Pressure, pressure)], out)
     }
 
-    fn run(&self, place: Place, own: &[(Variable, &[f64])], out: &mut [f64]) -> Result<(), RunError> {
+    fn run(&self, place: Hook, own: &[(Variable, &[f64])], out: &mut [f64]) -> Result<(), RunError> {
         let states: Vec<&[f64]> = self.cell_lanes.iter().map(Vec::as_slice).collect();
         let lanes = self.lanes(out.len(), own).with_states(&states);
         self.model.at(place, &self.step, self.states).run(&lanes, out)

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::control::Controller;
 use crate::path::Path;
 use crate::tool::Tool;
-use effects::{CompiledModel, Place, RunError, Variable};
+use effects::{CompiledModel, Hook, RunError, Variable};
 
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
@@ -144,7 +144,7 @@ impl Process {
     /// [`PassError::NoDynamics`] where an ideal controller would read a past force.
     pub fn longest_step(&self, model: &CompiledModel) -> Result<f64, PassError> {
         let mut longest = STEADY_SANDING_STEP.1;
-        for effect in model.acting(Place::Force) {
+        for effect in model.acting(Hook::Force) {
             match self.controller {
                 Controller::Replay => {}
                 Controller::Ideal if !effect.states.is_empty() => {

@@ -4,7 +4,7 @@ use glam::DVec2;
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 
 use crate::profilometer::Profilometer;
-use effects::{CompiledModel, Lanes, Place, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Lanes, RunError, States, StepValues, Variable};
 
 /// Topmost surface of a part at pixels, as it is: heights, and what the field keeps there. A model's scanner can look at
 /// it again and again, each time with other parameter values.
@@ -25,7 +25,7 @@ impl Topography {
     pub fn read(part: &BrickGrid, pixels: PixelGrid, model: &CompiledModel) -> Self {
         let instrument = Profilometer::sharp(pixels);
         let map = instrument.heights(part);
-        let needs = |variable| model.needs(Place::Height).contains(&variable);
+        let needs = |variable| model.needs(Hook::Height).contains(&variable);
         let channel = |variable, values: &[f32]| match (needs(variable), values.is_empty()) {
             (false, _) => Vec::new(),
             (true, true) => vec![0.0; pixels.len()],
@@ -44,7 +44,7 @@ impl Topography {
     /// # Errors
     /// A formula that gives no finite number, or a model that reads what another one did not ask for.
     pub fn reported(&self, model: &CompiledModel, step: &StepValues) -> Result<HeightMap, RunError> {
-        if !model.has(Place::Height) {
+        if !model.has(Hook::Height) {
             return Ok(self.map.clone());
         }
         let HeightMap { pixels, heights } = &self.map;
@@ -65,7 +65,7 @@ impl Topography {
         ];
         let inputs = lanes.iter().fold(Lanes::new(seen.len()), |all, (variable, values)| all.with(*variable, values));
         let mut reported = vec![0.0; seen.len()];
-        model.at(Place::Height, step, &States::new(model, 1)).run(&inputs, &mut reported)?;
+        model.at(Hook::Height, step, &States::new(model, 1)).run(&inputs, &mut reported)?;
         let mut map = self.map.clone();
         seen.iter().zip(reported).for_each(|(&pixel, height)| map.heights[pixel] = height);
         Ok(map)

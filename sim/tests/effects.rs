@@ -4,7 +4,7 @@ mod common;
 
 use common::{base, fresh, line, plate};
 use effects::{
-    CompiledModel, EffectError, Lanes, Library, Model, Place, Process as Kind, RowCounts, States, StepValues, Variable,
+    CompiledModel, EffectError, Hook, Lanes, Library, Model, Process as Kind, RowCounts, States, StepValues, Variable,
 };
 use sdf_bake::BrickGrid;
 use sim::{Pad, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
@@ -117,7 +117,7 @@ fn definitions_that_double_each_other_are_evaluated_once_each() {
     let model = CompiledModel::new(&Model::new(Kind::Grinding).with("own"), &library, RowCounts::default()).unwrap();
     let (step, states) = (StepValues::new(), States::new(&model, 0));
     let mut rate = [0.0];
-    model.at(Place::Rate, &step, &states).run(&Lanes::new(1).with(Variable::Pressure, &[1e6]), &mut rate).unwrap();
+    model.at(Hook::Rate, &step, &states).run(&Lanes::new(1).with(Variable::Pressure, &[1e6]), &mut rate).unwrap();
     let plain = 1e-9 * 1e6;
     assert!((rate[0] / plain / (1.0 + 2f64.powi(41)) - 1.0).abs() < 1e-12, "{}", rate[0]);
 

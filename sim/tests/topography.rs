@@ -3,7 +3,7 @@
 mod common;
 
 use common::{model, plate};
-use effects::{CompiledModel, Library, Model, Place, Process, RowCounts, StepValues, Variable};
+use effects::{CompiledModel, Hook, Library, Model, Process, RowCounts, StepValues, Variable};
 use glam::{DVec2, DVec3};
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use sim::{Profilometer, Topography};
@@ -58,14 +58,14 @@ fn each_effect_of_the_scanner_changes_the_heights_by_its_formula() {
 fn every_effect_of_the_scanner_is_tried_here() {
     let tried = ["height-gain", "slope-bias", "lateral-blur", "stitching", "scan-tilt", "scan-shift"];
     for effect in Library::builtin().effects() {
-        let scans = effect.changes.iter().any(|change| change.hook == Place::Height);
+        let scans = effect.changes.iter().any(|change| change.hook == Hook::Height);
         assert_eq!(scans, tried.contains(&effect.name.as_str()), "{}", effect.name);
     }
 }
 
 /// All effects of the scanner at null.
 fn at_null() -> CompiledModel {
-    let scans = |effect: &&effects::Effect| effect.changes.iter().any(|change| change.hook == Place::Height);
+    let scans = |effect: &&effects::Effect| effect.changes.iter().any(|change| change.hook == Hook::Height);
     let effects = Library::builtin().effects().iter().filter(scans);
     let model = effects.fold(Model::new(Process::Grinding), |model, effect| model.with(&effect.name));
     let mut model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model");

@@ -13,7 +13,7 @@ use super::room::Room;
 use super::sources::Sources;
 use super::{Cache, Recipe, Record};
 use crate::baking::{FieldWishes, bake_part};
-use crate::budget;
+use crate::memory_budget;
 use crate::part::Part;
 use files::file_lock::Patience;
 use files::job_queue::take_turns;
@@ -67,7 +67,7 @@ impl Batch<'_> {
             batch: self,
             meshes: sources.into_iter().collect(),
             baked: Mutex::default(),
-            room: Room::new(budget::MOST_BRICKS),
+            room: Room::new(memory_budget::MOST_BRICKS),
         };
         let mut keys = BTreeMap::new();
         let mut in_order = InOrder::default();
@@ -108,7 +108,7 @@ impl Work<'_> {
         let part = Part::from_bytes(&bytes, wishes.unit)?;
         drop(bytes);
         let options = wishes.options(&part);
-        let _share = self.room.share(budget::check(&part.mesh, &options)?);
+        let _share = self.room.share(memory_budget::check(&part.mesh, &options)?);
         let baked = bake_part(&part, &options)?;
         // Before the entry can be found by the other jobs, so that none takes it for an old one.
         lock(&self.baked).insert(key.clone(), baked.bake_s);

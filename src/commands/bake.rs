@@ -9,10 +9,10 @@ use serde::Serialize;
 
 use super::flags::{JOBS, MESH, MeshFlags, OutFlags, whole};
 use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
-use crate::budget;
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
 use crate::console::Console;
 use crate::in_full;
+use crate::memory_budget;
 use crate::part::Part;
 use files::folder::StagedFile;
 
@@ -83,7 +83,7 @@ fn bake_one(mesh: &Path, wishes: &FieldWishes, out: &OutFlags, console: &Console
     part.describe(console);
     let name = || mesh.display().to_string();
     let options = wishes.options(&part);
-    budget::check(&part.mesh, &options).with_context(name)?;
+    memory_budget::check(&part.mesh, &options).with_context(name)?;
     let field = bake_part(&part, &options).with_context(name)?;
     console.step("bake", &field.description);
     file.commit(&field.bytes)?;

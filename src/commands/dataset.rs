@@ -9,18 +9,18 @@ use serde::Serialize;
 
 use super::dataset_images::{self, ImagesArgs};
 use super::flags::{JOBS, LIMITS, RUNS, whole};
-use super::piece_flags::{ITEMS, PieceFlags};
+use super::item_flags::{ITEMS, ItemFlags};
 use crate::cache::find_meshes;
 use crate::console::Console;
+use crate::dataset::item::Ending;
 use crate::dataset::limits::Usage;
-use crate::dataset::piece::Ending;
 use crate::dataset::plan::Shard;
 use crate::dataset::progress::{Progress, Summary};
 use crate::dataset::run::{Outcome, Run};
 use crate::dataset::{Catalogue, Dataset, Plan};
 use crate::wrong_use;
 
-/// Pieces of one part that are accepted; their names have four digits.
+/// Items of one part that are accepted; their names have four digits.
 const MOST_PER_PART: u64 = 10_000;
 
 /// Other kinds of sets.
@@ -30,8 +30,8 @@ enum Kind {
     Images(ImagesArgs),
 }
 
-const HELP: &str = "Every piece is an asset as `robofin weld` makes it, without USD, made in a process of its own. Its bytes follow from the
-content of its part, its number and the flags of the pieces; never from --jobs, --shard, --limit or interruptions.
+const HELP: &str = "Every item is an asset as `robofin weld` makes it, without USD, made in a process of its own. Its bytes follow from the
+content of its part, its number and the flags of the items; never from --jobs, --shard, --limit or interruptions.
 
 Examples:
   robofin dataset parts --out out/set --per-part 10 --seed 7
@@ -50,7 +50,7 @@ pub(super) struct DatasetArgs {
     /// Folder of the data set.
     #[arg(long, required = true, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Pieces of each part.
+    /// Items of each part.
     #[arg(
         long,
         value_name = "N",
@@ -60,7 +60,7 @@ pub(super) struct DatasetArgs {
         help_heading = ITEMS
     )]
     per_part: u32,
-    /// Only the piece with this number of each part, from 0.
+    /// Only the item with this number of each part, from 0.
     #[arg(
         long,
         value_name = "K",
@@ -69,8 +69,8 @@ pub(super) struct DatasetArgs {
         value_parser = whole::<u32>([0, MOST_PER_PART - 1]),
         help_heading = ITEMS
     )]
-    piece: Option<u32>,
-    /// At most so many pieces, every part once before any twice; shards share them.
+    item: Option<u32>,
+    /// At most so many items, every part once before any twice; shards share them.
     #[arg(
         long,
         value_name = "K",
@@ -82,7 +82,7 @@ pub(super) struct DatasetArgs {
     /// The i-th of n shares, for several machines.
     #[arg(long, value_name = "i/n", allow_hyphen_values = true, help_heading = RUNS)]
     shard: Option<String>,
-    /// Pieces at once [default: all cores].
+    /// Items at once [default: all cores].
     #[arg(
         long,
         value_name = "J",
@@ -98,13 +98,13 @@ pub(super) struct DatasetArgs {
     #[arg(long, help_heading = RUNS)]
     dry_run: bool,
     #[command(flatten)]
-    pieces: PieceFlags,
+    items: ItemFlags,
 }
 
-/// A line of the answer of `dataset --json`, for one piece.
+/// A line of the answer of `dataset --json`, for one item.
 #[derive(Serialize)]
-struct PieceAnswer<'a> {
-    piece: &'a str,
+struct ItemAnswer<'a> {
+    item: &'a str,
     source: &'a str,
     ending: &'a Ending,
     #[serde(flatten)]
@@ -119,10 +119,10 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     // Without a word in front the parser insists on it.
     let out = args.out.as_deref().unwrap_or(Path::new(""));
     let jobs = jobs(args.jobs);
-    let (wishes, limits) = (args.pieces.wishes()?, args.pieces.limits()?);
-    let flags = PieceFlags::given(matches);
+    let (wishes, limits) = (args.items.wishes()?, args.items.limits()?);
+    let flags = ItemFlags::given(matches);
     let sources = args.sources.iter().map(|place| place.to_string_lossy().into_owned()).collect();
-    let recipe = args.pieces.recipe(&wishes, &flags, sources)?;
+    let recipe = args.items.recipe(&wishes, &flags, sources)?;
     let plan = plan(args)?;
     console.step("plan", describe(&plan));
     if args.dry_run {
@@ -132,7 +132,7 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     let run = Run { dataset: &dataset, plan: &plan, flags: &flags, limits, jobs };
     let summary = make(&run, console)?;
     let catalogue = Catalogue::update(&dataset)?;
-    console.step("dataset", format!("{} pieces listed in {}", catalogue.pieces, out.display()));
+    console.step("dataset", format!("{} items listed in {}", catalogue.items, out.display()));
     console.step("done", summary.describe(jobs));
     if let Some(outlook) = summary.outlook() {
         console.step("", outlook);
@@ -141,26 +141,26 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     match summary.failed {
         0 => Ok(()),
         failed => bail!(
-            "{failed} of {} pieces failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
-            summary.pieces,
+            "{failed} of {} items failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
+            summary.items,
             out.display()
         ),
     }
 }
 
-/// Makes the pieces of a run and tells of each.
+/// Makes the items of a run and tells of each.
 pub(super) fn make(run: &Run, console: &Console) -> Result<Summary> {
-    tell(run.plan.pieces.len() + run.plan.unreadable.len(), console, |done| run.run(done))
+    tell(run.plan.items.len() + run.plan.unreadable.len(), console, |done| run.run(done))
 }
 
-/// Tells of each of so many pieces that `work` reports.
+/// Tells of each of so many items that `work` reports.
 pub(super) fn tell(
-    pieces: usize,
+    items: usize,
     console: &Console,
     work: impl FnOnce(&mut dyn FnMut(&Outcome) -> Result<()>) -> Result<()>,
 ) -> Result<Summary> {
-    let bar = console.bar("pieces", pieces as u64);
-    let mut progress = Progress::new(pieces, Instant::now());
+    let bar = console.bar("items", items as u64);
+    let mut progress = Progress::new(items, Instant::now());
     work(&mut |outcome| {
         let line = progress.count(outcome);
         bar.inc(1);
@@ -177,10 +177,10 @@ pub(super) fn tell(
 fn answer(outcome: &Outcome, console: &Console) -> Result<()> {
     let Outcome { id, source, ending, usage, seconds } = outcome;
     let source = &*source.to_string_lossy();
-    console.answer_line(&PieceAnswer { piece: id, source, ending, usage: *usage, seconds: *seconds })
+    console.answer_line(&ItemAnswer { item: id, source, ending, usage: *usage, seconds: *seconds })
 }
 
-/// How many pieces at once.
+/// How many items at once.
 pub(super) fn jobs(asked: Option<usize>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get().min(JOBS[1] as usize));
     asked.unwrap_or_else(cores)
@@ -193,13 +193,13 @@ fn plan(args: &DatasetArgs) -> Result<Plan> {
             wrong_use(format!("--shard {text}: i/n is accepted, with i from 1 to n, for example 2/3"))
         })?,
     };
-    let indices = args.piece.map_or(0..args.per_part, |piece| piece..piece + 1);
+    let indices = args.item.map_or(0..args.per_part, |item| item..item + 1);
     let sources = find_meshes(&args.sources)?;
-    Ok(Plan::new(sources, args.pieces.unit(), indices, args.limit.unwrap_or(usize::MAX), shard))
+    Ok(Plan::new(sources, args.items.unit(), indices, args.limit.unwrap_or(usize::MAX), shard))
 }
 
 fn describe(plan: &Plan) -> String {
-    let mut text = format!("{} pieces of {} parts", plan.pieces.len(), plan.parts);
+    let mut text = format!("{} items of {} parts", plan.items.len(), plan.parts);
     if plan.copies > 0 {
         text += &format!("\n{} files are copies of others and count once", plan.copies);
     }
@@ -212,7 +212,7 @@ fn describe(plan: &Plan) -> String {
 /// A line of the answer of `dataset --dry-run --json`.
 #[derive(Serialize)]
 struct PlanAnswer<'a> {
-    piece: &'a str,
+    item: &'a str,
     source: &'a str,
     index: u32,
     is_there: bool,
@@ -221,15 +221,15 @@ struct PlanAnswer<'a> {
 fn rehearse(out: &Path, plan: &Plan, console: &Console) -> Result<()> {
     let dataset = Dataset::open(out).ok();
     let mut there = 0;
-    for piece in &plan.pieces {
-        let is_there = dataset.as_ref().is_some_and(|dataset| dataset.holds(&piece.id));
+    for item in &plan.items {
+        let is_there = dataset.as_ref().is_some_and(|dataset| dataset.holds(&item.id));
         there += usize::from(is_there);
-        let source = &*piece.source.to_string_lossy();
-        console.answer_line(&PlanAnswer { piece: &piece.id, source, index: piece.index, is_there })?;
+        let source = &*item.source.to_string_lossy();
+        console.answer_line(&PlanAnswer { item: &item.id, source, index: item.index, is_there })?;
     }
     for unreadable in &plan.unreadable {
         console.step("unread", format!("{}: {}", unreadable.source.display(), unreadable.reason));
     }
-    console.step("dry run", format!("{} pieces would be made, {there} are there", plan.pieces.len() - there));
+    console.step("dry run", format!("{} items would be made, {there} are there", plan.items.len() - there));
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! `robofin demo`: the whole road on the bundled part, and a study of the bundled riddle.
+//! `robofin demo`: the whole road on the bundled part, and a study of the bundled sealed example.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,12 +17,12 @@ use crate::asset::{self, ASSET_NAMES, Extras, MANIFEST_FILE, UsdMode, write_json
 use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GROUND_NAMES, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};
 use crate::part::Part;
-use crate::riddle::{Opened, RIDDLE_NAME, open, unpack};
+use crate::sealed_example::{EXAMPLE_NAME, Opened, open, unpack};
 use crate::snapshot::Keeping;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 use files::folder::StagedFolder;
 use files::output::{FolderKind, Out};
-use lab::study::{Course, Measurements, STUDY_FILE, StudyRecord, inputs_sha256};
+use lab::study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
 use report::study::story;
 use virtual_lab::write::CAMPAIGN_NAMES;
 
@@ -132,17 +132,17 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     Ok(ground)
 }
 
-/// Studies the bundled riddle to the end, then opens its seal.
+/// Studies the bundled sealed example to the end, then opens its seal.
 fn study(folder: &Path, console: &Console) -> Result<Opened> {
-    let (campaign, key) = (folder.join(RIDDLE_NAME), folder.join(format!("{RIDDLE_NAME}.key")));
+    let (campaign, key) = (folder.join(EXAMPLE_NAME), folder.join(format!("{EXAMPLE_NAME}.key")));
     unpack(&campaign, &key)?;
     let library = Library::builtin();
     let measurements = Measurements::read(&campaign)?;
     let data = measurements.data()?;
-    console.step("riddle", format!("{RIDDLE_NAME}: {}; something may be hidden in them", data.describe()));
+    console.step("sealed example", format!("{EXAMPLE_NAME}: {}; something may be hidden in them", data.describe()));
     let model = Model::new(data.evidence().process());
     let record = StudyRecord::new(inputs_sha256(&campaign)?, STUDY_SEED);
-    let mut course = Course::new(data, library, model, record)?;
+    let mut course = StudyState::new(data, library, model, record)?;
     super::study::advance(&mut course, false, &|_| Ok(()), console)?;
     let report = super::study::write_files(&mut course, folder, library, console)?;
     let (opened, sealed) = open(&campaign, &key, &course)?;

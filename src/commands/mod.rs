@@ -11,15 +11,15 @@ mod completions;
 mod dataset;
 mod dataset_image;
 mod dataset_images;
-mod dataset_piece;
+mod dataset_item;
 mod demo;
 mod diagnose;
 mod effects;
 mod flags;
+mod item_flags;
 mod man;
 mod model_flags;
 mod path;
-mod piece_flags;
 mod press;
 mod render;
 mod sensor_flags;
@@ -89,9 +89,9 @@ enum Verb {
     Render(render::RenderArgs),
     /// Weld folders of parts into a data set of thousands of assets; or `images`, labelled pictures of coated ones.
     Dataset(Box<dataset::DatasetArgs>),
-    /// Make one piece of a data set.
+    /// Make one item of a data set.
     #[command(hide = true)]
-    DatasetPiece(dataset_piece::DatasetPieceArgs),
+    DatasetItem(dataset_item::DatasetItemArgs),
     /// Make one image of a set, or what it needs.
     #[command(hide = true)]
     DatasetImage(dataset_image::DatasetImageArgs),
@@ -166,7 +166,7 @@ fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),
         Verb::Dataset(args) => dataset::run(&args, matches.subcommand().map_or(matches, |(_, given)| given), console),
-        Verb::DatasetPiece(args) => dataset_piece::run(&args),
+        Verb::DatasetItem(args) => dataset_item::run(&args),
         Verb::DatasetImage(args) => dataset_image::run(&args),
         Verb::Validate(args) => validate::run(&args, console),
         Verb::Calibrate(args) => calibrate::run(&args, console),

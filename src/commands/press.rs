@@ -18,8 +18,8 @@ use sim::{Contact, FieldTool, Frame, MeshDepth, Pad, Pose, TOOL_CELLS, Tool, Whe
 use super::flags::{SignFlag, UnitFlag, positive, stiffness, within};
 use super::model_flags::ModelFlags;
 use crate::asset::{AssetFields, Manifest};
-use crate::budget;
 use crate::console::Console;
+use crate::memory_budget;
 use crate::part::Part;
 use crate::workpiece::{DEFAULT_BAND, needs_solid};
 use crate::wrong_use;
@@ -297,7 +297,7 @@ impl PressArgs {
     fn mesh(&self, path: &Path, (voxel, band_voxels): (f64, f64)) -> Result<(Mesh, BakeOptions)> {
         let mesh = Part::load(path, self.unit.into())?.mesh;
         let options = BakeOptions { voxel, band_voxels, sign: self.sign.into(), shell: None };
-        budget::check(&mesh, &options).with_context(|| path.display().to_string())?;
+        memory_budget::check(&mesh, &options).with_context(|| path.display().to_string())?;
         Ok((mesh, options))
     }
 

@@ -15,11 +15,11 @@ use super::model_flags::ModelFlags;
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
 use crate::finishing::{self, GROUND, GrindSummary, Plan, grind_asset};
-use crate::rehearsal::{REHEARSAL, Rehearsal, RehearsalSummary, is_trial};
 use crate::snapshot::{Keeping, Resume, kept};
+use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
 use crate::wrong_use;
 use files::folder::StagedFolder;
-use lab::twin::Twin;
+use lab::simulation::Simulation;
 use trials::trial::{self, Trial};
 
 /// Passes that are accepted; each takes seconds.
@@ -178,7 +178,7 @@ struct TrialAnswer<'a> {
     backend: String,
     real_time_factor: f64,
     #[serde(flatten)]
-    summary: RehearsalSummary,
+    summary: TrialRunSummary,
 }
 
 /// The answer of `simulate --batch --json`.
@@ -205,7 +205,7 @@ pub(super) fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
 
 fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     args.process.refuse_for_trial(&args.folder)?;
-    let kind = if args.batch.is_some() { &BATCH } else { &REHEARSAL };
+    let kind = if args.batch.is_some() { &BATCH } else { &TRIAL_RUN };
     let folder = StagedFolder::new(&args.out.beside(&args.inputs()), kind)?;
     let trial = Trial::read(&args.folder)?;
     for note in &trial.notes {
@@ -222,55 +222,55 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
         None => trial.scans.before.pixels.pitch,
     };
     let keeping = args.state.keeping(trial.passes.len())?;
-    let mut twin = Twin::new(&trial, voxel, args.replay)?;
-    twin.covariates = args.covariates;
+    let mut simulation = Simulation::new(&trial, voxel, args.replay)?;
+    simulation.covariates = args.covariates;
     let runs = args.batch.as_deref().map(|file| batch::read(file, &model)).transpose()?;
-    let device = args.backend.device(twin.refusal(&model), console)?;
-    twin.device = device.as_ref();
+    let device = args.backend.device(simulation.refusal(&model), console)?;
+    simulation.device = device.as_ref();
     if let Some(runs) = runs {
-        return run_batch((&runs, folder), &twin, args, console);
+        return run_batch((&runs, folder), &simulation, args, console);
     }
-    let rehearsal = Rehearsal::run(&twin, &model, (&keeping, folder.path()), console)?;
-    let summary = rehearsal.summary(&trial, &model);
-    rehearsal.describe(&summary, console);
-    rehearsal.write(&summary, &trial, folder, console)?;
-    let passes = (rehearsal.done(), trial.passes.len());
-    if let Some(error) = rehearsal.stopped {
+    let trial_run = TrialRun::run(&simulation, &model, (&keeping, folder.path()), console)?;
+    let summary = trial_run.summary(&trial, &model);
+    trial_run.describe(&summary, console);
+    trial_run.write(&summary, &trial, folder, console)?;
+    let passes = (trial_run.done(), trial.passes.len());
+    if let Some(error) = trial_run.stopped {
         return Err(anyhow::Error::new(error).context(kept(&args.out.out, passes, keeping.snapshots)));
     }
     console.step("done", format!("{}", args.out.out.display()));
     let backend = name_of(device.as_ref());
-    let (out, notes, real_time_factor) = (&args.out.out, &trial.notes, rehearsal.real_time_factor);
+    let (out, notes, real_time_factor) = (&args.out.out, &trial.notes, trial_run.real_time_factor);
     console.answer(&TrialAnswer { out, notes, backend, real_time_factor, summary })
 }
 
 /// The trial under every parameter set of a table.
 fn run_batch(
     (runs, folder): (&[BatchRun], StagedFolder),
-    twin: &Twin,
+    simulation: &Simulation,
     args: &SimulateArgs,
     console: &Console,
 ) -> Result<()> {
     let started = Instant::now();
     let models: Vec<CompiledModel> = runs.iter().map(|run| run.model.clone()).collect();
-    let outcomes = twin.run_models(&models);
+    let outcomes = simulation.run_models(&models);
     let seconds = started.elapsed().as_secs_f64();
     let mut text = String::new();
     for (run, outcome) in runs.iter().zip(&outcomes) {
-        text += &serde_json::to_string(&BatchLine::new(run, twin.trial, outcome))?;
+        text += &serde_json::to_string(&BatchLine::new(run, simulation.trial, outcome))?;
         text.push('\n');
     }
     std::fs::write(folder.path().join(BATCH_FILE), text)?;
     folder.commit()?;
-    let simulated = runs.len() as f64 * twin.duration(0);
-    console.step("batch", format!("{} runs of {:.1} s in {seconds:.1} s", runs.len(), twin.duration(0)));
+    let simulated = runs.len() as f64 * simulation.duration(0);
+    console.step("batch", format!("{} runs of {:.1} s in {seconds:.1} s", runs.len(), simulation.duration(0)));
     let stopped: Vec<_> = outcomes.iter().filter_map(|outcome| outcome.stopped.as_ref()).collect();
     if let Some(first) = stopped.first() {
         let file = args.out.out.join(BATCH_FILE);
         bail!("{} of {} runs ended early, {} says why; the first: {first}", stopped.len(), runs.len(), file.display());
     }
-    let (backend, real_time_factor) = (name_of(twin.device), simulated / seconds);
-    let (out, notes) = (&args.out.out, &twin.trial.notes);
+    let (backend, real_time_factor) = (name_of(simulation.device), simulated / seconds);
+    let (out, notes) = (&args.out.out, &simulation.trial.notes);
     console.answer(&BatchAnswer { out, notes, backend, runs: runs.len(), real_time_factor })
 }
 

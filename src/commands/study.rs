@@ -16,7 +16,7 @@ use files::input::quoted_near;
 use files::json_file::read_json;
 use files::output::{FolderKind, Out};
 use lab::study::StudyReport;
-use lab::study::{Course, Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, inputs_sha256};
+use lab::study::{Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState, inputs_sha256};
 use report::study::page;
 
 /// The model's file in a study's folder.
@@ -78,14 +78,14 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
 }
 
 /// A study that begins.
-fn begun<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<Course<'a>> {
+fn begun<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<StudyState<'a>> {
     let record = StudyRecord::new(inputs_sha256(&args.campaign)?, args.seed);
     let model = args.model.model(data.evidence().process(), library)?;
-    Ok(Course::new(data, library, model, record)?)
+    Ok(StudyState::new(data, library, model, record)?)
 }
 
 /// A study that goes on from its folder.
-fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<Course<'a>> {
+fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<StudyState<'a>> {
     let out = &args.out.out;
     let file = out.join(STUDY_FILE);
     if args.model.model.is_some() {
@@ -112,12 +112,12 @@ fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result
     }
     let model = out.join(MODEL_FILE);
     let model = Model::parse(&model.display().to_string(), &read_text(&model)?, library)?;
-    Ok(Course::new(data, library, model, record)?)
+    Ok(StudyState::new(data, library, model, record)?)
 }
 
 /// Does the next step, or all steps to the end, says what each did, and lets `note` keep it.
 pub(super) fn advance(
-    course: &mut Course,
+    course: &mut StudyState,
     one: bool,
     note: &dyn Fn(&StudyRecord) -> Result<()>,
     console: &Console,
@@ -152,7 +152,7 @@ fn describe_end(record: &StudyRecord, console: &Console) {
 }
 
 /// Writes the folder of a study.
-fn write(course: &mut Course, folder: StagedFolder, library: &Library, console: &Console) -> Result<()> {
+fn write(course: &mut StudyState, folder: StagedFolder, library: &Library, console: &Console) -> Result<()> {
     write_files(course, folder.path(), library, console)?;
     let place = folder.commit()?;
     console.step("written", format!("{}; open report.html there", place.display()));
@@ -161,7 +161,7 @@ fn write(course: &mut Course, folder: StagedFolder, library: &Library, console: 
 
 /// Writes the files of a study into a folder; returns the report that its page shows.
 pub(super) fn write_files(
-    course: &mut Course,
+    course: &mut StudyState,
     folder: &Path,
     library: &Library,
     console: &Console,

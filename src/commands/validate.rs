@@ -28,13 +28,13 @@ pub(super) struct ValidateArgs {
     /// USD file: auto opens it if Python can be had, require fails without it, off leaves it alone.
     #[arg(long, value_enum, default_value_t)]
     usd: UsdMode,
-    /// Make the broken pieces of a data set anew, and its catalogue.
+    /// Make the broken items of a data set anew, and its catalogue.
     #[arg(long)]
     repair: bool,
-    /// Where the sources of broken pieces are, if not where they were [default: as the data set was made].
+    /// Where the sources of broken items are, if not where they were [default: as the data set was made].
     #[arg(long, value_name = "FOLDER|MESH", requires = "repair")]
     from: Vec<PathBuf>,
-    /// Pieces of a data set at once [default: all cores].
+    /// Items of a data set at once [default: all cores].
     #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
     jobs: Option<usize>,
 }

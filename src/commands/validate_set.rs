@@ -6,7 +6,7 @@ use anyhow::{Result, bail, ensure};
 use serde::Serialize;
 
 use super::dataset::make;
-use super::piece_flags::PieceFlags;
+use super::item_flags::ItemFlags;
 use crate::console::Console;
 use crate::dataset::check::{SetValidation, check, plan_repair};
 use crate::dataset::run::Run;
@@ -35,12 +35,12 @@ pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: u
 /// Answers what was found at last.
 pub(super) fn conclude(folder: &Path, repair: bool, found: &SetValidation, console: &Console) -> Result<()> {
     console.answer(&SetAnswer { dataset: folder, valid: found.holds(), validation: found })?;
-    let SetValidation { pieces, checks, broken, catalogue } = found;
+    let SetValidation { items, checks, broken, catalogue } = found;
     if !found.holds() {
-        let counts = format!("{} of {pieces} pieces broken, {} faults in the catalogue", broken.len(), catalogue.len());
+        let counts = format!("{} of {items} items broken, {} faults in the catalogue", broken.len(), catalogue.len());
         bail!("{}: {counts}{}", folder.display(), if repair { "" } else { "; --repair makes only these anew" });
     }
-    console.step("valid", format!("{pieces} pieces, {checks} checks, and the catalogue says what they say"));
+    console.step("valid", format!("{items} items, {checks} checks, and the catalogue says what they say"));
     Ok(())
 }
 
@@ -48,13 +48,13 @@ fn look(dataset: &Dataset, jobs: usize, console: &Console) -> Result<SetValidati
     tell(dataset.ids()?.len(), console, |done| check(dataset, jobs, done))
 }
 
-/// Tells of each of so many pieces in which `check` finds faults.
+/// Tells of each of so many items in which `check` finds faults.
 pub(super) fn tell(
-    pieces: usize,
+    items: usize,
     console: &Console,
     check: impl FnOnce(&mut dyn FnMut(&str, &[String]) -> Result<()>) -> Result<SetValidation>,
 ) -> Result<SetValidation> {
-    let bar = console.bar("validate", pieces as u64);
+    let bar = console.bar("validate", items as u64);
     let found = check(&mut |id, faults| {
         bar.inc(1);
         bar.suspend(|| faults.iter().for_each(|fault| console.step("BROKEN", format!("{id}: {fault}"))));
@@ -65,7 +65,7 @@ pub(super) fn tell(
     Ok(found)
 }
 
-/// Makes broken pieces anew, then the catalogue.
+/// Makes broken items anew, then the catalogue.
 fn mend(
     dataset: &Dataset,
     found: &SetValidation,
@@ -74,7 +74,7 @@ fn mend(
     console: &Console,
 ) -> Result<()> {
     let recipe = &dataset.recipe;
-    let kept = PieceFlags::read(&recipe.flags)?;
+    let kept = ItemFlags::read(&recipe.flags)?;
     let same = kept.recipe(&kept.wishes()?, &recipe.flags, recipe.sources.clone())?;
     let difference = recipe.difference(&same);
     ensure!(

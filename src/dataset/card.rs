@@ -11,13 +11,13 @@ use super::{Failure, Recipe};
 type Figure = (&'static str, fn(&Seen) -> f64);
 
 /// Writes the card in Markdown.
-pub(super) fn write(recipe: &Recipe, pieces: &[Seen], failures: &[Failure]) -> String {
-    let parts: BTreeSet<&str> = pieces.iter().map(|piece| piece.row.source_sha256.as_str()).collect();
+pub(super) fn write(recipe: &Recipe, items: &[Seen], failures: &[Failure]) -> String {
+    let parts: BTreeSet<&str> = items.iter().map(|item| item.row.source_sha256.as_str()).collect();
     let mut text = format!(
-        "# Welded workpieces\n\n{} pieces from {} parts, {} failures. Made by RoboFin {} with seed {}.\n\n\
-         Each piece is a CAD part with a weld bead: meshes (glTF), signed distance fields and weld labels (NanoVDB), and the \
-         exact truth of the weld (centreline, frames, sizes, curvature, exposure).\n\n![some pieces](contact-sheet.png)\n",
-        pieces.len(),
+        "# Welded workpieces\n\n{} items from {} parts, {} failures. Made by RoboFin {} with seed {}.\n\n\
+         Each item is a CAD part with a weld bead: meshes (glTF), signed distance fields and weld labels (NanoVDB), and the \
+         exact truth of the weld (centreline, frames, sizes, curvature, exposure).\n\n![some items](contact-sheet.png)\n",
+        items.len(),
         parts.len(),
         failures.len(),
         recipe.version,
@@ -27,18 +27,18 @@ pub(super) fn write(recipe: &Recipe, pieces: &[Seen], failures: &[Failure]) -> S
     for (file, holds) in [
         (
             "`manifest.jsonl`",
-            "one line for each piece: source, licence, split, difficulty, requested and measured, SHA-256 of its files",
+            "one line for each item: source, licence, split, difficulty, requested and measured, SHA-256 of its files",
         ),
         ("`manifest.csv`", "the same as a table"),
-        ("`failures.jsonl`", "pieces that could not be made: reason, and the command line that shows it again"),
-        ("`assets/ID/`", "a piece; `asset.json` there says how it was made, `welds.json` is the truth"),
+        ("`failures.jsonl`", "items that could not be made: reason, and the command line that shows it again"),
+        ("`assets/ID/`", "an item; `asset.json` there says how it was made, `welds.json` is the truth"),
         ("`croissant.json`", "Croissant 1.0 metadata"),
-        ("`dataset.json`", "what decides every piece"),
+        ("`dataset.json`", "what decides every item"),
     ] {
         let _ = writeln!(text, "| {file} | {holds} |");
     }
-    text += &contents(pieces);
-    text += &figures(pieces);
+    text += &contents(items);
+    text += &figures(items);
     text += &making(recipe);
     text += &shortcomings(failures);
     text
@@ -50,29 +50,29 @@ fn counted<T: Ord>(values: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
     counts
 }
 
-fn contents(pieces: &[Seen]) -> String {
-    let mut text = "\n## Contents\n\n| split | pieces |\n|---|---|\n".to_owned();
-    let splits = counted(pieces.iter().map(|piece| piece.row.split.as_str()));
+fn contents(items: &[Seen]) -> String {
+    let mut text = "\n## Contents\n\n| split | items |\n|---|---|\n".to_owned();
+    let splits = counted(items.iter().map(|item| item.row.split.as_str()));
     for split in ["train", "validation", "test"] {
         let _ = writeln!(text, "| {split} | {} |", splits.get(split).unwrap_or(&0));
     }
-    text += "\nThe split follows from the part's content, so no part is in two of them.\n\n| difficulty | pieces |\n|---|---|\n";
-    let classes = counted(pieces.iter().map(|piece| piece.row.difficulty));
+    text += "\nThe split follows from the part's content, so no part is in two of them.\n\n| difficulty | items |\n|---|---|\n";
+    let classes = counted(items.iter().map(|item| item.row.difficulty));
     for class in Difficulty::ALL {
         let _ = writeln!(text, "| {} | {} |", class.name(), classes.get(&class).unwrap_or(&0));
     }
     text + "\nDifficulty is measured: " + &Difficulty::rule() + ".\n"
 }
 
-fn figures(pieces: &[Seen]) -> String {
+fn figures(items: &[Seen]) -> String {
     let mut text = "\n| measured | least | median | most |\n|---|---|---|---|\n".to_owned();
     let figures: [Figure; 3] = [
-        ("length of the welds [mm]", |piece| piece.length_mm),
-        ("least exposure", |piece| piece.exposure),
-        ("sharpest turn over a bead width [rad]", |piece| piece.turn),
+        ("length of the welds [mm]", |item| item.length_mm),
+        ("least exposure", |item| item.exposure),
+        ("sharpest turn over a bead width [rad]", |item| item.turn),
     ];
     for (name, figure) in figures {
-        let mut values: Vec<f64> = pieces.iter().map(figure).collect();
+        let mut values: Vec<f64> = items.iter().map(figure).collect();
         values.sort_by(f64::total_cmp);
         if let (Some(least), Some(most)) = (values.first(), values.last()) {
             let _ = writeln!(text, "| {name} | {least:.3} | {:.3} | {most:.3} |", values[values.len() / 2]);
@@ -83,9 +83,9 @@ fn figures(pieces: &[Seen]) -> String {
 
 fn making(recipe: &Recipe) -> String {
     format!(
-        "\n## Making\n\nFlags that decide the pieces: `{}`. Seeds follow from the content of a part and the number of the piece, so the same \
+        "\n## Making\n\nFlags that decide the items: `{}`. Seeds follow from the content of a part and the number of the item, so the same \
          parts and flags give the same bytes.\n\n`robofin validate DIR` rehashes and rechecks everything, with `--repair` it makes \
-         broken pieces anew.\n\n## Licence\n\nOf the source parts: {}\n",
+         broken items anew.\n\n## Licence\n\nOf the source parts: {}\n",
         recipe.flags.join(" "),
         recipe.licence
     )
@@ -93,11 +93,11 @@ fn making(recipe: &Recipe) -> String {
 
 fn shortcomings(failures: &[Failure]) -> String {
     let mut text =
-        "\n## Limits\n\nWelds are placed by chance on CAD parts, not where a welder would put them. ".to_owned();
+        "\n## Limits\n\nWelds are placed at random on CAD parts, not where a welder would put them. ".to_owned();
     if failures.is_empty() {
-        return text + "No piece failed.\n";
+        return text + "No item failed.\n";
     }
-    let _ = writeln!(text, "{} pieces could not be made:\n\n| stage | pieces |\n|---|---|", failures.len());
+    let _ = writeln!(text, "{} items could not be made:\n\n| stage | items |\n|---|---|", failures.len());
     for (stage, count) in counted(failures.iter().map(|failure| failure.stage)) {
         let _ = writeln!(text, "| {} | {count} |", stage.name());
     }

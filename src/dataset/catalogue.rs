@@ -1,4 +1,4 @@
-//! The files that describe a data set; each follows from the marker, the pieces and the failures.
+//! The files that describe a data set; each follows from the marker, the items and the failures.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::table::Table;
 use super::{Dataset, Failure, Marker, card, contact, croissant, record_of, remove_stale};
 use files::folder::write_file;
 
-/// One line of JSON for each piece.
+/// One line of JSON for each item.
 pub const ROWS_FILE: &str = "manifest.jsonl";
 /// The same as a table.
 pub const TABLE_FILE: &str = "manifest.csv";
@@ -19,7 +19,7 @@ pub const TABLE_FILE: &str = "manifest.csv";
 pub const FAILURES_FILE: &str = "failures.jsonl";
 /// For people.
 pub const CARD_FILE: &str = "README.md";
-/// Pictures of some pieces.
+/// Pictures of some items.
 pub const CONTACT_FILE: &str = "contact-sheet.png";
 /// For machines that look for data sets.
 pub const CROISSANT_FILE: &str = "croissant.json";
@@ -28,29 +28,29 @@ pub const CROISSANT_FILE: &str = "croissant.json";
 pub struct Catalogue {
     /// Their contents.
     pub files: BTreeMap<&'static str, Vec<u8>>,
-    /// How many pieces it lists.
-    pub pieces: usize,
+    /// How many items it lists.
+    pub items: usize,
 }
 
 impl Catalogue {
     /// Describes what is there.
     ///
     /// # Errors
-    /// When a piece or the record of a failure cannot be read.
+    /// When an item or the record of a failure cannot be read.
     pub fn of(dataset: &Dataset) -> Result<Self> {
-        let pieces = dataset.ids()?.iter().map(|id| Seen::read(dataset, id)).collect::<Result<Vec<Seen>>>()?;
+        let items = dataset.ids()?.iter().map(|id| Seen::read(dataset, id)).collect::<Result<Vec<Seen>>>()?;
         let failures: Vec<Failure> = dataset.failures()?;
-        let table = Table::of(pieces.iter().map(|piece| &piece.row))?;
+        let table = Table::of(items.iter().map(|item| &item.row))?;
         let mut files = BTreeMap::from([
-            (ROWS_FILE, lines(pieces.iter().map(|piece| &piece.row))?),
+            (ROWS_FILE, lines(items.iter().map(|item| &item.row))?),
             (TABLE_FILE, table.csv()?),
             (FAILURES_FILE, lines(failures.iter())?),
-            (CARD_FILE, card::write(&dataset.recipe, &pieces, &failures).into_bytes()),
-            (CONTACT_FILE, contact::draw(dataset, &pieces)?),
+            (CARD_FILE, card::write(&dataset.recipe, &items, &failures).into_bytes()),
+            (CONTACT_FILE, contact::draw(dataset, &items)?),
         ]);
         let records = files.iter().map(|(&name, bytes)| (name, record_of(bytes))).collect();
         files.insert(CROISSANT_FILE, croissant::write(&dataset.recipe, &table, &records)?);
-        Ok(Self { files, pieces: pieces.len() })
+        Ok(Self { files, items: items.len() })
     }
 
     /// Describes what is there and writes the description, in place of an older one.

@@ -1,4 +1,4 @@
-//! Holding a data set against itself: every piece rehashed and rechecked, the catalogue made again and compared.
+//! Holding a data set against itself: every item rehashed and rechecked, the catalogue made again and compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::catalogue::ROWS_FILE;
 use super::plan::{index_of, key_of, source_key};
 use super::row::Row;
-use super::{ASSETS_FOLDER, Catalogue, Dataset, MARKER_FILE, Marker, Piece, Plan, manifest_path, names};
+use super::{ASSETS_FOLDER, Catalogue, Dataset, Item, MARKER_FILE, Marker, Plan, manifest_path, names};
 use crate::asset::{MANIFEST_FILE, Manifest, UsdMode};
 use crate::cache::find_meshes;
 use crate::in_full;
@@ -21,7 +21,7 @@ use crate::validate::validate;
 use files::file_lock::Patience;
 use files::job_queue::take_turns;
 
-/// A piece that does not hold.
+/// An item that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Broken {
     /// Its name.
@@ -33,11 +33,11 @@ pub struct Broken {
 /// What was found in a data set.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SetValidation {
-    /// Pieces that were checked.
-    pub pieces: usize,
+    /// Items that were checked.
+    pub items: usize,
     /// Checks that were made in them.
     pub checks: usize,
-    /// Pieces that do not hold, by name.
+    /// Items that do not hold, by name.
     pub broken: Vec<Broken>,
     /// What is wrong with the set's own files.
     pub catalogue: Vec<String>,
@@ -50,7 +50,7 @@ impl SetValidation {
     }
 }
 
-/// Checks all pieces with `jobs` threads, then the catalogue; calls `done` with each piece's faults as they come in.
+/// Checks all items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they come in.
 ///
 /// # Errors
 /// When a folder cannot be read, or `done` fails.
@@ -61,11 +61,11 @@ pub fn check(
 ) -> Result<SetValidation> {
     let ids: Vec<String> =
         listed(dataset).into_iter().chain(dataset.ids()?).collect::<BTreeSet<_>>().into_iter().collect();
-    let mut found = SetValidation { pieces: ids.len(), ..Default::default() };
+    let mut found = SetValidation { items: ids.len(), ..Default::default() };
     take_turns(
         ids.len(),
         jobs,
-        |turn, _| Some(check_piece(dataset, &ids[turn])),
+        |turn, _| Some(check_item(dataset, &ids[turn])),
         |turn, (checks, faults)| {
             done(&ids[turn], &faults)?;
             found.checks += checks;
@@ -80,15 +80,15 @@ pub fn check(
     Ok(found)
 }
 
-/// Names of the pieces that the manifest lists, as far as it can be read.
+/// Names of the items that the manifest lists, as far as it can be read.
 fn listed(dataset: &Dataset) -> BTreeSet<String> {
     let text = input::read(&dataset.folder().join(ROWS_FILE), MOST_TEXT_BYTES).unwrap_or_default();
     let rows = text.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice::<Row>(line).ok());
     rows.map(|row| row.id).filter(|id| index_of(id).is_some()).collect()
 }
 
-/// How many checks were made of a piece, and what they found.
-fn check_piece(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
+/// How many checks were made of an item, and what they found.
+fn check_item(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
     let folder = dataset.asset_folder(id);
     if !folder.is_dir() {
         return (1, vec![format!("{ROWS_FILE} lists it and there is no such folder")]);
@@ -101,7 +101,7 @@ fn check_piece(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
         let faults = failed.map(|check| format!("{}: {}: {}", check.file, check.rule, check.found)).collect();
         Ok((checks.len() + 1, faults))
     };
-    // A file made to bring down the one who opens it is a fault of that piece.
+    // A file made to bring down the one who opens it is a fault of that item.
     match catch_unwind(AssertUnwindSafe(checked)) {
         Ok(Ok(found)) => found,
         Ok(Err(error)) => (1, vec![in_full(&error)]),
@@ -109,10 +109,10 @@ fn check_piece(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
     }
 }
 
-/// What is wrong with the files of the set itself; those that follow from the pieces need whole pieces.
-fn check_catalogue(dataset: &Dataset, pieces_hold: bool) -> Result<Vec<String>> {
-    if !pieces_hold {
-        return Ok(vec!["not compared with the pieces, some of which are broken".to_owned()]);
+/// What is wrong with the files of the set itself; those that follow from the items need whole items.
+fn check_catalogue(dataset: &Dataset, items_hold: bool) -> Result<Vec<String>> {
+    if !items_hold {
+        return Ok(vec!["not compared with the items, some of which are broken".to_owned()]);
     }
     match Catalogue::of(dataset) {
         Err(error) => Ok(vec![in_full(&error)]),
@@ -146,37 +146,37 @@ fn compare(name: &str, found: Option<Vec<u8>>, expected: &[u8]) -> Option<String
         return None;
     }
     let line = 1 + expected[..same].iter().filter(|&&byte| byte == b'\n').count();
-    Some(format!("{name}: differs in line {line} from what the pieces and failures say"))
+    Some(format!("{name}: differs in line {line} from what the items and failures say"))
 }
 
-/// Removes broken pieces and plans them anew from the sources below `places`.
+/// Removes broken items and plans them anew from the sources below `places`.
 ///
 /// # Errors
-/// When a source is no longer there, named by its piece; nothing is removed then.
+/// When a source is no longer there, named by its item; nothing is removed then.
 pub fn plan_repair(dataset: &Dataset, broken: &[Broken], places: &[PathBuf], unit: UnitChoice) -> Result<Plan> {
     let keys: Vec<(String, PathBuf)> = find_meshes(places)?
         .into_keys()
         .filter_map(|source| source_key(&source, unit).ok().map(|key| (key, source)))
         .collect();
-    let piece = |Broken { id, .. }: &Broken| -> Result<Piece> {
+    let item = |Broken { id, .. }: &Broken| -> Result<Item> {
         let index =
-            index_of(id).with_context(|| format!("{ASSETS_FOLDER}/{id}: not the name of a piece; remove it"))?;
+            index_of(id).with_context(|| format!("{ASSETS_FOLDER}/{id}: not the name of an item; remove it"))?;
         let source = keys.iter().find(|(key, _)| key == key_of(id)).map(|(_, source)| source.clone());
         let source = source.with_context(|| {
             let file = Manifest::read(&dataset.asset_folder(id)).map_or(String::new(), |found| found.source.file);
             format!("{id}: its source {file} is not below the folders searched; name its folder with --from")
         })?;
-        Ok(Piece { source, id: id.clone(), index })
+        Ok(Item { source, id: id.clone(), index })
     };
-    let pieces = broken.iter().map(piece).collect::<Result<Vec<Piece>>>()?;
-    for Piece { id, .. } in &pieces {
+    let items = broken.iter().map(item).collect::<Result<Vec<Item>>>()?;
+    for Item { id, .. } in &items {
         let _claim = dataset.claim(id, Patience::Endless)?;
         let folder = dataset.asset_folder(id);
-        // Without its manifest a piece is not taken for whole, should this be interrupted.
+        // Without its manifest an item is not taken for whole, should this be interrupted.
         let _ = fs::remove_file(folder.join(MANIFEST_FILE));
         if folder.exists() {
             fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
         }
     }
-    Ok(Plan { parts: pieces.len(), pieces, ..Default::default() })
+    Ok(Plan { parts: items.len(), items, ..Default::default() })
 }

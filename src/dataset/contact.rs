@@ -1,4 +1,4 @@
-//! A contact sheet: pieces by chance, and those that are hardest to reach and to follow.
+//! A contact sheet: items at random, and those that are hardest to reach and to follow.
 
 use anyhow::{Context, Result};
 use render::{Panel, Picture, contact_sheet};
@@ -11,42 +11,42 @@ use crate::picture::to_png;
 
 /// Pictures in a row.
 const COLUMNS: usize = 6;
-/// Rows of pieces by chance.
+/// Rows of items at random.
 const CHANCE_ROWS: usize = 3;
 
-/// Draws the sheet as PNG from the pieces' own pictures.
+/// Draws the sheet as PNG from the items' own pictures.
 ///
 /// # Errors
 /// When a picture cannot be read.
-pub(super) fn draw(dataset: &Dataset, pieces: &[Seen]) -> Result<Vec<u8>> {
-    let mut by_chance: Vec<&Seen> = pieces.iter().collect();
-    by_chance.sort_by_key(|piece| number_from(&format!("contact sheet {}", piece.row.id)));
+pub(super) fn draw(dataset: &Dataset, items: &[Seen]) -> Result<Vec<u8>> {
+    let mut drawn: Vec<&Seen> = items.iter().collect();
+    drawn.sort_by_key(|item| number_from(&format!("contact sheet {}", item.row.id)));
     let mut strips = Vec::new();
-    for (place, chunk) in by_chance.chunks(COLUMNS).take(CHANCE_ROWS).enumerate() {
-        let title = if place == 0 { format!("by chance, of {} pieces", pieces.len()) } else { String::new() };
-        strips.push(strip(dataset, &title, chunk, |piece| piece.row.difficulty.name().to_owned())?);
+    for (place, chunk) in drawn.chunks(COLUMNS).take(CHANCE_ROWS).enumerate() {
+        let title = if place == 0 { format!("at random, of {} items", items.len()) } else { String::new() };
+        strips.push(strip(dataset, &title, chunk, |item| item.row.difficulty.name().to_owned())?);
     }
-    let mut hidden: Vec<&Seen> = pieces.iter().collect();
+    let mut hidden: Vec<&Seen> = items.iter().collect();
     hidden.sort_by(|a, b| a.exposure.total_cmp(&b.exposure).then_with(|| a.row.id.cmp(&b.row.id)));
     hidden.truncate(COLUMNS);
-    strips.push(strip(dataset, "least exposed", &hidden, |piece| format!("exposure {:.2}", piece.exposure))?);
-    let mut bent: Vec<&Seen> = pieces.iter().collect();
+    strips.push(strip(dataset, "least exposed", &hidden, |item| format!("exposure {:.2}", item.exposure))?);
+    let mut bent: Vec<&Seen> = items.iter().collect();
     bent.sort_by(|a, b| b.turn.total_cmp(&a.turn).then_with(|| a.row.id.cmp(&b.row.id)));
     bent.truncate(COLUMNS);
-    strips.push(strip(dataset, "sharpest turn over a bead width", &bent, |piece| format!("{:.2} rad", piece.turn))?);
+    strips.push(strip(dataset, "sharpest turn over a bead width", &bent, |item| format!("{:.2} rad", item.turn))?);
     to_png(&stacked(&strips))
 }
 
 /// A title above pictures side by side.
-fn strip(dataset: &Dataset, title: &str, pieces: &[&Seen], words: impl Fn(&Seen) -> String) -> Result<Picture> {
-    let panel = |piece: &&Seen| -> Result<Panel> {
-        let path = dataset.asset_folder(&piece.row.id).join(PREVIEW_FILE);
+fn strip(dataset: &Dataset, title: &str, items: &[&Seen], words: impl Fn(&Seen) -> String) -> Result<Picture> {
+    let panel = |item: &&Seen| -> Result<Panel> {
+        let path = dataset.asset_folder(&item.row.id).join(PREVIEW_FILE);
         let image = image::open(&path).with_context(|| format!("{}: not a picture", path.display()))?.into_rgb8();
         let (width, height) = (image.width() as usize, image.height() as usize);
         let picture = Picture { width, height, rgb: image.into_raw() };
-        Ok(Panel { caption: format!("{}  {}", piece.row.id, words(piece)), picture, legend: None })
+        Ok(Panel { caption: format!("{}  {}", item.row.id, words(item)), picture, legend: None })
     };
-    Ok(contact_sheet(title, &pieces.iter().map(panel).collect::<Result<Vec<_>>>()?))
+    Ok(contact_sheet(title, &items.iter().map(panel).collect::<Result<Vec<_>>>()?))
 }
 
 /// Pictures one below the other, on white.

@@ -20,7 +20,7 @@ const FILES: [(&str, &str); 4] = [
     (CONTACT_FILE, "image/png"),
 ];
 
-/// Files of each piece with their media types.
+/// Files of each item with their media types.
 const PIECE_FILES: [(&str, &str); 7] = [
     (WORKPIECE_FILE, "model/gltf-binary"),
     (WELDED_FILE, "model/gltf-binary"),
@@ -80,7 +80,7 @@ pub(super) fn write(recipe: &Recipe, table: &Table, records: &BTreeMap<&str, Fil
             "@type": "cr:FileSet",
             "@id": format!("assets/{name}"),
             "name": format!("assets/{name}"),
-            "description": format!("{name} of every piece"),
+            "description": format!("{name} of every item"),
             "encodingFormat": media,
             "includes": format!("assets/*/{name}"),
         })
@@ -97,10 +97,10 @@ pub(super) fn write(recipe: &Recipe, table: &Table, records: &BTreeMap<&str, Fil
         "distribution": distribution,
         "recordSet": [{
             "@type": "cr:RecordSet",
-            "@id": "pieces",
-            "name": "pieces",
-            "description": "One record for each piece",
-            "key": { "@id": "pieces/id" },
+            "@id": "items",
+            "name": "items",
+            "description": "One record for each item",
+            "key": { "@id": "items/id" },
             "field": table.columns.iter().map(|column| field(table, column)).collect::<Vec<_>>(),
         }],
     });
@@ -108,7 +108,7 @@ pub(super) fn write(recipe: &Recipe, table: &Table, records: &BTreeMap<&str, Fil
 }
 
 fn field(table: &Table, column: &str) -> Value {
-    let name = format!("pieces/{column}");
+    let name = format!("items/{column}");
     json!({
         "@type": "cr:Field",
         "@id": name,

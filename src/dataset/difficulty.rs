@@ -1,4 +1,4 @@
-//! How hard a piece is, from what was measured along its welds.
+//! How hard an item is, from what was measured along its welds.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ const EXPOSURE: [f64; 2] = [0.9, 0.7];
 /// Largest turn over one bead width, |κ_g|·w [rad], of an easy and of a medium weld.
 const TURN: [f64; 2] = [0.15, 0.3];
 
-/// Class of a piece: that of its hardest weld under its harder dial.
+/// Class of an item: that of its hardest weld under its harder dial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Difficulty {
@@ -39,7 +39,7 @@ impl Difficulty {
         }
     }
 
-    /// The class of a piece with these welds.
+    /// The class of an item with these welds.
     pub fn of(welds: &[WeldTruth]) -> Self {
         welds.iter().map(Self::of_weld).max().unwrap_or(Self::Easy)
     }

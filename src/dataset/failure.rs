@@ -1,4 +1,4 @@
-//! Pieces that could not be made, each with its reason and the line that shows it again.
+//! Items that could not be made, each with its reason and the line that shows it again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Piece, Unreadable};
+use super::plan::{Item, Unreadable};
 use super::{Dataset, FAILURES_FOLDER, Marker, names, remove_stale};
 use files::file_lock::Patience;
 use files::folder::write_file;
 use files::json_file::read_json;
 use files::sha256;
 
-/// Where on the road a piece failed.
+/// Where on the road an item failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -48,37 +48,37 @@ impl Stage {
     }
 }
 
-/// A piece that could not be made.
+/// An item that could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Name of the piece; of a source that cannot be read, `source-` and a hash of its path.
+    /// Name of the item; of a source that cannot be read, `source-` and a hash of its path.
     pub id: String,
     /// The mesh file, as it was given.
     pub source: String,
-    /// Number among the pieces of the part.
+    /// Number among the items of the part.
     pub index: u32,
     /// Where it failed.
     pub stage: Stage,
     /// Why.
     pub reason: String,
-    /// The command line that makes this piece alone.
+    /// The command line that makes this item alone.
     pub command: String,
 }
 
 impl Failure {
-    /// The failure of a piece; `flags` are those that decide it.
-    pub fn of(piece: &Piece, stage: Stage, reason: String, flags: &[String]) -> Self {
+    /// The failure of an item; `flags` are those that decide it.
+    pub fn of(item: &Item, stage: Stage, reason: String, flags: &[String]) -> Self {
         Self {
-            id: piece.id.clone(),
-            source: piece.source.to_string_lossy().into_owned(),
-            index: piece.index,
+            id: item.id.clone(),
+            source: item.source.to_string_lossy().into_owned(),
+            index: item.index,
             stage,
             reason,
-            command: command(&piece.source, piece.index, flags),
+            command: command(&item.source, item.index, flags),
         }
     }
 
-    /// The failure of a source without pieces.
+    /// The failure of a source without items.
     pub fn of_source(Unreadable { source, reason }: &Unreadable, flags: &[String]) -> Self {
         Self {
             id: source_id(source),
@@ -91,14 +91,14 @@ impl Failure {
     }
 }
 
-/// Name under which the failure of a source without pieces is kept.
+/// Name under which the failure of a source without items is kept.
 pub(super) fn source_id(source: &Path) -> String {
     format!("source-{}", &sha256(source.to_string_lossy().as_bytes())[..16])
 }
 
 fn command(source: &Path, index: u32, flags: &[String]) -> String {
     let words = ["robofin".to_owned(), "dataset".to_owned(), source.to_string_lossy().into_owned()];
-    let more = ["--piece".to_owned(), index.to_string(), "--out".to_owned(), "again".to_owned()];
+    let more = ["--item".to_owned(), index.to_string(), "--out".to_owned(), "again".to_owned()];
     command_line(words.iter().chain(flags).chain(&more))
 }
 
@@ -132,7 +132,7 @@ impl<R: Marker> Dataset<R> {
         Ok(write_file(&self.failure_path(&failure.id), text.as_bytes())?)
     }
 
-    /// Forgets the failure of a piece or source that is well now.
+    /// Forgets the failure of an item or source that is well now.
     ///
     /// # Errors
     /// When the file system refuses.
@@ -166,9 +166,9 @@ mod tests {
 
     #[test]
     fn a_shell_reads_the_command_as_it_was_given() {
-        let piece = Piece { source: "my parts/it's.obj".into(), id: "0-0003".into(), index: 3 };
-        let failure = Failure::of(&piece, Stage::Weld, String::new(), &["--seed".into(), "7".into()]);
-        let line = r"robofin dataset 'my parts/it'\''s.obj' --seed 7 --piece 3 --out again";
+        let item = Item { source: "my parts/it's.obj".into(), id: "0-0003".into(), index: 3 };
+        let failure = Failure::of(&item, Stage::Weld, String::new(), &["--seed".into(), "7".into()]);
+        let line = r"robofin dataset 'my parts/it'\''s.obj' --seed 7 --item 3 --out again";
         assert_eq!(failure.command, line);
     }
 }

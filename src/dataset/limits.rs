@@ -1,4 +1,4 @@
-//! What holds the process of one piece: a limit of memory, a limit of time, and the life of the one who asked for it.
+//! What holds the process of one item: a limit of memory, a limit of time, and the life of the one who asked for it.
 
 use std::io::Read;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,7 +13,7 @@ pub const TIME_IS_UP: i32 = 124;
 /// Exit code of a process whose parent is gone.
 const ORPHANED: i32 = 125;
 
-/// What one piece may use.
+/// What one item may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Time by the clock [s].
@@ -70,7 +70,7 @@ fn limit_memory(bytes: u64) -> Result<()> {
 
 #[cfg(not(unix))]
 fn limit_memory(_: u64) -> Result<()> {
-    anyhow::bail!("--memory-limit cannot be held on this system, so no piece is made")
+    anyhow::bail!("--memory-limit cannot be held on this system, so no item is made")
 }
 
 #[cfg(unix)]

@@ -1,15 +1,15 @@
-//! What a kind of data set has in its marker file, and where its pieces lie.
+//! What a kind of data set has in its marker file, and where its items lie.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::{ASSETS_FOLDER, DATASET_FORMAT, FAILURES_FOLDER, Recipe};
 
-/// What decides every piece of a data set, as its marker holds it.
+/// What decides every item of a data set, as its marker holds it.
 pub trait Marker: Serialize + DeserializeOwned {
     /// Value of the `format` key.
     const FORMAT: &'static str;
-    /// Folders of the pieces, the one in which they are claimed first, and that of the failures.
+    /// Folders of the items, the one in which they are claimed first, and that of the failures.
     const FOLDERS: &'static [&'static str];
 
     /// What was found under the `format` key.

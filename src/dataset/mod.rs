@@ -1,17 +1,17 @@
-//! Data sets: thousands of welded workpieces from a folder of parts, each piece on its own account.
+//! Data sets: thousands of welded workpieces from a folder of parts, each item on its own account.
 //!
 //! ```text
-//! dataset.json                        what decides every piece: seed, options, version
-//! assets/3f4ac0ffee012345-0002/       a piece: an asset folder (see `crate::asset`)
-//! failures/3f4ac0ffee012345-0003.json a piece that could not be made, and why
+//! dataset.json                        what decides every item: seed, options, version
+//! assets/3f4ac0ffee012345-0002/       an item: an asset folder (see `crate::asset`)
+//! failures/3f4ac0ffee012345-0003.json an item that could not be made, and why
 //! manifest.jsonl, manifest.csv        the catalogue, made anew from the folders above
 //! failures.jsonl, README.md, contact-sheet.png, croissant.json
 //! ```
 //!
-//! The road: [`plan`] names the pieces of a list of parts, [`run`] makes them, each in a process of its own
-//! ([`process`], [`limits`]) that calls [`piece`]; [`Catalogue`] describes what is there, and [`check`] holds all of it
-//! against itself. A piece's name and seed follow from its source's content and its index, and its bytes from those and
-//! the [`Recipe`]; so neither order, jobs, shards nor interruptions change them. A piece's folder appears by one
+//! The road: [`plan`] names the items of a list of parts, [`run`] makes them, each in a process of its own
+//! ([`process`], [`limits`]) that calls [`item`]; [`Catalogue`] describes what is there, and [`check`] holds all of it
+//! against itself. An item's name and seed follow from its source's content and its index, and its bytes from those and
+//! the [`Recipe`]; so neither order, jobs, shards nor interruptions change them. An item's folder appears by one
 //! renaming and only under a lock of the operating system, so it is complete or it is not there.
 
 mod card;
@@ -21,9 +21,9 @@ pub(crate) mod contact;
 mod croissant;
 mod difficulty;
 mod failure;
+pub mod item;
 pub mod limits;
 mod marker;
-pub mod piece;
 pub mod plan;
 pub mod process;
 pub mod progress;
@@ -48,14 +48,14 @@ use files::sha256;
 pub use catalogue::Catalogue;
 pub use failure::{Failure, Stage, command_line};
 pub use marker::Marker;
-pub use plan::{Piece, Plan};
+pub use plan::{Item, Plan};
 pub use recipe::{DATASET_FORMAT, Recipe};
 
 /// Name of the file that marks a data set.
 pub const MARKER_FILE: &str = "dataset.json";
-/// Folder of the pieces.
+/// Folder of the items.
 pub const ASSETS_FOLDER: &str = "assets";
-/// Folder of the records of failed pieces.
+/// Folder of the records of failed items.
 pub const FAILURES_FOLDER: &str = "failures";
 /// What the data set's own files are claimed by.
 const CLAIM_FILE: &str = ".dataset.lock";
@@ -64,7 +64,7 @@ const CLAIM_FILE: &str = ".dataset.lock";
 #[derive(Clone, Debug)]
 pub struct Dataset<R = Recipe> {
     folder: PathBuf,
-    /// What decides its pieces.
+    /// What decides its items.
     pub recipe: R,
 }
 
@@ -138,7 +138,7 @@ impl<R: Marker> Dataset<R> {
         &self.folder
     }
 
-    /// The right to write a piece; `None` when another process has it and there is no patience.
+    /// The right to write an item; `None` when another process has it and there is no patience.
     ///
     /// # Errors
     /// When the file system refuses.
@@ -150,7 +150,7 @@ impl<R: Marker> Dataset<R> {
         Ok(FileLock::take(&self.folder.join(CLAIM_FILE), Patience::Endless)?)
     }
 
-    /// Removes what killed runs left of pieces that no one is writing.
+    /// Removes what killed runs left of items that no one is writing.
     ///
     /// # Errors
     /// When the file system refuses.
@@ -170,12 +170,12 @@ impl<R: Marker> Dataset<R> {
 }
 
 impl Dataset {
-    /// Where a piece lies, or would.
+    /// Where an item lies, or would.
     pub fn asset_folder(&self, id: &str) -> PathBuf {
         self.folder.join(ASSETS_FOLDER).join(id)
     }
 
-    /// Whether a piece is there: its manifest says that it was made by this recipe, and its files have their lengths.
+    /// Whether an item is there: its manifest says that it was made by this recipe, and its files have their lengths.
     ///
     /// Their hashes are the business of [`check`].
     pub fn holds(&self, id: &str) -> bool {
@@ -187,7 +187,7 @@ impl Dataset {
             .is_ok_and(|manifest| self.recipe.fits(id, &manifest).is_ok() && manifest.files.iter().all(has_length))
     }
 
-    /// Names of the pieces that have a folder, sorted.
+    /// Names of the items that have a folder, sorted.
     ///
     /// # Errors
     /// When the folder cannot be read.
@@ -239,7 +239,7 @@ pub(crate) fn record_of(bytes: &[u8]) -> FileRecord {
     FileRecord { sha256: sha256(bytes), bytes: bytes.len() as u64 }
 }
 
-/// Name of a piece's manifest below the data set's folder.
+/// Name of an item's manifest below the data set's folder.
 fn manifest_path(id: &str) -> String {
     format!("{ASSETS_FOLDER}/{id}/{MANIFEST_FILE}")
 }

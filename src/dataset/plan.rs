@@ -1,4 +1,4 @@
-//! Which pieces a list of parts has: names, seeds, order, shards.
+//! Which items a list of parts has: names, seeds, order, shards.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -11,21 +11,21 @@ use crate::cache::Sources;
 use crate::in_full;
 use files::sha256;
 
-/// Hexadecimal digits of the source in a piece's name: 64 bits, so that millions of parts do not share a name.
+/// Hexadecimal digits of the source in an item's name: 64 bits, so that millions of parts do not share a name.
 const KEY_DIGITS: usize = 16;
 
 /// One welded workpiece to make.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Piece {
+pub struct Item {
     /// The mesh file.
     pub source: PathBuf,
     /// Name: what identifies the source's content, and the index.
     pub id: String,
-    /// Number among the pieces of the part, from 0.
+    /// Number among the items of the part, from 0.
     pub index: u32,
 }
 
-/// A source that cannot be read, so that its pieces have no names.
+/// A source that cannot be read, so that its items have no names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreadable {
     /// The mesh file.
@@ -34,18 +34,18 @@ pub struct Unreadable {
     pub reason: String,
 }
 
-/// Pieces to make, and sources that have none.
+/// Items to make, and sources that have none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
-    /// Every part's first piece comes before any part's second.
-    pub pieces: Vec<Piece>,
+    /// Every part's first item comes before any part's second.
+    pub items: Vec<Item>,
     /// Files that can be read, copies among them.
     pub readable: Vec<PathBuf>,
     /// What cannot be read at all.
     pub unreadable: Vec<Unreadable>,
     /// Different parts.
     pub parts: usize,
-    /// Files with the content of another; they have no pieces of their own.
+    /// Files with the content of another; they have no items of their own.
     pub copies: usize,
 }
 
@@ -69,7 +69,7 @@ impl Shard {
         (1..=shard.of).contains(&shard.number).then_some(shard)
     }
 
-    /// Whether a piece or source of this name is in the share; the name decides, not the order.
+    /// Whether an item or source of this name is in the share; the name decides, not the order.
     fn has(self, name: &str) -> bool {
         number_from(&format!("shard {name}")) % u64::from(self.of) == u64::from(self.number - 1)
     }
@@ -92,23 +92,23 @@ pub fn source_key(source: &Path, unit: UnitChoice) -> Result<String> {
     Ok(sha256(serde_json::to_string(&content)?.as_bytes())[..KEY_DIGITS].to_owned())
 }
 
-/// Name of a piece of a source.
-pub fn piece_id(key: &str, index: u32) -> String {
+/// Name of an item of a source.
+pub fn item_id(key: &str, index: u32) -> String {
     format!("{key}-{index:04}")
 }
 
-/// Key of the source in a piece's name.
+/// Key of the source in an item's name.
 pub(super) fn key_of(id: &str) -> &str {
     id.split_once('-').map_or(id, |(key, _)| key)
 }
 
-/// Index in a piece's name.
+/// Index in an item's name.
 pub(super) fn index_of(id: &str) -> Option<u32> {
     id.split_once('-')?.1.parse().ok()
 }
 
 impl Plan {
-    /// The pieces with the given indices of each source, at most `limit` of them; of those, the ones in the shard.
+    /// The items with the given indices of each source, at most `limit` of them; of those, the ones in the shard.
     pub fn new(sources: Sources, unit: UnitChoice, indices: std::ops::Range<u32>, limit: usize, shard: Shard) -> Self {
         let mut plan = Self::default();
         let (mut keys, mut known) = (Vec::new(), BTreeSet::new());
@@ -127,15 +127,15 @@ impl Plan {
             }
         }
         plan.parts = keys.len();
-        let piece = |index: u32| {
-            let piece = move |(source, key): &(PathBuf, String)| Piece {
+        let item = |index: u32| {
+            let item = move |(source, key): &(PathBuf, String)| Item {
                 source: source.clone(),
-                id: piece_id(key, index),
+                id: item_id(key, index),
                 index,
             };
-            keys.iter().map(piece)
+            keys.iter().map(item)
         };
-        plan.pieces = indices.flat_map(piece).take(limit).filter(|piece| shard.has(&piece.id)).collect();
+        plan.items = indices.flat_map(item).take(limit).filter(|item| shard.has(&item.id)).collect();
         plan.unreadable.retain(|unreadable| shard.has(&unreadable.source.to_string_lossy()));
         plan
     }
@@ -158,14 +158,14 @@ mod tests {
     fn names_follow_from_content_and_index_alone() {
         let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let plan = |sources: Sources, indices| Plan::new(sources, UnitChoice::Auto, indices, usize::MAX, Shard::WHOLE);
-        let ids = |plan: &Plan| plan.pieces.iter().map(|piece| piece.id.clone()).collect::<BTreeSet<_>>();
+        let ids = |plan: &Plan| plan.items.iter().map(|item| item.id.clone()).collect::<BTreeSet<_>>();
         let first = plan(parts(one.path(), &["a.obj", "b.obj", "c.obj"]), 0..4);
         // The same contents under names in another order.
         let other = plan(parts(two.path(), &["z.obj", "y.obj", "x.obj"]), 0..4);
         assert_eq!(ids(&first).len(), 12);
         assert_eq!(ids(&first), ids(&other));
         let third = plan(parts(one.path(), &["a.obj", "b.obj", "c.obj"]), 2..3);
-        assert_eq!(third.pieces.len(), 3);
+        assert_eq!(third.items.len(), 3);
         assert!(ids(&third).is_subset(&ids(&first)));
         std::fs::copy(one.path().join("a.obj"), one.path().join("copy.obj")).unwrap();
         let copied = plan(find_meshes(&[one.path().to_owned()]).unwrap(), 0..4);
@@ -176,12 +176,12 @@ mod tests {
     fn the_limit_takes_every_part_before_any_twice_and_shards_share_what_is_left() {
         let place = tempfile::tempdir().unwrap();
         let sources = parts(place.path(), &["a.obj", "b.obj", "c.obj"]);
-        let plan = |limit, shard| Plan::new(sources.clone(), UnitChoice::Auto, 0..40, limit, shard).pieces;
+        let plan = |limit, shard| Plan::new(sources.clone(), UnitChoice::Auto, 0..40, limit, shard).items;
         let limited = plan(7, Shard::WHOLE);
-        assert_eq!(limited.iter().map(|piece| piece.index).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 1, 2]);
+        assert_eq!(limited.iter().map(|item| item.index).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 1, 2]);
         let whole = plan(100, Shard::WHOLE);
-        let shards: Vec<Vec<Piece>> = (1..=3).map(|number| plan(100, Shard { number, of: 3 })).collect();
-        let mut together: Vec<Piece> = shards.concat();
+        let shards: Vec<Vec<Item>> = (1..=3).map(|number| plan(100, Shard { number, of: 3 })).collect();
+        let mut together: Vec<Item> = shards.concat();
         together.sort_by(|a, b| (a.index, &a.source).cmp(&(b.index, &b.source)));
         assert_eq!(together, whole);
         assert!(shards.iter().all(|shard| shard.len() > 15), "{:?}", shards.iter().map(Vec::len).collect::<Vec<_>>());

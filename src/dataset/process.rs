@@ -1,41 +1,41 @@
-//! Starting the process of a piece, and what its end means.
+//! Starting the process of an item, and what its end means.
 
 use std::process::{Command, ExitStatus, Output, Stdio};
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
+use super::item::Ending;
 use super::limits::{Limits, TIME_IS_UP, Usage};
-use super::piece::Ending;
-use super::plan::Piece;
+use super::plan::Item;
 use super::{Dataset, Stage};
 
-/// Verb that makes one piece in the process that is started.
-pub const PIECE_VERB: &str = "dataset-piece";
+/// Verb that makes one item in the process that is started.
+pub const PIECE_VERB: &str = "dataset-item";
 /// Exit code of a Rust program that panicked.
 const PANICKED: i32 = 101;
 /// What the allocator says before it gives up.
 const OUT_OF_MEMORY: &str = "memory allocation of";
 
-/// What the process of a piece says on standard output, as one line of JSON.
+/// What the process of an item says on standard output, as one line of JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// How the piece ended.
+    /// How the item ended.
     pub ending: Ending,
     /// What it took.
     pub usage: Usage,
 }
 
-/// Makes a piece in a process of its own, which cannot take anything else down with it.
+/// Makes an item in a process of its own, which cannot take anything else down with it.
 ///
-/// `flags`: those that decide the piece, limits among them.
+/// `flags`: those that decide the item, limits among them.
 ///
 /// # Errors
 /// When no process can be started.
-pub fn make_apart(dataset: &Dataset, piece: &Piece, flags: &[String], limits: Limits) -> Result<Answer> {
+pub fn make_apart(dataset: &Dataset, item: &Item, flags: &[String], limits: Limits) -> Result<Answer> {
     run_apart(limits, |command| {
         command.arg(PIECE_VERB).args(flags);
-        command.arg("--id").arg(&piece.id).arg("--out").arg(dataset.folder()).arg("--").arg(&piece.source)
+        command.arg("--id").arg(&item.id).arg("--out").arg(dataset.folder()).arg("--").arg(&item.source)
     })
 }
 
@@ -45,16 +45,16 @@ pub fn make_apart(dataset: &Dataset, piece: &Piece, flags: &[String], limits: Li
 /// # Errors
 /// When no process can be started.
 pub fn run_apart(limits: Limits, words: impl FnOnce(&mut Command) -> &mut Command) -> Result<Answer> {
-    let program = std::env::current_exe().context("this program cannot be found, to start it for a piece")?;
+    let program = std::env::current_exe().context("this program cannot be found, to start it for an item")?;
     let mut command = Command::new(program);
     words(command.args(["--threads", "1"]));
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().context("no process can be started for a piece")?;
+    let mut child = command.spawn().context("no process can be started for an item")?;
     // Held open as long as we live, which is what the child watches.
     let lifeline = child.stdin.take();
-    let output = child.wait_with_output().context("the process of a piece cannot be waited for")?;
+    let output = child.wait_with_output().context("the process of an item cannot be waited for")?;
     drop(lifeline);
-    // A signal from the keyboard ends both; the piece did not fail.
+    // A signal from the keyboard ends both; the item did not fail.
     crate::interrupt::wait_if_ending();
     Ok(answer(&output, limits))
 }

@@ -1,16 +1,16 @@
-//! How a run of many pieces goes: counts, times, what is left.
+//! How a run of many items goes: counts, times, what is left.
 
 use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::dataset::piece::Ending;
+use crate::dataset::item::Ending;
 use crate::dataset::run::Outcome;
 
 /// Parts in the training data of the first model of this kind; how long they would take is told after a run.
 const KNOWN_SET: f64 = 8918.0;
 
-/// Counts pieces while they are made.
+/// Counts items while they are made.
 pub struct Progress {
     started: Instant,
     summary: Summary,
@@ -21,25 +21,25 @@ pub struct Progress {
 /// What a run did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
-    /// Pieces of the run.
-    pub pieces: usize,
-    /// Pieces that were made.
+    /// Items of the run.
+    pub items: usize,
+    /// Items that were made.
     pub made: usize,
-    /// Pieces that were there.
+    /// Items that were there.
     pub there: usize,
-    /// Pieces that failed.
+    /// Items that failed.
     pub failed: usize,
-    /// Median of the processor time of a piece that was made [s].
+    /// Median of the processor time of an item that was made [s].
     pub median_cpu_s: Option<f64>,
-    /// Largest memory of a piece [MB].
+    /// Largest memory of an item [MB].
     pub peak_mb: Option<f64>,
     /// Time by the clock [s].
     pub seconds: f64,
-    /// Pieces made in an hour by the clock.
-    pub pieces_per_hour: Option<f64>,
+    /// Items made in an hour by the clock.
+    pub items_per_hour: Option<f64>,
 }
 
-/// What to say of one piece.
+/// What to say of one item.
 pub struct Line {
     /// Word in front.
     pub about: &'static str,
@@ -54,13 +54,13 @@ impl Line {
 }
 
 impl Progress {
-    /// Nothing is done yet of `pieces`.
-    pub fn new(pieces: usize, started: Instant) -> Self {
-        let summary = Summary { pieces, ..Default::default() };
+    /// Nothing is done yet of `items`.
+    pub fn new(items: usize, started: Instant) -> Self {
+        let summary = Summary { items, ..Default::default() };
         Self { started, summary, done: 0, cpu_s: Vec::new() }
     }
 
-    /// Counts a piece and says what became of it.
+    /// Counts an item and says what became of it.
     pub fn count(&mut self, outcome: &Outcome) -> Line {
         self.done += 1;
         let usage = outcome.usage;
@@ -82,14 +82,14 @@ impl Progress {
             }
         };
         let name = outcome.source.file_name().unwrap_or_default().to_string_lossy();
-        let of = self.summary.pieces;
+        let of = self.summary.items;
         Line { about, text: format!("{}/{of} {} of {name}: {found}{}", self.done, outcome.id, self.time_left()) }
     }
 
-    /// What is left at the pace so far; nothing at the end and before the first piece was made.
+    /// What is left at the pace so far; nothing at the end and before the first item was made.
     fn time_left(&self) -> String {
         let worked = self.summary.made + self.summary.failed;
-        let left = self.summary.pieces - self.done;
+        let left = self.summary.items - self.done;
         if worked == 0 || left == 0 {
             return String::new();
         }
@@ -102,7 +102,7 @@ impl Progress {
         self.cpu_s.sort_by(f64::total_cmp);
         self.summary.median_cpu_s = self.cpu_s.get(self.cpu_s.len() / 2).copied();
         self.summary.seconds = self.started.elapsed().as_secs_f64();
-        self.summary.pieces_per_hour =
+        self.summary.items_per_hour =
             (self.summary.made > 0).then(|| 3600.0 * self.summary.made as f64 / self.summary.seconds);
         self.summary
     }
@@ -114,18 +114,18 @@ impl Summary {
         let Self { made, there, failed, seconds, .. } = self;
         let mut text = format!("{made} made, {there} there, {failed} failed in {}", duration(*seconds));
         if let (Some(cpu_s), Some(peak_mb)) = (self.median_cpu_s, self.peak_mb) {
-            text += &format!("\na piece takes {cpu_s:.2} s of processor in the median, and at most {peak_mb:.0} MB");
+            text += &format!("\na item takes {cpu_s:.2} s of processor in the median, and at most {peak_mb:.0} MB");
         }
-        if let Some(pace) = self.pieces_per_hour {
-            text += &format!("\n{pace:.0} pieces an hour with {jobs} at once");
+        if let Some(pace) = self.items_per_hour {
+            text += &format!("\n{pace:.0} items an hour with {jobs} at once");
         }
         text
     }
 
     /// How long a known set of parts would take at this pace, for people.
     pub fn outlook(&self) -> Option<String> {
-        let whole = duration(3600.0 * KNOWN_SET / self.pieces_per_hour?);
-        Some(format!("{KNOWN_SET:.0} parts, one piece each, take {whole}"))
+        let whole = duration(3600.0 * KNOWN_SET / self.items_per_hour?);
+        Some(format!("{KNOWN_SET:.0} parts, one item each, take {whole}"))
     }
 }
 

@@ -1,4 +1,4 @@
-//! What decides the pieces of a data set, and the seed of each.
+//! What decides the items of a data set, and the seed of each.
 
 use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use crate::workpiece::WeldingOptions;
 /// Value of the `format` key.
 pub const DATASET_FORMAT: &str = "robofin-dataset/1";
 
-/// The marker of a data set: what decides every piece, and how the set was started.
+/// The marker of a data set: what decides every item, and how the set was started.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recipe {
     /// [`DATASET_FORMAT`].
@@ -22,13 +22,13 @@ pub struct Recipe {
     pub seed: u64,
     /// Unit asked for.
     pub unit: Value,
-    /// Options of welding without their seed, as a piece's manifest holds them.
+    /// Options of welding without their seed, as an item's manifest holds them.
     pub options: Value,
     /// Width and height of the pictures [pixels].
     pub preview: (usize, usize),
     /// What is known of the licence of the sources.
     pub licence: String,
-    /// The flags that decide the pieces, as they were given.
+    /// The flags that decide the items, as they were given.
     pub flags: Vec<String>,
     /// Where the sources were, as it was given.
     pub sources: Vec<String>,
@@ -47,7 +47,7 @@ impl Recipe {
         Ok(options)
     }
 
-    /// Seed of a piece: from the set's seed and the piece's name, which is the source's content and the index.
+    /// Seed of an item: from the set's seed and the item's name, which is the source's content and the index.
     pub fn seed_of(&self, id: &str) -> u64 {
         number_from(&format!("{DATASET_FORMAT} {} {id}", self.seed))
     }
@@ -68,7 +68,7 @@ impl Recipe {
         Some(format!("{name} is {now} there, and {then} now"))
     }
 
-    /// Whether a piece was made by this recipe.
+    /// Whether an item was made by this recipe.
     ///
     /// # Errors
     /// What differs, in words.

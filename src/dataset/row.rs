@@ -1,4 +1,4 @@
-//! What the catalogue says of one piece, read from its folder.
+//! What the catalogue says of one item, read from its folder.
 
 use std::collections::BTreeMap;
 
@@ -17,9 +17,9 @@ const TRAINING: u64 = 8;
 /// A line of the catalogue.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Name of the piece.
+    /// Name of the item.
     pub id: String,
-    /// `train`, `validation` or `test`: all pieces of a part have the same.
+    /// `train`, `validation` or `test`: all items of a part have the same.
     pub split: String,
     /// Class by what was measured.
     pub difficulty: Difficulty,
@@ -27,17 +27,17 @@ pub struct Row {
     pub source: String,
     /// SHA-256 of the source.
     pub source_sha256: String,
-    /// Number among the pieces of the part.
+    /// Number among the items of the part.
     pub index: u32,
     /// What is known of the source's licence.
     pub licence: String,
-    /// Seed of the piece.
+    /// Seed of the item.
     pub seed: u64,
     /// Its folder, from the data set's.
     pub folder: String,
-    /// Options as in the piece's manifest (SI); `null` was chosen for the part.
+    /// Options as in the item's manifest (SI); `null` was chosen for the part.
     pub requested: Value,
-    /// What the piece has: voxel, checks, and each weld's figures.
+    /// What the item has: voxel, checks, and each weld's figures.
     pub measured: Value,
     /// Files of the folder by name.
     pub files: BTreeMap<String, FileRecord>,
@@ -54,7 +54,7 @@ pub(super) struct Seen {
     pub(super) length_mm: f64,
 }
 
-/// Which split all pieces of a part belong to; the part's name decides.
+/// Which split all items of a part belong to; the part's name decides.
 pub(super) fn split_of(key: &str) -> &'static str {
     match number_from(&format!("split {key}")) % 10 {
         0..TRAINING => "train",
@@ -64,13 +64,13 @@ pub(super) fn split_of(key: &str) -> &'static str {
 }
 
 impl Seen {
-    /// Reads a piece.
+    /// Reads an item.
     ///
     /// # Errors
     /// When its folder is not whole.
     pub(super) fn read(dataset: &Dataset, id: &str) -> Result<Self> {
         let folder = dataset.asset_folder(id);
-        let index = index_of(id).with_context(|| format!("{}: not the name of a piece", folder.display()))?;
+        let index = index_of(id).with_context(|| format!("{}: not the name of an item", folder.display()))?;
         let (manifest, welds) = (Manifest::read(&folder)?, Welds::read(&folder)?.welds);
         let fold = |start: f64, pick: fn(f64, f64) -> f64, figure: fn(&WeldTruth) -> f64| {
             welds.iter().map(figure).fold(start, pick)
@@ -97,7 +97,7 @@ impl Seen {
     }
 }
 
-/// Figures of a piece, without the points of its curves.
+/// Figures of an item, without the points of its curves.
 fn measured(manifest: &Manifest, welds: Vec<WeldTruth>) -> Result<Value> {
     let figures = |weld: WeldTruth| {
         let mut figures = serde_json::to_value(WeldTruth { curve: CurveTruth::default(), ..weld })?;

@@ -28,7 +28,7 @@ pub fn check(
     mut done: impl FnMut(&str, &[String]) -> Result<()>,
 ) -> Result<SetValidation> {
     let tasks = expected(set)?.concat();
-    let mut found = SetValidation { pieces: tasks.len(), ..Default::default() };
+    let mut found = SetValidation { items: tasks.len(), ..Default::default() };
     take_turns(
         tasks.len(),
         jobs,
@@ -174,11 +174,11 @@ fn strange_records(set: &ImageSet) -> Result<Vec<String>> {
 }
 
 /// Stages of a pattern, with the share that each leaves exposed.
-type Course = Vec<(u32, f64)>;
+type StudyState = Vec<(u32, f64)>;
 
 /// Sanding only takes off: in one view, the exposed share of a pattern never falls from stage to stage.
 fn courses(set: &ImageSet) -> Result<Vec<String>> {
-    let mut courses: BTreeMap<(String, u32, &str), Course> = BTreeMap::new();
+    let mut courses: BTreeMap<(String, u32, &str), StudyState> = BTreeMap::new();
     for planned in set.recipe.images().iter().filter(|image| set.holds_image(image)) {
         if let Treatment::Stage { pattern, stage } = planned.treatment {
             let record = set.read_record(&planned.id)?;
@@ -186,7 +186,7 @@ fn courses(set: &ImageSet) -> Result<Vec<String>> {
             course.push((stage, record.exposed_share));
         }
     }
-    let falls = |course: &Course| course.windows(2).any(|pair| pair[1].1 < pair[0].1);
+    let falls = |course: &StudyState| course.windows(2).any(|pair| pair[1].1 < pair[0].1);
     let fallen = courses.into_iter().filter(|(_, course)| falls(course));
     Ok(fallen
         .map(|((workpiece, placement, pattern), _)| {

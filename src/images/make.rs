@@ -9,7 +9,7 @@ use super::scene::Scene;
 use super::shot::shoot;
 use super::workpiece::Coated;
 use super::{ImageRecipe, ImageSet};
-use crate::dataset::piece::Ending;
+use crate::dataset::item::Ending;
 use crate::dataset::{Marker, Stage, remove_stale};
 use crate::in_full;
 use files::file_lock::Patience;

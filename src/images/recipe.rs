@@ -58,7 +58,7 @@ impl Marker for ImageRecipe {
     }
 
     fn difference(&self, asked: &Self) -> Option<String> {
-        let keys = |pieces: &[Coated]| pieces.iter().map(|piece| piece.key.as_str()).collect::<Vec<_>>().join(" ");
+        let keys = |items: &[Coated]| items.iter().map(|item| item.key.as_str()).collect::<Vec<_>>().join(" ");
         let compared = [
             ("version", self.version.clone(), asked.version.clone()),
             ("seed", self.seed.to_string(), asked.seed.to_string()),

@@ -7,8 +7,8 @@ use anyhow::Result;
 
 use super::ImageSet;
 use super::make::Task;
+use crate::dataset::item::Ending;
 use crate::dataset::limits::{Limits, Usage};
-use crate::dataset::piece::Ending;
 use crate::dataset::process::{Answer, run_apart};
 use crate::dataset::run::Outcome;
 use crate::dataset::{Failure, command_line};

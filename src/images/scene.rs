@@ -1,4 +1,4 @@
-//! What surrounds a workpiece in an image, drawn by chance.
+//! What surrounds a workpiece in an image, drawn at random.
 
 use anyhow::{Context, Result};
 use glam::{DQuat, DVec2, DVec3};
@@ -127,12 +127,12 @@ impl Scene {
 
 impl PlacementDraw {
     /// Turned by any angle about z, then tilted a little as on a wedge, then moved; the table is below all corners [m].
-    fn draw(corners: &[DVec3; 8], chance: &mut Stream) -> Self {
-        let turn = DQuat::from_rotation_z(chance.between([0.0, std::f64::consts::TAU]));
-        let about = chance.between([0.0, std::f64::consts::TAU]);
+    fn draw(corners: &[DVec3; 8], stream: &mut Stream) -> Self {
+        let turn = DQuat::from_rotation_z(stream.between([0.0, std::f64::consts::TAU]));
+        let about = stream.between([0.0, std::f64::consts::TAU]);
         let axis = DVec3::new(about.cos(), about.sin(), 0.0);
-        let tilt = DQuat::from_axis_angle(axis, chance.between([0.0, 0.12]));
-        let translation_m = DVec3::new(chance.between([-0.05, 0.05]), chance.between([-0.05, 0.05]), 0.0);
+        let tilt = DQuat::from_axis_angle(axis, stream.between([0.0, 0.12]));
+        let translation_m = DVec3::new(stream.between([-0.05, 0.05]), stream.between([-0.05, 0.05]), 0.0);
         let placed = Self { rotation: tilt * turn, translation_m, table_m: 0.0 };
         let lowest = corners.iter().map(|&corner| placed.to_scene(corner).z).fold(f64::INFINITY, f64::min);
         Self { table_m: lowest, ..placed }
@@ -145,13 +145,13 @@ impl PlacementDraw {
 
 impl CameraDraw {
     /// A camera that looks down on the corners of a box [m] and shows all of them, from closer or farther.
-    fn draw(corners: &[DVec3; 8], aspect: f64, chance: &mut Stream) -> Self {
-        let vertical_field_of_view = chance.between([0.3, 0.75]);
-        let direction = outward(chance.between([0.0, std::f64::consts::TAU]), chance.between([0.66, 1.31]));
-        let fill = chance.between([0.72, 0.98]);
+    fn draw(corners: &[DVec3; 8], aspect: f64, stream: &mut Stream) -> Self {
+        let vertical_field_of_view = stream.between([0.3, 0.75]);
+        let direction = outward(stream.between([0.0, std::f64::consts::TAU]), stream.between([0.66, 1.31]));
+        let fill = stream.between([0.72, 0.98]);
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let level = Camera::look_at(centre + direction, centre, Projection::Orthographic { height: 1.0 });
-        let (sine, cosine) = chance.between([-0.09, 0.09]).sin_cos();
+        let (sine, cosine) = stream.between([-0.09, 0.09]).sin_cos();
         let right = level.right * cosine + level.up * sine;
         let up = level.up * cosine - level.right * sine;
         let slope = (0.5 * vertical_field_of_view).tan() * DVec2::new(aspect, 1.0);
@@ -164,45 +164,45 @@ impl CameraDraw {
         let distance = corners.iter().map(least).fold(0.0, f64::max);
         // What room is left may lie on any side.
         let room = (1.0 - fill) * distance * slope;
-        let shift = right * chance.between([-0.5, 0.5]) * room.x + up * chance.between([-0.5, 0.5]) * room.y;
+        let shift = right * stream.between([-0.5, 0.5]) * room.x + up * stream.between([-0.5, 0.5]) * room.y;
         let eye_m = centre + shift + direction * distance;
-        let distortion = [chance.between([-0.35, 0.05]), chance.between([0.0, 0.1])];
+        let distortion = [stream.between([-0.35, 0.05]), stream.between([0.0, 0.1])];
         Self { eye_m, axes: [right, up, -direction], vertical_field_of_view, distortion }
     }
 }
 
 /// One or two lamps from above, the second weaker than the first.
-fn lamps(chance: &mut Stream) -> Vec<LampDraw> {
-    let count = 1 + chance.below(2);
-    let mut power = std::f64::consts::PI * chance.between([0.5, 1.1]);
+fn lamps(stream: &mut Stream) -> Vec<LampDraw> {
+    let count = 1 + stream.below(2);
+    let mut power = std::f64::consts::PI * stream.between([0.5, 1.1]);
     let lamp = |_| {
-        let towards = outward(chance.between([0.0, std::f64::consts::TAU]), chance.between([0.45, 1.4]));
+        let towards = outward(stream.between([0.0, std::f64::consts::TAU]), stream.between([0.45, 1.4]));
         // From the yellow of a bulb to the blue of a clear sky.
-        let warmth = chance.between([-0.2, 0.25]);
+        let warmth = stream.between([-0.2, 0.25]);
         let irradiance = power * DVec3::new(1.0 + warmth, 1.0, 1.0 - warmth);
-        power *= chance.between([0.15, 0.6]);
-        LampDraw { towards, irradiance, spread: chance.between([0.05, 0.3]) }
+        power *= stream.between([0.15, 0.6]);
+        LampDraw { towards, irradiance, spread: stream.between([0.05, 0.3]) }
     };
     (0..count).map(lamp).collect()
 }
 
 impl MaterialDraw {
     /// A coating of any hue, dull or strong, dark or light; steel from which it was sanded.
-    fn draw(chance: &mut Stream) -> Self {
-        let hue = chance.between([0.0, 6.0]);
-        let strength = chance.between([0.0, 0.9]);
-        let value = chance.ratio_between([0.06, 0.7]);
-        let grey = chance.between([0.5, 0.68]);
-        let tint = chance.between([-0.03, 0.03]);
-        let table = chance.ratio_between([0.03, 0.6]);
-        let wooden = chance.between([0.0, 0.5]);
+    fn draw(stream: &mut Stream) -> Self {
+        let hue = stream.between([0.0, 6.0]);
+        let strength = stream.between([0.0, 0.9]);
+        let value = stream.ratio_between([0.06, 0.7]);
+        let grey = stream.between([0.5, 0.68]);
+        let tint = stream.between([-0.03, 0.03]);
+        let table = stream.ratio_between([0.03, 0.6]);
+        let wooden = stream.between([0.0, 0.5]);
         Self {
             coating: paint(hue, strength, value),
-            coating_roughness: chance.between([0.25, 0.75]),
+            coating_roughness: stream.between([0.25, 0.75]),
             metal: DVec3::new(grey + tint, grey, grey - tint),
-            metal_roughness: chance.between([0.28, 0.5]),
+            metal_roughness: stream.between([0.28, 0.5]),
             table: table * DVec3::new(1.0, 1.0 - 0.3 * wooden, 1.0 - 0.6 * wooden),
-            table_roughness: chance.between([0.4, 0.9]),
+            table_roughness: stream.between([0.4, 0.9]),
         }
     }
 }
@@ -217,13 +217,13 @@ fn paint(hue: f64, strength: f64, value: f64) -> DVec3 {
 }
 
 impl SensorDraw {
-    fn draw(chance: &mut Stream, seed: u64) -> Self {
+    fn draw(stream: &mut Stream, seed: u64) -> Self {
         Self {
-            aim: chance.between([0.14, 0.34]),
+            aim: stream.between([0.14, 0.34]),
             exposure: 1.0,
-            blur: chance.between([0.4, 0.9]),
-            full_well: chance.ratio_between([3e3, 4e4]),
-            read_noise: chance.between([2.0, 12.0]),
+            blur: stream.between([0.4, 0.9]),
+            full_well: stream.ratio_between([3e3, 4e4]),
+            read_noise: stream.between([2.0, 12.0]),
             seed,
         }
     }

@@ -1,4 +1,4 @@
-//! A contact sheet: images by chance with their labels, and one way stage by stage.
+//! A contact sheet: images at random with their labels, and one way stage by stage.
 
 use anyhow::{Context, Result};
 use image::imageops::{FilterType, resize};
@@ -14,7 +14,7 @@ use crate::picture::to_png;
 
 /// Images in a row.
 const COLUMNS: usize = 6;
-/// Rows of images by chance.
+/// Rows of images at random.
 const CHANCE_ROWS: usize = 2;
 /// Width of an image on the sheet [pixels].
 const WIDTH: u32 = 320;
@@ -26,15 +26,15 @@ const COLOURS: [[u8; 3]; 3] = [[230, 120, 20], [30, 110, 200], [250, 230, 60]];
 /// # Errors
 /// When an image or a label cannot be read.
 pub(super) fn draw(set: &ImageSet, records: &[ImageRecord]) -> Result<Vec<u8>> {
-    let mut by_chance: Vec<&ImageRecord> = records.iter().collect();
-    by_chance.sort_by_key(|record| number_from(&format!("contact sheet {}", record.id)));
+    let mut drawn: Vec<&ImageRecord> = records.iter().collect();
+    drawn.sort_by_key(|record| number_from(&format!("contact sheet {}", record.id)));
     let mut strips = Vec::new();
-    for (place, chunk) in by_chance.chunks(COLUMNS).take(CHANCE_ROWS).enumerate() {
-        let title = if place == 0 { format!("by chance, of {} images", records.len()) } else { String::new() };
+    for (place, chunk) in drawn.chunks(COLUMNS).take(CHANCE_ROWS).enumerate() {
+        let title = if place == 0 { format!("at random, of {} images", records.len()) } else { String::new() };
         strips.push(strip(&title, chunk, |record| picture(set, record))?);
         strips.push(strip("", chunk, |record| labelled(set, record))?);
     }
-    let course = course(records, by_chance.first().copied());
+    let course = course(records, drawn.first().copied());
     strips.push(strip("stage by stage", &course, |record| picture(set, record))?);
     strips.push(strip("", &course, |record| labelled(set, record))?);
     to_png(&stacked(&strips))

@@ -1,4 +1,4 @@
-//! Parts that cannot be welded, and limits that are met: each costs its own pieces alone.
+//! Parts that cannot be welded, and limits that are met: each costs its own items alone.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::program::{names, run};
-use crate::set::{dataset, lines, pieces, plates, tree};
+use crate::set::{dataset, items, lines, plates, tree};
 
 /// Parts that are broken in different ways, by name.
 fn break_parts(parts: &Path) {
@@ -26,7 +26,7 @@ fn break_parts(parts: &Path) {
 }
 
 #[test]
-fn broken_parts_cost_their_own_pieces_and_are_listed_with_reasons() {
+fn broken_parts_cost_their_own_items_and_are_listed_with_reasons() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let parts = plates(place.path());
     break_parts(&parts);
@@ -37,8 +37,8 @@ fn broken_parts_cost_their_own_pieces_and_are_listed_with_reasons() {
         command
     };
     let first = run(&mut command());
-    first.is_refused(1, &["pieces failed", "failures.jsonl", "--resume"]);
-    assert_eq!(pieces(&out).len(), 6, "the good parts are there");
+    first.is_refused(1, &["items failed", "failures.jsonl", "--resume"]);
+    assert_eq!(items(&out).len(), 6, "the good parts are there");
     let failures = lines(&out.join("failures.jsonl"));
     let sources: Vec<&str> = failures.iter().filter_map(|failure| failure["source"].as_str()).collect();
     for name in ["nan.obj", "cut.obj", "cut.stl", "empty.stl", "beside.gltf", "flat.obj"] {
@@ -47,7 +47,7 @@ fn broken_parts_cost_their_own_pieces_and_are_listed_with_reasons() {
     assert!(failures.iter().all(|failure| failure["reason"].as_str().is_some_and(|reason| reason.len() > 20)));
     assert!(failures.iter().all(|failure| failure["stage"] != "crash"), "{failures:?}");
     let before = tree(&out);
-    run(command().arg("--resume")).is_refused(1, &["pieces failed"]);
+    run(command().arg("--resume")).is_refused(1, &["items failed"]);
     assert!(tree(&out) == before, "trying again changed something");
 }
 
@@ -62,7 +62,7 @@ fn the_line_of_a_failure_shows_it_again_and_a_mended_part_ends_it() {
     let bad = parts.join("it's bad.obj");
     fs::write(&bad, "v 0 0 0\nv 50 0 0\nv 0 50 0\nf 1 2 3\n").expect("a part");
     let out = place.path().join("set");
-    run(&mut dataset(&parts, &out)).is_refused(1, &["2 of 2 pieces failed"]);
+    run(&mut dataset(&parts, &out)).is_refused(1, &["2 of 2 items failed"]);
     let failures = lines(&out.join("failures.jsonl"));
     let line = failures[1]["command"].as_str().expect("a command line");
 
@@ -70,7 +70,7 @@ fn the_line_of_a_failure_shows_it_again_and_a_mended_part_ends_it() {
     fs::create_dir(&again).expect("a folder");
     let script = line.replacen("robofin", env!("CARGO_BIN_EXE_robofin"), 1);
     let mut shell = Command::new("sh");
-    run(shell.args(["-c", &script]).current_dir(&again)).is_refused(1, &["1 of 1 pieces failed"]);
+    run(shell.args(["-c", &script]).current_dir(&again)).is_refused(1, &["1 of 1 items failed"]);
     let shown: Vec<Value> = lines(&again.join("again/failures.jsonl"));
     assert_eq!((&shown[0]["id"], &shown[0]["reason"]), (&failures[1]["id"], &failures[1]["reason"]));
 
@@ -95,7 +95,7 @@ fn limits_hold_and_are_told_as_such() {
         let out = place.path().join(flags[0]);
         let mut command = crate::program::robofin(["dataset", "--limit", "1", "--resolution", "1024"]);
         let told = run(command.args(flags).arg(&parts).arg("--out").arg(&out));
-        told.is_refused(1, &["1 of 1 pieces failed"]);
+        told.is_refused(1, &["1 of 1 items failed"]);
         let failures = lines(&out.join("failures.jsonl"));
         assert_eq!(failures[0]["stage"], "limit", "{failures:?}");
         assert!(failures[0]["reason"].as_str().is_some_and(|reason| reason.contains(word)), "{failures:?}");
@@ -105,17 +105,17 @@ fn limits_hold_and_are_told_as_such() {
 
 #[cfg(unix)]
 #[test]
-fn files_that_cannot_grow_fail_their_piece_and_leave_nothing_half_done() {
+fn files_that_cannot_grow_fail_their_item_and_leave_nothing_half_done() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let (parts, out) = (plates(place.path()), place.path().join("set"));
     let inner = dataset(&parts, &out);
     let mut shell = Command::new("sh");
     // As a full disk would: writes beyond 32 blocks fail.
     shell.args(["-c", "trap '' XFSZ; ulimit -f 32; exec \"$@\"", "sh"]).arg(inner.get_program()).args(inner.get_args());
-    run(&mut shell).is_refused(1, &["6 of 6 pieces failed"]);
+    run(&mut shell).is_refused(1, &["6 of 6 items failed"]);
     let failures = lines(&out.join("failures.jsonl"));
     assert!(failures.iter().all(|failure| failure["stage"] == "write"), "{failures:?}");
     assert_eq!(names(&out.join("assets")), Vec::<String>::new());
     run(dataset(&parts, &out).args(["--resume", "--limit", "6"])).succeeds();
-    assert_eq!(pieces(&out).len(), 6);
+    assert_eq!(items(&out).len(), 6);
 }

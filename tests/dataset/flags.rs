@@ -26,7 +26,7 @@ fn nonsense_is_refused_with_what_would_be_accepted() {
             told.is_refused(2, &[flag, words]);
         }
     }
-    for (flag, value) in [("--per-part", "0"), ("--per-part", "-3"), ("--piece", "10000"), ("--seed", "many")] {
+    for (flag, value) in [("--per-part", "0"), ("--per-part", "-3"), ("--item", "10000"), ("--seed", "many")] {
         let mut command = crate::program::robofin(["dataset"]);
         run(command.arg(&parts).arg("--out").arg(&out).args([flag, value])).is_refused(2, &[flag]);
     }

@@ -1,11 +1,11 @@
-//! Runs that are killed, and runs that want the same pieces.
+//! Runs that are killed, and runs that want the same items.
 
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::Duration;
 
 use crate::program::run;
-use crate::set::{assert_same, dataset, pieces, tree, undisturbed};
+use crate::set::{assert_same, dataset, items, tree, undisturbed};
 
 #[test]
 fn killed_and_resumed_is_byte_for_byte_what_an_undisturbed_run_makes() {
@@ -21,10 +21,10 @@ fn killed_and_resumed_is_byte_for_byte_what_an_undisturbed_run_makes() {
         child.kill().expect("the program can be killed");
         interrupted += usize::from(!child.wait().expect("the program ends").success());
         // Whatever is under a final name is whole.
-        for piece in if out.join("assets").exists() { pieces(&out) } else { Vec::new() } {
-            let name = piece.file_name().expect("a name").to_string_lossy().into_owned();
+        for item in if out.join("assets").exists() { items(&out) } else { Vec::new() } {
+            let name = item.file_name().expect("a name").to_string_lossy().into_owned();
             if !name.starts_with('.') {
-                assert!(tree(&piece) == tree(&whole.join("assets").join(&name)), "{name} after {delay} ms");
+                assert!(tree(&item) == tree(&whole.join("assets").join(&name)), "{name} after {delay} ms");
             }
         }
     }
@@ -50,19 +50,19 @@ fn two_runs_at_once_share_the_work_and_none_is_done_twice() {
 
 #[cfg(unix)]
 #[test]
-fn pieces_end_with_the_run_that_asked_for_them() {
+fn items_end_with_the_run_that_asked_for_them() {
     let (parts, _) = undisturbed();
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("set");
     let mut command = dataset(parts, &out);
-    // Fine enough to be in the middle of a piece for long.
+    // Fine enough to be in the middle of an item for long.
     command.args(["--jobs", "1", "--resolution", "512"]).stdout(Stdio::null()).stderr(Stdio::null());
     let arguments: Vec<_> =
         command.get_args().filter(|word| *word != "--diagonal" && *word != "48").map(Into::into).collect();
     let mut command = crate::program::robofin::<std::ffi::OsString>(arguments);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program can be started");
     let is_staged =
-        || out.join("assets").is_dir() && pieces(&out).iter().any(|path| path.to_string_lossy().contains(".part-"));
+        || out.join("assets").is_dir() && items(&out).iter().any(|path| path.to_string_lossy().contains(".part-"));
     while !is_staged() {
         sleep(Duration::from_millis(2));
     }
@@ -72,5 +72,5 @@ fn pieces_end_with_the_run_that_asked_for_them() {
     let left = tree(&out);
     sleep(Duration::from_millis(1500));
     assert!(tree(&out) == left, "something is still writing");
-    assert!(pieces(&out).iter().all(|path| path.to_string_lossy().contains("/.")), "a piece was finished after all");
+    assert!(items(&out).iter().all(|path| path.to_string_lossy().contains("/.")), "an item was finished after all");
 }

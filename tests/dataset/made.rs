@@ -14,10 +14,10 @@ use sdf_bake::read::UnitChoice;
 use serde_json::Value;
 
 use crate::program::{files, robofin, run};
-use crate::set::{PIECES, assert_same, dataset, lines, pieces, plates, undisturbed};
+use crate::set::{PIECES, assert_same, dataset, items, lines, plates, undisturbed};
 
 #[test]
-fn the_manifest_says_of_each_piece_what_its_folder_says() {
+fn the_manifest_says_of_each_item_what_its_folder_says() {
     let (parts, set) = undisturbed();
     let rows = lines(&set.join("manifest.jsonl"));
     assert_eq!(rows.len(), PIECES);
@@ -41,11 +41,11 @@ fn the_manifest_says_of_each_piece_what_its_folder_says() {
         assert!(["easy", "medium", "hard"].contains(&row["difficulty"].as_str().expect("a class")));
     }
     let seeds: BTreeSet<u64> = rows.iter().filter_map(|row| row["seed"].as_u64()).collect();
-    assert_eq!(seeds.len(), PIECES, "each piece has a seed of its own");
+    assert_eq!(seeds.len(), PIECES, "each item has a seed of its own");
 }
 
 #[test]
-fn pieces_of_one_part_share_their_split() {
+fn items_of_one_part_share_their_split() {
     let rows = lines(&undisturbed().1.join("manifest.jsonl"));
     let splits: BTreeSet<(&str, &str)> = rows
         .iter()
@@ -79,11 +79,11 @@ fn the_other_files_of_the_catalogue_fit_the_manifest() {
     let sheet = image::open(set.join("contact-sheet.png")).expect("a picture");
     assert!(sheet.width() > 1900 && sheet.height() > 700, "{} x {}", sheet.width(), sheet.height());
     let card = fs::read_to_string(set.join("README.md")).expect("a card");
-    assert!(card.contains("6 pieces from 3 parts, 0 failures") && card.contains("--diagonal=48"), "{card}");
+    assert!(card.contains("6 items from 3 parts, 0 failures") && card.contains("--diagonal=48"), "{card}");
 }
 
 #[test]
-fn a_piece_is_what_weld_makes_of_its_part_and_seed() {
+fn a_item_is_what_weld_makes_of_its_part_and_seed() {
     let (parts, set) = undisturbed();
     let row = &lines(&set.join("manifest.jsonl"))[1];
     let name = row["source"].as_str().expect("a name");
@@ -102,13 +102,13 @@ fn a_piece_is_what_weld_makes_of_its_part_and_seed() {
     let folder = StagedFolder::fresh(&out).expect("a folder");
     let extras = Extras { usd: UsdMode::Off, preview: (16, 12), samples_per_side: 1 };
     asset::write(&workpiece, &options, folder, extras, &silent).expect("an asset");
-    let (mut alone, mut piece) = (files(&out), files(&set.join(row["folder"].as_str().expect("a folder"))));
+    let (mut alone, mut item) = (files(&out), files(&set.join(row["folder"].as_str().expect("a folder"))));
     // Its picture is smaller, and the manifest holds the picture's hash.
     for name in ["preview.png", "asset.json"] {
         alone.remove(name).expect("it is there");
-        piece.remove(name).expect("it is there");
+        item.remove(name).expect("it is there");
     }
-    assert!(alone == piece, "{:?}, {:?}", alone.keys(), piece.keys());
+    assert!(alone == item, "{:?}, {:?}", alone.keys(), item.keys());
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn neither_jobs_nor_shards_nor_limits_nor_names_change_a_byte() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("set");
     run(dataset(parts, &out).args(["--jobs", "1", "--limit", "2"])).succeeds();
-    assert_eq!(pieces(&out).len(), 2);
+    assert_eq!(items(&out).len(), 2);
     for shard in ["2/2", "1/2"] {
         run(dataset(parts, &out).args(["--jobs", "3", "--resume", "--shard", shard])).succeeds();
     }
@@ -128,9 +128,9 @@ fn neither_jobs_nor_shards_nor_limits_nor_names_change_a_byte() {
     fs::rename(plates(place.path()).join("a.obj"), renamed.join("z.obj")).expect("it can be renamed");
     let other = place.path().join("other");
     run(&mut dataset(&renamed, &other)).succeeds();
-    let bytes = |set: &Path, piece: &Path| fs::read(set.join("assets").join(piece).join("phi.nvdb")).expect("a field");
-    for piece in pieces(&other) {
-        let name = Path::new(piece.file_name().expect("a name"));
+    let bytes = |set: &Path, item: &Path| fs::read(set.join("assets").join(item).join("phi.nvdb")).expect("a field");
+    for item in items(&other) {
+        let name = Path::new(item.file_name().expect("a name"));
         assert!(bytes(&other, name) == bytes(whole, name), "{}", name.display());
     }
 }
@@ -140,16 +140,16 @@ fn another_seed_gives_other_welds_under_the_same_names() {
     let (parts, set) = undisturbed();
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("set");
-    let mut command = robofin(["dataset", "--piece", "1", "--limit", "1", "--seed", "8", "--diagonal", "48"]);
+    let mut command = robofin(["dataset", "--item", "1", "--limit", "1", "--seed", "8", "--diagonal", "48"]);
     run(command.arg(parts).arg("--out").arg(&out)).succeeds();
-    let piece = pieces(&out).remove(0);
-    let same_name = set.join("assets").join(piece.file_name().expect("a name"));
+    let item = items(&out).remove(0);
+    let same_name = set.join("assets").join(item.file_name().expect("a name"));
     let truth = |folder: &Path| fs::read(folder.join("welds.json")).expect("a truth file");
-    assert_ne!(truth(&piece), truth(&same_name));
+    assert_ne!(truth(&item), truth(&same_name));
 }
 
 #[test]
-fn a_dry_run_names_the_pieces_and_makes_nothing() {
+fn a_dry_run_names_the_items_and_makes_nothing() {
     let (parts, set) = undisturbed();
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("set");
@@ -158,16 +158,16 @@ fn a_dry_run_names_the_pieces_and_makes_nothing() {
     let names: BTreeSet<String> = planned
         .stdout
         .lines()
-        .map(|line| serde_json::from_str::<Value>(line).expect("JSON")["piece"].as_str().expect("a name").to_owned())
+        .map(|line| serde_json::from_str::<Value>(line).expect("JSON")["item"].as_str().expect("a name").to_owned())
         .collect();
     let made = crate::program::names(&set.join("assets"));
     assert!(names.iter().eq(&made), "{names:?} planned, {made:?} made");
     let again = run(dataset(parts, set).args(["--dry-run"])).succeeds();
-    assert!(again.stderr.contains("0 pieces would be made, 6 are there"), "{}", again.stderr);
+    assert!(again.stderr.contains("0 items would be made, 6 are there"), "{}", again.stderr);
 }
 
 #[test]
-fn a_pipe_gets_a_line_for_each_piece_with_the_time_left() {
+fn a_pipe_gets_a_line_for_each_item_with_the_time_left() {
     let (parts, _) = undisturbed();
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("set");
@@ -175,9 +175,9 @@ fn a_pipe_gets_a_line_for_each_piece_with_the_time_left() {
     for count in ["1/3", "2/3", "3/3"] {
         assert_eq!(told.stderr.matches(&format!("{count} ")).count(), 1, "{}", told.stderr);
     }
-    assert!(told.stderr.contains(" left") && told.stderr.contains("pieces an hour"), "{}", told.stderr);
+    assert!(told.stderr.contains(" left") && told.stderr.contains("items an hour"), "{}", told.stderr);
     let answers: Vec<Value> = told.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    assert_eq!(answers.len(), 4, "three pieces and the summary");
+    assert_eq!(answers.len(), 4, "three items and the summary");
     assert_eq!(answers[3]["made"], 3);
     assert!(answers[..3].iter().all(|answer| answer["ending"] == "made" && answer["cpu_s"].as_f64() > Some(0.0)));
 }

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::program::{robofin, run};
 
-/// Pieces of the small data set: two of each of three plates.
+/// Items of the small data set: two of each of three plates.
 pub(crate) const PIECES: usize = 6;
 
 /// A plate in millimetres, as OBJ; each number gives another.
@@ -35,7 +35,7 @@ pub(crate) fn plates(place: &Path) -> PathBuf {
     parts
 }
 
-/// `robofin dataset`, on a coarse grid, with two pieces of each part.
+/// `robofin dataset`, on a coarse grid, with two items of each part.
 pub(crate) fn dataset(parts: &Path, out: &Path) -> Command {
     let mut command = robofin(["dataset", "--per-part", "2", "--seed", "7", "--diagonal", "48"]);
     command.arg(parts).arg("--out").arg(out);
@@ -96,8 +96,8 @@ pub(crate) fn lines(path: &Path) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
 }
 
-/// Folders of the pieces, sorted.
-pub(crate) fn pieces(set: &Path) -> Vec<PathBuf> {
+/// Folders of the items, sorted.
+pub(crate) fn items(set: &Path) -> Vec<PathBuf> {
     let names = crate::program::names(&set.join("assets"));
     names.iter().map(|name| set.join("assets").join(name)).collect()
 }

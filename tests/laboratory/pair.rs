@@ -176,7 +176,7 @@ fn of_look_alikes(besides: fn(f64) -> f64) -> (Diagnosis, f64) {
     let diagnosis = diagnosed_from(&ByHand { patterns: &LOOK_ALIKES, truth: [1.0, 0.0, 0.0], besides }, 3);
     let gain = |name: &str| {
         let finding = diagnosis.rounds[0].findings.iter().find(|finding| finding.suspect.name() == name);
-        finding.expect("it was fitted").gain
+        finding.expect("it was fitted").delta_chi2
     };
     let lead = gain("speed-exponent") - gain("cutting-direction");
     println!("{:?} {:?}; the calibration data prefer the other by {lead:.1}", diagnosis.verdict, names(&diagnosis));

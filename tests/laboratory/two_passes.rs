@@ -29,7 +29,7 @@ fn the_law_cannot_follow_and_a_memory_of_the_tool_is_suspected() {
     println!("{:?}: {}", diagnosis.verdict, summary.sentence);
     for finding in &diagnosis.rounds[0].findings {
         let (name, p) = (finding.suspect.name(), finding.probability);
-        println!("{name}: p {p:.3}, gain {:.1}, chance {:.3}", finding.gain, finding.chance);
+        println!("{name}: p {p:.3}, gain {:.1}, chance {:.3}", finding.delta_chi2, finding.p_value);
     }
     assert_ne!(diagnosis.verdict, Verdict::NothingMissing);
     let rivals = diagnosis.rivals().map(|rivals| rivals.map(|rival| rival.suspect.name()));

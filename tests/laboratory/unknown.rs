@@ -25,7 +25,7 @@ fn what_the_library_lacks_gets_a_form() {
     let model = Model::new(evidence.process());
     let fit = calibrate_scans(&mut evidence, &model, known).unwrap();
     let form = suggest(&evidence, (&model, &fit), known, 1).unwrap().expect("a form better than chance");
-    println!("{}: {}, gain {:.0} of {:.0}", form.name, form.summary, form.gain, fit.chi2);
+    println!("{}: {}, gain {:.0} of {:.0}", form.name, form.summary, form.delta_chi2, fit.chi2);
     // At one feed the way and the time in contact are one.
     let forms = [("suggested-path-position", 0.5), ("suggested-contact-time", 1.0)];
     let (_, hidden) = forms.iter().find(|known| known.0 == form.name).expect("the way or the time");
@@ -50,9 +50,12 @@ fn rivals_get_a_trial_that_tells_them_apart() {
     let trial = next_trial(&evidence, (("break-in", &one), ("thermal-softening", &other))).unwrap().expect("a trial");
     println!("{trial:?}");
     assert_eq!(trial.separates, ["break-in", "thermal-softening"]);
-    assert!(trial.expected_gain > 0.0 && (0.5..=1.0).contains(&trial.chance_right));
+    assert!(trial.expected_delta_chi2 > 0.0 && (0.5..=1.0).contains(&trial.probability_right));
     assert_eq!(trial.force_n.len(), trials[0].passes.len());
     let unchanged = calibrate(&evidence, &base, Library::builtin()).unwrap();
     let same = next_trial(&evidence, (("base", &unchanged), ("base", &unchanged))).unwrap().expect("a trial");
-    assert!(same.expected_gain < 1e-6 && trial.expected_gain > 1.0, "a model is not told from itself: {same:?}");
+    assert!(
+        same.expected_delta_chi2 < 1e-6 && trial.expected_delta_chi2 > 1.0,
+        "a model is not told from itself: {same:?}"
+    );
 }

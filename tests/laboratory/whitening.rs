@@ -1,4 +1,4 @@
-//! Whitened noise is white, and freedoms are no evidence.
+//! Whitened noise is white, and degrees of freedom are no evidence.
 
 use lab::{Freedom, TileGrid, TileNoise, Tiles, Whitener};
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -58,7 +58,7 @@ fn a_tilt_is_found_and_is_no_evidence() {
     let whitener = Whitener::new(covariance, pose()).unwrap();
     let tilted: Vec<f64> = centres().iter().map(|place| 30e-6 + 40e-6 * place.x / 0.02).collect();
     let left: f64 = whitener.whiten(&tilted).iter().map(|r| r * r).sum();
-    let found = whitener.freedoms(&tilted).mean;
+    let found = whitener.degrees_of_freedom(&tilted).mean;
     println!("χ² {left:.2}, height {:.2} µm, tilt {:.2} µm", found[0] * 1e6, found[1] * 1e6);
     assert!(left < 2.0, "{left}");
     assert!((found[0] / 30e-6 - 1.0).abs() < 0.02 && (found[1] / 40e-6 - 1.0).abs() < 0.02);

@@ -54,14 +54,14 @@ fn timeless(outcome: &Outcome) -> Vec<Value> {
 fn a_folder_becomes_one_field_for_each_content_and_none_twice() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let (parts, out) = (wedges(place.path(), 3), place.path().join("fields"));
-    fs::copy(parts.join("wedge-00.obj"), parts.join("twin.OBJ")).expect("a copy");
+    fs::copy(parts.join("wedge-00.obj"), parts.join("simulation.OBJ")).expect("a copy");
     fs::write(parts.join("notes.txt"), "no mesh").expect("written");
     fs::write(parts.join(".hidden.obj"), "no mesh").expect("written");
 
     let first = run(&mut bake(&parts, &out)).succeeds();
     let order: Vec<String> =
         lines(&first).iter().map(|line| line["mesh"].as_str().expect("a path").to_owned()).collect();
-    let expected = ["below/wedge-02.obj", "twin.OBJ", "wedge-00.obj", "wedge-01.obj"];
+    let expected = ["below/wedge-02.obj", "simulation.OBJ", "wedge-00.obj", "wedge-01.obj"];
     assert_eq!(order, expected.map(|name| parts.join(name).display().to_string()));
     assert_eq!(cached(&first), [false, false, true, false]);
     for line in lines(&first) {
@@ -144,7 +144,7 @@ fn damage_to_an_entry_is_noticed_and_mended() {
 fn jobs_change_nothing_but_the_time() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let parts = wedges(place.path(), 6);
-    fs::copy(parts.join("wedge-03.obj"), parts.join("twin.obj")).expect("a copy");
+    fs::copy(parts.join("wedge-03.obj"), parts.join("simulation.obj")).expect("a copy");
     let of = |jobs: &str| {
         let out = place.path().join("fields");
         let outcome = run(bake(&parts, &out).args(["--jobs", jobs])).succeeds();

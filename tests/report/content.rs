@@ -28,7 +28,7 @@ fn full_values_stand_behind_the_cells() {
     let mut values: Vec<f64> = report.waterfall.steps.iter().filter_map(|step| step.evaluation).collect();
     values.extend(report.waterfall.steps.iter().flat_map(|s| s.volume_errors.iter().flatten().map(|v| v.0)));
     values.extend(report.waterfall.steps.iter().filter_map(|step| step.plateau_slope));
-    values.extend(report.suspects.iter().flat_map(|s| [Some(s.probability), s.gain]).flatten());
+    values.extend(report.suspects.iter().flat_map(|s| [Some(s.probability), s.delta_chi2]).flatten());
     values.extend(report.suspects.iter().filter_map(|s| s.evaluation_after));
     values.extend(report.parameters.iter().map(|p| p.value));
     values.extend(report.parameters.iter().filter_map(|p| p.interval).flatten());
@@ -36,7 +36,7 @@ fn full_values_stand_behind_the_cells() {
     values.extend(report.covariates.iter().flat_map(|c| [c.share, c.drop, c.p_value, c.p_value_of_all]));
     values.extend(report.detectable.iter().filter_map(|d| d.size));
     values.extend(report.tests.iter().map(|t| t.statistic));
-    values.extend(report.next_trial.iter().filter_map(|next| next.chance));
+    values.extend(report.next_trial.iter().filter_map(|next| next.probability_right));
     assert!(values.len() > 40, "{}", values.len());
     for value in values {
         let json = serde_json::to_string(&value).expect("a number");

@@ -206,7 +206,7 @@ fn suspects() -> Vec<Suspect> {
         name: name.into(),
         title: title.into(),
         probability,
-        gain: Some(gain),
+        delta_chi2: Some(gain),
         evaluation_before: Some(13.73 * UM),
         evaluation_after: Some(after * UM),
         look_alikes: like.iter().map(|&l| l.to_owned()).collect(),
@@ -296,7 +296,7 @@ fn next_trial() -> NextTrial {
         ],
         settles: vec!["grit-dulling against wheel-loading".into()],
         leaves_open: vec!["the speed exponent".into()],
-        chance: Some(0.973),
+        probability_right: Some(0.973),
     }
 }
 

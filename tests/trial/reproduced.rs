@@ -4,9 +4,9 @@
 //! both scans, √2 times that of one. The measure is that of two scans.
 
 use effects::{CompiledModel, Library, Model};
-use lab::campaign_twin::CampaignTwin;
-use lab::twin::SimulatedPass;
-use robofin::rehearsal::residual;
+use lab::campaign_simulation::CampaignSimulation;
+use lab::simulation::SimulatedPass;
+use robofin::trial_run::residual;
 use serde_json::Value;
 use trials::measure::{despiked, noise_floor};
 use trials::trial::{Campaign, Trial};
@@ -24,9 +24,9 @@ fn simulated(name: &str, first: usize, model: &str) -> Option<(Vec<Trial>, Vec<V
     let mut trials = Campaign::read(&place.join(name)).unwrap().trials;
     trials.truncate(first);
     let answers: Value = serde_json::from_slice(&std::fs::read(place.join("answers.json")).unwrap()).unwrap();
-    let twin = CampaignTwin::new(&trials, None, false).unwrap();
+    let simulation = CampaignSimulation::new(&trials, None, false).unwrap();
     let model = Model::parse("model", model, Library::builtin()).unwrap();
-    let passes = twin.run(&CompiledModel::new(&model, Library::builtin(), twin.rows()).unwrap()).unwrap();
+    let passes = simulation.run(&CompiledModel::new(&model, Library::builtin(), simulation.rows()).unwrap()).unwrap();
     Some((trials, passes, answers[name]["trials"].clone()))
 }
 

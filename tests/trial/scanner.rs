@@ -1,7 +1,7 @@
 //! The scanner of a model at work in a whole trial, and the same passes seen again with other values.
 
 use effects::{CompiledModel, Library, Model, RowCounts};
-use lab::twin::{SimulatedPass, Twin};
+use lab::simulation::{SimulatedPass, Simulation};
 use trials::trial::{Campaign, PassScan};
 
 use crate::shared::campaigns;
@@ -20,9 +20,9 @@ fn heights(scan: &PassScan) -> &[f64] {
 fn scans_carry_the_scanner_and_passes_are_seen_again_without_being_simulated() {
     let Some(place) = campaigns() else { return };
     let trial = &Campaign::read(&place.join("open-c")).unwrap().trials[0];
-    let twin = Twin::new(trial, 2.0 * trial.scans.before.pixels.pitch, false).unwrap();
+    let simulation = Simulation::new(trial, 2.0 * trial.scans.before.pixels.pitch, false).unwrap();
     let run = |model: &CompiledModel| -> Vec<SimulatedPass> {
-        twin.run(model, &mut Twin::fresh_states(model), 1, &mut |_, _| {}).unwrap().0
+        simulation.run(model, &mut Simulation::fresh_states(model), 1, &mut |_, _| {}).unwrap().0
     };
     // The first row belongs to a trial before this one.
     let tilted = model(

@@ -1,8 +1,8 @@
 //! What scanner and robot put into the measurements.
 
 use effects::{CompiledModel, Model};
-use lab::campaign_twin::CampaignTwin;
-use lab::twin::{SimulatedPass, exposed_share};
+use lab::campaign_simulation::CampaignSimulation;
+use lab::simulation::{SimulatedPass, exposed_share};
 use sdf_bake::HeightMap;
 use trials::measure::{Freedom, NoiseFloor, centre_and_sigma, despiked, noise_floor, register, untouched};
 use trials::trial::{PassScan, Process, Trial};
@@ -16,9 +16,9 @@ fn floor_of(trial: &Trial) -> NoiseFloor {
 
 /// The trials of an experiment simulated with the model that truly acted.
 fn rehearsed(experiment: &Experiment, made: &Made) -> Vec<Vec<SimulatedPass>> {
-    let twin = CampaignTwin::new(&made.trials, None, false).unwrap();
+    let simulation = CampaignSimulation::new(&made.trials, None, false).unwrap();
     let model = Model::parse("answer", &made.answer.model, &experiment.library).unwrap();
-    twin.run(&CompiledModel::new(&model, &experiment.library, twin.rows()).unwrap()).unwrap()
+    simulation.run(&CompiledModel::new(&model, &experiment.library, simulation.rows()).unwrap()).unwrap()
 }
 
 /// Robust deviation of a scan from a simulated one, over that of two scans' noise.

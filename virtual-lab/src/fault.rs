@@ -1,6 +1,6 @@
 //! Faults of the scanner: effects at the hook `height`, on the true surface before any noise.
 
-use effects::{CompiledModel, Lanes, Place, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Lanes, RunError, States, StepValues, Variable};
 use sdf_bake::channels::Scalar;
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use sim::Profilometer;
@@ -23,13 +23,13 @@ impl Fault<'_> {
     /// # Errors
     /// A formula that gives no finite number.
     pub(super) fn of(&self, map: &HeightMap, part: &BrickGrid, placed: PixelGrid) -> Result<Vec<f64>, RunError> {
-        if !self.model.has(Place::Height) {
+        if !self.model.has(Hook::Height) {
             return Ok(map.heights.clone());
         }
         let mut step = StepValues::new();
         (step.scan_row, step.pass_row) = (self.row, self.row);
         step.set(Variable::PassNumber, self.pass as f64);
-        let needs = self.model.needs(Place::Height);
+        let needs = self.model.needs(Hook::Height);
         let values: Vec<(Variable, Vec<f64>)> =
             needs.iter().filter_map(|&variable| Some((variable, lane(variable, map, part, placed)?))).collect();
         let mut lanes = Lanes::new(map.heights.len()).with(Variable::Height, &map.heights);
@@ -38,7 +38,7 @@ impl Fault<'_> {
         }
         let states = States::new(self.model, 1);
         let mut out = vec![0.0; map.heights.len()];
-        self.model.at(Place::Height, &step, &states).run(&lanes, &mut out)?;
+        self.model.at(Hook::Height, &step, &states).run(&lanes, &mut out)?;
         Ok(out)
     }
 }

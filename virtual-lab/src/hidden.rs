@@ -134,19 +134,19 @@ pub(super) fn true_model(
     library: &Library,
     seed: u64,
 ) -> Result<CompiledModel, ModelError> {
-    let mut chance = Stream::of(seed, "law");
+    let mut stream = Stream::of(seed, "law");
     let mut model = Model::new(process);
     let prior: &[_] = match process {
         Process::Grinding => &GRINDING_PRIOR,
         Process::Sanding => &SANDING_PRIOR,
     };
     for (law, parameter, range) in prior {
-        model.set(law, parameter, &[rounded(chance.ratio_between(*range))]);
+        model.set(law, parameter, &[rounded(stream.ratio_between(*range))]);
     }
-    let mut chance = Stream::of(seed, "effects");
+    let mut stream = Stream::of(seed, "effects");
     let (hidden, drawn) = match choice {
         Choice::These(hidden) => (hidden.clone(), false),
-        Choice::Drawn => (draw(process, library, &mut chance), true),
+        Choice::Drawn => (draw(process, library, &mut stream), true),
     };
     for hidden in &hidden {
         let stated = stated(hidden, process, library)?;
@@ -155,7 +155,7 @@ pub(super) fn true_model(
         for parameter in &effect.parameters {
             let given = model.values(&effect.name, &parameter.name).to_vec();
             refuse_out_of_range(effect, parameter, process, &given)?;
-            let values = values((effect, parameter), &given, (process, size, rows, drawn), &mut chance);
+            let values = values((effect, parameter), &given, (process, size, rows, drawn), &mut stream);
             model.set(&effect.name, &parameter.name, &values);
         }
     }
@@ -201,7 +201,7 @@ fn values(
     (effect, parameter): (&Effect, &Parameter),
     given: &[f64],
     (process, size, rows, drawn): (Process, Size, RowCounts, bool),
-    chance: &mut Stream,
+    stream: &mut Stream,
 ) -> Vec<f64> {
     let usual = visible(&effect.name, parameter, process, size);
     let mut value = given.first().copied().unwrap_or(usual);
@@ -209,15 +209,15 @@ fn values(
     let acts = parameter.null.is_some_and(|null| null != value);
     if drawn && acts {
         let departs = if parameter.scale == Scale::Log { 0.0 } else { parameter.null.unwrap_or(0.0) };
-        let sign = if range[0] < departs && chance.happens(0.5) { -1.0 } else { 1.0 };
-        value = departs + sign * (value - departs) * chance.ratio_between(SIZE_RATIO);
+        let sign = if range[0] < departs && stream.happens(0.5) { -1.0 } else { 1.0 };
+        value = departs + sign * (value - departs) * stream.ratio_between(SIZE_RATIO);
         value = rounded(value.clamp(range[0], range[1]));
     }
     if parameter.per == Rows::Model {
         return vec![value];
     }
     let count = if parameter.per == Rows::Pass { rows.passes } else { rows.scans };
-    (0..count).map(|_| rounded((value * chance.normal()).clamp(range[0], range[1]))).collect()
+    (0..count).map(|_| rounded((value * stream.normal()).clamp(range[0], range[1]))).collect()
 }
 
 /// Visible size of a parameter [SI].
@@ -234,15 +234,15 @@ fn visible(effect: &str, parameter: &Parameter, process: Process, size: Size) ->
 }
 
 /// Nothing, an effect of the library, or one outside.
-fn draw(process: Process, library: &Library, chance: &mut Stream) -> Vec<Hidden> {
-    if chance.happens(NOTHING) {
+fn draw(process: Process, library: &Library, stream: &mut Stream) -> Vec<Hidden> {
+    if stream.happens(NOTHING) {
         return Vec::new();
     }
-    let outside = chance.happens(OUTSIDE);
+    let outside = stream.happens(OUTSIDE);
     let is_outside = |effect: &&Effect| super::outside::EFFECTS.iter().any(|(file, _)| *file == effect.file);
     let fits = |effect: &&Effect| effect.acts_in(process) && is_outside(effect) == outside;
     let known: Vec<&Effect> = library.effects().iter().filter(fits).collect();
-    vec![Hidden::effect(&known[chance.below(known.len())].name)]
+    vec![Hidden::effect(&known[stream.below(known.len())].name)]
 }
 
 /// To four digits, as people write values down.

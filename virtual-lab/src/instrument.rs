@@ -107,16 +107,16 @@ impl Instrument {
         part: &BrickGrid,
         pixels: PixelGrid,
         fault: Option<&Fault>,
-        chance: &mut Stream,
+        stream: &mut Stream,
     ) -> Result<HeightMap, RunError> {
-        let placed = PixelGrid { origin: pixels.origin - self.shift(chance), ..pixels };
+        let placed = PixelGrid { origin: pixels.origin - self.shift(stream), ..pixels };
         let seen = Profilometer { pixels: placed, blur: self.blur }.heights(part);
         let mut map = HeightMap { pixels, ..seen };
         if let Some(fault) = fault {
             map.heights = fault.of(&map, part, placed)?;
         }
-        self.disturb(&mut map, chance);
-        self.drop(&mut map, chance);
+        self.disturb(&mut map, stream);
+        self.drop(&mut map, stream);
         Ok(map)
     }
 
@@ -128,12 +128,12 @@ impl Instrument {
         part: &BrickGrid,
         pixels: PixelGrid,
         threshold: f64,
-        chance: &mut Stream,
+        stream: &mut Stream,
     ) -> ExposureMask {
-        let placed = PixelGrid { origin: pixels.origin - self.shift(chance), ..pixels };
+        let placed = PixelGrid { origin: pixels.origin - self.shift(stream), ..pixels };
         let doses = Profilometer { pixels: placed, blur: self.border_blur }.channel(part, &part.dose);
-        let noise = correlated((pixels.nx, pixels.ny), self.correlation_length / pixels.pitch, chance);
-        let holes = self.holes(&pixels, chance);
+        let noise = correlated((pixels.nx, pixels.ny), self.correlation_length / pixels.pitch, stream);
+        let holes = self.holes(&pixels, stream);
         let exposed = (0..pixels.len()).map(|k| {
             let dose = doses[k] + self.border_noise * noise[k];
             let told = !holes[k] && (dose - threshold).abs() > self.undecided;
@@ -142,33 +142,33 @@ impl Instrument {
         ExposureMask { pixels, exposed: exposed.collect() }
     }
 
-    fn shift(&self, chance: &mut Stream) -> DVec2 {
-        self.shift * DVec2::new(chance.normal(), chance.normal())
+    fn shift(&self, stream: &mut Stream) -> DVec2 {
+        self.shift * DVec2::new(stream.normal(), stream.normal())
     }
 
     /// Adds noise, offset and tilt; rounds.
-    fn disturb(&self, map: &mut HeightMap, chance: &mut Stream) {
+    fn disturb(&self, map: &mut HeightMap, stream: &mut Stream) {
         let PixelGrid { pitch, nx, ny, .. } = map.pixels;
-        let shared = correlated((nx, ny), self.correlation_length / pitch, chance);
-        let piston = self.piston * chance.normal();
-        let tilt = self.tilt * DVec2::new(chance.normal(), chance.normal());
+        let shared = correlated((nx, ny), self.correlation_length / pitch, stream);
+        let piston = self.piston * stream.normal();
+        let tilt = self.tilt * DVec2::new(stream.normal(), stream.normal());
         let centre = 0.5 * (map.pixels.position(0, 0) + map.pixels.position(nx - 1, ny - 1));
         for (k, height) in map.heights.iter_mut().enumerate() {
             let place = map.pixels.position(k % nx, k / nx) - centre;
-            *height += piston + tilt.dot(place) + self.white * chance.normal() + self.correlated * shared[k];
+            *height += piston + tilt.dot(place) + self.white * stream.normal() + self.correlated * shared[k];
             *height = (*height / self.quantum).round() * self.quantum;
         }
     }
 
     /// Takes out holes and the rim, puts in spikes.
-    fn drop(&self, map: &mut HeightMap, chance: &mut Stream) {
+    fn drop(&self, map: &mut HeightMap, stream: &mut Stream) {
         let PixelGrid { nx, ny, .. } = map.pixels;
-        let holes = self.holes(&map.pixels, chance);
+        let holes = self.holes(&map.pixels, stream);
         let on_rim = |k: usize| (k % nx).min(nx - 1 - k % nx).min(k / nx).min(ny - 1 - k / nx) < self.rim;
         for (k, height) in map.heights.iter_mut().enumerate() {
-            if chance.happens(self.spikes) {
-                let spike = chance.ratio_between(self.spike_height);
-                *height += if chance.happens(0.5) { spike } else { -spike };
+            if stream.happens(self.spikes) {
+                let spike = stream.ratio_between(self.spike_height);
+                *height += if stream.happens(0.5) { spike } else { -spike };
                 *height = (*height / self.quantum).round() * self.quantum;
             }
             if holes[k] || on_rim(k) {
@@ -178,15 +178,15 @@ impl Instrument {
     }
 
     /// Which pixels lie in holes: discs of random size until their share is reached.
-    fn holes(&self, pixels: &PixelGrid, chance: &mut Stream) -> Vec<bool> {
+    fn holes(&self, pixels: &PixelGrid, stream: &mut Stream) -> Vec<bool> {
         let PixelGrid { pitch, nx, ny, .. } = *pixels;
-        let goal = (chance.between(self.holes) * pixels.len() as f64) as usize;
+        let goal = (stream.between(self.holes) * pixels.len() as f64) as usize;
         let mut missing = vec![false; pixels.len()];
         let mut count = 0;
         while count < goal {
-            let centre = DVec2::new(chance.between([0.0, nx as f64]), chance.between([0.0, ny as f64]));
+            let centre = DVec2::new(stream.between([0.0, nx as f64]), stream.between([0.0, ny as f64]));
             // Small holes are the most frequent ones.
-            let radius = chance.ratio_between([0.5 * pitch, self.hole_radius.max(pitch)]) / pitch;
+            let radius = stream.ratio_between([0.5 * pitch, self.hole_radius.max(pitch)]) / pitch;
             let low = (centre - radius).max(DVec2::ZERO).ceil();
             let high = (centre + radius).min(DVec2::new(nx as f64 - 1.0, ny as f64 - 1.0));
             for j in low.y as usize..=high.y.max(0.0) as usize {

@@ -103,11 +103,11 @@ impl Way {
         (levels, touch): ([f64; 2], f64),
         robot: &Robot,
         tool: &sim::Tool,
-        chance: &mut Stream,
+        stream: &mut Stream,
     ) -> Result<Path, PathError> {
         let steps = (self.duration() / SAMPLE).ceil() as usize;
         let length = robot.wander_length / (self.mean_feed() * SAMPLE);
-        let mut wander = || correlated_line(steps + 1, length, chance);
+        let mut wander = || correlated_line(steps + 1, length, stream);
         let (along, across) = (wander(), wander());
         let moving = (0..=steps).map(|k| {
             let time = (k as f64 * SAMPLE).min(self.duration());

@@ -7,21 +7,21 @@ const REACH: f64 = 4.0;
 
 /// Normal noise of variance 1 on `nx` by `ny` points whose correlation falls as `exp(-(d / length)²)` with the distance
 /// d [points]; white for a length of zero.
-pub(super) fn correlated((nx, ny): (usize, usize), length: f64, chance: &mut Stream) -> Vec<f64> {
+pub(super) fn correlated((nx, ny): (usize, usize), length: f64, stream: &mut Stream) -> Vec<f64> {
     // Two Gaussians of this deviation overlap as the correlation says.
     let kernel = kernel(0.5 * length);
     let pad = kernel.len() - 1;
     let (wide, high) = (nx + pad, ny + pad);
-    let white: Vec<f64> = (0..wide * high).map(|_| chance.normal()).collect();
+    let white: Vec<f64> = (0..wide * high).map(|_| stream.normal()).collect();
     let row = |k: usize| filtered(&white[k / nx * wide + k % nx..], 1, &kernel);
     let rows: Vec<f64> = (0..nx * high).map(row).collect();
     (0..nx * ny).map(|k| filtered(&rows[k..], nx, &kernel)).collect()
 }
 
 /// The same along a line of `count` points.
-pub(super) fn correlated_line(count: usize, length: f64, chance: &mut Stream) -> Vec<f64> {
+pub(super) fn correlated_line(count: usize, length: f64, stream: &mut Stream) -> Vec<f64> {
     let kernel = kernel(0.5 * length);
-    let white: Vec<f64> = (0..count + kernel.len() - 1).map(|_| chance.normal()).collect();
+    let white: Vec<f64> = (0..count + kernel.len() - 1).map(|_| stream.normal()).collect();
     (0..count).map(|k| filtered(&white[k..], 1, &kernel)).collect()
 }
 

@@ -51,18 +51,18 @@ impl Robot {
     }
 
     /// The log of a pass.
-    pub(super) fn log(&self, pass: &Ran, chance: &mut Stream) -> Log {
+    pub(super) fn log(&self, pass: &Ran, stream: &mut Stream) -> Log {
         let end = pass.touch + pass.way.duration();
         let rows = ((end + RETRACT.1) / PERIOD).floor() as usize;
         let row = |k: usize| {
             let time = k as f64 * PERIOD;
             let lifted = RETRACT.0 * (time - end).max(0.0);
             let level = pass.level(time.min(end)) + lifted;
-            let mut jitter = || self.pose_jitter * chance.normal();
+            let mut jitter = || self.pose_jitter * stream.normal();
             let jitter = DVec3::new(jitter(), jitter(), jitter());
             let force = if lifted > 0.0 { 0.0 } else { pass.force_reading(time) };
-            let force = force + self.force_noise * chance.normal();
-            let rpm = pass.spindle_speed / RPM + self.speed_noise * chance.normal();
+            let force = force + self.force_noise * stream.normal();
+            let rpm = pass.spindle_speed / RPM + self.speed_noise * stream.normal();
             let place = pass.way.at(time - pass.touch).extend(level) + jitter;
             LogRow {
                 // The rounded product of two decimals is the decimal that the file holds.

@@ -45,9 +45,9 @@ pub(super) struct Wave {
 
 impl Wave {
     /// A wave along `direction`, a unit vector.
-    fn draw(amplitude: [f64; 2], length: [f64; 2], direction: DVec2, chance: &mut Stream) -> Self {
-        let number = direction * TAU / chance.ratio_between(length);
-        Self { amplitude: chance.between(amplitude), number, phase: chance.between([0.0, TAU]) }
+    fn draw(amplitude: [f64; 2], length: [f64; 2], direction: DVec2, stream: &mut Stream) -> Self {
+        let number = direction * TAU / stream.ratio_between(length);
+        Self { amplitude: stream.between(amplitude), number, phase: stream.between([0.0, TAU]) }
     }
 
     fn at(&self, place: DVec2) -> f64 {
@@ -60,10 +60,10 @@ fn sum(waves: &[Wave], place: DVec2) -> f64 {
 }
 
 /// Waves in any direction.
-fn waves(count: usize, (amplitude, length): ([f64; 2], [f64; 2]), chance: &mut Stream) -> Vec<Wave> {
+fn waves(count: usize, (amplitude, length): ([f64; 2], [f64; 2]), stream: &mut Stream) -> Vec<Wave> {
     let wave = |_| {
-        let direction = DVec2::from_angle(chance.between([0.0, TAU]));
-        Wave::draw(amplitude, length, direction, chance)
+        let direction = DVec2::from_angle(stream.between([0.0, TAU]));
+        Wave::draw(amplitude, length, direction, stream)
     };
     (0..count).map(wave).collect()
 }
@@ -92,19 +92,19 @@ pub(super) enum Workpiece {
 
 impl Workpiece {
     /// A bead of a length [m] that begins 6 mm from x = 0, along y = 0.
-    pub(super) fn bead(length: f64, chance: &mut Stream) -> Self {
-        let mut swing = || (0..3).map(|_| Wave::draw(BEAD_SWING, SWING_LENGTH, DVec2::X, chance)).collect();
+    pub(super) fn bead(length: f64, stream: &mut Stream) -> Self {
+        let mut swing = || (0..3).map(|_| Wave::draw(BEAD_SWING, SWING_LENGTH, DVec2::X, stream)).collect();
         let swings = [swing(), swing()];
         Self::Bead(Bead {
             start: RUN_IN,
             end: RUN_IN + length,
-            half_width: chance.between(BEAD_HALF_WIDTH),
-            height: chance.between(BEAD_HEIGHT),
+            half_width: stream.between(BEAD_HALF_WIDTH),
+            height: stream.between(BEAD_HEIGHT),
             swings,
-            ripple: Wave::draw(RIPPLE, RIPPLE_LENGTH, DVec2::X, chance),
-            tilt: DVec2::new(chance.between(TILT), chance.between(TILT)),
-            plate: waves(3, PLATE_WAVE, chance),
-            second_filler: RUN_IN + length * chance.between(SECOND_FILLER),
+            ripple: Wave::draw(RIPPLE, RIPPLE_LENGTH, DVec2::X, stream),
+            tilt: DVec2::new(stream.between(TILT), stream.between(TILT)),
+            plate: waves(3, PLATE_WAVE, stream),
+            second_filler: RUN_IN + length * stream.between(SECOND_FILLER),
         })
     }
 
@@ -114,10 +114,10 @@ impl Workpiece {
     }
 
     /// A dome around `middle` [m].
-    pub(super) fn panel(middle: DVec2, chance: &mut Stream) -> Self {
-        let radii = [chance.between(PANEL_RADIUS.0), chance.between(PANEL_RADIUS.1)];
-        let tilt = DVec2::new(chance.between(TILT), chance.between(TILT));
-        Self::Panel(radii, middle, tilt, waves(4, PANEL_WAVE, chance))
+    pub(super) fn panel(middle: DVec2, stream: &mut Stream) -> Self {
+        let radii = [stream.between(PANEL_RADIUS.0), stream.between(PANEL_RADIUS.1)];
+        let tilt = DVec2::new(stream.between(TILT), stream.between(TILT));
+        Self::Panel(radii, middle, tilt, waves(4, PANEL_WAVE, stream))
     }
 
     /// Height [m] at a place [m].

@@ -1,6 +1,6 @@
 //! What truly happens in a trial: another lattice, shorter steps and another quadrature in time than a fit has.
 
-use effects::{CompiledModel, Place, Reset, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Reset, RunError, States, StepValues, Variable};
 use glam::{DVec2, DVec3};
 use sdf_bake::channels::Scalar;
 use sdf_bake::heights::{HeightsError, SlabOptions};
@@ -110,15 +110,15 @@ impl<'a> Bout<'a> {
     pub(super) fn new(experiment: &'a Experiment, model: &'a CompiledModel, number: usize) -> Result<Self, TruthError> {
         let bench = Bench::of(experiment.process, experiment.size);
         let name = format!("trial-{}", number + 1);
-        let mut chance = Stream::of(experiment.seed, &format!("{name}/workpiece"));
-        let length = (chance.between(bench.length) * 1e3).round() * 1e-3;
+        let mut stream = Stream::of(experiment.seed, &format!("{name}/workpiece"));
+        let length = (stream.between(bench.length) * 1e3).round() * 1e-3;
         let (piece, extent, ends) = match experiment.process {
             Process::Grinding => {
                 let plate = Workpiece::plate_length(length);
                 let start = 0.5 * (plate - length);
-                (Workpiece::bead(length, &mut chance), plate, [start, start + length])
+                (Workpiece::bead(length, &mut stream), plate, [start, start + length])
             }
-            Process::Sanding => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut chance), length, [0.0, length]),
+            Process::Sanding => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut stream), length, [0.0, length]),
         };
         let (tool, controller) = tooling(experiment.process, &bench);
         let count = |extent: f64| (extent / bench.pitch).round() as usize + 1;
@@ -156,7 +156,7 @@ impl<'a> Bout<'a> {
         done: &(dyn Fn() + Sync),
     ) -> Result<(Trial, TrueTrial), TruthError> {
         let scans = self.scans()?;
-        if self.model.needs(Place::Height).contains(&Variable::RemovedDepth) {
+        if self.model.needs(Hook::Height).contains(&Variable::RemovedDepth) {
             self.part.scalar_or_zero(Scalar::Removed);
         }
         states.reset(self.model, Reset::FreshTool);
@@ -173,7 +173,7 @@ impl<'a> Bout<'a> {
             let controller = self.controller;
             let ran = Ran { record: &record, way: &way, touch, controller, force_setpoint, spindle_speed };
             passes.push(Pass {
-                log: self.experiment.robot.log(&ran, &mut self.chance(&format!("pass-{}/log", pass + 1))),
+                log: self.experiment.robot.log(&ran, &mut self.stream(&format!("pass-{}/log", pass + 1))),
                 scan: self.scan_after(at)?,
                 role: role((self.number, self.experiment.trials), (pass, settings.len())),
                 force_setpoint,
@@ -202,7 +202,7 @@ impl<'a> Bout<'a> {
         }
     }
 
-    fn chance(&self, purpose: &str) -> Stream {
+    fn stream(&self, purpose: &str) -> Stream {
         Stream::of(self.experiment.seed, &format!("{}/{purpose}", self.name))
     }
 
@@ -215,7 +215,7 @@ impl<'a> Bout<'a> {
     /// The scan before and its repetition, by a scanner without faults.
     fn scans(&self) -> Result<Scans, TruthError> {
         let scan = |purpose: &str| {
-            let scanned = self.experiment.instrument.heights(&self.part, self.pixels, None, &mut self.chance(purpose));
+            let scanned = self.experiment.instrument.heights(&self.part, self.pixels, None, &mut self.stream(purpose));
             scanned.map_err(|error| self.scan_error(0, error))
         };
         let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx);
@@ -233,16 +233,16 @@ impl<'a> Bout<'a> {
     }
 
     fn scan_after(&self, (pass, row): (usize, usize)) -> Result<PassScan, TruthError> {
-        let (instrument, mut chance) = (&self.experiment.instrument, self.chance(&format!("pass-{pass}/scan")));
+        let (instrument, mut stream) = (&self.experiment.instrument, self.stream(&format!("pass-{pass}/scan")));
         if self.experiment.process == Process::Sanding {
             let mut step = StepValues::new();
             (step.scan_row, step.pass_row) = (row, row);
             step.set(Variable::PassNumber, pass as f64);
             let threshold = self.model.exposure_threshold(&step).map_err(|error| self.scan_error(pass, error))?;
-            return Ok(PassScan::Exposure(instrument.mask(&self.part, self.pixels, threshold, &mut chance)));
+            return Ok(PassScan::Exposure(instrument.mask(&self.part, self.pixels, threshold, &mut stream)));
         }
         let fault = Fault { model: self.model, pass, row };
-        let map = instrument.heights(&self.part, self.pixels, Some(&fault), &mut chance);
+        let map = instrument.heights(&self.part, self.pixels, Some(&fault), &mut stream);
         map.map(PassScan::Heights).map_err(|error| self.scan_error(pass, error))
     }
 
@@ -285,8 +285,8 @@ impl<'a> Bout<'a> {
         let touch = sought.log.iter().find(meets).map(|row| row.time);
         let touch = touch.ok_or_else(|| TruthError::NoTouch { trial: trial(), pass: number })?;
         let levels = [levels[0], levels[0] - speed * touch];
-        let mut chance = self.chance(&format!("pass-{number}/wander"));
-        let path = way.path((levels, touch), &self.experiment.robot, &tool, &mut chance).map_err(no_path)?;
+        let mut stream = self.stream(&format!("pass-{number}/wander"));
+        let path = way.path((levels, touch), &self.experiment.robot, &tool, &mut stream).map_err(no_path)?;
         let pass = sim::Pass { path: &path, approach: touch, ..base };
         let record = run_pass(&mut self.part, pass, states, &mut |_| {}).map_err(failed)?;
         self.trial_time += path.duration();

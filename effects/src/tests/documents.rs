@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{Library, Model, Place, Process, TABLE, check_file};
+use crate::{Hook, Library, Model, Process, TABLE, check_file};
 
 fn page() -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/effects.md")).unwrap()
@@ -30,7 +30,7 @@ fn the_table_of_variables_is_that_of_the_code() {
     let mut table = "| variable | unit | where | what |\n|---|---|---|---|\n".to_owned();
     for row in TABLE {
         let places: Vec<&str> = row.places.iter().map(|place| place.name()).collect();
-        let everywhere = Place::HOOKS.len() + 1;
+        let everywhere = Hook::HOOKS.len() + 1;
         let places = match places.len() {
             12 => "everywhere".to_owned(),
             count if count >= everywhere => "everywhere but the scan".to_owned(),

@@ -4,7 +4,7 @@ use crate::interpret::Environment;
 use crate::null::probe;
 use crate::scope::Scope;
 use crate::tests::compiled;
-use crate::{CompiledModel, Effect, Lanes, Library, Model, Place, Process, States, StepValues, Variable};
+use crate::{CompiledModel, Effect, Hook, Lanes, Library, Model, Process, States, StepValues, Variable};
 
 /// Lanes of the tests: two full chunks and a part.
 const COUNT: usize = 150;
@@ -41,7 +41,7 @@ fn with_columns<'a>(columns: &'a [Vec<f64>], range: std::ops::Range<usize>) -> L
 }
 
 /// The value of a hook in one lane, formula by formula.
-fn interpreted(model: &CompiledModel, hook: Place, mut variables: Vec<f64>, tool: (&States, usize)) -> f64 {
+fn interpreted(model: &CompiledModel, hook: Hook, mut variables: Vec<f64>, tool: (&States, usize)) -> f64 {
     let library = Library::builtin();
     let laws: Vec<Effect> =
         Library::default_laws(model.process()).iter().map(|name| library.find(name).unwrap().clone()).collect();
@@ -97,7 +97,7 @@ fn programs_agree_with_interpretation_to_the_last_bit() {
         let (step, lanes) = (step(77), lanes());
         let columns = columns(&lanes);
         let places: Vec<f64> = (0..COUNT).map(|lane| (lane % 7) as f64).collect();
-        for hook in [Place::Shape, Place::Pressure, Place::Rate, Place::Dose, Place::Height] {
+        for hook in [Hook::Shape, Hook::Pressure, Hook::Rate, Hook::Dose, Hook::Height] {
             if !process.has(hook) {
                 continue;
             }
@@ -128,7 +128,7 @@ fn a_lane_gives_the_same_bits_wherever_it_stands() {
     let run = |from: usize, to: usize| {
         let mut out = vec![0.0; to - from];
         let lanes = with_columns(&columns, from..to).with_tool_cell(&places[from..to]);
-        model.at(Place::Rate, &step, &states).run(&lanes, &mut out).unwrap();
+        model.at(Hook::Rate, &step, &states).run(&lanes, &mut out).unwrap();
         out
     };
     let whole = run(0, COUNT);
@@ -151,7 +151,7 @@ fn the_order_of_effects_in_the_model_changes_nothing() {
     let run = |model: &CompiledModel| {
         let mut out = vec![0.0; COUNT];
         let states = States::new(model, 1);
-        model.at(Place::Dose, &step(5), &states).run(&with_columns(&columns, 0..COUNT), &mut out).unwrap();
+        model.at(Hook::Dose, &step(5), &states).run(&with_columns(&columns, 0..COUNT), &mut out).unwrap();
         out
     };
     assert_eq!(run(&forwards), run(&backwards));
@@ -167,7 +167,7 @@ fn with_all_effects_at_null_the_model_is_the_base_model() {
         let (states, base_states) = (worn_tool(&model, 3), States::new(&base, 1));
         let (step, columns) = (step(9), columns(&lanes()));
         let places = vec![1.0; COUNT];
-        for hook in [Place::Shape, Place::Pressure, Place::Rate, Place::Dose, Place::Height] {
+        for hook in [Hook::Shape, Hook::Pressure, Hook::Rate, Hook::Dose, Hook::Height] {
             let [mut with, mut without] = [vec![0.0; COUNT], vec![0.0; COUNT]];
             let lanes = with_columns(&columns, 0..COUNT).with_tool_cell(&places);
             model.at(hook, &step, &states).run(&lanes, &mut with).unwrap();

@@ -3,7 +3,7 @@
 use crate::interpret::Environment;
 use crate::parse::parse;
 use crate::scope::Scope;
-use crate::{Effect, Library, Place, Variable};
+use crate::{Effect, Hook, Library, Variable};
 
 /// The value of a formula of numbers, `rate` = 3 and `pressure` = 2.
 fn value(text: &str) -> f64 {
@@ -11,7 +11,7 @@ fn value(text: &str) -> f64 {
     let mut variables = vec![0.0; Variable::COUNT];
     variables[Variable::Rate as usize] = 3.0;
     variables[Variable::Pressure as usize] = 2.0;
-    let scope = Scope::new(effect, Place::Rate, &[]);
+    let scope = Scope::new(effect, Hook::Rate, &[]);
     let environment =
         Environment { scope, parameters: &[1.0, 2.0], law_parameters: &[], variables: &variables, states: &[] };
     environment.evaluate(&parse(text).unwrap_or_else(|error| panic!("{text}: {error}")))

@@ -2,7 +2,7 @@
 
 use crate::tests::effect_file;
 use crate::{
-    CompiledModel, EFFECTS, LAWS, Lanes, Library, Model, Place, Process, RowCounts, States, StepValues, Variable,
+    CompiledModel, EFFECTS, Hook, LAWS, Lanes, Library, Model, Process, RowCounts, States, StepValues, Variable,
     check_file,
 };
 
@@ -172,16 +172,16 @@ fn a_result_that_is_no_number_at_run_time_names_formula_and_first_bad_lane() {
     let pressure = vec![1e6; 100];
     let lanes = Lanes::new(100).with(Variable::Pressure, &pressure).with(Variable::ToolY, &tool_y);
     let mut out = vec![0.0; 100];
-    let message = model.at(Place::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
+    let message = model.at(Hook::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
     says(&message, &["trial.toml:12: modify.rate", "gives NaN at the hook rate", "square root of a negative number"]);
     says(&message, &["tool_y = -0.005", "tool_width = 0.02", "amount = 0.5"]);
 
     let mut bad = pressure.clone();
     bad[3] = f64::NAN;
     let lanes = Lanes::new(100).with(Variable::Pressure, &bad).with(Variable::ToolY, &tool_y);
-    let message = model.at(Place::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
+    let message = model.at(Hook::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
     says(&message, &["hands NaN as pressure [Pa] to the hook rate, lane 3"]);
     let lanes = Lanes::new(100).with(Variable::Pressure, &pressure);
-    let message = model.at(Place::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
+    let message = model.at(Hook::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
     says(&message, &["tool_y has 0 values at the hook rate, 100 are expected"]);
 }

@@ -1,14 +1,14 @@
 //! States against closed forms.
 
 use crate::tests::compiled;
-use crate::{CompiledModel, Lanes, Library, Model, Place, Process, Reset, RowCounts, States, StepValues, Variable};
+use crate::{CompiledModel, Hook, Lanes, Library, Model, Process, Reset, RowCounts, States, StepValues, Variable};
 
 /// One lane of a base rate of 1 um/s through the rate hook.
 fn rate_factor(model: &CompiledModel, step: &StepValues, states: &States) -> f64 {
     let rate = 1e-9 * 1e6;
     let mut out = [0.0];
     let lanes = Lanes::new(1).with(Variable::Pressure, &[1e6]).with(Variable::RemovedDepth, &[0.0]);
-    model.at(Place::Rate, step, states).run(&lanes, &mut out).unwrap();
+    model.at(Hook::Rate, step, states).run(&lanes, &mut out).unwrap();
     out[0] / rate
 }
 
@@ -46,7 +46,7 @@ fn loading_is_the_exponential_of_the_coating_volume() {
     (0..130).for_each(|_| states.advance(&model, 0.1, &step, &Lanes::new(0)).unwrap());
     let lanes = Lanes::new(1).with(Variable::Pressure, &[1e4]).with(Variable::SlipSpeed, &[2.0]);
     let mut out = [0.0];
-    model.at(Place::Dose, &step, &states).run(&lanes, &mut out).unwrap();
+    model.at(Hook::Dose, &step, &states).run(&lanes, &mut out).unwrap();
     let expected = 2e-5 * 1e4 * 2.0 * (-0.5f64).exp();
     assert!((out[0] / expected - 1.0).abs() < 1e-12, "{}", out[0]);
 }
@@ -88,7 +88,7 @@ fn a_lag_of_zero_reads_as_its_target_and_a_real_one_follows() {
 #[test]
 fn a_worn_wheel_profile_is_read_between_its_cells() {
     let model = compiled(&Model::new(Process::Grinding).with("wheel-wear"));
-    assert!(model.needs_tool_cells() && model.reads_tool_cells(Place::Shape) && !model.reads_tool_cells(Place::Rate));
+    assert!(model.needs_tool_cells() && model.reads_tool_cells(Hook::Shape) && !model.reads_tool_cells(Hook::Rate));
     let mut states = States::new(&model, 3);
     let step = StepValues::new();
     let volume_rates = [0.0, 1e-9, 3e-9];
@@ -99,7 +99,7 @@ fn a_worn_wheel_profile_is_read_between_its_cells() {
     assert!((worn[1] - 1e-6).abs() < 1e-18 && (worn[2] - 3e-6).abs() < 1e-18, "{worn:?}");
     let mut gap = [0.0; 5];
     let places = [-1.0, 0.5, 1.0, 1.75, 9.0];
-    model.at(Place::Shape, &step, &states).run(&Lanes::new(5).with_tool_cell(&places), &mut gap).unwrap();
+    model.at(Hook::Shape, &step, &states).run(&Lanes::new(5).with_tool_cell(&places), &mut gap).unwrap();
     for (found, expected) in gap.iter().zip([0.0, 0.5e-6, 1e-6, 2.5e-6, 3e-6]) {
         assert!((found - expected).abs() < 1e-18, "{gap:?}");
     }
@@ -126,7 +126,7 @@ fn workpiece_cells_keep_states_of_their_own() {
     let held: [&[f64]; 1] = [&work];
     let mut rate = [0.0; 2];
     let lanes = Lanes::new(2).with(Variable::Pressure, &[1e6; 2]).with_states(&held);
-    model.at(Place::Rate, &step, &states).run(&lanes, &mut rate).unwrap();
+    model.at(Hook::Rate, &step, &states).run(&lanes, &mut rate).unwrap();
     assert!((rate[1] - 1e-3 / (1.0 + 0.5 * 5.0)).abs() < 1e-15, "{rate:?}");
 }
 

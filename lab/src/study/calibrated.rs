@@ -4,11 +4,11 @@ use crate::error::Result;
 use effects::{CompiledModel, Model};
 use serde_json::Value;
 
-use super::fill::{compared, correlations, parameter, provenance, verdict, waterfall};
 use super::maps::Seen;
 use super::measurements::Data;
+use super::report_from_diagnosis::{compared, correlations, parameter, provenance, verdict, waterfall};
 use super::simulated::Simulated;
-use super::{failures, scan_tests};
+use super::{failures, residual_tests};
 use crate::study::{Compared, PassVolume, StudyReport, Waterfall};
 use crate::{BASE_STEP, Calibration, CalibrationSummary, Verdict, WaterfallStep};
 
@@ -37,7 +37,7 @@ pub struct CalibrationReport<'a> {
 /// A report with what was compared, where it fails, a waterfall, maps, sections and volumes, and nothing fitted or found.
 ///
 /// - `models`: what was compared; what its maps show, without and with effects
-/// - `freedoms`: parameters that were fitted without effects
+/// - `degrees_of_freedom`: parameters that were fitted without effects
 ///
 /// # Errors
 /// When a model cannot be simulated, or an input file not be read again for its hash.
@@ -45,7 +45,7 @@ pub(super) fn bare_report(
     data: &Data,
     (model, base, with_effects): (&Model, &CompiledModel, Option<&CompiledModel>),
     waterfall: Waterfall,
-    (freedoms, seed): (usize, u64),
+    (degrees_of_freedom, seed): (usize, u64),
 ) -> Result<StudyReport> {
     let models: Vec<&CompiledModel> = [base].into_iter().chain(with_effects).collect();
     let simulated = data.scans().map(|(_, evidence)| Simulated::all(evidence, &models)).transpose()?;
@@ -57,15 +57,15 @@ pub(super) fn bare_report(
     });
     let seen = seen.as_ref();
     let (failures, covariates) = match (seen, data.rows()) {
-        (Some(seen), _) => failures::of_scans(seen.evidence, (seen.base, seen.found), (freedoms, seed)),
-        (None, Some(rows)) => failures::of_rows(rows, (base, with_effects), (freedoms, seed))?,
+        (Some(seen), _) => failures::of_scans(seen.evidence, (seen.base, seen.found), (degrees_of_freedom, seed)),
+        (None, Some(rows)) => failures::of_rows(rows, (base, with_effects), (degrees_of_freedom, seed))?,
         (None, None) => Default::default(),
     };
     Ok(StudyReport {
         compared: compared((model, data.scans()), data.folder(), &data.notes(), &[]),
         verdict: super::Verdict::Calibrated,
         sentence: String::new(),
-        tests: scan_tests::reported(&failures.tests),
+        tests: residual_tests::reported(&failures.tests),
         waterfall,
         volumes: seen.map(Seen::volumes).unwrap_or_default(),
         scans: seen.map(Seen::scans).unwrap_or_default(),

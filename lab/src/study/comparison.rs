@@ -7,12 +7,12 @@ use effects::CompiledModel;
 use serde::Serialize;
 
 use super::failures::{Failures, plots};
-use super::fill::{compared_scans, folder_name, provenance};
 use super::maps::{Seen, name, pass_volume, role};
+use super::report_from_diagnosis::{compared_scans, folder_name, provenance};
 use super::simulated::Simulated;
 use super::track::{Ground, exposure, line_of};
 use super::waterfall::{Scans, Step};
-use super::{places, row_places, scan_tests};
+use super::{residual_tests, row_covariates, tile_covariates};
 use crate::study::{
     Compared, Direction, Misfit, ParameterEstimate, Stated, StudyReport, Verdict, Waterfall, WaterfallStep,
 };
@@ -113,8 +113,8 @@ pub fn compare_scans(
 ) -> Result<(Comparison, StudyReport)> {
     let simulated = Simulated::all(evidence, &[model])?.remove(0);
     let split = if evidence.of(Split::Calibration).next().is_some() { Split::Calibration } else { Split::Evaluation };
-    let tests = scan_tests::of_scans(evidence, &simulated, split, (0, asked.seed));
-    let study = places::study(evidence, &simulated, split, asked.seed);
+    let tests = residual_tests::of_scans(evidence, &simulated, split, (0, asked.seed));
+    let study = tile_covariates::study(evidence, &simulated, split, asked.seed);
     let scans = Scans::new(evidence, false);
     let waterfall = scans.waterfall(&simulated, &[Step { name: "model".to_owned(), simulated: &simulated }]);
     let seen = Seen { evidence, base: &simulated, found: None, lines: asked.lines };
@@ -127,7 +127,7 @@ pub fn compare_scans(
     let error = [rms(|figures| figures.rms_um), rms(|figures| figures.noise_floor_um)];
     let equal_passes = evidence.trend(model)?;
     let notes = campaign.notes();
-    let found = Found { equal_passes, tests, study, named: &places::covariate, error, notes };
+    let found = Found { equal_passes, tests, study, named: &tile_covariates::covariate, error, notes };
     let blur = Some(simulated.blur * 1e6);
     let comparison = Comparison { blur_um: blur, scans: figures, ..found.comparison(evidence.unit(), split) };
     let alignments: Vec<_> = evidence.views.iter().map(|view| scans.alignment(view)).collect();
@@ -151,10 +151,10 @@ pub fn compare_scans(
 pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked) -> Result<(Comparison, StudyReport)> {
     let split = Split::Calibration;
     let residuals = evidence.residuals(model, split)?;
-    let tests = scan_tests::of_rows(&residuals, 0, asked.seed);
-    let study = row_places::study(evidence, model, split, asked.seed)?;
+    let tests = residual_tests::of_rows(&residuals, 0, asked.seed);
+    let study = row_covariates::study(evidence, model, split, asked.seed)?;
     let rms = |residuals: &[f64]| evidence.noise * (robust_sum(residuals) / residuals.len().max(1) as f64).sqrt();
-    let named = |at: usize| row_places::covariate(evidence, at);
+    let named = |at: usize| row_covariates::covariate(evidence, at);
     let equal_passes = evidence.trend(model)?;
     let error = [100.0 * rms(&residuals), 100.0 * evidence.noise];
     let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().collect();
@@ -243,7 +243,7 @@ impl Found<'_> {
             compared,
             verdict: if comparison.agrees { Verdict::Agrees } else { Verdict::Differs },
             sentence: comparison.sentence.clone(),
-            tests: scan_tests::reported(&self.tests),
+            tests: residual_tests::reported(&self.tests),
             waterfall: Waterfall {
                 misfit: Misfit::heights(),
                 passes: Vec::new(),
@@ -306,7 +306,7 @@ fn section(ground: &Ground, plateau: &Plateau, line: Direction) -> SectionFigure
 }
 
 fn figures(evidence: &ScanEvidence, view: &ScanView, simulated: &Simulated, lines: &[Direction]) -> ScanFigures {
-    let trial = evidence.twin.trials[view.trial].trial;
+    let trial = evidence.simulation.trials[view.trial].trial;
     let (before, noise) = (&trial.scans.before, evidence.noise[view.trial].rms);
     let ground = Ground::new(evidence, view, simulated);
     let plateau = ground.as_ref().map(|ground| ground.plateau(before, &trial.passes[view.pass], noise));

@@ -133,7 +133,7 @@ pub struct Suspect {
     /// Probability among all that were scored [1].
     pub probability: f64,
     /// Fall of the whitened sum of squares when it is added [1]; `None` where it was not fitted.
-    pub gain: Option<f64>,
+    pub delta_chi2: Option<f64>,
     /// Root mean square in evaluation passes before it is added, in [`Waterfall::misfit`]'s SI unit.
     pub evaluation_before: Option<f64>,
     /// The same afterwards.
@@ -224,7 +224,7 @@ pub struct NextTrial {
     /// What it would leave open, one sentence each.
     pub leaves_open: Vec<String>,
     /// Chance that it names the right one [1].
-    pub chance: Option<f64>,
+    pub probability_right: Option<f64>,
 }
 
 /// An effect file proposed for what no library effect explains.

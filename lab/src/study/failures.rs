@@ -5,7 +5,7 @@ use effects::CompiledModel;
 use serde::Serialize;
 
 use super::simulated::Simulated;
-use super::{places, row_places, scan_tests};
+use super::{residual_tests, row_covariates, tile_covariates};
 use crate::study::{Bin, CovariatePlot, Stated};
 use crate::{CovariateBin, CovariateShare, CovariateStudy, Evidence, RowEvidence, ScanEvidence, Split, StructureTest};
 
@@ -57,17 +57,17 @@ impl Failures {
 
 /// Where a base model fails on the calibration scans, in numbers and as plots that show beside it what is left with effects.
 ///
-/// - `freedoms`: parameters of the base model that were fitted to them
+/// - `degrees_of_freedom`: parameters of the base model that were fitted to them
 pub(super) fn of_scans(
     evidence: &ScanEvidence,
     (base, last): (&Simulated, Option<&Simulated>),
-    (freedoms, seed): (usize, u64),
+    (degrees_of_freedom, seed): (usize, u64),
 ) -> (Failures, Vec<CovariatePlot>) {
-    let study = |simulated| places::study(evidence, simulated, Split::Calibration, seed);
+    let study = |simulated| tile_covariates::study(evidence, simulated, Split::Calibration, seed);
     let (with_base, with_last) = (study(base), last.map(study));
-    let tests = scan_tests::of_scans(evidence, base, Split::Calibration, (freedoms, seed));
-    let plots = plots(&with_base, with_last.as_ref(), &places::covariate);
-    (Failures::new(tests, &with_base, &places::covariate), plots)
+    let tests = residual_tests::of_scans(evidence, base, Split::Calibration, (degrees_of_freedom, seed));
+    let plots = plots(&with_base, with_last.as_ref(), &tile_covariates::covariate);
+    (Failures::new(tests, &with_base, &tile_covariates::covariate), plots)
 }
 
 /// As [`of_scans`], of the calibration rows of a table.
@@ -77,12 +77,12 @@ pub(super) fn of_scans(
 pub(super) fn of_rows(
     evidence: &RowEvidence,
     (base, last): (&CompiledModel, Option<&CompiledModel>),
-    (freedoms, seed): (usize, u64),
+    (degrees_of_freedom, seed): (usize, u64),
 ) -> Result<(Failures, Vec<CovariatePlot>)> {
-    let study = |model: &CompiledModel| row_places::study(evidence, model, Split::Calibration, seed);
+    let study = |model: &CompiledModel| row_covariates::study(evidence, model, Split::Calibration, seed);
     let (with_base, with_last) = (study(base)?, last.map(study).transpose()?);
-    let tests = scan_tests::of_rows(&evidence.residuals(base, Split::Calibration)?, freedoms, seed);
-    let named = |at: usize| row_places::covariate(evidence, at);
+    let tests = residual_tests::of_rows(&evidence.residuals(base, Split::Calibration)?, degrees_of_freedom, seed);
+    let named = |at: usize| row_covariates::covariate(evidence, at);
     let plots = plots(&with_base, with_last.as_ref(), &named);
     Ok((Failures::new(tests, &with_base, &named), plots))
 }

@@ -4,20 +4,20 @@
 mod calibrated;
 mod comparison;
 mod conclusion;
-mod course;
 mod data;
 mod failures;
-mod fill;
 mod maps;
 mod measurements;
-mod places;
 mod progress;
 mod record;
-mod row_places;
+mod report_from_diagnosis;
+mod residual_tests;
+mod row_covariates;
 mod scan_data;
-mod scan_tests;
-mod shares;
+mod shapley;
 mod simulated;
+mod study_state;
+mod tile_covariates;
 mod track;
 mod unit_text;
 mod waterfall;
@@ -25,18 +25,18 @@ mod waterfall;
 pub use calibrated::{CalibrationReport, calibration_report};
 pub use comparison::{Asked, Comparison, ScanFigures, SectionFigures, compare_rows, compare_scans};
 pub use conclusion::{suggestion, summary};
-pub use course::Course;
 pub use data::{
     Compared, Correlations, Detectable, Digest, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport,
     SuggestedEffect, Suspect, TestOfMissing, Verdict,
 };
 pub use failures::{CovariateFigures, Failures};
-pub use fill::{ReportInput, inputs_sha256, report};
 pub use measurements::{Data, Measurements};
 pub use progress::Progress;
 pub use record::{Action, Done, STUDY_FILE, STUDY_FORMAT, StudyRecord};
+pub use report_from_diagnosis::{ReportInput, inputs_sha256, report};
 pub use scan_data::{
     Bin, ComparedPass, CovariatePlot, Direction, ExposureMaps, HeightMaps, Maps, Misfit, PassVolume, ScanComparison,
     ScanSection, Waterfall, WaterfallStep,
 };
+pub use study_state::StudyState;
 pub use unit_text::{superscript, with_raised_powers};

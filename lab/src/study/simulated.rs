@@ -4,15 +4,15 @@ use effects::CompiledModel;
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
-use crate::campaign_twin::{CampaignError, CampaignTwin};
-use crate::twin::{SimulatedPass, Twin};
+use crate::campaign_simulation::{CampaignError, CampaignSimulation};
+use crate::simulation::{SimulatedPass, Simulation};
 use crate::{EvidenceError, ScanEvidence, ScanView};
 use trials::trial::PassScan;
 
-/// The same twin, which also tells what each place went through.
-fn watched<'a>(twin: &Twin<'a>) -> Result<Twin<'a>, CampaignError> {
-    let own = Twin::new(twin.trial, twin.part.voxel, twin.replay);
-    let mut own = own.map_err(|error| CampaignError { trial: twin.trial.name.clone(), error })?;
+/// The same simulation, which also tells what each place went through.
+fn watched<'a>(simulation: &Simulation<'a>) -> Result<Simulation<'a>, CampaignError> {
+    let own = Simulation::new(simulation.trial, simulation.part.voxel, simulation.replay);
+    let mut own = own.map_err(|error| CampaignError { trial: simulation.trial.name.clone(), error })?;
     own.covariates = true;
     Ok(own)
 }
@@ -33,10 +33,11 @@ impl Simulated {
     /// # Errors
     /// When a model cannot be simulated.
     pub fn all(evidence: &ScanEvidence, models: &[&CompiledModel]) -> Result<Vec<Self>, EvidenceError> {
-        let trials: Result<Vec<Twin>, CampaignError> = evidence.twin.trials.par_iter().map(watched).collect();
-        let twin = CampaignTwin { trials: trials? };
+        let trials: Result<Vec<Simulation>, CampaignError> =
+            evidence.simulation.trials.par_iter().map(watched).collect();
+        let simulation = CampaignSimulation { trials: trials? };
         let run = |model: &&CompiledModel| {
-            let passes = twin.run(model)?;
+            let passes = simulation.run(model)?;
             let blur = evidence.blur_of(&passes, model)?;
             Ok(Self { model: (*model).clone(), passes, blur })
         };

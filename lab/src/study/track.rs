@@ -164,7 +164,7 @@ pub fn exposure(view: &ScanView, simulated: &Simulated) -> Option<ExposureFigure
 /// How a scan lay on the scan before the first pass, on the surface that no tool had touched; `None` when sanding, or
 /// where too little was left alone.
 pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registration, HeightMap)> {
-    let trial = evidence.twin.trials[view.trial].trial;
+    let trial = evidence.simulation.trials[view.trial].trial;
     let ScanData::Heights(data) = &view.data else { return None };
     let (before, _) = despiked(&trial.scans.before);
     let mut free = vec![true; before.heights.len()];

@@ -104,7 +104,7 @@ impl<'a> Scans<'a> {
         let views = &self.evidence.views;
         let misfit = |view: &'a ScanView| match &view.data {
             ScanData::Heights(data) if self.free && pose == Pose::Held => {
-                let before = &self.evidence.twin.trials[view.trial].trial.scans.before;
+                let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
                 let seen = simulated.heights(self.evidence, view)?;
                 Some(data.agreement(&seen, before, self.evidence.noise[view.trial].rms)[0])
             }
@@ -136,7 +136,7 @@ impl<'a> Scans<'a> {
         let views = &self.evidence.views;
         let misfit = |view: &ScanView| match &view.data {
             ScanData::Heights(data) => {
-                let before = &self.evidence.twin.trials[view.trial].trial.scans.before;
+                let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
                 let seen = simulated.heights(self.evidence, view)?;
                 Some(data.agreement(&seen, before, self.evidence.noise[view.trial].rms)[1])
             }
@@ -158,7 +158,7 @@ impl<'a> Scans<'a> {
     }
 
     fn plateau(&self, view: &'a ScanView, simulated: &Simulated, pose: Pose) -> Option<super::track::PlateauFigures> {
-        let trial = self.evidence.twin.trials[view.trial].trial;
+        let trial = self.evidence.simulation.trials[view.trial].trial;
         let ground = self.ground(view, simulated, pose)?;
         let plateau =
             ground.plateau(&trial.scans.before, &trial.passes[view.pass], self.evidence.noise[view.trial].rms);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::number::{chance, percent, share_cell, significant};
+use super::number::{p_value, percent, share_cell, significant};
 use crate::{Cell, Chart, Page, Series, Stroke, Table, escape};
 use lab::study::{Bin, CovariatePlot};
 
@@ -43,7 +43,7 @@ pub(super) fn add(page: &mut Page, plots: &[CovariatePlot]) {
 }
 
 fn equals(p: f64) -> String {
-    let text = chance(p);
+    let text = p_value(p);
     if text.starts_with('<') { text } else { format!("= {text}") }
 }
 
@@ -77,7 +77,7 @@ fn row(plot: &CovariatePlot) -> Vec<Cell> {
         let shown = format!("{} at {at} {}", percent(bin.residual), plot.unit.unit);
         Cell::number(shown.trim_end().to_owned(), bin.residual)
     });
-    let p = |value: f64| Cell::number(chance(value), value);
+    let p = |value: f64| Cell::number(p_value(value), value);
     let (share, drop) = (share_cell(Some(plot.share)), share_cell(Some(plot.drop)));
     vec![Cell::text(&plot.name), share, drop, p(plot.p_value), p(plot.p_value_of_all), most]
 }

@@ -27,8 +27,8 @@ pub(super) fn percent(share: f64) -> String {
     if share.is_finite() { format!("{} %", fixed(100.0 * share, 1)) } else { "–".to_owned() }
 }
 
-/// A chance as tables state it: never zero.
-pub(super) fn chance(p: f64) -> String {
+/// A p-value as tables state it: never zero.
+pub(super) fn p_value(p: f64) -> String {
     if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
 }
 
@@ -80,7 +80,7 @@ mod tests {
         assert_eq!(significant(f64::NAN, 3), "–");
         assert_eq!(fixed(-0.001, 1), "0.0");
         assert_eq!(fixed(-0.26, 1), "−0.3");
-        assert_eq!(chance(0.0), "< 0.001");
+        assert_eq!(p_value(0.0), "< 0.001");
     }
 
     #[test]

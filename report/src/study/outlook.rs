@@ -45,11 +45,11 @@ pub(super) fn add_next(page: &mut Page, report: &StudyReport) {
     if !next.steps.is_empty() {
         page.facts(&next.steps);
     }
-    if let Some(chance) = next.chance {
+    if let Some(probability) = next.probability_right {
         let html = format!(
-            "<p data-value=\"{}\">Chance that it names the right one: <b>{}</b>.</p>\n",
-            crate::exact(chance),
-            percent(chance)
+            "<p data-value=\"{}\">Probability that it names the right one: <b>{}</b>.</p>\n",
+            crate::exact(probability),
+            percent(probability)
         );
         page.block(&html);
     }

@@ -181,9 +181,9 @@ fn legend(svg: &mut String, scale: &ColourScale, (x, y): (f64, f64)) {
 }
 
 fn add_suspects(svg: &mut String, suspects: &[Suspect], (x, y): (f64, f64)) {
-    let fitted: Vec<&Suspect> = suspects.iter().filter(|suspect| suspect.gain.is_some()).collect();
+    let fitted: Vec<&Suspect> = suspects.iter().filter(|suspect| suspect.delta_chi2.is_some()).collect();
     if fitted.is_empty() {
-        return text(svg, (x, y + 20.0), (13.0, PALE), "no effect gains more than chance does");
+        return text(svg, (x, y + 20.0), (13.0, PALE), "no effect is significant");
     }
     for (k, suspect) in fitted.iter().take(SUSPECTS).enumerate() {
         let top = y + 40.0 * k as f64;

@@ -1,6 +1,6 @@
 //! The effects that were scored, and the tests that say whether anything is missing.
 
-use super::number::{cell, chance, percent, significant};
+use super::number::{cell, p_value, percent, significant};
 use crate::{Cell, Page, Table, escape};
 use lab::study::Misfit;
 use lab::study::with_raised_powers;
@@ -20,7 +20,7 @@ pub(super) fn add_tests(page: &mut Page, tests: &[TestOfMissing]) {
         table.rows.push(vec![
             Cell::text(&test.name),
             Cell::number(significant(test.statistic, 3), test.statistic),
-            Cell::number(chance(test.p_value), test.p_value),
+            Cell::number(p_value(test.p_value), test.p_value),
             Cell::text(if test.rejects { "found" } else { "not found" }),
         ]);
     }
@@ -61,7 +61,7 @@ fn row(suspect: &Suspect, misfit: &Misfit) -> Vec<Cell> {
         Cell::text(&suspect.name),
         Cell::text(&suspect.title),
         Cell::number(percent(suspect.probability), suspect.probability),
-        cell(suspect.gain, 1.0, 3),
+        cell(suspect.delta_chi2, 1.0, 3),
         cell(suspect.evaluation_before, si, 3),
         cell(suspect.evaluation_after, si, 3),
         Cell::text(look_alikes),

@@ -20,7 +20,7 @@ use crate::physics::Physics;
 use crate::record::PassRecord;
 use crate::settings::PassError;
 use crate::tool_cells;
-use effects::{CompiledModel, DeviceModel, Place, Reset, States};
+use effects::{CompiledModel, DeviceModel, Hook, Reset, States};
 
 /// A pass to be run on a part, which trials may share: each changes a copy of its own.
 #[derive(Clone, Copy)]
@@ -316,22 +316,22 @@ fn finish(mut record: PassRecord, state: &TrialState, ready: &Ready) -> Result<P
 }
 
 /// The fault of a formula somewhere.
-fn formula_fault(time: f64, place: Place, model: &CompiledModel) -> GpuError {
+fn formula_fault(time: f64, place: Hook, model: &CompiledModel) -> GpuError {
     let names: Vec<&str> = model.acting(place).map(|effect| effect.name.as_str()).collect();
     let effects = if names.is_empty() { "the base law".to_owned() } else { names.join(" or ") };
     GpuError::Formula { time, effects, place }
 }
 
-fn place_of(fault: u32) -> Place {
+fn place_of(fault: u32) -> Hook {
     match fault {
-        FAULT_POSE => Place::Pose,
-        FAULT_SHAPE => Place::Shape,
-        FAULT_PRESSURE => Place::Pressure,
-        FAULT_SPINDLE => Place::Spindle,
-        FAULT_FORCE => Place::Force,
-        FAULT_RATE => Place::Rate,
-        FAULT_DOSE => Place::Dose,
-        FAULT_TOOL_STATE => Place::ToolState,
-        _ => Place::ToolCell,
+        FAULT_POSE => Hook::Pose,
+        FAULT_SHAPE => Hook::Shape,
+        FAULT_PRESSURE => Hook::Pressure,
+        FAULT_SPINDLE => Hook::Spindle,
+        FAULT_FORCE => Hook::Force,
+        FAULT_RATE => Hook::Rate,
+        FAULT_DOSE => Hook::Dose,
+        FAULT_TOOL_STATE => Hook::ToolState,
+        _ => Hook::ToolCell,
     }
 }

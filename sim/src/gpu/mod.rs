@@ -14,7 +14,7 @@ use crate::pass::Pass;
 use crate::settings::PassError;
 use crate::tool::Tool;
 use crate::tool_cells;
-use effects::{CompiledModel, DeviceModel, Place};
+use effects::{CompiledModel, DeviceModel, Hook};
 
 /// Why a trial has no result.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -36,7 +36,7 @@ pub enum GpuError {
         /// The effects that act there, or the base law.
         effects: String,
         /// Where.
-        place: Place,
+        place: Hook,
     },
     /// The device failed, or has no room. The part is as it was before the pass.
     #[error("{0}; the part is as it was before the pass")]

@@ -16,7 +16,7 @@ use crate::physics::Physics;
 use crate::settings::{LONGEST_STEP, PassError};
 use crate::tool::Tool;
 use crate::tool_cells::ToolCells;
-use effects::{DeviceModel, Place, States, StepValues, Variable};
+use effects::{DeviceModel, Hook, States, StepValues, Variable};
 
 /// Longest piece of a path [voxels]: f32 resolves places on it to 1e-6 voxel.
 const PIECE: f64 = 16.0;
@@ -193,6 +193,6 @@ pub(super) fn values(pass: &Pass, states: &States, model: &DeviceModel) -> Vec<f
 
 /// Whether the field must keep the removed depth for a pass.
 pub(super) fn keeps_removed(pass: &Pass, physics: &Physics) -> bool {
-    let scanner = pass.model.needs(Place::Height);
+    let scanner = pass.model.needs(Hook::Height);
     physics.wants(Variable::RemovedDepth) || scanner.contains(&Variable::RemovedDepth)
 }

@@ -28,7 +28,7 @@ use crate::step::Step;
 use crate::step_values::Moment;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells};
-use effects::{CompiledModel, Place, PoseChange, Reset, RunError, States, Variable};
+use effects::{CompiledModel, Hook, PoseChange, Reset, RunError, States, Variable};
 
 /// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
 const COMMIT_RECESSION: f64 = 0.75;
@@ -191,7 +191,7 @@ impl<'a> Runner<'a> {
         if physics.sands() {
             grid.scalar_or_zero(Scalar::Dose);
         }
-        let scanner = pass.model.needs(Place::Height);
+        let scanner = pass.model.needs(Hook::Height);
         if physics.wants(Variable::RemovedDepth) || scanner.contains(&Variable::RemovedDepth) {
             grid.scalar_or_zero(Scalar::Removed);
         }

@@ -1,4 +1,4 @@
-//! The bundled riddle: a small synthetic campaign with a sealed answer, a study of it, and the seal opened.
+//! The bundled sealed example: a small synthetic campaign with a sealed answer, a study of it, and the seal opened.
 
 use std::fs;
 use std::path::Path;
@@ -10,12 +10,12 @@ use serde_json::Value;
 
 use files::json_file::read_json;
 use lab::Verdict;
-use lab::study::{Course, StudyRecord};
+use lab::study::{StudyRecord, StudyState};
 use report::study::Sealed;
 use virtual_lab::write::{SEAL_FILE, unseal};
 
 /// Name of the bundled campaign.
-pub const RIDDLE_NAME: &str = "first-look";
+pub const EXAMPLE_NAME: &str = "first-look";
 
 macro_rules! bundled {
     ($folder:literal: $($file:literal),* $(,)?) => {
@@ -74,7 +74,7 @@ pub fn unpack(folder: &Path, key: &Path) -> Result<()> {
 ///
 /// # Errors
 /// When the key does not open the seal, or the study has no verdict yet.
-pub fn open(folder: &Path, key: &Path, course: &Course) -> Result<(Opened, Sealed)> {
+pub fn open(folder: &Path, key: &Path, course: &StudyState) -> Result<(Opened, Sealed)> {
     let verdict = course.record.verdict.context("the study has not come to a verdict")?;
     let unsealed = unseal(folder, key)?;
     let seal: Value = read_json(&folder.join(SEAL_FILE), "a sealed answer")?;
@@ -121,7 +121,7 @@ fn hidden_lines(effect: &Value) -> Vec<String> {
 }
 
 /// Names and fitted parameters of the effects that a study added.
-fn found_lines(course: &Course) -> Vec<String> {
+fn found_lines(course: &StudyState) -> Vec<String> {
     let parameters = course.parameters();
     let own = |name: &String| {
         let prefix = format!("{name}.");
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn every_file_of_the_campaign_is_bundled() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns").join(RIDDLE_NAME);
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns").join(EXAMPLE_NAME);
         let files = walkdir::WalkDir::new(&folder).into_iter().map(Result::unwrap).filter(|e| e.file_type().is_file());
         let mut there: Vec<String> =
             files.map(|e| e.path().strip_prefix(&folder).unwrap().to_str().unwrap().replace('\\', "/")).collect();

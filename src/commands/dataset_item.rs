@@ -1,34 +1,34 @@
-//! `robofin dataset-piece`: one piece of a data set, in the process that `robofin dataset` starts for it.
+//! `robofin dataset-item`: one item of a data set, in the process that `robofin dataset` starts for it.
 
 use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
 
-use super::piece_flags::PieceFlags;
+use super::item_flags::ItemFlags;
 use crate::dataset::Dataset;
+use crate::dataset::item::make;
 use crate::dataset::limits::Usage;
-use crate::dataset::piece::make;
 use crate::dataset::process::Answer;
 
 #[derive(Debug, Args)]
-pub(super) struct DatasetPieceArgs {
+pub(super) struct DatasetItemArgs {
     /// Mesh file.
     source: PathBuf,
-    /// Name of the piece.
+    /// Name of the item.
     #[arg(long)]
     id: String,
     /// Folder of the data set.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
-    pieces: PieceFlags,
+    items: ItemFlags,
 }
 
-pub(super) fn run(args: &DatasetPieceArgs) -> Result<()> {
-    args.pieces.limits()?.bind()?;
+pub(super) fn run(args: &DatasetItemArgs) -> Result<()> {
+    args.items.limits()?.bind()?;
     let dataset = Dataset::open(&args.out)?;
-    let ending = make(&dataset, &args.source, &args.id, &args.pieces.wishes()?);
+    let ending = make(&dataset, &args.source, &args.id, &args.items.wishes()?);
     println!("{}", serde_json::to_string(&Answer { ending, usage: Usage::now() })?);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Flags that decide the pieces of a data set.
+//! Flags that decide the items of a data set.
 
 use anyhow::Result;
 use clap::parser::ValueSource;
@@ -7,23 +7,23 @@ use sdf_bake::read::UnitChoice;
 
 use super::flags::{MESH, MeshFlags, RUNS, SEEDS, whole, within};
 use super::weld::WeldFlags;
+use crate::dataset::item::ItemWishes;
 use crate::dataset::limits::Limits;
-use crate::dataset::piece::PieceWishes;
 use crate::dataset::{DATASET_FORMAT, Recipe};
 use crate::workpiece::{Fineness, WeldingOptions};
 
 /// Voxels along the diagonal, unless asked otherwise.
 const DIAGONAL_VOXELS: u32 = 256;
-/// Width and height of a piece's picture [pixels]; `robofin render` draws larger ones.
+/// Width and height of an item's picture [pixels]; `robofin render` draws larger ones.
 const PREVIEW_SIZE: (usize, usize) = (320, 240);
 
 /// Heading of the help for what decides items.
 pub(super) const ITEMS: &str = "Items";
 
-/// What decides a piece beside its part and its number, and what its process may use.
+/// What decides an item beside its part and its number, and what its process may use.
 #[derive(Clone, Debug, Args)]
-pub(super) struct PieceFlags {
-    /// Seed of the set; each piece's own follows from it, the part's content and the piece's number.
+pub(super) struct ItemFlags {
+    /// Seed of the set; each item's own follows from it, the part's content and the item's number.
     #[arg(
         long,
         default_value_t = 1,
@@ -36,13 +36,13 @@ pub(super) struct PieceFlags {
     mesh: MeshFlags,
     #[command(flatten)]
     weld: WeldFlags,
-    /// What is known of the licence of the parts; it is written beside each piece.
+    /// What is known of the licence of the parts; it is written beside each item.
     #[arg(long, value_name = "TEXT", default_value = "not stated", help_heading = ITEMS)]
     licence: String,
-    /// Time by the clock that a piece may take [s].
+    /// Time by the clock that an item may take [s].
     #[arg(long, value_name = "s", default_value_t = 600.0, allow_negative_numbers = true, help_heading = RUNS)]
     time_limit: f64,
-    /// Memory that the process of a piece may ask for [GB].
+    /// Memory that the process of an item may ask for [GB].
     #[arg(long, value_name = "GB", default_value_t = 2.0, allow_negative_numbers = true, help_heading = RUNS)]
     memory_limit: f64,
 }
@@ -52,14 +52,14 @@ pub(super) struct PieceFlags {
 #[command(no_binary_name = true)]
 struct Kept {
     #[command(flatten)]
-    pieces: PieceFlags,
+    items: ItemFlags,
 }
 
-impl PieceFlags {
+impl ItemFlags {
     /// The flags of this kind that were given, as they were given, in the order of their declaration.
     pub(super) fn given(matches: &ArgMatches) -> Vec<String> {
         let mut given = Vec::new();
-        for flag in Self::augment_args(Command::new("pieces")).get_arguments() {
+        for flag in Self::augment_args(Command::new("items")).get_arguments() {
             let (id, name) = (flag.get_id().as_str(), flag.get_long().unwrap_or_default());
             if matches.value_source(id) == Some(ValueSource::CommandLine) {
                 let values = matches.get_raw(id).into_iter().flatten();
@@ -71,15 +71,15 @@ impl PieceFlags {
 
     /// Reads flags that were kept.
     pub(super) fn read(kept: &[String]) -> Result<Self> {
-        Ok(Kept::try_parse_from(kept)?.pieces)
+        Ok(Kept::try_parse_from(kept)?.items)
     }
 
     pub(super) fn unit(&self) -> UnitChoice {
         self.mesh.unit.into()
     }
 
-    /// What all pieces have in common.
-    pub(super) fn wishes(&self) -> Result<PieceWishes> {
+    /// What all items have in common.
+    pub(super) fn wishes(&self) -> Result<ItemWishes> {
         self.mesh.solid_only("robofin dataset")?;
         let options = WeldingOptions {
             seed: self.seed,
@@ -88,10 +88,10 @@ impl PieceFlags {
             sign: self.mesh.sign.into(),
             wishes: self.weld.wishes()?,
         };
-        Ok(PieceWishes { unit: self.unit(), options })
+        Ok(ItemWishes { unit: self.unit(), options })
     }
 
-    /// What a piece may use.
+    /// What an item may use.
     pub(super) fn limits(&self) -> Result<Limits> {
         let time = within("--time-limit", self.time_limit, (0.1, 1e6))?;
         let memory = within("--memory-limit", self.memory_limit, (0.1, 1e4))?;
@@ -99,7 +99,7 @@ impl PieceFlags {
     }
 
     /// The recipe that follows from the flags.
-    pub(super) fn recipe(&self, wishes: &PieceWishes, flags: &[String], sources: Vec<String>) -> Result<Recipe> {
+    pub(super) fn recipe(&self, wishes: &ItemWishes, flags: &[String], sources: Vec<String>) -> Result<Recipe> {
         Ok(Recipe {
             format: DATASET_FORMAT.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -9,14 +9,14 @@ use super::fit::Fit;
 use super::probe::Candidate;
 use super::response::{Look, Projector};
 use super::screen::Screened;
-use super::significance::{chance, chance_gains};
+use super::significance::{null_delta_chi2, p_value};
 use super::suspect::{Suspect, suspects};
 
 /// Chance below which a form is offered.
-const CHANCE: f64 = 0.05;
+const SIGNIFICANCE_LEVEL: f64 = 0.05;
 
 /// Things on which the rate may depend: name, formula, unit, a typical size, what it is.
-const FORMS: [(&str, &str, &str, f64, &str); 19] = [
+const TEMPLATES: [(&str, &str, &str, f64, &str); 19] = [
     ("path-position", "path_position", "mm", 50.0, "the way along the path"),
     ("contact-time", "contact_time", "s", 10.0, "the time in contact"),
     ("trial-time", "trial_time", "s", 60.0, "the time since the trial began"),
@@ -48,7 +48,7 @@ pub struct Suggestion {
     /// The effect file.
     pub text: String,
     /// Fall of the sum of squares.
-    pub gain: f64,
+    pub delta_chi2: f64,
 }
 
 /// The effect file of a form.
@@ -78,7 +78,8 @@ pub fn suggest(
     library: &Library,
     seed: u64,
 ) -> Result<Option<Suggestion>, EvidenceError> {
-    let files: Vec<(String, String)> = FORMS.iter().map(|form| (format!("{}.toml", form.0), text(form, 0.1))).collect();
+    let files: Vec<(String, String)> =
+        TEMPLATES.iter().map(|form| (format!("{}.toml", form.0), text(form, 0.1))).collect();
     let own = |(file, text): &(String, String)| library.with(&[(file.clone(), text.clone())]).ok();
     let projector = Projector::new(fit);
     let look = Look { evidence, base: fit, projector: &projector };
@@ -88,17 +89,19 @@ pub fn suggest(
         let effect = with.find(&format!("suggested-{}", form.0))?;
         Candidate::new(evidence, &model, effect, &with).ok()
     };
-    let candidates = FORMS.iter().zip(files.iter().map(own)).filter_map(candidate);
+    let candidates = TEMPLATES.iter().zip(files.iter().map(own)).filter_map(candidate);
     let screened: Vec<Screened> = candidates.map(|c| Screened::new(&look, c)).collect();
     let fitted = suspects(evidence, fit, &screened, &|_| {});
     let Some(best) = fitted.first() else { return Ok(None) };
-    let chances = chance_gains(&projector, &screened, &best.fit.residuals, &evidence.blocks(Split::Calibration), seed);
-    let gain = fit.chi2 - best.fit.chi2;
-    Ok((chance(&chances, gain) < CHANCE).then(|| suggestion(best, gain)))
+    let chances =
+        null_delta_chi2(&projector, &screened, &best.fit.residuals, &evidence.blocks(Split::Calibration), seed);
+    let delta_chi2 = fit.chi2 - best.fit.chi2;
+    Ok((p_value(&chances, delta_chi2) < SIGNIFICANCE_LEVEL).then(|| suggestion(best, delta_chi2)))
 }
 
-fn suggestion(best: &Suspect, gain: f64) -> Suggestion {
-    let form = FORMS.iter().find(|form| best.name() == format!("suggested-{}", form.0)).expect("a form of the list");
+fn suggestion(best: &Suspect, delta_chi2: f64) -> Suggestion {
+    let form =
+        TEMPLATES.iter().find(|form| best.name() == format!("suggested-{}", form.0)).expect("a form of the list");
     let amount = best.fit.model.value(best.screened.candidate.coordinates[0].index);
     let summary = format!(
         "the rate changes by {:+.1} % per {} {} of {}",
@@ -107,5 +110,5 @@ fn suggestion(best: &Suspect, gain: f64) -> Suggestion {
         if form.2 == "1" { "unit" } else { form.2 },
         form.4
     );
-    Suggestion { name: best.name().to_owned(), summary, text: text(form, amount), gain }
+    Suggestion { name: best.name().to_owned(), summary, text: text(form, amount), delta_chi2 }
 }

@@ -3,7 +3,7 @@
 use effects::CompiledModel;
 use rayon::prelude::*;
 
-use super::{SimulatedPass, TrialState, Twin, TwinError};
+use super::{SimulatedPass, Simulation, SimulationError, TrialState};
 
 /// A trial under one model.
 #[derive(Debug, Default)]
@@ -11,11 +11,11 @@ pub struct ModelRun {
     /// The passes that were done.
     pub passes: Vec<SimulatedPass>,
     /// Why it ended before its last pass.
-    pub stopped: Option<TwinError>,
+    pub stopped: Option<SimulationError>,
 }
 
 impl ModelRun {
-    fn add(&mut self, pass: Result<SimulatedPass, TwinError>) {
+    fn add(&mut self, pass: Result<SimulatedPass, SimulationError>) {
         match pass {
             Ok(pass) => self.passes.push(pass),
             Err(error) => self.stopped = Some(error),
@@ -23,7 +23,7 @@ impl ModelRun {
     }
 }
 
-impl Twin<'_> {
+impl Simulation<'_> {
     /// Simulates the trial under many models at once, each from the beginning with a fresh tool: on the device in one
     /// submission, else on all threads. A run that fails says why, keeps its passes before and does not stop the others.
     pub fn run_models(&self, models: &[CompiledModel]) -> Vec<ModelRun> {
@@ -86,8 +86,8 @@ impl Twin<'_> {
         model: &CompiledModel,
         (state, pass): (&mut TrialState, usize),
         outcome: Result<sim::gpu::Outcome, sim::gpu::GpuError>,
-    ) -> Result<SimulatedPass, TwinError> {
-        let failed = |error| TwinError::Device { pass, error };
+    ) -> Result<SimulatedPass, SimulationError> {
+        let failed = |error| SimulationError::Device { pass, error };
         let sim::gpu::Outcome { part, tool, record } = outcome.map_err(failed)?;
         (state.part, state.tool) = (part, tool);
         self.count(state);

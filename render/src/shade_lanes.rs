@@ -1,12 +1,12 @@
 //! Light that the samples of a tile send to the camera, in lanes.
 
+use super::gbuffer_lanes::Samples;
 use super::lanes::{LANES, Points, any};
 use super::marks::{Grooves, any_tangent};
 use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
 use super::scene::Stage;
 use super::shade::facing;
-use super::sight::Samples;
 use super::tile::Shelter;
 
 /// Light that comes along the rays of a tile, linear RGB: a call that is compiled for each kind of lanes.

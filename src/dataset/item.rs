@@ -1,4 +1,4 @@
-//! Making one piece; runs in a process of its own.
+//! Making one item; runs in a process of its own.
 
 use std::fs;
 use std::path::Path;
@@ -17,10 +17,10 @@ use crate::workpiece::{WeldingOptions, weld_part};
 use files::file_lock::Patience;
 use files::folder::StagedFolder;
 
-/// Samples along each side of a picture's pixel: four times as many would take most of a piece's time.
+/// Samples along each side of a picture's pixel: four times as many would take most of an item's time.
 const SAMPLES_PER_SIDE: usize = 1;
 
-/// How a piece ended.
+/// How an item ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ending {
@@ -39,17 +39,17 @@ pub enum Ending {
     },
 }
 
-/// What is the same for all pieces of a set.
+/// What is the same for all items of a set.
 #[derive(Clone, Debug)]
-pub struct PieceWishes {
+pub struct ItemWishes {
     /// Unit of the files' coordinates.
     pub unit: UnitChoice,
     /// Options of welding; the seed is the set's.
     pub options: WeldingOptions,
 }
 
-/// Makes the piece `id` of a source, or says why there is none; the folder is complete or it is not there.
-pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &PieceWishes) -> Ending {
+/// Makes the item `id` of a source, or says why there is none; the folder is complete or it is not there.
+pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -> Ending {
     // The name of the folder in the making holds the number of this process, and reasons are the same in every run.
     let staging = format!(".{id}.part-{}", std::process::id());
     let failed = |stage, error: anyhow::Error| {
@@ -86,7 +86,7 @@ pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &PieceWishes) ->
     }
 }
 
-/// An empty place for the piece; what is there and not complete goes, and so does what killed runs left.
+/// An empty place for the item; what is there and not complete goes, and so does what killed runs left.
 fn place(dataset: &Dataset, id: &str) -> Result<StagedFolder> {
     let folder = dataset.asset_folder(id);
     remove_stale(&dataset.folder().join(ASSETS_FOLDER), id)?;
@@ -98,6 +98,6 @@ fn place(dataset: &Dataset, id: &str) -> Result<StagedFolder> {
 
 fn load(source: &Path, id: &str, unit: UnitChoice) -> Result<Part> {
     let key = source_key(source, unit)?;
-    ensure!(key == key_of(id), "the file changed while its pieces were made: its name is {key} now");
+    ensure!(key == key_of(id), "the file changed while its items were made: its name is {key} now");
     Part::load(source, unit)
 }

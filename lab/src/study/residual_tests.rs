@@ -11,12 +11,12 @@ const MOST_BEFORE: f64 = 0.1;
 
 /// Tests what a model leaves of the scans of a split.
 ///
-/// - `freedoms`: parameters that were fitted to them
+/// - `degrees_of_freedom`: parameters that were fitted to them
 pub fn of_scans(
     evidence: &ScanEvidence,
     simulated: &Simulated,
     split: Split,
-    (freedoms, seed): (usize, u64),
+    (degrees_of_freedom, seed): (usize, u64),
 ) -> Vec<StructureTest> {
     let views: Vec<&ScanView> = evidence.of(split).collect();
     let grid = |view: &&ScanView| {
@@ -28,19 +28,19 @@ pub fn of_scans(
         Some(ResidualGrid { nx: tiles.grid.shape().0, cells: tiles.cells.clone(), residuals })
     };
     let grids: Vec<ResidualGrid> = views.iter().filter_map(grid).collect();
-    let trials = 0..evidence.twin.trials.len();
+    let trials = 0..evidence.simulation.trials.len();
     let shared: Vec<SharedTiles> =
         trials.filter_map(|trial| shared_tiles(evidence, simulated, &views, trial)).collect();
-    structure_tests(&grids, freedoms, &shared, seed)
+    structure_tests(&grids, degrees_of_freedom, &shared, seed)
 }
 
 /// Tests whitened residuals of rows.
 ///
 /// - `residuals`: in order of time
-pub fn of_rows(residuals: &[f64], freedoms: usize, seed: u64) -> Vec<StructureTest> {
+pub fn of_rows(residuals: &[f64], degrees_of_freedom: usize, seed: u64) -> Vec<StructureTest> {
     let grid =
         ResidualGrid { nx: residuals.len(), cells: (0..residuals.len()).collect(), residuals: residuals.to_vec() };
-    let mut tests = structure_tests(&[grid], freedoms, &[], seed);
+    let mut tests = structure_tests(&[grid], degrees_of_freedom, &[], seed);
     for test in &mut tests {
         test.name = test.name.replace("neighbouring tiles", "neighbouring rows").replace(" along x", " in time");
     }

@@ -25,7 +25,7 @@ const MOST_STEPS: f64 = 3e7;
 
 /// Why a trial cannot be simulated.
 #[derive(Debug, Error)]
-pub enum TwinError {
+pub enum SimulationError {
     /// The scan before does not make a part.
     #[error("the scan before: {0}")]
     Part(#[from] HeightsError),
@@ -81,7 +81,7 @@ pub enum TwinError {
 }
 
 /// A trial ready to be simulated again and again.
-pub struct Twin<'a> {
+pub struct Simulation<'a> {
     /// The trial.
     pub trial: &'a Trial,
     /// The part before the first pass.
@@ -120,7 +120,7 @@ pub struct SimulatedPass {
     pub scan: PassScan,
     /// Share of the scanned area whose coating is gone; `None` when grinding.
     pub exposed_share: Option<f64>,
-    /// What each place of the surface went through in this pass, where [`Twin::covariates`] asks for it.
+    /// What each place of the surface went through in this pass, where [`Simulation::covariates`] asks for it.
     pub covariates: Option<Covariates>,
 }
 
@@ -139,18 +139,18 @@ pub struct TrialState {
     pub first_row: usize,
 }
 
-impl<'a> Twin<'a> {
+impl<'a> Simulation<'a> {
     /// Makes the part and the paths of a trial.
     ///
     /// - `voxel`: of the part's field [m]; the scan's pitch puts every pixel on a lattice line
     /// - `replay`: keep to the logged heights instead of simulating the controller
     ///
     /// # Errors
-    /// [`TwinError`] when the scan makes no part, a log no path, or a pass cannot be run with this tool on this part.
-    pub fn new(trial: &'a Trial, voxel: f64, replay: bool) -> Result<Self, TwinError> {
+    /// [`SimulationError`] when the scan makes no part, a log no path, or a pass cannot be run with this tool on this part.
+    pub fn new(trial: &'a Trial, voxel: f64, replay: bool) -> Result<Self, SimulationError> {
         let tool = simulated_tool(&trial.tool);
         // Before the part is made: voxels far wider than the scan's pixels take long.
-        Process::check_voxel(voxel, &tool).map_err(|error| TwinError::Pass { pass: 1, error })?;
+        Process::check_voxel(voxel, &tool).map_err(|error| SimulationError::Pass { pass: 1, error })?;
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
         let (mut part, _) = BrickGrid::from_heights(&trial.scans.before, &options)?;
         if let Some(material) = &trial.scans.material {
@@ -160,17 +160,17 @@ impl<'a> Twin<'a> {
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = controller(trial, replay);
             let logged = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
-            let path =
-                path(&logged, trial, &tool, controller).map_err(|error| TwinError::Path { pass: i + 1, error })?;
+            let path = path(&logged, trial, &tool, controller)
+                .map_err(|error| SimulationError::Path { pass: i + 1, error })?;
             let approach = logged.contact.map_or(0.0, |contact| contact.start);
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             let process = process(pass, trial, controller);
-            process.check(&part, &tool).map_err(|error| TwinError::Pass { pass: i + 1, error })?;
+            process.check(&part, &tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
             passes.push(Planned { path, process, approach, rest });
         }
         let steps: f64 = passes.iter().map(|planned| planned.process.expected_steps(&planned.path, voxel)).sum();
         if steps > MOST_STEPS {
-            return Err(TwinError::TooLong { steps });
+            return Err(SimulationError::TooLong { steps });
         }
         Ok(Self { trial, part, covariates: false, replay, device: None, clock: None, tool, passes })
     }
@@ -205,28 +205,28 @@ impl<'a> Twin<'a> {
     /// Simulates all passes with a tool that remembers `states`. Returns the passes and the part after them.
     ///
     /// # Errors
-    /// [`TwinError`] when a pass fails.
+    /// [`SimulationError`] when a pass fails.
     pub fn run(
         &self,
         model: &CompiledModel,
         states: &mut States,
         first_row: usize,
         progress: &mut dyn FnMut(usize, Progress),
-    ) -> Result<(Vec<SimulatedPass>, BrickGrid), TwinError> {
+    ) -> Result<(Vec<SimulatedPass>, BrickGrid), SimulationError> {
         self.run_first(self.passes.len(), model, (states, first_row), progress)
     }
 
-    /// As [`Twin::run`], but only the first passes.
+    /// As [`Simulation::run`], but only the first passes.
     ///
     /// # Errors
-    /// [`TwinError`] when a pass fails.
+    /// [`SimulationError`] when a pass fails.
     pub fn run_first(
         &self,
         passes: usize,
         model: &CompiledModel,
         (states, first_row): (&mut States, usize),
         progress: &mut dyn FnMut(usize, Progress),
-    ) -> Result<(Vec<SimulatedPass>, BrickGrid), TwinError> {
+    ) -> Result<(Vec<SimulatedPass>, BrickGrid), SimulationError> {
         let mut state = self.start(model, states.clone(), first_row);
         let each = (0..passes).map(|pass| self.run_pass(model, &mut state, &mut |at| progress(pass, at)));
         let passes = each.collect::<Result<_, _>>();
@@ -237,7 +237,7 @@ impl<'a> Twin<'a> {
     /// Simulates the next pass of a trial.
     ///
     /// # Errors
-    /// [`TwinError`] when it fails; `state` then holds the last good one.
+    /// [`SimulationError`] when it fails; `state` then holds the last good one.
     ///
     /// # Panics
     /// If all passes are done.
@@ -246,7 +246,7 @@ impl<'a> Twin<'a> {
         model: &CompiledModel,
         state: &mut TrialState,
         progress: &mut dyn FnMut(Progress),
-    ) -> Result<SimulatedPass, TwinError> {
+    ) -> Result<SimulatedPass, SimulationError> {
         let pixels = &self.trial.scans.before.pixels;
         let covariates = self.covariates.then(|| RefCell::new(Covariates::over(pixels, state.part.voxel)));
         let pass = sim::Pass { covariates: covariates.as_ref(), ..self.next_pass(model, state) };
@@ -254,9 +254,9 @@ impl<'a> Twin<'a> {
         let number = pass.number;
         let record = match self.device {
             Some(device) => sim::gpu::run_pass(device, &mut state.part, pass, &mut state.tool, progress)
-                .map_err(|error| TwinError::Device { pass: number, error })?,
+                .map_err(|error| SimulationError::Device { pass: number, error })?,
             None => run_pass(&mut state.part, pass, &mut state.tool, progress)
-                .map_err(|error| TwinError::Pass { pass: number, error })?,
+                .map_err(|error| SimulationError::Pass { pass: number, error })?,
         };
         self.count(state);
         let seen = self.seen(model, state, record)?;
@@ -277,9 +277,9 @@ impl<'a> Twin<'a> {
     }
 
     /// The pause before a pass.
-    fn rest(&self, pass: &sim::Pass, tool: &mut States) -> Result<(), TwinError> {
+    fn rest(&self, pass: &sim::Pass, tool: &mut States) -> Result<(), SimulationError> {
         let rest = self.passes[pass.number - 1].rest;
-        sim::rest(pass, tool, rest).map_err(|error| TwinError::Rest { pass: pass.number, error })
+        sim::rest(pass, tool, rest).map_err(|error| SimulationError::Rest { pass: pass.number, error })
     }
 
     /// Counts a pass that is done.
@@ -300,17 +300,17 @@ impl<'a> Twin<'a> {
     /// The last pass of a state, with its scan.
     ///
     /// # Errors
-    /// [`TwinError::Scan`] when a formula of the scanner fails.
+    /// [`SimulationError::Scan`] when a formula of the scanner fails.
     pub fn seen(
         &self,
         model: &CompiledModel,
         state: &TrialState,
         record: PassRecord,
-    ) -> Result<SimulatedPass, TwinError> {
+    ) -> Result<SimulatedPass, SimulationError> {
         let like = &self.trial.passes[state.passes - 1].scan;
         let rows = (state.passes, state.first_row + state.passes - 1);
         let surface = SeenSurface::of(&state.part, (self.trial.scans.before.pixels, like), model, rows);
-        let scan = surface.reported(model).map_err(|error| TwinError::Scan { pass: state.passes, error })?;
+        let scan = surface.reported(model).map_err(|error| SimulationError::Scan { pass: state.passes, error })?;
         let exposed_share = match &scan {
             PassScan::Exposure(mask) => Some(exposed_share(mask)),
             PassScan::Heights(_) => None,

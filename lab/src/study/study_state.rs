@@ -7,20 +7,20 @@ use effects::{CompiledModel, Library, Model};
 
 use super::calibrated::{CalibrationReport, bare_report, calibration_report};
 use super::conclusion::{suggestion, summary};
-use super::fill::{detectable, next_trial, suggested, suspects, waterfall};
 use super::measurements::Data;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
+use super::report_from_diagnosis::{detectable, next_trial, suggested, suspects, waterfall};
 use crate::study::StudyReport;
 use crate::{
     BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, MOST_EFFECTS,
-    Order, ParameterSummary, Suggestion, Told, Unfitted, Verdict, beginning, parameter_summary,
+    OnProgress, Order, ParameterSummary, Suggestion, Unfitted, Verdict, beginning, parameter_summary,
 };
 
 /// Error at which nothing more is searched [noise floors].
 const AT_FLOOR: f64 = 1.1;
 
 /// A study under way: its record, and what this run of the program has in memory of it.
-pub struct Course<'a> {
+pub struct StudyState<'a> {
     /// What is kept.
     pub record: StudyRecord,
     /// The model so far.
@@ -37,7 +37,7 @@ pub struct Course<'a> {
     unfitted: Vec<Unfitted>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> StudyState<'a> {
     /// A study that goes on from a record and a model, or begins with them.
     ///
     /// # Errors
@@ -62,7 +62,7 @@ impl<'a> Course<'a> {
     ///
     /// # Errors
     /// When a model cannot be simulated.
-    pub fn step(&mut self, told: Told) -> Result<Option<Done>> {
+    pub fn step(&mut self, told: OnProgress) -> Result<Option<Done>> {
         let Some(action) = self.record.next else { return Ok(None) };
         let outcome = match action {
             Action::Compare => self.compare()?,
@@ -94,7 +94,7 @@ impl<'a> Course<'a> {
     }
 
     /// Fits the model, unless a search of this run has done it together with the effect that it found.
-    fn calibrate(&mut self, told: Told) -> Result<String> {
+    fn calibrate(&mut self, told: OnProgress) -> Result<String> {
         self.fitted(told)?;
         let calibration = self.calibration.as_ref().expect("the model is fitted");
         let numbers = CalibrationSummary::new(self.data.evidence(), calibration, self.library)?;
@@ -130,7 +130,7 @@ impl<'a> Course<'a> {
     }
 
     /// Makes sure that the model and those that it grew from are fitted.
-    fn fitted(&mut self, told: Told) -> Result<()> {
+    fn fitted(&mut self, told: OnProgress) -> Result<()> {
         if self.calibration.as_ref().is_some_and(|c| c.steps.len() == 1 + self.model.effects.len()) {
             return Ok(());
         }
@@ -149,7 +149,7 @@ impl<'a> Course<'a> {
     }
 
     /// Searches for one effect that the model lacks.
-    fn diagnose(&mut self, told: Told) -> Result<String> {
+    fn diagnose(&mut self, told: OnProgress) -> Result<String> {
         self.fitted(&|_, _, _| {})?;
         let fit = self.calibration.as_ref().expect("the model is fitted").last().fit.clone();
         let search = (self.record.seed, told);

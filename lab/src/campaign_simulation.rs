@@ -6,7 +6,7 @@ use effects::{CompiledModel, Reset, RowCounts};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::twin::{SimulatedPass, Twin, TwinError};
+use crate::simulation::{SimulatedPass, Simulation, SimulationError};
 use trials::trial::Trial;
 
 /// Why a campaign cannot be simulated.
@@ -16,16 +16,16 @@ pub struct CampaignError {
     /// Name of the trial.
     pub trial: String,
     /// What is wrong with it.
-    pub error: TwinError,
+    pub error: SimulationError,
 }
 
 /// The trials of a campaign, ready to be simulated again and again.
-pub struct CampaignTwin<'a> {
+pub struct CampaignSimulation<'a> {
     /// In the order in which they were made.
-    pub trials: Vec<Twin<'a>>,
+    pub trials: Vec<Simulation<'a>>,
 }
 
-impl<'a> CampaignTwin<'a> {
+impl<'a> CampaignSimulation<'a> {
     /// Makes the parts and paths of all trials.
     ///
     /// - `voxel`: of the fields [m]; `None` takes the pitch of each trial's scan
@@ -33,16 +33,16 @@ impl<'a> CampaignTwin<'a> {
     /// # Errors
     /// The first trial whose scan makes no part or whose log is no path.
     pub fn new(trials: &'a [Trial], voxel: Option<f64>, replay: bool) -> Result<Self, CampaignError> {
-        let twin = |trial: &'a Trial| {
+        let simulation = |trial: &'a Trial| {
             let voxel = voxel.unwrap_or(trial.scans.before.pixels.pitch);
-            Twin::new(trial, voxel, replay).map_err(|error| CampaignError { trial: trial.name.clone(), error })
+            Simulation::new(trial, voxel, replay).map_err(|error| CampaignError { trial: trial.name.clone(), error })
         };
-        Ok(Self { trials: trials.par_iter().map(twin).collect::<Result<_, _>>()? })
+        Ok(Self { trials: trials.par_iter().map(simulation).collect::<Result<_, _>>()? })
     }
 
     /// Rows that a model needs which has a parameter for each pass or scan of the campaign.
     pub fn rows(&self) -> RowCounts {
-        let passes = self.trials.iter().map(|twin| twin.trial.passes.len()).sum();
+        let passes = self.trials.iter().map(|simulation| simulation.trial.passes.len()).sum();
         RowCounts { passes, scans: passes }
     }
 
@@ -52,11 +52,11 @@ impl<'a> CampaignTwin<'a> {
     /// # Errors
     /// The first trial that fails.
     pub fn run(&self, model: &CompiledModel) -> Result<Vec<Vec<SimulatedPass>>, CampaignError> {
-        let all: Vec<usize> = self.trials.iter().map(|twin| twin.trial.passes.len()).collect();
+        let all: Vec<usize> = self.trials.iter().map(|simulation| simulation.trial.passes.len()).collect();
         self.run_first(model, &all)
     }
 
-    /// As [`CampaignTwin::run`], but only the first passes of each trial.
+    /// As [`CampaignSimulation::run`], but only the first passes of each trial.
     ///
     /// - `passes`: how many of each trial
     ///
@@ -79,12 +79,12 @@ impl<'a> CampaignTwin<'a> {
         passes: &[usize],
         group: Range<usize>,
     ) -> Result<Vec<Vec<SimulatedPass>>, CampaignError> {
-        let mut tool = Twin::fresh_states(model);
-        let mut row = self.trials[..group.start].iter().map(|twin| twin.trial.passes.len()).sum();
-        let run = |(twin, passes): (&Twin, &usize)| {
-            let ran = twin.run_first(*passes, model, (&mut tool, row), &mut |_, _| {});
-            row += twin.trial.passes.len();
-            ran.map(|(passes, _)| passes).map_err(|error| CampaignError { trial: twin.trial.name.clone(), error })
+        let mut tool = Simulation::fresh_states(model);
+        let mut row = self.trials[..group.start].iter().map(|simulation| simulation.trial.passes.len()).sum();
+        let run = |(simulation, passes): (&Simulation, &usize)| {
+            let ran = simulation.run_first(*passes, model, (&mut tool, row), &mut |_, _| {});
+            row += simulation.trial.passes.len();
+            ran.map(|(passes, _)| passes).map_err(|error| CampaignError { trial: simulation.trial.name.clone(), error })
         };
         self.trials[group.clone()].iter().zip(&passes[group]).map(run).collect()
     }

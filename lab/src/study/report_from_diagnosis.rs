@@ -11,8 +11,8 @@ use walkdir::{DirEntry, WalkDir};
 
 use super::failures::{self, Failures};
 use super::maps::{self, Seen};
-use super::scan_tests;
-use super::shares::overlap;
+use super::residual_tests;
+use super::shapley::overlap;
 use super::simulated::Simulated;
 use super::waterfall::{Scans, Step};
 use crate::study::{
@@ -84,7 +84,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),
         verdict: verdict(summary.verdict),
         sentence: summary.sentence.clone(),
-        tests: scan_tests::reported(&filled.failures.tests),
+        tests: residual_tests::reported(&filled.failures.tests),
         waterfall,
         volumes: filled.volumes,
         scans: filled.scans,
@@ -168,8 +168,8 @@ pub(super) fn next_trial(next: &NextTrial) -> super::NextTrial {
     let steps =
         [("force", &next.force_n, "N"), ("feed", &next.feed_mm_s, "mm/s"), ("spindle speed", &next.spindle_rpm, "rpm")];
     let steps = steps.iter().filter(|(_, values, _)| !values.is_empty());
-    let (question, chance) = match &next.separates[..] {
-        [one, other] => (format!("Whether it is {one} or {other}."), Some(next.chance_right)),
+    let (question, probability_right) = match &next.separates[..] {
+        [one, other] => (format!("Whether it is {one} or {other}."), Some(next.probability_right)),
         tested => (format!("Whether {} predicts passes that no fit has seen.", tested.join(" and ")), None),
     };
     super::NextTrial {
@@ -177,7 +177,7 @@ pub(super) fn next_trial(next: &NextTrial) -> super::NextTrial {
         steps: steps.map(|(name, values, unit)| ((*name).to_owned(), format!("{} {unit}", list(values)))).collect(),
         settles: vec![question],
         leaves_open: Vec::new(),
-        chance,
+        probability_right,
     }
 }
 
@@ -248,7 +248,7 @@ pub(super) fn compared_scans(
         tool,
         passes: evidence.views.iter().enumerate().map(pass).collect(),
         pitch: Some(trial.scans.before.pixels.pitch),
-        voxel: evidence.twin.trials.first().map(|twin| twin.part.voxel),
+        voxel: evidence.simulation.trials.first().map(|simulation| simulation.part.voxel),
         blur: evidence.blur.filter(|blur| *blur > 0.0),
         method: METHOD.map(str::to_owned).to_vec(),
         ..named
@@ -302,7 +302,7 @@ fn unweighed(one: &Unfitted, searches: usize) -> super::Suspect {
         name: one.name.clone(),
         title: one.title.clone(),
         probability: 0.0,
-        gain: None,
+        delta_chi2: None,
         evaluation_before: None,
         evaluation_after: None,
         look_alikes: Vec::new(),
@@ -326,7 +326,7 @@ fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, u
         name: suspect.name.clone(),
         title: suspect.title.clone(),
         probability: suspect.probability,
-        gain: Some(suspect.gain),
+        delta_chi2: Some(suspect.delta_chi2),
         evaluation_before: suspect.evaluation_rms_um_before.map(|rms| rms * one),
         evaluation_after: suspect.evaluation_rms_um_after.map(|rms| rms * one),
         look_alikes: suspect.indistinguishable_from.clone(),

@@ -3,11 +3,11 @@
 use glam::{DVec3, IVec3, Vec3};
 use sdf_bake::grid::trilinear;
 
-use super::bundle::common_clear_length;
 use super::frame::Seen;
 use super::lanes::{LANES, Lanes, Points, any};
 use super::lockstep::Crossings;
 use super::padded::Cells;
+use super::ray_packet::common_clear_length;
 use super::rays::{Places, Rays, Wide};
 use super::scene::Stage;
 use super::surface::{LABEL_DEPTH, WeldCell, scalars_of};

@@ -18,7 +18,7 @@ use files::folder::StagedFolder;
 use files::json_file::write_json;
 use files::output::FolderKind;
 use files::sha256;
-use lab::twin::{SimulatedPass, TrialState, Twin, TwinError, exposed_share};
+use lab::simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
 use lab::{Origin, model_origin};
 use trials::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
 use trials::trial::{PassScan, ToolPath, Trial, exposure_csv, heights_csv};
@@ -28,7 +28,7 @@ pub const REHEARSAL_FILE: &str = "simulation.json";
 /// Files of a simulated trial beside its figures.
 const REHEARSAL_NAMES: &[&str] = &["after.nvdb", "pass*_log.csv", "pass*_after.csv", "pass*_exposed.csv"];
 /// The folder of a simulated trial.
-pub const REHEARSAL: FolderKind = FolderKind {
+pub const TRIAL_RUN: FolderKind = FolderKind {
     marker: REHEARSAL_FILE,
     key: "trial",
     names: &[("", REHEARSAL_NAMES), ("covariates/", &["pass*_*.csv"]), ("", STATE_NAMES)],
@@ -37,18 +37,18 @@ pub const REHEARSAL: FolderKind = FolderKind {
 const REHEARSAL_FORMAT: &str = "robofin-simulation/1";
 
 /// A simulated trial.
-pub struct Rehearsal {
+pub struct TrialRun {
     passes: Vec<SimulatedPass>,
     state: TrialState,
     /// Why it ended before its last pass.
-    pub stopped: Option<TwinError>,
+    pub stopped: Option<SimulationError>,
     /// Time simulated over time taken.
     pub real_time_factor: f64,
 }
 
 /// `simulation.json`, and most of the answer of `simulate --json`.
 #[derive(Clone, Debug, Serialize)]
-pub struct RehearsalSummary {
+pub struct TrialRunSummary {
     format: &'static str,
     version: &'static str,
     trial: String,
@@ -77,66 +77,66 @@ pub struct RehearsalSummary {
     stopped: Option<String>,
 }
 
-impl Rehearsal {
+impl TrialRun {
     /// Simulates a trial with a fresh tool, or what is left of it after an earlier state.
     ///
     /// - `folder`: where the states are written that `keeping` asks for
     ///
     /// # Errors
     /// When a state cannot be read or written, or was made by another trial or model. A pass that fails is no error:
-    /// [`Rehearsal::stopped`] tells of it.
+    /// [`TrialRun::stopped`] tells of it.
     pub fn run(
-        twin: &Twin,
+        simulation: &Simulation,
         model: &CompiledModel,
         (keeping, folder): (&Keeping, &Path),
         console: &Console,
     ) -> Result<Self> {
-        let state = twin.start(model, Twin::fresh_states(model), 0);
-        let mut rehearsal = Self { passes: Vec::new(), state, stopped: None, real_time_factor: 0.0 };
+        let state = simulation.start(model, Simulation::fresh_states(model), 0);
+        let mut trial_run = Self { passes: Vec::new(), state, stopped: None, real_time_factor: 0.0 };
         if let Some(resume) = &keeping.resume {
-            rehearsal.put_back(twin, model, resume)?;
+            trial_run.put_back(simulation, model, resume)?;
             console.step("resumed", format!("after pass {} of {}", resume.passes, resume.folder.display()));
         }
-        let first = rehearsal.passes.len();
+        let first = trial_run.passes.len();
         keeping.copy_earlier(folder)?;
         let started = Instant::now();
-        for pass in first..twin.trial.passes.len() {
+        for pass in first..simulation.trial.passes.len() {
             let bar = console.bar(&format!("pass {}", pass + 1), 100);
             let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
-            let ran = twin.run_pass(model, &mut rehearsal.state, &mut show);
+            let ran = simulation.run_pass(model, &mut trial_run.state, &mut show);
             bar.finish_and_clear();
             match ran {
-                Ok(ran) => rehearsal.passes.push(ran),
+                Ok(ran) => trial_run.passes.push(ran),
                 Err(error) => {
-                    rehearsal.stopped = Some(error);
+                    trial_run.stopped = Some(error);
                     break;
                 }
             }
             if keeping.snapshots {
-                rehearsal.keep(twin, model, folder)?;
+                trial_run.keep(simulation, model, folder)?;
             }
         }
-        rehearsal.real_time_factor = twin.duration(first) / started.elapsed().as_secs_f64();
-        Ok(rehearsal)
+        trial_run.real_time_factor = simulation.duration(first) / started.elapsed().as_secs_f64();
+        Ok(trial_run)
     }
 
     /// Reads all passes up to a state of an earlier run.
-    fn put_back(&mut self, twin: &Twin, model: &CompiledModel, resume: &Resume) -> Result<()> {
+    fn put_back(&mut self, simulation: &Simulation, model: &CompiledModel, resume: &Resume) -> Result<()> {
         for pass in 1..=resume.passes {
             let Snapshot { part, tool, trial_time, record } =
-                snapshot::read(&resume.folder, pass, model, &origin(twin, model, pass))?;
+                snapshot::read(&resume.folder, pass, model, &origin(simulation, model, pass))?;
             self.state = TrialState { part, tool, passes: pass, trial_time, first_row: self.state.first_row };
-            self.passes.push(twin.seen(model, &self.state, record)?);
+            self.passes.push(simulation.seen(model, &self.state, record)?);
         }
         Ok(())
     }
 
     /// Writes the state after the last pass.
-    fn keep(&self, twin: &Twin, model: &CompiledModel, folder: &Path) -> Result<()> {
+    fn keep(&self, simulation: &Simulation, model: &CompiledModel, folder: &Path) -> Result<()> {
         let TrialState { part, tool, passes, trial_time, .. } = self.state.clone();
         let record = self.passes[passes - 1].record.clone();
         let state = Snapshot { part, tool, trial_time, record };
-        snapshot::write(folder, passes, &state, origin(twin, model, passes))
+        snapshot::write(folder, passes, &state, origin(simulation, model, passes))
     }
 
     /// Passes that were done.
@@ -145,7 +145,7 @@ impl Rehearsal {
     }
 
     /// The figures of the run; they do not depend on the machine.
-    pub fn summary(&self, trial: &Trial, model: &CompiledModel) -> RehearsalSummary {
+    pub fn summary(&self, trial: &Trial, model: &CompiledModel) -> TrialRunSummary {
         let each = |figure: fn(&SimulatedPass) -> f64| self.passes.iter().map(figure).collect();
         let clean = |map| despiked(map).0;
         let repeat = trial.scans.repeats.first().map(clean);
@@ -154,7 +154,7 @@ impl Rehearsal {
             PassScan::Exposure(mask) => Some(exposed_share(mask)),
             PassScan::Heights(_) => None,
         });
-        RehearsalSummary {
+        TrialRunSummary {
             format: REHEARSAL_FORMAT,
             version: env!("CARGO_PKG_VERSION"),
             trial: trial.name.clone(),
@@ -182,7 +182,7 @@ impl Rehearsal {
     /// When a file cannot be written.
     pub fn write(
         &self,
-        summary: &RehearsalSummary,
+        summary: &TrialRunSummary,
         trial: &Trial,
         staged: StagedFolder,
         console: &Console,
@@ -209,7 +209,7 @@ impl Rehearsal {
     }
 
     /// The figures of each pass, for people.
-    pub fn describe(&self, summary: &RehearsalSummary, console: &Console) {
+    pub fn describe(&self, summary: &TrialRunSummary, console: &Console) {
         for (i, pass) in self.passes.iter().enumerate() {
             let mut text = match pass.exposed_share {
                 Some(share) => format!(
@@ -252,8 +252,8 @@ pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Opti
 }
 
 /// All that the state after so many passes of a trial depends on.
-fn origin(twin: &Twin, model: &CompiledModel, passes: usize) -> Origin {
-    let trial = twin.trial;
+fn origin(simulation: &Simulation, model: &CompiledModel, passes: usize) -> Origin {
+    let trial = simulation.trial;
     // The shortest text that reads back as the same number stands for every number.
     let content = |value: &dyn std::fmt::Debug| sha256(format!("{value:?}").as_bytes());
     let mut origin = model_origin(model);
@@ -261,9 +261,9 @@ fn origin(twin: &Twin, model: &CompiledModel, passes: usize) -> Origin {
     add("trial".into(), trial.name.clone());
     add("tool".into(), format!("{:?}, fresh: {}", trial.tool, trial.fresh));
     add("controller".into(), format!("{:?}", trial.controller));
-    add("replay".into(), twin.replay.to_string());
+    add("replay".into(), simulation.replay.to_string());
     add("coating".into(), format!("{:?}", trial.coating));
-    add("voxel".into(), format!("{:?} m", twin.part.voxel));
+    add("voxel".into(), format!("{:?} m", simulation.part.voxel));
     add("scan before".into(), content(&trial.scans.before));
     add("material map".into(), content(&trial.scans.material));
     for (i, pass) in trial.passes[..passes].iter().enumerate() {
