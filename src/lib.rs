@@ -11,7 +11,7 @@
 //! 5. [`paths`] plans tool paths; [`trials`] reads measurements, [`trial_run`] simulates them ([`snapshot`], [`batch`]).
 //! 6. [`virtual_lab`] makes virtual experiments with hidden effects, and the answers.
 //! 7. [`lab`] fits a model to measurements and finds what it lacks; [`lab::study`] is the whole course, and
-//!    [`report::study`] its page; [`benchmark`] counts how often it is right. [`sealed_example`] is a sealed example to try it on.
+//!    [`report::study`] its page; [`benchmark`] counts how often it is right, and [`sealed_example`] is there to try it on.
 //! 8. [`validate`] opens what was written and compares its files with each other.
 //!
 //! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints. `ARCHITECTURE.md` has the

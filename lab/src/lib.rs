@@ -2,8 +2,8 @@
 //!
 //! The method in ten steps, each with its files:
 //!
-//! 1. [`simulation`] simulates a trial as it was logged, [`campaign_simulation`] all trials in order; [`scanner`] reads the result as
-//!    the instrument does.
+//! 1. [`simulation`] runs a trial as it was logged, [`campaign_simulation`] all trials in order; [`scanner`] reads the
+//!    result as the instrument does.
 //! 2. `height_view`, `exposure_view` and `rows` make data of scans, masks and tables; `tiles` cuts scans up.
 //! 3. `covariance` whitens residuals: noise, and each scan's free pose; `blur` fits the instrument.
 //! 4. `fit` varies the parameters (`coordinates`, `derivatives`); `staged` fits the rate first.
