@@ -25,7 +25,7 @@ use crate::picture::{grinding, to_png};
 use crate::snapshot::{Keeping, STATE_NAMES};
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::{Origin, model_origin};
+use lab::{Origin, identity, model_origin};
 use passes::{Done, run_passes};
 
 /// Name of the result file in a grinding folder.
@@ -203,7 +203,7 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
 fn origin(asset_sha256: &str, (wheel, plan): (&Wheel, Plan), model: &CompiledModel) -> Origin {
     let mut origin = model_origin(model);
     origin.insert("asset".into(), asset_sha256.to_owned());
-    origin.insert("wheel".into(), format!("{wheel:?}"));
+    origin.insert("wheel".into(), identity(wheel));
     origin.insert("force setpoint".into(), format!("{:?} N", plan.force_setpoint));
     origin.insert("feed".into(), format!("{:?} m/s", plan.feed));
     origin

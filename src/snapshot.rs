@@ -21,7 +21,7 @@ use files::sha256;
 use lab::Origin;
 
 /// Value of the `format` key.
-const STATE_FORMAT: &str = "robofin-state/1";
+const STATE_FORMAT: &str = "robofin-state/2";
 
 /// Files of states in a result folder.
 pub const STATE_NAMES: &[&str] = &["state-*.nvdb", "state-*.json"];

@@ -17,9 +17,9 @@ use crate::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
 use files::folder::StagedFolder;
 use files::json_file::write_json;
 use files::output::FolderKind;
-use files::sha256;
+
 use lab::simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
-use lab::{Origin, model_origin};
+use lab::{Origin, identity, model_origin};
 use trials::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
 use trials::trial::{PassScan, ToolPath, Trial, exposure_csv, heights_csv};
 
@@ -254,20 +254,18 @@ pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Opti
 /// All that the state after so many passes of a trial depends on.
 fn origin(simulation: &Simulation, model: &CompiledModel, passes: usize) -> Origin {
     let trial = simulation.trial;
-    // The shortest text that reads back as the same number stands for every number.
-    let content = |value: &dyn std::fmt::Debug| sha256(format!("{value:?}").as_bytes());
     let mut origin = model_origin(model);
     let mut add = |name: String, value: String| origin.insert(name, value);
     add("trial".into(), trial.name.clone());
-    add("tool".into(), format!("{:?}, fresh: {}", trial.tool, trial.fresh));
-    add("controller".into(), format!("{:?}", trial.controller));
+    add("tool".into(), identity(&(trial.tool, trial.fresh)));
+    add("controller".into(), identity(&trial.controller));
     add("replay".into(), simulation.replay.to_string());
-    add("coating".into(), format!("{:?}", trial.coating));
+    add("coating".into(), identity(&trial.coating));
     add("voxel".into(), format!("{:?} m", simulation.part.voxel));
-    add("scan before".into(), content(&trial.scans.before));
-    add("material map".into(), content(&trial.scans.material));
+    add("scan before".into(), identity(&trial.scans.before));
+    add("material map".into(), identity(&trial.scans.material));
     for (i, pass) in trial.passes[..passes].iter().enumerate() {
-        add(format!("log of pass {}", i + 1), content(&pass.log));
+        add(format!("log of pass {}", i + 1), identity(&pass.log));
         add(format!("force setpoint of pass {}", i + 1), format!("{:?} N", pass.force_setpoint));
         add(format!("spindle speed of pass {}", i + 1), format!("{:?} rad/s", pass.spindle_speed));
     }

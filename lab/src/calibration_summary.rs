@@ -149,7 +149,7 @@ fn correlations(fit: &Fit) -> Vec<Correlation> {
 }
 
 fn remark(parameter: &ParameterSummary) -> Option<String> {
-    let note = parameter.note.as_ref()?;
+    let note = parameter.state.words()?;
     Some(match parameter.interval {
         None => format!("{} is {note}: any value of its range describes them about as well", parameter.name),
         Some(_) => format!(

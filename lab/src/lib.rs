@@ -79,7 +79,7 @@ pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
 pub use height_view::HeightView;
-pub use model_origin::{Origin, model_origin};
+pub use model_origin::{Origin, identity, model_origin};
 pub use next_row::{next_row, separating_row, testing_row};
 pub use next_trial::{NextTrial, next_trial, separating_trial, testing_trial};
 pub use pass_trend::{PassTrend, trend_of_rows, trend_of_scans};
@@ -91,7 +91,9 @@ pub use screen::Screened;
 pub use spline::spline_columns;
 pub use staged::Staged;
 pub use structure::{ResidualGrid, SharedTiles, StructureTest, structure_tests};
-pub use summary::{BASE_STEP, DiagnosisSummary, EffectSummary, ParameterSummary, WaterfallStep, parameter_summary};
+pub use summary::{
+    BASE_STEP, DiagnosisSummary, EffectSummary, ParameterState, ParameterSummary, WaterfallStep, parameter_summary,
+};
 pub use suspect::{Suspect, suspects};
 pub use tiles::{TileGrid, Tiles};
 pub use totals::{Total, Totals};

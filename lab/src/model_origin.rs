@@ -3,10 +3,20 @@
 use std::collections::BTreeMap;
 
 use effects::CompiledModel;
+use effects::page::EffectAnswer;
 use files::sha256;
+use serde::Serialize;
 
 /// All that a result depends on: each input by name, with its value or its SHA-256.
 pub type Origin = BTreeMap<String, String>;
+
+/// The SHA-256 of a value by its keys and values as JSON.
+///
+/// # Panics
+/// When the value has no form in JSON, which is a bug of its type.
+pub fn identity(value: &impl Serialize) -> String {
+    sha256(&serde_json::to_vec(value).expect("a value with a form in JSON"))
+}
 
 /// The inputs that a model contributes: its process, every parameter, and the formulas of every law and effect.
 pub fn model_origin(model: &CompiledModel) -> Origin {
@@ -15,7 +25,7 @@ pub fn model_origin(model: &CompiledModel) -> Origin {
         origin.insert(format!("model parameter {}", slot.name()), format!("{value:?} (SI)"));
     }
     for effect in model.effects() {
-        origin.insert(format!("formulas of {}", effect.name), sha256(format!("{effect:?}").as_bytes()));
+        origin.insert(format!("formulas of {}", effect.name), identity(&EffectAnswer::new(effect)));
     }
     origin
 }

@@ -29,8 +29,34 @@ pub struct ParameterSummary {
     pub interval: Option<[f64; 2]>,
     /// Unit.
     pub unit: String,
-    /// What is to be known of it: on a bound, not identifiable.
-    pub note: Option<String>,
+    /// How far the data determine it.
+    pub state: ParameterState,
+}
+
+/// How far data determine a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ParameterState {
+    /// Its interval is narrower than half of its range.
+    Identifiable,
+    /// The best value lies on the least one that is accepted.
+    OnLeast,
+    /// The best value lies on the greatest one that is accepted.
+    OnGreatest,
+    /// Its interval is wider than half of its range.
+    NotIdentifiable,
+}
+
+impl ParameterState {
+    /// In words; nothing of an identifiable one.
+    pub fn words(self) -> Option<&'static str> {
+        match self {
+            Self::Identifiable => None,
+            Self::OnLeast => Some("on its least value"),
+            Self::OnGreatest => Some("on its greatest value"),
+            Self::NotIdentifiable => Some("not identifiable from these data"),
+        }
+    }
 }
 
 /// An effect that was found, or may stand for it.
@@ -128,19 +154,18 @@ pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
     let wide = !estimate.sigma.is_finite() || estimate.sigma * INTERVAL > 0.5 * (greatest - least);
     let end =
         |sign: f64| slot.unit.from_si(coordinate.value(coordinate.clamped(at + sign * INTERVAL * estimate.sigma)));
-    let note = match (wide, estimate.bound) {
-        (true, _) => Some("not identifiable from these data".to_owned()),
-        (false, Some(bound)) => {
-            Some(format!("on its {} value", if bound == super::Bound::Least { "least" } else { "greatest" }))
-        }
-        (false, None) => None,
+    let state = match (wide, estimate.bound) {
+        (true, _) => ParameterState::NotIdentifiable,
+        (false, Some(super::Bound::Least)) => ParameterState::OnLeast,
+        (false, Some(_)) => ParameterState::OnGreatest,
+        (false, None) => ParameterState::Identifiable,
     };
     ParameterSummary {
         name: slot.name(),
         value: slot.unit.from_si(estimate.value),
         interval: (!wide).then(|| [end(-1.0), end(1.0)]),
         unit: slot.unit_text.clone(),
-        note,
+        state,
     }
 }
 
@@ -150,8 +175,8 @@ impl ParameterSummary {
         let interval = self
             .interval
             .map_or(String::new(), |[low, high]| format!(", 95 % from {} to {}", significant(low), significant(high)));
-        let note = self.note.as_ref().map_or(String::new(), |note| format!(", {note}"));
-        format!("{} = {}{interval}{note}", self.name, self.quantity())
+        let state = self.state.words().map_or(String::new(), |words| format!(", {words}"));
+        format!("{} = {}{interval}{state}", self.name, self.quantity())
     }
 
     /// The value with its unit.

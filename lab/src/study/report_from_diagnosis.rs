@@ -19,8 +19,8 @@ use crate::study::{
     Compared, ComparedPass, Digest, Misfit, Provenance, Stated, StudyReport, SuggestedEffect, Waterfall, WaterfallStep,
 };
 use crate::{
-    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterSummary, RowEvidence,
-    ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
+    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterState, ParameterSummary,
+    RowEvidence, ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
 };
 use files::output::holds_results;
 use trials::measure::Registration;
@@ -335,14 +335,13 @@ fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, u
 }
 
 pub(super) fn parameter(parameter: &ParameterSummary) -> super::ParameterEstimate {
-    let note = parameter.note.as_deref().unwrap_or_default();
     super::ParameterEstimate {
         name: parameter.name.clone(),
         unit: Stated::new(&parameter.unit, 1.0),
         value: parameter.value,
         interval: parameter.interval,
-        on_bound: note.starts_with("on its"),
-        identifiable: !note.starts_with("not"),
+        on_bound: matches!(parameter.state, ParameterState::OnLeast | ParameterState::OnGreatest),
+        identifiable: parameter.state != ParameterState::NotIdentifiable,
         fixed: false,
     }
 }

@@ -69,7 +69,7 @@ impl PixelGrid {
 }
 
 /// Heights on a pixel grid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HeightMap {
     /// Where the pixels lie.
     pub pixels: PixelGrid,

@@ -4,6 +4,7 @@ use files::input::quoted_names;
 use std::path::Path;
 
 use glam::DVec3;
+use serde::Serialize;
 
 use super::error::{Place, TrialError};
 use super::scan::Read;
@@ -22,7 +23,7 @@ const KNOWN_COLUMNS: [&str; 10] =
 pub const RPM: f64 = std::f64::consts::TAU / 60.0;
 
 /// One row of a log.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogRow {
     /// Time as the controller's clock says [s].
     pub time: f64,
@@ -37,7 +38,7 @@ pub struct LogRow {
 }
 
 /// A column that the format does not know, kept as a covariate.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Covariate {
     /// Name in the file's header.
     pub name: String,
@@ -46,7 +47,7 @@ pub struct Covariate {
 }
 
 /// A whole log; times increase strictly.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Log {
     /// Rows in order of time.
     pub rows: Vec<LogRow>,

@@ -23,6 +23,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 use sdf_bake::HeightMap;
+use serde::Serialize;
 
 pub use campaign::Campaign;
 pub use error::{Place, TrialError};
@@ -36,7 +37,7 @@ pub(crate) use table::{Row as TextRow, Table as TextTable};
 pub use write::{exposure_csv, heights_csv, labels_csv, log_csv, write_trial};
 
 /// The tool's shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Tool {
     /// A cylinder that turns about its axis.
     Wheel {
@@ -65,7 +66,7 @@ impl Tool {
 }
 
 /// What held the force.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Controller {
     /// `mass · z'' = (F - setpoint) - damping · z'`.
     Admittance {

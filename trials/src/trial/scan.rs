@@ -5,6 +5,7 @@ use std::path::Path;
 use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec2;
 use sdf_bake::{HeightMap, PixelGrid};
+use serde::Serialize;
 
 use super::error::{Place, TrialError};
 use super::height_csv::Grid;
@@ -52,7 +53,7 @@ pub struct ExposureMask {
 }
 
 /// A label for each pixel: 0 base metal, 1 weld metal.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LabelMap {
     /// Where the pixels lie.
     pub pixels: PixelGrid,
