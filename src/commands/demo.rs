@@ -84,12 +84,19 @@ struct DemoAnswer<'a> {
     study: Opened,
 }
 
+/// Takes a study to its end.
+type Search<'a> = &'a dyn Fn(&mut StudyState) -> Result<()>;
+
 pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
+    make(args, &|course| super::study::advance(course, false, &|_| Ok(()), console), console)
+}
+
+fn make(args: &DemoArgs, search: Search, console: &Console) -> Result<()> {
     let started = Instant::now();
     let out = args.out.clone().unwrap_or_else(first_free);
     let folder = StagedFolder::new(&Out { place: &out, force: args.force, inputs: &[] }, &DEMO)?;
     let ground = weld_and_grind(args, folder.path(), console)?;
-    let study = study(&folder.path().join(STUDY_FOLDER), console)?;
+    let study = study(&folder.path().join(STUDY_FOLDER), search, console)?;
     let seconds = started.elapsed().as_secs_f64();
     let answer = DemoAnswer {
         out: &out,
@@ -133,7 +140,7 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
 }
 
 /// Studies the bundled sealed example to the end, then opens its seal.
-fn study(folder: &Path, console: &Console) -> Result<Opened> {
+fn study(folder: &Path, search: Search, console: &Console) -> Result<Opened> {
     let (campaign, key) = (folder.join(EXAMPLE_NAME), folder.join(format!("{EXAMPLE_NAME}.key")));
     unpack(&campaign, &key)?;
     let library = Library::builtin();
@@ -143,7 +150,7 @@ fn study(folder: &Path, console: &Console) -> Result<Opened> {
     let model = Model::new(data.evidence().process());
     let record = StudyRecord::new(inputs_sha256(&campaign)?, STUDY_SEED);
     let mut course = StudyState::new(data, library, model, record)?;
-    super::study::advance(&mut course, false, &|_| Ok(()), console)?;
+    search(&mut course)?;
     let report = super::study::write_files(&mut course, folder, library, console)?;
     let (opened, sealed) = open(&campaign, &key, &course)?;
     fs::write(folder.join("story.svg"), story(&report, &sealed))?;
@@ -178,7 +185,45 @@ fn first_free() -> PathBuf {
 
 #[cfg(test)]
 mod tests {
+    use files::json_file::read_json;
+    use lab::Verdict;
+    use serde_json::Value;
+
     use super::*;
+
+    #[test]
+    fn the_demo_runs_from_the_part_to_the_opened_seal() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let out = place.path().join("demo");
+        let args = DemoArgs { out: Some(out.clone()), force: false, seed: DEFAULT_SEED, usd: UsdMode::Off };
+        // A search of minutes is cut short: it compares, and finds nothing.
+        let search = |course: &mut StudyState| {
+            course.step(&|_, _, _| {})?;
+            course.record.verdict = Some(Verdict::NothingMissing);
+            Ok(())
+        };
+        make(&args, &search, &Console::silent()).expect("a whole demo");
+        for file in [PAGE_FILE, "asset/asset.json", "grind/ground.nvdb", "study/report.html", "study/story.svg"] {
+            assert!(out.join(file).is_file(), "{file}");
+        }
+        let answer: Value = read_json(&out.join(DEMO_FILE), "the figures of a demo").expect("figures");
+        let [field, law] = ["removed_mm3", "removed_by_law_mm3"].map(|key| {
+            answer["grind"][key]
+                .as_array()
+                .expect("a volume of each pass")
+                .iter()
+                .filter_map(Value::as_f64)
+                .sum::<f64>()
+        });
+        assert!(field > 1.0 && (law / field - 1.0).abs() < 0.05, "{field} and {law} mm³");
+        let opened = &answer["study"];
+        assert!(opened["hidden"] == serde_json::json!(["grit-dulling"]) && opened["is_right"] == false, "{opened}");
+        assert_eq!(opened["measurements_unchanged"], true);
+        let left: Vec<_> =
+            fs::read_dir(place.path()).expect("the folder").map(|e| e.expect("an entry").path()).collect();
+        assert_eq!(left, [out], "nothing is left over");
+        assert!(make(&args, &|_| panic!("no work is begun"), &Console::silent()).is_err(), "the place is taken");
+    }
 
     #[test]
     fn the_demo_welds_the_foot_of_the_gusset_from_above() {
