@@ -3,8 +3,8 @@
 
 use sdf_bake::HeightMap;
 
-/// Change of height [m] from which a pixel counts as changed.
-const CHANGED: f64 = 2e-6;
+use crate::criteria::CHANGED_HEIGHT;
+
 /// Reach of the Gaussian [standard deviations].
 const REACH: f64 = 3.0;
 
@@ -18,7 +18,7 @@ pub fn blurred(simulated: &HeightMap, before: &HeightMap, blur: f64) -> HeightMa
         return seen;
     }
     let size = [simulated.pixels.nx, simulated.pixels.ny];
-    let change = |(a, b): (&f64, &f64)| f64::from((a - b).abs() > CHANGED);
+    let change = |(a, b): (&f64, &f64)| f64::from((a - b).abs() > CHANGED_HEIGHT);
     let changed: Vec<f64> = simulated.heights.iter().zip(&before.heights).map(change).collect();
     let touched = spread(&changed, size, &vec![1.0; kernel.reach + 1]);
     let known = |height: &f64| f64::from(height.is_finite());

@@ -7,9 +7,7 @@ use super::error::Result;
 use super::evidence::Evidence;
 use super::fit::{Fit, FitOptions};
 use super::scans::ScanEvidence;
-
-/// Misfit from which a fit is begun again beside where it ended [sum of squares per datum].
-const MISFIT: f64 = 2.0;
+use crate::criteria::RESTART_CHI2_PER_DATUM;
 
 /// Fits the free parameters of a model to the calibration data. A model that lacks something may leave a landscape of several
 /// valleys: where much is left, the fit is begun again from both sides of where it ended, and the best is taken.
@@ -20,7 +18,7 @@ pub fn calibrate(evidence: &dyn Evidence, model: &Model, library: &Library) -> R
     let compiled = CompiledModel::new(model, library, evidence.rows())?;
     let coordinates = evidence.coordinates(&compiled);
     let first = Fit::new(evidence, &compiled, coordinates, FitOptions::default())?;
-    if first.chi2 <= MISFIT * first.residuals.len() as f64 {
+    if first.chi2 <= RESTART_CHI2_PER_DATUM * first.residuals.len() as f64 {
         return Ok(first);
     }
     let again = |place: &Vec<f64>| first.begun_at(evidence, place, FitOptions::default()).ok();

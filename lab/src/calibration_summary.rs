@@ -8,9 +8,7 @@ use super::evidence::{ErrorUnit, EvidenceError, Split};
 use super::fit::Fit;
 use super::summary::{ParameterSummary, WaterfallStep, floor_of, parameter_summary, rms, step};
 use super::totals::{Total, Totals};
-
-/// Size of a correlation that is put into words.
-const STRONG: f64 = 0.95;
+use crate::criteria::{CriterionValues, STRONG_CORRELATION};
 
 /// How two parameters' errors go together.
 #[derive(Clone, Debug, Serialize)]
@@ -55,6 +53,8 @@ pub struct CalibrationSummary {
     pub correlations: Vec<Correlation>,
     /// What is to be known of them, one sentence each.
     pub remarks: Vec<String>,
+    /// The numbers behind all decisions, by name.
+    pub criteria: CriterionValues,
 }
 
 /// Steps of the waterfall before any fit, and the noise floors of calibration and evaluation passes.
@@ -108,6 +108,7 @@ impl CalibrationSummary {
             parameters,
             correlations,
             remarks,
+            criteria: CriterionValues,
         })
     }
 }
@@ -160,7 +161,8 @@ fn remark(parameter: &ParameterSummary) -> Option<String> {
 }
 
 fn in_words(correlation: &Correlation) -> Option<String> {
-    let (value, [one, other]) = (correlation.value.filter(|value| value.abs() >= STRONG)?, &correlation.between);
+    let (value, [one, other]) =
+        (correlation.value.filter(|value| value.abs() >= STRONG_CORRELATION)?, &correlation.between);
     Some(format!(
         "{one} and {other} go together (correlation {value:+.2}): the data fix one combination of them far better than either"
     ))

@@ -2,8 +2,7 @@
 
 use effects::{CompiledModel, ParameterSlot, Scale};
 
-/// Shortest way from a bound at which a value counts as lying on it, as a share of the range.
-const ON_BOUND: f64 = 1e-3;
+use crate::criteria::BOUND_SHARE;
 
 /// A parameter as a fit varies it: the logarithm of its value, or its value over the width of its range.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +60,7 @@ impl Coordinate {
     /// The bound on which a coordinate lies.
     pub fn bound(&self, at: f64) -> Option<Bound> {
         let [least, greatest] = self.bounds();
-        let near = ON_BOUND * (greatest - least);
+        let near = BOUND_SHARE * (greatest - least);
         if at <= least + near {
             return Some(Bound::Least);
         }

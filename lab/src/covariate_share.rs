@@ -9,22 +9,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::spline::spline_columns;
+use crate::criteria::{
+    COVARIATE_BAND_DRAWS, COVARIATE_BAND_HIGH, COVARIATE_BAND_LOW, COVARIATE_BIN_LEAST, COVARIATE_BINS,
+    COVARIATE_DATA_LEAST, COVARIATE_DRAWS, COVARIATE_RIDGE, ROW_PIECE_LENGTH,
+};
 use random::Stream;
-
-/// Draws of shifted maps, and of blocks for the bands.
-const DRAWS: usize = 499;
-const BAND_DRAWS: usize = 400;
-/// Bins of a plot at most.
-const BINS: usize = 10;
-/// Mean length of the pieces of a line that change places.
-const PIECE: f64 = 4.0;
-/// Fewest data, and data of a bin.
-const LEAST_DATA: usize = 20;
-const LEAST_IN_BIN: usize = 8;
-/// Ends of a band.
-const BAND: [f64; 2] = [0.025, 0.975];
-/// Strength of the ridge beside columns of length one.
-const RIDGE: f64 = 1e-3;
 
 /// Residuals of one scan, or of one table, with the covariates of their places.
 #[derive(Clone, Debug, Default)]
@@ -108,7 +97,7 @@ pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> Cova
     let count = fields.first().map_or(0, |field| field.values.len());
     let pooled = Pooled::new(fields, noise);
     let smooths: Vec<Smooth> = (0..count).filter_map(|covariate| pooled.smooth(covariate)).collect();
-    if smooths.is_empty() || pooled.residuals.len() < LEAST_DATA {
+    if smooths.is_empty() || pooled.residuals.len() < COVARIATE_DATA_LEAST {
         return CovariateStudy::default();
     }
     let total = pooled.about_mean(&pooled.residuals).norm_squared();
@@ -123,14 +112,14 @@ pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> Cova
         let total = pooled.about_mean(&residuals).norm_squared();
         smooths.iter().map(|smooth| pooled.explained(smooth, &residuals) / total).collect()
     };
-    let draws: Vec<Vec<f64>> = (0..DRAWS).into_par_iter().map(drawn).collect();
+    let draws: Vec<Vec<f64>> = (0..COVARIATE_DRAWS).into_par_iter().map(drawn).collect();
     let all: Vec<usize> = (0..smooths.len()).collect();
     let width = |among: &[usize]| among.iter().map(|&k| smooths[k].columns.ncols()).sum::<usize>();
     let joint = |among: &[usize]| share(pooled.ridge(&smooths, among), width(among));
     let joint_share = joint(&all);
     let one = |(k, smooth): (usize, &Smooth)| {
         let p_value = |reaches: &dyn Fn(&Vec<f64>) -> bool| {
-            (draws.iter().filter(|draw| reaches(draw)).count() + 1) as f64 / (DRAWS + 1) as f64
+            (draws.iter().filter(|draw| reaches(draw)).count() + 1) as f64 / (COVARIATE_DRAWS + 1) as f64
         };
         let others: Vec<usize> = all.iter().copied().filter(|&other| other != k).collect();
         CovariateShare {
@@ -191,7 +180,7 @@ impl<'a> Pooled<'a> {
         let matrix = DMatrix::from_columns(&columns);
         let goal = self.about_mean(&self.residuals);
         let mut normal = matrix.tr_mul(&matrix);
-        (0..normal.nrows()).for_each(|k| normal[(k, k)] += RIDGE);
+        (0..normal.nrows()).for_each(|k| normal[(k, k)] += COVARIATE_RIDGE);
         let Some(factor) = Cholesky::new(normal) else { return 0.0 };
         let found = factor.solve(&matrix.tr_mul(&goal));
         goal.norm_squared() - (&goal - matrix * found).norm_squared()
@@ -226,7 +215,7 @@ impl<'a> Pooled<'a> {
         let block_of: Vec<usize> = blocks.iter().filter_map(|block| names.binary_search(block).ok()).collect();
         let mut stream = Stream::of(seed, &format!("blocks {covariate}"));
         let mut draws = vec![vec![1.0; names.len()]];
-        for _ in 0..BAND_DRAWS {
+        for _ in 0..COVARIATE_BAND_DRAWS {
             let mut times = vec![0.0; names.len()];
             (0..names.len()).for_each(|_| times[stream.below(names.len())] += 1.0);
             draws.push(times);
@@ -248,7 +237,8 @@ impl<'a> Pooled<'a> {
             CovariateBin {
                 covariate: members.iter().map(|&at| values[at]).sum::<f64>() / members.len() as f64,
                 residual,
-                band: BAND.map(|share| if means.is_empty() { residual } else { end(share).unwrap_or(residual) }),
+                band: [COVARIATE_BAND_LOW, COVARIATE_BAND_HIGH]
+                    .map(|share| if means.is_empty() { residual } else { end(share).unwrap_or(residual) }),
             }
         };
         bins.iter().map(bin).collect()
@@ -266,7 +256,7 @@ fn binned(values: &[f64]) -> Vec<Vec<usize>> {
             _ => groups.push(vec![at]),
         }
     }
-    let count = (order.len() / LEAST_IN_BIN).clamp(3, BINS);
+    let count = (order.len() / COVARIATE_BIN_LEAST).clamp(3, COVARIATE_BINS);
     if groups.len() <= count {
         return groups;
     }
@@ -312,7 +302,7 @@ impl CovariateField {
 fn in_pieces(values: &[f64], stream: &mut Stream) -> Vec<f64> {
     let mut pieces: Vec<Vec<f64>> = vec![Vec::new()];
     for &value in values {
-        if stream.happens(1.0 / PIECE) {
+        if stream.happens(1.0 / ROW_PIECE_LENGTH) {
             pieces.push(Vec::new());
         }
         pieces.last_mut().expect("there is one").push(value);

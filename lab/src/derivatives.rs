@@ -7,15 +7,10 @@ use rayon::prelude::*;
 use super::coordinates::{Coordinate, moved};
 use super::evidence::{Evidence, Split};
 use super::fit::{Fit, robust_sum};
-
-/// Change of the whitened data that a finite difference aims at [standard deviations, all data together].
-const AIM: f64 = 12.0;
-/// A step that changes the data less is made anew with a length that does, and one that changes them more.
-const ADMISSIBLE: [f64; 2] = [4.0, 60.0];
-/// Share of the whole misfit that a step may change far from the best values.
-const ADMISSIBLE_SHARE: f64 = 0.3;
-/// Longest finite difference [coordinates].
-const LONGEST_STEP: f64 = 0.5;
+use crate::criteria::{
+    DERIVATIVE_CHANGE_AIM, DERIVATIVE_CHANGE_LEAST, DERIVATIVE_CHANGE_MOST, DERIVATIVE_CHANGE_SHARE,
+    DERIVATIVE_LONGEST_STEP,
+};
 
 impl Fit {
     /// Broyden's update: the derivatives along the last step are those that were seen.
@@ -72,7 +67,8 @@ impl Fit {
         let slope = self.jacobian.tr_mul(&DVector::from_column_slice(&self.residuals));
         let place = |k: usize| -> Vec<f64> {
             let way = directions.eigenvectors.column(k);
-            let length = (AIM / directions.eigenvalues[k].max(1e-12).sqrt()).min(LONGEST_STEP / way.amax());
+            let length = (DERIVATIVE_CHANGE_AIM / directions.eigenvalues[k].max(1e-12).sqrt())
+                .min(DERIVATIVE_LONGEST_STEP / way.amax());
             let downhill = if way.dot(&slope) > 0.0 { -length } else { length };
             let at = |length: f64| -> Vec<f64> {
                 let moved = self.at.iter().zip(way.iter()).map(|(at, way)| at + length * way);
@@ -113,11 +109,13 @@ impl Fit {
             };
             best = moved.iter().zip(&self.residuals).map(|(b, a)| (b - a) / (there - here)).collect();
             let change = best.iter().map(|d| d * d).sum::<f64>().sqrt() * (there - here).abs();
-            let most = ADMISSIBLE[1].max(ADMISSIBLE_SHARE * self.chi2.sqrt());
-            if (ADMISSIBLE[0]..most).contains(&change) || (step >= LONGEST_STEP && change < ADMISSIBLE[0]) {
+            let most = DERIVATIVE_CHANGE_MOST.max(DERIVATIVE_CHANGE_SHARE * self.chi2.sqrt());
+            if (DERIVATIVE_CHANGE_LEAST..most).contains(&change)
+                || (step >= DERIVATIVE_LONGEST_STEP && change < DERIVATIVE_CHANGE_LEAST)
+            {
                 break;
             }
-            step = (step * (AIM / change.max(1e-3)).clamp(0.03, 30.0)).min(LONGEST_STEP);
+            step = (step * (DERIVATIVE_CHANGE_AIM / change.max(1e-3)).clamp(0.03, 30.0)).min(DERIVATIVE_LONGEST_STEP);
         }
         (best, runs)
     }

@@ -7,9 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::probe::Probe;
 use super::response::{Look, Response};
 use super::screen::Screened;
-
-/// Standard deviations at which an effect of a library of some thirty is seen in four cases of five.
-const SEEN: f64 = 3.8;
+use crate::criteria::DETECTABLE_SIGMAS;
 
 /// On which sides of its null an effect of the detectable size would be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,7 +45,7 @@ pub struct Detectable {
 /// - `spread`: standard deviation of the whitened residuals
 /// - `least_size`: root mean square of what an effect must explain, in the data's unit
 pub fn detectable(look: &Look, screened: &Screened, (spread, least_size): (f64, f64)) -> Vec<Detectable> {
-    let sight = Sight { look, screened, wanted: SEEN * spread, least_size };
+    let sight = Sight { look, screened, wanted: DETECTABLE_SIGMAS * spread, least_size };
     let groups: Vec<&[Response]> = screened.typical().filter(|group| !group.is_empty()).collect();
     groups.into_par_iter().filter_map(|group| sight.of(group)).collect()
 }

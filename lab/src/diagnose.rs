@@ -15,23 +15,15 @@ use super::response::{Look, Projector};
 use super::screen::Screened;
 use super::significance::{null_delta_chi2, p_value};
 use super::suspect::{Suspect, suspects};
-use super::verdict::{CERTAIN, SearchEnd, Verdict, carries_over, is_account, is_open, misses, rms};
+use super::verdict::{SearchEnd, Verdict, carries_over, is_account, is_open, misses, rms};
+use crate::criteria::{
+    EFFECT_SIZE_FLOOR, EFFECT_SIZE_REMOVAL, INDISTINGUISHABLE_DELTA_CHI2, MODEL_ERROR_TEMPERING, MOST_EFFECTS,
+    NAMED_PROBABILITY, SIGNIFICANCE_LEVEL, SPREAD_CUT_SIGMAS,
+};
 use trials::measure::{MAD_TO_SIGMA, median};
 
-/// Chance below which an effect is no accident.
-pub(super) const SIGNIFICANCE_LEVEL: f64 = 0.05;
-/// Least size of an effect: shares of the mean removal, what the simulation itself may err by, and of the noise floor.
-const SIZE: (f64, f64) = (0.005, 0.3);
-/// Flattens probabilities: no simulation is the truth, so that effects which are not there reach Δχ² up to forty.
-const TEMPERATURE: f64 = 5.0;
-/// Difference of two effects' sums of squares from which data tell them apart: nine to one.
-const SEPARABLE: f64 = 22.0;
-/// Residual beyond which it counts no more for the spread of all [robust standard deviations].
-const CUT: f64 = 3.0;
 /// Why an effect was not weighed of which no simulation ended.
 const TOO_DEAR: &str = "its simulation fails or takes several times as many steps as the base model's";
-/// Effects that may be found one after the other.
-pub const MOST_EFFECTS: usize = 3;
 
 /// An effect that was found, or might be.
 #[derive(Clone)]
@@ -110,14 +102,14 @@ pub fn with_values(model: &Model, fit: &Fit) -> Model {
 /// Standard deviation of whitened residuals, gross outliers cut; at least one.
 pub(super) fn spread(residuals: &[f64]) -> f64 {
     let middle = median(residuals.iter().map(|r| r.abs()).collect()).unwrap_or(0.0);
-    let most = CUT * (MAD_TO_SIGMA * middle).max(1.0);
+    let most = SPREAD_CUT_SIGMAS * (MAD_TO_SIGMA * middle).max(1.0);
     let squares: f64 = residuals.iter().map(|r| r.abs().min(most).powi(2)).sum();
     (squares / residuals.len().max(1) as f64).sqrt().max(1.0)
 }
 
 /// What an effect must explain to be named, given how well the model without it describes the data.
 pub(super) fn least_size(before: &[Agreement]) -> f64 {
-    (SIZE.0 * rms(before, |a| a.scale)).max(SIZE.1 * rms(before, |a| a.floor))
+    (EFFECT_SIZE_REMOVAL * rms(before, |a| a.scale)).max(EFFECT_SIZE_FLOOR * rms(before, |a| a.floor))
 }
 
 impl Round {
@@ -159,7 +151,7 @@ impl Round {
         screened: Vec<Screened>,
         (findings, spread): (Vec<Finding>, f64),
     ) -> Self {
-        let separable = SEPARABLE;
+        let separable = INDISTINGUISHABLE_DELTA_CHI2;
         let mut round = Self { base, calibration, evaluation, screened, findings, spread, separable, is_half: false };
         round.weigh();
         round
@@ -182,13 +174,13 @@ impl Round {
         let [all, causes] = [costs_of(&|_| true), costs_of(&is_cause)];
         let accounts = costs_of(&|f| is_cause(f) && self.is_account(f));
         let ahead = least(&accounts) - least(&all);
-        let (weighed, error) = match least(&causes) - least(&all) < SEPARABLE {
+        let (weighed, error) = match least(&causes) - least(&all) < INDISTINGUISHABLE_DELTA_CHI2 {
             true => (causes, 1.0),
-            false if ahead.is_finite() => (accounts, ahead / SEPARABLE),
+            false if ahead.is_finite() => (accounts, ahead / INDISTINGUISHABLE_DELTA_CHI2),
             false => (all, 1.0),
         };
         let probabilities = probabilities(&weighed, error);
-        self.separable = SEPARABLE * error;
+        self.separable = INDISTINGUISHABLE_DELTA_CHI2 * error;
         self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| finding.probability = p);
         self.findings
             .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
@@ -227,7 +219,9 @@ impl Round {
 /// Probabilities of models from their costs, which err by so many times what they should; none where all costs are infinite.
 pub(super) fn probabilities(costs: &[f64], error: f64) -> Vec<f64> {
     let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
-    let weight = |cost: &f64| if cost.is_finite() { (-(cost - best) / (2.0 * TEMPERATURE * error)).exp() } else { 0.0 };
+    let weight = |cost: &f64| {
+        if cost.is_finite() { (-(cost - best) / (2.0 * MODEL_ERROR_TEMPERING * error)).exp() } else { 0.0 }
+    };
     let weights: Vec<f64> = costs.iter().map(weight).collect();
     let total: f64 = weights.iter().sum();
     weights.iter().map(|weight| if total > 0.0 { weight / total } else { 0.0 }).collect()
@@ -277,7 +271,7 @@ impl Search {
         let mut rounds: Vec<Round> = Vec::new();
         while rounds.len() < searches {
             let round = Round::new(evidence, (&grown, fit.clone()), library, (seed, told))?;
-            let found = round.nameable().filter(|found| found.probability >= CERTAIN).cloned();
+            let found = round.nameable().filter(|found| found.probability >= NAMED_PROBABILITY).cloned();
             rounds.push(round);
             let Some(found) = found else { break };
             grown = with_values(&grown.with(found.suspect.name()), &found.suspect.fit);

@@ -11,9 +11,7 @@ use super::response::{Look, Projector};
 use super::screen::Screened;
 use super::significance::{null_delta_chi2, p_value};
 use super::suspect::{Suspect, suspects};
-
-/// Chance below which a form is offered.
-const SIGNIFICANCE_LEVEL: f64 = 0.05;
+use crate::criteria::SIGNIFICANCE_LEVEL;
 
 /// Things on which the rate may depend: name, formula, unit, a typical size, what it is.
 const TEMPLATES: [(&str, &str, &str, f64, &str); 19] = [

@@ -8,18 +8,14 @@ use nalgebra::{DMatrix, DVector};
 use super::border::{Border, Seen};
 use super::covariance::{Freedom, Whitener};
 use super::tiles::{TileGrid, Tiles};
+use crate::criteria::{
+    BORDER_FLOOR_LEAST, BORDER_MAJORITY_RADIUS, BORDER_SCATTER_LEAST, BORDER_TILE_ERROR_LEAST, PART_SHIFT_SIGMA,
+};
 use trials::measure::median;
 use trials::trial::ExposureMask;
 
-/// How far tool and mask may disagree about where along x and y the part lies [m].
-const SHIFT_SIGMA: f64 = 100e-6;
-/// Pixels around one whose majority says what it should be, and the share of a normal law's spread in its mean size.
-const NEIGHBOURS: i64 = 2;
+/// Standard deviation of a normal variable over its mean size.
 const MEAN_TO_SIGMA: f64 = 1.2533;
-/// Least scatter of the border as pixels show it, and of its mean place along one tile: a mask says no more, and the
-/// simulation has a grid of its own [pixels].
-const LEAST_SCATTER: f64 = 0.3;
-const LEAST_ERROR: f64 = 0.5;
 
 /// A mask as data.
 #[derive(Clone, Debug)]
@@ -51,14 +47,14 @@ impl ExposureView {
         let border = Border::new(&field, pixels);
         let is_odd = |&at: &usize| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5));
         let odd = (0..pixels.len()).filter(is_odd).count();
-        let scatter = (MEAN_TO_SIGMA * odd as f64 / border.crossings().max(1) as f64).max(LEAST_SCATTER);
+        let scatter = (MEAN_TO_SIGMA * odd as f64 / border.crossings().max(1) as f64).max(BORDER_SCATTER_LEAST);
         let seen = seen(&tiles, &field, &border, reach);
-        let error = (scatter / (side as f64).sqrt()).max(LEAST_ERROR) * pixels.pitch;
+        let error = (scatter / (side as f64).sqrt()).max(BORDER_TILE_ERROR_LEAST) * pixels.pitch;
         let sharing = sharing(&seen, side as f64 * pixels.pitch, reach);
         let variances = sharing.into_iter().map(|tiles| tiles * error * error);
         let noise = DMatrix::from_diagonal(&DVector::from_iterator(tiles.len(), variances));
         let columns = DMatrix::from_fn(tiles.len(), 2, |k, axis| -seen[k].away[axis]);
-        let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[SHIFT_SIGMA; 2]))?;
+        let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[PART_SHIFT_SIGMA; 2]))?;
         let distances = seen.iter().map(|seen| seen.distance).collect();
         let scatter = scatter * pixels.pitch;
         (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, whitener })
@@ -82,7 +78,7 @@ impl ExposureView {
     /// The distance [m] that pixels of this pitch tell apart: the border's scatter, and half a pixel, for one pixel says no more
     /// about where the border is.
     pub fn border_floor(&self) -> f64 {
-        self.scatter.max(0.5 * self.measured.pixels.pitch)
+        self.scatter.max(BORDER_FLOOR_LEAST * self.measured.pixels.pitch)
     }
 
     /// What a perfect model would leave of [`Self::border_distance`] [m]: pixels near the border that differ from most around them.
@@ -149,8 +145,8 @@ fn majority(mask: &ExposureMask) -> Vec<f64> {
     let (nx, ny) = (mask.pixels.nx as i64, mask.pixels.ny as i64);
     let around = |at: usize| {
         let (i, j) = (at as i64 % nx, at as i64 / nx);
-        let columns = (i - NEIGHBOURS).max(0)..=(i + NEIGHBOURS).min(nx - 1);
-        let rows = (j - NEIGHBOURS).max(0)..=(j + NEIGHBOURS).min(ny - 1);
+        let columns = (i - BORDER_MAJORITY_RADIUS).max(0)..=(i + BORDER_MAJORITY_RADIUS).min(nx - 1);
+        let rows = (j - BORDER_MAJORITY_RADIUS).max(0)..=(j + BORDER_MAJORITY_RADIUS).min(ny - 1);
         let known = rows.flat_map(|j| columns.clone().map(move |i| (j * nx + i) as usize));
         let (sum, count) = known
             .filter_map(|at| mask.exposed[at])

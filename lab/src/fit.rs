@@ -6,19 +6,14 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::coordinates::{Bound, Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
+use crate::criteria::{FIT_CONVERGED_DELTA_CHI2, FIT_DERIVATIVES, FIT_STEPS, HUBER_CONSTANT, RESTART_DISTANCE};
 
-/// A step that promises less is the last [χ² per datum of the best value so far, then χ²].
-const CONVERGED: f64 = 0.5;
 /// Damping: first, and factors after good and bad steps.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
 /// Longest step of one round [coordinates].
 const LONGEST_MOVE: f64 = 1.5;
 /// Lengths tried for one step.
 const TRIES: usize = 3;
-/// Way from a fit's end to where it is begun again [coordinates].
-const BESIDE: f64 = 0.4;
-/// Huber's constant [standard deviations].
-const HUBER: f64 = 2.5;
 
 /// How much a fit may cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +26,7 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { derivatives: 4, steps: 25 }
+        Self { derivatives: FIT_DERIVATIVES, steps: FIT_STEPS }
     }
 }
 
@@ -82,13 +77,14 @@ pub struct Estimate {
 
 /// Sum of squares in which outliers count linearly (Huber 1964).
 pub fn robust_sum(residuals: &[f64]) -> f64 {
-    let rho = |r: &f64| if r.abs() <= HUBER { r * r } else { HUBER * (2.0 * r.abs() - HUBER) };
+    let rho =
+        |r: &f64| if r.abs() <= HUBER_CONSTANT { r * r } else { HUBER_CONSTANT * (2.0 * r.abs() - HUBER_CONSTANT) };
     residuals.iter().map(rho).sum()
 }
 
 /// Weights that turn least squares into the robust sum.
 pub(super) fn weights(residuals: &[f64]) -> DVector<f64> {
-    DVector::from_iterator(residuals.len(), residuals.iter().map(|r| (HUBER / r.abs()).min(1.0).sqrt()))
+    DVector::from_iterator(residuals.len(), residuals.iter().map(|r| (HUBER_CONSTANT / r.abs()).min(1.0).sqrt()))
 }
 
 impl Fit {
@@ -178,7 +174,7 @@ impl Fit {
         let way = directions.eigenvectors.column(directions.eigenvalues.imin());
         let beside = |side: f64| {
             let mut at = self.at.clone();
-            for (&k, way) in told.iter().zip(way.iter().map(|share| side * BESIDE * share / way.amax())) {
+            for (&k, way) in told.iter().zip(way.iter().map(|share| side * RESTART_DISTANCE * share / way.amax())) {
                 at[k] = self.coordinates[k].clamped(at[k] + way);
             }
             at
@@ -194,7 +190,7 @@ impl Fit {
 
     /// Makes one step that lowers the sum of squares.
     fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
-        let worth = CONVERGED * (self.chi2 / self.residuals.len() as f64).max(1.0);
+        let worth = FIT_CONVERGED_DELTA_CHI2 * (self.chi2 / self.residuals.len() as f64).max(1.0);
         for _ in 0..TRIES {
             let Some((at, promised)) = self.step(&self.residuals, *damping) else { return Step::None };
             if promised < worth {

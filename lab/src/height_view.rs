@@ -7,19 +7,15 @@ use sdf_bake::HeightMap;
 
 use super::covariance::{Freedom, TileNoise, Whitener};
 use super::tiles::{TileGrid, Tiles};
+use crate::criteria::{
+    PART_SHIFT_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA, RIM_ERROR_SIGMA, SCAN_NOISE_DECAY_SIGMAS,
+};
 use trials::measure::despiked;
 
 /// Degrees of freedom of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
-const POSE_SIGMAS: [f64; 5] = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6];
+const POSE_SIGMAS: [f64; 5] = [POSE_HEIGHT_SIGMA, POSE_TILT_SIGMA, POSE_TILT_SIGMA, POSE_SHIFT_SIGMA, POSE_SHIFT_SIGMA];
 /// Of these, height and tilts, which the untouched surface gives.
 const HELD: usize = 3;
-/// How far tool and scan may disagree about where along x and y the part lies [m]: the cut is shifted on the surface.
-const CUT_SIGMA: f64 = 100e-6;
-/// Standard deviation of a tile on the rim of what the tool cut, where simulations on different lattices differ [pixels of
-/// height per slope that changes there].
-const RIM_ERROR: f64 = 0.03;
-/// Removed depth at which the noise of the scan before has fallen to 1/e of its share in the surface [tile sigmas].
-const NOISE_GONE: f64 = 3.0;
 
 /// A scan as data.
 #[derive(Clone, Debug)]
@@ -67,14 +63,14 @@ impl HeightView {
         let planes = &columns * &pose.mean;
         let removed =
             tiles.means(|at| -change[at]).into_iter().zip(planes.iter()).map(|(removed, lift)| removed + lift);
-        let depth = NOISE_GONE * noise.sigma();
+        let depth = SCAN_NOISE_DECAY_SIGMAS * noise.sigma();
         let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
         let mut covariance = noise.covariance(&tiles, &before_share);
         for (k, bend) in rims(&tiles, [&cut, &slopes]).into_iter().enumerate() {
-            covariance[(k, k)] += (RIM_ERROR * bend * pixels.pitch).powi(2);
+            covariance[(k, k)] += (RIM_ERROR_SIGMA * bend * pixels.pitch).powi(2);
         }
         let shift = cut_columns(&tiles, &cut);
-        let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift, &[CUT_SIGMA; 2]))?;
+        let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift, &[PART_SHIFT_SIGMA; 2]))?;
         (!tiles.is_empty()).then_some(Self { measured, tiles, noise, slopes, cut, whitener, before_share })
     }
 

@@ -15,7 +15,8 @@
 //!    `effect_templates` proposes a formula, `next_trial` and `next_row` an experiment.
 //! 10. [`study`] repeats it: compare, calibrate, diagnose, add.
 //!
-//! SI units inside; the same seed gives the same bytes on any number of threads.
+//! The numbers that decide stand in one table, [`criteria`]. SI units inside; the same seed gives the same bytes on any
+//! number of threads.
 
 mod blur;
 mod border;
@@ -26,6 +27,7 @@ pub mod campaign_simulation;
 mod coordinates;
 mod covariance;
 mod covariate_share;
+pub mod criteria;
 mod derivatives;
 mod detectable;
 mod diagnose;
@@ -71,8 +73,9 @@ pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beg
 pub use coordinates::{Bound, Coordinate, moved};
 pub use covariance::{Freedom, TileNoise, Whitener};
 pub use covariate_share::{CovariateBin, CovariateField, CovariateShare, CovariateStudy, covariate_study};
+pub use criteria::{CRITERIA, Criterion, CriterionValues};
 pub use detectable::{Detectable, Sides, detectable};
-pub use diagnose::{Diagnosis, Finding, MOST_EFFECTS, OnProgress, Round, with_values};
+pub use diagnose::{Diagnosis, Finding, OnProgress, Round, with_values};
 pub use effect_templates::{Suggestion, suggest};
 pub use error::{LabError, Result};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};

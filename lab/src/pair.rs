@@ -20,21 +20,15 @@ use super::probe::Candidate;
 use super::response::{Projector, Response};
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
-use super::suspect::{QUICK_FIT, Suspect, THOROUGH_FIT, is_at_far_end};
-use super::verdict::{CERTAIN, is_open, misses};
+use super::suspect::{QUICK_FIT, REFINED_FIT, Suspect, is_at_far_end};
+use super::verdict::{is_open, misses};
+use crate::criteria::{
+    LEAD_CHI2_SHARE, NAMED_PROBABILITY, PAIR_SINE_SQUARED, PAIRS_FITTED, PAIRS_PER_LEAD, PAIRS_REFINED,
+    PARTNER_FIT_DERIVATIVES, PARTNER_FIT_STEPS, PARTNERS_REFINED,
+};
 
-/// Pairs that are fitted quickly, and those that are fitted to the end.
-const QUICK: usize = 9;
-const THOROUGH: usize = 2;
-/// Pairs that are fitted with the same lead.
-const PER_LEAD: usize = 3;
-/// Share of the sum of squares that a sure effect leaves at most where others are fitted beside it, what each such fit may cost,
-/// and how many are fitted to the end.
-const MOSTLY: f64 = 0.5;
-const PARTNER_FIT: FitOptions = FitOptions { derivatives: 1, steps: 8 };
-const PARTNERS: usize = 4;
-/// Sine squared of the angle between two changes from which they are two.
-const APART: f64 = 1e-3;
+/// Cost of the fit of another effect beside a certain one.
+const PARTNER_FIT: FitOptions = FitOptions { derivatives: PARTNER_FIT_DERIVATIVES, steps: PARTNER_FIT_STEPS };
 
 /// Two effects fitted together.
 struct Joint {
@@ -67,7 +61,7 @@ pub(super) fn pair(
     let probabilities = probabilities(&joints.iter().map(|joint| joint.cost(spread)).collect::<Vec<_>>(), 1.0);
     let with_lead = |joint: &Joint| joint.lead.candidate.name == lead;
     let sure: f64 = joints.iter().zip(probabilities).filter(|(joint, _)| with_lead(joint)).map(|(_, p)| p).sum();
-    if sure < CERTAIN {
+    if sure < NAMED_PROBABILITY {
         return Ok(None);
     }
     joints.retain(with_lead);
@@ -158,10 +152,10 @@ fn fitted(
         let effect = library.find(&other.candidate.name)?;
         let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
         let both = Suspect::begun(evidence, &begun.fit, Screened { candidate, ..other }).ok()?;
-        told(&format!("{} and {}", lead.candidate.name, both.name()), QUICK, QUICK);
+        told(&format!("{} and {}", lead.candidate.name, both.name()), PAIRS_FITTED, PAIRS_FITTED);
         Some(Joint { lead, both: both.refined(evidence, QUICK_FIT) })
     };
-    to_the_end(evidence, promising(first).into_par_iter().filter_map(fit).collect(), THOROUGH)
+    to_the_end(evidence, promising(first).into_par_iter().filter_map(fit).collect(), PAIRS_REFINED)
 }
 
 /// The best `count` pairs fitted to the end. Least sum of squares first.
@@ -169,7 +163,7 @@ fn to_the_end(evidence: &dyn Evidence, mut joints: Vec<Joint>, count: usize) -> 
     let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     sort(&mut joints);
     let rest = joints.split_off(count.min(joints.len()));
-    let thorough = |joint: Joint| Joint { both: joint.both.refined(evidence, THOROUGH_FIT), ..joint };
+    let thorough = |joint: Joint| Joint { both: joint.both.refined(evidence, REFINED_FIT), ..joint };
     let mut joints: Vec<Joint> = joints.into_par_iter().map(thorough).collect();
     joints.extend(rest);
     sort(&mut joints);
@@ -184,20 +178,20 @@ fn beside_surest(
     (model, library): (&Model, &Library),
     told: OnProgress,
 ) -> Vec<Joint> {
-    let explains_most = |best: &&Finding| best.suspect.fit.chi2 < MOSTLY * first.base.chi2;
-    let sure = first.best().filter(|best| best.probability >= CERTAIN);
+    let explains_most = |best: &&Finding| best.suspect.fit.chi2 < LEAD_CHI2_SHARE * first.base.chi2;
+    let sure = first.best().filter(|best| best.probability >= NAMED_PROBABILITY);
     let Some(lead) = sure.filter(explains_most).map(|best| &best.suspect) else { return Vec::new() };
     let with_lead = with_values(&model.clone().with(lead.name()), &lead.fit);
     let fit = |other: &Suspect| {
         let effect = library.find(other.name())?;
         let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
         let both = Suspect::begun(evidence, &lead.fit, Screened { candidate, ..other.at_its_fit() }).ok()?;
-        told(&format!("{} and {}", lead.name(), both.name()), QUICK, QUICK);
+        told(&format!("{} and {}", lead.name(), both.name()), PAIRS_FITTED, PAIRS_FITTED);
         Some(Joint { lead: lead.at_its_fit(), both: both.refined(evidence, PARTNER_FIT) })
     };
     let others = first.findings.par_iter().map(|finding| &finding.suspect);
     let joints = others.filter(|other| other.name() != lead.name()).filter_map(fit).collect();
-    to_the_end(evidence, joints, PARTNERS)
+    to_the_end(evidence, joints, PARTNERS_REFINED)
 }
 
 /// A pair before it is fitted: the lead and the other one at the values that are expected to be best.
@@ -218,11 +212,11 @@ fn promising(first: &Round) -> Vec<[Screened; 2]> {
         let [lead, other] = names(&effects);
         let known: Vec<[String; 2]> = chosen.iter().map(names).collect();
         let is_new = known.iter().all(|[a, b]| [a, b] != [&lead, &other] && [b, a] != [&lead, &other]);
-        if is_new && known.iter().filter(|[a, _]| *a == lead).count() < PER_LEAD {
+        if is_new && known.iter().filter(|[a, _]| *a == lead).count() < PAIRS_PER_LEAD {
             chosen.push(effects);
         }
     }
-    chosen.truncate(QUICK);
+    chosen.truncate(PAIRS_FITTED);
     chosen
 }
 
@@ -256,7 +250,7 @@ fn beside_base(first: &Round) -> Vec<Promise> {
         }
     }
     promises.sort_by(|a, b| b.1.delta_chi2.total_cmp(&a.1.delta_chi2));
-    promises.truncate(QUICK);
+    promises.truncate(PAIRS_FITTED);
     let promise = |(effects, together): ([&Screened; 2], Together)| Promise {
         effects: [0, 1].map(|k| effects[k].clone().moved_to(together.responses[k], together.shares[k])),
         left: first.base.chi2 - together.delta_chi2,
@@ -284,7 +278,7 @@ fn together<'a>(residuals: &DVector<f64>, responses: [&'a Response; 2]) -> Optio
     let (aa, bb, ab) = (a.norm_squared(), b.norm_squared(), a.dot(b));
     let (ar, br) = (a.dot(residuals), b.dot(residuals));
     let apart = aa * bb - ab * ab;
-    if apart <= APART * aa * bb {
+    if apart <= PAIR_SINE_SQUARED * aa * bb {
         return None;
     }
     let within = |k: usize, share: f64| share.clamp(responses[k].reach[0], responses[k].reach[1]);

@@ -9,19 +9,8 @@ use super::coordinates::{Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::rows::RowEvidence;
 use super::scans::{ScanData, ScanEvidence, ScanView};
+use crate::criteria::{SAME_LOAD, SAME_SETTING, TREND_FACTOR, TREND_REMOVAL_SHARE, TREND_SIGMAS, TREND_VALUES};
 use trials::trial::{Pass, PassScan};
-
-/// Settings that differ by less are equal; so are loads of rows, which may be mean pressures and follow the part's shape.
-const SAME: f64 = 0.01;
-const SAME_LOAD: f64 = 0.05;
-/// Values tried of each parameter of a law on tables, over its whole range.
-const VALUES: usize = 7;
-/// Factor from the best value to those tried on scans.
-const FACTOR: f64 = 3.0;
-/// Prediction below this share of the median counts as no removal.
-const LEAST_SHARE: f64 = 1e-2;
-/// Standard deviations beyond which a law cannot follow.
-const BEYOND: f64 = 3.0;
 
 /// How equal passes go on, as relative changes of the removed volume or depth from one to the next.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,7 +47,7 @@ impl PassTrend {
             model: model.exp_m1(),
             reach: reach.map(f64::exp_m1),
             tried,
-            out_of_reach: mean - BEYOND * sigma > reach[1] || mean + BEYOND * sigma < reach[0],
+            out_of_reach: mean - TREND_SIGMAS * sigma > reach[1] || mean + TREND_SIGMAS * sigma < reach[0],
         })
     }
 
@@ -98,7 +87,7 @@ pub fn trend_of_rows(evidence: &RowEvidence, model: &CompiledModel) -> Result<Op
     let of = |model: &CompiledModel| -> Result<f64, EvidenceError> {
         let predicted = evidence.predicted(model)?;
         let most = predicted.iter().copied().fold(0.0, f64::max);
-        let enough = pairs.iter().all(|&(a, b)| predicted[a].min(predicted[b]) > LEAST_SHARE * most);
+        let enough = pairs.iter().all(|&(a, b)| predicted[a].min(predicted[b]) > TREND_REMOVAL_SHARE * most);
         let sum: f64 = pairs.iter().map(|&(a, b)| (predicted[b] / predicted[a]).ln()).sum();
         Ok(if enough { sum / pairs.len() as f64 } else { f64::NAN })
     };
@@ -118,7 +107,7 @@ fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
     let is_equal = |&(a, b): &(usize, usize)| {
         let (first, next) = (&rows[a], &rows[b]);
         let force = near(first.force, next.force, SAME_LOAD) && near(first.pressure, next.pressure, SAME_LOAD);
-        let rest = near(first.speed, next.speed, SAME) && near(first.duration, next.duration, SAME);
+        let rest = near(first.speed, next.speed, SAME_SETTING) && near(first.duration, next.duration, SAME_SETTING);
         !next.fresh && first.tool == next.tool && first.group == next.group && force && rest
     };
     let calibrates = |at: &usize| evidence.of(Split::Calibration).contains(at);
@@ -141,7 +130,7 @@ pub fn trend_of_scans(evidence: &ScanEvidence, model: &CompiledModel) -> Result<
     let at: Vec<f64> = coordinates.iter().map(|c| c.from_value(model.value(c.index))).collect();
     let ways = coordinates.iter().enumerate().flat_map(|(k, coordinate)| {
         let value = coordinate.value(at[k]);
-        [value / FACTOR, value * FACTOR].map(|value| (k, coordinate.clamped(coordinate.from_value(value))))
+        [value / TREND_FACTOR, value * TREND_FACTOR].map(|value| (k, coordinate.clamped(coordinate.from_value(value))))
     });
     let changed = |(k, value): (usize, f64)| {
         let mut there = at.clone();
@@ -214,7 +203,7 @@ impl<'a> EqualScans<'a> {
 
 /// Whether two passes have the same settings.
 fn is_equal(a: &Pass, b: &Pass) -> bool {
-    let near = |a: f64, b: f64| (b / a).ln().abs() < SAME;
+    let near = |a: f64, b: f64| (b / a).ln().abs() < SAME_SETTING;
     near(a.force_setpoint, b.force_setpoint) && near(a.feed, b.feed) && near(a.spindle_speed, b.spindle_speed)
 }
 
@@ -228,9 +217,11 @@ fn grid(coordinates: &[Coordinate]) -> Vec<Vec<f64>> {
     let mut grid = vec![Vec::new()];
     for coordinate in coordinates {
         let [low, high] = coordinate.bounds();
-        let value = |k: usize| low + (high - low) * k as f64 / (VALUES - 1) as f64;
-        grid =
-            grid.iter().flat_map(|at: &Vec<f64>| (0..VALUES).map(|k| [at.as_slice(), &[value(k)]].concat())).collect();
+        let value = |k: usize| low + (high - low) * k as f64 / (TREND_VALUES - 1) as f64;
+        grid = grid
+            .iter()
+            .flat_map(|at: &Vec<f64>| (0..TREND_VALUES).map(|k| [at.as_slice(), &[value(k)]].concat()))
+            .collect();
     }
     grid
 }

@@ -4,16 +4,10 @@ use effects::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, 
 
 use super::coordinates::Coordinate;
 use super::evidence::Evidence;
-
-/// Places of the values tried of a parameter with a scale of ratios, as shares of its range: of one within a hundredfold,
-/// and of a wider one.
-const SPREAD: (&[f64], &[f64]) = (&[0.35, 0.65], &[0.25, 0.5, 0.75]);
-/// Ratio of greatest to least from which a range is wide.
-const WIDE: f64 = 100.0;
-/// Places of the values tried of a parameter that gives an effect its shape.
-const SHAPES: [f64; 2] = [0.25, 0.6];
-/// Share of a range that stands for a typical value where the library gives the null.
-const TYPICAL: f64 = 0.1;
+use crate::criteria::{
+    PROBE_NARROW_HIGH, PROBE_NARROW_LOW, PROBE_SHAPE_HIGH, PROBE_SHAPE_LOW, PROBE_TYPICAL_SHARE, PROBE_WIDE_HIGH,
+    PROBE_WIDE_LOW, PROBE_WIDE_MIDDLE, PROBE_WIDE_RATIO,
+};
 
 /// An effect added to a model, with the values at which to look.
 #[derive(Clone)]
@@ -84,11 +78,15 @@ impl Candidate {
 fn tried(slot: &ParameterSlot) -> Vec<f64> {
     let [least, greatest] = slot.range;
     if slot.scale == Scale::Log {
-        let spread = if greatest > WIDE * least { SPREAD.1 } else { SPREAD.0 };
+        let is_wide = greatest > PROBE_WIDE_RATIO * least;
+        let spread: &[f64] = match is_wide {
+            true => &[PROBE_WIDE_LOW, PROBE_WIDE_MIDDLE, PROBE_WIDE_HIGH],
+            false => &[PROBE_NARROW_LOW, PROBE_NARROW_HIGH],
+        };
         return spread.iter().map(|share| least * (greatest / least).powf(*share)).collect();
     }
     let null = slot.null.unwrap_or(0.0);
-    let typical = if slot.default == null { null + TYPICAL * (greatest - least) } else { slot.default };
+    let typical = if slot.default == null { null + PROBE_TYPICAL_SHARE * (greatest - least) } else { slot.default };
     vec![if typical > greatest { 2.0 * null - typical } else { typical }]
 }
 
@@ -97,7 +95,7 @@ fn shapes(coordinates: &[Coordinate], typical: &[f64]) -> Vec<Vec<f64>> {
     let mut all = vec![typical.to_vec()];
     for (k, coordinate) in coordinates.iter().enumerate().filter(|(_, c)| c.slot.null.is_none()) {
         let [least, greatest] = coordinate.bounds();
-        for share in SHAPES {
+        for share in [PROBE_SHAPE_LOW, PROBE_SHAPE_HIGH] {
             let mut values = typical.to_vec();
             values[k] = coordinate.value(least + share * (greatest - least));
             all.push(values);

@@ -7,16 +7,7 @@ use super::coordinates::Coordinate;
 use super::evidence::{Evidence, Split};
 use super::fit::{Fit, robust_sum, weights};
 use super::probe::{Candidate, Probe};
-
-/// Change that base parameters make when they follow an effect from which it is looked at again beside them [standard
-/// deviations, all data together].
-const FOLLOWED: f64 = 12.0;
-/// Times that they do.
-const STEPS_AFTER: usize = 2;
-/// Longest extrapolation of a secant beyond the probe that it was taken at.
-pub(super) const FARTHEST: f64 = 1.5;
-/// Share of a change that must be left beside the base parameters' changes: less is rounding.
-const LEAST_LEFT: f64 = 1e-3;
+use crate::criteria::{DISTINCT_CHANGE_SHARE, EXTRAPOLATION_MOST, FOLLOWED_SIGMAS, FOLLOWED_STEPS};
 
 /// Takes out of data what the base parameters can explain.
 pub struct Projector {
@@ -89,9 +80,10 @@ fn reach(coordinate: &Coordinate, probed: f64) -> [f64; 2] {
     let [least, greatest] = coordinate.slot.range;
     let null = coordinate.slot.null.unwrap_or(0.0);
     if !(least..=greatest).contains(&null) {
-        return [0.0, FARTHEST];
+        return [0.0, EXTRAPOLATION_MOST];
     }
-    let mut ends = [least, greatest].map(|end| ((end - null) / (probed - null)).clamp(-FARTHEST, FARTHEST));
+    let mut ends =
+        [least, greatest].map(|end| ((end - null) / (probed - null)).clamp(-EXTRAPOLATION_MOST, EXTRAPOLATION_MOST));
     ends.sort_by(f64::total_cmp);
     ends
 }
@@ -100,7 +92,7 @@ impl Response {
     /// Whether anything is left of the change beside the base parameters' changes.
     pub fn is_distinct(&self) -> bool {
         let raw = self.raw.iter().map(|x| x * x).sum::<f64>().sqrt();
-        self.change.norm() > LEAST_LEFT * raw && self.change.norm() > 0.0
+        self.change.norm() > DISTINCT_CHANGE_SHARE * raw && self.change.norm() > 0.0
     }
 
     /// Share of the way from null to probe at which the sum of squares were least if the effect went on as to the probe.
@@ -132,9 +124,9 @@ impl Look<'_> {
         };
         let raw = seen(&[])?;
         let (mut followed, mut shift) = (raw.clone(), Vec::new());
-        for _ in 0..STEPS_AFTER {
+        for _ in 0..FOLLOWED_STEPS {
             let Some((step, taken_up)) = self.base.following(&followed) else { break };
-            if taken_up < FOLLOWED * FOLLOWED {
+            if taken_up < FOLLOWED_SIGMAS * FOLLOWED_SIGMAS {
                 break;
             }
             let farther: Vec<f64> = step.iter().enumerate().map(|(k, s)| s + shift.get(k).unwrap_or(&0.0)).collect();

@@ -10,18 +10,10 @@ use super::pass_trend::{PassTrend, trend_of_rows};
 use super::table_noise::row_noise;
 use super::table_reach::silenced;
 use super::table_steps::Rows;
+use crate::criteria::{GROUP_GAIN_SIGMA, OUTLIER_SIGMAS, PREDICTION_LEAST_SHARE, ROW_BLOCK_LENGTH};
 use trials::measure::median;
 use trials::table::Table;
 use trials::trial::Role;
-
-/// Standard deviation of a group's own gain [logarithm].
-const GROUP_GAIN: f64 = 1.0;
-/// Rows in a block.
-const BLOCK: usize = 5;
-/// A prediction below this share of the median removal counts as that.
-const LEAST_SHARE: f64 = 1e-3;
-/// Whitened residual from which a row is an outlier.
-const OUTLIER: f64 = 5.0;
 
 /// Rows of a split that share a gain.
 #[derive(Clone, Debug)]
@@ -97,12 +89,12 @@ impl<'a> RowEvidence<'a> {
     /// The rows of a split whose residuals are far beyond noise: a fit's robust sum keeps them from leading it.
     pub fn outliers(&self, residuals: &[f64], split: Split) -> Vec<Outlier> {
         let row = |(&at, &residual): (&usize, &f64)| Outlier { line: self.table.rows[at].line, residual };
-        self.of(split).iter().zip(residuals).map(row).filter(|row| row.residual.abs() > OUTLIER).collect()
+        self.of(split).iter().zip(residuals).map(row).filter(|row| row.residual.abs() > OUTLIER_SIGMAS).collect()
     }
 
     /// Logarithm of measured over predicted for the rows of a split.
     fn differences(&self, predicted: &[f64], split: Split) -> Vec<f64> {
-        let least = LEAST_SHARE * self.middle;
+        let least = PREDICTION_LEAST_SHARE * self.middle;
         let difference = |&at: &usize| {
             let measured = self.table.rows[at].removal_rate.expect("rows of a split have a removal");
             (measured / predicted[at].max(least)).ln()
@@ -122,7 +114,7 @@ impl<'a> RowEvidence<'a> {
     /// The gain that each group has of its own before any row is seen.
     fn free_gain(&self) -> Freedom {
         let free = self.table.groups.len() > 1;
-        let sigmas: &[f64] = if free { &[GROUP_GAIN] } else { &[] };
+        let sigmas: &[f64] = if free { &[GROUP_GAIN_SIGMA] } else { &[] };
         Freedom::around_zero(DMatrix::zeros(0, sigmas.len()), sigmas)
     }
 
@@ -179,7 +171,7 @@ impl Evidence for RowEvidence<'_> {
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
         let residuals = self.residuals(model, split)?;
-        let squares = residuals.iter().map(|r| r.clamp(-OUTLIER, OUTLIER).powi(2)).sum::<f64>();
+        let squares = residuals.iter().map(|r| r.clamp(-OUTLIER_SIGMAS, OUTLIER_SIGMAS).powi(2)).sum::<f64>();
         let rms = self.noise * (squares / residuals.len().max(1) as f64).sqrt();
         let about = self.table.name.clone();
         let agreement = Agreement { about, rms, floor: self.noise, noise: self.noise, scale: 1.0 };
@@ -203,6 +195,6 @@ impl Evidence for RowEvidence<'_> {
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {
-        self.of(split).iter().map(|at| at / BLOCK).collect()
+        self.of(split).iter().map(|at| at / ROW_BLOCK_LENGTH).collect()
     }
 }

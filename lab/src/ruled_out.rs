@@ -1,8 +1,9 @@
 //! Why an effect that was fitted is out, and which effects are still in play.
 
-use super::diagnose::{Diagnosis, Finding, Round, SIGNIFICANCE_LEVEL, least_size};
+use super::diagnose::{Diagnosis, Finding, Round, least_size};
 use super::evidence::ErrorUnit;
-use super::verdict::{CERTAIN, carries_over};
+use super::verdict::carries_over;
+use crate::criteria::{NAMED_PROBABILITY, SIGNIFICANCE_LEVEL};
 
 impl Round {
     /// Why a fitted effect is out, in words; `None` for the best one and for those that the data cannot tell from it.
@@ -59,7 +60,7 @@ impl Round {
     fn in_play(&self) -> Option<[&Finding; 2]> {
         let best = self.best()?;
         let second = self.findings.get(1).filter(|second| second.is_admissible && second.probability > 0.0)?;
-        let is_open = best.probability < CERTAIN || best.delta_chi2 - second.delta_chi2 < self.separable;
+        let is_open = best.probability < NAMED_PROBABILITY || best.delta_chi2 - second.delta_chi2 < self.separable;
         is_open.then_some([best, second])
     }
 }

@@ -16,27 +16,16 @@ use super::height_view::HeightView;
 use super::pass_trend::{PassTrend, trend_of_scans};
 use super::tiles::{TileGrid, Tiles};
 use crate::campaign_simulation::CampaignSimulation;
+use crate::criteria::{
+    BLUR_WIDEST, BORDER_REACH, COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS,
+    SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO, TILE_BLOCK_SIDE, TILE_LEAST_SIDE, TILES_PER_SCAN,
+};
 use crate::simulation::SimulatedPass;
 use files::journal::Journal;
 use trials::measure::{CLEARANCE, NoiseFloor, despiked, noise_floor, untouched};
 use trials::trial::{PassScan, Role, TRIAL_FILE, ToolPath, Trial, least_gap};
 
-/// Fewest pixels along a tile, and most tiles of a scan: their covariance is a dense matrix.
-const LEAST_SIDE: usize = 3;
-const MOST_TILES: usize = 1000;
-/// Tiles along and across that share a block.
-const BLOCK: usize = 4;
-/// Steps of a simulation beyond which it is given up, times those of the base model's longest pass.
-const MOST_STEPS: usize = 3;
-/// Voxel of the simulation when sanding: pixels at most, and voxels at least across half the tool.
-const SANDING_VOXEL: f64 = 4.0;
-const VOXELS_PER_HALF_TOOL: f64 = 16.0;
-/// Errors of dose and coating together, in those of the dose alone: a coating is no more even than a dose is known.
-const COATING: f64 = 2.0;
-/// Distance from the border of what is exposed within which it shows [half widths of the tool].
-const REACH: f64 = 0.5;
-/// Widest blur that is looked for, values tried at first, and a change that counts as none [pixels].
-const MOST_BLUR: f64 = 2.0;
+/// Values of the blur tried at first, and a change that counts as none [pixels].
 const BLUR_STEPS: usize = 6;
 const SETTLED_BLUR: f64 = 3e-4;
 
@@ -106,8 +95,8 @@ impl<'a> ScanEvidence<'a> {
         let sands = trials.iter().all(|trial| trial.process == trials::trial::Process::Sanding);
         let pitch = |trial: &Trial| trial.scans.before.pixels.pitch;
         let coarse = || {
-            let across = trials[0].tool.half_width() / VOXELS_PER_HALF_TOOL;
-            across.clamp(pitch(&trials[0]), SANDING_VOXEL * pitch(&trials[0]))
+            let across = trials[0].tool.half_width() / SANDING_VOXELS_ACROSS;
+            across.clamp(pitch(&trials[0]), SANDING_VOXEL_PIXELS * pitch(&trials[0]))
         };
         let simulation = CampaignSimulation::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
         let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
@@ -182,7 +171,7 @@ impl<'a> ScanEvidence<'a> {
     pub fn limit_steps(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         let passes = self.simulate(model, Split::Calibration)?;
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
-        let most_steps = Some(MOST_STEPS * most.max(1000));
+        let most_steps = Some(SIMULATION_STEP_RATIO * most.max(SIMULATION_LEAST_STEPS));
         for simulation in &mut self.simulation.trials {
             simulation.change_process(|process| process.most_steps = most_steps);
         }
@@ -220,7 +209,7 @@ impl<'a> ScanEvidence<'a> {
             let costs: Result<Vec<f64>, EvidenceError> = scans.par_iter().map(one).collect();
             Ok(costs?.iter().sum())
         };
-        least_of(cost, ([0.0, MOST_BLUR * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
+        least_of(cost, ([0.0, BLUR_WIDEST * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
     }
 
     fn agreement_made(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
@@ -238,7 +227,7 @@ impl<'a> ScanEvidence<'a> {
                 }
                 (ScanData::Exposure(data), _, Some(margin)) => {
                     let (rms, floor) = (data.border_distance(&margin), data.border_floor());
-                    let scale = COATING * data.border_width(&margin);
+                    let scale = COATING_ERROR_RATIO * data.border_width(&margin);
                     Agreement { about, rms, floor, noise: data.border_noise(), scale }
                 }
                 _ => unreachable!("a simulated scan is like the real one"),
@@ -316,10 +305,10 @@ impl Evidence for ScanEvidence<'_> {
         let mut all = Vec::new();
         for view in self.of(split) {
             let (nx, ny) = view.data.tiles().grid.shape();
-            let along = nx.div_ceil(BLOCK);
-            let block = |cell: &usize| first + cell / nx / BLOCK * along + cell % nx / BLOCK;
+            let along = nx.div_ceil(TILE_BLOCK_SIDE);
+            let block = |cell: &usize| first + cell / nx / TILE_BLOCK_SIDE * along + cell % nx / TILE_BLOCK_SIDE;
             all.extend(view.data.tiles().cells.iter().map(block));
-            first += along * ny.div_ceil(BLOCK);
+            first += along * ny.div_ceil(TILE_BLOCK_SIDE);
         }
         all
     }
@@ -345,7 +334,7 @@ fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloo
                 HeightView::new(despiked(scan).0, &before, &free, (side, noise)).map(ScanData::Heights)
             }
             PassScan::Exposure(mask) => {
-                let reach = REACH * trial.tool.half_width();
+                let reach = BORDER_REACH * trial.tool.half_width();
                 ExposureView::new(mask.clone(), &free, side, reach).map(ScanData::Exposure)
             }
         };
@@ -387,7 +376,8 @@ fn untouched_words(trial: &Trial, path: &ToolPath) -> String {
 /// Smallest tile with which the touched area does not have too many.
 fn tile_side(free: &[bool], map: &HeightMap) -> usize {
     let touched = free.iter().filter(|free| !**free).count() as f64;
-    ((touched / MOST_TILES as f64).sqrt().ceil() as usize).clamp(LEAST_SIDE, map.pixels.nx.min(map.pixels.ny) / 4)
+    ((touched / TILES_PER_SCAN as f64).sqrt().ceil() as usize)
+        .clamp(TILE_LEAST_SIDE, map.pixels.nx.min(map.pixels.ny) / 4)
 }
 
 /// Noise of a tile's mean, from two scans of one surface.

@@ -7,21 +7,11 @@ use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
 use super::probe::{Candidate, Probe};
-use super::response::{FARTHEST, Look, Projector, Response};
-
-/// Change beside the base parameters' changes that a probe should make [standard deviations, all data together], or share of
-/// the base fit's residuals where that is more. A far larger one bends away from small effects, a smaller one from large.
-const APT: (f64, f64) = (12.0, 0.5);
-/// Times by which a probe may miss that.
-const NEARLY_APT: f64 = 3.0;
-/// Share of the best shape's gain that another must promise to be fitted, too.
-const NEARLY: f64 = 0.3;
-/// Least way between two probes, as a share of that from the null.
-const LEAST_APART: f64 = 0.2;
-/// Looks at larger sizes, by how many times each at most, and the expected fall of the sum of squares that is worth one.
-const FARTHER: usize = 3;
-const LONGEST_STEP: f64 = 4.0;
-const WORTH: f64 = 16.0;
+use super::response::{Look, Projector, Response};
+use crate::criteria::{
+    EXTRAPOLATION_MOST, LARGER_PROBE_DELTA_CHI2, LARGER_PROBE_RATIO, LARGER_PROBES, PROBE_CHANGE_SHARE,
+    PROBE_CHANGE_SIGMAS, PROBE_LEAST_DISTANCE, PROBE_MISS_RATIO, SHAPE_GAIN_SHARE,
+};
 
 /// The first look at an effect.
 #[derive(Clone)]
@@ -53,7 +43,7 @@ impl Screened {
         let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
         let nulls: Vec<f64> = candidate.coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
         let mut screened = Self { candidate, responses, delta_chi2: 0.0, best: nulls, shift: Vec::new() };
-        let wanted = APT.0.max(APT.1 * look.projector.residuals.norm());
+        let wanted = PROBE_CHANGE_SIGMAS.max(PROBE_CHANGE_SHARE * look.projector.residuals.norm());
         let apt: Vec<Option<Response>> = screened
             .responses
             .par_iter()
@@ -70,13 +60,13 @@ impl Screened {
     /// Looks at larger sizes as long as the data promise to want the effect larger than all that were looked at.
     fn go_farther(&self, look: &Look, group: &mut Vec<Response>) {
         let residuals = &look.projector.residuals;
-        for _ in 0..FARTHER {
+        for _ in 0..LARGER_PROBES {
             let Some(nearest) = aptest(group, residuals) else { return };
             let wanted = nearest.wanted(residuals);
-            if wanted.abs() <= FARTHEST || nearest.optimum(residuals).1 < WORTH {
+            if wanted.abs() <= EXTRAPOLATION_MOST || nearest.optimum(residuals).1 < LARGER_PROBE_DELTA_CHI2 {
                 return;
             }
-            let values = self.along(nearest, wanted.clamp(-LONGEST_STEP, LONGEST_STEP));
+            let values = self.along(nearest, wanted.clamp(-LARGER_PROBE_RATIO, LARGER_PROBE_RATIO));
             let probe = Probe { values, amplitude: nearest.probe.amplitude };
             if !self.is_apart(group, &probe) {
                 return;
@@ -90,7 +80,7 @@ impl Screened {
     fn is_apart(&self, group: &[Response], probe: &Probe) -> bool {
         let k = probe.amplitude;
         let null = self.candidate.coordinates[k].slot.null.filter(|null| null.is_finite()).unwrap_or(0.0);
-        let apart = |other: f64| (probe.values[k] - other).abs() > LEAST_APART * (other - null).abs();
+        let apart = |other: f64| (probe.values[k] - other).abs() > PROBE_LEAST_DISTANCE * (other - null).abs();
         group.iter().all(|response| apart(response.probe.values[k]))
     }
 
@@ -100,7 +90,7 @@ impl Screened {
         let off = |response: &&Response| share(response).ln().abs();
         let distinct = group.iter().filter(|response| response.is_distinct());
         let nearest = distinct.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        if off(&nearest) < NEARLY_APT.ln() {
+        if off(&nearest) < PROBE_MISS_RATIO.ln() {
             return None;
         }
         let probe = Probe { values: self.along(nearest, share(&nearest)), amplitude: nearest.probe.amplitude };
@@ -148,8 +138,9 @@ impl Screened {
         });
         let shapes = |k: &usize| self.candidate.coordinates[*k].slot.null.is_none();
         let differs = |start: &Self| (0..self.best.len()).filter(shapes).any(|k| start.best[k] != self.best[k]);
-        let mut starts: Vec<(f64, Self)> =
-            single.filter(|(delta_chi2, start)| *delta_chi2 > NEARLY * self.delta_chi2 && differs(start)).collect();
+        let mut starts: Vec<(f64, Self)> = single
+            .filter(|(delta_chi2, start)| *delta_chi2 > SHAPE_GAIN_SHARE * self.delta_chi2 && differs(start))
+            .collect();
         starts.sort_by(|a, b| b.0.total_cmp(&a.0));
         std::iter::once(self.clone()).chain(starts.into_iter().map(|(_, start)| start)).collect()
     }

@@ -7,11 +7,7 @@ use rayon::prelude::*;
 
 use super::response::{Projector, Response};
 use super::screen::Screened;
-
-/// Draws of the residuals.
-const DRAWS: u64 = 400;
-/// Share of the largest singular value below which changes depend on each other.
-const DEPENDENT: f64 = 1e-3;
+use crate::criteria::{DEPENDENT_SHARE, SIGN_FLIP_DRAWS};
 
 /// The largest Δχ² over all effects in each draw, in rising order (Westfall and Young 1993).
 ///
@@ -35,7 +31,7 @@ pub fn null_delta_chi2(
         let drawn: Vec<f64> = left.iter().zip(blocks).map(|(r, block)| r * signs[*block]).collect();
         luckiest((screened, &spaces), &projector.project(&drawn))
     };
-    let mut null: Vec<f64> = (0..DRAWS).into_par_iter().map(draw).collect();
+    let mut null: Vec<f64> = (0..SIGN_FLIP_DRAWS).into_par_iter().map(draw).collect();
     null.sort_by(f64::total_cmp);
     null
 }
@@ -48,7 +44,7 @@ fn space(screened: &Screened) -> Option<DMatrix<f64>> {
         return None;
     }
     let parts = DMatrix::from_columns(&columns).svd(true, false);
-    let least = DEPENDENT * parts.singular_values.max();
+    let least = DEPENDENT_SHARE * parts.singular_values.max();
     let kept: Vec<usize> = (0..columns.len()).filter(|&k| parts.singular_values[k] > least).collect();
     Some(parts.u?.select_columns(&kept))
 }

@@ -6,9 +6,8 @@ use super::coordinates::{Coordinate, moved};
 use super::evidence::{EvidenceError, Split};
 use super::fit::{Estimate, Fit, FitOptions};
 use super::totals::{Total, Totals};
+use crate::criteria::STAGED_RATE_TOLERANCE;
 
-/// Relative error of the totals at which the rate is found.
-const FOUND: f64 = 1e-4;
 /// Most simulations for the rate.
 const MOST_RUNS: usize = 12;
 /// Longest step of the rate [logarithm].
@@ -62,7 +61,7 @@ fn fit_rate(
         if let Some((there, other)) = before.filter(|(there, _)| *there != at) {
             slope = ((off - other) / (at - there)).min(-0.1);
         }
-        if off.abs() < FOUND {
+        if off.abs() < STAGED_RATE_TOLERANCE {
             break;
         }
         before = Some((at, off));

@@ -9,16 +9,8 @@ use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use super::covariance::Whitener;
+use crate::criteria::{RESIDUAL_TEST_DRAWS, RUN_LINE_LEAST, SHARED_TILES_LEAST, SIGNIFICANCE_LEVEL};
 use random::Stream;
-
-/// Probability of any false alarm of all tests.
-const LEVEL: f64 = 0.05;
-/// Draws of noise.
-const DRAWS: usize = 999;
-/// Fewest tiles of a line whose runs are counted.
-const SHORTEST_LINE: usize = 5;
-/// Fewest tiles that two passes must share.
-const LEAST_SHARED: usize = 20;
 
 /// Residuals at places of a grid: the tiles of a scan, or the rows of a table in one line.
 #[derive(Clone, Debug)]
@@ -79,7 +71,7 @@ fn correct(tests: &mut [StructureTest]) {
     let count = tests.len();
     let mut rejects = true;
     for (rank, at) in order.into_iter().enumerate() {
-        rejects &= tests[at].p_value <= LEVEL / (count - rank) as f64;
+        rejects &= tests[at].p_value <= SIGNIFICANCE_LEVEL / (count - rank) as f64;
         tests[at].rejects = rejects;
     }
 }
@@ -118,14 +110,14 @@ fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
             grids[k].residuals.iter().map(|_| stream.normal()).collect()
         })
     };
-    let more = (0..DRAWS).into_par_iter().filter(|&draw| drawn(draw) >= found).count();
-    test("neighbouring tiles agree", found, (more + 1) as f64 / (DRAWS + 1) as f64)
+    let more = (0..RESIDUAL_TEST_DRAWS).into_par_iter().filter(|&draw| drawn(draw) >= found).count();
+    test("neighbouring tiles agree", found, (more + 1) as f64 / (RESIDUAL_TEST_DRAWS + 1) as f64)
 }
 
 /// Runs of one sign along lines of tiles, fewer than chance makes; `None` where no line is long enough.
 fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest> {
     let (mut excess, mut variance) = (0.0, 0.0);
-    for line in grids.iter().flat_map(|grid| grid.lines(along)).filter(|line| line.len() >= SHORTEST_LINE) {
+    for line in grids.iter().flat_map(|grid| grid.lines(along)).filter(|line| line.len() >= RUN_LINE_LEAST) {
         let n = line.len() as f64;
         let above = line.iter().filter(|r| **r > 0.0).count() as f64;
         let expected = 2.0 * above * (n - above) / n + 1.0;
@@ -142,7 +134,7 @@ fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest
 fn repeats(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
     let shared: Vec<&SharedTiles> = shared.iter().filter(|shared| shared.places.len() > 1).collect();
     let usable: Vec<&SharedTiles> =
-        shared.into_iter().filter(|shared| shared.places[0].len() >= LEAST_SHARED).collect();
+        shared.into_iter().filter(|shared| shared.places[0].len() >= SHARED_TILES_LEAST).collect();
     if usable.is_empty() {
         return None;
     }
@@ -160,10 +152,10 @@ fn repeats(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
     };
     let found = coherence(&|k| usable[k].differences.clone());
     let drawn = |draw: usize| coherence(&|k| usable[k].drawn(&mut Stream::of(seed, &format!("passes {draw} {k}"))));
-    let draws: Vec<f64> = (0..DRAWS).into_par_iter().map(drawn).collect();
+    let draws: Vec<f64> = (0..RESIDUAL_TEST_DRAWS).into_par_iter().map(drawn).collect();
     let above = draws.iter().filter(|drawn| **drawn >= found).count();
     let below = draws.iter().filter(|drawn| **drawn <= found).count();
-    let p = 2.0 * (above.min(below) + 1) as f64 / (DRAWS + 1) as f64;
+    let p = 2.0 * (above.min(below) + 1) as f64 / (RESIDUAL_TEST_DRAWS + 1) as f64;
     Some(test("passes leave alike", found, p.min(1.0)))
 }
 

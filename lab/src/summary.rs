@@ -12,11 +12,10 @@ use super::next_trial::NextTrial;
 use super::pass_trend::PassTrend;
 use super::unfitted::Unfitted;
 use super::verdict::Verdict;
+use crate::criteria::{CriterionValues, INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
 
 /// Name of the waterfall's step at which the base law is calibrated.
 pub const BASE_STEP: &str = "base model";
-/// Standard deviations of a 95 % interval.
-const INTERVAL: f64 = 1.96;
 
 /// A parameter with its interval, in the library's unit.
 #[derive(Clone, Debug, Serialize)]
@@ -134,6 +133,8 @@ pub struct DiagnosisSummary {
     pub detectable: Vec<Detectable>,
     /// Effects that were not tried, and why.
     pub blind: BTreeMap<String, String>,
+    /// The numbers behind all decisions, by name.
+    pub criteria: CriterionValues,
 }
 
 /// Root mean square over scans, in the unit of the errors.
@@ -151,9 +152,11 @@ pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
     let (coordinate, slot) = (&estimate.coordinate, &estimate.coordinate.slot);
     let at = coordinate.from_value(estimate.value);
     let [least, greatest] = coordinate.bounds();
-    let wide = !estimate.sigma.is_finite() || estimate.sigma * INTERVAL > 0.5 * (greatest - least);
-    let end =
-        |sign: f64| slot.unit.from_si(coordinate.value(coordinate.clamped(at + sign * INTERVAL * estimate.sigma)));
+    let wide =
+        !estimate.sigma.is_finite() || estimate.sigma * INTERVAL_SIGMAS > NOT_IDENTIFIABLE_SHARE * (greatest - least);
+    let end = |sign: f64| {
+        slot.unit.from_si(coordinate.value(coordinate.clamped(at + sign * INTERVAL_SIGMAS * estimate.sigma)))
+    };
     let state = match (wide, estimate.bound) {
         (true, _) => ParameterState::NotIdentifiable,
         (false, Some(super::Bound::Least)) => ParameterState::OnLeast,
@@ -283,6 +286,7 @@ impl DiagnosisSummary {
             suggested_effect_file: None,
             detectable: diagnosis.detectable.clone(),
             blind: diagnosis.blind.clone(),
+            criteria: CriterionValues,
         })
     }
 }

@@ -8,23 +8,18 @@ use super::evidence::{Evidence, EvidenceError};
 use super::fit::{Fit, FitOptions};
 use super::response::{Projector, shifted};
 use super::screen::Screened;
+use crate::criteria::{
+    EFFECTS_FITTED, EFFECTS_REFINED, FAR_END_RATIO, FITTED_DELTA_CHI2, LAST_FIT_DELTA_CHI2, LAST_FIT_DERIVATIVES,
+    LAST_FIT_GAIN_SHARE, LAST_FIT_STEPS, NULL_RATIO, NULL_SHARE, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
+    REFINED_FIT_DERIVATIVES, REFINED_FIT_STEPS, REFINED_GAIN_SHARE, STARTS_PER_EFFECT,
+};
 
-/// Effects that are fitted quickly, and those that are fitted to the end.
-pub(super) const QUICK: usize = 9;
-const THOROUGH: usize = 4;
-/// Places from which an effect of several shapes is fitted quickly.
-const STARTS: usize = 2;
-/// Fall of the sum of squares below which an effect is not fitted.
-pub(super) const LEAST_DELTA_CHI2: f64 = 4.0;
-/// What the two fits may cost.
-pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: 0, steps: 6 };
-pub(super) const THOROUGH_FIT: FitOptions = FitOptions { derivatives: 2, steps: 12 };
-/// What the last fit may cost, of those whose fit to the end did not converge, and the fall of the sum of squares that is worth one.
-const LAST_FIT: FitOptions = FitOptions { derivatives: 3, steps: 18 };
-const WORTH: f64 = 40.0;
-/// Share of the best one's gain that another must have after the quick fit to be fitted to the end, and then to be fitted on.
-const PROMISING: f64 = 0.3;
-const NEAR_BEST: f64 = 0.7;
+/// Cost of the two fits.
+pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: QUICK_FIT_DERIVATIVES, steps: QUICK_FIT_STEPS };
+pub(super) const REFINED_FIT: FitOptions =
+    FitOptions { derivatives: REFINED_FIT_DERIVATIVES, steps: REFINED_FIT_STEPS };
+/// Cost of the last fit, of those whose fit to the end did not converge.
+const LAST_FIT: FitOptions = FitOptions { derivatives: LAST_FIT_DERIVATIVES, steps: LAST_FIT_STEPS };
 
 /// An effect at its best values.
 #[derive(Clone)]
@@ -60,9 +55,9 @@ impl Suspect {
             let [least, greatest] = c.slot.range;
             match (c.slot.null, c.slot.scale) {
                 (Some(null), _) if value == null => true,
-                (Some(null), Scale::Log) if null.is_infinite() => value >= 0.99 * greatest,
-                (Some(null), Scale::Log) => null <= least && value <= 1.01 * least,
-                (Some(null), Scale::Linear) => (value - null).abs() < 1e-6 * (greatest - least),
+                (Some(null), Scale::Log) if null.is_infinite() => value >= (1.0 - NULL_RATIO) * greatest,
+                (Some(null), Scale::Log) => null <= least && value <= (1.0 + NULL_RATIO) * least,
+                (Some(null), Scale::Linear) => (value - null).abs() < NULL_SHARE * (greatest - least),
                 (None, _) => true,
             }
         })
@@ -108,7 +103,7 @@ impl Suspect {
 /// Whether a value of a parameter with a null is at the end of the range that is farthest from it.
 pub(super) fn is_at_far_end(coordinate: &Coordinate, value: f64) -> bool {
     let [least, greatest] = coordinate.slot.range;
-    let at = |end: f64| (value - end).abs() <= 1e-3 * end.abs();
+    let at = |end: f64| (value - end).abs() <= FAR_END_RATIO * end.abs();
     coordinate.slot.null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
 }
 
@@ -119,11 +114,11 @@ pub fn suspects(
     screened: &[Screened],
     told: &(dyn Fn(&str) + Sync),
 ) -> Vec<Suspect> {
-    let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > LEAST_DELTA_CHI2));
-    order.truncate(QUICK);
+    let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > FITTED_DELTA_CHI2));
+    order.truncate(EFFECTS_FITTED);
     let residuals = Projector::new(base).residuals;
     let quick = |screened: &&Screened| {
-        let starts = screened.starts(&residuals).into_par_iter().take(STARTS);
+        let starts = screened.starts(&residuals).into_par_iter().take(STARTS_PER_EFFECT);
         let suspects: Vec<Suspect> = starts.filter_map(|start| Suspect::quick(evidence, base, start).ok()).collect();
         told(&screened.candidate.name);
         suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))
@@ -131,17 +126,19 @@ pub fn suspects(
     let mut suspects: Vec<Suspect> = order.par_iter().filter_map(quick).collect();
     sort(&mut suspects);
     let delta_chi2 = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
-    let worth = suspects.first().map_or(0.0, |best| PROMISING * delta_chi2(best));
-    let promising = suspects.iter().take(THOROUGH).take_while(|suspect| delta_chi2(suspect) >= worth).count();
+    let worth = suspects.first().map_or(0.0, |best| REFINED_GAIN_SHARE * delta_chi2(best));
+    let promising = suspects.iter().take(EFFECTS_REFINED).take_while(|suspect| delta_chi2(suspect) >= worth).count();
     let rest = suspects.split_off(promising);
     let thorough = |suspect: Suspect| {
-        let suspect = suspect.refined(evidence, THOROUGH_FIT);
+        let suspect = suspect.refined(evidence, REFINED_FIT);
         told(suspect.name());
         suspect
     };
     let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
     let best = suspects.iter().map(delta_chi2).fold(0.0, f64::max);
-    let is_underway = |suspect: &Suspect| !suspect.fit.converged && delta_chi2(suspect) >= WORTH.max(NEAR_BEST * best);
+    let is_underway = |suspect: &Suspect| {
+        !suspect.fit.converged && delta_chi2(suspect) >= LAST_FIT_DELTA_CHI2.max(LAST_FIT_GAIN_SHARE * best)
+    };
     suspects.par_iter_mut().filter(|suspect| is_underway(suspect)).for_each(|suspect| {
         *suspect = suspect.clone().refined(evidence, LAST_FIT);
     });

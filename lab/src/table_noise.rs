@@ -2,19 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::criteria::{
+    REPEATS_LEAST, ROW_NOISE_CUT_MEAN_SQUARE, ROW_NOISE_CUT_SIGMAS, ROW_NOISE_LEAST, ROW_REGRESSION_CUT, SAME_SETTING,
+};
 use trials::measure::{MAD_TO_SIGMA, median};
 use trials::table::{Row, Table};
 
-/// Settings that differ by less are the same [logarithm].
-const SAME: f64 = 0.01;
-/// Pairs of repeats that are enough.
-const LEAST_REPEATS: usize = 20;
-/// No table repeats better [logarithm].
-const FINEST: f64 = 1e-3;
 /// Rounds of a robust regression and of a robust scale.
 const ROUNDS: usize = 20;
-/// Deviations count up to this [standard deviations], and the mean square of a normal law that is left then.
-const CUT: (f64, f64) = (2.5, 0.977_56);
 
 /// What two rows that follow each other in time differ by.
 struct Pair {
@@ -30,7 +25,7 @@ struct Pair {
 /// looked at.
 pub(super) fn row_noise(table: &Table, rows: &[usize]) -> (f64, String) {
     let repeats = pairs(table, rows, true);
-    let (pairs, how) = if repeats.len() >= LEAST_REPEATS {
+    let (pairs, how) = if repeats.len() >= REPEATS_LEAST {
         let how = format!("{} pairs of rows with the same settings", repeats.len());
         (repeats, how)
     } else {
@@ -39,7 +34,7 @@ pub(super) fn row_noise(table: &Table, rows: &[usize]) -> (f64, String) {
             format!("{} pairs of rows that follow each other, less what powers of their settings explain", all.len());
         (all, how)
     };
-    let sigma = (scale(&unexplained(&pairs)) / std::f64::consts::SQRT_2).max(FINEST);
+    let sigma = (scale(&unexplained(&pairs)) / std::f64::consts::SQRT_2).max(ROW_NOISE_LEAST);
     (sigma, format!("noise of a row: {:.2} %, from {how}", 100.0 * sigma))
 }
 
@@ -47,8 +42,9 @@ pub(super) fn row_noise(table: &Table, rows: &[usize]) -> (f64, String) {
 fn scale(deviations: &[f64]) -> f64 {
     let first = median(deviations.iter().map(|deviation| deviation.abs()).collect()).unwrap_or(0.0);
     (0..ROUNDS).fold(MAD_TO_SIGMA * first, |sigma, _| {
-        let square = |deviation: &f64| deviation.abs().min(CUT.0 * sigma).powi(2);
-        (deviations.iter().map(square).sum::<f64>() / (CUT.1 * deviations.len().max(1) as f64)).sqrt()
+        let square = |deviation: &f64| deviation.abs().min(ROW_NOISE_CUT_SIGMAS * sigma).powi(2);
+        (deviations.iter().map(square).sum::<f64>() / (ROW_NOISE_CUT_MEAN_SQUARE * deviations.len().max(1) as f64))
+            .sqrt()
     })
 }
 
@@ -65,7 +61,7 @@ fn pairs(table: &Table, rows: &[usize], same: bool) -> Vec<Pair> {
         let pair = |&b: &usize| {
             let next = &table.rows[b];
             let there = logarithms(next);
-            let alike = here.iter().zip(there).all(|(a, b)| (a - b).abs() < SAME);
+            let alike = here.iter().zip(there).all(|(a, b)| (a - b).abs() < SAME_SETTING);
             let fits = next.group == first.group && next.tool == first.tool && (alike || !same);
             fits.then(|| Pair {
                 removal: (next.removal_rate.unwrap_or(1.0) / first.removal_rate.unwrap_or(1.0)).ln(),
@@ -83,7 +79,7 @@ fn unexplained(pairs: &[Pair]) -> Vec<f64> {
     let removal: Vec<f64> = pairs.iter().map(|pair| pair.removal).collect();
     let columns: [&dyn Fn(&Pair) -> f64; 4] =
         [&|pair| pair.gap, &|pair| pair.settings[0], &|pair| pair.settings[1], &|pair| pair.settings[2]];
-    let varies = |column: &&&dyn Fn(&Pair) -> f64| pairs.iter().any(|pair| column(pair).abs() > SAME);
+    let varies = |column: &&&dyn Fn(&Pair) -> f64| pairs.iter().any(|pair| column(pair).abs() > SAME_SETTING);
     let columns: Vec<_> = columns.iter().filter(varies).collect();
     if pairs.len() < 2 * columns.len() + 2 {
         return removal;
@@ -93,7 +89,7 @@ fn unexplained(pairs: &[Pair]) -> Vec<f64> {
     let mut left = target.clone();
     for _ in 0..ROUNDS {
         let scale = median(left.iter().map(|left| left.abs()).collect()).unwrap_or(0.0).max(1e-12);
-        let weights = left.map(|left| (2.0 * scale / left.abs().max(1e-12)).min(1.0).sqrt());
+        let weights = left.map(|left| (ROW_REGRESSION_CUT * scale / left.abs().max(1e-12)).min(1.0).sqrt());
         let weighted =
             DMatrix::from_fn(design.nrows(), design.ncols(), |row, column| design[(row, column)] * weights[row]);
         let Ok(found) = weighted.svd(true, true).solve(&target.component_mul(&weights), 1e-9) else { return removal };

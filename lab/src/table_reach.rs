@@ -11,15 +11,12 @@ use super::coordinates::{Coordinate, moved};
 use super::evidence::{EvidenceError, Split};
 use super::rows::RowEvidence;
 use super::table_steps::{NOMINAL_AREA, NOMINAL_COATING, NOMINAL_SPEED, ROOM, measuring, temperature};
+use crate::criteria::{PREDICTION_CHANGE_LEAST, RATE_RANGE_FACTOR};
 use trials::measure::median;
 use trials::table::{Removed, Table};
 
 /// Hooks that rows have.
 const HOOKS: [Hook; 4] = [Hook::Spindle, Hook::Force, Hook::Rate, Hook::Dose];
-/// A prediction that changes by less is the same [logarithm].
-const SAME: f64 = 1e-6;
-/// Factors from a rate constant to its bounds.
-const REACH: f64 = 1e3;
 
 /// What a formula reads, looked up through definitions and states.
 struct Reads<'a> {
@@ -165,8 +162,8 @@ impl RowEvidence<'_> {
         }
         let without = self.predicted(&compiled).map_err(|error| error.to_string())?;
         match self.shape(&without, &typical) {
-            (change, _) if change < SAME => Err("changes nothing in these rows".to_owned()),
-            (_, shape) if shape < SAME => {
+            (change, _) if change < PREDICTION_CHANGE_LEAST => Err("changes nothing in these rows".to_owned()),
+            (_, shape) if shape < PREDICTION_CHANGE_LEAST => {
                 Err("moves all rows alike: it cannot be told from the rate constant".to_owned())
             }
             _ => Ok(()),
@@ -203,12 +200,12 @@ impl RowEvidence<'_> {
             there[k] = if forward > at[k] { forward } else { coordinate.clamped(at[k] - coordinate.step()) };
             let (change, shape) = self.shape(&start, &self.predicted(&moved(model, &all, &there))?);
             let name = coordinate.slot.name();
-            if change < SAME {
+            if change < PREDICTION_CHANGE_LEAST {
                 notes.push(format!("{name} changes nothing in these rows and is kept"));
-            } else if shape < SAME && gained {
+            } else if shape < PREDICTION_CHANGE_LEAST && gained {
                 notes.push(format!("{name} moves all rows alike, as the rate constant does, and is kept"));
             } else {
-                gained |= shape < SAME;
+                gained |= shape < PREDICTION_CHANGE_LEAST;
                 kept.push(coordinate.clone());
             }
         }
@@ -251,7 +248,7 @@ impl RowEvidence<'_> {
         }
         if model.range_of(&path).is_none() {
             let value = model.values(&owner, &constant.name)[0];
-            model.ranges.push((path, [value / REACH, value * REACH]));
+            model.ranges.push((path, [value / RATE_RANGE_FACTOR, value * RATE_RANGE_FACTOR]));
         }
         Ok(model)
     }

@@ -4,8 +4,7 @@
 use glam::DVec2;
 use sdf_bake::{HeightMap, PixelGrid};
 
-/// Share of a tile's pixels that must be known.
-const LEAST_KNOWN: f64 = 0.4;
+use crate::criteria::TILE_KNOWN_SHARE;
 
 /// A regular grid of tiles over a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +44,7 @@ impl TileGrid {
     pub fn tiles(self, takes: impl Fn(usize) -> bool) -> Tiles {
         let mut tiles = Tiles { grid: self, centres: Vec::new(), cells: Vec::new(), members: Vec::new() };
         let (nx, ny) = self.shape();
-        let least = (LEAST_KNOWN * (self.side * self.side) as f64).ceil() as usize;
+        let least = (TILE_KNOWN_SHARE * (self.side * self.side) as f64).ceil() as usize;
         for cell in 0..nx * ny {
             let kept: Vec<u32> = self.pixels_of(cell).filter(|&at| takes(at)).map(|at| at as u32).collect();
             if kept.len() < least.max(1) {

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::diagnose::Round;
 use super::screen::Screened;
-use super::suspect::{LEAST_DELTA_CHI2, QUICK, by_promise};
+use super::suspect::by_promise;
+use crate::criteria::{EFFECTS_FITTED, FITTED_DELTA_CHI2};
 
 /// An effect that a search looked at and did not weigh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,13 +34,15 @@ impl Round {
 /// Why an effect with a rank among all by what it promised was not weighed.
 fn reason(rank: usize, screened: &Screened) -> String {
     let delta_chi2 = screened.delta_chi2;
-    if delta_chi2 <= LEAST_DELTA_CHI2 {
+    if delta_chi2 <= FITTED_DELTA_CHI2 {
         return format!(
-            "no delta_chi2: the first look promises a fall of χ² by {delta_chi2:.1}, and {LEAST_DELTA_CHI2} are needed"
+            "no delta_chi2: the first look promises a fall of χ² by {delta_chi2:.1}, and {FITTED_DELTA_CHI2} are needed"
         );
     }
-    if rank >= QUICK {
-        return format!("not fitted: a fall of χ² by {delta_chi2:.1} at first look, and {QUICK} others promise more");
+    if rank >= EFFECTS_FITTED {
+        return format!(
+            "not fitted: a fall of χ² by {delta_chi2:.1} at first look, and {EFFECTS_FITTED} others promise more"
+        );
     }
     "no delta_chi2: no fit of it is better than the model without it".to_owned()
 }

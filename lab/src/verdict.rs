@@ -4,21 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::detectable::Detectable;
 use super::evidence::Agreement;
-
-/// Share of the mean removal that may stay unexplained before something unknown is said to be at work, and of the floor.
-const UNEXPLAINED: (f64, f64) = (0.01, 0.6);
-/// What held-out data may leave unexplained where nothing is missing: shares of the mean removal and of the noise floor. Errors
-/// of the parameters come on top of those of the simulation.
-const HELD_OUT: (f64, f64) = (0.02, 1.5);
-/// Shares of the unexplained mean square that may stay where effects are an account of it: of the data that they were fitted to,
-/// and of those held out.
-const ACCOUNTED: [f64; 2] = [0.25, 0.5];
-/// What held-out errors may rise by through an effect that is there: shares of the mean removal and of the noise.
-const HARMLESS: (f64, f64) = (0.005, 0.6);
-/// What may stay at most then: shares of the mean removal and of the noise floor.
-const NEAR: (f64, f64) = (0.03, 3.0);
-/// Probability from which an effect is named alone.
-pub(super) const CERTAIN: f64 = 0.9;
+use crate::criteria::{
+    ADEQUATE_NOISE, ADEQUATE_REMOVAL, HELD_OUT_NOISE, HELD_OUT_REMOVAL, HELD_OUT_RISE_NOISE, HELD_OUT_RISE_REMOVAL,
+    LEFT_CALIBRATION_SHARE, LEFT_HELD_OUT_SHARE, NAMED_PROBABILITY, TESTABLE_SHARE, UNEXPLAINED_NOISE,
+    UNEXPLAINED_REMOVAL,
+};
 
 /// What the data say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -74,12 +64,12 @@ fn exceeds(of: &[Agreement], shares: (f64, f64)) -> bool {
 
 /// Whether more is left than noise and the simulation's own errors explain.
 pub(super) fn is_open(of: &[Agreement]) -> bool {
-    exceeds(of, UNEXPLAINED)
+    exceeds(of, (UNEXPLAINED_REMOVAL, UNEXPLAINED_NOISE))
 }
 
 /// Whether a model misses data that it was not fitted to.
 pub(super) fn misses(held_out: &[Agreement]) -> bool {
-    exceeds(held_out, HELD_OUT)
+    exceeds(held_out, (HELD_OUT_REMOVAL, HELD_OUT_NOISE))
 }
 
 /// Whether all is explained but for so much of the unexplained mean square.
@@ -90,13 +80,15 @@ fn leaves_at_most(share: f64, before: &[Agreement], after: &[Agreement]) -> bool
 /// Whether an effect does not do harm to held-out data that no fit has seen: their errors rise by no more than the simulation
 /// itself and the noise may err by.
 pub(super) fn carries_over(before: &[Agreement], after: &[Agreement]) -> bool {
-    unexplained(after).powi(2) <= unexplained(before).powi(2) + of_either(after, HARMLESS).powi(2)
+    unexplained(after).powi(2)
+        <= unexplained(before).powi(2) + of_either(after, (HELD_OUT_RISE_REMOVAL, HELD_OUT_RISE_NOISE)).powi(2)
 }
 
 /// Whether an effect is what is missing, given how well the models without and with it describe calibration and held-out data: it
 /// leaves nothing, and without it much is left, of all data or of those held out.
 pub(super) fn is_account(before: [&[Agreement]; 2], after: [&[Agreement]; 2]) -> bool {
-    let is_missing = is_open(before[0]) || misses(before[1]) || leaves_at_most(ACCOUNTED[1], before[1], after[1]);
+    let is_missing =
+        is_open(before[0]) || misses(before[1]) || leaves_at_most(LEFT_HELD_OUT_SHARE, before[1], after[1]);
     is_missing && !is_open(after[0]) && !misses(after[1])
 }
 
@@ -112,10 +104,11 @@ impl Verdict {
             let is_known = !is_open(base[0]) && (end == SearchEnd::Exhausted || !misses(base[1]));
             return if is_known { Self::of_silence(base[1], detectable) } else { Self::Unknown };
         };
-        let of_calibration = !is_open(left[0]) || leaves_at_most(ACCOUNTED[0], base[0], left[0]);
-        let of_held_out = !misses(left[1]) || leaves_at_most(ACCOUNTED[1], base[1], left[1]);
-        let is_account = end == SearchEnd::CutShort || (of_calibration && of_held_out && !exceeds(left[0], NEAR));
-        match (is_open(left[0]), probability >= CERTAIN) {
+        let of_calibration = !is_open(left[0]) || leaves_at_most(LEFT_CALIBRATION_SHARE, base[0], left[0]);
+        let of_held_out = !misses(left[1]) || leaves_at_most(LEFT_HELD_OUT_SHARE, base[1], left[1]);
+        let is_account = end == SearchEnd::CutShort
+            || (of_calibration && of_held_out && !exceeds(left[0], (ADEQUATE_REMOVAL, ADEQUATE_NOISE)));
+        match (is_open(left[0]), probability >= NAMED_PROBABILITY) {
             _ if !is_account => Self::Unknown,
             (_, false) if found.len() == 1 => Self::Ambiguous,
             (false, true) => Self::Identified,
@@ -126,7 +119,8 @@ impl Verdict {
     /// Where the calibration data show no effect.
     fn of_silence(held_out: &[Agreement], detectable: &[Detectable]) -> Self {
         let testable = detectable.iter().filter(|effect| effect.testable).count();
-        if testable * 2 < detectable.len() || misses(held_out) { Self::NotTestable } else { Self::NothingMissing }
+        let least = TESTABLE_SHARE * detectable.len() as f64;
+        if (testable as f64) < least || misses(held_out) { Self::NotTestable } else { Self::NothingMissing }
     }
 }
 

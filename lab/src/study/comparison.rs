@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use crate::criteria::{CriterionValues, NEAR_FLOOR_RATIO, SIGNIFICANCE_LEVEL};
 use crate::error::Result;
 use effects::CompiledModel;
 use serde::Serialize;
 
-use super::failures::{Failures, plots};
+use super::failures::{CovariateFigures, Failures, plots};
 use super::maps::{Seen, name, pass_volume, role};
 use super::report_from_diagnosis::{compared_scans, folder_name, provenance};
 use super::simulated::Simulated;
@@ -22,9 +23,6 @@ use crate::{
 };
 use trials::measure::Plateau;
 use trials::trial::{Campaign, Role};
-
-/// Error over its floor up to which a model that differs is said to be close.
-const CLOSE: f64 = 1.1;
 
 /// A section in numbers.
 #[derive(Clone, Debug, Serialize)]
@@ -90,6 +88,8 @@ pub struct Comparison {
     pub scans: Vec<ScanFigures>,
     /// Lines of the table whose residuals are gross outliers.
     pub outlier_lines: Vec<u64>,
+    /// The numbers behind all decisions, by name.
+    pub criteria: CriterionValues,
 }
 
 /// What was asked of a comparison.
@@ -205,9 +205,10 @@ impl Found<'_> {
         let errors = format!("{rms:.2} {} where noise alone leaves {floor:.2} {}", unit.symbol(), unit.symbol());
         let beyond = self.equal_passes.as_ref().filter(|trend| trend.out_of_reach);
         let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
-        let is_near = !agrees && rms <= CLOSE * floor;
+        let is_near = !agrees && rms <= NEAR_FLOOR_RATIO * floor;
         let near = if is_near { " The error is near the noise, but what is left has structure." } else { "" };
-        let sentence = match (agrees, failures.covariates.iter().find(|covariate| covariate.p_value_of_all <= 0.05)) {
+        let is_significant = |covariate: &&CovariateFigures| covariate.p_value_of_all <= SIGNIFICANCE_LEVEL;
+        let sentence = match (agrees, failures.covariates.iter().find(is_significant)) {
             (true, _) => format!("The model leaves {errors}: no structure beyond noise."),
             (false, Some(most)) => format!(
                 "The model leaves {errors}; its error depends most on the {}, which alone explains {:.0} % of the excess.",
@@ -229,6 +230,7 @@ impl Found<'_> {
             failures,
             scans: Vec::new(),
             outlier_lines: Vec::new(),
+            criteria: CriterionValues,
         }
     }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::criteria::CriterionValues;
 use crate::{ErrorUnit, Verdict, WaterfallStep};
 
 /// The file by which the folder of a study is known.
@@ -92,6 +93,9 @@ pub struct StudyRecord {
     pub to_add: Option<[String; 2]>,
     /// The last diagnosis as `diagnose --json` tells it.
     pub diagnosis: Option<Value>,
+    /// The numbers behind all decisions, by name, as this program has them; those of a record that is read are left out.
+    #[serde(skip_deserializing)]
+    pub criteria: CriterionValues,
 }
 
 impl StudyRecord {
@@ -114,6 +118,7 @@ impl StudyRecord {
             waterfall: Vec::new(),
             to_add: None,
             diagnosis: None,
+            criteria: CriterionValues,
         }
     }
 

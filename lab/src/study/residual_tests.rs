@@ -1,13 +1,11 @@
 //! The tests of structure on what a model leaves of scans, or of a table's rows.
 
 use super::simulated::Simulated;
+use crate::criteria::SHARED_NOISE_MOST;
 use crate::study::TestOfMissing;
 use crate::{
     HeightView, ResidualGrid, ScanData, ScanEvidence, ScanView, SharedTiles, Split, StructureTest, structure_tests,
 };
-
-/// Share of the noise of the scan before from which a tile is left out of what scans share: they have that noise in common.
-const MOST_BEFORE: f64 = 0.1;
 
 /// Tests what a model leaves of the scans of a split.
 ///
@@ -65,7 +63,7 @@ fn shared_tiles<'a>(
     }
     let place = |data: &HeightView, cell: usize| {
         let at = data.tiles.cells.binary_search(&cell).ok()?;
-        (data.before_share[at] < MOST_BEFORE).then_some(at)
+        (data.before_share[at] < SHARED_NOISE_MOST).then_some(at)
     };
     let everywhere = |&&cell: &&usize| scans.iter().all(|(_, data)| place(data, cell).is_some());
     let cells: Vec<usize> = first.tiles.cells.iter().filter(everywhere).copied().collect();

@@ -2,15 +2,11 @@
 
 use effects::CompiledModel;
 
+use crate::criteria::{GROSS_RESIDUAL_SIGMAS, ROW_BLOCK_LENGTH};
 use crate::study::Stated;
 use crate::{CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, covariate_study};
 use trials::measure::centre_and_sigma;
 use trials::table::Row;
-
-/// Residual beyond which a row was written down wrongly [robust standard deviations of all].
-const GROSS: f64 = 5.0;
-/// Rows in a block.
-const BLOCK: usize = 5;
 
 /// What a row may tell of itself: name, unit, SI value of one unit, value.
 type Known = (&'static str, &'static str, f64, fn(&Row) -> Option<f64>);
@@ -51,7 +47,7 @@ pub fn study(
     let table = evidence.table;
     let all: Vec<f64> = evidence.residuals(model, split)?.iter().map(|r| r * evidence.noise).collect();
     let (middle, spread) = centre_and_sigma(&all).unwrap_or_default();
-    let counts = |(_, residual): &(&usize, &f64)| (*residual - middle).abs() <= GROSS * spread;
+    let counts = |(_, residual): &(&usize, &f64)| (*residual - middle).abs() <= GROSS_RESIDUAL_SIGMAS * spread;
     let (rows, residuals): (Vec<usize>, Vec<f64>) = evidence.of(split).iter().zip(&all).filter(counts).unzip();
     let known = |value: f64| if value.is_finite() { value } else { 0.0 };
     let of = |value: &dyn Fn(usize) -> f64| rows.iter().map(|&at| known(value(at))).collect::<Vec<f64>>();
@@ -67,7 +63,7 @@ pub fn study(
         cells: (0..rows.len()).collect(),
         residuals,
         sigmas: vec![evidence.noise; rows.len()],
-        blocks: rows.iter().map(|at| at / BLOCK).collect(),
+        blocks: rows.iter().map(|at| at / ROW_BLOCK_LENGTH).collect(),
         values,
     };
     Ok(covariate_study(&[field], 1.0, seed))

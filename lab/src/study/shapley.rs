@@ -1,9 +1,7 @@
 //! How much of a fall each of two effects accounts for, whatever the order in which they are added.
 
+use crate::criteria::SHAPLEY_OVERLAP;
 use crate::{Diagnosis, DiagnosisSummary};
-
-/// Share of the fall that both explain from which the order matters.
-const OVERLAP: f64 = 0.2;
 
 /// Shares of a fall of the sum of squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +29,7 @@ fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
     let fall = |chi2: f64| one.base.chi2 - chi2;
     let falls = [first.suspect.fit.chi2, alone.suspect.fit.chi2, second.suspect.fit.chi2].map(fall);
     let shares = SharedFall::new(falls);
-    (shares.overlap > OVERLAP).then_some(shares)
+    (shares.overlap > SHAPLEY_OVERLAP).then_some(shares)
 }
 
 /// How two effects share the fall of the error where they do the same in part.

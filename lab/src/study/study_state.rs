@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use crate::criteria::{MOST_EFFECTS, NEAR_FLOOR_RATIO};
 use crate::error::{LabError, Result};
 use effects::{CompiledModel, Library, Model};
 
@@ -12,12 +13,9 @@ use super::record::{Action, Done, STUDY_FILE, StudyRecord};
 use super::report_from_diagnosis::{detectable, next_trial, suggested, suspects, waterfall};
 use crate::study::StudyReport;
 use crate::{
-    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, MOST_EFFECTS,
-    OnProgress, Order, ParameterSummary, Suggestion, Unfitted, Verdict, beginning, parameter_summary,
+    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, OnProgress, Order,
+    ParameterSummary, Suggestion, Unfitted, Verdict, beginning, parameter_summary,
 };
-
-/// Error at which nothing more is searched [noise floors].
-const AT_FLOOR: f64 = 1.1;
 
 /// A study under way: its record, and what this run of the program has in memory of it.
 pub struct StudyState<'a> {
@@ -118,7 +116,9 @@ impl<'a> StudyState<'a> {
             Some(Verdict::Identified) => {
                 Some("what is left is noise and what the simulation itself may err by".to_owned())
             }
-            Some(_) if floors <= AT_FLOOR => Some(format!("the error is within {AT_FLOOR} times the noise floor")),
+            Some(_) if floors <= NEAR_FLOOR_RATIO => {
+                Some(format!("the error is within {NEAR_FLOOR_RATIO} times the noise floor"))
+            }
             Some(_) if record.added.len() >= MOST_EFFECTS => {
                 Some(format!("{MOST_EFFECTS} effects were added, and more would be guessing"))
             }

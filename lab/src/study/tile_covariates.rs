@@ -5,6 +5,7 @@ use sim::Covariates;
 
 use super::simulated::Simulated;
 use super::track::Ground;
+use crate::criteria::{TILE_BLOCK_SIDE, TRACK_REMOVAL_SHARE, TRACK_REMOVAL_SIGMAS};
 use crate::study::Stated;
 use crate::{
     CovariateField, CovariateStudy, ExposureView, HeightView, ScanData, ScanEvidence, ScanView, Split, Tiles,
@@ -12,11 +13,6 @@ use crate::{
 };
 use trials::measure::despiked;
 use trials::trial::RPM;
-
-/// Removal from which a tile belongs to the track: noise of a tile, and a share of what the deepest tenth loses.
-const TRACK: (f64, f64) = (4.0, 0.15);
-/// Tiles along and across that share a block.
-const BLOCK: usize = 4;
 
 /// What is known of a place when it is worked on: name, unit and SI value of one unit.
 const COVARIATES: [(&str, &str, f64); 18] = [
@@ -62,7 +58,7 @@ fn field(evidence: &ScanEvidence, simulated: &Simulated, view: &ScanView) -> Opt
     let nx = tiles.grid.shape().0;
     let block = |&tile: &usize| {
         let cell = tiles.cells[tile];
-        cell / nx / BLOCK * nx.div_ceil(BLOCK) + cell % nx / BLOCK
+        cell / nx / TILE_BLOCK_SIDE * nx.div_ceil(TILE_BLOCK_SIDE) + cell % nx / TILE_BLOCK_SIDE
     };
     let values = places.values(tiles);
     Some(CovariateField {
@@ -113,7 +109,7 @@ impl<'a> Places<'a> {
         let mut sorted: Vec<f64> = removed.iter().copied().filter(|depth| depth.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let deep = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or(0.0);
-        let least = (TRACK.0 * noise).max(TRACK.1 * deep);
+        let least = (TRACK_REMOVAL_SIGMAS * noise).max(TRACK_REMOVAL_SHARE * deep);
         let keeps = |&tile: &usize| removed[tile] > least && missed[tile].is_finite() && self.is_known(data, tile);
         let kept: Vec<usize> = (0..removed.len()).filter(keeps).collect();
         let residuals = kept.iter().map(|&tile| missed[tile] / removed[tile]).collect();

@@ -3,15 +3,13 @@
 use sdf_bake::{HeightMap, PixelGrid};
 
 use super::simulated::Simulated;
+use crate::criteria::PLATEAU_REMOVAL_SIGMAS;
 use crate::study::Direction;
 use crate::{HeightView, ScanData, ScanEvidence, ScanView};
 use trials::measure::{
     Across, CLEARANCE, Freedom, Plateau, Registration, despiked, plateau_pixels, register, untouched,
 };
 use trials::trial::Pass;
-
-/// Removal from which a pixel may be part of a plateau [noise floors].
-const CLEAR: f64 = 3.0;
 
 /// A volume with its standard uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +101,7 @@ impl<'a> Ground<'a> {
     /// The plateau that a pass left.
     pub fn plateau(&self, before: &HeightMap, pass: &Pass, noise: f64) -> Plateau {
         let across = if pass.direction.x.abs() >= pass.direction.y.abs() { Across::Y } else { Across::X };
-        plateau_pixels(self.seen.pixels, &self.removed(before), CLEAR * noise, across)
+        plateau_pixels(self.seen.pixels, &self.removed(before), PLATEAU_REMOVAL_SIGMAS * noise, across)
     }
 
     /// Height and slope of a plateau, or of a section of one; `None` where too little of it is known.
