@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::decay::Decay;
+
 /// The robot's controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", tag = "kind")]
@@ -39,7 +41,8 @@ const FIRST_STRIDE: f64 = 5e-6;
 /// Way into the surface at first [m].
 const FIRST_NUDGE: f64 = 1e-7;
 
-/// A balance to be found for the end of a step: `F(z) = F_set + B z' + M z''` with backward differences.
+/// A balance to be found for the end of a step: `F = F_set + B z' + M z''` with backward differences, F being the mean force over
+/// the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance {
     /// Where the step starts.
@@ -52,6 +55,10 @@ pub struct Balance {
     pub mass: f64,
     /// Length of the step [s]; 0 for a balance at rest.
     pub dt: f64,
+    /// Force at the start of the step [N].
+    pub start_force: f64,
+    /// Weight of the force at the end of the step in its mean, 1/2 to 1; see [`end_weight`].
+    pub weight: f64,
     /// Difference in force that is good enough [N].
     pub tolerance: f64,
     /// Lowest and highest travel [m].
@@ -91,7 +98,7 @@ impl Balance {
             } else {
                 high = travel
             }
-            let slope = response.stiffness + drag;
+            let slope = self.weight * response.stiffness + drag;
             let step = if slope > 0.0 {
                 // A first touch is far softer than the patch that it becomes.
                 let newton = travel + excess / slope;
@@ -129,8 +136,17 @@ impl Balance {
             return force - self.setpoint;
         }
         let speed = (travel - self.from.travel) / self.dt;
+        let force = self.start_force + self.weight * (force - self.start_force);
         force - self.setpoint - self.damping * speed - self.mass * (speed - self.from.speed) / self.dt
     }
+}
+
+/// Weight of the end of a step in the mean of a force that decays over it by `exp(-x)` towards a constant, so that a step of any
+/// length is exact for a spring on a damper (exponential fitting, Liniger and Willoughby 1970): 1/2 for a short step, 1 for a
+/// long one.
+pub(crate) fn end_weight(x: f64) -> f64 {
+    let decay = Decay::new(x);
+    decay.phi2 / decay.phi1
 }
 
 /// One sample of an admittance controller (semi-implicit Euler) that has read `force` [N].
@@ -152,6 +168,8 @@ mod tests {
             damping: 0.0,
             mass: 0.0,
             dt: 0.01,
+            start_force: 0.0,
+            weight: 1.0,
             tolerance: 1e-9,
             bounds: (-0.02, 0.02),
         };
@@ -173,6 +191,29 @@ mod tests {
         assert!((dome(travel).unwrap().force - 15.0).abs() < 1e-6, "{travel}");
         let nothing = |_| Ok::<_, ()>(Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY });
         assert_eq!(balance.solve(0.0, nothing), Ok(None));
+    }
+
+    #[test]
+    fn a_step_of_any_length_on_a_spring_and_a_damper_is_exact() {
+        let (spring, damping, setpoint) = (1e6, 1500.0, 15.0);
+        for dt in [1e-5, 1e-3, 1e-2, 1.0] {
+            let x = dt * spring / damping;
+            let balance = Balance {
+                from: Motion::default(),
+                setpoint,
+                damping,
+                mass: 0.0,
+                dt,
+                start_force: 0.0,
+                weight: end_weight(x),
+                tolerance: 1e-9,
+                bounds: (-0.02, 0.02),
+            };
+            let respond = |z: f64| Ok::<_, ()>(Response { force: -spring * z, stiffness: spring, depth: -z });
+            let travel = balance.solve(0.0, respond).unwrap().expect("a balance");
+            let exact = setpoint * -(-x).exp_m1() / spring;
+            assert!((travel + exact).abs() < 1e-9 * exact + 1e-14, "{dt} s: {travel} {exact}");
+        }
     }
 
     #[test]

@@ -135,6 +135,8 @@ impl<'a> Press<'a> {
             damping: 0.0,
             mass: 0.0,
             dt: 0.0,
+            start_force: 0.0,
+            weight: 1.0,
             tolerance: FORCE_TOLERANCE * setpoint,
             bounds: (-self.reach, self.reach),
         };

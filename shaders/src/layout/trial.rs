@@ -233,8 +233,18 @@ shared_struct! {
         left: f32,
         /// Force of the last step [N].
         end_force: f32,
+        /// Its stiffness [N/voxel].
+        end_stiffness: f32,
         /// Force of the last evaluation [N].
         force_now: f32,
+        /// Its stiffness [N/voxel].
+        stiffness_now: f32,
+        /// Force at the start of the step as the controller reads it [N].
+        start_force: f32,
+        /// Weight of the force at the end of the step in its mean.
+        end_weight: f32,
+        /// By how much deeper a point lies in the middle of the step than the mean of both ends, without recession [voxels].
+        bulge: f32,
         /// Way of the tool on this sheet [voxels].
         travelled: f32,
         /// Recession since the slopes were taken [voxels].
@@ -251,8 +261,6 @@ shared_struct! {
         path_position: f32,
         /// Whether the tool has gone its way on this sheet.
         is_far: u32,
-        /// Nothing.
-        padding: u32,
     }
 }
 

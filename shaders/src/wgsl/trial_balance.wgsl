@@ -40,6 +40,13 @@ fn start_balance(damping: f32, mass: f32) {
     state.stride = FIRST_STRIDE / setup.voxel;
     state.nudge = 0.5 * FIRST_NUDGE / setup.voxel;
     state.evaluations = 0u;
+    state.end_weight = 1.0;
+    // A contact that has just begun tells nothing of how the force comes to rest.
+    if setup.grinds == 1u && damping > 0.0 && state.end_stiffness > 0.0 {
+        let weights = decay_weights(state.dt * state.end_stiffness / (damping + mass / state.dt));
+        state.end_weight = weights.y / weights.x;
+        state.start_force = force_reading(state.end_force);
+    }
     let reach = setup.search_reach;
     let base = state.guess_base;
     let guess = state.fine + state.speed * state.dt;
@@ -68,7 +75,8 @@ fn excess_force(force: f32) -> f32 {
         return over;
     }
     let speed = (state.guess - from_travel()) / dt;
-    return over - state.damping * speed - state.mass * (speed - state.speed) / dt;
+    let mean = state.start_force + state.end_weight * (force - state.start_force) - setup.force_setpoint;
+    return mean - state.damping * speed - state.mass * (speed - state.speed) / dt;
 }
 
 // The next travel by Newton's step, or down to the surface and a little into it; FAR where there is no surface.
@@ -76,8 +84,9 @@ fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     let dt = state.dt;
     let drag = select(0.0, state.damping / dt + state.mass / (dt * dt), dt > 0.0);
     let guess = state.guess;
-    if stiffness + drag > 0.0 {
-        let newton = guess + excess / (stiffness + drag);
+    let slope = state.end_weight * stiffness + drag;
+    if slope > 0.0 {
+        let newton = guess + excess / slope;
         state.stride *= 4.0;
         return select(max(newton, guess - state.stride), newton, state.low > -FAR);
     }

@@ -56,6 +56,7 @@ fn settle_complete() {
     state.fine = state.guess;
     state.speed = state.found_speed;
     state.end_force = state.force_now;
+    state.end_stiffness = state.stiffness_now;
     write_row(0u);
     state.phase = APPLY;
 }

@@ -7,10 +7,11 @@ fn settle_evaluation() {
     }
     let force = reduced(SUM_FORCE);
     state.force_now = force;
+    state.stiffness_now = reduced(SUM_STIFFNESS);
     var found = FOUND;
     if state.controller != CONTROLLER_REPLAY && !is_sampled() {
         let depth = select(reduced(SUMS + MAX_DEPTH), 0.0, force > 0.0);
-        found = search(force, reduced(SUM_STIFFNESS) * setup.voxel, depth);
+        found = search(force, state.stiffness_now, depth);
         if found == NOTHING && force > 0.0 {
             state.too_soft = 1u;
         }

@@ -24,7 +24,7 @@ use crate::physics::Physics;
 use crate::record::{LogRow, PassRecord};
 use crate::settings::{LONGEST_STEP, PassError, Process};
 use crate::sheet::Sheet;
-use crate::step::Step;
+use crate::step::{EndForce, Step};
 use crate::step_values::Moment;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells};
@@ -173,9 +173,9 @@ struct Runner<'a> {
     bent: f64,
     /// Whether `step` holds one that was applied to this sheet and ends where the next begins.
     goes_on: bool,
-    /// Force at the end of the last step, and of the one that is tried [N].
-    end_force: f64,
-    step_force: f64,
+    /// Force at the end of the last step, and of the one that is tried.
+    end: EndForce,
+    step_end: EndForce,
     /// Whether the tool touched and went as deep as it may without meeting the setpoint.
     is_too_soft: bool,
     record: PassRecord,
@@ -216,8 +216,8 @@ impl<'a> Runner<'a> {
             travelled: 0.0,
             bent: 0.0,
             goes_on: false,
-            end_force: 0.0,
-            step_force: 0.0,
+            end: EndForce::default(),
+            step_end: EndForce::default(),
             is_too_soft: false,
             record: PassRecord::default(),
             pass,
@@ -297,7 +297,7 @@ impl<'a> Runner<'a> {
         let Controller::Admittance { mass, .. } = self.controller else { return false };
         let setpoint = self.pass.process.force_setpoint;
         let inertial_force = (mass * (motion.speed - self.motion.speed) / dt).abs();
-        inertial_force > INERTIA * setpoint || (self.step_force - self.end_force).abs() > FORCE_JUMP * setpoint
+        inertial_force > INERTIA * setpoint || (self.step_end.force - self.end.force).abs() > FORCE_JUMP * setpoint
     }
 
     /// Takes the step that `find_motion` prepared. Returns the force at its end [N].
@@ -333,7 +333,7 @@ impl<'a> Runner<'a> {
         let way = self.nominal(self.time + dt, 0.0).centre - self.nominal(self.time, 0.0).centre;
         self.travelled += way.length();
         self.motion = motion;
-        self.end_force = self.step_force;
+        self.end = self.step_end;
         if self.physics.grinds() {
             self.step.go_on();
             self.goes_on = true;

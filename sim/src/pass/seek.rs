@@ -4,12 +4,13 @@ use glam::DVec3;
 
 use super::{Pass, Runner};
 use crate::clock::Phase;
-use crate::control::{Balance, Controller, Motion, Response, admittance_sample};
+use crate::control::{Balance, Controller, Motion, Response, admittance_sample, end_weight};
 use crate::extent::{Extent, MARGIN};
 use crate::physics::Physics;
 use crate::region::Region;
 use crate::settings::LONGEST_STEP;
 use crate::sheet::{Facing, Sheet, Window};
+use crate::step::EndForce;
 use crate::tool::Pose;
 use effects::RunError;
 
@@ -91,16 +92,24 @@ impl Runner<'_> {
         let (damping, mass) = match self.controller {
             Controller::Ideal => (0.0, 0.0),
             Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
-                let reading = physics.force_reading(self.end_force)?;
+                let reading = physics.force_reading(self.end.force)?;
                 let motion = admittance_sample(from, reading, process.force_setpoint, (mass, damping), dt);
-                self.step_force = end_at(physics, motion.travel)?.0.force;
+                self.step_end = end_at(physics, motion.travel)?.0;
                 return Ok(Some(motion));
             }
             Controller::Admittance { mass, damping, .. } => (damping, mass),
             Controller::Replay => {
-                self.step_force = end_at(physics, 0.0)?.0.force;
+                self.step_end = end_at(physics, 0.0)?.0;
                 return Ok(Some(Motion::default()));
             }
+        };
+        // A contact that has just begun tells nothing of how the force comes to rest; a step taken as its middle has its mean force.
+        let is_fitted = grinds && damping > 0.0 && self.end.stiffness > 0.0;
+        let (start_force, weight) = if is_fitted {
+            let weight = end_weight(dt * self.end.stiffness / (damping + mass / dt));
+            (physics.force_reading(self.end.force)?, weight)
+        } else {
+            (0.0, 1.0)
         };
         let balance = Balance {
             from,
@@ -108,17 +117,19 @@ impl Runner<'_> {
             damping,
             mass,
             dt,
+            start_force,
+            weight,
             tolerance: FORCE_TOLERANCE * process.force_setpoint,
             bounds: (-process.search_reach, process.search_reach),
         };
-        let mut force = 0.0;
+        let mut force = EndForce::default();
         let travel = balance.solve(from.travel + from.speed * dt, |travel| {
             let (end, depth) = end_at(physics, travel)?;
-            force = end.force;
+            force = end;
             Ok(Response { force: physics.force_reading(end.force)?, stiffness: end.stiffness, depth })
         })?;
-        self.step_force = force;
-        self.is_too_soft |= travel.is_none() && force > 0.0;
+        self.step_end = force;
+        self.is_too_soft |= travel.is_none() && force.force > 0.0;
         let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }

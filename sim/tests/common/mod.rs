@@ -53,6 +53,15 @@ pub(crate) fn plate(voxel: f64, top: f64) -> BrickGrid {
     })
 }
 
+/// A block with its top at z = 0, a square of `half` sides.
+pub(crate) fn block(voxel: f64, half: f64) -> BrickGrid {
+    let corner = DVec3::new(half, half, 0.004);
+    BrickGrid::from_distance(-corner, corner, voxel, 3.0, move |p| {
+        let q = p.abs() - corner;
+        box_distance(DVec3::new(q.x, q.y, p.z.max(-0.004 - p.z)))
+    })
+}
+
 /// Distance of a box from the signed distances to its three pairs of sides.
 pub(crate) fn box_distance(q: DVec3) -> f64 {
     q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
