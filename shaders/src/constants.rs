@@ -38,7 +38,7 @@ shared_constants! {
     /// Cells of a tool, one for each invocation of a workgroup.
     TOOL_CELLS = WORKGROUP_SIZE;
     /// Arrays over the lines of a trial's sheet.
-    COLUMN_ARRAYS = 21;
+    COLUMN_ARRAYS = 23;
     /// Sums and greatest values that are taken over the invocations of a workgroup.
     REDUCED = 16;
     /// Numbers that a trial keeps for them.

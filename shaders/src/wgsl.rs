@@ -67,6 +67,7 @@ pub const SIMULATE_FIRST: Kernel = simulation!(
     [
         "trial_wall.wgsl",
         "trial_relax.wgsl",
+        "trial_threshold.wgsl",
         "trial_step.wgsl",
         "trial_apply.wgsl",
         "trial_commit.wgsl",
@@ -81,6 +82,7 @@ pub const SIMULATE_SECOND: Kernel = simulation!(
     "simulate_second",
     [
         "trial_relax.wgsl",
+        "trial_threshold.wgsl",
         "trial_step.wgsl",
         "trial_apply.wgsl",
         "trial_commit.wgsl",

@@ -83,7 +83,8 @@ pub struct Squares {
     pub way: DVec3,
     /// Lines that had a share when they were measured.
     pub wet: Lines,
-    /// Share of the square that is under the working surface, wet or dry; [`UNSETTLED`] where it has to be asked for.
+    /// Share of the square that is under the working surface, wet or dry; known where a square has a share, unless there is a
+    /// sweep: then [`UNSETTLED`] where it has to be asked for.
     cover: Vec<f64>,
     /// What was measured.
     region: Region,
@@ -211,6 +212,9 @@ impl Squares {
         }
         let cover = self.cover_of(border, sheet, line);
         let depth = self.depth[line] + border.sinking * cover.lag;
+        if self.lag.is_empty() {
+            self.cover[line] = cover.share;
+        }
         if cover.share == 0.0 || depth <= -most {
             return;
         }
@@ -242,6 +246,29 @@ impl Squares {
         let here = self.depth[line];
         let along = Difference::new(self.depth[line - across], here, self.depth[line + across], pitch);
         (along, Difference::new(self.depth[line - 1], here, self.depth[line + 1], pitch))
+    }
+
+    /// Depth at a column [m], negative in the air, and the cover of its square; `None` for a column whose depth is not known or
+    /// bends otherwise than over flat work. Under a tool that bends by `bend` [m] across a square, and in all by `whole`, flat work
+    /// bends the depth by `-whole`, give or take half a bend; work that has taken the tool's shape does not bend it.
+    #[inline(always)]
+    pub(crate) fn flat_column(&self, line: usize, across: usize, [bend, whole]: [f64; 2]) -> Option<(f64, f64)> {
+        let (row, column) = (line / across, line % across);
+        let is_known = self.region.rows.contains(&row) & self.region.columns.contains(&column);
+        if !is_known {
+            return None;
+        }
+        let here = self.depth[line];
+        let bends = |step: usize| (self.depth[line - step] - here) + (self.depth[line + step] - here);
+        let (along, sideways) = (bends(across), bends(1));
+        let is_flat =
+            ((along + sideways + whole).abs() <= 0.5 * bend) & (along.abs().max(sideways.abs()) <= 1.5 * bend);
+        is_flat.then(|| (here, if self.share[line] > 0.0 { self.cover[line] } else { 0.0 }))
+    }
+
+    /// Share of a square by which its height sinks when what is under the working surface recedes: the rest is the groove's wall.
+    pub(crate) fn cover_of_groove(&self, line: usize) -> f64 {
+        if self.share[line] > 0.0 && self.lag.is_empty() { self.cover[line] } else { 1.0 }
     }
 
     /// Curvature ∇²(depth) at a column [1/m].

@@ -15,6 +15,11 @@ pub(crate) struct Decay {
 }
 
 impl Decay {
+    /// Recession over a step per what a depth exceeds its straight line by in the middle, as a parabola over time.
+    pub(crate) fn bulge_gain(&self) -> f64 {
+        4.0 * self.x * (self.phi2 - 2.0 * self.psi2)
+    }
+
     pub(crate) fn new(x: f64) -> Self {
         if x < 1e-2 {
             // Series, where the closed forms cancel.

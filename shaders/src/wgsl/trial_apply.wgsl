@@ -132,7 +132,9 @@ fn apply(line: u32) {
     if setup.grinds == 1u {
         let side = end_array(END_DEPTH);
         let left = end.mean - recession;
-        set_column(side, line, column_value(side, line) - recession);
+        // The height of a square that the tool's border crosses is the mean of groove and wall.
+        let cover = select(1.0, end.cover, end.share > 0.0);
+        set_column(side, line, column_value(side, line) - recession / cover);
         set_column(end_array(END_MEAN), line, max(left, 0.0));
         if left <= 0.0 {
             set_column(end_array(END_SHARE), line, 0.0);

@@ -1,10 +1,11 @@
 // The contact patch in the squares around the columns; twin of contact.rs. All lengths in voxels.
 
-// Depth, share and area of a square.
+// Depth, share and area of a square, and the share of it under the working surface, wet or dry.
 struct Square {
     mean: f32,
     share: f32,
     area: f32,
+    cover: f32,
 }
 
 // First and second difference of the depth across a square.
@@ -109,12 +110,12 @@ fn partly_wet(depth: f32, own: vec2f, sunk: f32, along: Difference, sideways: Di
     if share < 1.0 {
         area = wet_share(depth + bend_at_rim(depth, along, sideways), spans);
     }
-    return Square(ramp_mean(depth, spans) + bent, share, area);
+    return Square(ramp_mean(depth, spans) + bent, share, area, 1.0);
 }
 
 // A square whose depths at the column and around it are in `depths`.
 fn square_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Square {
-    let dry = Square(0.0, 0.0, 0.0);
+    let dry = Square(0.0, 0.0, 0.0, 0.0);
     let middle = column_value(depths, line);
     let sinks = sinking(pose, sweep);
     let sunk = 0.5 * abs(sinks);
@@ -133,7 +134,7 @@ fn square_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Square {
     if covered.share == 0.0 || depth <= -most {
         return dry;
     }
-    var square = Square(depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0);
+    var square = Square(depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0, 1.0);
     if depth < most {
         square = partly_wet(depth, spans, sunk, along, sideways);
     }
@@ -141,5 +142,5 @@ fn square_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Square {
         return dry;
     }
     let share = covered.share;
-    return Square(share * square.mean, share * square.share, share * square.area);
+    return Square(share * square.mean, share * square.share, share * square.area, share);
 }

@@ -87,19 +87,29 @@ fn note_fault(result: f32, place: u32) {
     }
 }
 
-// Pressure and recession speed [Pa, m/s] at a depth [voxels] that changes by `depth_rate` [m/s].
-fn ground(lane: Lane, depth: f32, depth_rate: f32) -> vec2f {
+// Pressure [Pa] at a depth [voxels] that changes by `depth_rate` [m/s].
+fn pressed(lane: Lane, depth: f32, depth_rate: f32) -> f32 {
     var at = lane;
     at.depth = depth * setup.voxel;
     at.depth_rate = depth_rate;
+    let pressure = formula_pressure(at);
+    note_bad(pressure, FAULT_PRESSURE);
+    return pressure;
+}
+
+// Recession speed [m/s] at such a depth, or at depth 0 in the air.
+fn ground(lane: Lane, depth: f32, depth_rate: f32) -> f32 {
+    if setup.grinds == 0u {
+        return 0.0;
+    }
+    var at = lane;
+    at.depth = max(depth, 0.0) * setup.voxel;
+    at.depth_rate = depth_rate;
     at.pressure = formula_pressure(at);
     note_bad(at.pressure, FAULT_PRESSURE);
-    if setup.grinds == 0u {
-        return vec2f(at.pressure, 0.0);
-    }
     let rate = formula_rate(at);
     note_bad(rate, FAULT_RATE);
-    return vec2f(at.pressure, rate);
+    return rate;
 }
 
 // Dose per time [1/s] at a depth [voxels] and pressure [Pa].

@@ -15,12 +15,13 @@ const MEAN_LOAD: u32 = 9u;
 const DOSE_GAIN: u32 = 10u;
 const PRESSURE_START: u32 = 11u;
 const PRESSURE_END: u32 = 12u;
-// Depth, mean depth, share and area of one end of the step; those of the other lie SIDE_ARRAYS further.
+// Depth, mean depth, share, area and cover of one end of the step; those of the other lie SIDE_ARRAYS further.
 const END_DEPTH: u32 = 13u;
 const END_MEAN: u32 = 14u;
 const END_SHARE: u32 = 15u;
 const END_AREA: u32 = 16u;
-const SIDE_ARRAYS: u32 = 4u;
+const END_COVER: u32 = 17u;
+const SIDE_ARRAYS: u32 = 5u;
 
 // WHOLE of a line without a surface [voxels].
 const NO_SURFACE: f32 = -4e6;

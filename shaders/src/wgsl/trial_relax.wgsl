@@ -27,32 +27,50 @@ struct Looks {
     pressures: vec3f,
     // [m/s]
     rates: vec3f,
-    // Wet shares at start and end.
+    // Depths that recede by the law [voxels], negative in the air.
+    own: vec2f,
+    // Wet shares at start and end, and those that recede.
     shares: vec2f,
+    covers: vec2f,
+    // By how much deeper the square lies in the middle of the step than the mean of both ends [voxels]; below 0 where the work is
+    // not flat.
+    bulge: f32,
 }
 
-// Looks at the law at both ends of the step, at depths [voxels].
-fn look_at_ends(lane: Lane, depths: vec2f, shares: vec2f, depth_rate: f32) -> Looks {
-    let a = ground(lane, depths.x, depth_rate);
-    let b = ground(lane, depths.y, depth_rate);
-    return Looks(vec3f(depths, 0.0), vec3f(a.x, b.x, 0.0), vec3f(a.y, b.y, 0.0), shares);
+// Looks at the law at both ends of the step, at mean depths [voxels] and at those that recede (x, y) with their shares (z, w).
+fn look_at_ends(lane: Lane, depths: vec2f, own: vec4f, depth_rate: f32) -> Looks {
+    let pressures = vec2f(pressed(lane, depths.x, depth_rate), pressed(lane, depths.y, depth_rate));
+    let rates = vec2f(ground(lane, own.x, depth_rate), ground(lane, own.y, depth_rate));
+    return Looks(vec3f(depths, 0.0), vec3f(pressures, 0.0), vec3f(rates, 0.0), own.xy, vec2f(0.0), own.zw, -1.0);
 }
 
-// Integrates a square over the step with the law straight from its ends on.
-fn integrate(lane: Lane, looks: Looks, end: Square, depth_rate: f32) -> Relaxed {
+// Slope of the recession speed over the depth at the deeper end [1/s].
+fn relaxation_of(lane: Lane, looks: Looks, depth_rate: f32) -> f32 {
+    let own = max(looks.own.x, looks.own.y);
+    let steeper = ground(lane, own * (1.0 + PROBE), depth_rate) - select(looks.rates.y, looks.rates.x, looks.own.x > looks.own.y);
+    return select(0.0, max(steeper / (PROBE * own * setup.voxel), 0.0), own > 0.0);
+}
+
+// Integrates a square over the step, in which it relaxes at a rate [1/s], with the law straight from its ends on.
+fn integrate(looks: Looks, end: Square, relaxation: f32) -> Relaxed {
     let dt = state.dt;
     let depth = max(looks.depths.x, looks.depths.y);
-    let is_start = looks.depths.x > looks.depths.y;
-    let deeper = select(vec2f(looks.pressures.y, looks.rates.y), vec2f(looks.pressures.x, looks.rates.x), is_start);
-    let probe = ground(lane, depth * (1.0 + PROBE), depth_rate);
-    let relaxation = max((probe.y - deeper.y) / (PROBE * depth * setup.voxel), 0.0);
+    let pressure = select(looks.pressures.y, looks.pressures.x, looks.depths.x > looks.depths.y);
     let weights = decay_weights(relaxation * dt);
-    let rates = looks.rates.xy * looks.shares;
-    let recession = dt * (rates.x * weights.x + (rates.y - rates.x) * weights.y) / setup.voxel;
+    let rates = looks.rates.xy * looks.covers;
+    var recession = dt * (rates.x * weights.x + (rates.y - rates.x) * weights.y) / setup.voxel;
+    var mean_recession = dt * (rates.x * weights.y + (rates.y - rates.x) * weights.z) / setup.voxel;
+    if rates.x > 0.0 && rates.y > 0.0 {
+        recession += max(looks.bulge, 0.0) * bulge_gain(relaxation * dt) * looks.covers.y;
+    }
+    if crosses(looks) && relaxation > 0.0 {
+        let crossed = cross_threshold(looks, relaxation);
+        recession = select(recession, crossed.x, crossed.z > 0.0);
+        mean_recession = select(mean_recession, crossed.y, crossed.z > 0.0);
+    }
     let loads = looks.pressures.xy * looks.shares;
     let left = select(0.0, max(1.0 - recession / end.mean, 0.0), end.mean > 0.0);
-    let mean_recession = dt * (rates.x * weights.y + (rates.y - rates.x) * weights.z) / setup.voxel;
-    let stiffness = deeper.x / depth;
+    let stiffness = select(0.0, pressure / depth, depth > 0.0);
     let mean_load = max(0.5 * (loads.x + loads.y) - stiffness * mean_recession, 0.0);
     let answer = stiffness * end.share * (1.0 - relaxation * dt * weights.y);
     return Relaxed(recession, loads.y * left, mean_load, answer, relaxation * dt);

@@ -97,6 +97,16 @@ fn plan_search() {
     plan_evaluation();
 }
 
+// By how much a point of the surface lies deeper in the middle of a way of the tool than the mean of both ends.
+fn tool_bulge(pose: Pose, way: vec3f) -> f32 {
+    let along = dot(pose.x, way) * dot(pose.x, way);
+    let across = dot(pose.y, way) * dot(pose.y, way);
+    if setup.tool == TOOL_WHEEL {
+        return (along / setup.tool_radius + across * setup.tool_crown) / 8.0;
+    }
+    return select(0.0, (along + across) / (8.0 * setup.tool_radius), setup.tool == TOOL_SPHERE);
+}
+
 // Puts the tool where its force is to be known.
 fn plan_evaluation() {
     let aim = kept_pose(POSE_AIM);
@@ -107,6 +117,7 @@ fn plan_evaluation() {
         let start = kept_pose(POSE_START);
         let way = 0.5 * (vec3f(start.whole - end.whole) + (start.rest - end.rest));
         middle = moved(end, way + 0.5 * setup.drop * (start.z - end.z), 1.0);
+        state.bulge = tool_bulge(end, 2.0 * (way + 0.5 * setup.drop * (start.z - end.z)));
     }
     store_pose(POSE_MIDDLE, middle);
     state.phase = EVALUATE;

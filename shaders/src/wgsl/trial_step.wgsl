@@ -10,16 +10,23 @@ fn has_start(line: u32) -> bool {
     return state.whole_step == 0u && all(at >= region.xy) && all(at < region.xy + region.zw);
 }
 
-// Mean depth, share and area at the start of the step.
+// A square at one end of the step, in arrays that begin at `depths`.
+fn kept_square(line: u32, depths: u32) -> Square {
+    let mean = column_value(depths + (END_MEAN - END_DEPTH), line);
+    let share = column_value(depths + (END_SHARE - END_DEPTH), line);
+    let area = column_value(depths + (END_AREA - END_DEPTH), line);
+    return Square(mean, share, area, column_value(depths + (END_COVER - END_DEPTH), line));
+}
+
 fn start_square(line: u32) -> Square {
     if !has_start(line) {
-        return Square(0.0, 0.0, 0.0);
+        return Square(0.0, 0.0, 0.0, 0.0);
     }
-    return Square(column_value(start_array(END_MEAN), line), column_value(start_array(END_SHARE), line), column_value(start_array(END_AREA), line));
+    return kept_square(line, start_array(END_DEPTH));
 }
 
 fn end_square(line: u32) -> Square {
-    return Square(column_value(end_array(END_MEAN), line), column_value(end_array(END_SHARE), line), column_value(end_array(END_AREA), line));
+    return kept_square(line, end_array(END_DEPTH));
 }
 
 // Mean depth over the wet share.
@@ -38,6 +45,7 @@ fn measure(line: u32, depths: u32, pose: Pose, sweep: vec3f) {
     set_column(depths + (END_MEAN - END_DEPTH), line, square.mean);
     set_column(depths + (END_SHARE - END_DEPTH), line, square.share);
     set_column(depths + (END_AREA - END_DEPTH), line, square.area);
+    set_column(depths + (END_COVER - END_DEPTH), line, square.cover);
     if square.share > 0.0 && on_border(line, state.region) {
         maxima[MAX_BORDER] = 1.0;
     }
@@ -88,7 +96,7 @@ fn swept_slip_speed(line: u32, middle: Pose, square: Square) -> f32 {
 fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
     let voxel = setup.voxel;
     let depth = wet_depth(end);
-    let pressure = ground(lane_here(line, middle), depth, 0.0).x;
+    let pressure = pressed(lane_here(line, middle), depth, 0.0);
     let load = pressure * end.share;
     let facing = voxel * voxel * approach_share(line, pose.approach);
     set_column(PRESSURE_START, line, pressure);
@@ -104,13 +112,17 @@ fn relax(line: u32, start: Square, end: Square, pose: Pose, middle: Pose) {
     let lane = lane_here(line, middle);
     let depths = vec2f(wet_depth(start), wet_depth(end));
     let depth_rate = select(0.0, (depths.y - depths.x) * voxel / state.dt, state.dt > 0.0);
-    var looks = look_at_ends(lane, depths, vec2f(start.share, end.share), depth_rate);
-    var relaxed = integrate(lane, looks, end, depth_rate);
+    let flat_here = stays_flat(line);
+    var looks = look_at_ends(lane, depths, receding(line, start, end, flat_here), depth_rate);
+    looks.bulge = select(-1.0, state.bulge, flat_here);
+    looks.shares = vec2f(start.share, end.share);
+    let relaxation = relaxation_of(lane, looks, depth_rate);
+    looks = with_means(looks, relaxation);
+    var relaxed = integrate(looks, end, relaxation);
     if setup.bends == 1u && state.dt > 0.0 {
         looks.depths.z = left_of(looks.depths.y, end.share, relaxed.recession);
-        let reached = ground(lane, looks.depths.z, depth_rate);
-        looks.pressures.z = reached.x;
-        looks.rates.z = reached.y;
+        looks.pressures.z = pressed(lane, looks.depths.z, depth_rate);
+        looks.rates.z = ground(lane, looks.depths.z, depth_rate);
         relaxed = bend(looks, relaxed);
     }
     set_column(RECESSION, line, relaxed.recession);

@@ -10,6 +10,7 @@ mod end;
 mod lanes;
 mod relax;
 mod sums;
+mod threshold;
 
 use glam::DVec3;
 
@@ -50,6 +51,8 @@ pub struct Step {
     start: End,
     end: End,
     probe: End,
+    /// By how much deeper a point lies in the middle of the step than the mean of both ends, without recession [m].
+    bulge: f64,
     /// What the step does to each lane.
     relaxed: Relaxed,
     /// Dose that the square's mean takes up in the step [1].
@@ -105,7 +108,7 @@ impl Step {
         self.from = self.to;
         for (lane, &line) in self.lines.list().iter().enumerate() {
             let line = line as usize;
-            self.start_squares.depth[line] -= self.relaxed.recession[lane];
+            self.start_squares.depth[line] -= self.relaxed.recession[lane] / self.start_squares.cover_of_groove(line);
             let left = self.start_squares.mean_depth[line] - self.relaxed.recession[lane];
             self.start_squares.mean_depth[line] = left.max(0.0);
             if left <= 0.0 {
@@ -124,7 +127,10 @@ impl Step {
     ) -> Result<EndForce, RunError> {
         self.is_whole = false;
         self.measure_end((tool, pose, DVec3::ZERO), sheet, physics)?;
-        self.gather(dt);
+        // What follows from the slope at the deeper end alone says where a law begins only if it is straight above that.
+        let square = if physics.may_bend() { 0.0 } else { sheet.pitch * sheet.pitch };
+        self.gather((sheet.window.size[1], tool.curvatures().map(|curvature| curvature * square)), dt);
+        self.bulge = tool.bulge(pose, self.to - self.from);
         physics.place(tool, &self.middle(pose), sheet, Some(&self.end_squares), &self.lines);
         self.integrate(physics, dt)?;
         if physics.may_bend() && dt > 0.0 {
@@ -139,13 +145,13 @@ impl Step {
     fn integrate(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
         self.start.grind(physics, &self.depth_rate)?;
         self.end.grind(physics, &self.depth_rate)?;
-        self.probe.depth.clear();
-        let deeper = self.start.depth.iter().zip(&self.end.depth).map(|(a, b)| a.max(*b) * (1.0 + PROBE));
-        self.probe.depth.extend(deeper);
-        self.probe.grind(physics, &self.depth_rate)?;
+        self.probe.set_deeper(&self.start, &self.end, 1.0 + PROBE);
+        self.probe.probe(physics, &self.depth_rate)?;
         physics.lap(Phase::Model);
-        let Self { start, end, probe, relaxed, .. } = self;
-        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, out: relaxed });
+        let Self { start, end, probe, relaxed, bulge, .. } = self;
+        threshold::take_means(start, end, &mut probe.rate);
+        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, bulge: *bulge, out: relaxed });
+        threshold::cross((start, end), (dt, *bulge), relaxed);
         Ok(())
     }
 
@@ -155,6 +161,7 @@ impl Step {
         probe.depth.clear();
         let ends = end.depth.iter().zip(&end.share).zip(&relaxed.recession);
         probe.depth.extend(ends.map(|((depth, share), recession)| bend::left(*depth, *share, *recession)));
+        probe.own.clone_from(&probe.depth);
         probe.grind(physics, &self.depth_rate)?;
         physics.lap(Phase::Model);
         bend::bend((start, end, probe), dt, relaxed);
@@ -230,12 +237,13 @@ impl Step {
         Pose { centre: 0.5 * (self.from + self.to), ..*pose }
     }
 
-    fn gather(&mut self, dt: f64) {
+    fn gather(&mut self, (across, bends): (usize, [f64; 2]), dt: f64) {
         let (a, b) = (&self.start_squares, &self.end_squares);
         // The step before may have used up what was left of a square.
         self.lines.merge(&a.wet, &b.wet, |line| a.share[line] + b.share[line] > 0.0);
         self.start.gather(a, &self.lines);
         self.end.gather(b, &self.lines);
+        end::gather_receding((&mut self.start, &mut self.end), (a, b), (across, bends), &self.lines);
         self.depth_rate.clear();
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let pairs = self.start.depth.iter().zip(&self.end.depth);

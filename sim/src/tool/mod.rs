@@ -83,6 +83,26 @@ impl From<Pad> for Tool {
 }
 
 impl Tool {
+    /// Curvature of the working surface round a wheel or a ball, and the sum of both principal curvatures [1/m]; 0 where it is flat
+    /// or known as a field alone.
+    pub fn curvatures(&self) -> [f64; 2] {
+        match self {
+            Self::Wheel(Wheel { radius, crown, .. }) => [1.0 / radius, 1.0 / radius + crown],
+            Self::Sphere(radius) => [1.0 / radius, 2.0 / radius],
+            Self::Pad(_) | Self::Field(_) => [0.0; 2],
+        }
+    }
+
+    /// By how much a point of the surface lies deeper in the middle of a `way` [m] of the tool than the mean of both ends [m].
+    pub fn bulge(&self, pose: &Pose, way: DVec3) -> f64 {
+        let (along, across) = (way.dot(pose.frame.x).powi(2), way.dot(pose.frame.y).powi(2));
+        match self {
+            Self::Wheel(Wheel { radius, crown, .. }) => (along / radius + across * crown) / 8.0,
+            Self::Sphere(radius) => (along + across) / (8.0 * radius),
+            Self::Pad(_) | Self::Field(_) => 0.0,
+        }
+    }
+
     /// Depth [m] of a point of the tool's frame below the working surface, along that surface's normal.
     pub fn depth(&self, at: DVec3) -> f64 {
         match self {

@@ -1,0 +1,90 @@
+//! Squares that begin or cease to recede within a step: where a law begins above a threshold.
+//!
+//! Such a law is taken as straight above the depth at which it begins. The part of the step in which a depth lies above that
+//! is found on its parabola over time, and only that part is integrated.
+
+use super::end::End;
+use super::relax::{PROBE, Relaxed};
+use crate::decay::Decay;
+
+/// Depth at which a law begins, as a share of the depth, below which it counts as one without a threshold: far above the roundings
+/// of a slope, and of no weight for what a square loses.
+const NO_THRESHOLD: f64 = 1e-2;
+
+/// Takes lanes back to the mean depth over their wet share whose law has no threshold: for a law that is straight from
+/// depth 0 on the rate at the mean is the mean of the rates, and pressure and removal go together. `probe` holds the rates
+/// at [`super::relax::PROBE`] above the deeper end.
+pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
+    for (lane, probe) in probe.iter_mut().enumerate() {
+        let deeper = if start.own[lane] > end.own[lane] { &*start } else { &*end };
+        let (own, rate) = (deeper.own[lane], deeper.rate[lane]);
+        let slope = (*probe - rate) / (PROBE * own);
+        if end.flat[lane] == 0.0 || own <= 0.0 || rate <= 0.0 || own - rate / slope > NO_THRESHOLD * own {
+            continue;
+        }
+        for end in [&mut *start, &mut *end] {
+            let wet = if end.share[lane] > 0.0 { (rate + slope * (end.depth[lane] - own)).max(0.0) } else { 0.0 };
+            (end.own[lane], end.cover[lane], end.rate[lane]) = (end.depth[lane], end.share[lane], wet);
+            end.flat[lane] = 0.0;
+        }
+        let deepest = start.own[lane].max(end.own[lane]);
+        *probe = start.rate[lane].max(end.rate[lane]) + slope * PROBE * deepest;
+    }
+}
+
+/// Corrects the lanes that recede at one end of a step of `dt` [s] only. `bulge` [m] as in [`super::relax::Relax`].
+pub(super) fn cross((start, end): (&End, &End), (dt, bulge): (f64, f64), out: &mut Relaxed) {
+    for lane in 0..out.recession.len() {
+        let begins = end.rate[lane] > 0.0;
+        let (deeper, other) = if begins { (end, start) } else { (start, end) };
+        let (rate, x) = (deeper.rate[lane], out.relaxation[lane]);
+        let way = deeper.own[lane] - other.own[lane];
+        if begins == (start.rate[lane] > 0.0) || end.flat[lane] == 0.0 || x == 0.0 || way <= 0.0 {
+            continue;
+        }
+        let above = (rate * dt / x).min(deeper.own[lane]);
+        let crossing = Crossing { above, part: part_above(above, way, bulge).min(1.0), x, bulge };
+        let (recession, mean) = if begins { crossing.begins() } else { crossing.ceases() };
+        let cover = deeper.cover[lane];
+        out.recede(lane, (start, end), (cover * recession, cover * mean));
+    }
+}
+
+/// A depth that crosses the one at which a law begins.
+struct Crossing {
+    /// Depth above that at the deeper end [m].
+    above: f64,
+    /// Part of the step in which the depth lies above it, without recession.
+    part: f64,
+    /// Relaxation in the step, λ dt.
+    x: f64,
+    /// As in [`super::relax::Relax`].
+    bulge: f64,
+}
+
+impl Crossing {
+    /// Recession and its mean over the step [m] of a square that begins to recede within it.
+    fn begins(&self) -> (f64, f64) {
+        let decay = Decay::new(self.x * self.part);
+        let bulged = self.bulge * self.part * self.part * decay.bulge_gain();
+        (self.above * decay.x * decay.phi2 + bulged, self.part * self.above * decay.x * decay.psi2)
+    }
+
+    /// The same of a square that ceases to. While the tool leaves at a speed s, the depth u above is gone after `ln(1 + λ u/s)/λ`.
+    fn ceases(&self) -> (f64, f64) {
+        let decay = Decay::new(self.x * self.part);
+        let log = decay.x.ln_1p() / decay.x;
+        let recession = self.above * (1.0 - log) + self.bulge * self.part * self.part * decay.bulge_gain();
+        // A rate that falls evenly has taken two thirds on average while it acts.
+        (recession, recession * (1.0 - self.part * log / 3.0))
+    }
+}
+
+/// Part of a step, from its deeper end on, in which a depth is less than `above` [m] below that end. Over the step it changes by
+/// `way` [m] on a parabola that exceeds the straight line by `bulge` [m] in the middle.
+fn part_above(above: f64, way: f64, bulge: f64) -> f64 {
+    // above = way t - 4 bulge t (1 - t)
+    let slope = way - 4.0 * bulge;
+    let root = (slope * slope + 16.0 * bulge * above).sqrt();
+    if slope > 0.0 { 2.0 * above / (slope + root) } else { (root - slope) / (8.0 * bulge) }
+}
