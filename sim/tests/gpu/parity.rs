@@ -1,6 +1,6 @@
 //! Passes on the device against the same passes on the CPU: field, force, tool.
 
-use crate::common::{WHEEL, base, fresh, line, model, welded_plate};
+use crate::common::{WHEEL, base, fresh, line, model, threshold, welded_plate};
 use crate::device;
 use effects::{CompiledModel, States};
 use glam::DVec3;
@@ -93,6 +93,19 @@ fn a_ball_tip_with_replay_and_an_admittance_do_as_on_the_cpu() {
             process.force_setpoint,
         );
     }
+}
+
+#[test]
+fn a_narrow_strip_above_a_threshold_recedes_as_on_the_cpu() {
+    let Some(device) = device() else { return };
+    let part = slab(0.5e-3, DVec3::new(0.010, 0.006, 0.003), 0.13e-3);
+    // p_c/K is 20 µm: above it the wheel is 2 mm long, four squares.
+    let (tool, model) = (Tool::from(Wheel::cylinder(0.02, 0.006)), threshold(2e5));
+    let path = Path::along(&line(-3e-3, 3e-3, 0.085e-3), 5e-3).unwrap();
+    let process = Process { controller: Controller::Replay, ..Process::default() };
+    let both = run(device, &part, Pass::first(&tool, &path, &process, &model));
+    assert!(both.cpu.2.removed_volume > 1e-11);
+    agree("strip", &both, process.force_setpoint);
 }
 
 #[test]
