@@ -1,11 +1,7 @@
 //! φ along a ray within one cell is a cubic polynomial (Parker et al. 1998), so the surface is met at its first root.
 
 use super::lanes::{LANES, Lanes, any};
-
-/// Steps towards a root: as many halvings of 3 cells' thirds are below the resolution of f32 in a large grid.
-const MOST_STEPS: usize = 18;
-/// Step below which the root is found [thirds of a cell].
-const RESOLUTION: f32 = 1e-5;
+use shaders::constants::{CUBIC_RESOLUTION, CUBIC_STEPS};
 
 /// First place (0 to 1) at which a cubic is zero or below, or `None` if it stays above.
 ///
@@ -60,7 +56,7 @@ fn turns([_, b, c, d]: [f32; 4]) -> [(f32, bool); 2] {
 fn root_between(cubic: [f32; 4], mut above: f32, mut below: f32) -> f32 {
     let (high, low) = (at(cubic, above), at(cubic, below));
     let mut u = above + (below - above) * (high / (high - low));
-    for _ in 0..MOST_STEPS {
+    for _ in 0..CUBIC_STEPS {
         let value = at(cubic, u);
         if value > 0.0 {
             above = u;
@@ -71,7 +67,7 @@ fn root_between(cubic: [f32; 4], mut above: f32, mut below: f32) -> f32 {
         let next = if newton >= above && newton <= below { newton } else { 0.5 * (above + below) };
         let moved = (next - u).abs();
         u = next;
-        if moved < RESOLUTION {
+        if moved < CUBIC_RESOLUTION {
             break;
         }
     }
@@ -104,7 +100,7 @@ pub(crate) fn first_roots(values: &[Lanes; 4], wanted: &[bool; LANES]) -> Lanes 
         let (high, low) = (at(cubic, above[i]), at(cubic, below[i]));
         u[i] = above[i] + (below[i] - above[i]) * (high / (high - low));
     }
-    for _ in 0..MOST_STEPS {
+    for _ in 0..CUBIC_STEPS {
         if !any(&moves) {
             break;
         }
@@ -119,7 +115,7 @@ pub(crate) fn first_roots(values: &[Lanes; 4], wanted: &[bool; LANES]) -> Lanes 
             let next = if is_within { newton } else { 0.5 * (above[i] + below[i]) };
             let moved = (next - u[i]).abs();
             u[i] = if moves[i] { next } else { u[i] };
-            moves[i] &= moved >= RESOLUTION;
+            moves[i] &= moved >= CUBIC_RESOLUTION;
         }
     }
     let mut roots = [0.0; LANES];

@@ -1,9 +1,8 @@
 //! Lens distortion after Brown (1966) and Conrady (1919), in the coefficients that camera calibrations report.
 
 use glam::DVec2;
+use shaders::constants::INVERSION_STEPS;
 
-/// Most steps of the inversion; each gains about one digit for the distortion of a real lens.
-const INVERSION_STEPS: usize = 16;
 /// Last step of the inversion, at unit distance: far below what any ray can show.
 const INVERTED: f64 = 1e-11;
 

@@ -1,13 +1,12 @@
 //! Marks that an abrasive leaves along its path: fine grooves that tilt the normal across it. Twin of `marks.wgsl`.
 
 use glam::{DVec3, Vec3};
+use shaders::constants::ELONGATION;
 
 use super::lanes::{LANES, Lanes, Points, integer};
 
 /// Points of a path that are kept: marks turn slowly against their distance.
 pub const MOST_POINTS: usize = 48;
-/// Length of a groove in widths.
-const ELONGATION: f32 = 60.0;
 
 /// A place on a tool's path.
 #[derive(Clone, Copy, Debug, PartialEq)]

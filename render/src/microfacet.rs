@@ -1,17 +1,14 @@
 //! How a material throws light back: GGX microfacets (Walter et al. 2007), narrower along grinding marks than across
 //! (Burley 2012), over a diffuse base. Twin of `microfacet.wgsl`.
 
+use shaders::constants::DIELECTRIC;
+use shaders::constants::LEAST_WIDTH;
 use std::f32::consts::PI;
 
 use glam::Vec3;
 
 use super::lanes::{LANES, Lanes, Points};
 use super::material::Material;
-
-/// Reflectance of paint at normal incidence.
-const DIELECTRIC: f32 = 0.04;
-/// Narrowest distribution: a sharper highlight than this is missed between pixels.
-const LEAST_WIDTH: f32 = 0.004;
 
 /// A surface element that light meets.
 #[derive(Clone, Copy, Debug)]

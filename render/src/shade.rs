@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 use sdf_bake::grid::trilinear;
+pub(crate) use shaders::constants::SHADOW_START;
 
 use super::camera::Camera;
 use super::field::{Field, cell_of};
@@ -45,8 +46,6 @@ const KEY_SPREAD: f32 = 0.16;
 /// Blinn-Phong exponent (Blinn 1977) of the key light's highlight: brushed, not polished.
 const HIGHLIGHT: f32 = 38.0;
 const HIGHLIGHT_STRENGTH: f32 = 1.4;
-/// Start of a shadow ray above the surface [voxels].
-pub(crate) const SHADOW_START: f32 = 0.6;
 
 impl Studio {
     /// Key light over the camera's left shoulder, fill light from the right.

@@ -4,14 +4,12 @@
 //! `walk.wgsl`.
 
 use glam::{Vec3, Vec3A};
+pub(crate) use shaders::constants::LEAST_STEP;
+pub(crate) use shaders::constants::PENUMBRA_BAND;
 
 use super::field::Field;
 use super::walk::{Line, indexed_size, nudge};
 
-/// Part of the band over which a penumbra is drawn; beyond it φ is truncated and says nothing.
-pub(crate) const PENUMBRA_BAND: f32 = 0.9;
-/// Least step towards a light [voxels]: what throws no shadow is thinner than this.
-pub(crate) const LEAST_STEP: f32 = 0.5;
 /// What φ changes along a length: 1 for a distance, a little more where trilinear cells bend.
 pub(crate) const STEEPEST: f32 = 1.1;
 

@@ -4,14 +4,12 @@ use glam::{DVec2, IVec3, Vec3};
 use rayon::prelude::*;
 use sdf_bake::Scalar;
 use sdf_bake::grid::{cell_corner, trilinear};
+pub(crate) use shaders::constants::LABEL_DEPTH;
 
 use super::camera::{Camera, Ray};
 use super::field::{Field, cell_of};
 use super::removed::removed_depth;
 use super::trace::Hit;
-
-/// Labels are read this far below the surface [voxels], where the metal that carries them is.
-pub(crate) const LABEL_DEPTH: f32 = 0.75;
 
 /// The surface at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]

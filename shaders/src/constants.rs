@@ -4,8 +4,7 @@ macro_rules! shared_constants {
     ($($(#[doc = $doc:literal])+ $name:ident = $value:expr;)+) => {
         $($(#[doc = $doc])+ pub const $name: u32 = $value;)+
 
-        /// The WGSL text that declares every constant of this module.
-        pub fn wgsl() -> String {
+        fn indices_and_counts() -> String {
             let mut text = String::new();
             $(
                 $(text.push_str(&format!("//{}\n", $doc));)+
@@ -14,6 +13,26 @@ macro_rules! shared_constants {
             text
         }
     };
+}
+
+macro_rules! shared_numbers {
+    ($($(#[doc = $doc:literal])+ $name:ident: $rust:ty => $wgsl:ident = $value:expr;)+) => {
+        $($(#[doc = $doc])+ pub const $name: $rust = $value;)+
+
+        fn numbers() -> String {
+            let mut text = String::new();
+            $(
+                $(text.push_str(&format!("//{}\n", $doc));)+
+                text.push_str(&format!("const {}: {} = {:?};\n", stringify!($name), stringify!($wgsl), $name));
+            )+
+            text
+        }
+    };
+}
+
+/// The WGSL text that declares every constant of this module.
+pub fn wgsl() -> String {
+    indices_and_counts() + &numbers()
 }
 
 shared_constants! {
@@ -91,4 +110,66 @@ shared_constants! {
     SEEN_PART = 1;
     /// A pixel shows the table.
     SEEN_TABLE = 2;
+}
+
+shared_numbers! {
+    /// Relative difference of two depths from which a slope is taken between them.
+    APART: f64 => f32 = 1e-5;
+    /// Longest step while the tool comes down [s].
+    APPROACH_STEP: f64 => f32 = 0.01;
+    /// Recession after which a sheet's slopes are taken anew [voxels].
+    BENT: f64 => f32 = 0.02;
+    /// Voxels by which a column is followed upwards out of the material.
+    CLIMB: i32 => i32 = 400;
+    /// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
+    COMMIT_RECESSION: f64 => f32 = 0.75;
+    /// Reflectance of paint at normal incidence.
+    DIELECTRIC: f32 => f32 = 0.04;
+    /// Length of a groove in widths.
+    ELONGATION: f32 => f32 = 60.0;
+    /// Way into the surface at first [m].
+    FIRST_NUDGE: f64 => f32 = 1e-7;
+    /// Furthest that the tool is first sent into what it has just touched [m]; four times as far with each try.
+    FIRST_STRIDE: f64 => f32 = 5e-6;
+    /// Change of the force in a step [setpoints] beyond which it is shortened, too.
+    FORCE_JUMP: f64 => f32 = 0.1;
+    /// Distance of Gauss's two points from the middle of the time in which a square is under the tool, as a part of a
+    /// whole sweep: 1/(2 √3). Their mean is exact for a speed that is a cubic in time.
+    HALF_GAUSS: f64 => f32 = 0.288_675_134_594_812_9;
+    /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
+    INERTIA: f64 => f32 = 0.03;
+    /// Labels are read this far below the surface [voxels], where the metal that carries them is.
+    LABEL_DEPTH: f32 => f32 = 0.75;
+    /// Least step towards a light [voxels]: what throws no shadow is thinner than this.
+    LEAST_STEP: f32 => f32 = 0.5;
+    /// Narrowest distribution: a sharper highlight than this is missed between pixels.
+    LEAST_WIDTH: f32 => f32 = 0.004;
+    /// Longest step [s].
+    LONGEST_STEP: f64 => f32 = 0.05;
+    /// Surface looked at ahead of a step, where the contact may go next [voxels].
+    LOOK_AHEAD: f64 => f32 = 3.0;
+    /// Lines around the contact that a sheet holds in reserve.
+    MARGIN: i32 => i32 = 3;
+    /// Surface sought below the tool while it is in contact [voxels].
+    NEAR_BELOW: f64 => f32 = 4.0;
+    /// Part of the band over which a penumbra is drawn; beyond it φ is truncated and says nothing.
+    PENUMBRA_BAND: f32 => f32 = 0.9;
+    /// Relative change of depth over which the slope of the recession is taken.
+    PROBE: f64 => f32 = 1e-3;
+    /// Start of a shadow ray above the surface [voxels].
+    SHADOW_START: f32 => f32 = 0.6;
+    /// Area ratio up to which a column's whole band is written.
+    STEEPEST: f64 => f32 = 2.0;
+    /// Share of the setpoint that counts as touching the part.
+    TOUCH: f64 => f32 = 0.15;
+    /// Share of the band up to which a value is a distance and no bound.
+    WITHIN_BAND: f64 => f32 = 0.999;
+    /// Evaluations of the force before the best travel so far is taken.
+    EVALUATIONS: usize => u32 = 40;
+    /// Most steps of the inversion; each gains about one digit for the distortion of a real lens.
+    INVERSION_STEPS: usize => i32 = 16;
+    /// Steps towards a root: as many halvings of 3 cells' thirds are below the resolution of f32 in a large grid.
+    CUBIC_STEPS: usize => i32 = 18;
+    /// Step below which the root is found [thirds of a cell].
+    CUBIC_RESOLUTION: f32 => f32 = 1e-5;
 }

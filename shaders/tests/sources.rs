@@ -33,3 +33,42 @@ fn every_file_belongs_to_a_kernel_and_stays_short() {
         assert!(source.text.lines().count() <= 150, "{} is longer than 150 lines", source.file);
     }
 }
+
+/// Name and value of each constant with a literal value that a text declares after `keyword`.
+fn literals(text: &str, keyword: &str) -> Vec<(String, f64)> {
+    let constant = |line: &str| {
+        let (name, rest) = line.trim_start().strip_prefix(keyword)?.split_once(':')?;
+        let value = rest.split_once('=')?.1.split_once(';')?.0.trim().replace('_', "");
+        let value = value.trim_end_matches(['u', 'i', 'f']).parse().ok()?;
+        Some((name.trim().to_owned(), value))
+    };
+    text.lines().filter_map(constant).collect()
+}
+
+#[test]
+fn a_number_of_both_sides_is_declared_once() {
+    let mut host = Vec::new();
+    for folder in ["sim/src", "render/src"] {
+        let files = walkdir::WalkDir::new(format!("{}/../{folder}", env!("CARGO_MANIFEST_DIR")));
+        let rust = files.into_iter().map(|file| file.expect("a source file").into_path());
+        for file in rust.filter(|path| path.extension().is_some_and(|ending| ending == "rs")) {
+            let text = std::fs::read_to_string(&file)
+                .expect("a source file")
+                .replace("pub(crate) ", "")
+                .replace("pub(super) ", "");
+            host.extend(literals(&text.replace("pub const", "const"), "const "));
+        }
+    }
+    assert!(host.len() > 50, "the search finds constants of the host");
+    let sources: BTreeSet<(&str, &str)> =
+        KERNELS.iter().flat_map(|kernel| kernel.sources).map(|source| (source.file, source.text)).collect();
+    let mut device = 0;
+    for (file, text) in sources {
+        for (name, value) in literals(text, "const ") {
+            device += 1;
+            let twice = host.iter().any(|(other, also)| *other == name && (also - value).abs() <= 1e-6 * value.abs());
+            assert!(!twice, "{file}: {name} = {value} is a constant of the host, too: declare it in constants.rs");
+        }
+    }
+    assert!(device > 50, "the search finds constants of the device");
+}

@@ -10,12 +10,11 @@ mod renew;
 use glam::{DVec2, IVec3};
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
+use shaders::constants::STEEPEST;
 
 use self::renew::renew;
 use crate::sheet::{NO_SURFACE, Sheet};
 
-/// Area ratio up to which a column's whole band is written.
-const STEEPEST: f64 = 2.0;
 /// Bounds of the field's steepness that are believed.
 const STEEPNESS: (f64, f64) = (0.3, 2.0);
 

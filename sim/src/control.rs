@@ -1,6 +1,9 @@
 //! Who decides how far the tool is lifted: the travel along the approach axis from the nominal path.
 
 use serde::{Deserialize, Serialize};
+use shaders::constants::EVALUATIONS;
+use shaders::constants::FIRST_NUDGE;
+use shaders::constants::FIRST_STRIDE;
 
 use crate::decay::Decay;
 
@@ -32,14 +35,6 @@ pub struct Motion {
     /// [m/s]
     pub speed: f64,
 }
-
-/// Evaluations of the force before the best travel so far is taken.
-const EVALUATIONS: usize = 40;
-
-/// Furthest that the tool is first sent into what it has just touched [m]; four times as far with each try.
-const FIRST_STRIDE: f64 = 5e-6;
-/// Way into the surface at first [m].
-const FIRST_NUDGE: f64 = 1e-7;
 
 /// A balance to be found for the end of a step: `F = F_set + B z' + M z''` with backward differences, F being the mean force over
 /// the step.

@@ -1,7 +1,6 @@
 //! Where a lattice line crosses the surface: the one root that contact, channels and profilometer share.
 
-/// Share of the band up to which a value is a distance and no bound.
-const WITHIN_BAND: f64 = 0.999;
+use shaders::constants::WITHIN_BAND;
 
 /// Way [voxels, 0 to 1] to the zero of φ on a lattice line, from `values` [m] at -1, 0, 1 and 2 voxels of which the middle
 /// two differ in sign: on the cubic through the four, fourth order where φ is smooth; on the chord where the `band` [m]

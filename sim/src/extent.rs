@@ -1,12 +1,10 @@
 //! How far the contact reaches in the tool's frame, and the sheet that holds it.
 
 use glam::DVec3;
+pub(crate) use shaders::constants::MARGIN;
 
 use crate::sheet::{Facing, Window};
 use crate::tool::{Pose, Tool};
-
-/// Lines around the contact that a sheet holds in reserve.
-pub(crate) const MARGIN: i32 = 3;
 
 /// Least and greatest x and y of the contact in the tool's frame [m].
 #[derive(Clone, Copy, Debug, PartialEq)]

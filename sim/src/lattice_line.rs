@@ -3,12 +3,11 @@
 use glam::IVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE};
+use shaders::constants::CLIMB;
 
 use crate::crossing::way_to_zero;
 use crate::sheet::{Facing, Window};
 
-/// Voxels by which a column is followed upwards out of the material.
-const CLIMB: i32 = 400;
 /// Steps between neighbours along x, y and z among a brick's values.
 const VALUE_STEPS: [i32; 3] = [64, 8, 1];
 

@@ -1,5 +1,6 @@
 //! The model at work in a contact: its hooks run over the squares in contact, one lane each.
 
+use shaders::constants::HALF_GAUSS;
 use std::collections::HashMap;
 
 use glam::DVec3;
@@ -14,10 +15,6 @@ use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
 use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, Process, RunError, States, StepValues, Variable};
 use sdf_bake::simd::in_wide_lanes;
-
-/// Distance of Gauss's two points from the middle of the time in which a square is under the tool, as a part of a
-/// whole sweep: 1/(2 √3). Their mean is exact for a speed that is a cubic in time.
-const HALF_GAUSS: f64 = 0.288_675_134_594_812_9;
 
 /// A model with the state of its tool, and the values of the step under way.
 pub struct Physics<'a> {

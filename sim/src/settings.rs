@@ -3,6 +3,7 @@
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
+pub use shaders::constants::LONGEST_STEP;
 
 use crate::control::Controller;
 use crate::path::Path;
@@ -14,8 +15,6 @@ pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
 /// Fewest squares across a tool.
 const LEAST_SQUARES: f64 = 2.0;
-/// Longest step [s].
-pub const LONGEST_STEP: f64 = 0.05;
 /// Way of a tool in one step that changes nothing but the coating [footprints], and longest such step [s].
 const SANDING_STEP: (f64, f64) = (0.04, LONGEST_STEP);
 /// The same where the tool keeps its velocity, so that the middle of the step stands for all of it.

@@ -1,6 +1,5 @@
 // A ray for a point of the image; twin of camera.rs and lens.rs. The kernel that includes this declares `stage`.
 
-const INVERSION_STEPS: i32 = 16;
 
 struct Ray {
     // Start [voxels], from the lowest voxel of the index.

@@ -1,7 +1,5 @@
 // First root of phi along a ray within one cell; twin of cubic.rs, same names and order of operations.
 
-const MOST_STEPS: i32 = 18;
-const RESOLUTION: f32 = 1e-5;
 // What `first_root` gives where there is none.
 const NO_ROOT: f32 = -1.0;
 
@@ -49,7 +47,7 @@ fn root_between(k: vec4f, low: f32, high: f32) -> f32 {
     var below = high;
     let at_above = cubic_at(k, above);
     var u = above + (below - above) * (at_above / (at_above - cubic_at(k, below)));
-    for (var i = 0; i < MOST_STEPS; i++) {
+    for (var i = 0; i < CUBIC_STEPS; i++) {
         let value = cubic_at(k, u);
         if value > 0.0 {
             above = u;
@@ -65,7 +63,7 @@ fn root_between(k: vec4f, low: f32, high: f32) -> f32 {
         }
         let moved = abs(next - u);
         u = next;
-        if moved < RESOLUTION {
+        if moved < CUBIC_RESOLUTION {
             break;
         }
     }

@@ -1,7 +1,6 @@
 // Marks that an abrasive leaves along its path; twin of marks.rs, same names and order of operations. The kernel that
 // includes this declares `stage` and `rows`, in which the path follows the lamps.
 
-const ELONGATION: f32 = 60.0;
 
 struct Groove {
     along: vec3f,

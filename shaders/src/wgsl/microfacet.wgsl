@@ -1,8 +1,6 @@
 // How a material throws light back; twin of microfacet.rs, same names and order of operations.
 
 const PI: f32 = 3.14159265;
-const DIELECTRIC: f32 = 0.04;
-const LEAST_WIDTH: f32 = 0.004;
 
 struct Material {
     colour: vec3f,

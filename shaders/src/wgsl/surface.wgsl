@@ -1,10 +1,6 @@
 // What the channels of a grid tell of a point of its surface; twin of surface.rs, field.rs and parts of shade.rs. Points
 // in voxels from the lowest voxel of the index. The kernel that includes this declares the channels and `stage`.
 
-const LABEL_DEPTH: f32 = 0.75;
-const SHADOW_START: f32 = 0.6;
-const PENUMBRA_BAND: f32 = 0.9;
-const LEAST_STEP: f32 = 0.5;
 
 // Phi at a point [m].
 fn phi_near(point: vec3f) -> f32 {

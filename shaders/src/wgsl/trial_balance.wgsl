@@ -1,15 +1,10 @@
 // The travel at which the force is the one that the controller wants, one evaluation at a time; twin of control.rs.
 // Travels are those beyond `guess_base`, a multiple of 1/16 voxel, so that f32 resolves them near the balance.
 
-// Evaluations of the force before the best travel so far is taken.
-const EVALUATIONS: u32 = 40u;
 // Relative difference between force and setpoint that is good enough; the sums are good to 1e-6.
 const FORCE_TOLERANCE: f32 = 2e-5;
 // Travels that are not told apart [voxels].
 const RESOLUTION: f32 = 3e-8;
-// Furthest that the tool is first sent into what it has just touched, and its way into the surface at first [m].
-const FIRST_STRIDE: f32 = 5e-6;
-const FIRST_NUDGE: f32 = 1e-7;
 // Stands for no bound.
 const FAR: f32 = 1e30;
 // Parts of a voxel by which travels are split.

@@ -1,7 +1,5 @@
 // Writing what a sheet lost back into the field, Eq. (1); twin of commit.rs. Each line writes its own voxels alone.
 
-// Area ratio up to which a column's whole band is written, and bounds of the steepness that is believed.
-const STEEPEST: f32 = 2.0;
 const LEAST_STEEPNESS: f32 = 0.3;
 const MOST_STEEPNESS: f32 = 2.0;
 

@@ -1,8 +1,5 @@
 // The order of things: what follows each parallel part; twin of pass/mod.rs. One invocation of the workgroup runs it.
 
-// Recession after which a sheet is written back, and after which its slopes are taken anew [voxels].
-const COMMIT_RECESSION: f32 = 0.75;
-const BENT: f32 = 0.02;
 
 // Ends the trial if a formula gave no finite number; the sheet is written back first.
 fn fails() -> bool {

@@ -1,10 +1,6 @@
 // The field of a trial: bricks of its asset, shared with other trials, and bricks of its own, which it may write.
 // Twin of sdf-bake's grid.rs and of lattice_line.rs.
 
-// Largest share of the band up to which a value is a distance and no bound.
-const WITHIN_BAND: f32 = 0.999;
-// Voxels by which a column is followed upwards out of the material.
-const CLIMB: i32 = 400;
 
 // Position of a brick in the index; `OUTSIDE` beyond it.
 fn index_entry(brick: vec3i) -> u32 {

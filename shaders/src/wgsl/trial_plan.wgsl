@@ -1,18 +1,8 @@
 // What one invocation decides between the parallel parts of a step: clock, sheet and poses; twin of pass/mod.rs, seek.rs
 // and extent.rs.
 
-// Time for which a falling tool is looked for at least, longest step while the tool comes down [s].
-const LONGEST_STEP: f32 = 0.05;
-const APPROACH_STEP: f32 = 0.01;
 // Times that the clock does not tell apart [s]: a step of less would make all that follow it short, too.
 const CLOCK: f32 = 1e-7;
-// Share of the setpoint that counts as touching the part.
-const TOUCH: f32 = 0.15;
-// Lines around the contact that a sheet holds in reserve.
-const MARGIN: i32 = 3;
-// Surface sought below the tool in contact, and looked at ahead of a step [voxels].
-const NEAR_BELOW: f32 = 4.0;
-const LOOK_AHEAD: f32 = 3.0;
 
 fn is_ideal() -> bool {
     return state.controller == CONTROLLER_IDEAL;

@@ -1,10 +1,6 @@
 // A square integrated over a step, and put right where its law is no straight line in the depth; twin of step/relax.rs and step/bend.rs.
 
-// Relative change of depth over which the slope of the recession is taken.
-const PROBE: f32 = 1e-3;
 
-// Relative difference of two depths from which a slope is taken between them.
-const APART: f32 = 1e-5;
 
 // What a step does to a square.
 struct Relaxed {

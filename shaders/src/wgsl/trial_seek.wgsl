@@ -1,8 +1,5 @@
 // Where the controller brings the tool in a step, evaluation by evaluation; twin of pass/seek.rs.
 
-// Inertial force, and change of the force in a step [setpoints], beyond which an admittance is stepped more finely.
-const INERTIA: f32 = 0.03;
-const FORCE_JUMP: f32 = 0.1;
 
 // Chooses a sheet that holds the contact for the next steps.
 fn plan_sheet() {

@@ -1,7 +1,5 @@
 // One step of the contact over the squares of the region, one invocation each in turn; twin of step/.
 
-// Gauss's two points, from the middle of the time under the tool [sweeps].
-const HALF_GAUSS: f32 = 0.28867513;
 
 // Whether a line is in the rectangle in which the start of the step was measured.
 fn has_start(line: u32) -> bool {

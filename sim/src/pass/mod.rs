@@ -9,6 +9,12 @@ mod seek;
 
 pub use rest::rest;
 
+use shaders::constants::APPROACH_STEP;
+use shaders::constants::BENT;
+use shaders::constants::COMMIT_RECESSION;
+use shaders::constants::FORCE_JUMP;
+use shaders::constants::INERTIA;
+pub use shaders::constants::TOUCH;
 use std::cell::RefCell;
 
 use sdf_bake::BrickGrid;
@@ -30,21 +36,8 @@ use crate::tool::{Pose, Tool};
 use crate::tool_cells::{CellSums, ToolCells};
 use effects::{CompiledModel, Hook, PoseChange, Reset, RunError, States, Variable};
 
-/// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
-const COMMIT_RECESSION: f64 = 0.75;
-/// Recession after which a sheet's slopes are taken anew [voxels].
-const BENT: f64 = 0.02;
-/// Longest step while the tool comes down [s].
-const APPROACH_STEP: f64 = 0.01;
 /// Times that are one [s]: a step of what rounding leaves would make all that follow it short, too.
 const CLOCK: f64 = 1e-9;
-/// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
-const INERTIA: f64 = 0.03;
-/// Change of the force in a step [setpoints] beyond which it is shortened, too.
-const FORCE_JUMP: f64 = 0.1;
-
-/// Share of the setpoint that counts as touching the part.
-pub const TOUCH: f64 = 0.15;
 
 /// How far a pass is.
 #[derive(Clone, Copy, Debug)]

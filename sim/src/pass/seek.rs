@@ -1,6 +1,8 @@
 //! Where the controller brings the tool in a step, on a sheet that is large enough for it.
 
 use glam::DVec3;
+use shaders::constants::LOOK_AHEAD;
+use shaders::constants::NEAR_BELOW;
 
 use super::{Pass, Runner};
 use crate::clock::Phase;
@@ -14,10 +16,6 @@ use crate::step::EndForce;
 use crate::tool::Pose;
 use effects::RunError;
 
-/// Surface sought below the tool while it is in contact [voxels].
-const NEAR_BELOW: f64 = 4.0;
-/// Surface looked at ahead of a step, where the contact may go next [voxels].
-const LOOK_AHEAD: f64 = 3.0;
 /// Lines of a sheet, unless the tool's next ways need more: some 40 MB.
 const MOST_LINES: usize = 1 << 18;
 /// Relative difference between force and setpoint that is good enough.

@@ -7,9 +7,7 @@
 use super::end::End;
 use super::relax::Relaxed;
 use crate::decay::Decay;
-
-/// Relative difference of two depths from which a slope is taken between them.
-const APART: f64 = 1e-5;
+use shaders::constants::APART;
 
 /// Mean depth over the wet share [m] that a recession leaves.
 pub(super) fn left(depth: f64, share: f64, recession: f64) -> f64 {

@@ -2,9 +2,7 @@
 
 use super::end::End;
 use crate::decay::Decay;
-
-/// Relative change of depth over which the slope of the recession is taken.
-pub(super) const PROBE: f64 = 1e-3;
+pub(super) use shaders::constants::PROBE;
 
 /// Relative difference up to which two lanes are integrated with the same weights.
 const SAME_DECAY: f64 = 1e-6;
