@@ -6,7 +6,8 @@ use serde_json::Value;
 
 use super::maps::Seen;
 use super::measurements::Data;
-use super::report_from_diagnosis::{compared, correlations, parameter, provenance, verdict, waterfall};
+use super::provenance::provenance;
+use super::report_from_diagnosis::{compared, correlations, parameter, verdict, waterfall};
 use super::simulated::Simulated;
 use super::{failures, residual_tests};
 use crate::study::{Compared, PassVolume, StudyReport, Waterfall};

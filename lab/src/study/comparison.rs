@@ -9,7 +9,8 @@ use serde::Serialize;
 
 use super::failures::{CovariateFigures, Failures, plots};
 use super::maps::{Seen, name, pass_volume, role};
-use super::report_from_diagnosis::{compared_scans, folder_name, provenance};
+use super::provenance::provenance;
+use super::report_from_diagnosis::{compared_scans, folder_name};
 use super::simulated::Simulated;
 use super::track::{Ground, exposure, line_of};
 use super::waterfall::{Scans, Step};

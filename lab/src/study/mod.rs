@@ -9,6 +9,7 @@ mod failures;
 mod maps;
 mod measurements;
 mod progress;
+mod provenance;
 mod record;
 mod report_from_diagnosis;
 mod residual_tests;
@@ -32,8 +33,9 @@ pub use data::{
 pub use failures::{CovariateFigures, Failures};
 pub use measurements::{Data, Measurements};
 pub use progress::Progress;
+pub use provenance::inputs_sha256;
 pub use record::{Action, Done, STUDY_FILE, STUDY_FORMAT, StudyRecord};
-pub use report_from_diagnosis::{ReportInput, inputs_sha256, report};
+pub use report_from_diagnosis::{ReportInput, report};
 pub use scan_data::{
     Bin, ComparedPass, CovariatePlot, Direction, ExposureMaps, HeightMaps, Maps, Misfit, PassVolume, ScanComparison,
     ScanSection, Waterfall, WaterfallStep,

@@ -4,25 +4,20 @@ use std::path::Path;
 
 use crate::error::Result;
 use effects::{CompiledModel, Model};
-use files::input::{self, MOST_MESH_BYTES};
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
-use walkdir::{DirEntry, WalkDir};
 
 use super::failures::{self, Failures};
 use super::maps::{self, Seen};
+use super::provenance::provenance;
 use super::residual_tests;
 use super::shapley::overlap;
 use super::simulated::Simulated;
 use super::waterfall::{Scans, Step};
-use crate::study::{
-    Compared, ComparedPass, Digest, Misfit, Provenance, Stated, StudyReport, SuggestedEffect, Waterfall, WaterfallStep,
-};
+use crate::study::{Compared, ComparedPass, Misfit, Stated, StudyReport, SuggestedEffect, Waterfall, WaterfallStep};
 use crate::{
     BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterState, ParameterSummary,
     RowEvidence, ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
 };
-use files::output::holds_results;
 use trials::measure::Registration;
 use trials::trial::{Campaign, PassScan, Tool};
 
@@ -372,36 +367,4 @@ pub(super) fn detectable(detectable: &crate::Detectable) -> super::Detectable {
             (true, Sides::Below) => "only below its null".to_owned(),
         },
     }
-}
-
-/// SHA-256 over the hashes of all files of a folder, results below it left out: whether measurements are the same.
-///
-/// # Errors
-/// When a file cannot be read.
-pub fn inputs_sha256(folder: &Path) -> Result<String> {
-    let inputs = provenance(folder, 0)?.inputs;
-    let lines: String = inputs.iter().map(|input| format!("{} {}\n", input.sha256, input.file)).collect();
-    Ok(files::sha256(lines.as_bytes()))
-}
-
-/// Hashes of all files of a folder, results below it left out, and what made the report.
-pub(super) fn provenance(folder: &Path, seed: u64) -> Result<Provenance> {
-    let measures = |entry: &DirEntry| entry.depth() == 0 || !entry.file_type().is_dir() || !holds_results(entry.path());
-    let entries = WalkDir::new(folder).sort_by_file_name().into_iter().filter_entry(measures);
-    let mut files: Vec<DirEntry> = entries.collect::<Result<_, _>>()?;
-    files.retain(|entry| entry.file_type().is_file());
-    let digest = |entry: &DirEntry| -> Result<Digest> {
-        let hash: String = Sha256::digest(input::read(entry.path(), MOST_MESH_BYTES)?)
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
-        let file = entry.path().strip_prefix(folder).unwrap_or(entry.path()).display().to_string();
-        Ok(Digest { file, sha256: hash })
-    };
-    Ok(Provenance {
-        inputs: files.iter().map(digest).collect::<Result<_>>()?,
-        seed,
-        versions: vec![("robofin".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
-        ..Provenance::default()
-    })
 }
