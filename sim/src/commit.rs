@@ -5,14 +5,14 @@
 //! moves by exactly what its columns sank. Then the voxels that carry no zero set take
 //! their distance anew.
 
-mod renew;
+mod reinitialize;
 
 use glam::{DVec2, IVec3};
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use shaders::constants::STEEPEST;
 
-use self::renew::renew;
+use self::reinitialize::renew;
 use crate::sheet::{NO_SURFACE, Sheet};
 
 /// Bounds of the field's steepness that are believed.

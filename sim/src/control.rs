@@ -5,7 +5,7 @@ use shaders::constants::EVALUATIONS;
 use shaders::constants::FIRST_NUDGE;
 use shaders::constants::FIRST_STRIDE;
 
-use crate::decay::Decay;
+use crate::phi_functions::Decay;
 
 /// The robot's controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -30,23 +30,23 @@
 //! This crate never opens a file, never prints, and holds no state between calls. It computes the same
 //! bytes for any number of threads.
 
+mod clipped_cell;
 pub mod clock;
 mod commit;
 pub mod contact;
 pub mod control;
 pub mod covariates;
 mod crossing;
-mod decay;
 mod extent;
 pub mod gpu;
 mod lattice_line;
 pub mod lines;
 pub mod pass;
 pub mod path;
+mod phi_functions;
 pub mod physics;
 pub mod press;
 pub mod profilometer;
-mod ramp;
 pub mod record;
 pub mod region;
 pub mod settings;

@@ -1,4 +1,4 @@
-// What follows an evaluation of the force; twin of pass/seek.rs.
+// What follows an evaluation of the force; twin of pass/force_balance.rs.
 
 // Takes up the force of the evaluation.
 fn settle_evaluation() {

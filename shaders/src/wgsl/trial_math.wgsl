@@ -116,7 +116,7 @@ fn op_cos(x: f32) -> f32 {
     return sine_in_quadrant((i32(n) + 1) & 3, ((x - n * ANGLE_HIGH) - n * ANGLE_MIDDLE) - n * ANGLE_LOW);
 }
 
-// Weights (phi1, phi2, psi2) of an exponential step with x = lambda dt; twin of decay.rs. psi1 is phi2.
+// Weights (phi1, phi2, psi2) of an exponential step with x = lambda dt; twin of phi_functions.rs. psi1 is phi2.
 fn decay_weights(x: f32) -> vec3f {
     if x < 1.0 {
         // psi2 = sum (-x)^n / (n + 3)!, the others downwards from it.

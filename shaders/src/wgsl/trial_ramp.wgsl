@@ -1,4 +1,4 @@
-// Means of max(d, 0) for a depth d that is linear over a rectangle; twin of ramp.rs. No bindings.
+// Means of max(d, 0) for a depth d that is linear over a rectangle; twin of clipped_cell.rs. No bindings.
 
 // Below this share of the wide span the narrow one is left out: f32 would lose it in differences.
 const THIN: f32 = 1e-3;

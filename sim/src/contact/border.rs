@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::ramp::wet_share;
+use crate::clipped_cell::wet_share;
 use crate::region::Region;
 use crate::sheet::Sheet;
 use crate::tool::{Pose, Tool};

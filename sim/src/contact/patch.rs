@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::{Difference, SheetFrame};
-use crate::ramp::{ramp_mean, wet_share};
+use crate::clipped_cell::{ramp_mean, wet_share};
 use crate::sheet::Sheet;
 use crate::tool::Tool;
 

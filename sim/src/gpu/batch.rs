@@ -14,7 +14,7 @@ use shaders::layout::{RunHeader, TrialState};
 use shaders::simulate::{Batch, Remains, Rooms, Running, SimulateError, Simulator};
 
 use super::setup::time_of;
-use super::{GpuError, refusal, remains, setup};
+use super::{GpuError, readback, refusal, setup};
 use crate::pass::{Pass, Progress};
 use crate::physics::Physics;
 use crate::record::PassRecord;
@@ -242,7 +242,7 @@ fn run_group(
             let before = record.steps as u32;
             for step in before..chunk.states[trial].steps {
                 let row = &chunk.rows[(setup.log_first + step % setup.log_rows) as usize];
-                remains::push(record, row, &ready.trial.pass, ready.trial.part.voxel);
+                readback::push(record, row, &ready.trial.pass, ready.trial.part.voxel);
             }
             if record.steps as u32 > before {
                 progress(ready.number, at(&chunk.states[trial], ready));
@@ -275,7 +275,7 @@ fn outcomes(
     Ok(each
         .map(|(((ready, record), remains), (setup, state))| {
             let part = changed_part(ready, &remains, (setup, header));
-            let tool = remains::states(ready.trial.pass.model, model, &remains.values, &ready.states);
+            let tool = readback::states(ready.trial.pass.model, model, &remains.values, &ready.states);
             Outcome { part, tool: tool.unwrap_or_else(|| ready.states.clone()), record: finish(record, state, ready) }
         })
         .collect())
@@ -289,7 +289,7 @@ fn changed_part(ready: &Ready, remains: &Remains, at: (&shaders::layout::TrialSe
     if ready.keeps_removed {
         part.scalar_or_zero(Scalar::Removed);
     }
-    remains::write_bricks(&mut part, remains, at);
+    readback::write_bricks(&mut part, remains, at);
     if ready.setup.grinds == 1 {
         part.release_uniform_bricks();
     }

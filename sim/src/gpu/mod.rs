@@ -5,7 +5,7 @@
 //! own level. [`refusal`] says what it cannot run.
 
 mod batch;
-mod remains;
+mod readback;
 mod setup;
 
 pub use batch::{Outcome, Settings, Trial, run_batch, run_pass};

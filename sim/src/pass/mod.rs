@@ -4,10 +4,10 @@
 //! lost is written back and the next sheet is read. Steps are as long as the tool needs for half a voxel, unless the
 //! controller's own dynamics matter: then they fall to its period.
 
-mod rest;
-mod seek;
+mod force_balance;
+mod idle_pause;
 
-pub use rest::rest;
+pub use idle_pause::rest;
 
 use shaders::constants::APPROACH_STEP;
 use shaders::constants::BENT;

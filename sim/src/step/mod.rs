@@ -5,19 +5,19 @@
 //! step's ends and integrated exactly (exponential integrators, Hochbruck and Ostermann 2010, eq. 2.8): any step
 //! is stable, and for Eq. (1) exact as long as s is constant.
 
-mod bend;
-mod end;
+mod contact_integrals;
+mod contact_state;
+mod exponential_integrator;
 mod lanes;
-mod relax;
-mod sums;
+mod nonlinear_correction;
 mod threshold;
 
 use glam::DVec3;
 
-use self::end::End;
+use self::contact_integrals::ApproachShare;
+use self::contact_state::End;
+use self::exponential_integrator::{PROBE, Relax, Relaxed};
 use self::lanes::{dot, sum};
-use self::relax::{PROBE, Relax, Relaxed};
-use self::sums::ApproachShare;
 use crate::clock::Phase;
 use crate::contact::{Peak, Squares};
 use crate::lines::{Lines, Run};
@@ -40,7 +40,7 @@ pub struct Step {
     to: DVec3,
     start_squares: Squares,
     end_squares: Squares,
-    /// Whether the step is taken as its middle, which `end` and `end_squares` then hold alone.
+    /// Whether the step is taken as its middle, which `contact_state` and `end_squares` then hold alone.
     is_whole: bool,
     /// How much further away the tool is than its shape says, by line; empty if it is not.
     gap: Vec<f64>,
@@ -160,11 +160,13 @@ impl Step {
         let Self { start, end, probe, relaxed, .. } = self;
         probe.depth.clear();
         let ends = end.depth.iter().zip(&end.share).zip(&relaxed.recession);
-        probe.depth.extend(ends.map(|((depth, share), recession)| bend::left(*depth, *share, *recession)));
+        probe
+            .depth
+            .extend(ends.map(|((depth, share), recession)| nonlinear_correction::left(*depth, *share, *recession)));
         probe.own.clone_from(&probe.depth);
         probe.grind(physics, &self.depth_rate)?;
         physics.lap(Phase::Model);
-        bend::bend((start, end, probe), dt, relaxed);
+        nonlinear_correction::bend((start, end, probe), dt, relaxed);
         Ok(())
     }
 
@@ -243,7 +245,7 @@ impl Step {
         self.lines.merge(&a.wet, &b.wet, |line| a.share[line] + b.share[line] > 0.0);
         self.start.gather(a, &self.lines);
         self.end.gather(b, &self.lines);
-        end::gather_receding((&mut self.start, &mut self.end), (a, b), (across, bends), &self.lines);
+        contact_state::gather_receding((&mut self.start, &mut self.end), (a, b), (across, bends), &self.lines);
         self.depth_rate.clear();
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let pairs = self.start.depth.iter().zip(&self.end.depth);

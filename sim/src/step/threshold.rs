@@ -3,9 +3,9 @@
 //! Such a law is taken as straight above the depth at which it begins. The part of the step in which a depth lies above that
 //! is found on its parabola over time, and only that part is integrated.
 
-use super::end::End;
-use super::relax::{PROBE, Relaxed};
-use crate::decay::Decay;
+use super::contact_state::End;
+use super::exponential_integrator::{PROBE, Relaxed};
+use crate::phi_functions::Decay;
 
 /// Depth at which a law begins, as a share of the depth, below which it counts as one without a threshold: far above the roundings
 /// of a slope, and of no weight for what a square loses.
@@ -13,7 +13,7 @@ const NO_THRESHOLD: f64 = 1e-2;
 
 /// Takes lanes back to the mean depth over their wet share whose law has no threshold: for a law that is straight from
 /// depth 0 on the rate at the mean is the mean of the rates, and pressure and removal go together. `probe` holds the rates
-/// at [`super::relax::PROBE`] above the deeper end.
+/// at [`super::exponential_integrator::PROBE`] above the deeper end.
 pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
     for (lane, probe) in probe.iter_mut().enumerate() {
         let deeper = if start.own[lane] > end.own[lane] { &*start } else { &*end };
@@ -32,7 +32,7 @@ pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
     }
 }
 
-/// Corrects the lanes that recede at one end of a step of `dt` [s] only. `bulge` [m] as in [`super::relax::Relax`].
+/// Corrects the lanes that recede at one end of a step of `dt` [s] only. `bulge` [m] as in [`super::exponential_integrator::Relax`].
 pub(super) fn cross((start, end): (&End, &End), (dt, bulge): (f64, f64), out: &mut Relaxed) {
     for lane in 0..out.recession.len() {
         let begins = end.rate[lane] > 0.0;
@@ -58,7 +58,7 @@ struct Crossing {
     part: f64,
     /// Relaxation in the step, λ dt.
     x: f64,
-    /// As in [`super::relax::Relax`].
+    /// As in [`super::exponential_integrator::Relax`].
     bulge: f64,
 }
 

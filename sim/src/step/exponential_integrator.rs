@@ -1,7 +1,7 @@
 //! Lanes integrated over a step, in the processor's widest lanes.
 
-use super::end::End;
-use crate::decay::Decay;
+use super::contact_state::End;
+use crate::phi_functions::Decay;
 pub(super) use shaders::constants::PROBE;
 
 /// Relative difference up to which two lanes are integrated with the same weights.

@@ -4,9 +4,9 @@
 //! With q the depth at the end after all, r is taken as the straight line through the start and q, the pressure as the one through q
 //! and what the end would be without recession.
 
-use super::end::End;
-use super::relax::Relaxed;
-use crate::decay::Decay;
+use super::contact_state::End;
+use super::exponential_integrator::Relaxed;
+use crate::phi_functions::Decay;
 use shaders::constants::APART;
 
 /// Mean depth over the wet share [m] that a recession leaves.

@@ -63,7 +63,7 @@ impl Runner<'_> {
         self.try_step(dt, self.time + dt)
     }
 
-    /// Seeks the end of a step of `dt` [s] that ends at the path's place at `end` [s].
+    /// Seeks the end of a step of `dt` [s] that ends at the path's place at `contact_state` [s].
     fn try_step(&mut self, dt: f64, end: f64) -> Result<Option<Motion>, RunError> {
         let Pass { tool, process, .. } = self.pass;
         let start = self.pose(self.time, self.motion.travel);
