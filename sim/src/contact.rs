@@ -248,22 +248,26 @@ impl Squares {
         (along, Difference::new(self.depth[line - 1], here, self.depth[line + 1], pitch))
     }
 
-    /// Depth at a column [m], negative in the air, and the cover of its square; `None` for a column whose depth is not known or
-    /// bends otherwise than over flat work. Under a tool that bends by `bend` [m] across a square, and in all by `whole`, flat work
-    /// bends the depth by `-whole`, give or take half a bend; work that has taken the tool's shape does not bend it.
-    #[inline(always)]
-    pub(crate) fn flat_column(&self, line: usize, across: usize, [bend, whole]: [f64; 2]) -> Option<(f64, f64)> {
-        let (row, column) = (line / across, line % across);
-        let is_known = self.region.rows.contains(&row) & self.region.columns.contains(&column);
-        if !is_known {
-            return None;
+    /// Those of `lines` that follow each other in a row, on a sheet `across` lines wide, of which depth and neighbours are known.
+    pub(crate) fn known(&self, lines: &Range<usize>, across: usize) -> Range<usize> {
+        let row = lines.start / across;
+        if !self.region.rows.contains(&row) {
+            return lines.start..lines.start;
         }
-        let here = self.depth[line];
-        let bends = |step: usize| (self.depth[line - step] - here) + (self.depth[line + step] - here);
-        let (along, sideways) = (bends(across), bends(1));
-        let is_flat =
-            ((along + sideways + whole).abs() <= 0.5 * bend) & (along.abs().max(sideways.abs()) <= 1.5 * bend);
-        is_flat.then(|| (here, if self.share[line] > 0.0 { self.cover[line] } else { 0.0 }))
+        let start = (row * across + self.region.columns.start).clamp(lines.start, lines.end);
+        start..(row * across + self.region.columns.end).clamp(start, lines.end)
+    }
+
+    /// Columns of lines that follow each other on a sheet `across` lines wide.
+    #[inline(always)]
+    pub(crate) fn columns(&self, lines: Range<usize>, across: usize) -> Columns<'_> {
+        let from = |first: usize| &self.depth[first..first + lines.len()];
+        Columns {
+            depth: from(lines.start),
+            beside: [lines.start - across, lines.start + across, lines.start - 1, lines.start + 1].map(from),
+            share: &self.share[lines.clone()],
+            cover: &self.cover[lines],
+        }
     }
 
     /// Share of a square by which its height sinks when what is under the working surface recedes: the rest is the groove's wall.
@@ -285,6 +289,33 @@ impl Squares {
     /// Largest depth under the working surface [m], negative: the gap.
     pub fn deepest(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
         self.under(tool, pose, sheet).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// Columns that follow each other in a row.
+pub(crate) struct Columns<'a> {
+    /// Depth at the columns [m], negative in the air, and at their neighbours.
+    pub(crate) depth: &'a [f64],
+    beside: [&'a [f64]; 4],
+    share: &'a [f64],
+    cover: &'a [f64],
+}
+
+impl Columns<'_> {
+    /// Whether the depth bends as over flat work: under a tool that bends by `bend` [m] across a square, and in all by `whole`,
+    /// by `-whole`, give or take half a bend. Work that has taken the tool's shape does not bend it, edges and noise bend it more.
+    #[inline(always)]
+    pub(crate) fn is_flat(&self, i: usize, [bend, whole]: [f64; 2]) -> bool {
+        let here = self.depth[i];
+        let along = (self.beside[0][i] - here) + (self.beside[1][i] - here);
+        let sideways = (self.beside[2][i] - here) + (self.beside[3][i] - here);
+        ((along + sideways + whole).abs() <= 0.5 * bend) & (along.abs() <= 1.5 * bend) & (sideways.abs() <= 1.5 * bend)
+    }
+
+    /// Cover of a square in contact, 0 of others.
+    #[inline(always)]
+    pub(crate) fn cover(&self, i: usize) -> f64 {
+        if self.share[i] > 0.0 { self.cover[i] } else { 0.0 }
     }
 }
 

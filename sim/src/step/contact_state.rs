@@ -1,6 +1,8 @@
 //! The squares in contact at one end of a step, one lane each.
 
-use crate::contact::Squares;
+use std::ops::Range;
+
+use crate::contact::{Columns, Squares};
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use effects::RunError;
@@ -17,6 +19,8 @@ pub(super) struct End {
     pub(super) cover: Vec<f64>,
     /// 1 where that is the depth at the column, over flat work; 0 where it is the mean over the wet share.
     pub(super) flat: Vec<f64>,
+    /// Whether any lane is.
+    pub(super) is_flat: bool,
     /// That depth where it is positive, 0 elsewhere [m], and the pressure there [Pa].
     wet: Vec<f64>,
     wet_pressure: Vec<f64>,
@@ -61,6 +65,9 @@ impl End {
     /// depth.
     pub(super) fn grind(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
         self.press(physics, depth_rate)?;
+        if !self.is_flat {
+            return physics.rate(&self.depth, &self.pressure, &mut self.rate);
+        }
         let Self { depth, own, wet, pressure, wet_pressure, rate, .. } = self;
         wet.clear();
         wet.extend(own.iter().map(|own| if *own > 0.0 { *own } else { 0.0 }));
@@ -88,7 +95,7 @@ impl End {
 }
 
 /// Takes the depths that recede at both ends of a step, on a sheet `across` lines wide under a tool of certain `bends` (see
-/// [`Squares::flat_column`]).
+/// [`Columns::is_flat`]).
 ///
 /// Over flat work that is the depth at the column: then a column meets a threshold when the tool does, and the sum of what
 /// columns lose is that of the work. Elsewhere the depth within a square is not known; there it is the mean over the wet share, of
@@ -104,20 +111,53 @@ pub(super) fn gather_receding(
         end.cover.clone_from(&end.share);
         end.flat.clear();
         end.flat.resize(lines.len(), 0.0);
+        end.is_flat = false;
     }
     if bends[0] == 0.0 {
         return;
     }
-    for (lane, &line) in lines.list().iter().enumerate() {
-        let columns = [before, after].map(|squares| squares.flat_column(line as usize, across, bends));
-        if let [Some(a), Some(b)] = columns
-            && a.0.max(b.0) > 0.0
-        {
-            // A column in the air has the cover that it has at the other end.
-            let in_air = |one: (f64, f64), other: (f64, f64)| if one.0 < 0.0 && one.1 == 0.0 { other.1 } else { one.1 };
-            (start.own[lane], start.cover[lane]) = (a.0, in_air(a, b));
-            (end.own[lane], end.cover[lane]) = (b.0, in_air(b, a));
-            (start.flat[lane], end.flat[lane]) = (1.0, 1.0);
-        }
+    let any = in_wide_lanes(
+        #[inline(always)]
+        || {
+            let mut any = false;
+            for Run { lines: run, lanes } in lines.runs() {
+                let known = after.known(&before.known(run, across), across);
+                let columns = [before, after].map(|squares| squares.columns(known.clone(), across));
+                let first = lanes.start + (known.start - run.start);
+                any |= recede_in_row((start, end), &columns, first..first + known.len(), bends);
+            }
+            any
+        },
+    );
+    (start.is_flat, end.is_flat) = (any, any);
+}
+
+/// The same for the columns of one row, in some `lanes`. Returns whether work is flat under any.
+#[inline(always)]
+fn recede_in_row(
+    (start, end): (&mut End, &mut End),
+    [before, after]: &[Columns; 2],
+    lanes: Range<usize>,
+    bends: [f64; 2],
+) -> bool {
+    let count = lanes.len();
+    let (own_a, cover_a) = (&mut start.own[lanes.clone()], &mut start.cover[lanes.clone()]);
+    let (own_b, cover_b) = (&mut end.own[lanes.clone()], &mut end.cover[lanes.clone()]);
+    let flats = &mut end.flat[lanes];
+    let mut any = false;
+    for i in 0..count {
+        let (a, b) = (before.depth[i], after.depth[i]);
+        let is_flat = before.is_flat(i, bends) & after.is_flat(i, bends) & ((a > 0.0) | (b > 0.0));
+        let covers = (before.cover(i), after.cover(i));
+        // A column in the air has the cover that it has at the other end.
+        let cover_before = if (covers.0 == 0.0) & (a < 0.0) { covers.1 } else { covers.0 };
+        let cover_after = if (covers.1 == 0.0) & (b < 0.0) { covers.0 } else { covers.1 };
+        own_a[i] = if is_flat { a } else { own_a[i] };
+        own_b[i] = if is_flat { b } else { own_b[i] };
+        cover_a[i] = if is_flat { cover_before } else { cover_a[i] };
+        cover_b[i] = if is_flat { cover_after } else { cover_b[i] };
+        flats[i] = f64::from(u8::from(is_flat));
+        any |= is_flat;
     }
+    any
 }

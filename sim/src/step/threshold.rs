@@ -15,11 +15,17 @@ const NO_THRESHOLD: f64 = 1e-2;
 /// depth 0 on the rate at the mean is the mean of the rates, and pressure and removal go together. `probe` holds the rates
 /// at [`super::exponential_integrator::PROBE`] above the deeper end.
 pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
+    if !end.is_flat {
+        return;
+    }
     for (lane, probe) in probe.iter_mut().enumerate() {
+        if end.flat[lane] == 0.0 {
+            continue;
+        }
         let deeper = if start.own[lane] > end.own[lane] { &*start } else { &*end };
         let (own, rate) = (deeper.own[lane], deeper.rate[lane]);
         let slope = (*probe - rate) / (PROBE * own);
-        if end.flat[lane] == 0.0 || own <= 0.0 || rate <= 0.0 || own - rate / slope > NO_THRESHOLD * own {
+        if own <= 0.0 || rate <= 0.0 || own - rate / slope > NO_THRESHOLD * own {
             continue;
         }
         for end in [&mut *start, &mut *end] {
@@ -34,12 +40,18 @@ pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
 
 /// Corrects the lanes that recede at one end of a step of `dt` [s] only. `bulge` [m] as in [`super::exponential_integrator::Relax`].
 pub(super) fn cross((start, end): (&End, &End), (dt, bulge): (f64, f64), out: &mut Relaxed) {
+    if !end.is_flat {
+        return;
+    }
     for lane in 0..out.recession.len() {
+        if end.flat[lane] == 0.0 || (end.rate[lane] > 0.0) == (start.rate[lane] > 0.0) {
+            continue;
+        }
         let begins = end.rate[lane] > 0.0;
         let (deeper, other) = if begins { (end, start) } else { (start, end) };
         let (rate, x) = (deeper.rate[lane], out.relaxation[lane]);
         let way = deeper.own[lane] - other.own[lane];
-        if begins == (start.rate[lane] > 0.0) || end.flat[lane] == 0.0 || x == 0.0 || way <= 0.0 {
+        if x == 0.0 || way <= 0.0 {
             continue;
         }
         let above = (rate * dt / x).min(deeper.own[lane]);
