@@ -52,7 +52,7 @@ pub struct Balance {
     pub dt: f64,
     /// Force at the start of the step [N].
     pub start_force: f64,
-    /// Weight of the force at the end of the step in its mean, 1/2 to 1; see [`end_weight`].
+    /// Weight of the force at the end of the step in its mean, 1/2 to 1: exact for a spring on a damper.
     pub weight: f64,
     /// Difference in force that is good enough [N].
     pub tolerance: f64,
