@@ -50,7 +50,7 @@ fn the_law_cannot_follow_and_a_memory_of_the_tool_is_suspected() {
     assert!(!summary.unfitted.is_empty());
     for one in &summary.unfitted {
         println!("{}: {}", one.name, one.reason);
-        assert!(one.reason.starts_with("no gain: ") || one.reason.starts_with("not fitted: "), "{one:?}");
+        assert!(one.reason.starts_with("no fall of χ²: ") || one.reason.starts_with("not fitted: "), "{one:?}");
         assert!(summary.suspects.iter().all(|suspect| suspect.name != one.name), "{} is listed twice", one.name);
     }
     assert!(summary.sentence.contains("no values of its parameters can follow"), "{}", summary.sentence);
