@@ -321,6 +321,7 @@ mod tests {
     #[test]
     fn in_the_source_tree_the_environment_is_the_projects_own() {
         let own = Places::from_environment().own;
-        assert_eq!(own, Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv")));
+        let project = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the project");
+        assert_eq!(own, Some(project.join(".venv")));
     }
 }

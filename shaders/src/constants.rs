@@ -172,4 +172,9 @@ shared_numbers! {
     CUBIC_STEPS: usize => i32 = 18;
     /// Step below which the root is found [thirds of a cell].
     CUBIC_RESOLUTION: f32 => f32 = 1e-5;
+    /// Times that the clock of a device does not tell apart [s].
+    DEVICE_CLOCK: f64 => f32 = 1e-7;
+    /// Depth at which a law begins, as a share of the depth, below which it counts as one without a threshold: far above the roundings
+    /// of a slope, and of no weight for what a square loses.
+    NO_THRESHOLD: f64 => f32 = 1e-2;
 }

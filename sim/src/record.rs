@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+pub(crate) use shaders::constants::DEVICE_CLOCK;
 
 use crate::contact::Contact;
 
@@ -9,8 +10,6 @@ use crate::contact::Contact;
 const CLEARANCE: f64 = 5e-3;
 /// Least time between two rows of the log [s].
 const LOG_PERIOD: f64 = 0.01;
-/// Times that the clock of a device does not tell apart [s].
-pub(crate) const CLOCK: f64 = 1e-7;
 
 /// What a step took off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,7 +90,7 @@ impl PassRecord {
     }
 
     fn log_row(&mut self, row: LogRow) {
-        if self.log.last().is_none_or(|last| row.time - last.time >= LOG_PERIOD - CLOCK) {
+        if self.log.last().is_none_or(|last| row.time - last.time >= LOG_PERIOD - DEVICE_CLOCK) {
             self.log.push(row);
         }
     }

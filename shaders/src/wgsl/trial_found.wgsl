@@ -65,7 +65,7 @@ fn settle_found() {
         return;
     }
     state.dt_limit = 2.0 * dt;
-    if state.left - dt < CLOCK {
+    if state.left - dt < DEVICE_CLOCK {
         state.dt = state.left;
     }
     let half = 0.5 * (state.guess - from_travel());

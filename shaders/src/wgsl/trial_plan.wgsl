@@ -1,8 +1,6 @@
 // What one invocation decides between the parallel parts of a step: clock, sheet and poses; twin of pass/mod.rs, seek.rs
 // and extent.rs.
 
-// Times that the clock does not tell apart [s]: a step of less would make all that follow it short, too.
-const CLOCK: f32 = 1e-7;
 
 fn is_ideal() -> bool {
     return state.controller == CONTROLLER_IDEAL;
@@ -36,7 +34,7 @@ fn plan_step() {
     }
     state.piece = piece_at(now());
     let approach = time_between(Time(setup.approach_blocks, setup.approach_rest), now());
-    let comes_down = approach > CLOCK;
+    let comes_down = approach > DEVICE_CLOCK;
     take_over(!comes_down);
     var dt = min(min(state.dt_limit, setup.longest_step), min(path[state.piece].approach.w, left));
     if setup.quasi_static == 0u {

@@ -41,8 +41,6 @@ fn receding(line: u32, start: Square, end: Square, flat_here: bool) -> vec4f {
     return vec4f(own, select(covers, covers.yx, shares == vec2f(0.0) & own < vec2f(0.0)));
 }
 
-// Depth at which a law begins, as a share of the depth, below which it counts as one without a threshold.
-const NO_THRESHOLD: f32 = 1e-2;
 
 // Takes a square back to the mean depth over its wet share whose law, of a slope [1/s], has no threshold.
 fn with_means(looks: Looks, slope: f32) -> Looks {

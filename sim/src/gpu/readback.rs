@@ -10,7 +10,7 @@ use shaders::simulate::Remains;
 use super::setup::time_of;
 use crate::contact::Contact;
 use crate::pass::Pass;
-use crate::record::{CLOCK, LogRow, PassRecord, Removal};
+use crate::record::{DEVICE_CLOCK, LogRow, PassRecord, Removal};
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, States};
 
@@ -55,7 +55,7 @@ pub(super) fn states(model: &CompiledModel, device: &DeviceModel, values: &[f32]
 /// Adds a step to the record of a pass.
 pub(super) fn push(record: &mut PassRecord, row: &LogRecord, pass: &Pass, voxel: f64) {
     let (clock, end) = (time_of(row.time_blocks, row.time_rest), pass.path.duration());
-    let time = if (clock - end).abs() < CLOCK { end } else { clock };
+    let time = if (clock - end).abs() < DEVICE_CLOCK { end } else { clock };
     let travel = (f64::from(row.coarse) + f64::from(row.fine)) * voxel;
     let pose = pass.path.at(time).pose(pass.tool).lifted(travel);
     let log = LogRow {

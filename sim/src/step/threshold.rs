@@ -6,10 +6,7 @@
 use super::contact_state::End;
 use super::exponential_integrator::{PROBE, Relaxed};
 use crate::phi_functions::Decay;
-
-/// Depth at which a law begins, as a share of the depth, below which it counts as one without a threshold: far above the roundings
-/// of a slope, and of no weight for what a square loses.
-const NO_THRESHOLD: f64 = 1e-2;
+use shaders::constants::NO_THRESHOLD;
 
 /// Takes lanes back to the mean depth over their wet share whose law has no threshold: for a law that is straight from
 /// depth 0 on the rate at the mean is the mean of the rates, and pressure and removal go together. `probe` holds the rates
