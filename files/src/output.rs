@@ -190,7 +190,7 @@ pub fn holds_results(folder: &Path) -> bool {
     is_staged(&name) || name.ends_with(UNFINISHED) || (has(&RESULTS) && !has(&MEASUREMENTS))
 }
 
-/// Whether a name is that of an output in the making.
+/// True for the name of an output in the making.
 fn is_staged(name: &str) -> bool {
     name.starts_with('.') && name.contains(".part-")
 }

@@ -52,7 +52,7 @@ impl TileNoise {
 /// A change that data may show for a reason that is no physics, such as a tilt of the scan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freedom {
-    /// What one unit of it adds to each datum, shape [data, degrees of freedom].
+    /// Change of each datum by one unit of it, shape [data, degrees of freedom].
     pub columns: DMatrix<f64>,
     /// Values expected.
     pub mean: DVector<f64>,

@@ -229,7 +229,7 @@ fn the_modules_use_every_criterion() {
     }
 }
 
-/// Whether a source is the table itself, or this test of it.
+/// True if a source is the table itself, or this test of it.
 fn is_of_criteria(path: &Path) -> bool {
     path.ends_with("criteria.rs") || path.ends_with("criteria/tests.rs")
 }
