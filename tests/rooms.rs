@@ -18,7 +18,7 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("sim", &["effects", "sdf-bake", "shaders"]),
     ("render", &["sdf-bake", "shaders"]),
     ("export", &["sdf-bake"]),
-    ("trials", &["effects", "files", "sdf-bake"]),
+    ("trials", &["effects", "files", "random", "sdf-bake"]),
     ("paths", &["sdf-bake", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "sdf-bake", "shaders", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "sdf-bake", "sim", "trials"]),

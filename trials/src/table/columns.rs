@@ -27,6 +27,8 @@ pub(super) struct Numbers {
     pub(super) at: usize,
     /// Its unit.
     pub(super) unit: ColumnUnit,
+    /// The unit as the file writes it.
+    pub(super) unit_text: String,
 }
 
 /// What presses.
@@ -43,6 +45,23 @@ pub(super) enum Motion {
     Spindle,
 }
 
+/// What is said of the order of the file instead of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ordering {
+    /// It is that of time.
+    File,
+    /// It says nothing about time.
+    None,
+}
+
+impl Ordering {
+    /// By its name, unless a column has that name.
+    fn of(name: &str, columns: &[String]) -> Option<Self> {
+        let known = [("file", Self::File), ("none", Self::None)].into_iter().find(|(word, _)| *word == name);
+        known.filter(|(word, _)| columns.iter().all(|column| column != word)).map(|(_, ordering)| ordering)
+    }
+}
+
 /// All columns of a table.
 pub(super) struct Columns {
     /// Cells of a whole row.
@@ -57,6 +76,7 @@ pub(super) struct Columns {
     pub(super) per_mass: f64,
     pub(super) usage: Vec<Numbers>,
     pub(super) order: Option<usize>,
+    pub(super) ordering: Option<Ordering>,
     pub(super) group: Option<usize>,
     pub(super) role: Option<usize>,
     pub(super) tool: Option<usize>,
@@ -77,7 +97,9 @@ impl Columns {
         let names: Vec<String> = (0..header.len()).map(|k| header.text(k).trim_matches('"').to_owned()).collect();
         let header = quoted_names(&names, []);
         let search = Search { manifest, header, names };
-        let order = manifest.order.as_ref().map(|name| search.place("order", name.get_ref(), name.span().start));
+        let order = manifest.order.as_ref().filter(|name| Ordering::of(name.get_ref(), &search.names).is_none());
+        let order = order.map(|name| search.place("order", name.get_ref(), name.span().start));
+        let ordering = manifest.order.as_ref().and_then(|name| Ordering::of(name.get_ref(), &search.names));
         let text = |key: &str| manifest.column(key).map(|column| search.column(column)).transpose();
         let duration = search.numbers("duration", &[("s", TIME)])?;
         let (removed, removal, per_mass) = search.removed(duration.is_some())?;
@@ -85,7 +107,8 @@ impl Columns {
         let usage = usage.map(|column| {
             let unit = *column.unit.as_ref().expect("a column of numbers has a unit").get_ref();
             let name = column.name.get_ref().clone();
-            Ok(Numbers { key: column.key.clone(), name, at: search.column(column)?, unit })
+            let (key, unit_text) = (column.key.clone(), column.unit_text.clone());
+            Ok(Numbers { key, name, at: search.column(column)?, unit, unit_text })
         });
         let mut columns = Self {
             count: search.names.len(),
@@ -97,6 +120,7 @@ impl Columns {
             per_mass,
             usage: usage.collect::<Result<_, TrialError>>()?,
             order: order.transpose()?,
+            ordering,
             group: text("group")?,
             role: text("role")?,
             tool: text("tool")?,
@@ -128,8 +152,9 @@ impl Search<'_> {
 
     /// The place of a column by its name.
     fn place(&self, key: &str, name: &str, at: usize) -> Result<usize, TrialError> {
-        let places = self.names.iter().enumerate().filter(|(_, found)| found.eq_ignore_ascii_case(name.trim()));
-        let places: Vec<usize> = places.map(|(place, _)| place).collect();
+        let exact: Vec<usize> = (0..self.names.len()).filter(|&k| self.names[k] == name.trim()).collect();
+        let alike = || (0..self.names.len()).filter(|&k| self.names[k].eq_ignore_ascii_case(name.trim())).collect();
+        let places: Vec<usize> = if exact.is_empty() { alike() } else { exact };
         let shown = quoted_near(name, self.names.iter().map(String::as_str));
         let found = match places[..] {
             [place] => return Ok(place),
@@ -145,7 +170,8 @@ impl Search<'_> {
         let Some(column) = self.manifest.column(key) else { return Ok(None) };
         let unit = column.expect(&self.manifest.source, wanted)?;
         let name = column.name.get_ref().clone();
-        Ok(Some(Numbers { key: key.to_owned(), name, at: self.column(column)?, unit }))
+        let unit_text = column.unit_text.clone();
+        Ok(Some(Numbers { key: key.to_owned(), name, at: self.column(column)?, unit, unit_text }))
     }
 
     fn missing(&self, found: &str, accepted: &str) -> TrialError {

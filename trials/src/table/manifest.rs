@@ -19,7 +19,7 @@ pub const TABLE_FILE: &str = "table.toml";
 const CONSTANTS: [(&str, f64); 4] =
     [("area_mm2", 1e-6), ("radius_mm", 1e-3), ("density_kg_m3", 1.0), ("coating_mm", 1e-3)];
 /// Other keys at the top.
-const ROOT: [&str; 6] = ["format", "name", "process", "csv", "order", "columns"];
+const ROOT: [&str; 7] = ["format", "name", "process", "csv", "order", "noise", "columns"];
 /// Columns of text.
 const TEXTS: [&str; 4] = ["group", "role", "tool", "fresh"];
 /// Columns of numbers; any other key below `columns` is a state that the column measures.
@@ -56,6 +56,11 @@ impl ColumnUnit {
     pub(super) fn to_si(self, value: f64) -> f64 {
         self.unit.to_si(value) + self.zero
     }
+
+    /// SI value of one unit, and of zero in the file.
+    pub(super) fn scale(self) -> (f64, f64) {
+        (self.unit.to_si(1.0), self.zero)
+    }
 }
 
 /// One entry below `columns`.
@@ -67,6 +72,8 @@ pub(super) struct Column {
     pub(super) name: Spanned<String>,
     /// `None` for columns of text.
     pub(super) unit: Option<Spanned<ColumnUnit>>,
+    /// The unit as the file writes it, empty for columns of text.
+    pub(super) unit_text: String,
 }
 
 impl Column {
@@ -90,6 +97,8 @@ pub(super) struct Manifest {
     pub(super) radius: Option<f64>,
     pub(super) density: Option<f64>,
     pub(super) coating: Option<f64>,
+    /// Standard deviation of a row's removal over the removal, where it is stated.
+    pub(super) noise: Option<f64>,
     /// Bytes of `[columns]`, for what is missing there.
     pub(super) columns_at: Range<usize>,
 }
@@ -143,6 +152,7 @@ impl Manifest {
             radius: constant("radius_mm")?,
             density: constant("density_kg_m3")?,
             coating: constant("coating_mm")?,
+            noise: root.noise()?,
             columns,
             columns_at: columns_section.at.clone(),
             source,
@@ -190,6 +200,27 @@ impl<'a> Section<'a> {
                 value.span(),
                 format!("{key} is not above zero"),
                 "a number above zero is expected",
+            )),
+        }
+    }
+
+    /// The stated noise of a row, as `"5 %"` or a plain number below one.
+    fn noise(&self) -> Result<Option<f64>, TrialError> {
+        let Some(value) = self.get("noise") else { return Ok(None) };
+        let stated = match value.get_ref() {
+            DeValue::Integer(number) => number.as_str().parse().ok(),
+            DeValue::Float(number) => number.as_str().parse().ok(),
+            DeValue::String(text) => {
+                quantity(text).filter(|(_, unit)| unit.dimension.is_none()).map(|(v, u)| u.to_si(v))
+            }
+            _ => None,
+        };
+        match stated {
+            Some(noise) if noise > 0.0 && noise < 1.0 => Ok(Some(noise)),
+            _ => Err(self.source.bad(
+                value.span(),
+                "noise is no share of the removal between 0 and 100 %",
+                "the standard deviation of a row over its removal is expected, such as noise = \"5 %\" or noise = 0.05",
             )),
         }
     }
@@ -261,7 +292,7 @@ impl<'a> Section<'a> {
         let name = self.need("column")?;
         if TEXTS.contains(&key) {
             self.accept(&["column"])?;
-            return Ok(Column { key: key.to_owned(), name, unit: None });
+            return Ok(Column { key: key.to_owned(), name, unit: None, unit_text: String::new() });
         }
         let constants = CONSTANTS.map(|(name, _)| name);
         self.accept(&["column", "unit"].iter().chain(&constants).copied().collect::<Vec<_>>())?;
@@ -278,8 +309,18 @@ impl<'a> Section<'a> {
         };
         let parsed = ColumnUnit::parse(unit.get_ref())
             .map_err(|error| self.source.bad(unit.span(), format!("unit of {key}: {error}"), "a unit is expected"))?;
-        Ok(Column { key: key.to_owned(), name, unit: Some(Spanned::new(unit.span(), parsed)) })
+        let unit_text = unit.get_ref().clone();
+        Ok(Column { key: key.to_owned(), name, unit: Some(Spanned::new(unit.span(), parsed)), unit_text })
     }
+}
+
+/// A number and its unit, such as `5 %`.
+fn quantity(text: &str) -> Option<(f64, Unit)> {
+    let (number, unit) = text.trim().split_once(char::is_whitespace).or_else(|| {
+        let text = text.trim();
+        Some((text.strip_suffix('%')?, "%"))
+    })?;
+    Some((number.trim().parse().ok()?, Unit::parse(unit.trim()).ok()?))
 }
 
 impl Column {

@@ -2,10 +2,14 @@
 //! (`finishing-table/1`).
 //!
 //! The road of the data: [`Table::read`] reads `table.toml` (`manifest`), finds its columns in the CSV (`columns`), reads
-//! the cells (`read`), puts the rows in order (`order`) and checks their units (`plausible`). All is SI here; other units stay in the files.
+//! the cells (`read`, `missing`), puts the rows in order (`arrange`, `order`), draws those held out (`held_out`) and checks their
+//! units (`plausible`). All is SI here; other units stay in the files.
 
+mod arrange;
 mod columns;
+mod held_out;
 mod manifest;
+mod missing;
 mod order;
 mod plausible;
 mod read;
@@ -30,10 +34,16 @@ pub enum Removed {
 /// A state that a column measures, such as hours of use or a temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Usage {
+    /// Key under which the table declares it: `usage`, or a name of the user's own.
+    pub key: String,
     /// Name of the column.
     pub name: String,
     /// What it is measured in.
     pub dimension: Dimension,
+    /// The unit as the file writes it.
+    pub unit: String,
+    /// SI value of one such unit, and of zero in the file.
+    pub scale: (f64, f64),
 }
 
 /// One row: a piece of work with one setting. Quantities that the table does not give are `None` in every row.
@@ -88,8 +98,12 @@ pub struct Table {
     pub tools: Vec<String>,
     /// States that columns measure.
     pub usage: Vec<Usage>,
-    /// Rows in order of time.
+    /// Rows in order of time, or as the file has them.
     pub rows: Vec<Row>,
+    /// Whether the order of the rows is that of time.
+    pub in_time: bool,
+    /// Standard deviation of a row's removal over the removal, where the table states it.
+    pub noise: Option<f64>,
     /// Further columns of numbers, one value per row, NaN where the cell is empty.
     pub covariates: Vec<Covariate>,
     /// What was understood of the files, one sentence each.

@@ -4,27 +4,25 @@ use std::path::Path;
 
 use super::columns::{Columns, Load, Motion, Numbers};
 use super::manifest::Manifest;
-use super::order::Order;
+use super::missing::Marks;
 use super::{Row, Table, Usage, plausible};
 use crate::trial::{Covariate, Place, Role, TextRow, TextTable, TrialError};
-use files::input::quoted;
 
 /// Rows with a removal that calibrate, at least.
-const LEAST_ROWS: usize = 4;
-/// Without a column for it, every third row evaluates.
-const EVALUATES: usize = 3;
+pub(super) const LEAST_ROWS: usize = 4;
 /// Lines that a note names at most.
 const NAMED_LINES: usize = 8;
 /// Rows as they are read, with what the order is made from.
-struct Reading<'a> {
+pub(super) struct Reading<'a> {
     manifest: &'a Manifest,
-    columns: Columns,
-    rows: Vec<Row>,
+    marks: Marks,
+    pub(super) columns: Columns,
+    pub(super) rows: Vec<Row>,
     /// Text in the order column of each row.
-    order: Vec<String>,
+    pub(super) order: Vec<String>,
     /// Role of each row where a column says it.
-    roles: Vec<Role>,
-    others: Vec<Vec<f64>>,
+    pub(super) roles: Vec<Role>,
+    pub(super) others: Vec<Vec<f64>>,
     text: Vec<bool>,
     groups: Vec<String>,
     tools: Vec<String>,
@@ -39,10 +37,11 @@ pub(super) fn read(folder: &Path) -> Result<Table, TrialError> {
     let manifest = Manifest::read(folder)?;
     let file = manifest.source.named(folder, &manifest.csv)?;
     let text = TextTable::read(&file)?;
+    let mut marks = Some(Marks::find(&text)?);
     let mut reading: Option<Reading> = None;
     text.rows(|row| {
         match &mut reading {
-            None => reading = Some(Reading::new(&manifest, row)?),
+            None => reading = Some(Reading::new(&manifest, row, marks.take().expect("one header"))?),
             Some(reading) => reading.push(row)?,
         }
         Ok(true)
@@ -52,11 +51,12 @@ pub(super) fn read(folder: &Path) -> Result<Table, TrialError> {
 }
 
 impl<'a> Reading<'a> {
-    fn new(manifest: &'a Manifest, header: &TextRow) -> Result<Self, TrialError> {
+    fn new(manifest: &'a Manifest, header: &TextRow, marks: Marks) -> Result<Self, TrialError> {
         let columns = Columns::find(manifest, header)?;
         let others = columns.others.len();
         Ok(Self {
             manifest,
+            marks,
             columns,
             rows: Vec::new(),
             order: Vec::new(),
@@ -103,7 +103,7 @@ impl<'a> Reading<'a> {
     fn row(&mut self, row: &TextRow) -> Result<Result<Row, (usize, String)>, TrialError> {
         let mut settings = Vec::new();
         for numbers in self.columns.settings() {
-            match setting(numbers, row) {
+            match setting(numbers, row, &self.marks) {
                 Ok(value) => settings.push(value),
                 Err(why) => return Ok(Err((numbers.at, why))),
             }
@@ -151,7 +151,7 @@ impl<'a> Reading<'a> {
 
     fn removal_rate(&mut self, row: &TextRow, duration: Option<f64>) -> Option<f64> {
         let Columns { removed, removal: (_, per_time), per_mass, .. } = &self.columns;
-        let why = match number(removed, row) {
+        let why = match number(removed, row, &self.marks) {
             Ok(value) if value > 0.0 => {
                 let total = value * per_mass;
                 return Some(if *per_time { total } else { total / duration? });
@@ -173,7 +173,8 @@ impl<'a> Reading<'a> {
         for (k, (column, _)) in self.columns.others.iter().enumerate() {
             let value = row.number(*column);
             self.text[k] |= value.is_err();
-            self.others[k].push(value.ok().flatten().unwrap_or(f64::NAN));
+            let value = value.ok().flatten().filter(|value| !self.marks.has(*column, *value));
+            self.others[k].push(value.unwrap_or(f64::NAN));
         }
         Ok(())
     }
@@ -184,6 +185,8 @@ impl<'a> Reading<'a> {
         self.check_losses(text.file())?;
         plausible::check(&self.columns, &self.rows, self.manifest.radius, text.file())?;
         notes.extend(self.sort(text.file())?);
+        let (in_time, note) = self.is_in_time();
+        notes.extend(note);
         notes.extend(self.set_roles(text.file())?);
         for (bad, what) in [
             (&self.bad_rows, "left out"),
@@ -193,7 +196,13 @@ impl<'a> Reading<'a> {
         }
         let covariates = self.covariates(&mut notes);
         let columns = &self.columns;
-        let usage = |numbers: &Numbers| Usage { name: numbers.name.clone(), dimension: numbers.unit.dimension() };
+        let usage = |numbers: &Numbers| Usage {
+            key: numbers.key.clone(),
+            name: numbers.name.clone(),
+            dimension: numbers.unit.dimension(),
+            unit: numbers.unit_text.clone(),
+            scale: numbers.unit.scale(),
+        };
         let mut table = Table {
             folder: folder.to_owned(),
             name: self.manifest.name.clone(),
@@ -206,6 +215,8 @@ impl<'a> Reading<'a> {
             tools: self.tools,
             usage: columns.usage.iter().map(usage).collect(),
             rows: self.rows,
+            in_time,
+            noise: self.manifest.noise,
             covariates,
             notes: Vec::new(),
         };
@@ -239,52 +250,6 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Puts all rows in the order of time.
-    fn sort(&mut self, file: &Path) -> Result<Option<String>, TrialError> {
-        let Some(column) = self.columns.order else { return Ok(None) };
-        let cells: Vec<&str> = self.order.iter().map(String::as_str).collect();
-        let order = Order::of(&cells).map_err(|at| {
-            let found = format!("{} is no number, and no date as in the rows before", quoted(&self.order[at]));
-            Place::cell(file, self.rows[at].line, column + 1)
-                .bad(found, "numbers, or dates such as 2024-03-31, 2024-03-31 14:05 or 31.03.2024, are expected")
-        })?;
-        let (keys, how) = match &order {
-            Order::Numbers(keys) => (keys, "by number".to_owned()),
-            Order::Dates(keys, format) => {
-                let first = keys.iter().copied().fold(f64::INFINITY, f64::min);
-                self.rows.iter_mut().zip(keys).for_each(|(row, key)| row.began = Some(key - first));
-                (keys, format!("by date, read as {format}"))
-            }
-        };
-        let mut places: Vec<usize> = (0..keys.len()).collect();
-        places.sort_by(|&a, &b| keys[a].total_cmp(&keys[b]));
-        let moved = places.iter().enumerate().filter(|(at, place)| at != *place).count();
-        self.rows = places.iter().map(|&at| self.rows[at].clone()).collect();
-        self.roles = places.iter().filter_map(|&at| self.roles.get(at).copied()).collect();
-        for values in &mut self.others {
-            *values = places.iter().map(|&at| values[at]).collect();
-        }
-        Ok(Some(format!("rows are ordered {how}; {moved} stand elsewhere in the file")))
-    }
-
-    fn set_roles(&mut self, file: &Path) -> Result<Option<String>, TrialError> {
-        let stated = !self.roles.is_empty();
-        let mut measured = 0;
-        for (at, row) in self.rows.iter_mut().enumerate() {
-            measured += usize::from(row.removal_rate.is_some());
-            let third = row.removal_rate.is_some() && measured % EVALUATES == 0;
-            let by_count = if third { Role::Evaluation } else { Role::Calibration };
-            row.role = self.roles.get(at).copied().unwrap_or(by_count);
-        }
-        let calibrates = |row: &&Row| row.role == Role::Calibration && row.removal_rate.is_some();
-        let known = self.rows.iter().filter(calibrates).count();
-        if known < LEAST_ROWS.min(measured - measured / EVALUATES) {
-            let found = format!("{known} rows with a removal calibrate");
-            return Err(Place::file(file).bad(found, format!("at least {LEAST_ROWS} are expected")));
-        }
-        Ok((!stated).then(|| "no column says which rows evaluate: every third one does".to_owned()))
-    }
-
     fn covariates(&mut self, notes: &mut Vec<String>) -> Vec<Covariate> {
         let mut covariates = Vec::new();
         for ((values, (_, name)), text) in self.others.drain(..).zip(&self.columns.others).zip(&self.text) {
@@ -303,8 +268,11 @@ impl<'a> Reading<'a> {
 }
 
 /// A finite number [SI], or why there is none.
-fn number(numbers: &Numbers, row: &TextRow) -> Result<f64, String> {
+fn number(numbers: &Numbers, row: &TextRow, marks: &Marks) -> Result<f64, String> {
     match row.number(numbers.at) {
+        Ok(Some(value)) if marks.has(numbers.at, value) => {
+            Err(format!("{} is {}, a mark of a missing value", numbers.name, plain(row, numbers.at)))
+        }
         Ok(Some(value)) if value.is_finite() => Ok(numbers.unit.to_si(value)),
         Ok(None) => Err(format!("{} is empty", numbers.name)),
         _ => Err(format!("{} is {}, no number", numbers.name, row.shown(numbers.at))),
@@ -317,8 +285,8 @@ fn plain(row: &TextRow, at: usize) -> String {
 }
 
 /// As [`number`], above zero where the quantity must be.
-fn setting(numbers: &Numbers, row: &TextRow) -> Result<f64, String> {
-    let value = number(numbers, row)?;
+fn setting(numbers: &Numbers, row: &TextRow, marks: &Marks) -> Result<f64, String> {
+    let value = number(numbers, row, marks)?;
     let has_sign = match numbers.key.as_str() {
         "force" | "pressure" | "speed" | "duration" => false,
         "spindle_rpm" => value != 0.0,
