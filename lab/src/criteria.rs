@@ -102,8 +102,10 @@ criteria! {
         "chosen: a coating is no more even than a dose is known (docs/diagnosis.md, step 3)";
     /// Prior standard deviation of the logarithm of a group's gain.
     GROUP_GAIN_SIGMA: f64 = 1.0, "1", "chosen";
-    /// Rows in a block when residuals are drawn again.
+    /// Most rows in a block when residuals are drawn again.
     ROW_BLOCK_LENGTH: usize = 5, "1", "chosen";
+    /// Fewest blocks into which rows are cut.
+    ROW_BLOCKS_LEAST: usize = 10, "1", "derived: their signs have more combinations than are drawn, 2¹⁰ and 400";
     /// Share of the median removal below which the prediction of a row counts as that share.
     PREDICTION_LEAST_SHARE: f64 = 1e-3, "1", "chosen";
     /// Whitened residual from which a row is an outlier.
@@ -118,16 +120,26 @@ criteria! {
     REPEATS_LEAST: usize = 20, "1", "chosen";
     /// Least noise of the logarithm of a row's removal.
     ROW_NOISE_LEAST: f64 = 1e-3, "1", "chosen";
-    /// Deviation of rows beyond which it counts no more for their noise.
-    ROW_NOISE_CUT_SIGMAS: f64 = 2.5, "σ", "chosen; the method: Huber 1964, proposal 2";
-    /// Mean square of a normal variable that is cut at the deviation beyond which rows count no more.
-    ROW_NOISE_CUT_MEAN_SQUARE: f64 = 0.977_56, "σ²", "derived from the normal law";
-    /// Deviation beyond which a pair of rows counts linearly in the regression on settings, in median deviations.
-    ROW_REGRESSION_CUT: f64 = 2.0, "1", "chosen";
+    /// Degrees of freedom from which outliers are left out of the noise of rows: a median of fewer is no scale.
+    ROW_NOISE_ROBUST_LEAST: usize = 10, "1", "chosen";
+    /// Rows for each column of a regression from which squares of the settings are among the columns.
+    ROW_SQUARES_LEAST: usize = 3, "1", "chosen";
+    /// Levels of a setting from which its square is: on three, a parabola is a gain of each level.
+    ROW_SQUARE_LEVELS_LEAST: usize = 5, "1", "chosen: two more than a parabola has parameters";
+    /// Deviation beyond which a row counts linearly in the regression behind its noise.
+    ROW_REGRESSION_CUT: f64 = 1.345, "σ", "convention: 95 % efficiency where the errors are normal (Huber 1964)";
     /// Change of the logarithm of a prediction below which an effect or parameter changes nothing in a table.
     PREDICTION_CHANGE_LEAST: f64 = 1e-6, "1", "chosen";
     /// Factor from a table's rate constant to its bounds.
     RATE_RANGE_FACTOR: f64 = 1e3, "1", "chosen";
+    /// Factor from the greatest use of a tool in a table to the bounds of what effects compare it with.
+    SPAN_RANGE_FACTOR: f64 = 30.0, "1", "chosen: use of a thirtieth changes 3 %, use of thirty leaves e⁻³⁰";
+    /// Greatest change of the logarithm of the rate over the range of a column.
+    COLUMN_CHANGE_MOST: f64 = 4.6, "1", "chosen: a hundredfold";
+    /// Such a change that is tried first.
+    COLUMN_CHANGE_TYPICAL: f64 = 0.1, "1", "chosen";
+    /// Correlation of the changes of two effects in the rows of a table from which they are one and the same.
+    SAME_RESPONSE: f64 = 0.999, "1", "chosen";
     // Fits.
     /// Residual beyond which it counts linearly in the sum of squares.
     HUBER_CONSTANT: f64 = 2.5, "σ", "chosen; the loss: Huber 1964";
@@ -265,6 +277,8 @@ criteria! {
     INDISTINGUISHABLE_DELTA_CHI2: f64 = 22.0, "1", "derived: nine to one under the tempering, 2 · 5 · ln 9";
     /// Probability from which an effect is named alone.
     NAMED_PROBABILITY: f64 = 0.9, "1", "chosen: nine to one";
+    /// Most probability of an effect with which a model has as many parameters as the data have conditions.
+    SATURATED_PROBABILITY: f64 = 0.5, "1", "chosen: even odds, for it would fit anything";
     /// Effects that may be found one after the other.
     MOST_EFFECTS: usize = 3, "1", "chosen";
     /// Relative distance up to which an amplitude on a scale of ratios is at its null.

@@ -13,12 +13,12 @@ use super::pair::pair;
 use super::probe::Candidate;
 use super::response::{Look, Projector};
 use super::screen::Screened;
-use super::significance::{null_delta_chi2, p_value};
+use super::significance::{NullDraws, null_delta_chi2};
 use super::suspect::{Suspect, suspects};
 use super::verdict::{SearchEnd, Verdict, carries_over, is_account, is_open, misses, rms};
 use crate::criteria::{
     EFFECT_SIZE_FLOOR, EFFECT_SIZE_REMOVAL, INDISTINGUISHABLE_DELTA_CHI2, MODEL_ERROR_TEMPERING, MOST_EFFECTS,
-    NAMED_PROBABILITY, SIGNIFICANCE_LEVEL, SPREAD_CUT_SIGMAS,
+    NAMED_PROBABILITY, SATURATED_PROBABILITY, SIGNIFICANCE_LEVEL, SPREAD_CUT_SIGMAS,
 };
 use trials::measure::{MAD_TO_SIGMA, median};
 
@@ -44,6 +44,8 @@ pub struct Finding {
     pub evaluation: Vec<Agreement>,
     /// Whether it is large and sure enough to be named.
     pub is_admissible: bool,
+    /// Whether the model with it has as many parameters as the data have conditions, so that nothing tests it.
+    pub is_saturated: bool,
 }
 
 /// One search for a missing effect.
@@ -181,7 +183,9 @@ impl Round {
         };
         let probabilities = probabilities(&weighed, error);
         self.separable = INDISTINGUISHABLE_DELTA_CHI2 * error;
-        self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| finding.probability = p);
+        self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| {
+            finding.probability = if finding.is_saturated { p.min(SATURATED_PROBABILITY) } else { p };
+        });
         self.findings
             .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
     }
@@ -232,10 +236,10 @@ impl Finding {
         evidence: &dyn Evidence,
         suspect: Suspect,
         (base, before): (&Fit, &[Agreement]),
-        (chances, spread): (&[f64], f64),
+        (chances, spread): (&NullDraws, f64),
     ) -> Result<Self, EvidenceError> {
         let delta_chi2 = base.chi2 - suspect.fit.chi2;
-        let p_value = p_value(chances, delta_chi2);
+        let p_value = chances.p_value(base, &suspect.fit);
         let is_real = p_value < SIGNIFICANCE_LEVEL && !suspect.is_null();
         let calibration =
             if is_real { evidence.agreement(&suspect.fit.model, Split::Calibration)? } else { Vec::new() };
@@ -246,7 +250,19 @@ impl Finding {
         let evaluation =
             if is_admissible { evidence.agreement(&suspect.fit.model, Split::Evaluation)? } else { Vec::new() };
         let delta_chi2 = delta_chi2 / (spread * spread);
-        Ok(Self { suspect, delta_chi2, p_value, size, probability: 0.0, calibration, evaluation, is_admissible })
+        let is_saturated = suspect.fit.coordinates.len() >= evidence.conditions(&suspect.fit.model)?;
+        let probability = 0.0;
+        Ok(Self {
+            suspect,
+            delta_chi2,
+            p_value,
+            size,
+            probability,
+            calibration,
+            evaluation,
+            is_admissible,
+            is_saturated,
+        })
     }
 }
 

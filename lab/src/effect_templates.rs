@@ -9,7 +9,7 @@ use super::fit::Fit;
 use super::probe::Candidate;
 use super::response::{Look, Projector};
 use super::screen::Screened;
-use super::significance::{null_delta_chi2, p_value};
+use super::significance::null_delta_chi2;
 use super::suspect::{Suspect, suspects};
 use crate::criteria::SIGNIFICANCE_LEVEL;
 
@@ -94,7 +94,7 @@ pub fn suggest(
     let chances =
         null_delta_chi2(&projector, &screened, &best.fit.residuals, &evidence.blocks(Split::Calibration), seed);
     let delta_chi2 = fit.chi2 - best.fit.chi2;
-    Ok((p_value(&chances, delta_chi2) < SIGNIFICANCE_LEVEL).then(|| suggestion(best, delta_chi2)))
+    Ok((chances.p_value(fit, &best.fit) < SIGNIFICANCE_LEVEL).then(|| suggestion(best, delta_chi2)))
 }
 
 fn suggestion(best: &Suspect, delta_chi2: f64) -> Suggestion {

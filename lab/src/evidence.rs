@@ -1,10 +1,11 @@
 //! What a model is held against, whatever the data are.
 
-use effects::{CompiledModel, Effect, Process, RowCounts, RunError};
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts, RunError};
 use thiserror::Error;
 
 use super::coordinates::Coordinate;
 use super::pass_trend::PassTrend;
+use super::summary::EffectSummary;
 use crate::campaign_simulation::CampaignError;
 
 /// Which data.
@@ -101,6 +102,11 @@ pub trait Evidence: Sync {
         ErrorUnit::Micrometre
     }
 
+    /// A model with the bounds and reference values that these data need for its effects.
+    fn adapted(&self, model: Model, _library: &Library) -> Model {
+        model
+    }
+
     /// The parameters of a model that a fit to these data varies.
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
         Coordinate::of(model, |_| true)
@@ -119,6 +125,20 @@ pub trait Evidence: Sync {
 
     /// Why an effect cannot show in these data, if so.
     fn is_blind_to(&self, effect: &Effect) -> Option<String>;
+
+    /// Conditions among the calibration data that a model tells apart, less what measurement leaves free: a model with as
+    /// many parameters fits whatever was measured.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn conditions(&self, _model: &CompiledModel) -> Result<usize, EvidenceError> {
+        Ok(usize::MAX)
+    }
+
+    /// What an effect that was found says of these data, where its name does not; one sentence.
+    fn words(&self, _effect: &EffectSummary) -> Option<String> {
+        None
+    }
 
     /// For each residual the number of its block: neighbours that may still depend on each other.
     fn blocks(&self, split: Split) -> Vec<usize>;

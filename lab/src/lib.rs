@@ -58,8 +58,11 @@ mod structure;
 pub mod study;
 mod summary;
 mod suspect;
+mod table_library;
 mod table_noise;
+mod table_ranges;
 mod table_reach;
+mod table_reads;
 mod table_steps;
 mod tiles;
 mod totals;
@@ -93,7 +96,7 @@ pub use scans::{ScanData, ScanEvidence, ScanView};
 pub use screen::Screened;
 pub use spline::spline_columns;
 pub use staged::Staged;
-pub use structure::{ResidualGrid, SharedTiles, StructureTest, structure_tests};
+pub use structure::{ResidualGrid, SharedTiles, StructureTest, holm, structure_tests};
 pub use summary::{
     BASE_STEP, DiagnosisSummary, EffectSummary, ParameterState, ParameterSummary, WaterfallStep, parameter_summary,
 };

@@ -42,7 +42,7 @@ impl Candidate {
             let own = effect.parameters.iter().filter(|parameter| parameter.free.of(model.process));
             free.extend(own.map(|parameter| format!("{}.{}", effect.name, parameter.name)));
         }
-        let mut model = CompiledModel::new(&with, library, evidence.rows())?;
+        let mut model = CompiledModel::new(&evidence.adapted(with, library), library, evidence.rows())?;
         let mut coordinates = evidence.coordinates(&model);
         coordinates.retain(|coordinate| coordinate.slot.owner == effect.name);
         let amplitudes: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].slot.null.is_some()).collect();

@@ -1,28 +1,24 @@
 //! The rows of a table as data: what each removed against what a model predicts of it.
 
-use effects::{CompiledModel, Effect, Process, RowCounts};
-use nalgebra::{DMatrix, DVector};
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 
 use super::coordinates::Coordinate;
-use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::pass_trend::{PassTrend, trend_of_rows};
-use super::table_noise::row_noise;
-use super::table_reach::silenced;
+use super::summary::EffectSummary;
+use super::table_noise::{RowNoise, row_noise};
+use super::table_reads::silenced;
 use super::table_steps::Rows;
-use crate::criteria::{GROUP_GAIN_SIGMA, OUTLIER_SIGMAS, PREDICTION_LEAST_SHARE, ROW_BLOCK_LENGTH};
-use trials::measure::median;
+use crate::criteria::{
+    GROSS_RESIDUAL_SIGMAS, GROUP_GAIN_SIGMA, HUBER_CONSTANT, OUTLIER_SIGMAS, PREDICTION_LEAST_SHARE, ROW_BLOCK_LENGTH,
+    ROW_BLOCKS_LEAST, SAME_SETTING,
+};
+use trials::measure::{centre_and_sigma, median};
 use trials::table::Table;
 use trials::trial::Role;
 
-/// Rows of a split that share a gain.
-#[derive(Clone, Debug)]
-struct Group {
-    /// Places among the split's rows.
-    members: Vec<usize>,
-    /// Place among the table's groups.
-    group: usize,
-}
+/// Rounds in which the gain of a group is found.
+const LOCATION_ROUNDS: usize = 30;
 
 /// A row that does not fit the others.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +35,8 @@ pub struct RowEvidence<'a> {
     pub table: &'a Table,
     /// Standard deviation of the logarithm of a row's removal.
     pub noise: f64,
+    /// The same with the uncertainty of the noise: what a model that lacks nothing leaves of calibration rows at most.
+    noise_limit: f64,
     /// What was assumed, one sentence each.
     pub notes: Vec<String>,
     /// Rows with a removal, by split.
@@ -62,8 +60,8 @@ impl<'a> RowEvidence<'a> {
         let rates = calibration.iter().filter_map(|&at| table.rows[at].removal_rate).collect();
         let middle =
             median(rates).ok_or_else(|| EvidenceError::NoData(format!("{}: no row calibrates", table.name)))?;
-        let (noise, how) = row_noise(table, &calibration);
-        let mut evidence = Self { table, noise, notes: vec![how], calibration, evaluation, middle };
+        let RowNoise { sigma: noise, limit: noise_limit, how } = row_noise(table, &calibration);
+        let mut evidence = Self { table, noise, noise_limit, notes: vec![how], calibration, evaluation, middle };
         evidence.notes.extend(evidence.assumptions());
         Ok(evidence)
     }
@@ -102,37 +100,53 @@ impl<'a> RowEvidence<'a> {
         self.of(split).iter().map(difference).collect()
     }
 
-    fn groups(&self, split: Split) -> Vec<Group> {
-        let rows = self.of(split);
-        let group = |group: usize| {
-            let members = (0..rows.len()).filter(|&k| self.table.rows[rows[k]].group == group).collect();
-            Group { members, group }
+    /// The gain of each group in calibration rows; of a group without one, in its own rows of the split.
+    fn gains(&self, (predicted, split): (&[f64], Split)) -> Vec<f64> {
+        if self.table.groups.len() < 2 {
+            return vec![0.0; self.table.groups.len()];
+        }
+        let known = self.differences(predicted, Split::Calibration);
+        let own = self.differences(predicted, split);
+        let of = |differences: &[f64], split: Split, group: usize| -> Vec<f64> {
+            let rows = differences.iter().zip(self.of(split));
+            rows.filter(|(_, at)| self.table.rows[**at].group == group).map(|(difference, _)| *difference).collect()
         };
-        (0..self.table.groups.len()).map(group).collect()
+        let gain = |group: usize| {
+            let calibration = of(&known, Split::Calibration, group);
+            let rows = if calibration.is_empty() { of(&own, split, group) } else { calibration };
+            location(&rows, HUBER_CONSTANT * self.noise)
+        };
+        (0..self.table.groups.len()).map(gain).collect()
     }
 
-    /// The gain that each group has of its own before any row is seen.
-    fn free_gain(&self) -> Freedom {
-        let free = self.table.groups.len() > 1;
-        let sigmas: &[f64] = if free { &[GROUP_GAIN_SIGMA] } else { &[] };
-        Freedom::around_zero(DMatrix::zeros(0, sigmas.len()), sigmas)
+    /// What the prior of each group's gain adds to each whitened residual of its calibration rows: a constant is orthogonal
+    /// to what a gain leaves, and all rows together have the prior's square.
+    fn priors(&self, gains: &[f64], split: Split) -> Vec<f64> {
+        let rows = |group: usize| self.calibration.iter().filter(|at| self.table.rows[**at].group == group).count();
+        let own = |(group, gain): (usize, &f64)| match split {
+            Split::Calibration => gain / GROUP_GAIN_SIGMA / (rows(group).max(1) as f64).sqrt(),
+            Split::Evaluation => 0.0,
+        };
+        gains.iter().enumerate().map(own).collect()
     }
+}
 
-    /// Whitens differences of `rows` rows with a gain; `None` of no rows.
-    fn whitener(&self, rows: usize, gain: &Freedom) -> Whitener {
-        let columns = DMatrix::from_element(rows, gain.mean.len(), 1.0);
-        let noise = DMatrix::from_diagonal(&DVector::from_element(rows, self.noise * self.noise));
-        let freedom = Freedom { columns, mean: gain.mean.clone(), covariance: gain.covariance.clone() };
-        Whitener::new(noise, freedom).expect("the noise is above zero")
-    }
+/// Location of values of which those beyond a cut count linearly (Huber 1964).
+fn location(values: &[f64], cut: f64) -> f64 {
+    let first = median(values.to_vec()).unwrap_or(0.0);
+    (0..LOCATION_ROUNDS).fold(first, |at, _| {
+        let weight = |value: &f64| (cut / (value - at).abs().max(f64::MIN_POSITIVE)).min(1.0);
+        let total: f64 = values.iter().map(weight).sum();
+        if total > 0.0 { values.iter().map(|value| weight(value) * value).sum::<f64>() / total } else { at }
+    })
+}
 
-    /// The gain of a group given what its calibration rows differ by.
-    fn known_gain(&self, group: usize, differences: &[f64]) -> Freedom {
-        let members = &self.groups(Split::Calibration)[group].members;
-        let own: Vec<f64> = members.iter().map(|&k| differences[k]).collect();
-        let gain = self.free_gain();
-        if own.is_empty() { gain } else { self.whitener(own.len(), &gain).degrees_of_freedom(&own) }
-    }
+/// Whitened residuals without gross outliers: those far beyond noise and far beyond all others. Where a model is wrong
+/// all residuals are large, and none of them is an outlier.
+fn without_outliers(residuals: &[f64]) -> Vec<f64> {
+    let (middle, spread) = centre_and_sigma(residuals).unwrap_or_default();
+    let is_outlier = |r: f64| r.abs() > OUTLIER_SIGMAS && (r - middle).abs() > GROSS_RESIDUAL_SIGMAS * spread;
+    residuals.iter().copied().filter(|&r| !is_outlier(r)).collect()
 }
 
 impl Evidence for RowEvidence<'_> {
@@ -146,23 +160,16 @@ impl Evidence for RowEvidence<'_> {
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
         let predicted = self.predicted(model)?;
-        let differences = self.differences(&predicted, split);
-        let one_gain = self.table.groups.len() < 2;
-        if one_gain {
-            return Ok(differences.iter().map(|difference| difference / self.noise).collect());
-        }
-        let calibration = self.differences(&predicted, Split::Calibration);
-        let mut residuals = vec![0.0; differences.len()];
-        for Group { members, group } in self.groups(split).into_iter().filter(|group| !group.members.is_empty()) {
-            let gain = match split {
-                Split::Calibration => self.free_gain(),
-                Split::Evaluation => self.known_gain(group, &calibration),
-            };
-            let own: Vec<f64> = members.iter().map(|&k| differences[k]).collect();
-            let whitened = self.whitener(own.len(), &gain).whiten(&own);
-            members.iter().zip(whitened).for_each(|(&k, residual)| residuals[k] = residual);
-        }
-        Ok(residuals)
+        let gains = self.gains((&predicted, split));
+        let priors = self.priors(&gains, split);
+        let group = |at: &usize| self.table.rows[*at].group;
+        let residual =
+            |(difference, at): (f64, &usize)| (difference - gains[group(at)]) / self.noise + priors[group(at)];
+        Ok(self.differences(&predicted, split).into_iter().zip(self.of(split)).map(residual).collect())
+    }
+
+    fn adapted(&self, model: Model, library: &Library) -> Model {
+        self.scaled(model.clone(), library).unwrap_or(model)
     }
 
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
@@ -171,10 +178,11 @@ impl Evidence for RowEvidence<'_> {
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
         let residuals = self.residuals(model, split)?;
-        let squares = residuals.iter().map(|r| r.clamp(-OUTLIER_SIGMAS, OUTLIER_SIGMAS).powi(2)).sum::<f64>();
-        let rms = self.noise * (squares / residuals.len().max(1) as f64).sqrt();
+        let kept = without_outliers(&residuals);
+        let rms = self.noise * (kept.iter().map(|r| r * r).sum::<f64>() / kept.len().max(1) as f64).sqrt();
         let about = self.table.name.clone();
-        let agreement = Agreement { about, rms, floor: self.noise, noise: self.noise, scale: 1.0 };
+        let noise = if split == Split::Calibration { self.noise_limit } else { self.noise };
+        let agreement = Agreement { about, rms, floor: self.noise, noise, scale: 1.0 };
         Ok(if residuals.is_empty() { Vec::new() } else { vec![agreement] })
     }
 
@@ -194,7 +202,25 @@ impl Evidence for RowEvidence<'_> {
         ErrorUnit::Percent
     }
 
+    fn words(&self, effect: &EffectSummary) -> Option<String> {
+        self.column_words(effect)
+    }
+
+    fn conditions(&self, model: &CompiledModel) -> Result<usize, EvidenceError> {
+        let predicted = self.predicted(model)?;
+        let mut each: Vec<(usize, f64)> =
+            self.calibration.iter().map(|&at| (self.table.rows[at].group, predicted[at])).collect();
+        each.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let is_same = |a: &(usize, f64), b: &(usize, f64)| a.0 == b.0 && (b.1 - a.1) <= SAME_SETTING * a.1.abs();
+        let conditions = each.chunk_by(is_same).count();
+        let gains = each.chunk_by(|a, b| a.0 == b.0).count().saturating_sub(1);
+        Ok(conditions - gains)
+    }
+
     fn blocks(&self, split: Split) -> Vec<usize> {
-        self.of(split).iter().map(|at| at / ROW_BLOCK_LENGTH).collect()
+        let rows = self.of(split);
+        let longest = if self.table.in_time { ROW_BLOCK_LENGTH } else { 1 };
+        let length = (rows.len() / ROW_BLOCKS_LEAST).clamp(1, longest);
+        rows.iter().map(|at| at / length).collect()
     }
 }

@@ -1,15 +1,25 @@
-//! Largest Δχ² that noise alone would give the luckiest of all effects.
+//! Largest Δχ² that noise alone would give the luckiest of all effects, and what few data leave of a Δχ².
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use super::fit::Fit;
 use super::response::{Projector, Response};
 use super::screen::Screened;
 use crate::criteria::{DEPENDENT_SHARE, SIGN_FLIP_DRAWS};
 
-/// The largest Δχ² over all effects in each draw, in rising order (Westfall and Young 1993).
+/// Draws of noise searched for effects.
+pub struct NullDraws {
+    /// The largest Δχ² over all effects in each draw, in rising order.
+    largest: Vec<f64>,
+    /// Effects that were tried.
+    tried: usize,
+}
+
+/// Draws of noise searched as the data are (Westfall and Young 1993).
 ///
 /// A draw flips the signs of whole blocks of the residuals that the best model leaves (wild bootstrap, Wu 1986): what
 /// neighbours share stays, and so does all that the simulation itself does a little wrong.
@@ -22,7 +32,7 @@ pub fn null_delta_chi2(
     left: &[f64],
     blocks: &[usize],
     seed: u64,
-) -> Vec<f64> {
+) -> NullDraws {
     let spaces: Vec<DMatrix<f64>> = screened.iter().filter_map(space).collect();
     let most = blocks.iter().max().map_or(0, |most| most + 1);
     let draw = |number: u64| {
@@ -31,9 +41,10 @@ pub fn null_delta_chi2(
         let drawn: Vec<f64> = left.iter().zip(blocks).map(|(r, block)| r * signs[*block]).collect();
         luckiest((screened, &spaces), &projector.project(&drawn))
     };
-    let mut null: Vec<f64> = (0..SIGN_FLIP_DRAWS).into_par_iter().map(draw).collect();
-    null.sort_by(f64::total_cmp);
-    null
+    let mut largest: Vec<f64> = (0..SIGN_FLIP_DRAWS).into_par_iter().map(draw).collect();
+    largest.sort_by(f64::total_cmp);
+    let is_distinct = |one: &&Screened| one.responses.iter().flatten().any(Response::is_distinct);
+    NullDraws { largest, tried: screened.iter().filter(is_distinct).count().max(1) }
 }
 
 /// All that an effect of several amplitudes can change at once, as an orthonormal basis.
@@ -55,8 +66,40 @@ fn luckiest((screened, spaces): (&[Screened], &[DMatrix<f64>]), residuals: &DVec
     alone.chain(spaces.iter().map(|space| space.tr_mul(residuals).norm_squared())).fold(0.0, f64::max)
 }
 
-/// Share of draws of noise that reach at least this Δχ²; never below that of one draw.
-pub fn p_value(null: &[f64], delta_chi2: f64) -> f64 {
-    let more = null.len() - null.partition_point(|drawn| *drawn < delta_chi2);
-    (more + 1) as f64 / (null.len() + 1) as f64
+impl NullDraws {
+    /// p-value of a fit with an effect beside the fit without it: the share of draws that reach its Δχ², or that of an
+    /// F test corrected for the number of effects (Šidák 1967), whichever is greater. The draws come from what the best
+    /// fit leaves, of which few data leave too little; with many the F test is the lesser.
+    pub fn p_value(&self, base: &Fit, with: &Fit) -> f64 {
+        let delta_chi2 = base.chi2 - with.chi2;
+        let more = self.largest.len() - self.largest.partition_point(|drawn| *drawn < delta_chi2);
+        let drawn = (more + 1) as f64 / (self.largest.len() + 1) as f64;
+        let added = with.coordinates.len().saturating_sub(base.coordinates.len()).max(1);
+        drawn.max(self.f_test((delta_chi2, added), (with.chi2, with.residuals.len(), with.coordinates.len())))
+    }
+
+    /// - `fall`: Δχ² and the parameters that brought it
+    /// - `left`: χ², data and parameters of the fit with them
+    fn f_test(&self, (delta_chi2, added): (f64, usize), (chi2, data, parameters): (f64, usize, usize)) -> f64 {
+        let Some(left) = data.checked_sub(parameters).filter(|left| *left > 0) else { return 1.0 };
+        let ratio = (delta_chi2 / added as f64) / (chi2 / left as f64).max(f64::MIN_POSITIVE);
+        let tail = FisherSnedecor::new(added as f64, left as f64).map_or(1.0, |law| law.sf(ratio.max(0.0)));
+        1.0 - (1.0 - tail).powi(self.tried as i32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_data_need_a_larger_fall_than_many() {
+        let null = NullDraws { largest: Vec::new(), tried: 1 };
+        // The 95 % quantiles of F(1, 4) and F(1, 1000) are 7.71 and 3.85.
+        let p = |fall: f64, data: usize| null.f_test((fall, 1), ((data - 2) as f64, data, 2));
+        assert!((p(7.71, 6) - 0.05).abs() < 1e-3 && (p(3.851, 1002) - 0.05).abs() < 1e-3);
+        let many = NullDraws { largest: Vec::new(), tried: 10 };
+        assert!((many.f_test((7.71, 1), (4.0, 6, 2)) - (1.0 - 0.95f64.powi(10))).abs() < 1e-3);
+        assert_eq!(null.f_test((7.71, 1), (4.0, 2, 2)), 1.0, "nothing is left to test it on");
+    }
 }

@@ -60,12 +60,12 @@ pub fn structure_tests(
     tests.extend(runs("runs of one sign along x", grids, true));
     tests.extend(runs("runs of one sign across x", grids, false));
     tests.extend(repeats(shared, seed));
-    correct(&mut tests);
+    holm(&mut tests);
     tests
 }
 
-/// Holm's rule.
-fn correct(tests: &mut [StructureTest]) {
+/// Holm's rule: says of each test whether it rejects, corrected for their number.
+pub fn holm(tests: &mut [StructureTest]) {
     let mut order: Vec<usize> = (0..tests.len()).collect();
     order.sort_by(|&a, &b| tests[a].p_value.total_cmp(&tests[b].p_value));
     let count = tests.len();
@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn holm_stops_at_the_first_test_that_holds() {
         let mut tests: Vec<StructureTest> = [0.03, 0.001, 0.04, 0.02].map(|p| test("", 0.0, p)).into();
-        correct(&mut tests);
+        holm(&mut tests);
         assert_eq!(tests.iter().map(|test| test.rejects).collect::<Vec<_>>(), [false, true, false, false]);
     }
 }

@@ -190,7 +190,7 @@ impl ParameterSummary {
 }
 
 /// To four digits.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     format!("{value:.3e}").parse::<f64>().unwrap_or(value).to_string()
 }
 
@@ -266,11 +266,13 @@ impl DiagnosisSummary {
         let equal_passes = evidence.trend(&first.base.model)?;
         let beyond = equal_passes.as_ref().filter(|trend| trend.out_of_reach);
         let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
+        let sizes: String =
+            effects.iter().filter_map(|effect| evidence.words(effect)).map(|w| format!(" {w}")).collect();
         let last = evidence.agreement(&diagnosis.fit.model, Split::Calibration)?;
         let spread = diagnosis.rounds.last().map_or(1.0, |round| round.spread);
         Ok(Self {
             verdict: diagnosis.verdict,
-            sentence: sentence(diagnosis, &effects) + &beyond,
+            sentence: sentence(diagnosis, &effects) + &sizes + &beyond,
             effects,
             error_unit: unit,
             noise_floor_um: rms(&first.calibration, unit, |a| a.floor),

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 
 use effects::{CompiledModel, Dimension, Holder, Hook, Lanes, Process, Reset, RunError, States, StepValues, Variable};
 
-use trials::table::{Removed, Row, Table};
+use super::table_library::{COLUMN_STATE, column_effect};
+use trials::table::{Removed, Row, Table, Usage};
 
 /// Area of the contact where the table does not give it [m²].
 pub(super) const NOMINAL_AREA: f64 = 1e-4;
@@ -19,6 +20,10 @@ pub(super) const NOMINAL_COATING: f64 = 50e-6;
 pub(super) const ROOM: f64 = 293.15;
 /// Dimension of a temperature.
 pub(super) const KELVIN: Dimension = Dimension::whole([0, 0, 0, 1]);
+/// Dimension of a distance.
+const LENGTH: Dimension = Dimension::whole([0, 1, 0, 0]);
+/// Key of the columns that measure the use of a tool.
+const USAGE: &str = "usage";
 /// Largest relative change of the removal rate in half a step.
 const CHANGE: f64 = 0.02;
 /// Steps of a row at first, and halvings of them at most.
@@ -70,14 +75,25 @@ struct Instant {
     dose_rate: f64,
 }
 
-/// The column that measures a state, as its place among [`Table::usage`]: by name, else the only one of its dimension.
+/// The column that measures a state, as its place among [`Table::usage`]: by name, else the only one of its dimension. A
+/// length may be anything, so it is a distance slid only where the table calls it `usage`.
 pub(super) fn measuring(table: &Table, effect: &str, state: &effects::State) -> Option<usize> {
+    if state.per != Holder::Tool {
+        return None;
+    }
+    if state.name == COLUMN_STATE
+        && let Some(own) = (0..table.usage.len()).find(|&usage| column_effect(table, usage) == effect)
+    {
+        return Some(own);
+    }
     let full = format!("{effect}.{}", state.name);
-    let by_name = table.usage.iter().position(|usage| usage.name == state.name || usage.name == full);
+    let is_named =
+        |usage: &Usage| [&usage.name, &usage.key].into_iter().any(|name| *name == state.name || *name == full);
     let dimension = state.unit.dimension;
-    let mut alike = (0..table.usage.len()).filter(|&k| table.usage[k].dimension == dimension && !dimension.is_none());
+    let fits = |usage: &Usage| usage.dimension == dimension && (usage.key == USAGE || dimension != LENGTH);
+    let mut alike = (0..table.usage.len()).filter(|&k| fits(&table.usage[k]) && !dimension.is_none());
     let by_dimension = || alike.next().filter(|_| alike.next().is_none());
-    by_name.or_else(by_dimension).filter(|_| state.per == Holder::Tool)
+    table.usage.iter().position(is_named).or_else(by_dimension)
 }
 
 /// The column that measures the temperature.

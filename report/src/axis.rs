@@ -1,5 +1,7 @@
 //! Axes of drawings: ranges, round ticks, and their labels.
 
+use lab::study::superscript;
+
 /// Linear map of a data range to a range of drawing units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axis {
@@ -47,7 +49,9 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 /// A tick's number without needless digits.
 pub(crate) fn short(value: f64) -> String {
     let text = if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
-        format!("{value:.1e}").replace(".0e", "e")
+        let text = format!("{value:.1e}").replace(".0e", "e");
+        let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{mantissa} × 10{}", superscript(power.parse().unwrap_or(0))).replace('-', "−");
     } else {
         let text = format!("{value:.4}");
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -68,7 +72,7 @@ mod tests {
         assert_eq!(passes.whole_ticks(3), [1.0, 2.0]);
         assert_eq!(short(0.5), "0.5");
         assert_eq!(short(-0.0), "0");
-        assert_eq!(short(-2e-7), "−2e−7");
+        assert_eq!(short(-2e-7), "−2 × 10⁻⁷");
     }
 
     #[test]

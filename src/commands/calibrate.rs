@@ -75,6 +75,7 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let (library, started) = (args.model.own.library()?, Instant::now());
     let measurements = Measurements::read(&args.campaign)?;
     let mut data = measurements.data()?;
+    let library = data.library(library)?;
     console.step("read", data.describe());
     data.notes().iter().for_each(|note| console.step("note", note));
     let calibration = calibrated(args, &mut data, &library, console)?;

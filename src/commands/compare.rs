@@ -83,9 +83,9 @@ fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comp
     if let Some(text) = args.sections.first() {
         return Err(wrong_use(format!("--section {text}: a table has no sections")));
     }
-    let library = args.model.own.library()?;
     let table = Table::read(&args.campaign)?;
     let evidence = RowEvidence::new(&table)?;
+    let library = evidence.library(&args.model.own.library()?).map_err(anyhow::Error::msg)?;
     table.notes.iter().chain(&evidence.notes).for_each(|note| console.step("note", note));
     let model = args.model.model(evidence.process(), &library)?;
     let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;

@@ -58,6 +58,7 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
     let library = args.model.own.library()?;
     let measurements = Measurements::read(&args.campaign)?;
     let mut data = measurements.data()?;
+    let library = data.library(library)?;
     console.step("read", data.describe());
     data.notes().iter().for_each(|note| console.step("note", note));
     let progress = Progress::take_up(&std::path::absolute(out)?, &mut data, &inputs_sha256(&args.campaign)?)?;

@@ -1,6 +1,7 @@
 //! What evaluation rows removed reaches no fit.
 
 use lab::{Evidence, RowEvidence, Split};
+use trials::trial::Role;
 
 use crate::hidden::{fit, model, table};
 use crate::synthetic::{Hidden, MANIFEST, NOISE, Work, csv, work};
@@ -14,14 +15,25 @@ fn with_recipes(rows: &[Work]) -> String {
     csv(rows).lines().enumerate().map(line).collect()
 }
 
+/// Places of the rows that evaluate.
+fn held_out(rows: &[Work]) -> Vec<usize> {
+    let table = table(MANIFEST, &csv(rows));
+    (0..table.rows.len()).filter(|&at| table.rows[at].role == Role::Evaluation).collect()
+}
+
 #[test]
 fn changed_evaluation_rows_leave_every_calibration_residual_as_it_was() {
     let rows = work(Hidden::Dulling, NOISE, 21);
     let mut other = rows.clone();
-    for (k, row) in other.iter_mut().enumerate().filter(|(k, _)| k % 3 == 2) {
+    let group = format!("{MANIFEST}group = {{ column = \"recipe\" }}\n");
+    let grouped = table(&group, &with_recipes(&rows));
+    let evaluates = |at: &usize| grouped.rows[*at].role == Role::Evaluation;
+    // Rows that evaluate in both tables.
+    let held: Vec<usize> = held_out(&rows).into_iter().filter(evaluates).collect();
+    assert!(held.len() > 5, "{held:?}");
+    for (k, row) in other.iter_mut().enumerate().filter(|(k, _)| held.contains(k)) {
         row.depth *= 0.1 + 0.37 * k as f64;
     }
-    let group = format!("{MANIFEST}group = {{ column = \"recipe\" }}\n");
     for (manifest, text, changed) in
         [(MANIFEST, csv(&rows), csv(&other)), (&group, with_recipes(&rows), with_recipes(&other))]
     {
@@ -42,13 +54,16 @@ fn changed_evaluation_rows_leave_every_calibration_residual_as_it_was() {
 fn the_tool_wears_in_evaluation_rows_too() {
     let rows = work(Hidden::Dulling, NOISE, 23);
     let mut longer = rows.clone();
-    longer.iter_mut().enumerate().filter(|(k, _)| k % 3 == 2).for_each(|(_, row)| row.duration *= 3.0);
-    let (a, b) = (table(MANIFEST, &csv(&rows)), table(MANIFEST, &csv(&longer)));
+    let held = held_out(&rows);
+    let first = held[0];
+    longer.iter_mut().enumerate().filter(|(k, _)| held.contains(k)).for_each(|(_, row)| row.duration *= 3.0);
+    let (a, mut b) = (table(MANIFEST, &csv(&rows)), table(MANIFEST, &csv(&longer)));
+    b.rows.iter_mut().zip(&a.rows).for_each(|(b, a)| b.role = a.role);
     let (a, b) = (RowEvidence::new(&a).unwrap(), RowEvidence::new(&b).unwrap());
     let model = model(&a, Some("grit-dulling"));
     let (short, long) = (a.predicted(&model).unwrap(), b.predicted(&model).unwrap());
-    assert_eq!(short[..2], long[..2]);
-    assert!(a.of(Split::Calibration).iter().filter(|&&at| at > 2).all(|&at| long[at] < short[at]));
+    assert_eq!(short[..first], long[..first]);
+    assert!(a.of(Split::Calibration).iter().filter(|&&at| at > first).all(|&at| long[at] < short[at]));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Tables as users bring them: read, damaged, predicted and fitted.
 
+mod causes;
 mod evaluation;
 mod hidden;
 mod hostile;

@@ -20,9 +20,8 @@ fn quantities_come_out_in_si_units() {
     assert!((row.removal_rate.unwrap() * made.duration / made.depth - 1.0).abs() < 1e-6);
     assert_eq!((table.process, table.removed), (Process::Grinding, Removed::Depth));
     assert_eq!(table.covariates.iter().map(|covariate| covariate.name.as_str()).collect::<Vec<_>>(), ["wear"]);
-    let roles: Vec<Role> = table.rows[..3].iter().map(|row| row.role).collect();
-    assert_eq!(roles, [Role::Calibration, Role::Calibration, Role::Evaluation]);
-    assert!(table.notes.iter().any(|note| note.contains("every third one")), "{:?}", table.notes);
+    assert_eq!(table.rows.iter().filter(|row| row.role == Role::Evaluation).count(), 30);
+    assert!(table.notes.iter().any(|note| note.contains("30 of 90 are drawn at random")), "{:?}", table.notes);
 }
 
 #[test]
@@ -89,4 +88,55 @@ fn the_table_of_the_project_is_read() {
     assert_eq!(table.rows.len(), 72);
     assert_eq!(table.groups.len(), 2);
     assert!(table.rows[0].began.is_some());
+}
+
+#[test]
+fn columns_that_differ_in_case_are_two() {
+    let text = csv(&work(Hidden::Nothing, 0.0, 1)).replacen("wear", "T", 1);
+    let table = read(&format!("{MANIFEST}temperature = {{ column = \"T\", unit = \"degC\" }}\n"), &text);
+    assert_eq!((table.usage[0].name.as_str(), table.usage[0].unit.as_str()), ("T", "degC"));
+    assert!(table.rows[0].duration.unwrap() >= 20.0, "t is the duration");
+    let upper = read(&MANIFEST.replace("\"load\"", "\"LOAD\""), &csv(&work(Hidden::Nothing, 0.0, 1)));
+    assert_eq!(upper.rows.len(), 90, "one column that differs in case is meant");
+}
+
+#[test]
+fn noise_may_be_stated() {
+    let text = csv(&work(Hidden::Nothing, 0.0, 1));
+    for (stated, noise) in [("\"5 %\"", 0.05), ("\"0.5%\"", 0.005), ("0.03", 0.03), ("\"0.02 1\"", 0.02)] {
+        let table = read(&MANIFEST.replace("[columns]", &format!("noise = {stated}\n[columns]")), &text);
+        assert!((table.noise.unwrap() - noise).abs() < 1e-12, "{stated}");
+        assert_eq!(lab::RowEvidence::new(&table).unwrap().noise, table.noise.unwrap());
+    }
+    for stated in ["5", "\"5 mm\"", "0.0", "\"much\"", "[1]"] {
+        let manifest = MANIFEST.replace("[columns]", &format!("noise = {stated}\n[columns]"));
+        let error = Table::read(folder(&manifest, &text).path()).unwrap_err().to_string();
+        assert!(error.contains("table.toml, line 6") && error.contains("noise = \"5 %\""), "{stated}: {error}");
+    }
+}
+
+#[test]
+fn a_file_sorted_by_a_setting_is_no_time_unless_it_says_so() {
+    let mut rows = work(Hidden::Nothing, 0.0, 1);
+    assert!(read(MANIFEST, &csv(&rows)).in_time);
+    let ordered = |order: &str| MANIFEST.replace("[columns]", &format!("order = \"{order}\"\n[columns]"));
+    let none = read(&ordered("none"), &csv(&rows));
+    assert!(!none.in_time && none.notes.iter().any(|note| note.contains("nothing about time")), "{:?}", none.notes);
+    rows.sort_by(|a, b| a.force.total_cmp(&b.force));
+    let sorted = read(MANIFEST, &csv(&rows));
+    assert!(!sorted.in_time && sorted.notes.iter().any(|note| note.contains("sorted by force")), "{:?}", sorted.notes);
+    assert!(read(&ordered("file"), &csv(&rows)).in_time);
+}
+
+#[test]
+fn a_mark_of_a_missing_value_is_no_value() {
+    let usage = format!("{MANIFEST}usage = {{ column = \"wear\", unit = \"mm^3\" }}\n");
+    let text = csv(&work(Hidden::Nothing, 0.0, 1));
+    let line = text.lines().nth(6).unwrap();
+    let cells: Vec<&str> = line.split(',').collect();
+    let marked = text.replace(line, &[cells[0], cells[1], cells[2], "-9999", cells[4]].join(","));
+    let table = read(&usage, &marked);
+    assert_eq!(table.rows.len(), 89);
+    assert!(table.notes.iter().any(|note| note.contains("line 7 (wear is -9999, a mark of a missing value)")));
+    assert!(read(MANIFEST, &marked).covariates[0].values[5].is_nan());
 }

@@ -152,8 +152,9 @@ pub fn compare_scans(
 pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked) -> Result<(Comparison, StudyReport)> {
     let split = Split::Calibration;
     let residuals = evidence.residuals(model, split)?;
-    let tests = residual_tests::of_rows(&residuals, 0, asked.seed);
     let study = row_covariates::study(evidence, model, split, asked.seed)?;
+    let declared = row_covariates::test_of_declared(evidence, &study);
+    let tests = residual_tests::of_rows(&residuals, declared, (0, asked.seed));
     let rms = |residuals: &[f64]| evidence.noise * (robust_sum(residuals) / residuals.len().max(1) as f64).sqrt();
     let named = |at: usize| row_covariates::covariate(evidence, at);
     let equal_passes = evidence.trend(model)?;

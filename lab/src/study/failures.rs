@@ -81,7 +81,9 @@ pub(super) fn of_rows(
 ) -> Result<(Failures, Vec<CovariatePlot>)> {
     let study = |model: &CompiledModel| row_covariates::study(evidence, model, Split::Calibration, seed);
     let (with_base, with_last) = (study(base)?, last.map(study).transpose()?);
-    let tests = residual_tests::of_rows(&evidence.residuals(base, Split::Calibration)?, degrees_of_freedom, seed);
+    let declared = row_covariates::test_of_declared(evidence, &with_base);
+    let residuals = evidence.residuals(base, Split::Calibration)?;
+    let tests = residual_tests::of_rows(&residuals, declared, (degrees_of_freedom, seed));
     let named = |at: usize| row_covariates::covariate(evidence, at);
     let plots = plots(&with_base, with_last.as_ref(), &named);
     Ok((Failures::new(tests, &with_base, &named), plots))

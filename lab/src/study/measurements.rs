@@ -101,6 +101,17 @@ impl<'a> Data<'a> {
         }
     }
 
+    /// A library with the effects that only these data can show.
+    ///
+    /// # Errors
+    /// An effect that cannot be evaluated on the rows of a table.
+    pub fn library(&self, library: Library) -> Result<Library> {
+        match self {
+            Self::Scans(..) => Ok(library),
+            Self::Rows(_, evidence) => evidence.library(&library).map_err(LabError::Refused),
+        }
+    }
+
     /// A model ready for these data: that of a table gets the rate constant and the reference values that its rows need.
     ///
     /// # Errors

@@ -4,7 +4,8 @@ use super::simulated::Simulated;
 use crate::criteria::SHARED_NOISE_MOST;
 use crate::study::TestOfMissing;
 use crate::{
-    HeightView, ResidualGrid, ScanData, ScanEvidence, ScanView, SharedTiles, Split, StructureTest, structure_tests,
+    HeightView, ResidualGrid, ScanData, ScanEvidence, ScanView, SharedTiles, Split, StructureTest, holm,
+    structure_tests,
 };
 
 /// Tests what a model leaves of the scans of a split.
@@ -34,11 +35,18 @@ pub fn of_scans(
 
 /// Tests whitened residuals of rows.
 ///
-/// - `residuals`: in order of time
-pub fn of_rows(residuals: &[f64], degrees_of_freedom: usize, seed: u64) -> Vec<StructureTest> {
+/// - `residuals`: in the order of the rows
+/// - `declared`: the test of the columns that the table declares
+pub fn of_rows(
+    residuals: &[f64],
+    declared: Option<StructureTest>,
+    (degrees_of_freedom, seed): (usize, u64),
+) -> Vec<StructureTest> {
     let grid =
         ResidualGrid { nx: residuals.len(), cells: (0..residuals.len()).collect(), residuals: residuals.to_vec() };
     let mut tests = structure_tests(&[grid], degrees_of_freedom, &[], seed);
+    tests.extend(declared);
+    holm(&mut tests);
     for test in &mut tests {
         test.name = test.name.replace("neighbouring tiles", "neighbouring rows").replace(" along x", " in time");
     }

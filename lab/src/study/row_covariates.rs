@@ -4,7 +4,9 @@ use effects::CompiledModel;
 
 use crate::criteria::{GROSS_RESIDUAL_SIGMAS, ROW_BLOCK_LENGTH};
 use crate::study::Stated;
-use crate::{CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, covariate_study};
+use crate::{
+    CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, StructureTest, covariate_study,
+};
 use trials::measure::centre_and_sigma;
 use trials::table::Row;
 
@@ -28,7 +30,7 @@ pub fn covariate(evidence: &RowEvidence, at: usize) -> (String, Stated) {
         (Some((name, unit, si, _)), _) => ((*name).to_owned(), Stated::new(unit, *si)),
         (None, None) => plain(if at == COVARIATES.len() { "row" } else { "rows since the tool was fresh" }),
         (None, Some(rest)) => match table.usage.get(rest) {
-            Some(usage) => plain(&format!("{}, in SI units", usage.name)),
+            Some(usage) => (usage.name.clone(), Stated::new(if usage.unit == "1" { "" } else { &usage.unit }, 1.0)),
             None => plain(&table.covariates[rest - table.usage.len()].name),
         },
     }
@@ -54,9 +56,11 @@ pub fn study(
     let since = since_fresh(&table.rows);
     let mut values: Vec<Vec<f64>> =
         COVARIATES.iter().map(|(_, _, _, value)| of(&|at| value(&table.rows[at]).unwrap_or(0.0))).collect();
-    values.push(of(&|at| at as f64));
-    values.push(of(&|at| since[at]));
-    values.extend((0..table.usage.len()).map(|k| of(&|at| table.rows[at].usage[k])));
+    let in_time = |value: f64| if table.in_time { value } else { 0.0 };
+    values.push(of(&|at| in_time(at as f64)));
+    values.push(of(&|at| in_time(since[at])));
+    let in_own_unit = |k: usize, at: usize| (table.rows[at].usage[k] - table.usage[k].scale.1) / table.usage[k].scale.0;
+    values.extend((0..table.usage.len()).map(|k| of(&|at| in_own_unit(k, at))));
     values.extend(table.covariates.iter().map(|covariate| of(&|at| covariate.values[at])));
     let field = CovariateField {
         nx: rows.len(),
@@ -67,6 +71,16 @@ pub fn study(
         values,
     };
     Ok(covariate_study(&[field], 1.0, seed))
+}
+
+/// Whether what is left goes with a column that the table declares: the share and p-value of the covariate that explains
+/// most, corrected for their number; `None` with too few rows.
+pub fn test_of_declared(evidence: &RowEvidence, study: &CovariateStudy) -> Option<StructureTest> {
+    let declared = COVARIATES.len() + 2 + evidence.table.usage.len();
+    let own = study.covariates.iter().filter(|one| one.covariate < declared);
+    let most = own.min_by(|a, b| a.p_value_of_all.total_cmp(&b.p_value_of_all).then(b.share.total_cmp(&a.share)))?;
+    let name = "goes with a declared column".to_owned();
+    Some(StructureTest { name, statistic: most.share, p_value: most.p_value_of_all, rejects: false })
 }
 
 /// Rows that a tool has done since it was fresh, before each row.

@@ -1,0 +1,133 @@
+//! The effects that a table can show beside those of the library: a power law of running in, and for each column that
+//! the table declares as a state the dependence of the rate on it.
+
+use effects::{Effect, Library};
+
+use super::evidence::Split;
+use super::rows::RowEvidence;
+use super::summary::{EffectSummary, significant};
+use super::table_steps::{KELVIN, ROOM, measuring};
+use crate::criteria::{COLUMN_CHANGE_MOST, COLUMN_CHANGE_TYPICAL, SAME_RESPONSE};
+use trials::table::{Table, Usage};
+
+/// Running in: rows of different lengths show it, scans of equal passes do not.
+const RUNNING_IN: (&str, &str) = ("running-in.toml", include_str!("table_effects/running-in.toml"));
+/// Dependence on a column, with its names and numbers left open.
+const COLUMN: &str = include_str!("table_effects/column.toml");
+/// State of such an effect.
+pub(super) const COLUMN_STATE: &str = "value";
+/// Longest name of a column in an effect.
+const LONGEST_NAME: usize = 60;
+
+/// Name of the effect of a column, by its place among [`Table::usage`].
+pub(super) fn column_effect(table: &Table, usage: usize) -> String {
+    let name = |usage: &Usage| {
+        let letters = usage.name.chars().take(LONGEST_NAME);
+        let plain: String =
+            letters.map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+        let parts: Vec<&str> = plain.split('-').filter(|part| !part.is_empty()).collect();
+        format!("column-{}", parts.join("-"))
+    };
+    let own = name(&table.usage[usage]);
+    let is_taken = table.usage[..usage].iter().any(|other| name(other) == own);
+    if is_taken || own.ends_with('-') { format!("column-{}-{own}", usage + 1) } else { own }
+}
+
+impl RowEvidence<'_> {
+    /// A library with the effects of this table. A column that an effect of the library reads in the same way needs
+    /// none of its own.
+    ///
+    /// # Errors
+    /// An effect that cannot be evaluated on these rows.
+    pub fn library(&self, library: &Library) -> Result<Library, String> {
+        let columns = (0..self.table.usage.len()).filter_map(|usage| self.column_file(usage));
+        let files: Vec<(String, String)> =
+            std::iter::once((RUNNING_IN.0.to_owned(), RUNNING_IN.1.to_owned())).chain(columns).collect();
+        let is_new = |(file, _): &(String, String)| library.find(file.trim_end_matches(".toml")).is_none();
+        let files: Vec<(String, String)> = files.into_iter().filter(is_new).collect();
+        let extended = library.with(&files).map_err(|error| error.to_string())?;
+        let mut needless = Vec::new();
+        for usage in 0..self.table.usage.len() {
+            let name = column_effect(self.table, usage);
+            if let Some(own) = extended.find(&name).filter(|_| library.find(&name).is_none())
+                && self.is_read_alike(usage, own, &extended)
+            {
+                needless.push(name);
+            }
+        }
+        Ok(extended.without(&needless.iter().map(String::as_str).collect::<Vec<_>>()))
+    }
+
+    /// Whether an effect other than the column's own reads a column and changes the rows in proportion to it.
+    fn is_read_alike(&self, usage: usize, own: &Effect, library: &Library) -> bool {
+        let reads = |effect: &&Effect| {
+            let states = effect.states.iter();
+            effect.name != own.name
+                && effect.acts_in(self.table.process)
+                && states.into_iter().any(|state| measuring(self.table, &effect.name, state) == Some(usage))
+        };
+        let Ok(change) = self.response(own, library) else { return false };
+        library.effects().iter().filter(reads).any(|effect| {
+            let other = self.acts(effect).and_then(|()| self.response(effect, library));
+            other.is_ok_and(|other| correlation(&change, &other).abs() > SAME_RESPONSE)
+        })
+    }
+
+    /// What an effect of a column says, in words; `None` of any other effect.
+    pub(super) fn column_words(&self, effect: &EffectSummary) -> Option<String> {
+        let usage = (0..self.table.usage.len()).find(|&usage| column_effect(self.table, usage) == effect.name)?;
+        let change = effect.parameters.get("change")?;
+        let shown = |value: f64| significant(100.0 * value);
+        let per = if change.unit == "1" { "one".to_owned() } else { change.unit.trim_start_matches("1/").to_owned() };
+        let interval = change
+            .interval
+            .map_or(String::new(), |[low, high]| format!(" (95 % from {} to {} %)", shown(low), shown(high)));
+        let name = &self.table.usage[usage].name;
+        Some(format!("The rate changes by {} % per {per} of column {name:?}{interval}.", shown(change.value)))
+    }
+
+    /// The effect file of a column; `None` of one that never changes.
+    fn column_file(&self, usage: usize) -> Option<(String, String)> {
+        let column = &self.table.usage[usage];
+        let zero = if column.dimension == KELVIN { ROOM } else { column.scale.1 };
+        let value = |&at: &usize| (self.table.rows[at].usage[usage] - zero) / column.scale.0;
+        let mut values: Vec<f64> = self.of(Split::Calibration).iter().map(value).collect();
+        values.sort_by(f64::total_cmp);
+        let (least, greatest) = (*values.first()?, *values.last()?);
+        let width = greatest - least;
+        if width <= 0.0 || !width.is_finite() {
+            return None;
+        }
+        let is_shown = |c: &char| !c.is_control() && !['"', '\\'].contains(c);
+        let shown: String = column.name.chars().filter(is_shown).take(LONGEST_NAME).collect();
+        let unit = if column.dimension == KELVIN { "K" } else { &column.unit };
+        let name = column_effect(self.table, usage);
+        let mut text = COLUMN.to_owned();
+        for (place, number) in [
+            ("MOST", COLUMN_CHANGE_MOST / width),
+            ("TYPICAL", COLUMN_CHANGE_TYPICAL / width),
+            ("LEAST", least - width),
+            ("GREATEST", greatest + width),
+            ("MIDDLE", values[values.len() / 2]),
+        ] {
+            text = text.replace(place, &format!("{number:?}"));
+        }
+        text =
+            text.replace("PER_UNIT", &per(unit)).replace("UNIT", unit).replace("NAME", &name).replace("COLUMN", &shown);
+        Some((format!("{name}.toml"), text))
+    }
+}
+
+/// One over a unit.
+fn per(unit: &str) -> String {
+    match unit {
+        "1" => unit.to_owned(),
+        _ if unit.contains([' ', '/', '*', '^', '(']) => format!("1/({unit})"),
+        _ => format!("1/{unit}"),
+    }
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(f64::MIN_POSITIVE)
+}
