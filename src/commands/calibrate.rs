@@ -138,7 +138,10 @@ fn describe(summary: &CalibrationSummary, console: &Console) {
     for removal in &summary.removal {
         let role = if removal.is_calibration { "" } else { ", held out" };
         let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
-        console.step("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent));
+        let sigma = removal.sigma_percent;
+        // Two digits of an uncertainty at least, and as many of what it belongs to.
+        let digits = (1.0 - sigma.max(1e-9).log10().floor()).clamp(2.0, 9.0) as usize;
+        console.step("removed", format!("{}{role}: {error:+.digits$} % ± {sigma:.digits$} %", removal.about));
     }
     summary.parameters.iter().for_each(|parameter| console.step("parameter", parameter.shown()));
     summary.remarks.iter().for_each(|remark| console.step("note", remark));
