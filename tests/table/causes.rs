@@ -86,6 +86,21 @@ fn a_dependence_on_a_column_is_not_noise_and_a_comparison_names_it() {
 }
 
 #[test]
+fn a_comparison_names_a_column_that_matters_and_is_not_declared() {
+    for (rows, matters) in [(work(Hidden::Nothing, NOISE, 5), false), (falling(1e-3, 5), true)] {
+        let folder = folder(MANIFEST, &csv(&rows));
+        let table = Table::read(folder.path()).unwrap();
+        let evidence = RowEvidence::new(&table).unwrap();
+        let model = evidence.scaled(Model::new(evidence.process()), Library::builtin()).unwrap();
+        let fit = calibrate(&evidence, &model, Library::builtin()).unwrap();
+        let asked = Asked { folder: folder.path(), lines: &[], seed: 1 };
+        let (comparison, _) = compare_rows(&evidence, &fit.model, &asked).unwrap();
+        let is_named = comparison.sentence.contains("goes with \"wear\", which the table does not declare");
+        assert_eq!(is_named, matters, "{}", comparison.sentence);
+    }
+}
+
+#[test]
 fn outliers_in_six_of_a_hundred_rows_leave_the_noise_and_the_verdict() {
     for seed in 0..4 {
         let mut rows = work(Hidden::Nothing, NOISE, 50 + seed);

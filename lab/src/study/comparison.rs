@@ -159,10 +159,12 @@ pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked
     let named = |at: usize| row_covariates::covariate(evidence, at);
     let equal_passes = evidence.trend(model)?;
     let error = [100.0 * rms(&residuals), 100.0 * evidence.noise];
-    let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().collect();
+    let undeclared = row_covariates::words_of_undeclared(evidence, &study);
+    let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().chain(undeclared.clone()).collect();
     let found = Found { equal_passes, tests, study, named: &named, error, notes };
     let outlier_lines = evidence.outliers(&residuals, split).iter().map(|row| row.line).collect();
-    let comparison = Comparison { outlier_lines, ..found.comparison(evidence.unit(), split) };
+    let mut comparison = Comparison { outlier_lines, ..found.comparison(evidence.unit(), split) };
+    undeclared.iter().for_each(|words| comparison.sentence += &format!(" {words}"));
     let held_out = evidence.residuals(model, Split::Evaluation)?;
     let step = |name: &str, calibration: f64, evaluation: f64| WaterfallStep {
         name: name.to_owned(),
