@@ -136,8 +136,6 @@ criteria! {
     SPAN_RANGE_FACTOR: f64 = 30.0, "1", "chosen: use of a thirtieth changes 3 %, use of thirty leaves e⁻³⁰";
     /// Greatest change of the logarithm of the rate over the range of a column.
     COLUMN_CHANGE_MOST: f64 = 4.6, "1", "chosen: a hundredfold";
-    /// Change of the logarithm of the rate over the range of a column that a library effect must reach to stand for it.
-    COLUMN_CHANGE_COVERED: f64 = 1.0, "1", "chosen: a factor of e";
     /// Such a change that is tried first.
     COLUMN_CHANGE_TYPICAL: f64 = 0.1, "1", "chosen";
     /// Correlation of the changes of two effects in the rows of a table from which they are one and the same.

@@ -9,7 +9,6 @@ use super::coordinates::{Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::rows::RowEvidence;
 use super::scans::{ScanData, ScanEvidence, ScanView};
-use super::table_steps::USAGE;
 use crate::criteria::{SAME_LOAD, SAME_SETTING, TREND_FACTOR, TREND_REMOVAL_SHARE, TREND_SIGMAS, TREND_VALUES};
 use trials::trial::{Pass, PassScan};
 
@@ -98,18 +97,9 @@ pub fn trend_of_rows(evidence: &RowEvidence, model: &CompiledModel) -> Result<Op
     Ok(PassTrend::new(&measured, of(model)?, &tried, "over the whole range of its parameters"))
 }
 
-/// Pairs of calibration rows: equal settings, one after the other, the same tool, not dressed between. What the table
-/// declares beside the use of the tool is equal, too.
+/// Pairs of calibration rows: equal settings, one after the other, the same tool, not dressed between.
 fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
-    let table = evidence.table;
-    let rows = &table.rows;
-    if !table.in_time {
-        return Vec::new();
-    }
-    let declared: Vec<usize> = (0..table.usage.len()).filter(|&k| table.usage[k].key != USAGE).collect();
-    let same_state = |a: usize, b: usize| {
-        declared.iter().all(|&k| (rows[a].usage[k] - rows[b].usage[k]).abs() <= SAME_SETTING * rows[a].usage[k].abs())
-    };
+    let rows = &evidence.table.rows;
     let near = |a: Option<f64>, b: Option<f64>, same: f64| match (a, b) {
         (Some(a), Some(b)) => (b / a).ln().abs() < same,
         (a, b) => a == b,
@@ -118,7 +108,7 @@ fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
         let (first, next) = (&rows[a], &rows[b]);
         let force = near(first.force, next.force, SAME_LOAD) && near(first.pressure, next.pressure, SAME_LOAD);
         let rest = near(first.speed, next.speed, SAME_SETTING) && near(first.duration, next.duration, SAME_SETTING);
-        !next.fresh && first.tool == next.tool && first.group == next.group && force && rest && same_state(a, b)
+        !next.fresh && first.tool == next.tool && first.group == next.group && force && rest
     };
     let calibrates = |at: &usize| evidence.of(Split::Calibration).contains(at);
     (1..rows.len()).map(|b| (b - 1, b)).filter(|(a, b)| calibrates(a) && calibrates(b)).filter(is_equal).collect()

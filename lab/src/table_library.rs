@@ -7,7 +7,7 @@ use super::evidence::Split;
 use super::rows::RowEvidence;
 use super::summary::{EffectSummary, significant};
 use super::table_steps::{KELVIN, ROOM, measuring};
-use crate::criteria::{COLUMN_CHANGE_COVERED, COLUMN_CHANGE_MOST, COLUMN_CHANGE_TYPICAL, SAME_RESPONSE};
+use crate::criteria::{COLUMN_CHANGE_MOST, COLUMN_CHANGE_TYPICAL, SAME_RESPONSE};
 use trials::table::{Table, Usage};
 
 /// Running in: rows of different lengths show it, scans of equal passes do not.
@@ -34,8 +34,8 @@ pub(super) fn column_effect(table: &Table, usage: usize) -> String {
 }
 
 impl RowEvidence<'_> {
-    /// A library with the effects of this table. A column that an effect of the library reads in the same way, and
-    /// as strongly, needs none of its own.
+    /// A library with the effects of this table. A column that an effect of the library reads in the same way needs
+    /// none of its own.
     ///
     /// # Errors
     /// An effect that cannot be evaluated on these rows.
@@ -58,8 +58,7 @@ impl RowEvidence<'_> {
         Ok(extended.without(&needless.iter().map(String::as_str).collect::<Vec<_>>()))
     }
 
-    /// Whether an effect other than the column's own reads a column, changes the rows in proportion to it, and can do so as
-    /// strongly.
+    /// Whether an effect other than the column's own reads a column and changes the rows in proportion to it.
     fn is_read_alike(&self, usage: usize, own: &Effect, library: &Library) -> bool {
         let reads = |effect: &&Effect| {
             let states = effect.states.iter();
@@ -70,8 +69,7 @@ impl RowEvidence<'_> {
         let Ok(change) = self.response(own, library) else { return false };
         library.effects().iter().filter(reads).any(|effect| {
             let other = self.acts(effect).and_then(|()| self.response(effect, library));
-            let is_strong = || self.greatest_change(effect, library).is_ok_and(|most| most > COLUMN_CHANGE_COVERED);
-            other.is_ok_and(|other| correlation(&change, &other).abs() > SAME_RESPONSE) && is_strong()
+            other.is_ok_and(|other| correlation(&change, &other).abs() > SAME_RESPONSE)
         })
     }
 

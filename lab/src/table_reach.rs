@@ -46,25 +46,6 @@ impl RowEvidence<'_> {
         Ok([without, typical])
     }
 
-    /// Greatest difference that an effect can make between the logarithms of two rows of a group: with each amplitude at
-    /// the ends of its range in turn.
-    pub(super) fn greatest_change(&self, effect: &Effect, library: &Library) -> Result<f64, String> {
-        let with = self.scaled(Model::new(self.table.process).with(&effect.name), library)?;
-        let mut null = compile(&with, library)?;
-        let own = |slot: &effects::ParameterSlot| slot.owner == effect.name && slot.free && slot.null.is_some();
-        let amplitudes = Coordinate::of(&null, own);
-        amplitudes.iter().for_each(|one| null.set(one.index, one.slot.null.unwrap_or_default()));
-        let without = self.predicted(&null).map_err(|error| error.to_string())?;
-        let mut greatest: f64 = 0.0;
-        for (one, end) in amplitudes.iter().flat_map(|one| one.slot.range.map(|end| (one, end))) {
-            let mut there = null.clone();
-            there.set(one.index, end);
-            let with = self.predicted(&there).map_err(|error| error.to_string())?;
-            greatest = greatest.max(self.shape(&without, &with).1);
-        }
-        Ok(greatest)
-    }
-
     /// Change of the logarithm of each calibration row by an effect with its default values, less each group's mean.
     ///
     /// # Errors

@@ -23,7 +23,7 @@ pub(super) const KELVIN: Dimension = Dimension::whole([0, 0, 0, 1]);
 /// Dimension of a distance.
 const LENGTH: Dimension = Dimension::whole([0, 1, 0, 0]);
 /// Key of the columns that measure the use of a tool.
-pub(super) const USAGE: &str = "usage";
+const USAGE: &str = "usage";
 /// Largest relative change of the removal rate in half a step.
 const CHANGE: f64 = 0.02;
 /// Steps of a row at first, and halvings of them at most.

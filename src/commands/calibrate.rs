@@ -17,6 +17,7 @@ use files::output::FolderKind;
 use lab::study::{CalibrationReport, Data, Measurements, calibration_report};
 use lab::{Calibration, CalibrationSummary, Order};
 use report::study::page;
+use trials::trial::Finding;
 
 /// The file by which a result folder is known.
 const CALIBRATION_FILE: &str = "calibration.json";
@@ -65,6 +66,8 @@ struct CalibrateAnswer<'a> {
     model: &'a Path,
     /// What the reader understood of the files where it was not the plain case.
     notes: Vec<String>,
+    /// What the checks of scans and logs against each other found.
+    findings: Vec<Finding>,
     #[serde(flatten)]
     summary: &'a CalibrationSummary,
 }
@@ -83,7 +86,7 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     describe(&summary, console);
     data.fix_blur(&calibration.last().fit.model)?;
     let place = args.out.out.join("model.toml");
-    let answer = CalibrateAnswer { model: &place, notes: data.notes(), summary: &summary };
+    let answer = CalibrateAnswer { model: &place, notes: data.notes(), findings: data.findings(), summary: &summary };
     let report = calibration_report(&CalibrationReport {
         data: &data,
         calibration: &calibration,
@@ -138,10 +141,7 @@ fn describe(summary: &CalibrationSummary, console: &Console) {
     for removal in &summary.removal {
         let role = if removal.is_calibration { "" } else { ", held out" };
         let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
-        let sigma = removal.sigma_percent;
-        // Two digits of an uncertainty at least, and as many of what it belongs to.
-        let digits = (1.0 - sigma.max(1e-9).log10().floor()).clamp(2.0, 9.0) as usize;
-        console.step("removed", format!("{}{role}: {error:+.digits$} % ± {sigma:.digits$} %", removal.about));
+        console.step("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent));
     }
     summary.parameters.iter().for_each(|parameter| console.step("parameter", parameter.shown()));
     summary.remarks.iter().for_each(|remark| console.step("note", remark));

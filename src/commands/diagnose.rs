@@ -74,6 +74,7 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         suggestion: suggestion.as_ref(),
         seed: args.seed,
         notes: data.notes(),
+        findings: data.findings(),
     };
     let report = report(&input)?;
     write(&folder, DIAGNOSIS_FILE, &serde_json::to_string_pretty(&report.diagnosis)?)?;

@@ -39,6 +39,10 @@ use anyhow::Result;
 use clap::error::{ContextKind, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use lab::LabError;
+use serde::Serialize;
+use trials::trial::{Finding, TrialError};
+
 use crate::console::Console;
 use crate::{in_full, interrupt, is_wrong_use};
 use files::named_file;
@@ -129,8 +133,28 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {}", in_full(&error));
+            answer_refusal(&error, &console);
             ExitCode::from(if is_wrong_use(&error) { 2 } else { 1 })
         }
+    }
+}
+
+/// The answer for machines where the files of a trial contradict each other, or one cannot be used.
+#[derive(Serialize)]
+struct Refusal {
+    refused: Finding,
+}
+
+/// Answers with the refusal of a trial's files, if the machine's answer was asked for; another error has none.
+fn answer_refusal(error: &anyhow::Error, console: &Console) {
+    let trial = |cause: &(dyn std::error::Error + 'static)| match cause.downcast_ref::<LabError>() {
+        Some(LabError::Trial(error)) => Finding::of(error),
+        _ => Finding::of(cause.downcast_ref::<TrialError>()?),
+    };
+    let refused = error.chain().find_map(trial);
+    if let Some(refused) = refused {
+        // Who closed the output wants no answer, and the error was told.
+        let _ = console.answer(&Refusal { refused });
     }
 }
 

@@ -64,6 +64,7 @@ pub(crate) fn trial() -> (TempDir, PathBuf) {
         coating: None,
         passes: vec![pass(false), pass(true)],
         notes: Vec::new(),
+        findings: Vec::new(),
     };
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("plate");

@@ -1,16 +1,11 @@
 //! Verdicts on tables: a column that matters is named, noise is not, and nothing is named where nothing is hidden.
 
-use std::path::Path;
-
 use effects::{Library, Model};
 use lab::study::{Asked, compare_rows};
 use lab::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
 use trials::table::Table;
 
 use crate::hidden::table;
-use crate::shared_folder::shared;
 use crate::synthetic::{Hidden, MANIFEST, NOISE, Work, csv, folder, work};
 
 /// A diagnosis as the program makes it.
@@ -86,21 +81,6 @@ fn a_dependence_on_a_column_is_not_noise_and_a_comparison_names_it() {
 }
 
 #[test]
-fn a_comparison_names_a_column_that_matters_and_is_not_declared() {
-    for (rows, matters) in [(work(Hidden::Nothing, NOISE, 5), false), (falling(1e-3, 5), true)] {
-        let folder = folder(MANIFEST, &csv(&rows));
-        let table = Table::read(folder.path()).unwrap();
-        let evidence = RowEvidence::new(&table).unwrap();
-        let model = evidence.scaled(Model::new(evidence.process()), Library::builtin()).unwrap();
-        let fit = calibrate(&evidence, &model, Library::builtin()).unwrap();
-        let asked = Asked { folder: folder.path(), lines: &[], seed: 1 };
-        let (comparison, _) = compare_rows(&evidence, &fit.model, &asked).unwrap();
-        let is_named = comparison.sentence.contains("goes with \"wear\", which the table does not declare");
-        assert_eq!(is_named, matters, "{}", comparison.sentence);
-    }
-}
-
-#[test]
 fn outliers_in_six_of_a_hundred_rows_leave_the_noise_and_the_verdict() {
     for seed in 0..4 {
         let mut rows = work(Hidden::Nothing, NOISE, 50 + seed);
@@ -132,70 +112,4 @@ fn a_rate_without_durations_shows_a_measured_dulling() {
     let evidence = RowEvidence::new(&table).unwrap();
     assert_eq!(evidence.acts(Library::builtin().find("grit-dulling").unwrap()), Ok(()));
     assert!(diagnosed(&table).effects.iter().any(|effect| effect.name == "grit-dulling"));
-}
-
-#[test]
-fn a_temperature_that_matters_more_than_the_library_allows_is_named_by_its_column() {
-    let mut rows = work(Hidden::Nothing, NOISE, 3);
-    // Twelve rows have one temperature each, from 18 to 25 degrees.
-    rows.iter_mut().enumerate().for_each(|(k, row)| {
-        let degrees = 18.0 + ((k * 5) % 8) as f64;
-        row.wear = 1e-9 * degrees;
-        row.depth *= (-0.03 * (degrees - 20.0)).exp();
-    });
-    let summary = diagnosed(&table(&declared("temperature", "degC"), &csv(&rows)));
-    assert_eq!((summary.verdict, &*summary.effects[0].name), (Verdict::Identified, "column-wear"));
-    assert!(summary.sentence.contains("% per K of column \"wear\""), "{}", summary.sentence);
-}
-
-/// Tables of others and what an independent analysis of them says.
-#[test]
-fn measured_tables_are_named_as_they_are() {
-    let Some(folder) = shared("data/tables") else { return };
-    let summary = |name: &str| diagnosed(&Table::read(&folder.join(name)).unwrap());
-    assert_eq!(summary("plywood").verdict, Verdict::NothingMissing);
-    for (name, exponent) in [("wear27", -0.48), ("epoxy60", -0.40)] {
-        let found = summary(name);
-        assert!([Verdict::Identified, Verdict::Ambiguous].contains(&found.verdict), "{name}: {}", found.sentence);
-        let first = &found.effects[0];
-        let names = || std::iter::once(&first.name).chain(&first.indistinguishable_from);
-        assert!(names().any(|name| name == "running-in"), "{name}: {}", found.sentence);
-        let running_in = found.suspects.iter().find(|suspect| suspect.name == "running-in").unwrap();
-        let [low, high] = running_in.parameters["exponent"].interval.unwrap();
-        assert!(low < exponent && exponent < high && high < 0.0, "{name}: {low} to {high}");
-        let [before, after] = [0, 1].map(|step: usize| found.waterfall[step].evaluation_rms_um.unwrap());
-        assert!(after < 0.8 * before, "{name}: {after} of {before} %");
-    }
-}
-
-/// A table in which the base law is true: its fitted prediction with what it leaves of the rows, permuted.
-fn with_the_law_true(table: &Table, seed: u64) -> Table {
-    let evidence = RowEvidence::new(table).unwrap();
-    let model = evidence.scaled(Model::new(evidence.process()), Library::builtin()).unwrap();
-    let fit = calibrate(&evidence, &model, Library::builtin()).unwrap();
-    let predicted = evidence.predicted(&fit.model).unwrap();
-    let known: Vec<usize> = (0..table.rows.len()).filter(|&at| table.rows[at].removal_rate.is_some()).collect();
-    let left: Vec<f64> = known.iter().map(|&at| table.rows[at].removal_rate.unwrap() / predicted[at]).collect();
-    let mut from: Vec<usize> = (0..known.len()).collect();
-    let mut random = Pcg64::seed_from_u64(seed);
-    (1..from.len()).rev().for_each(|k| from.swap(k, random.random_range(0..=k)));
-    let mut table = table.clone();
-    for (&at, from) in known.iter().zip(from) {
-        table.rows[at].removal_rate = Some(predicted[at] * left[from]);
-    }
-    table
-}
-
-#[test]
-fn permuted_residuals_of_the_tables_of_the_project_are_given_no_name() {
-    let mut named = Vec::new();
-    for name in ["belt-sanding", "two-passes"] {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tables").join(name);
-        let table = Table::read(&folder).unwrap();
-        for seed in 0..10 {
-            let found = diagnosed(&with_the_law_true(&table, seed));
-            named.extend(found.effects.first().map(|effect| format!("{name} {seed}: {}", effect.name)));
-        }
-    }
-    assert!(named.len() <= 1, "{named:?}");
 }

@@ -6,6 +6,4 @@ mod hidden;
 mod hostile;
 mod reach;
 mod reading;
-#[path = "../common/shared_folder.rs"]
-mod shared_folder;
 mod synthetic;

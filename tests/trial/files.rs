@@ -78,6 +78,7 @@ pub(crate) fn grinding() -> Trial {
         coating: None,
         passes: vec![pass],
         notes: Vec::new(),
+        findings: Vec::new(),
     }
 }
 

@@ -54,14 +54,30 @@ fn a_sanding_trial_returns() {
     assert_eq!(trial.passes[0].scan, read.passes[0].scan);
 }
 
+/// The grinding trial with readings of its own.
+fn measured_anew(number: usize, name: &str) -> Trial {
+    let mut trial = Trial { name: name.into(), ..grinding() };
+    let by = 1e-6 * number as f64;
+    let lifted = |map: &mut sdf_bake::HeightMap| map.heights.iter_mut().for_each(|height| *height += by);
+    lifted(&mut trial.scans.before);
+    trial.scans.repeats.iter_mut().for_each(lifted);
+    for pass in &mut trial.passes {
+        pass.log.rows.iter_mut().for_each(|row| row.force += 0.01 * number as f64);
+        if let trials::trial::PassScan::Heights(map) = &mut pass.scan {
+            lifted(map);
+        }
+    }
+    trial
+}
+
 #[test]
 fn a_campaign_is_its_trials_in_the_order_of_their_names() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["trial-2", "trial-10", "notes", "trial-1"] {
+    for (number, name) in ["trial-2", "trial-10", "notes", "trial-1"].into_iter().enumerate() {
         let place = folder.path().join(name);
         std::fs::create_dir(&place).unwrap();
         if name != "notes" {
-            write_trial(&Trial { name: name.into(), ..grinding() }, &place).unwrap();
+            write_trial(&measured_anew(number, name), &place).unwrap();
         }
     }
     edit(&folder.path().join("trial-10"), "trial.toml", |text| text.replace("fresh = true", "fresh = false"));

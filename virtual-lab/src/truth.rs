@@ -199,6 +199,7 @@ impl<'a> Bout<'a> {
             coating: sands.then_some(COATING),
             passes,
             notes: Vec::new(),
+            findings: Vec::new(),
         }
     }
 

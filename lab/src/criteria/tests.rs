@@ -49,7 +49,6 @@ const AGREED: &[(&str, f64)] = &[
     ("RATE_RANGE_FACTOR", 1000.0),
     ("SPAN_RANGE_FACTOR", 30.0),
     ("COLUMN_CHANGE_MOST", 4.6),
-    ("COLUMN_CHANGE_COVERED", 1.0),
     ("COLUMN_CHANGE_TYPICAL", 0.1),
     ("SAME_RESPONSE", 0.999),
     ("HUBER_CONSTANT", 2.5),

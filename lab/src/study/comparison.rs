@@ -12,7 +12,7 @@ use super::maps::{Seen, name, pass_volume, role};
 use super::provenance::provenance;
 use super::report_from_diagnosis::{compared_scans, folder_name};
 use super::simulated::Simulated;
-use super::track::{Ground, exposure, line_of};
+use super::track::{Ground, deepest, exposure, line_of};
 use super::waterfall::{Scans, Step};
 use super::{residual_tests, row_covariates, tile_covariates};
 use crate::study::{
@@ -23,7 +23,7 @@ use crate::{
     StructureTest, robust_sum,
 };
 use trials::measure::Plateau;
-use trials::trial::{Campaign, Role};
+use trials::trial::{Campaign, Finding, Role};
 
 /// A section in numbers.
 #[derive(Clone, Debug, Serialize)]
@@ -70,6 +70,8 @@ pub struct Comparison {
     pub sentence: String,
     /// What the reader understood of the files where it was not the plain case, one sentence each.
     pub notes: Vec<String>,
+    /// What the checks of scans and logs against each other found, for machines; empty of a table.
+    pub findings: Vec<Finding>,
     /// In what errors are told: `um`, or `percent` of the removal.
     pub error_unit: ErrorUnit,
     /// Root mean square of what the model leaves.
@@ -128,9 +130,11 @@ pub fn compare_scans(
     let error = [rms(|figures| figures.rms_um), rms(|figures| figures.noise_floor_um)];
     let equal_passes = evidence.trend(model)?;
     let notes = campaign.notes();
-    let found = Found { equal_passes, tests, study, named: &tile_covariates::covariate, error, notes };
+    let removal = 1e6 * deepest(evidence, &simulated, split);
+    let found = Found { equal_passes, tests, study, named: &tile_covariates::covariate, error, notes, removal };
     let blur = Some(simulated.blur * 1e6);
-    let comparison = Comparison { blur_um: blur, scans: figures, ..found.comparison(evidence.unit(), split) };
+    let findings = campaign.findings();
+    let comparison = Comparison { blur_um: blur, scans: figures, findings, ..found.comparison(evidence.unit(), split) };
     let alignments: Vec<_> = evidence.views.iter().map(|view| scans.alignment(view)).collect();
     let named = found.compared(model, asked.folder);
     let compared = compared_scans(campaign, evidence, &alignments, named);
@@ -159,12 +163,10 @@ pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked
     let named = |at: usize| row_covariates::covariate(evidence, at);
     let equal_passes = evidence.trend(model)?;
     let error = [100.0 * rms(&residuals), 100.0 * evidence.noise];
-    let undeclared = row_covariates::words_of_undeclared(evidence, &study);
-    let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().chain(undeclared.clone()).collect();
-    let found = Found { equal_passes, tests, study, named: &named, error, notes };
+    let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().collect();
+    let found = Found { equal_passes, tests, study, named: &named, error, notes, removal: 100.0 };
     let outlier_lines = evidence.outliers(&residuals, split).iter().map(|row| row.line).collect();
-    let mut comparison = Comparison { outlier_lines, ..found.comparison(evidence.unit(), split) };
-    undeclared.iter().for_each(|words| comparison.sentence += &format!(" {words}"));
+    let comparison = Comparison { outlier_lines, ..found.comparison(evidence.unit(), split) };
     let held_out = evidence.residuals(model, Split::Evaluation)?;
     let step = |name: &str, calibration: f64, evaluation: f64| WaterfallStep {
         name: name.to_owned(),
@@ -193,6 +195,8 @@ struct Found<'a> {
     error: [f64; 2],
     /// What the reader understood of the files.
     notes: Vec<String>,
+    /// Mean of what was removed, in the unit of errors; infinite where it has no such size.
+    removal: f64,
 }
 
 impl Found<'_> {
@@ -205,14 +209,23 @@ impl Found<'_> {
     fn comparison(&self, unit: ErrorUnit, split: Split) -> Comparison {
         let [rms, floor] = self.error;
         let failures = Failures::new(self.tests.clone(), &self.study, self.named);
-        let agrees = !self.tests.iter().any(|test| test.rejects);
+        // Holm's rule with the covariates as one more test: where no test rejects, theirs is the first to be looked at.
+        let level = SIGNIFICANCE_LEVEL / (self.tests.len() + 1) as f64;
+        let depends = failures.covariates.iter().any(|covariate| covariate.p_value_of_all <= level);
+        let hidden = floor >= self.removal;
+        let agrees = !self.tests.iter().any(|test| test.rejects) && !depends && !hidden;
         let errors = format!("{rms:.2} {} where noise alone leaves {floor:.2} {}", unit.symbol(), unit.symbol());
         let beyond = self.equal_passes.as_ref().filter(|trend| trend.out_of_reach);
         let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
         let is_near = !agrees && rms <= NEAR_FLOOR_RATIO * floor;
         let near = if is_near { " The error is near the noise, but what is left has structure." } else { "" };
         let is_significant = |covariate: &&CovariateFigures| covariate.p_value_of_all <= SIGNIFICANCE_LEVEL;
+        let removal = format!("{:.2} {}", self.removal, unit.symbol());
         let sentence = match (agrees, failures.covariates.iter().find(is_significant)) {
+            _ if hidden => format!(
+                "The model leaves {errors}, and all that was removed is {removal}: noise hides it, and nothing can be said. Is [scan] \
+                 repeat another scan of the same surface?"
+            ),
             (true, _) => format!("The model leaves {errors}: no structure beyond noise."),
             (false, Some(most)) => format!(
                 "The model leaves {errors}; its error depends most on the {}, which alone explains {:.0} % of the excess.",
@@ -225,6 +238,7 @@ impl Found<'_> {
             agrees,
             sentence: sentence + near + &beyond,
             notes: self.notes.clone(),
+            findings: Vec::new(),
             error_unit: unit,
             rms,
             noise_floor: floor,
@@ -342,6 +356,7 @@ fn figures(evidence: &ScanEvidence, view: &ScanView, simulated: &Simulated, line
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CovariateShare;
 
     /// What is found where a test says this and the error is so many noise floors.
     fn found(rejects: bool, floors: f64) -> Comparison {
@@ -353,8 +368,32 @@ mod tests {
             named: &|_| unreachable!("there is no covariate"),
             error: [floors, 1.0],
             notes: Vec::new(),
+            removal: 10.0,
         };
         found.comparison(ErrorUnit::Micrometre, Split::Calibration)
+    }
+
+    /// The same without a test that rejects, where a covariate has this p-value and so much was removed.
+    fn explained(p_value: f64, removal: f64) -> Comparison {
+        let share =
+            CovariateShare { covariate: 0, share: 0.5, drop: 0.5, p_value, p_value_of_all: p_value, bins: vec![] };
+        let found = Found {
+            equal_passes: None,
+            tests: Vec::new(),
+            study: CovariateStudy { joint_share: 0.5, covariates: vec![share] },
+            named: &|_| ("force".to_owned(), Stated::new("N", 1.0)),
+            error: [1.0, 1.0],
+            notes: Vec::new(),
+            removal,
+        };
+        found.comparison(ErrorUnit::Micrometre, Split::Calibration)
+    }
+
+    #[test]
+    fn a_covariate_that_explains_or_noise_that_hides_never_agrees() {
+        assert!(explained(0.5, 10.0).agrees && !explained(0.002, 10.0).agrees);
+        let hidden = explained(0.5, 0.9);
+        assert!(!hidden.agrees && hidden.sentence.contains("noise hides it"), "{}", hidden.sentence);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use effects::{CompiledModel, Library, Model};
 
 use crate::{Evidence, RowEvidence, ScanEvidence, Totals, uncalibrated};
 use trials::table::{TABLE_FILE, Table};
-use trials::trial::Campaign;
+use trials::trial::{Campaign, Finding};
 
 /// Measurements as they were read.
 pub enum Measurements {
@@ -109,6 +109,14 @@ impl<'a> Data<'a> {
         match self {
             Self::Scans(..) => Ok(library),
             Self::Rows(_, evidence) => evidence.library(&library).map_err(LabError::Refused),
+        }
+    }
+
+    /// What the checks of scans and logs against each other found, for machines; nothing of a table.
+    pub fn findings(&self) -> Vec<Finding> {
+        match self {
+            Self::Scans(campaign, _) => campaign.findings(),
+            Self::Rows(..) => Vec::new(),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use trials::trial::Finding;
 
 use crate::criteria::CriterionValues;
 use crate::{ErrorUnit, Verdict, WaterfallStep};
@@ -87,6 +88,9 @@ pub struct StudyRecord {
     /// What the reader understood of the files where it was not the plain case, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// What the checks of scans and logs against each other found, for machines.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
     /// How the error fell so far.
     pub waterfall: Vec<WaterfallStep>,
     /// The effect to add, while that is the next step, and the text of the model with it as the search fitted it.
@@ -115,6 +119,7 @@ impl StudyRecord {
             noise_floor_um: 0.0,
             evaluation_noise_floor_um: None,
             notes: Vec::new(),
+            findings: Vec::new(),
             waterfall: Vec::new(),
             to_add: None,
             diagnosis: None,

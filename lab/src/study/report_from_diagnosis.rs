@@ -19,7 +19,7 @@ use crate::{
     RowEvidence, ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
 };
 use trials::measure::Registration;
-use trials::trial::{Campaign, PassScan, Tool};
+use trials::trial::{Campaign, Finding, PassScan, Tool};
 
 /// How scans are laid and judged, a sentence each.
 const METHOD: [&str; 3] = [
@@ -47,6 +47,8 @@ pub struct ReportInput<'a> {
     pub seed: u64,
     /// What the reader understood of the files.
     pub notes: Vec<String>,
+    /// What the checks of scans and logs against each other found.
+    pub findings: Vec<Finding>,
 }
 
 /// The answer of a diagnosis: what is missing, and where the base model fails.
@@ -54,6 +56,8 @@ pub struct ReportInput<'a> {
 struct Answer<'a> {
     /// What the reader understood of the files where it was not the plain case.
     notes: &'a [String],
+    /// What the checks of scans and logs against each other found.
+    findings: &'a [Finding],
     #[serde(flatten)]
     summary: &'a DiagnosisSummary,
     #[serde(flatten)]
@@ -92,7 +96,12 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         next_trial: summary.next_trial.as_ref().map(next_trial),
         suggested_effect: input.suggestion.map(suggested),
         provenance: provenance(input.folder, input.seed)?,
-        diagnosis: serde_json::to_value(Answer { notes: &input.notes, summary, failures: &filled.failures })?,
+        diagnosis: serde_json::to_value(Answer {
+            notes: &input.notes,
+            findings: &input.findings,
+            summary,
+            failures: &filled.failures,
+        })?,
     })
 }
 

@@ -2,11 +2,10 @@
 
 use effects::CompiledModel;
 
-use crate::criteria::{GROSS_RESIDUAL_SIGMAS, ROW_BLOCK_LENGTH, SIGNIFICANCE_LEVEL};
+use crate::criteria::{GROSS_RESIDUAL_SIGMAS, ROW_BLOCK_LENGTH};
 use crate::study::Stated;
 use crate::{
-    CovariateField, CovariateShare, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, StructureTest,
-    covariate_study,
+    CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, StructureTest, covariate_study,
 };
 use trials::measure::centre_and_sigma;
 use trials::table::Row;
@@ -82,22 +81,6 @@ pub fn test_of_declared(evidence: &RowEvidence, study: &CovariateStudy) -> Optio
     let most = own.min_by(|a, b| a.p_value_of_all.total_cmp(&b.p_value_of_all).then(b.share.total_cmp(&a.share)))?;
     let name = "goes with a declared column".to_owned();
     Some(StructureTest { name, statistic: most.share, p_value: most.p_value_of_all, rejects: false })
-}
-
-/// The columns that the table does not declare and with which what is left goes, in one sentence; they may be causes, or
-/// measured results as the removal is.
-pub fn words_of_undeclared(evidence: &RowEvidence, study: &CovariateStudy) -> Option<String> {
-    let declared = COVARIATES.len() + 2 + evidence.table.usage.len();
-    let goes_along = |one: &&CovariateShare| one.covariate >= declared && one.p_value_of_all <= SIGNIFICANCE_LEVEL;
-    let own = study.covariates.iter().filter(goes_along);
-    let names: Vec<String> = own.map(|one| format!("{:?}", covariate(evidence, one.covariate).0)).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "What is left goes with {}, which the table does not declare: where that is a cause and no result, declare it \
-             in [columns] under a name of your own.",
-            names.join(", ")
-        )
-    })
 }
 
 /// Rows that a tool has done since it was fresh, before each row.

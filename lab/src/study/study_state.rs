@@ -41,7 +41,7 @@ impl<'a> StudyState<'a> {
     /// # Errors
     /// A model that does not fit the measurements.
     pub fn new(data: Data<'a>, library: &'a Library, model: Model, record: StudyRecord) -> Result<Self> {
-        let record = StudyRecord { notes: data.notes(), ..record };
+        let record = StudyRecord { notes: data.notes(), findings: data.findings(), ..record };
         let model = data.fitting(model, library)?;
         Ok(Self {
             record,

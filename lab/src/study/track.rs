@@ -5,7 +5,7 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::simulated::Simulated;
 use crate::criteria::PLATEAU_REMOVAL_SIGMAS;
 use crate::study::Direction;
-use crate::{HeightView, ScanData, ScanEvidence, ScanView};
+use crate::{HeightView, ScanData, ScanEvidence, ScanView, Split};
 use trials::measure::{
     Across, CLEARANCE, Freedom, Plateau, Registration, despiked, plateau_pixels, register, untouched,
 };
@@ -98,6 +98,13 @@ impl<'a> Ground<'a> {
         Volume { measured: simulated - sum(&self.left), uncertainty: self.data.volume_sigma(), simulated }
     }
 
+    /// Mean depth that was measured since the scan before the first pass, near the tool [m].
+    fn depth(&self, before: &HeightMap) -> f64 {
+        let known = |at: &usize| (self.left[*at] + before.heights[*at]).is_finite();
+        let count = self.data.tiles.pixels().filter(|(_, at)| known(at)).count();
+        self.volume(before).measured / (self.seen.pixels.pitch.powi(2) * count.max(1) as f64)
+    }
+
     /// The plateau that a pass left.
     pub fn plateau(&self, before: &HeightMap, pass: &Pass, noise: f64) -> Plateau {
         let across = if pass.direction.x.abs() >= pass.direction.y.abs() { Across::Y } else { Across::X };
@@ -127,6 +134,16 @@ impl<'a> Ground<'a> {
         self.data.tiles.pixels().for_each(|(tile, at)| of_tile[tile] += of_pixel[at]);
         self.data.held_sigma(&of_tile)
     }
+}
+
+/// Greatest of the mean depths that were measured after the passes of a split [m]; infinite when sanding, where scans show no
+/// depth.
+pub fn deepest(evidence: &ScanEvidence, simulated: &Simulated, split: Split) -> f64 {
+    let depth = |view: &ScanView| {
+        let before = &evidence.simulation.trials[view.trial].trial.scans.before;
+        Some(Ground::new(evidence, view, simulated)?.depth(before))
+    };
+    evidence.of(split).filter_map(depth).reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
 /// The pixels of a section.

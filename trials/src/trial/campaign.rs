@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{Place, TrialError};
 use super::manifest::TRIAL_FILE;
-use super::{Tool, Trial};
+use super::{Finding, Tool, Trial, plausible};
 
 /// All trials of a folder, in the order of their folders' names.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +41,7 @@ impl Campaign {
             ));
         }
         let trials: Vec<Trial> = places.iter().map(|place| Trial::read(place)).collect::<Result<_, _>>()?;
+        plausible::check_across(&trials).map_err(|error| error.by("across trials"))?;
         Self { folder: folder.to_owned(), trials }.checked()
     }
 
@@ -50,6 +51,11 @@ impl Campaign {
         let named =
             |trial: &Trial, note: &String| if several { format!("{}: {note}", trial.name) } else { note.clone() };
         self.trials.iter().flat_map(|trial| trial.notes.iter().map(move |note| named(trial, note))).collect()
+    }
+
+    /// What the checks of all trials found, for machines.
+    pub fn findings(&self) -> Vec<Finding> {
+        self.trials.iter().flat_map(|trial| trial.findings.iter().cloned()).collect()
     }
 
     /// A worn tool carries on from the trial before, so that must have used the same tool.

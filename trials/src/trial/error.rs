@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use files::input::InputError;
 use thiserror::Error;
 
+/// The check that a file's content alone fails.
+const CONTENT: &str = "content";
+
 /// A place in a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
@@ -34,6 +37,8 @@ pub enum TrialError {
     /// The content is not what the format says.
     #[error("{place}: {found}; {accepted}")]
     Bad {
+        /// Which check found it.
+        check: &'static str,
         /// Where.
         place: Place,
         /// What was found there.
@@ -74,7 +79,17 @@ impl Place {
 
     /// The error that something else was expected here.
     pub fn bad(self, found: impl Into<String>, accepted: impl Into<String>) -> TrialError {
-        TrialError::Bad { place: self, found: found.into(), accepted: accepted.into() }
+        TrialError::Bad { check: CONTENT, place: self, found: found.into(), accepted: accepted.into() }
+    }
+}
+
+impl TrialError {
+    /// The same as found by a check.
+    pub(super) fn by(self, name: &'static str) -> Self {
+        match self {
+            Self::Bad { place, found, accepted, .. } => Self::Bad { check: name, place, found, accepted },
+            other => other,
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod campaign;
 mod error;
+mod finding;
 mod height_csv;
 mod keyence;
 mod log;
@@ -27,6 +28,7 @@ use serde::Serialize;
 
 pub use campaign::Campaign;
 pub use error::{Place, TrialError};
+pub use finding::{Finding, Severity};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
 pub use manifest::{Process, Role, TRIAL_FILE, TRIAL_FORMAT};
 pub(crate) use manifest::{Source, nearest};
@@ -143,4 +145,6 @@ pub struct Trial {
     pub passes: Vec<Pass>,
     /// What was understood of the files where it was not the plain case, one sentence each.
     pub notes: Vec<String>,
+    /// Those of the notes that checks of the files against each other made, for machines.
+    pub findings: Vec<Finding>,
 }

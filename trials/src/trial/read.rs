@@ -32,6 +32,8 @@ impl Trial {
 
 /// Radius and width of a tool that are accepted [mm], as the flags of `robofin simulate` have them.
 const TOOL_MM: [f64; 2] = [0.1, 1000.0];
+/// Thickness of a coating that is accepted [mm]: a tenth of a micrometre, and that of a layer of filler.
+const COATING_MM: [f64; 2] = [1e-4, 10.0];
 /// Periods of a controller that are accepted [s]: a hundred times faster than robots are, and once a second.
 const PERIOD_S: [f64; 2] = [1e-5, 1.0];
 /// Passes of a trial that are accepted; each takes seconds.
@@ -56,7 +58,8 @@ impl Reader<'_> {
         self.check_size(manifest, &scans.before.pixels)?;
         let passes = manifest.pass.iter().map(|table| self.pass(table, manifest.process, &scans.before.pixels, frame));
         let passes = passes.collect::<Result<Vec<_>, _>>()?;
-        let coating = manifest.coating.as_ref().map(|table| self.positive("thickness_mm", &table.thickness_mm));
+        let coating =
+            manifest.coating.as_ref().map(|table| self.within("thickness_mm", &table.thickness_mm, COATING_MM));
         Ok(Trial {
             folder: self.folder.to_owned(),
             name: manifest.name.clone(),
@@ -68,6 +71,7 @@ impl Reader<'_> {
             coating: coating.transpose()?.map(|thickness| thickness * 1e-3),
             passes,
             notes: std::mem::take(&mut self.notes),
+            findings: Vec::new(),
         })
     }
 

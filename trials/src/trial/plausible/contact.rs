@@ -120,7 +120,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
 }
 
 /// A scan laid on the first one by offset and tilt; as it is where that cannot be found.
-fn levelled(after: &HeightMap, surfaces: &Surfaces, pass: usize) -> HeightMap {
+pub(super) fn levelled(after: &HeightMap, surfaces: &Surfaces, pass: usize) -> HeightMap {
     let free = surfaces.free_until(pass);
     let found = register(after, &surfaces.before, Freedom::Plane, |at| free[at]);
     found.map_or_else(|_| after.clone(), |found| found.levelled(after))

@@ -12,6 +12,9 @@ use super::{LEAST_PIXELS, Names, ground};
 /// Difference of two heights that writing them to a file makes [m]: two roundings to a nanometre.
 const ROUNDING: f64 = 2e-9;
 
+/// Coarsest step of heights in a file that is looked for [m].
+const COARSEST: f64 = 1e-4;
+
 /// Refuses scans that are copies of each other.
 pub(super) fn check(trial: &Trial, names: &Names) -> Result<(), TrialError> {
     let before = [(names.before, &trial.scans.before)];
@@ -49,12 +52,33 @@ fn refuse_pair<T>(
     Ok(())
 }
 
-/// Whether two maps differ by nothing but a common offset.
+/// Whether two maps differ by nothing but a common offset and the rounding of the coarser one: independent noise exceeds half
+/// a step somewhere among hundreds of pixels.
 fn are_copies(a: &HeightMap, b: &HeightMap) -> bool {
     let differences = || a.heights.iter().zip(&b.heights).map(|(a, b)| a - b).filter(|d| d.is_finite());
-    let (low, high) =
-        differences().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
-    high - low <= ROUNDING && differences().take(LEAST_PIXELS).count() == LEAST_PIXELS
+    let spread = || {
+        let ends = differences().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+        ends.1 - ends.0
+    };
+    // The first pixels tell most scans apart.
+    let (low, high) = differences()
+        .take(LEAST_PIXELS)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+    if high - low > COARSEST || differences().take(LEAST_PIXELS).count() < LEAST_PIXELS {
+        return false;
+    }
+    let (fine, coarse) = (step(a).min(step(b)), step(a).max(step(b)));
+    let rounding = if coarse > 1.5 * fine { coarse } else { 0.0 };
+    spread() <= rounding + ROUNDING
+}
+
+/// The decimal step of which all heights of a map are multiples [m].
+fn step(map: &HeightMap) -> f64 {
+    let known = || map.heights.iter().filter(|height| height.is_finite());
+    let fits =
+        |step: f64| known().all(|height| (height / step - (height / step).round()).abs() * step < 0.5 * ROUNDING);
+    let steps = std::iter::successors(Some(COARSEST), |step| Some(0.1 * step)).take_while(|step| *step > ROUNDING);
+    steps.into_iter().find(|step| fits(*step)).unwrap_or(0.0)
 }
 
 /// Whether two masks are the same and show both coating and substrate: masks of one kind alone may well repeat.

@@ -4,9 +4,9 @@
 use glam::DVec2;
 use sdf_bake::HeightMap;
 
-use super::super::Trial;
 use super::super::error::{Place, TrialError};
-use super::{LEAST_PIXELS, Names, Surfaces};
+use super::super::{Tool, Trial};
+use super::{LEAST_PIXELS, Names, Surfaces, odds, touching};
 use crate::measure::{Freedom, centre_and_sigma, register};
 
 /// Rise that is no noise [robust standard deviations of the untouched surface], and its least size [m].
@@ -29,9 +29,10 @@ const BESIDE: (f64, f64) = (0.1, 0.5);
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let mut notes = Vec::new();
     let mut earlier = &surfaces.before;
-    for ((now, free), name) in surfaces.after.iter().zip(&surfaces.free).zip(&names.scans) {
+    for (pass, ((now, free), name)) in surfaces.after.iter().zip(&surfaces.free).zip(&names.scans).enumerate() {
         let place = Place::file(&trial.folder.join(name));
-        notes.extend(follow(now, earlier, free, place)?.into_iter().map(|note| format!("{}: {note}", name.display())));
+        let found = follow(now, earlier, free, place)?.into_iter().chain(across(trial, surfaces, pass));
+        notes.extend(found.map(|note| format!("{}: {note}", name.display())));
         earlier = now;
     }
     Ok(notes)
@@ -75,6 +76,39 @@ fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> 
     Ok(tilted.into_iter().chain(beside(&cut, now, free, place)?).collect())
 }
 
+/// Pixels that a pass ground; `None` where the scans cannot be laid on each other.
+fn ground_by(surfaces: &Surfaces, pass: usize) -> Option<Vec<usize>> {
+    let (now, free) = (surfaces.after.get(pass)?, &surfaces.free[pass]);
+    let earlier = pass.checked_sub(1).map_or(&surfaces.before, |before| &surfaces.after[before]);
+    let found = register(now, earlier, Freedom::PlaneAndShift, |at| free[at]).ok()?;
+    let left = HeightMap { heights: found.left(now, earlier), ..now.clone() };
+    Some(cut(&left, (RISE.0 * found.sigma).max(RISE.1)))
+}
+
+/// Whether the scan after a pass lies below the one before it anywhere.
+pub(super) fn shows_removal(surfaces: &Surfaces, pass: usize) -> bool {
+    ground_by(surfaces, pass).is_some_and(|cut| cut.len() >= LEAST_PIXELS)
+}
+
+/// How far the middle of what a wheel ground lies beside its path, along its axis: a wide wheel grinds the same where it is
+/// off by a few millimetres, so that nothing else shows it.
+fn across(trial: &Trial, surfaces: &Surfaces, pass: usize) -> Option<String> {
+    let Tool::Wheel { axis, .. } = trial.tool else { return None };
+    let cut = ground_by(surfaces, pass).filter(|cut| cut.len() >= LEAST_PIXELS)?;
+    let pixels = surfaces.before.pixels;
+    let ground =
+        cut.iter().map(|&at| pixels.position(at % pixels.nx, at / pixels.nx)).sum::<DVec2>() / cut.len() as f64;
+    let poses = touching(&surfaces.paths[pass]);
+    let path = poses.iter().map(|pose| pose.centre.truncate()).sum::<DVec2>() / poses.len().max(1) as f64;
+    let beside = (ground - path).dot(axis.truncate());
+    (!poses.is_empty() && beside.abs() > odds::displaced_by_effects(0.0)).then(|| {
+        format!(
+            "the middle of the ground area lies {:.1} mm beside the path, along the wheel's axis: is origin_mm off, or the log?",
+            1e3 * beside
+        )
+    })
+}
+
 /// Pixels that sank with all their neighbours along x and y: noise does that to none.
 fn cut(left: &HeightMap, clear: f64) -> Vec<usize> {
     let (nx, ny) = (left.pixels.nx, left.pixels.ny);
@@ -110,7 +144,10 @@ fn beside(cut: &[usize], map: &HeightMap, free: &[bool], place: Place) -> Result
     if share <= BESIDE.1 {
         return Ok(Some(found));
     }
-    Err(place.bad(found, "removal under the tool is expected: is origin_mm off, or are the scans or the log mirrored?"))
+    Err(place.bad(
+        found,
+        "removal under the tool is expected: is origin_mm or pitch_mm off, or are the scans or the log mirrored?",
+    ))
 }
 
 /// By how many pixels along x and y a scan lies beside another on the untouched surface, where that is beyond doubt.

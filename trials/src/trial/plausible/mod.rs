@@ -3,6 +3,12 @@
 //! All checks run when a trial is read, before any simulation. Each refuses with file, column or key, the gap that it
 //! found and a guess of the cause, or leaves a note:
 //!
+//! - [`logs`]: the way of the tool, logs that are copies or changed places, sensors that are not connected;
+//! - [`pairs`]: scans that share their noise, and scans of another surface;
+//! - [`profile`]: the logged heights follow the scans, in no other frame better;
+//! - [`exposure`]: masks lie where the pad was, and no coating comes back;
+//! - [`material`]: the bead stands where the labels say;
+//! - [`across`]: trials that share files, or changed places;
 //! - [`readings`]: force, feed and spindle speed of a log against the values of its pass;
 //! - [`copies`]: two scans with the same heights are one scan;
 //! - [`orientation`]: one scan is a mirror image of the others, or has another sign or unit;
@@ -10,13 +16,21 @@
 //! - [`follow`]: scans that are swapped or displaced, and removal beside the tool's path;
 //! - [`repeat`]: the repeated scan must differ from the first one by noise only.
 
+mod across;
 mod contact;
 mod copies;
+mod exposure;
 mod follow;
+mod logs;
+mod material;
+mod odds;
 mod orientation;
+mod pairs;
+mod profile;
 mod readings;
 mod repeat;
 
+pub(super) use across::check as check_across;
 pub use contact::least_gap;
 
 use std::path::Path;
@@ -27,7 +41,7 @@ use sdf_bake::HeightMap;
 use super::error::{Place, TrialError};
 use super::manifest::Manifest;
 use super::poses::{ToolPath, ToolPose};
-use super::{Pass, PassScan, Trial};
+use super::{Finding, Pass, PassScan, Trial};
 use crate::measure::{CLEARANCE, despiked, untouched};
 
 /// Fewest pixels that a judgement needs: the standard error of a mean is then a tenth of the spread.
@@ -81,6 +95,21 @@ impl Surfaces {
         }
     }
 
+    /// Whether the scan after a pass shows that something was removed or exposed since the one before.
+    fn shows_work(&self, trial: &Trial, pass: usize) -> bool {
+        let scan = |number: usize| trial.passes.get(number).map(|pass| &pass.scan);
+        match (scan(pass), pass.checked_sub(1).and_then(scan)) {
+            (Some(PassScan::Exposure(now)), Some(PassScan::Exposure(earlier))) => {
+                let pixels = now.exposed.iter().zip(&earlier.exposed);
+                pixels.filter(|(now, earlier)| **now == Some(true) && **earlier == Some(false)).count() >= LEAST_PIXELS
+            }
+            (Some(PassScan::Exposure(now)), _) => {
+                now.exposed.iter().filter(|exposed| **exposed == Some(true)).count() >= LEAST_PIXELS
+            }
+            _ => follow::shows_removal(self, pass),
+        }
+    }
+
     /// Pixels that no pass up to this one came near; all pixels where those are too few to judge by.
     fn free_until(&self, pass: usize) -> Vec<bool> {
         let alone = |at: usize| self.free[..=pass].iter().all(|free| free[at]);
@@ -100,28 +129,61 @@ fn ground(pass: &Pass) -> Option<&HeightMap> {
 
 /// Refuses a trial whose files contradict each other, and notes what is odd.
 pub(super) fn check(trial: &mut Trial, names: &Names) -> Result<(), TrialError> {
-    let mut notes = Vec::new();
+    let mut noted = Noted { trial: trial.name.clone(), notes: Vec::new(), findings: Vec::new() };
     for (pass, name) in trial.passes.iter().zip(&names.logs) {
-        let found = readings::check(pass, trial, &trial.folder.join(name))?;
-        notes.extend(found.into_iter().map(|note| format!("{}: {note}", name.display())));
+        let found = readings::check(pass, trial, &trial.folder.join(name));
+        let named = |notes: Vec<String>| notes.into_iter().map(|note| format!("{}: {note}", name.display())).collect();
+        noted.add("readings", found.map(named))?;
     }
     let surfaces = Surfaces::of(trial);
     for (path, name) in surfaces.paths.iter().zip(&names.logs) {
-        contact::check_place(&touching(path), &trial.scans.before, &Place::file(&trial.folder.join(name)))?;
+        let place = Place::file(&trial.folder.join(name));
+        noted.add("place", contact::check_place(&touching(path), &trial.scans.before, &place).map(|()| Vec::new()))?;
     }
-    orientation::check(trial, &surfaces, names)?;
-    notes.extend(contact::check(trial, &surfaces, names)?);
+    noted.add("orientation", orientation::check(trial, &surfaces, names).map(|()| Vec::new()))?;
+    noted.add("contact", contact::check(trial, &surfaces, names))?;
+    noted.add("logs", logs::check(trial, &surfaces, names))?;
     for pass in &trial.passes {
-        let note = readings::check_rim(pass, trial)?;
-        notes.extend(note.filter(|note| !notes.contains(note)));
+        noted.add("rim speed", readings::check_rim(pass, trial).map(Vec::from_iter))?;
     }
-    copies::check(trial, names)?;
-    notes.extend(follow::check(trial, &surfaces, names)?);
-    notes.extend(repeat::check(trial, &surfaces, names)?);
-    let pauses = trial.passes.windows(2).zip(&names.logs[1..]);
-    notes.extend(pauses.filter_map(|(pair, name)| Some(format!("{}: {}", name.display(), pause(&pair[0], &pair[1])?))));
-    trial.notes.extend(notes);
+    noted.add("copies", copies::check(trial, names).map(|()| Vec::new()))?;
+    noted.add("removal", follow::check(trial, &surfaces, names))?;
+    noted.add("repeat", repeat::check(trial, &surfaces, names))?;
+    noted.add("noise", pairs::check(trial, &surfaces, names).map(Vec::from_iter))?;
+    noted.add("profile", profile::check(trial, &surfaces, names).map(Vec::from_iter))?;
+    noted.add("exposure", exposure::check(trial, &surfaces, names))?;
+    noted.add("material", material::check(trial, &surfaces).map(Vec::from_iter))?;
+    noted.add("pause", Ok(pauses(trial, names)))?;
+    trial.notes.extend(noted.notes);
+    trial.findings = noted.findings;
     Ok(())
+}
+
+/// Notes so far.
+struct Noted {
+    /// Name of the trial.
+    trial: String,
+    notes: Vec<String>,
+    findings: Vec<Finding>,
+}
+
+impl Noted {
+    /// Takes over the notes of a check, each once.
+    fn add(&mut self, check: &'static str, found: Result<Vec<String>, TrialError>) -> Result<(), TrialError> {
+        for note in found.map_err(|error| error.by(check))? {
+            if !self.notes.contains(&note) {
+                self.findings.push(Finding::noted(check, &self.trial, &note));
+                self.notes.push(note);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is odd about the times between passes.
+fn pauses(trial: &Trial, names: &Names) -> Vec<String> {
+    let pairs = trial.passes.windows(2).zip(&names.logs[1..]);
+    pairs.filter_map(|(pair, name)| Some(format!("{}: {}", name.display(), pause(&pair[0], &pair[1])?))).collect()
 }
 
 /// Poses of a path while the tool touched; none where the force never rose above its noise.

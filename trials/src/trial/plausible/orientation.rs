@@ -144,7 +144,7 @@ fn misfit(scan: &HeightMap, other: &HeightMap, mask: &[bool]) -> Option<f64> {
 
 /// Noise of single pixels [m]: from second differences along the rows, which slopes leave at zero. Their variance is six
 /// times that of a pixel.
-fn pixel_noise(map: &HeightMap) -> f64 {
+pub(super) fn pixel_noise(map: &HeightMap) -> f64 {
     let rows = map.heights.chunks(map.pixels.nx);
     let bends = rows.flat_map(|row| row.windows(3).map(|h| (h[0] - 2.0 * h[1] + h[2]).abs())).filter(|b| b.is_finite());
     MAD_TO_SIGMA * median(bends.collect()).unwrap_or(0.0) / 6f64.sqrt()

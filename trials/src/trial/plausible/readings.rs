@@ -56,9 +56,18 @@ pub(super) fn check(pass: &Pass, trial: &Trial, log: &Path) -> Result<Vec<String
         None => Some("the force never rises above its noise: no contact".to_owned()),
         Some(contact) => odd_force(pass, contact),
     };
+    let spindle = Motion::of(&pass.log).spindle_speed.abs() / RPM;
+    let odd_spindle = spindle > 0.0 && !is_within(spindle * RPM / pass.spindle_speed, ODD_SPEED);
+    let other = odd_spindle.then(|| {
+        format!(
+            "the column spindle_rpm is {} where {TRIAL_FILE} says {}",
+            shown(spindle),
+            shown(pass.spindle_speed / RPM)
+        )
+    });
     let still = (pass.spindle_speed > 0.0 && Motion::of(&pass.log).spindle_speed == 0.0)
         .then(|| format!("spindle_rpm is 0 where {TRIAL_FILE} says {:.0}", pass.spindle_speed / RPM));
-    Ok([jump, contact, speed, still].into_iter().flatten().collect())
+    Ok([jump, contact, speed, still, other].into_iter().flatten().collect())
 }
 
 /// Whether a ratio is between `1 / factor` and `factor`.
@@ -140,13 +149,15 @@ fn odd_force(pass: &Pass, contact: Contact) -> Option<String> {
 fn check_feed(pass: &Pass, map: &PixelGrid, place: &dyn Fn() -> Place) -> Result<(), TrialError> {
     let speed = Motion::of(&pass.log).feed;
     let ratio = speed / pass.feed;
-    if is_within(ratio, WRONG) || !ratio.is_finite() || ratio <= 0.0 {
+    if is_within(ratio, WRONG) || !ratio.is_finite() {
         return Ok(());
     }
     let shown = format!("the tool moves at {:.3e} mm/s where the feed is {:.3} mm/s", speed * 1e3, pass.feed * 1e3);
     let reach = pass.log.rows.iter().map(|row| (row.position - pass.log.rows[0].position).length()).fold(0.0, f64::max);
     let maps = reach / (map.pitch * map.nx.max(map.ny) as f64);
-    let accepted = if THOUSAND.contains(&ratio) && maps > LENGTHS.1 {
+    let accepted = if speed == 0.0 {
+        "a tool that moves is expected: do x_mm and y_mm change?".to_owned()
+    } else if THOUSAND.contains(&ratio) && maps > LENGTHS.1 {
         "positions in mm are expected: these look like µm".to_owned()
     } else if THOUSAND.contains(&(1.0 / ratio)) && maps < LENGTHS.0 {
         "positions in mm are expected: these look like m".to_owned()

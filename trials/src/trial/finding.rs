@@ -1,0 +1,90 @@
+//! What the checks of a trial found: the same for people and machines.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::TrialError;
+
+/// What became of a trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// The campaign was not used.
+    Refused,
+    /// The files were used as they are.
+    Noted,
+}
+
+/// One thing that a check found.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Finding {
+    /// Which check, as `docs/sanity.md` lists them.
+    pub check: String,
+    /// What became of the trial.
+    pub severity: Severity,
+    /// Name of the trial; absent of a refused one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trial: Option<String>,
+    /// The file; absent where several are meant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Line of it, from 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line: Option<u64>,
+    /// Column of that line, from 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column: Option<u64>,
+    /// What was found, with the gap.
+    pub found: String,
+    /// What would be accepted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expected: Option<String>,
+    /// What the cause may be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guess: Option<String>,
+}
+
+impl Finding {
+    /// The refusal behind an error; `None` where a file could not be read at all.
+    pub fn of(error: &TrialError) -> Option<Self> {
+        let TrialError::Bad { check, place, found, accepted } = error else { return None };
+        let (expected, guess) = parted(accepted);
+        Some(Self {
+            check: (*check).to_owned(),
+            severity: Severity::Refused,
+            trial: None,
+            file: Some(place.file.display().to_string()),
+            line: place.line,
+            column: place.column,
+            found: found.clone(),
+            expected,
+            guess,
+        })
+    }
+
+    /// A note of a check, which may begin with the name of its file.
+    pub(super) fn noted(check: &str, trial: &str, note: &str) -> Self {
+        let named = note.split_once(": ").filter(|(file, _)| file.contains('.') && !file.contains(' '));
+        let (file, found) = named.map_or((None, note), |(file, found)| (Some(file.to_owned()), found));
+        Self {
+            check: check.to_owned(),
+            severity: Severity::Noted,
+            trial: Some(trial.to_owned()),
+            file,
+            line: None,
+            column: None,
+            found: found.to_owned(),
+            expected: None,
+            guess: None,
+        }
+    }
+}
+
+/// What is expected, and the guess behind the colon.
+fn parted(accepted: &str) -> (Option<String>, Option<String>) {
+    let owned = |text: &str| Some(text.to_owned());
+    match accepted.split_once(": ") {
+        Some((expected, guess)) => (owned(expected), owned(guess)),
+        None if accepted.ends_with('?') => (None, owned(accepted)),
+        None => (owned(accepted), None),
+    }
+}

@@ -1,0 +1,238 @@
+//! Exposure masks against the path of the pad and against each other: what was sanded through lies where the pad was long, and
+//! stays exposed.
+//!
+//! The share of exposed pixels rises with the time that the pad was over them. Its likelihood under the best rising curve
+//! (pool adjacent violators) is that of the masks as read; a mirrored, displaced or inverted mask, or another radius, has
+//! its own. Neighbouring pixels are exposed together, so that pixels count as one over half a radius.
+
+use std::fmt;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use sdf_bake::PixelGrid;
+
+use super::super::error::{Place, TrialError};
+use super::super::manifest::TRIAL_FILE;
+use super::super::poses::{ToolPath, ToolPose};
+use super::super::{ExposureMask, PassScan, Tool, Trial};
+use super::{Names, Surfaces, odds};
+
+/// Side of the squares of pixels over which exposure is one, in radii of the pad.
+const SQUARE: f64 = 0.5;
+/// Levels of time over a place that are told apart.
+const LEVELS: usize = 24;
+/// Share of the pad's radius that a path is thinned to.
+const THIN: f64 = 0.1;
+/// Displacements that are looked for, in radii of the pad.
+const WAYS: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
+
+/// How a mask may lie otherwise than it was read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Otherwise {
+    MirroredX,
+    MirroredY,
+    HalfTurn,
+    Inverted,
+    Displaced(DVec2),
+    Radius(f64),
+}
+
+/// Where the pad was, and for how long.
+struct Stay<'a> {
+    poses: Vec<(&'a ToolPose, f64)>,
+    radius: f64,
+}
+
+/// Refuses masks that contradict the pad's path, or each other.
+pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
+    let Tool::Pad { radius } = trial.tool else { return Ok(Vec::new()) };
+    let masks: Vec<&ExposureMask> = trial
+        .passes
+        .iter()
+        .filter_map(|pass| match &pass.scan {
+            PassScan::Exposure(mask) => Some(mask),
+            PassScan::Heights(_) => None,
+        })
+        .collect();
+    check_order(trial, &masks, names)?;
+    let mut notes = Vec::new();
+    for (number, mask) in masks.iter().enumerate() {
+        let stay = Stay::of(&surfaces.paths[..=number], radius);
+        let place = Place::file(&trial.folder.join(names.scans[number]));
+        notes
+            .extend(judge(mask, &stay, place, trial)?.map(|note| format!("{}: {note}", names.scans[number].display())));
+    }
+    Ok(notes)
+}
+
+/// Refuses a mask that another reading explains far better; a note where it is likelier.
+fn judge(mask: &ExposureMask, stay: &Stay, place: Place, trial: &Trial) -> Result<Option<String>, TrialError> {
+    let feed = trial.passes.iter().map(|pass| pass.feed).fold(0.0, f64::max);
+    let here = stay.likelihood(mask, None);
+    let all = readings(stay.radius, feed);
+    let tried: Vec<(Otherwise, f64)> =
+        all.par_iter().map(|&reading| (reading, stay.likelihood(mask, Some(reading)) - here)).collect();
+    let Some((reading, gain)) = tried.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
+    let found = format!("what is exposed fits the path of the pad exp({gain:.0}) times better where {reading}");
+    if gain > odds::refusing(all.len()) {
+        return Err(place.bad(found, reading.guess()));
+    }
+    Ok((gain > odds::NOTED.ln()).then_some(found))
+}
+
+fn readings(radius: f64, feed: f64) -> Vec<Otherwise> {
+    let mut all = vec![Otherwise::MirroredX, Otherwise::MirroredY, Otherwise::HalfTurn, Otherwise::Inverted];
+    all.extend([0.1, 0.5, 2.0, 10.0].map(Otherwise::Radius));
+    for way in WAYS.map(|way| way * radius).into_iter().filter(|way| *way > odds::displaced_by_effects(feed)) {
+        all.extend([DVec2::X, -DVec2::X, DVec2::Y, -DVec2::Y].map(|along| Otherwise::Displaced(way * along)));
+    }
+    all
+}
+
+impl<'a> Stay<'a> {
+    fn of(paths: &'a [ToolPath], radius: f64) -> Self {
+        let mut poses = Vec::new();
+        for path in paths {
+            let touching = super::touching(path);
+            let mut last: Option<(&ToolPose, f64)> = None;
+            for pair in touching.windows(2) {
+                let time = pair[1].time - pair[0].time;
+                match &mut last {
+                    Some((first, sum)) if first.centre.distance(pair[0].centre) < THIN * radius => *sum += time,
+                    _ => poses.extend(last.replace((pair[0], time))),
+                }
+            }
+            poses.extend(last);
+        }
+        Self { poses, radius }
+    }
+
+    /// Time that the pad was over a place [s].
+    fn time(&self, at: DVec2, radius: f64) -> f64 {
+        let near = |pose: &ToolPose| pose.centre.truncate().distance_squared(at) <= radius * radius;
+        self.poses.iter().filter(|(pose, _)| near(pose)).map(|(_, time)| time).sum()
+    }
+
+    /// Logarithm of the likelihood of a mask, read otherwise.
+    fn likelihood(&self, mask: &ExposureMask, reading: Option<Otherwise>) -> f64 {
+        let PixelGrid { origin, pitch, nx, ny } = mask.pixels;
+        let ends = origin + mask.pixels.position(nx - 1, ny - 1);
+        let (mut radius, mut inverted) = (self.radius, false);
+        if let Some(Otherwise::Radius(factor)) = reading {
+            radius *= factor
+        }
+        if reading == Some(Otherwise::Inverted) {
+            inverted = true
+        }
+        let stride = (0.25 * SQUARE * self.radius / pitch).floor().max(1.0) as usize;
+        let places: Vec<usize> =
+            (0..ny).step_by(stride).flat_map(|j| (0..nx).step_by(stride).map(move |i| j * nx + i)).collect();
+        let one = |&at: &usize| {
+            let exposed = mask.exposed[at]? != inverted;
+            let place = mask.pixels.position(at % nx, at / nx);
+            let place = match reading {
+                Some(Otherwise::MirroredX) => DVec2::new(ends.x - place.x, place.y),
+                Some(Otherwise::MirroredY) => DVec2::new(place.x, ends.y - place.y),
+                Some(Otherwise::HalfTurn) => ends - place,
+                Some(Otherwise::Displaced(way)) => place + way,
+                _ => place,
+            };
+            Some((self.time(place, radius), exposed))
+        };
+        let known: Vec<(f64, bool)> = places.par_iter().filter_map(one).collect();
+        let together = (SQUARE * self.radius / (pitch * stride as f64)).powi(2).max(1.0);
+        rising(known) / together
+    }
+}
+
+/// Logarithm of the likelihood of answers under the best chance that rises with a value.
+fn rising(mut known: Vec<(f64, bool)>) -> f64 {
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let size = known.len().div_ceil(LEVELS).max(1);
+    // Blocks of answers and of those that are yes.
+    let mut pooled: Vec<(f64, f64)> = Vec::new();
+    for chunk in known.chunks(size) {
+        pooled.push((chunk.len() as f64, chunk.iter().filter(|(_, yes)| *yes).count() as f64));
+        while let [.., (n, a), (m, b)] = pooled[..] {
+            if a / n < b / m {
+                break;
+            }
+            pooled.truncate(pooled.len() - 2);
+            pooled.push((n + m, a + b));
+        }
+    }
+    let part = |count: f64, all: f64| if count > 0.0 { count * (count / all).ln() } else { 0.0 };
+    pooled.iter().map(|&(all, yes)| part(yes, all) + part(all - yes, all)).sum()
+}
+
+/// Refuses masks of which the later shows less.
+fn check_order(trial: &Trial, masks: &[&ExposureMask], names: &Names) -> Result<(), TrialError> {
+    for (k, pair) in masks.windows(2).enumerate() {
+        let count = |from: bool| {
+            let pixels = pair[0].exposed.iter().zip(&pair[1].exposed);
+            pixels.filter(|(a, b)| **a == Some(from) && **b == Some(!from)).count() as f64
+        };
+        let (lost, gained) = (count(true), count(false));
+        if lost <= border(pair[0]).max(super::LEAST_PIXELS as f64) {
+            continue;
+        }
+        let exposed = pair[0].exposed.iter().filter(|exposed| **exposed == Some(true)).count() as f64;
+        let guess = if lost > gained {
+            "they look swapped, or the later one is inverted"
+        } else {
+            "is one of them mirrored, displaced or of another workpiece?"
+        };
+        return Err(Place::file(&trial.folder.join(names.scans[k + 1])).bad(
+            format!(
+                "{:.0} % of what {} shows exposed is coated again",
+                100.0 * lost / exposed,
+                names.scans[k].display()
+            ),
+            format!("no coating comes back: {guess}"),
+        ));
+    }
+    Ok(())
+}
+
+/// Exposed pixels beside coated ones: noise moves the border by a pixel.
+fn border(mask: &ExposureMask) -> f64 {
+    let (nx, all) = (mask.pixels.nx, &mask.exposed);
+    let coated = |at: Option<usize>| at.is_some_and(|at| all.get(at) == Some(&Some(false)));
+    let is_border = |&at: &usize| {
+        all[at] == Some(true)
+            && [at.checked_sub(1), Some(at + 1), at.checked_sub(nx), Some(at + nx)].into_iter().any(coated)
+    };
+    (0..all.len()).filter(is_border).count() as f64
+}
+
+impl Otherwise {
+    fn guess(self) -> String {
+        match self {
+            Self::MirroredX => {
+                "mask and log in one frame are expected: are the cells of each row reversed, or is x_mm?".to_owned()
+            }
+            Self::MirroredY => "mask and log in one frame are expected: are the rows reversed, or is y_mm?".to_owned(),
+            Self::HalfTurn => "mask and log in one frame are expected: are rows and cells reversed?".to_owned(),
+            Self::Inverted => "1 where substrate is exposed and 0 where it is coated are expected".to_owned(),
+            Self::Displaced(_) => format!(
+                "mask and log in one frame are expected: is origin_mm of {TRIAL_FILE} off, or the log of another trial?"
+            ),
+            Self::Radius(_) => format!("is radius_mm of {TRIAL_FILE} the diameter, or in another unit?"),
+        }
+    }
+}
+
+impl fmt::Display for Otherwise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::MirroredX => f.write_str("it is mirrored along x"),
+            Self::MirroredY => f.write_str("it is mirrored along y"),
+            Self::HalfTurn => f.write_str("it is turned by half a turn"),
+            Self::Inverted => f.write_str("0 is exposed and 1 is coated"),
+            Self::Displaced(way) => {
+                write!(f, "it lies {:.1} mm along x and {:.1} mm along y from there", 1e3 * way.x, 1e3 * way.y)
+            }
+            Self::Radius(factor) => write!(f, "the pad's radius is {factor} times as large"),
+        }
+    }
+}

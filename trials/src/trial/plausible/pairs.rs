@@ -1,0 +1,229 @@
+//! All scans of a trial in pairs, where no tool came: how far apart they are from pixel to pixel, and from tile to tile.
+//!
+//! Noise is each scan's own. Pairs of scans differ alike from pixel to pixel, whatever the surface; a pair that shares its
+//! noise is one scan. Tiles, over which the noise of pixels evens out, differ by the noise that neighbours share; a scan
+//! of another surface differs from all others by far more. What effects of the scanner and a plate that warps make is
+//! taken out first: a bow, a share of the height and one of the squared slope.
+
+use std::path::Path;
+
+use sdf_bake::{HeightMap, PixelGrid};
+
+use super::super::Trial;
+use super::super::error::{Place, TrialError};
+use super::orientation::pixel_noise;
+use super::{LEAST_PIXELS, Names, Surfaces};
+use crate::measure::{Freedom, centre_and_sigma, has_slope, median, register};
+
+/// Side of a tile [pixels], and the fewest tiles that tell a spread within a fifth.
+const TILE: usize = 6;
+const LEAST_TILES: usize = 12;
+/// Share of the usual difference from pixel to pixel below which two scans share their noise: they would have 99 % of its
+/// variance in common. Instruments whose scans share most of it, by a pattern of their own, reach 0.28.
+const SHARED: f64 = 0.1;
+/// Difference from pixel to pixel below which scans have no noise that they could share [m]: ten steps of a nanometre, to which
+/// heights are written.
+const QUIET: f64 = 1e-8;
+/// Difference of tiles over the usual one from which a scan shows another surface: between scans of one surface it varies
+/// threefold, another workpiece makes thirty and more.
+const OTHER: f64 = 10.0;
+/// Excess of heights that is no effect of a scanner: twice the range of `height-gain` and more, for both scans may have it.
+const GAIN: f64 = 0.1;
+/// Share of a shape's length that the others must leave of it.
+const INDEPENDENT: f64 = 1e-6;
+/// Least difference of tiles that counts [m].
+const LEAST: f64 = 2e-6;
+
+/// How far apart two scans are where no tool came, for one of them.
+#[derive(Clone, Copy, Debug)]
+struct Apart {
+    /// Places of the two among the scans.
+    of: (usize, usize),
+    /// Robust standard deviation of what differs from pixel to pixel [m].
+    pixels: f64,
+    /// Robust standard deviation of the medians of tiles, what the scanner's effects may make taken out [m].
+    tiles: f64,
+    /// Relative excess of the heights of the later one.
+    gain: f64,
+    /// What that excess makes in the tiles [m].
+    gained: f64,
+}
+
+/// Refuses scans that share their noise, and those that show another surface than the others; returns notes.
+pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Option<String>, TrialError> {
+    let first = (names.before, &surfaces.before);
+    let repeats = names.repeats.iter().copied().zip(&surfaces.repeats);
+    let after = names.scans.iter().copied().zip(&surfaces.after);
+    let scans: Vec<(&Path, &HeightMap)> = std::iter::once(first).chain(repeats).chain(after).collect();
+    let pairs = all(&scans, surfaces);
+    let place = |at: usize| Place::file(&trial.folder.join(scans[at].0));
+    let name = |at: usize| scans[at].0.display();
+    if let [pair] = pairs[..] {
+        return Ok(lonely(pair, &scans).map(|note| format!("{}: {note}", name(pair.of.1))));
+    }
+    if let Some((pair, usual)) = sharing(&pairs) {
+        let (first, [own, usual]) = (name(pair.of.0), [pair.pixels, usual].map(|size| 1e6 * size));
+        return Err(place(pair.of.1).bad(
+            format!(
+                "from pixel to pixel it differs from {first} by {own:.2} µm, where other scans differ by {usual:.2} µm: they share \
+                 their noise"
+            ),
+            "a scan of its own is expected, with noise of its own: was one made from the other?",
+        ));
+    }
+    for odd in 0..scans.len() {
+        let Some([near, gained, usual]) = against_others(&pairs, odd) else { continue };
+        let clear = (OTHER * usual).max(LEAST);
+        if near > clear || gained > clear {
+            let [near, gained, usual] = [near, gained, usual].map(|size| 1e6 * size);
+            let found = if near >= gained {
+                format!("it differs from every other scan by {near:.1} µm or more in the means of tiles")
+            } else {
+                format!("its heights are in another scale than those of all other scans, by {gained:.1} µm or more")
+            };
+            return Err(place(odd).bad(
+                format!("where no tool came {found}, and those differ by {usual:.1} µm"),
+                "scans of one workpiece in one unit are expected: is it of another trial, or scaled?",
+            ));
+        }
+    }
+    Ok(None)
+}
+
+/// The first pair that shares its noise, with the usual difference from pixel to pixel [m].
+fn sharing(pairs: &[Apart]) -> Option<(&Apart, f64)> {
+    let usual = median(pairs.iter().map(|pair| pair.pixels).collect()).filter(|usual| *usual > QUIET)?;
+    Some((pairs.iter().find(|pair| pair.pixels < SHARED * usual)?, usual))
+}
+
+/// Least difference of tiles between one scan and the others [m], the same of what an excess of heights beyond effects makes, and
+/// the usual difference between those others [m].
+fn against_others(pairs: &[Apart], odd: usize) -> Option<[f64; 3]> {
+    let has = |pair: &&Apart| pair.of.0 == odd || pair.of.1 == odd;
+    let gained = |pair: &Apart| if pair.gain.abs() > GAIN { pair.gained } else { 0.0 };
+    let least = |of: &dyn Fn(&Apart) -> f64| pairs.iter().filter(has).map(of).reduce(f64::min);
+    let usual = median(pairs.iter().filter(|pair| !has(pair)).map(|pair| pair.tiles).collect())?;
+    Some([least(&|pair| pair.tiles)?, least(&gained)?, usual])
+}
+
+/// What is odd about the only two scans of a surface.
+fn lonely(pair: Apart, scans: &[(&Path, &HeightMap)]) -> Option<String> {
+    let own = pixel_noise(scans[pair.of.0].1).min(pixel_noise(scans[pair.of.1].1));
+    let first = scans[pair.of.0].0.display();
+    let [pixels, tiles, own_shown] = [pair.pixels, pair.tiles, own].map(|size| 1e6 * size);
+    if pair.pixels < SHARED * own {
+        return Some(format!(
+            "from pixel to pixel it differs from {first} by {pixels:.2} µm, where neighbouring pixels of each differ by \
+             {own_shown:.2} µm: was one made from the other?"
+        ));
+    }
+    let clear = (OTHER * pair.pixels).max(LEAST);
+    if pair.gain.abs() > GAIN && pair.gained > clear {
+        let times = 1.0 + pair.gain;
+        return Some(format!("its heights are {times:.2} times those of {first}: is one of them scaled?"));
+    }
+    (pair.tiles > clear).then(|| {
+        format!(
+            "it differs from {first} by {tiles:.1} µm in the means of tiles, and from pixel to pixel by {pixels:.1} µm: is it of \
+             another workpiece?"
+        )
+    })
+}
+
+/// All pairs of scans: before, repeats, after.
+fn all(scans: &[(&Path, &HeightMap)], surfaces: &Surfaces) -> Vec<Apart> {
+    let first_after = 1 + surfaces.repeats.len();
+    let everywhere = || vec![true; surfaces.before.heights.len()];
+    let mask = |later: usize| later.checked_sub(first_after).map_or_else(everywhere, |pass| surfaces.free_until(pass));
+    let pairs = (1..scans.len()).flat_map(|later| {
+        let mask = mask(later);
+        (0..later).filter_map(move |earlier| Apart::new(scans, (earlier, later), &mask)).collect::<Vec<_>>()
+    });
+    pairs.collect()
+}
+
+impl Apart {
+    /// Compares two scans over a mask; `None` where too little is known.
+    fn new(scans: &[(&Path, &HeightMap)], of: (usize, usize), mask: &[bool]) -> Option<Self> {
+        let (reference, scan) = (scans[of.0].1, scans[of.1].1);
+        let found = register(scan, reference, Freedom::PlaneAndShift, |at| mask[at]).ok()?;
+        let mut heights = found.left(scan, reference);
+        let unknown = heights.iter_mut().enumerate().filter(|(at, _)| !mask[*at] || !has_slope(reference, *at));
+        unknown.for_each(|(_, left)| *left = f64::NAN);
+        let left = HeightMap { pixels: scan.pixels, heights };
+        let known = left.heights.iter().filter(|left| left.is_finite()).count();
+        let both = 2f64.sqrt();
+        let apart = || {
+            let (tiles, gain, relief) = explained(&tiles(&left, reference))?;
+            let gained = gain.abs() * relief / both;
+            Some(Self { of, pixels: pixel_noise(&left) / both, tiles: tiles / both, gain, gained })
+        };
+        (known >= LEAST_PIXELS).then(apart).flatten()
+    }
+}
+
+/// A tile: the median of what is left there, and what the scanner's effects make of the surface.
+struct Tile {
+    left: f64,
+    /// One, place, its squares, squared slope, height.
+    shapes: [f64; SHAPES],
+}
+
+/// What two scans of one surface may differ by at most in smooth ways, the height last.
+const SHAPES: usize = 8;
+
+/// Tiles of which at least half is known.
+fn tiles(left: &HeightMap, reference: &HeightMap) -> Vec<Tile> {
+    let PixelGrid { pitch, nx, ny, .. } = left.pixels;
+    let tile = |(first, top): (usize, usize)| {
+        let rows = top..(top + TILE).min(ny);
+        let inside = rows.flat_map(|j| (first..(first + TILE).min(nx)).map(move |i| (i, j)));
+        let known: Vec<(usize, usize)> = inside.filter(|&(i, j)| left.height(i, j).is_finite()).collect();
+        let mean = |of: &dyn Fn(usize, usize) -> f64| {
+            let values: Vec<f64> = known.iter().map(|&(i, j)| of(i, j)).filter(|value| value.is_finite()).collect();
+            values.iter().sum::<f64>() / values.len().max(1) as f64
+        };
+        let slope = |i: usize, j: usize| {
+            let along = reference.height((i + 1).min(nx - 1), j) - reference.height(i.saturating_sub(1), j);
+            let across = reference.height(i, (j + 1).min(ny - 1)) - reference.height(i, j.saturating_sub(1));
+            (along.powi(2) + across.powi(2)) / (2.0 * pitch).powi(2)
+        };
+        let (x, y) = ((first as f64 / nx as f64) - 0.5, (top as f64 / ny as f64) - 0.5);
+        let shapes = [1.0, x, y, x * x, x * y, y * y, mean(&slope), mean(&|i, j| reference.height(i, j))];
+        let left = || median(known.iter().map(|&(i, j)| left.height(i, j)).collect());
+        (2 * known.len() >= TILE * TILE).then(|| Some(Tile { left: left()?, shapes })).flatten()
+    };
+    let corners = (0..ny).step_by(TILE).flat_map(|top| (0..nx).step_by(TILE).map(move |first| (first, top)));
+    corners.filter_map(tile).collect()
+}
+
+/// Takes out of the tiles what their shapes explain, by Gram and Schmidt's method. Returns the robust spread of what is left
+/// [m], the factor of the height, and the spread of heights that no other shape explains [m].
+fn explained(tiles: &[Tile]) -> Option<(f64, f64, f64)> {
+    if tiles.len() < LEAST_TILES {
+        return None;
+    }
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut left: Vec<f64> = tiles.iter().map(|tile| tile.left).collect();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let (mut gain, mut relief) = (0.0, 0.0);
+    for shape in 0..SHAPES {
+        let mut own: Vec<f64> = tiles.iter().map(|tile| tile.shapes[shape]).collect();
+        let whole = dot(&own, &own);
+        for earlier in &basis {
+            let share = dot(&own, earlier);
+            own.iter_mut().zip(earlier).for_each(|(own, earlier)| *own -= share * earlier);
+        }
+        let length = dot(&own, &own).sqrt();
+        if length * length <= INDEPENDENT * whole {
+            continue;
+        }
+        own.iter_mut().for_each(|own| *own /= length);
+        let share = dot(&left, &own);
+        left.iter_mut().zip(&own).for_each(|(left, own)| *left -= share * own);
+        (gain, relief) = (share / length, length / (tiles.len() as f64).sqrt());
+        basis.push(own);
+    }
+    let (_, spread) = centre_and_sigma(&left)?;
+    Some((spread, gain, relief))
+}

@@ -1,0 +1,12 @@
+//! What contradicts itself is never taken in silence: swapped, mirrored, mis-scaled and copied files of a trial.
+//!
+//! Campaigns that were made elsewhere are read from `ROBOFIN_SHARED`; where they are not there the test says so, and
+//! fails if `ROBOFIN_REQUIRE_SHARED` is 1.
+
+mod damage;
+mod kinds;
+mod logs;
+mod scans;
+mod shared;
+#[path = "../../../tests/common/shared_folder.rs"]
+mod shared_folder;
