@@ -21,7 +21,7 @@ const FORCES: &[Kind] = &[
     ("force 30 % down", |t, _| t.column(FORCE, |f| 0.7 * f), Noted("is the sensor calibrated")),
     ("force zero", |t, _| t.column(FORCE, |_| 0.0), Refused("shows no contact")),
     ("force constant", |t, _| t.column(FORCE, |_| 15.0), Noted("was the sensor connected")),
-    ("setpoint doubled", |t, _| t.scale_key("force_setpoint_n", 2.0), Noted("where the setpoint is")),
+    ("setpoint doubled", |t, _| t.scale_key("force_setpoint_n", 2.0), Noted("off force_setpoint_n = 30 N")),
 ];
 
 const PLACES: &[Kind] = &[

@@ -31,7 +31,7 @@ const GRINDING: &[Kind] = &[
     (
         "repeat is before with little noise",
         |t, _| t.scanned_again(&t.before, &t.repeat, 1e-4),
-        Refused("share their noise"),
+        Refused("the same heights as before.csv"),
     ),
     ("before mirrored along x", |t, _| t.mirror_x(&t.before), Refused("mirrored along x")),
     ("before mirrored along y", |t, _| t.mirror_y(&t.before), Refused("mirrored along y")),
@@ -48,7 +48,7 @@ const SANDING: &[Kind] = &[
     (
         "repeat is before with little noise",
         |t, _| t.scanned_again(&t.before, &t.repeat, 1e-4),
-        Noted("was one made from the other"),
+        Refused("the same heights as before.csv"),
     ),
     (
         "all maps mirrored along x",

@@ -8,7 +8,7 @@ use super::super::error::{Place, TrialError};
 use super::super::log::{Log, LogRow};
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::ToolPose;
-use super::super::{Pass, Trial};
+use super::super::{Pass, Tool, Trial};
 use super::profile::{Contact, contacts, touch_level};
 use super::{Names, Surfaces, touching};
 use crate::measure::{CLEARANCE, median};
@@ -42,7 +42,8 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
         if poses.is_empty() {
             check_contact(trial, number, (surfaces, place))?;
         }
-        let found = [constant(pass), force_level(pass, &poses), beside(&poses, &trial.scans.before)];
+        let found =
+            [constant(pass), force_level(pass, &poses), beside(&poses, &trial.scans.before), along(&trial.tool, pass)];
         notes.extend(found.into_iter().flatten().map(|note| format!("{}: {note}", name.display())));
     }
     check_order(trial, surfaces, names)?;
@@ -152,13 +153,24 @@ fn force_level(pass: &Pass, poses: &[&ToolPose]) -> Option<String> {
     let middle = &poses[cut..poses.len() - cut];
     let mean = middle.iter().map(|pose| pose.force).sum::<f64>() / middle.len().max(1) as f64;
     let excess = mean / pass.force_setpoint - 1.0;
-    // Half and twice the setpoint have a note of their own.
-    ((FORCE_LEVEL..=1.0).contains(&excess) || (-0.5..=-FORCE_LEVEL).contains(&excess)).then(|| {
+    (excess.abs() >= FORCE_LEVEL && !middle.is_empty()).then(|| {
         format!(
             "in the middle of the contact the force is {mean:.2} N, {:+.0} % off force_setpoint_n = {} N: is the sensor \
              calibrated, or the setpoint that of another pass?",
             100.0 * excess,
             pass.force_setpoint
+        )
+    })
+}
+
+/// A wheel whose axis lies along its way, so that its rim goes across it.
+fn along(tool: &Tool, pass: &Pass) -> Option<String> {
+    let Tool::Wheel { axis, .. } = *tool else { return None };
+    let way = way(&pass.log)?;
+    (way.dot(axis.truncate()).abs() > SAME_WAY.acos().sin()).then(|| {
+        format!(
+            "the tool goes along ({:.2}, {:.2}), and axis of {TRIAL_FILE} lies along it: is the axis across?",
+            way.x, way.y
         )
     })
 }

@@ -7,14 +7,12 @@ use sdf_bake::PixelGrid;
 use super::super::error::{Place, TrialError};
 use super::super::log::{Log, RPM};
 use super::super::manifest::TRIAL_FILE;
-use super::super::poses::{Contact, Motion, NOISE_SIGMAS, force_noise};
+use super::super::poses::{Motion, NOISE_SIGMAS, force_noise};
 use super::super::{Pass, Tool, Trial};
 
 /// Factor between a logged value and the stated one from which one of them is wrong: √10, midway between a right value
 /// and the nearest mistakes of unit on a logarithmic scale (kgf or daN 0.1, lbf 0.22, rad/s 0.105, mm/min 60, kN 0.001).
 const WRONG: f64 = 3.162_277_660_168_379_5;
-/// Factor between force and setpoint that is worth a note: force errors of controllers stay below half of it.
-const ODD_FORCE: f64 = 2.0;
 /// Factor between logged speed and feed that is worth a note.
 const ODD_SPEED: f64 = 1.25;
 /// Factor between a ratio and a unit's own that still names the unit: sensors and drives err by less.
@@ -52,10 +50,8 @@ pub(super) fn check(pass: &Pass, trial: &Trial, log: &Path) -> Result<Vec<String
         let (logged, feed) = (path.feed * 1e3, pass.feed * 1e3);
         format!("the tool moves at {logged:.2} mm/s where the feed is {feed} mm/s: is the clock right?")
     });
-    let contact = match path.contact {
-        None => Some("the force never rises above its noise: no contact".to_owned()),
-        Some(contact) => odd_force(pass, contact),
-    };
+    let no_contact = || "the force never rises above its noise: no contact".to_owned();
+    let contact = path.contact.is_none().then(no_contact);
     let spindle = Motion::of(&pass.log).spindle_speed.abs() / RPM;
     let odd_spindle = spindle > 0.0 && !is_within(spindle * RPM / pass.spindle_speed, ODD_SPEED);
     let other = odd_spindle.then(|| {
@@ -133,16 +129,6 @@ fn check_force(pass: &Pass, place: &dyn Fn() -> Place) -> Result<(), TrialError>
 fn shown(value: f64) -> String {
     let digits = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
-}
-
-/// A mean force in contact that the setpoint hardly explains.
-fn odd_force(pass: &Pass, contact: Contact) -> Option<String> {
-    let start = pass.log.rows.first()?.time;
-    let touching = pass.log.rows.iter().filter(|row| (contact.start..=contact.end).contains(&(row.time - start)));
-    let (sum, count) = touching.fold((0.0, 0.0), |(sum, count), row| (sum + row.force, count + 1.0));
-    let mean = sum / f64::max(count, 1.0);
-    (!is_within(mean / pass.force_setpoint, ODD_FORCE))
-        .then(|| format!("the mean force in contact is {mean:.2} N where the setpoint is {} N", pass.force_setpoint))
 }
 
 /// The speed of the log against the feed of the pass.
