@@ -124,7 +124,7 @@ fn diagnosed(case: &Case, hidden: Vec<Hidden>, size: Size, library: &Library) ->
     let started = Instant::now();
     let mut evidence = ScanEvidence::new(&made.trials, None)?;
     let model = Model::new(evidence.process());
-    let fit = calibrate_scans(&mut evidence, &model, &known)?;
+    let fit = calibrate_scans(&mut evidence, &model, &known)?.last().fit.clone();
     let diagnosis = Diagnosis::new(&evidence, (&model, fit), &known, (seed, &|_, _, _| {}))?;
     let summary = DiagnosisSummary::new(&evidence, &diagnosis, &|name| name.to_owned())?;
     evidence.fix_blur(&diagnosis.fit.model)?;

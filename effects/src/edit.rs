@@ -143,7 +143,7 @@ impl Model {
         let parameter = |owner: &str, name: &str| {
             library.find(owner).and_then(|effect| effect.parameter(name)).expect("the library has the parameter")
         };
-        for (path, range) in &self.ranges {
+        for (path, range) in &self.ranges_with_values(library) {
             let (owner, name) = path.split_once('.').expect("a range belongs to effect.parameter");
             let table = table_at(document.as_table_mut(), &["range"]);
             let values = range.iter().map(|value| toml_value(parameter(owner, name), &[*value]));
@@ -158,6 +158,40 @@ impl Model {
             }
         }
         document.to_string()
+    }
+}
+
+/// Times as far as a value that lies beyond what the library lists: there the range ends that is written with it.
+const ROOM: f64 = 3.0;
+
+impl Model {
+    /// The ranges that the model states, and those that its values need where the library lists narrower ones.
+    fn ranges_with_values(&self, library: &Library) -> Vec<(String, [f64; 2])> {
+        let mut ranges = self.ranges.clone();
+        for part in self.laws.iter().chain(&self.effects) {
+            for (name, values) in &part.values {
+                let path = format!("{}.{name}", part.name);
+                let parameter = library.find(&part.name).and_then(|effect| effect.parameter(name));
+                let Some(parameter) = parameter.filter(|_| self.range_of(&path).is_none()) else { continue };
+                let accepted = parameter.accepted(self.process, None);
+                let outside = values.iter().copied().filter(|value| accepted.check(*value).is_err());
+                let listed = parameter.range.of(self.process);
+                let needed = outside.fold(listed, with_room);
+                if needed != listed {
+                    ranges.push((path, needed));
+                }
+            }
+        }
+        ranges
+    }
+}
+
+/// A range that holds a value beyond it, and more of the like.
+fn with_room([low, high]: [f64; 2], value: f64) -> [f64; 2] {
+    match value > high {
+        true => [low, value + (ROOM - 1.0) * value.abs()],
+        false if value > 0.0 => [value / ROOM, high],
+        false => [ROOM * value, high],
     }
 }
 

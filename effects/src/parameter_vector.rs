@@ -35,8 +35,10 @@ pub struct ParameterSlot {
     pub unit_text: String,
     /// Value at which the effect vanishes.
     pub null: Option<f64>,
-    /// Bounds.
+    /// Plausible values: those that the library lists, or those that the model states.
     pub range: [f64; 2],
+    /// Whether the model states its range: then no fit goes beyond it.
+    pub is_range_stated: bool,
     /// How to vary it.
     pub scale: Scale,
     /// Typical value.
@@ -90,7 +92,7 @@ impl<'a> Slots<'a> {
             Rows::Scan => self.rows.scans.max(given.len()).max(1),
         };
         let path = format!("{}.{}", effect.name, parameter.name);
-        let range = self.model.range_of(&path).unwrap_or(parameter.range.of(process));
+        let stated = self.model.range_of(&path);
         for row in 0..rows {
             self.values.push(row_value(given, row, parameter, process));
             self.slots.push(ParameterSlot {
@@ -100,7 +102,8 @@ impl<'a> Slots<'a> {
                 unit: parameter.unit,
                 unit_text: parameter.unit_text.clone(),
                 null: parameter.null,
-                range,
+                range: stated.unwrap_or(parameter.range.of(process)),
+                is_range_stated: stated.is_some(),
                 scale: parameter.scale,
                 default: parameter.default.of(process),
                 free: self.model.is_free(&path, parameter.free.of(process)),

@@ -20,7 +20,7 @@ fn diagnosed(table: &Table) -> Outcome<(DiagnosisSummary, Vec<String>)> {
     let evidence = RowEvidence::new(table)?;
     let library = evidence.library(Library::builtin())?;
     let model = evidence.scaled(Model::new(evidence.process()), &library)?;
-    let fit = calibrate(&evidence, &model, &library)?;
+    let fit = calibrate(&evidence, &model, &library)?.last().fit.clone();
     let diagnosis = Diagnosis::new(&evidence, (&model, fit), &library, (1, &|_, _, _| {}))?;
     let summary = DiagnosisSummary::new(&evidence, &diagnosis, &|_| String::new())?;
     Ok((summary, evidence.notes))
@@ -30,7 +30,7 @@ fn diagnosed(table: &Table) -> Outcome<(DiagnosisSummary, Vec<String>)> {
 fn base(table: &Table) -> Outcome<(Vec<f64>, Vec<f64>)> {
     let evidence = RowEvidence::new(table)?;
     let model = evidence.scaled(Model::new(evidence.process()), Library::builtin())?;
-    let fit: Fit = calibrate(&evidence, &model, Library::builtin())?;
+    let fit: Fit = calibrate(&evidence, &model, Library::builtin())?.last().fit.clone();
     let predicted = evidence.predicted(&fit.model)?;
     let left = |at: usize| table.rows[at].removal_rate.map_or(f64::NAN, |rate| (rate / predicted[at]).ln());
     let mut left: Vec<f64> = (0..table.rows.len()).map(left).collect();

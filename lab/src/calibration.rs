@@ -1,17 +1,24 @@
 //! A model fitted step by step: the base law, then each effect of the model in the order of its file. What each step
 //! leaves is the waterfall of a study.
 
+use std::collections::BTreeMap;
+
 use effects::{CompiledModel, Library, Model};
 use serde::Serialize;
 
+use super::calibrate::fit_law;
 use super::diagnose::spread;
 use super::error::{LabError, Result};
 use super::evidence::{Agreement, EvidenceError, Split};
-use super::fit::{Estimate, Fit};
+use super::fit::{Estimate, Fit, FitOptions, robust_sum};
 use super::staged::Staged;
 use super::summary::BASE_STEP;
 use super::totals::{Total, Totals};
-use super::{calibrate, with_values};
+use super::with_values;
+use crate::criteria::{RENEWED_FIT_DERIVATIVES, RENEWED_FIT_STEPS};
+
+/// What the name of a step begins with that adds an effect.
+const ADDED: &str = "+ ";
 
 /// In which order parameters are fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -46,19 +53,53 @@ pub struct Calibration {
     pub steps: Vec<Fitted>,
 }
 
+/// Cost of a fit that goes on after the data were seen better.
+const RENEWED: FitOptions = FitOptions { derivatives: RENEWED_FIT_DERIVATIVES, steps: RENEWED_FIT_STEPS };
+
 impl Fitted {
-    fn new(evidence: &dyn Totals, (name, model): (String, &Model), library: &Library, order: Order) -> Result<Self> {
-        if order == Order::Joint {
-            return Ok(Self { name, fit: calibrate(evidence, model, library)?, staged: None });
-        }
-        let compiled = CompiledModel::new(model, library, evidence.rows())?;
-        let Some((staged, fit)) = Staged::new(evidence, &compiled)? else {
+    /// The base law.
+    fn law(evidence: &dyn Totals, model: &CompiledModel) -> Result<Self> {
+        Ok(Self { name: BASE_STEP.to_owned(), fit: fit_law(evidence, model)?, staged: None })
+    }
+
+    /// A model in two stages.
+    fn in_stages(evidence: &dyn Totals, name: String, model: &CompiledModel) -> Result<Self> {
+        let Some((staged, fit)) = Staged::new(evidence, model)? else {
             return Err(LabError::Refused(
                 "--order staged: no free parameter of the model's laws is a removal rate; --order joint needs none"
                     .into(),
             ));
         };
         Ok(Self { name, fit, staged: Some(staged) })
+    }
+
+    /// A model that has one effect more than one that is fitted. The fit begins at the fitted values, with the effect once as
+    /// the file has it and once at its null, and once with all values of the file; it never ends worse than the model before.
+    fn grown(evidence: &dyn Totals, (before, own): (&Fit, &CompiledModel), name: String) -> Result<Self> {
+        let effect = name.trim_start_matches(ADDED);
+        let coordinates = evidence.coordinates(own);
+        let beside = with_values_of(own, before);
+        let null = at_null(&beside, effect);
+        let leaves = |model: &CompiledModel| {
+            let left = evidence.residuals(model, Split::Calibration).map(|left| robust_sum(&left));
+            left.unwrap_or(f64::INFINITY)
+        };
+        let mut starts = [beside, own.clone(), null.clone()].map(|model| (leaves(&model), model)).to_vec();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best: Option<Fit> = None;
+        for (_, start) in starts.iter().filter(|(chi2, _)| chi2.is_finite()) {
+            let fit = Fit::new(evidence, start, coordinates.clone(), FitOptions::default())?;
+            let is_nested = fit.chi2 <= before.chi2;
+            best = Some(best.filter(|best| best.chi2 <= fit.chi2).unwrap_or(fit));
+            if is_nested {
+                break;
+            }
+        }
+        let fit = match best.filter(|best| best.chi2 <= before.chi2) {
+            Some(best) => best,
+            None => Fit { model: null, ..before.clone() },
+        };
+        Ok(Self { name, fit, staged: None })
     }
 
     /// What the fit says about each parameter.
@@ -68,8 +109,29 @@ impl Fitted {
     }
 }
 
+/// A model with the values that a fit of a smaller one has.
+fn with_values_of(model: &CompiledModel, fit: &Fit) -> CompiledModel {
+    let mut model = model.clone();
+    let known: BTreeMap<String, f64> =
+        fit.model.parameters().iter().map(|slot| slot.name()).zip(fit.model.values().iter().copied()).collect();
+    let places: Vec<(usize, f64)> =
+        model.parameters().iter().enumerate().filter_map(|(k, slot)| Some((k, *known.get(&slot.name())?))).collect();
+    places.into_iter().for_each(|(k, value)| model.set(k, value));
+    model
+}
+
+/// A model with the sizes of an effect at their null.
+fn at_null(model: &CompiledModel, effect: &str) -> CompiledModel {
+    let mut model = model.clone();
+    let own: Vec<(usize, f64)> = (model.parameters().iter().enumerate())
+        .filter_map(|(k, slot)| Some((k, slot.null.filter(|_| slot.owner == effect && slot.free)?)))
+        .collect();
+    own.into_iter().for_each(|(k, null)| model.set(k, null));
+    model
+}
+
 impl Calibration {
-    /// Fits a model, and before it the models that it grew from: the base law alone, and with one effect after the other.
+    /// Fits a model: its base law alone, then with one effect after the other, each beginning where the one before ended.
     /// Evaluation data take no part.
     ///
     /// - `start`: the base law with the values that it has before any fit
@@ -83,23 +145,44 @@ impl Calibration {
         library: &Library,
         (order, done): (Order, &dyn Fn(&str)),
     ) -> Result<Self> {
-        let count = model.effects.len();
-        let name = |effects: usize| match effects {
-            0 => BASE_STEP.to_owned(),
-            _ => format!("+ {}", model.effects[effects - 1].name),
-        };
         let start = CompiledModel::new(start, library, evidence.rows())?;
-        let whole = Fitted::new(evidence, (name(count), model), library, order)?;
-        done(&whole.name);
-        let model_fitted = with_values(model, &whole.fit);
-        let mut steps = Vec::new();
-        for effects in 0..count {
-            let part = Model { effects: model_fitted.effects[..effects].to_vec(), ..model_fitted.clone() };
-            steps.push(Fitted::new(evidence, (name(effects), &part), library, order)?);
-            done(&name(effects));
+        let mut steps: Vec<Fitted> = Vec::new();
+        for effects in 0..=model.effects.len() {
+            let part = Model { effects: model.effects[..effects].to_vec(), ..model.clone() };
+            let part = CompiledModel::new(&part, library, evidence.rows())?;
+            let name = effects.checked_sub(1).map(|last| format!("{ADDED}{}", model.effects[last].name));
+            let step = match (order, steps.last(), name) {
+                (Order::Joint, Some(before), Some(name)) => Fitted::grown(evidence, (&before.fit, &part), name)?,
+                (Order::Joint, ..) => Fitted::law(evidence, &part)?,
+                (Order::Staged, _, name) => {
+                    Fitted::in_stages(evidence, name.unwrap_or_else(|| BASE_STEP.to_owned()), &part)?
+                }
+            };
+            done(&step.name);
+            steps.push(step);
         }
-        steps.push(whole);
-        Ok(Self { order, model: model_fitted, start, steps })
+        let fitted = with_values(model, &steps.last().expect("the base law is a step").fit);
+        Ok(Self { order, model: fitted, start, steps })
+    }
+
+    /// The same fits taken further, after the evidence has changed a little.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated any more.
+    pub fn renewed(mut self, evidence: &dyn Totals) -> Result<Self> {
+        for step in &mut self.steps {
+            step.fit = step.fit.clone().seen_anew(evidence)?.refined(evidence, RENEWED);
+        }
+        for k in 1..self.steps.len() {
+            if self.steps[k].fit.chi2 > self.steps[k - 1].fit.chi2 {
+                let before = &self.steps[k - 1].fit;
+                let effect = self.steps[k].name.trim_start_matches(ADDED);
+                let model = at_null(&with_values_of(&self.steps[k].fit.model, before), effect);
+                self.steps[k].fit = Fit { model, ..before.clone() };
+            }
+        }
+        self.model = with_values(&self.model, &self.last().fit);
+        Ok(self)
     }
 
     /// The fit of the whole model.

@@ -139,7 +139,7 @@ pub fn beginning(evidence: &dyn Totals, model: &CompiledModel) -> Result<Beginni
 }
 
 fn correlations(fit: &Fit) -> Vec<Correlation> {
-    let Some(covariance) = fit.covariance() else { return Vec::new() };
+    let Some(covariance) = fit.covariance(1.0) else { return Vec::new() };
     let names: Vec<String> = fit.coordinates.iter().map(|c| c.slot.name()).collect();
     let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
     let correlation = |(i, j): (usize, usize)| {

@@ -40,6 +40,20 @@ impl<'a> CampaignSimulation<'a> {
         Ok(Self { trials: trials.par_iter().map(simulation).collect::<Result<_, _>>()? })
     }
 
+    /// The same trials on other lattices.
+    ///
+    /// - `ratio`: of their voxels to those of these
+    ///
+    /// # Errors
+    /// The first trial that cannot be simulated on such a lattice.
+    pub fn on_voxels(&self, ratio: f64) -> Result<Self, CampaignError> {
+        let simulation = |own: &Simulation<'a>| {
+            Simulation::new(own.trial, ratio * own.part.voxel, own.replay)
+                .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
+        };
+        Ok(Self { trials: self.trials.par_iter().map(simulation).collect::<Result<_, _>>()? })
+    }
+
     /// Rows that a model needs which has a parameter for each pass or scan of the campaign.
     pub fn rows(&self) -> RowCounts {
         let passes = self.trials.iter().map(|simulation| simulation.trial.passes.len()).sum();

@@ -2,7 +2,7 @@
 
 use effects::{CompiledModel, ParameterSlot, Scale};
 
-use crate::criteria::BOUND_SHARE;
+use crate::criteria::{BOUND_SHARE, LAW_RANGE_EXTENSION, RANGE_EXTENSION};
 
 /// A parameter as a fit varies it: the logarithm of its value, or its value over the width of its range.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,9 +46,37 @@ impl Coordinate {
         }
     }
 
-    /// Least and greatest coordinate.
-    pub fn bounds(&self) -> [f64; 2] {
+    /// Least and greatest coordinate that the library lists.
+    pub fn listed(&self) -> [f64; 2] {
         self.slot.range.map(|value| self.from_value(value))
+    }
+
+    /// Least and greatest coordinate that a fit may reach.
+    pub fn bounds(&self) -> [f64; 2] {
+        self.reach().map(|value| self.from_value(value))
+    }
+
+    /// Least and greatest value [SI] that a fit may reach. What the library lists is plausible, not all that there is: ratios
+    /// may be a factor beyond it, sizes as many times as far from their null. A range that a model states holds.
+    pub fn reach(&self) -> [f64; 2] {
+        let ([least, greatest], slot) = (self.slot.range, &self.slot);
+        let factor = if slot.is_law { LAW_RANGE_EXTENSION } else { RANGE_EXTENSION };
+        match slot.scale {
+            _ if slot.is_range_stated => slot.range,
+            Scale::Log => [least / factor, greatest * factor],
+            Scale::Linear => {
+                let anchor = slot.null.unwrap_or(0.0);
+                let is_inside = (least..=greatest).contains(&anchor);
+                if is_inside { slot.range.map(|end| anchor + factor * (end - anchor)) } else { slot.range }
+            }
+        }
+    }
+
+    /// The end of what the library lists that a coordinate lies beyond.
+    pub fn beyond_listed(&self, at: f64) -> Option<f64> {
+        let [least, greatest] = self.listed();
+        let near = BOUND_SHARE * (greatest - least);
+        if at < least - near { Some(least) } else { Some(greatest).filter(|end| at > end + near) }
     }
 
     /// The nearest coordinate within the bounds.
@@ -87,4 +115,41 @@ pub fn moved(model: &CompiledModel, coordinates: &[Coordinate], at: &[f64]) -> C
         model.set(coordinate.index, coordinate.value(at));
     }
     model
+}
+
+#[cfg(test)]
+mod tests {
+    use effects::{Library, Model, Process, RowCounts};
+
+    use super::*;
+
+    fn coordinate(name: &str) -> Coordinate {
+        let model = Model::new(Process::Grinding).with("wheel-crown").with("grit-dulling");
+        let compiled = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).unwrap();
+        Coordinate::of(&compiled, |slot| slot.name() == name).remove(0)
+    }
+
+    #[test]
+    fn ranges_of_the_library_are_soft() {
+        for (name, factor) in
+            [("winkler.stiffness", LAW_RANGE_EXTENSION), ("grit-dulling.dulling_volume", RANGE_EXTENSION)]
+        {
+            let coordinate = coordinate(name);
+            let ([least, greatest], [low, high]) = (coordinate.slot.range, coordinate.reach());
+            assert!((least / low / factor - 1.0).abs() < 1e-12 && (high / greatest / factor - 1.0).abs() < 1e-12);
+            assert_eq!(coordinate.beyond_listed(coordinate.from_value(2.0 * greatest)), Some(coordinate.listed()[1]));
+            assert_eq!(coordinate.beyond_listed(coordinate.from_value(0.5 * greatest)), None);
+        }
+    }
+
+    #[test]
+    fn a_size_may_be_three_times_as_far_from_its_null() {
+        let crown = coordinate("wheel-crown.crown");
+        let null = crown.slot.null.unwrap();
+        let [least, greatest] = crown.reach();
+        assert!((greatest - null - RANGE_EXTENSION * (crown.slot.range[1] - null)).abs() < 1e-9);
+        assert!((least - null - RANGE_EXTENSION * (crown.slot.range[0] - null)).abs() < 1e-9);
+        let stated = Coordinate { slot: ParameterSlot { is_range_stated: true, ..crown.slot.clone() }, ..crown };
+        assert_eq!(stated.reach(), stated.slot.range, "a range that a model states holds");
+    }
 }

@@ -1,53 +1,6 @@
-//! What tiles of a scan may differ by without any physics: noise that neighbours share, and the scan's own pose.
+//! Turns what data may differ by without any physics, noise and degrees of freedom, into numbers of variance one.
 
-use glam::DVec2;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-
-use super::tiles::Tiles;
-use trials::measure::NoiseFloor;
-
-/// Noise of a tile's mean, one scan.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TileNoise {
-    /// Standard deviation of the part that each tile has alone [m].
-    pub alone: f64,
-    /// Standard deviation of the part that neighbours share [m].
-    pub shared: f64,
-    /// Distance at which that has fallen to 1/e [m].
-    pub length: f64,
-}
-
-impl From<&NoiseFloor> for TileNoise {
-    fn from(floor: &NoiseFloor) -> Self {
-        // Tails count for the part of a tile alone.
-        let alone = (floor.rms * floor.rms - floor.correlated * floor.correlated).max(floor.white * floor.white).sqrt();
-        Self { alone, shared: floor.correlated, length: floor.correlation_length }
-    }
-}
-
-impl TileNoise {
-    /// Standard deviation of a tile's mean [m].
-    pub fn sigma(&self) -> f64 {
-        self.alone.hypot(self.shared)
-    }
-
-    /// Covariance of the parts of two tiles' means that neighbours share [m²].
-    fn shared_between(&self, a: DVec2, b: DVec2) -> f64 {
-        let share = if self.length > 0.0 { (-a.distance(b) / self.length).exp() } else { 0.0 };
-        self.shared * self.shared * share
-    }
-
-    /// Covariance of a scan's tiles. `before`, one value per tile, is how much of the noise of the scan before is still
-    /// in the simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone. Of what a tile has alone, the mean of
-    /// fewer pixels holds more.
-    pub fn covariance(&self, tiles: &Tiles, before: &[f64]) -> DMatrix<f64> {
-        let alone = |i: usize| self.alone * self.alone / tiles.share_known(i);
-        DMatrix::from_fn(tiles.len(), tiles.len(), |i, j| {
-            let own = if i == j { alone(i) } else { 0.0 };
-            (own + self.shared_between(tiles.centres[i], tiles.centres[j])) * (1.0 + before[i] * before[j])
-        })
-    }
-}
 
 /// A change that data may show for a reason that is no physics, such as a tilt of the scan.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,10 +21,9 @@ impl Freedom {
         Self { columns, mean: DVector::zeros(sigmas.len()), covariance }
     }
 
-    /// These degrees of freedom and others around zero, independent of them.
-    pub fn and(self, columns: DMatrix<f64>, sigmas: &[f64]) -> Self {
-        let other = Self::around_zero(columns, sigmas);
-        let (few, all) = (self.mean.len(), self.mean.len() + sigmas.len());
+    /// These degrees of freedom and others, independent of them.
+    pub fn and(self, other: Self) -> Self {
+        let (few, all) = (self.mean.len(), self.mean.len() + other.mean.len());
         let mut joint = Self {
             columns: DMatrix::zeros(self.columns.nrows(), all),
             mean: DVector::zeros(all),
@@ -84,6 +36,15 @@ impl Freedom {
             joint.covariance.view_mut((first, first), (count, count)).copy_from(&part.covariance);
         }
         joint
+    }
+
+    /// The first of these degrees of freedom.
+    pub fn first(&self, count: usize) -> Self {
+        Self {
+            columns: self.columns.columns(0, count).into_owned(),
+            mean: self.mean.rows(0, count).into_owned(),
+            covariance: self.covariance.view((0, 0), (count, count)).into_owned(),
+        }
     }
 }
 
@@ -131,6 +92,13 @@ impl Whitener {
         let data = self.factor.l_dirty().lower_triangle() * DVector::from_column_slice(change);
         let degrees_of_freedom = &self.freedom.covariance * self.freedom.columns.tr_mul(&self.factor.solve(&data));
         (data - &self.freedom.columns * degrees_of_freedom).as_slice().to_vec()
+    }
+
+    /// A field of the data, whitened: what it adds to whitened data.
+    pub fn whitened_field(&self, field: &[f64]) -> Vec<f64> {
+        let mut field = DVector::from_column_slice(field);
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut field);
+        field.as_slice().to_vec()
     }
 
     /// Measured minus simulated without what the degrees of freedom are expected to add.

@@ -58,6 +58,10 @@ criteria! {
     TILES_PER_SCAN: usize = 1000, "1", "chosen";
     /// Share of a tile's pixels that must be known.
     TILE_KNOWN_SHARE: f64 = 0.4, "1", "chosen";
+    /// Deviation of a tile's mean, in robust standard deviations, beyond which it counts no more for the noise.
+    NOISE_CUT_SIGMAS: f64 = 4.0, "σ", "derived: one in 16,000 of normal means is cut";
+    /// Share of the known tiles that blocks without holes must cover for their noise to be fitted.
+    NOISE_BLOCK_SHARE: f64 = 0.5, "1", "chosen: the most likely noise of half of the surface";
     /// Tiles along and across that share a block when residuals are drawn again.
     TILE_BLOCK_SIDE: usize = 4, "1", "chosen";
     /// Steps beyond which a simulation is abandoned, over those of the base model's longest pass.
@@ -77,8 +81,6 @@ criteria! {
     POSE_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen";
     /// Prior standard deviation of the part's place, along x and y, between robot and scanner.
     PART_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen: the frames may differ by about 100 µm (docs/diagnosis.md, Limits)";
-    /// Standard deviation of a tile on a rim, where simulations on different lattices differ, per change of slope.
-    RIM_ERROR_SIGMA: f64 = 0.03, "px", "chosen";
     /// Removed depth at which the noise of the scan before has fallen to 1/e of its share, in tile sigmas.
     SCAN_NOISE_DECAY_SIGMAS: f64 = 3.0, "σ", "chosen";
     /// Change of height from which a pixel counts as changed and the instrument blurs it again.
@@ -149,8 +151,20 @@ criteria! {
     FIT_DERIVATIVES: usize = 4, "1", "chosen";
     /// Most steps of a calibration.
     FIT_STEPS: usize = 25, "1", "chosen";
+    /// Times that derivatives are made by a fit that only finds the place for the next.
+    ROUGH_FIT_DERIVATIVES: usize = 2, "1", "chosen";
+    /// Most steps of a fit that only finds the place for the next.
+    ROUGH_FIT_STEPS: usize = 8, "1", "chosen";
+    /// Times that derivatives are made where a fit goes on after its data were seen better.
+    RENEWED_FIT_DERIVATIVES: usize = 1, "1", "chosen";
+    /// Most steps of a fit that goes on after its data were seen better.
+    RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
     /// χ² per datum above which a calibration starts again from both sides of its end.
     RESTART_CHI2_PER_DATUM: f64 = 2.0, "1", "chosen";
+    /// Factor on a ratio of the base laws from one start of their fit to the next.
+    START_RATIO: f64 = 10.0, "1", "chosen: an order of magnitude; the library's ranges have two to five";
+    /// Error of the logarithm of the totals at which the rate of a start is found.
+    START_RATE_TOLERANCE: f64 = 0.01, "1", "chosen: a step of the fit that follows";
     /// Way from the end of a calibration to where it starts again along the softest direction.
     RESTART_DISTANCE: f64 = 0.4, "coordinates", "chosen";
     /// Change of all whitened data together that a finite difference aims at.
@@ -164,6 +178,10 @@ criteria! {
     DERIVATIVE_CHANGE_SHARE: f64 = 0.3, "1", "chosen";
     /// Longest step of a finite difference.
     DERIVATIVE_LONGEST_STEP: f64 = 0.5, "coordinates", "chosen";
+    /// Times as far from its null, or factor on both ends on a scale of ratios, that an effect's parameter may go beyond its range.
+    RANGE_EXTENSION: f64 = 3.0, "1", "chosen: the library's ranges are what was seen elsewhere";
+    /// The same for a parameter of a base law, which every campaign has.
+    LAW_RANGE_EXTENSION: f64 = 27.0, "1", "chosen: three times threefold";
     /// Way from a bound, over the width of the range, up to which a value lies on it.
     BOUND_SHARE: f64 = 1e-3, "1", "chosen";
     /// Error of the logarithm of the totals at which the staged order has found the rate.
@@ -277,8 +295,10 @@ criteria! {
     INDISTINGUISHABLE_DELTA_CHI2: f64 = 22.0, "1", "derived: nine to one under the tempering, 2 · 5 · ln 9";
     /// Probability from which an effect is named alone.
     NAMED_PROBABILITY: f64 = 0.9, "1", "chosen: nine to one";
-    /// Most probability of an effect with which a model has as many parameters as the data have conditions.
-    SATURATED_PROBABILITY: f64 = 0.5, "1", "chosen: even odds, for it would fit anything";
+    /// Most probability of an effect that cannot be named alone, whatever it fits.
+    RESERVED_PROBABILITY: f64 = 0.5, "1", "chosen: even odds, for nothing tests it";
+    /// Odds that the value of an effect's parameter lies within what the library lists.
+    LISTED_ODDS: f64 = 19.0, "1", "chosen: the library's ranges hold 95 % of what is met";
     /// Effects that may be found one after the other.
     MOST_EFFECTS: usize = 3, "1", "chosen";
     /// Relative distance up to which an amplitude on a scale of ratios is at its null.

@@ -11,14 +11,15 @@ use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::pair::pair;
 use super::probe::Candidate;
+use super::reserve::Reserve;
 use super::response::{Look, Projector};
 use super::screen::Screened;
 use super::significance::{NullDraws, null_delta_chi2};
 use super::suspect::{Suspect, suspects};
-use super::verdict::{SearchEnd, Verdict, carries_over, is_account, is_open, misses, rms};
+use super::verdict::{SearchEnd, Searched, Verdict, carries_over, is_account, is_open, misses, rms};
 use crate::criteria::{
     EFFECT_SIZE_FLOOR, EFFECT_SIZE_REMOVAL, INDISTINGUISHABLE_DELTA_CHI2, MODEL_ERROR_TEMPERING, MOST_EFFECTS,
-    NAMED_PROBABILITY, SATURATED_PROBABILITY, SIGNIFICANCE_LEVEL, SPREAD_CUT_SIGMAS,
+    NAMED_PROBABILITY, RESERVED_PROBABILITY, SIGNIFICANCE_LEVEL, SPREAD_CUT_SIGMAS,
 };
 use trials::measure::{MAD_TO_SIGMA, median};
 
@@ -44,8 +45,8 @@ pub struct Finding {
     pub evaluation: Vec<Agreement>,
     /// Whether it is large and sure enough to be named.
     pub is_admissible: bool,
-    /// Whether the model with it has as many parameters as the data have conditions, so that nothing tests it.
-    pub is_saturated: bool,
+    /// Why it cannot be named alone, however much better than the others it fits.
+    pub reserve: Option<Reserve>,
 }
 
 /// One search for a missing effect.
@@ -181,10 +182,11 @@ impl Round {
             false if ahead.is_finite() => (accounts, ahead / INDISTINGUISHABLE_DELTA_CHI2),
             false => (all, 1.0),
         };
-        let probabilities = probabilities(&weighed, error);
+        let priors: Vec<f64> = self.findings.iter().map(|finding| finding.suspect.prior()).collect();
+        let probabilities = probabilities((&weighed, &priors), error);
         self.separable = INDISTINGUISHABLE_DELTA_CHI2 * error;
         self.findings.iter_mut().zip(probabilities).for_each(|(finding, p)| {
-            finding.probability = if finding.is_saturated { p.min(SATURATED_PROBABILITY) } else { p };
+            finding.probability = if finding.reserve.is_some() { p.min(RESERVED_PROBABILITY) } else { p };
         });
         self.findings
             .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
@@ -200,6 +202,11 @@ impl Round {
         carries_over(&self.evaluation, &finding.evaluation) && !finding.suspect.is_on_bound()
     }
 
+    /// The model searched from, as a link of a chain of searches.
+    pub(super) fn as_searched(&self) -> Searched {
+        Searched { calibration: self.calibration.clone(), evaluation: self.evaluation.clone(), probability: 1.0 }
+    }
+
     /// The most probable effect that is sound.
     pub fn best(&self) -> Option<&Finding> {
         self.findings.first().filter(|finding| finding.is_admissible)
@@ -208,6 +215,17 @@ impl Round {
     /// The best, unless it does harm to the held-out data or wants to be larger than it can be.
     pub(super) fn nameable(&self) -> Option<&Finding> {
         self.best().filter(|best| self.is_half || self.is_cause(best))
+    }
+
+    /// The effect that shows and no other like it, where it is too small to be named.
+    pub fn hint(&self) -> Option<&Finding> {
+        let mut shown: Vec<&Finding> = self.findings.iter().filter(|finding| finding.size > 0.0).collect();
+        shown.sort_by(|a, b| b.delta_chi2.total_cmp(&a.delta_chi2));
+        let next = shown.get(1).map_or(0.0, |next| next.delta_chi2);
+        let is_hint = |f: &&&Finding| {
+            !f.is_admissible && f.reserve.is_none() && f.delta_chi2 - next >= INDISTINGUISHABLE_DELTA_CHI2
+        };
+        shown.first().filter(is_hint).copied()
     }
 
     /// Effects that the data cannot tell from the best.
@@ -220,18 +238,25 @@ impl Round {
     }
 }
 
-/// Probabilities of models from their costs, which err by so many times what they should; none where all costs are infinite.
-pub(super) fn probabilities(costs: &[f64], error: f64) -> Vec<f64> {
+/// Probabilities of models from their costs, which err by so many times what they should, and their prior odds; none where all
+/// costs are infinite.
+pub(super) fn probabilities((costs, priors): (&[f64], &[f64]), error: f64) -> Vec<f64> {
     let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
-    let weight = |cost: &f64| {
-        if cost.is_finite() { (-(cost - best) / (2.0 * MODEL_ERROR_TEMPERING * error)).exp() } else { 0.0 }
+    let weight = |(cost, prior): (&f64, &f64)| {
+        if cost.is_finite() { prior * (-(cost - best) / (2.0 * MODEL_ERROR_TEMPERING * error)).exp() } else { 0.0 }
     };
-    let weights: Vec<f64> = costs.iter().map(weight).collect();
+    let weights: Vec<f64> = costs.iter().zip(priors).map(weight).collect();
     let total: f64 = weights.iter().sum();
     weights.iter().map(|weight| if total > 0.0 { weight / total } else { 0.0 }).collect()
 }
 
 impl Finding {
+    /// The model with it, as a link of a chain of searches.
+    pub(super) fn as_searched(&self) -> Searched {
+        let (calibration, evaluation) = (self.calibration.clone(), self.evaluation.clone());
+        Searched { calibration, evaluation, probability: self.probability }
+    }
+
     pub(super) fn new(
         evidence: &dyn Evidence,
         suspect: Suspect,
@@ -250,19 +275,10 @@ impl Finding {
         let evaluation =
             if is_admissible { evidence.agreement(&suspect.fit.model, Split::Evaluation)? } else { Vec::new() };
         let delta_chi2 = delta_chi2 / (spread * spread);
-        let is_saturated = suspect.fit.coordinates.len() >= evidence.conditions(&suspect.fit.model)?;
+        let conditions = evidence.conditions(&suspect.fit.model)?;
+        let reserve = if is_real { Reserve::of(&suspect, spread, conditions) } else { None };
         let probability = 0.0;
-        Ok(Self {
-            suspect,
-            delta_chi2,
-            p_value,
-            size,
-            probability,
-            calibration,
-            evaluation,
-            is_admissible,
-            is_saturated,
-        })
+        Ok(Self { suspect, delta_chi2, p_value, size, probability, calibration, evaluation, is_admissible, reserve })
     }
 }
 
@@ -357,6 +373,9 @@ impl Diagnosis {
             search = Search::of_pair(pair, model, searches);
             verdict = search.verdict(&detectable);
         }
+        if verdict == Verdict::NothingMissing && search.rounds[0].hint().is_some() {
+            verdict = Verdict::Hint;
+        }
         let (model, fit) = if verdict == Verdict::Unknown { (model.clone(), base) } else { (search.model, search.fit) };
         Ok(Self { verdict, rounds: search.rounds, model, fit, detectable, blind })
     }
@@ -365,6 +384,12 @@ impl Diagnosis {
     pub fn found(&self) -> Vec<&Finding> {
         let rounds = if self.verdict == Verdict::Unknown { &[][..] } else { &self.rounds[..] };
         rounds.iter().filter_map(Round::nameable).collect()
+    }
+
+    /// The effect that shows but is too small to be named, and the size from which it would be.
+    pub fn hint(&self) -> Option<(&Finding, f64)> {
+        let round = self.rounds.first().filter(|_| self.verdict == Verdict::Hint)?;
+        Some((round.hint()?, least_size(&round.calibration)))
     }
 
     /// Whether nothing was found although the model misses the held-out data.

@@ -142,4 +142,10 @@ pub trait Evidence: Sync {
 
     /// For each residual the number of its block: neighbours that may still depend on each other.
     fn blocks(&self, split: Split) -> Vec<usize>;
+
+    /// For each scan its first residual of the calibration data, and what the simulation's lattice adds to its whitened
+    /// residuals as far as that is known.
+    fn lattice_fields(&self) -> Vec<(usize, Vec<f64>)> {
+        Vec::new()
+    }
 }

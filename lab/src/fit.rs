@@ -6,7 +6,10 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::coordinates::{Bound, Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
-use crate::criteria::{FIT_CONVERGED_DELTA_CHI2, FIT_DERIVATIVES, FIT_STEPS, HUBER_CONSTANT, RESTART_DISTANCE};
+use super::uncertainty::Doubt;
+use crate::criteria::{
+    FIT_CONVERGED_DELTA_CHI2, FIT_DERIVATIVES, FIT_STEPS, HUBER_CONSTANT, RESTART_CHI2_PER_DATUM, RESTART_DISTANCE,
+};
 
 /// Damping: first, and factors after good and bad steps.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
@@ -49,6 +52,10 @@ pub struct Fit {
     pub converged: bool,
     /// Simulations of the data.
     pub runs: usize,
+    /// Where the fit began [coordinates].
+    pub(super) begun: Vec<f64>,
+    /// What else its data say about the parameters; `None` before the first step.
+    pub(super) doubt: Option<Doubt>,
 }
 
 /// How an attempt to improve a fit ended.
@@ -115,7 +122,8 @@ impl Fit {
         let residuals = evidence.residuals(&model, Split::Calibration)?;
         let chi2 = robust_sum(&residuals);
         let jacobian = DMatrix::zeros(residuals.len(), coordinates.len());
-        Ok(Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1 })
+        let begun = at.clone();
+        Ok(Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1, begun, doubt: None })
     }
 
     /// Goes on from here; derivatives that are there already are used first.
@@ -146,7 +154,23 @@ impl Fit {
                 Step::None => known = false,
             }
         }
+        self.doubt = Some(Doubt::of(&self, &evidence.blocks(Split::Calibration), &evidence.lattice_fields()));
         self
+    }
+
+    /// The same values against data that have changed a little; the derivatives are kept.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub(super) fn seen_anew(mut self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
+        self.residuals = evidence.residuals(&self.model, Split::Calibration)?;
+        (self.chi2, self.converged) = (robust_sum(&self.residuals), false);
+        Ok(self)
+    }
+
+    /// Whether so much is left that the landscape may have several valleys.
+    pub(super) fn is_poor(&self) -> bool {
+        self.chi2 > RESTART_CHI2_PER_DATUM * self.residuals.len() as f64
     }
 
     /// The same fit begun anew at another place [coordinates].
@@ -255,9 +279,9 @@ impl Fit {
 
     /// What the fit says about each parameter; `spread` widens the intervals where the residuals are larger than noise.
     pub fn estimates(&self, spread: f64) -> Vec<Estimate> {
-        let covariance = self.covariance();
+        let covariance = self.covariance(spread);
         let estimate = |(k, coordinate): (usize, &Coordinate)| {
-            let sigma = covariance.as_ref().map_or(f64::INFINITY, |c| spread * c[(k, k)].max(0.0).sqrt());
+            let sigma = covariance.as_ref().map_or(f64::INFINITY, |c| c[(k, k)].max(0.0).sqrt());
             let bound = coordinate.bound(self.at[k]);
             Estimate { coordinate: coordinate.clone(), value: coordinate.value(self.at[k]), sigma, bound }
         };
@@ -277,20 +301,5 @@ impl Fit {
             None => false,
         };
         self.coordinates.iter().enumerate().map(held).collect()
-    }
-
-    /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
-    /// others.
-    pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
-        let jacobian = self.jacobian.select_columns(&told);
-        let inverse = Cholesky::new(jacobian.tr_mul(&jacobian))?.inverse();
-        let mut covariance = DMatrix::from_diagonal_element(self.at.len(), self.at.len(), f64::INFINITY);
-        for (i, &a) in told.iter().enumerate() {
-            for (j, &b) in told.iter().enumerate() {
-                covariance[(a, b)] = inverse[(i, j)];
-            }
-        }
-        Some(covariance)
     }
 }

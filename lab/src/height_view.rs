@@ -5,17 +5,22 @@ use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
 use sdf_bake::HeightMap;
 
-use super::covariance::{Freedom, TileNoise, Whitener};
+use super::covariance::{Freedom, Whitener};
+use super::tile_noise::TileNoise;
 use super::tiles::{TileGrid, Tiles};
 use crate::criteria::{
-    PART_SHIFT_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA, RIM_ERROR_SIGMA, SCAN_NOISE_DECAY_SIGMAS,
+    PART_SHIFT_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA, SCAN_NOISE_DECAY_SIGMAS,
 };
 use trials::measure::despiked;
 
 /// Degrees of freedom of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
 const POSE_SIGMAS: [f64; 5] = [POSE_HEIGHT_SIGMA, POSE_TILT_SIGMA, POSE_TILT_SIGMA, POSE_SHIFT_SIGMA, POSE_SHIFT_SIGMA];
+/// Side of the tiles of the untouched surface over that of the others: there are more of them.
+pub(super) const COARSE: usize = 2;
 /// Of these, height and tilts, which the untouched surface gives.
 const HELD: usize = 3;
+/// Degrees of freedom of the scan's pose and of the part's place, before that of the lattice's error.
+const PLACE_FREEDOMS: usize = 7;
 
 /// A scan as data.
 #[derive(Clone, Debug)]
@@ -28,6 +33,7 @@ pub struct HeightView {
     pub noise: TileNoise,
     slopes: Vec<DVec2>,
     cut: Vec<DVec2>,
+    lattice_error: Vec<f64>,
     whitener: Whitener,
     /// Share of the noise of the scan before in each tile.
     pub before_share: Vec<f64>,
@@ -38,21 +44,21 @@ impl HeightView {
     ///
     /// - `measured`, `before`: scans without spikes
     /// - `free`: for each pixel, whether no tool came near it before this scan
+    /// - `side`: of a tile [pixels], with the noise of a tile and of one [`COARSE`] times as wide
     ///
     /// `None` where no tile was touched.
     pub fn new(
         measured: HeightMap,
         before: &HeightMap,
         free: &[bool],
-        (side, noise): (usize, TileNoise),
+        (side, [noise, coarse]): (usize, [TileNoise; 2]),
     ) -> Option<Self> {
         let pixels = measured.pixels;
         let change: Vec<f64> = measured.heights.iter().zip(&before.heights).map(|(a, b)| a - b).collect();
         let cut = slopes(&HeightMap { pixels, heights: change.clone() });
         let slopes = slopes(&measured);
         let known = |at: usize| change[at].is_finite() && slopes[at].is_finite();
-        let alone = TileGrid { pixels, side: 2 * side }.tiles(|at| known(at) && free[at]);
-        let coarse = TileNoise { alone: 0.5 * noise.alone, ..noise };
+        let alone = TileGrid { pixels, side: COARSE * side }.tiles(|at| known(at) && free[at]);
         let untouched = Whitener::new(
             coarse.covariance(&alone, &vec![1.0; alone.len()]),
             Freedom::around_zero(pose_columns(&alone, &slopes), &POSE_SIGMAS),
@@ -65,13 +71,44 @@ impl HeightView {
             tiles.means(|at| -change[at]).into_iter().zip(planes.iter()).map(|(removed, lift)| removed + lift);
         let depth = SCAN_NOISE_DECAY_SIGMAS * noise.sigma();
         let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
-        let mut covariance = noise.covariance(&tiles, &before_share);
-        for (k, bend) in rims(&tiles, [&cut, &slopes]).into_iter().enumerate() {
-            covariance[(k, k)] += (RIM_ERROR_SIGMA * bend * pixels.pitch).powi(2);
-        }
+        let covariance = noise.covariance(&tiles, &before_share);
         let shift = cut_columns(&tiles, &cut);
-        let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift, &[PART_SHIFT_SIGMA; 2]))?;
-        (!tiles.is_empty()).then_some(Self { measured, tiles, noise, slopes, cut, whitener, before_share })
+        let shift = Freedom::around_zero(shift, &[PART_SHIFT_SIGMA; 2]);
+        let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift))?;
+        let lattice_error = vec![0.0; measured.heights.len()];
+        (!tiles.is_empty()).then_some(Self {
+            measured,
+            tiles,
+            noise,
+            slopes,
+            cut,
+            lattice_error,
+            whitener,
+            before_share,
+        })
+    }
+
+    /// The same scan, given what the simulation's lattice errs by. How much of it the data hold is one more degree of
+    /// freedom, and its scatter within a tile an error of that tile alone: where a rim lies within a pixel the lattice does
+    /// not tell.
+    ///
+    /// - `error`: height of a simulation on a finer lattice above one on the usual lattice at each pixel [m]
+    ///
+    /// `None` where the covariance is not positive definite.
+    pub fn with_lattice_error(self, error: &[f64]) -> Option<Self> {
+        let means = self.tiles.means(|at| error[at]);
+        let squares = self.tiles.means(|at| error[at] * error[at]);
+        let scatter = means.iter().zip(squares).map(|(mean, square)| (square - mean * mean).max(0.0));
+        let own = DMatrix::from_diagonal(&DVector::from_iterator(self.tiles.len(), scatter));
+        let covariance = self.noise.covariance(&self.tiles, &self.before_share) + own;
+        let column = Freedom::around_zero(DMatrix::from_vec(self.tiles.len(), 1, means), &[1.0]);
+        let freedom = self.whitener.expected().first(PLACE_FREEDOMS).and(column);
+        Some(Self { whitener: Whitener::new(covariance, freedom)?, lattice_error: error.to_vec(), ..self })
+    }
+
+    /// What the lattice's error adds to the whitened tiles.
+    pub fn lattice_field(&self) -> Vec<f64> {
+        self.whitener.whitened_field(&self.tiles.means(|at| self.lattice_error[at]))
     }
 
     /// Measured minus simulated height of each tile [m].
@@ -115,7 +152,8 @@ impl HeightView {
         let lift = |at: usize| {
             let cut = if self.cut[at].is_finite() { self.cut[at] } else { DVec2::ZERO };
             let column = pose_column(frame, self.measured.pixels, at, self.slopes[at]);
-            column.into_iter().chain([-cut.x, -cut.y]).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
+            let own = [-cut.x, -cut.y, self.lattice_error[at]];
+            column.into_iter().chain(own).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
         };
         let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
         (0..self.measured.heights.len()).map(left).collect()
@@ -213,24 +251,6 @@ fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
     let known = |slope: f64| if slope.is_finite() { -slope } else { 0.0 };
     let (x, y) = (tiles.means(|at| known(cut[at].x)), tiles.means(|at| known(cut[at].y)));
     DMatrix::from_fn(tiles.len(), 2, move |row, k| if k == 0 { x[row] } else { y[row] })
-}
-
-/// How far the slope turns over four pixels, at most, in each tile: at a rim, all of its bend. Only what both the cut and
-/// the ground surface show is a rim; the bend of one alone is the shape of the part.
-fn rims(tiles: &Tiles, maps: [&[DVec2]; 2]) -> Vec<f64> {
-    let (nx, ny) = (tiles.grid.pixels.nx, tiles.grid.pixels.ny);
-    let bend = |at: usize| {
-        let (i, j) = (at % nx, at / nx);
-        let across = |low: usize, high: usize| {
-            maps.iter().map(|slopes| (slopes[high] - slopes[low]).length()).fold(f64::INFINITY, f64::min)
-        };
-        let along_x = if (2..nx.max(2) - 2).contains(&i) { across(at - 2, at + 2) } else { 0.0 };
-        let along_y = if (2..ny.max(2) - 2).contains(&j) { across(at - 2 * nx, at + 2 * nx) } else { 0.0 };
-        [along_x, along_y].into_iter().filter(|bend| bend.is_finite()).fold(0.0, f64::max)
-    };
-    let mut rims = vec![0.0f64; tiles.len()];
-    tiles.pixels().for_each(|(tile, at)| rims[tile] = rims[tile].max(bend(at)));
-    rims
 }
 
 /// Slope at each pixel from a plane through its neighbours two pixels around, NaN where too few are known.

@@ -5,8 +5,10 @@
 //! 1. [`simulation`] runs a trial as it was logged, [`campaign_simulation`] all trials in order; [`scanner`] reads the
 //!    result as the instrument does.
 //! 2. `height_view`, `exposure_view` and `rows` make data of scans, masks and tables; `tiles` cuts scans up.
-//! 3. `covariance` whitens residuals: noise, and each scan's free pose; `blur` fits the instrument.
-//! 4. `fit` varies the parameters (`coordinates`, `derivatives`); `staged` fits the rate first.
+//! 3. `covariance` whitens residuals: noise (`tile_noise`), each scan's free pose, and the error of the simulation's own
+//!    lattice (`lattice_error`); `blur` fits the instrument.
+//! 4. `fit` varies the parameters (`coordinates`, `derivatives`) from where `begin` says, `uncertainty` gives their
+//!    intervals; `staged` fits the rate first.
 //! 5. `calibration` fits one effect after the other; the errors are the waterfall.
 //! 6. `structure`, `covariate_share` and `pass_trend` test what the model leaves.
 //! 7. `screen` simulates every effect at a few sizes (`probe`) beside what the base parameters can change (`response`).
@@ -18,6 +20,7 @@
 //! The numbers that decide stand in one table, [`criteria`]. SI units inside; the same seed gives the same bytes on any
 //! number of threads.
 
+mod begin;
 mod blur;
 mod border;
 mod calibrate;
@@ -37,13 +40,16 @@ mod evidence;
 mod exposure_view;
 mod fit;
 mod height_view;
+mod lattice_error;
 mod model_origin;
 mod next_row;
 mod next_trial;
+mod noise_summary;
 mod pair;
 mod pass_trend;
 mod probe;
 mod remembered;
+mod reserve;
 mod response;
 mod rows;
 mod ruled_out;
@@ -64,8 +70,10 @@ mod table_ranges;
 mod table_reach;
 mod table_reads;
 mod table_steps;
+mod tile_noise;
 mod tiles;
 mod totals;
+mod uncertainty;
 mod unfitted;
 mod verdict;
 
@@ -74,7 +82,7 @@ pub use calibrate::{calibrate, calibrate_scans};
 pub use calibration::{Calibration, Fitted, Judged, Order, uncalibrated};
 pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beginning};
 pub use coordinates::{Bound, Coordinate, moved};
-pub use covariance::{Freedom, TileNoise, Whitener};
+pub use covariance::{Freedom, Whitener};
 pub use covariate_share::{CovariateBin, CovariateField, CovariateShare, CovariateStudy, covariate_study};
 pub use criteria::{CRITERIA, Criterion, CriterionValues};
 pub use detectable::{Detectable, Sides, detectable};
@@ -85,9 +93,11 @@ pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
 pub use height_view::HeightView;
+pub use lattice_error::LatticeError;
 pub use model_origin::{Origin, identity, model_origin};
 pub use next_row::{next_row, separating_row, testing_row};
 pub use next_trial::{NextTrial, next_trial, separating_trial, testing_trial};
+pub use noise_summary::NoiseSummary;
 pub use pass_trend::{PassTrend, trend_of_rows, trend_of_scans};
 pub use probe::{Candidate, Probe};
 pub use response::{Look, Projector, Response};
@@ -101,7 +111,8 @@ pub use summary::{
     BASE_STEP, DiagnosisSummary, EffectSummary, ParameterState, ParameterSummary, WaterfallStep, parameter_summary,
 };
 pub use suspect::{Suspect, suspects};
+pub use tile_noise::{FittedNoise, Kernel, TileNoise};
 pub use tiles::{TileGrid, Tiles};
 pub use totals::{Total, Totals};
 pub use unfitted::Unfitted;
-pub use verdict::{Verdict, unexplained};
+pub use verdict::{Searched, Verdict, unexplained};

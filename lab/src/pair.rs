@@ -58,7 +58,9 @@ pub(super) fn pair(
     let spread = spread(&least.both.fit.residuals);
     joints.sort_by(|a, b| a.cost(spread).total_cmp(&b.cost(spread)));
     let lead = joints[0].lead.candidate.name.clone();
-    let probabilities = probabilities(&joints.iter().map(|joint| joint.cost(spread)).collect::<Vec<_>>(), 1.0);
+    let costs: Vec<f64> = joints.iter().map(|joint| joint.cost(spread)).collect();
+    let priors: Vec<f64> = joints.iter().map(|joint| joint.both.prior()).collect();
+    let probabilities = probabilities((&costs, &priors), 1.0);
     let with_lead = |joint: &Joint| joint.lead.candidate.name == lead;
     let sure: f64 = joints.iter().zip(probabilities).filter(|(joint, _)| with_lead(joint)).map(|(_, p)| p).sum();
     if sure < NAMED_PROBABILITY {

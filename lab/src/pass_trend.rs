@@ -216,7 +216,7 @@ fn law_coordinates(evidence: &dyn Evidence, model: &CompiledModel) -> Vec<Coordi
 fn grid(coordinates: &[Coordinate]) -> Vec<Vec<f64>> {
     let mut grid = vec![Vec::new()];
     for coordinate in coordinates {
-        let [low, high] = coordinate.bounds();
+        let [low, high] = coordinate.listed();
         let value = |k: usize| low + (high - low) * k as f64 / (TREND_VALUES - 1) as f64;
         grid = grid
             .iter()

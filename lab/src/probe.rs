@@ -94,7 +94,7 @@ fn tried(slot: &ParameterSlot) -> Vec<f64> {
 fn shapes(coordinates: &[Coordinate], typical: &[f64]) -> Vec<Vec<f64>> {
     let mut all = vec![typical.to_vec()];
     for (k, coordinate) in coordinates.iter().enumerate().filter(|(_, c)| c.slot.null.is_none()) {
-        let [least, greatest] = coordinate.bounds();
+        let [least, greatest] = coordinate.listed();
         for share in [PROBE_SHAPE_LOW, PROBE_SHAPE_HIGH] {
             let mut values = typical.to_vec();
             values[k] = coordinate.value(least + share * (greatest - least));

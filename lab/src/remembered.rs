@@ -54,7 +54,8 @@ impl ScanEvidence<'_> {
         make: impl FnOnce() -> Result<T, EvidenceError>,
     ) -> Result<T, EvidenceError> {
         let Some(journal) = &self.journal else { return make() };
-        let decides = format!("{split:?} {:?} {:?} {:?}", self.blur, self.most_steps, model_origin(model));
+        let lattice = self.lattice_error.as_ref().map(|error| error.identity());
+        let decides = format!("{split:?} {:?} {:?} {lattice:?} {:?}", self.blur, self.most_steps, model_origin(model));
         let key = journal.key(&[T::NAME, &decides]);
         match journal.find(&key).as_deref() {
             Some([MADE, content @ ..]) => {

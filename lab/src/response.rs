@@ -77,7 +77,7 @@ impl Projector {
 
 /// Shares of the way from a null to a probed value that stay within a parameter's range and near the probe.
 fn reach(coordinate: &Coordinate, probed: f64) -> [f64; 2] {
-    let [least, greatest] = coordinate.slot.range;
+    let [least, greatest] = coordinate.reach();
     let null = coordinate.slot.null.unwrap_or(0.0);
     if !(least..=greatest).contains(&null) {
         return [0.0, EXTRAPOLATION_MOST];

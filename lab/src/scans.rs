@@ -2,18 +2,24 @@
 
 use std::ops::Range;
 
-use effects::{CompiledModel, Effect, Process, RowCounts};
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
 use super::blur::{blurred, least_of};
+use super::calibrate::fit_roughly;
+use super::calibration::{Calibration, Order};
 use super::coordinates::Coordinate;
-use super::covariance::TileNoise;
+use super::diagnose::with_values;
+use super::error::LabError;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::fit::robust_sum;
+use super::height_view::COARSE;
 use super::height_view::HeightView;
+use super::lattice_error::LatticeError;
 use super::pass_trend::{PassTrend, trend_of_scans};
+use super::tile_noise::{FittedNoise, TileNoise};
 use super::tiles::{TileGrid, Tiles};
 use crate::campaign_simulation::CampaignSimulation;
 use crate::criteria::{
@@ -75,10 +81,14 @@ pub struct ScanEvidence<'a> {
     pub views: Vec<ScanView>,
     /// Noise of one scan by trial.
     pub noise: Vec<NoiseFloor>,
+    /// Noise of one scan's tiles by trial, where surfaces are ground.
+    pub tile_noise: Vec<Option<FittedNoise>>,
     /// Standard deviation of the instrument's lateral blur [m]; `None` where every model finds its own.
     pub blur: Option<f64>,
     /// Steps of a pass beyond which a simulation is given up.
     pub(super) most_steps: Option<usize>,
+    /// What the simulation's lattice errs by, once it was measured.
+    pub lattice_error: Option<LatticeError>,
     /// Predictions that were made before; `None` makes each again.
     pub journal: Option<Journal>,
 }
@@ -100,13 +110,20 @@ impl<'a> ScanEvidence<'a> {
         };
         let simulation = CampaignSimulation::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
         let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
-        let (views, noise): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();
+        let (mut views, mut noise, mut tile_noise) = (Vec::new(), Vec::new(), Vec::new());
+        for prepared in prepared? {
+            views.extend(prepared.views);
+            noise.push(prepared.floor);
+            tile_noise.push(prepared.tile_noise);
+        }
         Ok(Self {
             simulation,
-            views: views.into_iter().flatten().collect(),
+            views,
             noise,
+            tile_noise,
             blur: None,
             most_steps: None,
+            lattice_error: None,
             journal: None,
         })
     }
@@ -144,6 +161,63 @@ impl<'a> ScanEvidence<'a> {
     /// A simulated surface as an instrument with this blur [m] sees it.
     pub fn seen(&self, view: &ScanView, simulated: &HeightMap, blur: f64) -> HeightMap {
         blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, blur)
+    }
+
+    /// Measures what the simulation's lattice errs by near a model. From then on it counts as an error of the
+    /// data. Sanding leaves the surface as it was, and has none.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated on a lattice twice as fine.
+    pub fn measure_lattice_error(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        if self.process() == Process::Sanding {
+            return Ok(());
+        }
+        let error = LatticeError::new(self, model)?;
+        for view in &mut self.views {
+            let ScanData::Heights(data) = &view.data else { continue };
+            let informed = data.clone().with_lattice_error(error.of(view.trial, view.pass));
+            view.data = ScanData::Heights(informed.expect("a covariance grows with what is added to it"));
+        }
+        self.lattice_error = Some(error);
+        Ok(())
+    }
+
+    /// Calibrates a model and those that it grew from: first roughly, then with what the lattice errs by there.
+    ///
+    /// - `models`: the model, and its base law before any fit
+    /// - `done`: called after each fit with its name
+    ///
+    /// # Errors
+    /// As [`Calibration::new`].
+    pub fn calibrated(
+        &mut self,
+        (model, start): (&Model, &Model),
+        library: &Library,
+        (order, done): (Order, &dyn Fn(&str)),
+    ) -> Result<Calibration, LabError> {
+        let compiled = CompiledModel::new(model, library, self.rows())?;
+        self.limit_steps(&compiled)?;
+        if self.process() == Process::Sanding {
+            return Calibration::new(self, (model, start), library, (order, done));
+        }
+        let rough = fit_roughly(self, &compiled)?;
+        self.measure_lattice_error(&rough.model)?;
+        // A fit that is far off says little about where the next should begin.
+        let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
+        let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
+        self.renewed(calibration)
+    }
+
+    /// A calibration taken further, with what the lattice errs by at its best values.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
+        if self.process() == Process::Sanding {
+            return Ok(calibration);
+        }
+        self.measure_lattice_error(&calibration.last().fit.model)?;
+        calibration.renewed(self)
     }
 
     /// Measured minus simulated tiles of a scan, whitened, through an instrument of so much blur.
@@ -300,6 +374,15 @@ impl Evidence for ScanEvidence<'_> {
         Some(why.to_owned())
     }
 
+    fn lattice_fields(&self) -> Vec<(usize, Vec<f64>)> {
+        let starts = self.ranges(Split::Calibration).into_iter().map(|range| range.start);
+        let field = |(start, view): (usize, &ScanView)| match &view.data {
+            ScanData::Heights(data) => Some((start, data.lattice_field())),
+            ScanData::Exposure(_) => None,
+        };
+        starts.zip(self.of(Split::Calibration)).filter_map(field).collect()
+    }
+
     fn blocks(&self, split: Split) -> Vec<usize> {
         let mut first = 0;
         let mut all = Vec::new();
@@ -315,14 +398,21 @@ impl Evidence for ScanEvidence<'_> {
 }
 
 /// The scans of a trial as data, and the noise of one.
-fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloor), EvidenceError> {
+struct Prepared {
+    views: Vec<ScanView>,
+    floor: NoiseFloor,
+    tile_noise: Option<FittedNoise>,
+}
+
+fn views_of((index, trial): (usize, &Trial)) -> Result<Prepared, EvidenceError> {
     let bad = |what: String| EvidenceError::NoData(format!("{}: {what}", trial.name));
     let (before, _) = despiked(&trial.scans.before);
     let repeat = trial.scans.repeats.first().ok_or_else(|| EvidenceError::NoData(no_repeat(trial)))?;
     let (repeat, _) = despiked(repeat);
     let floor = noise_floor(&before, &repeat).map_err(|error| bad(format!("the repeated scan: {error}")))?;
+    let left = HeightMap { heights: floor.registration.left(&repeat, &before), ..before.clone() };
     let mut free = vec![true; before.heights.len()];
-    let mut views = Vec::new();
+    let (mut views, mut tile_noise) = (Vec::new(), None);
     for (number, pass) in trial.passes.iter().enumerate() {
         let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
         let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
@@ -330,8 +420,11 @@ fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloo
         let side = tile_side(&free, &before);
         let data = match &pass.scan {
             PassScan::Heights(scan) => {
-                let noise = tile_noise(&before, &repeat, &floor, side).map_err(&bad)?;
-                HeightView::new(despiked(scan).0, &before, &free, (side, noise)).map(ScanData::Heights)
+                let [noise, coarse] = [side, COARSE * side].map(|side| noise_of_tiles(&left, side).map_err(&bad));
+                let (noise, coarse) = (noise?, coarse?.noise);
+                let view = HeightView::new(despiked(scan).0, &before, &free, (side, [noise.noise, coarse]));
+                tile_noise = Some(noise);
+                view.map(ScanData::Heights)
             }
             PassScan::Exposure(mask) => {
                 let reach = BORDER_REACH * trial.tool.half_width();
@@ -345,7 +438,7 @@ fn views_of((index, trial): (usize, &Trial)) -> Result<(Vec<ScanView>, NoiseFloo
         let data = data.ok_or_else(|| bad(format!("pass {}: {}", number + 1, untouched_words(trial, &path))))?;
         views.push(ScanView { trial: index, pass: number, split, data });
     }
-    Ok((views, floor))
+    Ok(Prepared { views, floor, tile_noise })
 }
 
 /// Why a trial without a repeated scan is no data, and what to do.
@@ -380,11 +473,13 @@ fn tile_side(free: &[bool], map: &HeightMap) -> usize {
         .clamp(TILE_LEAST_SIDE, map.pixels.nx.min(map.pixels.ny) / 4)
 }
 
-/// Noise of a tile's mean, from two scans of one surface.
-fn tile_noise(before: &HeightMap, repeat: &HeightMap, floor: &NoiseFloor, side: usize) -> Result<TileNoise, String> {
-    let difference = floor.registration.left(repeat, before);
-    let tiles = TileGrid { pixels: before.pixels, side };
-    let coarse = tiles.coarsened(&difference);
-    let none = HeightMap { pixels: coarse.pixels, heights: vec![0.0; coarse.heights.len()] };
-    noise_floor(&coarse, &none).map(|floor| TileNoise::from(&floor)).map_err(|error| error.to_string())
+/// Noise of the means of tiles of a side, from what is left of two scans of one surface after laying one on the other.
+fn noise_of_tiles(left: &HeightMap, side: usize) -> Result<FittedNoise, String> {
+    let coarse = TileGrid { pixels: left.pixels, side }.coarsened(&left.heights);
+    TileNoise::fitted(&coarse).ok_or_else(|| {
+        let (nx, ny) = (coarse.pixels.nx, coarse.pixels.ny);
+        format!(
+            "the repeated scan shares too few pixels with the scan before: {nx} by {ny} tiles with holes give no noise"
+        )
+    })
 }

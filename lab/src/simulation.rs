@@ -11,11 +11,12 @@ use effects::{CompiledModel, Reset, States};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::heights::{HeightsError, SlabOptions};
+use sim::pass::TOUCH;
 use sim::{Covariates, PassError, PassRecord, Path, PathError, PathSample, Process, Progress, TOOL_CELLS, run_pass};
 use thiserror::Error;
 
 use crate::scanner::SeenSurface;
-use trials::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, Trial};
+use trials::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, ToolPose, Trial};
 
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
@@ -160,9 +161,9 @@ impl<'a> Simulation<'a> {
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = controller(trial, replay);
             let logged = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
-            let path = path(&logged, trial, &tool, controller)
+            let approach = handed_over(&logged, pass.force_setpoint);
+            let path = path((&logged, approach), trial, &tool, controller)
                 .map_err(|error| SimulationError::Path { pass: i + 1, error })?;
-            let approach = logged.contact.map_or(0.0, |contact| contact.start);
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             let process = process(pass, trial, controller);
             process.check(&part, &tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
@@ -361,14 +362,27 @@ fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
     (next - last).max(0.0) + (last - first - simulated).max(0.0)
 }
 
-/// The logged path up to the end of contact. A controller finds its own height from the first contact on: its path stays
-/// at the height that the tool had then.
-fn path(logged: &ToolPath, trial: &Trial, tool: &sim::Tool, controller: sim::Controller) -> Result<Path, PathError> {
+/// When the controller took over [s]: at the first row after the touch whose force exceeds [`TOUCH`] of the setpoint. Until then
+/// the robot comes down as it logged; a start some milliseconds early leaves the tool too low for a good part of the way.
+fn handed_over(logged: &ToolPath, force_setpoint: f64) -> f64 {
+    let Some(contact) = logged.contact else { return 0.0 };
+    let presses = |pose: &&ToolPose| pose.time >= contact.start && pose.force > TOUCH * force_setpoint;
+    logged.poses.iter().find(presses).map_or(contact.start, |pose| pose.time)
+}
+
+/// The logged path up to the end of contact. A controller finds its own height from when it took over: its path stays at
+/// the height that the tool had then.
+fn path(
+    (logged, approach): (&ToolPath, f64),
+    trial: &Trial,
+    tool: &sim::Tool,
+    controller: sim::Controller,
+) -> Result<Path, PathError> {
     let contact = logged.contact.unwrap_or(Contact { start: 0.0, end: f64::INFINITY });
-    let touch = logged.at(contact.start).centre;
+    let touch = logged.at(approach).centre;
     let poses = logged.poses.iter().take_while(|pose| pose.time <= contact.end);
     let samples = poses.map(|pose| {
-        let leads = controller == sim::Controller::Replay || pose.time <= contact.start;
+        let leads = controller == sim::Controller::Replay || pose.time <= approach;
         let height = if leads { 0.0 } else { (pose.centre - touch).dot(pose.approach) };
         let across = match trial.tool {
             Tool::Wheel { .. } => pose.axis,

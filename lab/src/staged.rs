@@ -30,7 +30,8 @@ impl Staged {
     pub fn new(evidence: &dyn Totals, model: &CompiledModel) -> Result<Option<(Self, Fit)>, EvidenceError> {
         let mut coordinates = evidence.coordinates(model);
         let Some(place) = coordinates.iter().position(|coordinate| is_rate(model, coordinate)) else { return Ok(None) };
-        let (rate, model, first) = fit_rate(evidence, model, coordinates.remove(place))?;
+        let rate = (coordinates.remove(place), STAGED_RATE_TOLERANCE);
+        let (rate, model, first) = fit_rate(evidence, model, rate)?;
         let profiles = Fit::new(evidence, &model, coordinates, FitOptions::default())?;
         let second = evidence.totals(&profiles.model, Split::Calibration)?;
         Ok(Some((Self { rate, totals: [first, second] }, profiles)))
@@ -38,18 +39,18 @@ impl Staged {
 }
 
 /// Whether a parameter is the factor of the law that removes.
-fn is_rate(model: &CompiledModel, coordinate: &Coordinate) -> bool {
+pub(super) fn is_rate(model: &CompiledModel, coordinate: &Coordinate) -> bool {
     let removes = |value: Variable| matches!(value, Variable::Rate | Variable::DoseRate);
     let mut laws = model.effects().filter(|law| law.kind == Kind::Law && law.name == coordinate.slot.owner);
     coordinate.slot.scale == Scale::Log
         && laws.any(|law| law.changes_in(model.process()).any(|change| removes(change.value)))
 }
 
-/// Finds the rate by the secant method on the mean logarithm of measured over predicted.
-fn fit_rate(
+/// Finds the rate by the secant method on the mean logarithm of measured over predicted, to a tolerance of that.
+pub(super) fn fit_rate(
     evidence: &dyn Totals,
     model: &CompiledModel,
-    rate: Coordinate,
+    (rate, tolerance): (Coordinate, f64),
 ) -> Result<(Estimate, CompiledModel, Vec<Total>), EvidenceError> {
     let mut at = rate.clamped(rate.from_value(model.value(rate.index)));
     // What is removed grows about as the rate does.
@@ -61,7 +62,7 @@ fn fit_rate(
         if let Some((there, other)) = before.filter(|(there, _)| *there != at) {
             slope = ((off - other) / (at - there)).min(-0.1);
         }
-        if off.abs() < STAGED_RATE_TOLERANCE {
+        if off.abs() < tolerance {
             break;
         }
         before = Some((at, off));

@@ -90,7 +90,7 @@ fn excess(grids: &[ResidualGrid], degrees_of_freedom: usize) -> StructureTest {
 }
 
 /// Moran's I over pairs of neighbours, and its p-value among draws of independent noise.
-fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
+pub(super) fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
     let pairs: Vec<Vec<(usize, usize)>> = grids.iter().map(ResidualGrid::neighbours).collect();
     let moran = |residuals: &dyn Fn(usize) -> Vec<f64>| {
         let (mut products, mut squares, mut count, mut number) = (0.0, 0.0, 0, 0);

@@ -30,6 +30,9 @@ pub struct ParameterSummary {
     pub unit: String,
     /// How far the data determine it.
     pub state: ParameterState,
+    /// The end of what the library lists, where the value lies beyond it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub listed_to: Option<f64>,
 }
 
 /// How far data determine a parameter.
@@ -151,7 +154,7 @@ pub(super) fn floor_of(of: &[Agreement], unit: ErrorUnit) -> Option<f64> {
 pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
     let (coordinate, slot) = (&estimate.coordinate, &estimate.coordinate.slot);
     let at = coordinate.from_value(estimate.value);
-    let [least, greatest] = coordinate.bounds();
+    let [least, greatest] = coordinate.listed();
     let wide =
         !estimate.sigma.is_finite() || estimate.sigma * INTERVAL_SIGMAS > NOT_IDENTIFIABLE_SHARE * (greatest - least);
     let end = |sign: f64| {
@@ -169,6 +172,7 @@ pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
         interval: (!wide).then(|| [end(-1.0), end(1.0)]),
         unit: slot.unit_text.clone(),
         state,
+        listed_to: coordinate.beyond_listed(at).map(|end| slot.unit.from_si(coordinate.value(end))),
     }
 }
 
@@ -179,7 +183,8 @@ impl ParameterSummary {
             .interval
             .map_or(String::new(), |[low, high]| format!(", 95 % from {} to {}", significant(low), significant(high)));
         let state = self.state.words().map_or(String::new(), |words| format!(", {words}"));
-        format!("{} = {}{interval}{state}", self.name, self.quantity())
+        let listed = self.listed_to.map_or(String::new(), |end| format!(", listed to {}", significant(end)));
+        format!("{} = {}{interval}{state}{listed}", self.name, self.quantity())
     }
 
     /// The value with its unit.
@@ -272,7 +277,7 @@ impl DiagnosisSummary {
         let spread = diagnosis.rounds.last().map_or(1.0, |round| round.spread);
         Ok(Self {
             verdict: diagnosis.verdict,
-            sentence: sentence(diagnosis, &effects) + &sizes + &beyond,
+            sentence: sentence((diagnosis, unit), &effects) + &sizes + &beyond,
             effects,
             error_unit: unit,
             noise_floor_um: rms(&first.calibration, unit, |a| a.floor),
@@ -308,19 +313,37 @@ pub(super) fn step(
     WaterfallStep { step, calibration_rms_um: rms(calibration, unit, |a| a.rms), evaluation_rms_um }
 }
 
-fn sentence(diagnosis: &Diagnosis, effects: &[EffectSummary]) -> String {
+/// A hint in words: what shows, how large it is, and what would make sure.
+fn hint_words((hint, least): (&Finding, f64), diagnosis: &Diagnosis, unit: ErrorUnit) -> String {
+    let name = hint.suspect.name();
+    let estimates = hint.suspect.fit.estimates(diagnosis.rounds[0].spread);
+    let own = estimates.iter().filter(|estimate| estimate.coordinate.slot.owner == name);
+    let values: Vec<String> = own.map(|estimate| parameter_summary(estimate).shown()).collect();
+    let [size, least] = [hint.size, least].map(|size| significant(size * unit.per_one()));
+    let symbol = unit.symbol();
+    format!(
+        "{name} shows, but is too small to be named: {}. It changes {size} {symbol}, and from {least} {symbol} on it would \
+         be named: passes in which it is that much stronger would make sure.",
+        values.join("; ")
+    )
+}
+
+fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[EffectSummary]) -> String {
     let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_str()).collect();
     let first = effects.first();
+    let reserve = diagnosis.found().first().and_then(|found| found.reserve);
     let alike = first.map_or(String::new(), |effect| effect.indistinguishable_from.join(", "));
     match diagnosis.verdict {
         Verdict::Identified => format!("The model lacks {}.", names.join(" and ")),
         Verdict::Ambiguous => format!(
-            "The model lacks {} or an effect that these data cannot tell from it{}.",
+            "The model lacks {} or an effect that these data cannot tell from it{}{}.",
             names.first().unwrap_or(&"an effect"),
-            if alike.is_empty() { String::new() } else { format!(" ({alike})") }
+            if alike.is_empty() { String::new() } else { format!(" ({alike})") },
+            reserve.map_or(String::new(), |reserve| format!(": {}", reserve.words()))
         ),
         Verdict::Partly => format!("The model lacks {}, and more that was not found.", names.join(" and ")),
         Verdict::Unknown => "Something is missing that no effect of the library describes.".to_owned(),
+        Verdict::Hint => diagnosis.hint().map_or(String::new(), |hint| hint_words(hint, diagnosis, unit)),
         Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
         Verdict::NotTestable if diagnosis.misses_held_out() => {
             "The calibration passes show nothing that is missing, but the model misses the held-out passes: passes that \

@@ -10,7 +10,7 @@ use super::response::{Projector, shifted};
 use super::screen::Screened;
 use crate::criteria::{
     EFFECTS_FITTED, EFFECTS_REFINED, FAR_END_RATIO, FITTED_DELTA_CHI2, LAST_FIT_DELTA_CHI2, LAST_FIT_DERIVATIVES,
-    LAST_FIT_GAIN_SHARE, LAST_FIT_STEPS, NULL_RATIO, NULL_SHARE, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
+    LAST_FIT_GAIN_SHARE, LAST_FIT_STEPS, LISTED_ODDS, NULL_RATIO, NULL_SHARE, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
     REFINED_FIT_DERIVATIVES, REFINED_FIT_STEPS, REFINED_GAIN_SHARE, STARTS_PER_EFFECT,
 };
 
@@ -52,7 +52,7 @@ impl Suspect {
         let amplitudes = self.screened.candidate.coordinates.iter().filter(|c| c.slot.null.is_some());
         amplitudes.clone().all(|c| {
             let value = self.fit.model.value(c.index);
-            let [least, greatest] = c.slot.range;
+            let [least, greatest] = c.reach();
             match (c.slot.null, c.slot.scale) {
                 (Some(null), _) if value == null => true,
                 (Some(null), Scale::Log) if null.is_infinite() => value >= (1.0 - NULL_RATIO) * greatest,
@@ -61,6 +61,13 @@ impl Suspect {
                 (None, _) => true,
             }
         })
+    }
+
+    /// Prior odds of its values against those that the library lists: each that lies beyond is so much less likely.
+    pub(super) fn prior(&self) -> f64 {
+        let own = self.screened.candidate.coordinates.iter();
+        let beyond = own.filter(|c| c.beyond_listed(c.from_value(self.fit.model.value(c.index))).is_some());
+        LISTED_ODDS.recip().powi(beyond.count() as i32)
     }
 
     /// Whether a size of the effect ended at the far end of its range.
@@ -94,6 +101,21 @@ impl Suspect {
         Ok(Self { screened, fit })
     }
 
+    /// Its fit, or a better one that begins where that of the base model began: a base model that lacks the effect may have
+    /// gone far astray to make up for it.
+    fn or_from_beginning(self, evidence: &dyn Evidence, base: &Fit) -> Self {
+        let begun = |k: usize| {
+            let name = self.fit.coordinates[k].slot.name();
+            let place = base.coordinates.iter().position(|own| own.slot.name() == name);
+            place.map_or(self.fit.at[k], |place| base.begun[place])
+        };
+        let place: Vec<f64> = (0..self.fit.at.len()).map(begun).collect();
+        match self.fit.begun_at(evidence, &place, LAST_FIT) {
+            Ok(fit) if fit.chi2 < self.fit.chi2 => Self { fit, ..self },
+            _ => self,
+        }
+    }
+
     /// Its fit taken further.
     pub(super) fn refined(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         Self { fit: self.fit.refined(evidence, options), ..self }
@@ -102,7 +124,7 @@ impl Suspect {
 
 /// Whether a value of a parameter with a null is at the end of the range that is farthest from it.
 pub(super) fn is_at_far_end(coordinate: &Coordinate, value: f64) -> bool {
-    let [least, greatest] = coordinate.slot.range;
+    let [least, greatest] = coordinate.reach();
     let at = |end: f64| (value - end).abs() <= FAR_END_RATIO * end.abs();
     coordinate.slot.null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
 }
@@ -142,6 +164,9 @@ pub fn suspects(
     suspects.par_iter_mut().filter(|suspect| is_underway(suspect)).for_each(|suspect| {
         *suspect = suspect.clone().refined(evidence, LAST_FIT);
     });
+    if suspects.iter().all(|suspect| suspect.fit.is_poor()) {
+        suspects = suspects.into_par_iter().map(|suspect| suspect.or_from_beginning(evidence, base)).collect();
+    }
     suspects.extend(rest);
     suspects.retain(|suspect| delta_chi2(suspect) > 0.0);
     sort(&mut suspects);

@@ -22,6 +22,8 @@ pub enum Verdict {
     Partly,
     /// Something is missing that no effect of the library describes.
     Unknown,
+    /// One effect shows and no other like it, but it is too small to be named.
+    Hint,
     /// Nothing is missing that these data could show.
     NothingMissing,
     /// These data cannot show most effects.
@@ -30,6 +32,23 @@ pub enum Verdict {
 
 /// How well a model with one effect more describes calibration and held-out data, and the effect's probability.
 pub(super) type Found<'a> = ([&'a [Agreement]; 2], f64);
+
+/// A model of a chain of searches: the first, or one with an effect more than the one before.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Searched {
+    /// How well it describes the calibration data.
+    pub calibration: Vec<Agreement>,
+    /// The held-out data.
+    pub evaluation: Vec<Agreement>,
+    /// Probability of the effect; 1 of the first model.
+    pub probability: f64,
+}
+
+impl Searched {
+    fn found(&self) -> Found<'_> {
+        ([&self.calibration, &self.evaluation], self.probability)
+    }
+}
 
 /// How a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,6 +135,15 @@ impl Verdict {
         }
     }
 
+    /// Over searches one after the other, of which the last found nothing more or left nothing.
+    ///
+    /// - `chain`: the first model, and the model with each effect that was found
+    pub fn of_chain(chain: &[Searched]) -> Option<Self> {
+        let [first, found @ ..] = chain else { return None };
+        let found: Vec<Found> = found.iter().map(Searched::found).collect();
+        (!found.is_empty()).then(|| Self::new(first.found().0, (&found, SearchEnd::Exhausted), &[]))
+    }
+
     /// Where the calibration data show no effect.
     fn of_silence(held_out: &[Agreement], detectable: &[Detectable]) -> Self {
         let testable = detectable.iter().filter(|effect| effect.testable).count();
@@ -165,6 +193,23 @@ mod tests {
             "what is left is as much as where nothing is missing"
         );
         assert_eq!(verdict([20.0, 20.0], &[([15.0, 18.0], 1.0)], CutShort), Verdict::Partly, "the search may go on");
+    }
+
+    #[test]
+    fn a_chain_of_searches_is_judged_against_its_first_model() {
+        let link = |rms_um: f64, probability: f64| Searched {
+            calibration: scan(rms_um),
+            evaluation: scan(rms_um),
+            probability,
+        };
+        let verdict = |chain: &[Searched]| Verdict::of_chain(chain);
+        assert_eq!(verdict(&[]), None);
+        assert_eq!(verdict(&[link(20.0, 1.0)]), None, "nothing was found");
+        assert_eq!(verdict(&[link(20.0, 1.0), link(3.1, 1.0)]), Some(Verdict::Identified));
+        assert_eq!(verdict(&[link(20.0, 1.0), link(6.0, 1.0)]), Some(Verdict::Partly));
+        let slow = [link(20.0, 1.0), link(16.0, 1.0), link(15.0, 1.0)];
+        assert_eq!(verdict(&slow), Some(Verdict::Unknown), "most of what was missing is left");
+        assert_eq!(verdict(&[link(20.0, 1.0), link(6.0, 1.0), link(3.1, 0.6)]), Some(Verdict::Partly));
     }
 
     #[test]

@@ -114,13 +114,12 @@ fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console:
     let model = data.fitting(args.model.model(data.evidence().process(), library)?, library)?;
     let start = data.start(&model, library)?;
     let (progress, count) = (console.progress("fits"), 1 + model.effects.len());
-    data.prepare(&model, library)?;
     let done = Cell::new(0);
     let fitted = |name: &str| {
         done.set(done.get() + 1);
         progress.tell(name, done.get(), count);
     };
-    Ok(Calibration::new(data.evidence(), (&model, &start), library, (args.order.into(), &fitted))?)
+    Ok(data.calibrated((&model, &start), library, (args.order.into(), &fitted))?)
 }
 
 /// How far the whole model is from the noise floor.

@@ -71,11 +71,12 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
     for pixels in maps {
         asked.lines.iter().zip(&args.sections).try_for_each(|(line, text)| check(*line, text, pixels))?;
     }
-    let evidence = ScanEvidence::new(&campaign.trials, None)?;
+    let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
     console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
     campaign.notes().iter().for_each(|note| console.step("note", note));
     let model = args.model.model(evidence.process(), &library)?;
     let model = CompiledModel::new(&model, &library, evidence.rows())?;
+    evidence.measure_lattice_error(&model)?;
     Ok(compare_scans((&campaign, &evidence), &model, asked)?)
 }
 
@@ -126,6 +127,7 @@ fn describe(comparison: &Comparison, console: &Console) {
         let word = if test.rejects { "structure" } else { "none found" };
         console.step("test", format!("{}: {:.2}, p {:.3}, {word}", test.name, test.statistic, test.p_value));
     }
+    comparison.noise.iter().for_each(|noise| console.step("noise", noise.shown()));
     for scan in &comparison.scans {
         let volume = scan.volume_mm3.map_or(String::new(), |[measured, sigma, simulated]| {
             format!(", removed {measured:.2} ± {sigma:.2} mm³, simulated {simulated:.2} mm³")

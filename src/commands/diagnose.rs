@@ -12,7 +12,7 @@ use crate::console::Console;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
 use lab::study::{Measurements, ReportInput, report, suggestion, summary};
-use lab::{Diagnosis, DiagnosisSummary, calibrate};
+use lab::{Diagnosis, DiagnosisSummary, Order};
 use report::study::page;
 
 /// The file by which a result folder is known.
@@ -49,12 +49,13 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     console.step("read", data.describe());
     data.notes().iter().for_each(|note| console.step("note", note));
     let model = data.fitting(args.model.model(data.evidence().process(), &library)?, &library)?;
-    data.prepare(&model, &library)?;
-    let fit = calibrate(data.evidence(), &model, &library)?;
+    let start = data.start(&model, &library)?;
+    let calibration = data.calibrated((&model, &start), &library, (Order::Joint, &|_| {}))?;
+    let (model, fit) = (&calibration.model, calibration.last().fit.clone());
     console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
     let progress = console.progress("effects");
     let told = |what: &str, done: usize, all: usize| progress.tell(what, done, all);
-    let diagnosis = Diagnosis::new(data.evidence(), (&model, fit), &library, (args.seed, &told))?;
+    let diagnosis = Diagnosis::new(data.evidence(), (model, fit), &library, (args.seed, &told))?;
     drop(progress);
     let suggestion = suggestion(&data, &diagnosis, &library, args.seed)?;
     let mut summary = summary(&mut data, &diagnosis, &library)?;

@@ -15,7 +15,7 @@ fn a_tilted_wheel_is_named() {
     let library = Library::builtin();
     let mut evidence = ScanEvidence::new(&trials, None).unwrap();
     let model = Model::new(evidence.process());
-    let fit = calibrate_scans(&mut evidence, &model, library).unwrap();
+    let fit = calibrate_scans(&mut evidence, &model, library).unwrap().last().fit.clone();
     let diagnosis = Diagnosis::new(&evidence, (&model, fit), library, (1, &|_, _, _| {})).unwrap();
     let found = diagnosis.found();
     let best = found.first().expect("something is found");

@@ -128,6 +128,7 @@ fn a_break_in_that_the_removal_rate_followed_promises_more_than_its_rival() {
     let made = Experiment { plan, trials: plan.usual_trials(), size: Size::Small, choice, ..clean }.make().unwrap();
     let mut evidence = ScanEvidence::new(&made.trials, None).unwrap();
     let fit = calibrate_scans(&mut evidence, &Model::new(Process::Grinding), library).unwrap();
+    let fit = fit.last().fit.clone();
     let [truth, rival] = [BREAK_IN, "grit-dulling"].map(|effect| screened(&evidence, &fit, effect));
     let by_slopes = promised_by_slopes(&truth, &fit);
     println!("break-in {:.1}, by slopes {by_slopes:.1}; grit-dulling {:.1}", truth.delta_chi2, rival.delta_chi2);

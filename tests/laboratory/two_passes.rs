@@ -19,7 +19,7 @@ fn the_law_cannot_follow_and_a_memory_of_the_tool_is_suspected() {
     let library = &evidence.library(Library::builtin()).unwrap();
     println!("{:?}", evidence.notes);
     let model = evidence.scaled(Model::new(evidence.process()), library).unwrap();
-    let fit = calibrate(&evidence, &model, library).unwrap();
+    let fit = calibrate(&evidence, &model, library).unwrap().last().fit.clone();
     let trend = evidence.trend(&fit.model).unwrap().expect("there are equal passes");
     println!("{}", trend.sentence());
     assert!(trend.out_of_reach && trend.pairs > 3, "{trend:?}");

@@ -23,7 +23,7 @@ fn what_the_library_lacks_gets_a_form() {
     let known = Library::builtin();
     let mut evidence = ScanEvidence::new(&trials, None).unwrap();
     let model = Model::new(evidence.process());
-    let fit = calibrate_scans(&mut evidence, &model, known).unwrap();
+    let fit = calibrate_scans(&mut evidence, &model, known).unwrap().last().fit.clone();
     let form = suggest(&evidence, (&model, &fit), known, 1).unwrap().expect("a form better than chance");
     println!("{}: {}, gain {:.0} of {:.0}", form.name, form.summary, form.delta_chi2, fit.chi2);
     // At one feed the way and the time in contact are one.
@@ -52,7 +52,7 @@ fn rivals_get_a_trial_that_tells_them_apart() {
     assert_eq!(trial.separates, ["break-in", "thermal-softening"]);
     assert!(trial.expected_delta_chi2 > 0.0 && (0.5..=1.0).contains(&trial.probability_right));
     assert_eq!(trial.force_n.len(), trials[0].passes.len());
-    let unchanged = calibrate(&evidence, &base, Library::builtin()).unwrap();
+    let unchanged = calibrate(&evidence, &base, Library::builtin()).unwrap().last().fit.clone();
     let same = next_trial(&evidence, (("base", &unchanged), ("base", &unchanged))).unwrap().expect("a trial");
     assert!(
         same.expected_delta_chi2 < 1e-6 && trial.expected_delta_chi2 > 1.0,

@@ -1,6 +1,6 @@
 //! Whitened noise is white, and degrees of freedom are no evidence.
 
-use lab::{Freedom, TileGrid, TileNoise, Tiles, Whitener};
+use lab::{Freedom, Kernel, TileGrid, TileNoise, Tiles, Whitener};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -19,7 +19,7 @@ fn centres() -> Vec<glam::DVec2> {
 }
 
 fn noise() -> TileNoise {
-    TileNoise { alone: 0.6e-6, shared: 1.5e-6, length: 2.5e-3 }
+    TileNoise { alone: 0.6e-6, shared: 1.5e-6, length: 2.5e-3, kernel: Kernel::Exponential }
 }
 
 /// A height and a tilt of the scan, up to 50 µm.

@@ -13,7 +13,7 @@ fn diagnosed(table: &Table) -> DiagnosisSummary {
     let evidence = RowEvidence::new(table).unwrap();
     let library = evidence.library(Library::builtin()).unwrap();
     let model = evidence.scaled(Model::new(evidence.process()), &library).unwrap();
-    let fit = calibrate(&evidence, &model, &library).unwrap();
+    let fit = calibrate(&evidence, &model, &library).unwrap().last().fit.clone();
     let diagnosis = Diagnosis::new(&evidence, (&model, fit), &library, (1, &|_, _, _| {})).unwrap();
     let summary = DiagnosisSummary::new(&evidence, &diagnosis, &|_| String::new()).unwrap();
     println!("{:?}: {}", summary.verdict, summary.sentence);
@@ -67,7 +67,7 @@ fn a_dependence_on_a_column_is_not_noise_and_a_comparison_names_it() {
         println!("{:?}", evidence.notes);
         assert!((0.6..1.5).contains(&(evidence.noise / NOISE)), "{}", evidence.noise);
         let model = evidence.scaled(Model::new(evidence.process()), Library::builtin()).unwrap();
-        let fit = calibrate(&evidence, &model, Library::builtin()).unwrap();
+        let fit = calibrate(&evidence, &model, Library::builtin()).unwrap().last().fit.clone();
         let asked = Asked { folder: folder.path(), lines: &[], seed: 1 };
         let (comparison, _) = compare_rows(&evidence, &fit.model, &asked).unwrap();
         println!("{}", comparison.sentence);

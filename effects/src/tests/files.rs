@@ -120,6 +120,23 @@ fn adding_and_removing_an_effect_keeps_the_rest_of_the_file() {
 }
 
 #[test]
+fn values_beyond_the_library_s_range_are_written_with_a_range_that_leaves_room() {
+    let library = Library::builtin();
+    let mut model = parse("process = \"grinding\"\n[effect.wheel-crown]\ncrown = \"12 1/m\"\n").unwrap();
+    assert!(!model.to_text(library).contains("[range]"), "it is listed");
+    for (crown, range) in [(24.0, [-20.0, 72.0]), (-21.0, [-63.0, 20.0])] {
+        model.set("wheel-crown", "crown", &[crown]);
+        let text = model.to_text(library);
+        let read = parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(read.range_of("wheel-crown.crown"), Some(range), "{text}");
+        assert_eq!(read.values("wheel-crown", "crown"), [crown]);
+    }
+    model.set("winkler", "stiffness", &[1e7]);
+    let text = model.to_text(library);
+    assert!(text.contains("\"winkler.stiffness\""), "{text}");
+}
+
+#[test]
 fn a_model_survives_its_own_text() {
     let library = Library::builtin();
     let model = parse(MODEL).unwrap();

@@ -19,7 +19,7 @@ use crate::study::{
     Compared, Direction, Misfit, ParameterEstimate, Stated, StudyReport, Verdict, Waterfall, WaterfallStep,
 };
 use crate::{
-    CovariateStudy, ErrorUnit, Evidence, PassTrend, RowEvidence, ScanData, ScanEvidence, ScanView, Split,
+    CovariateStudy, ErrorUnit, Evidence, NoiseSummary, PassTrend, RowEvidence, ScanData, ScanEvidence, ScanView, Split,
     StructureTest, robust_sum,
 };
 use trials::measure::Plateau;
@@ -80,6 +80,8 @@ pub struct Comparison {
     pub noise_floor: f64,
     /// Standard deviation of the instrument's blur [µm]; absent for tables.
     pub blur_um: Option<f64>,
+    /// Noise of the scans by trial, as their repeats show it; none of a table.
+    pub noise: Vec<NoiseSummary>,
     /// Which passes tests and covariates look at.
     pub judged: &'static str,
     /// How equal passes go on, and what the model's law can make of that; absent where there are no equal passes.
@@ -133,8 +135,13 @@ pub fn compare_scans(
     let removal = 1e6 * deepest(evidence, &simulated, split);
     let found = Found { equal_passes, tests, study, named: &tile_covariates::covariate, error, notes, removal };
     let blur = Some(simulated.blur * 1e6);
-    let findings = campaign.findings();
-    let comparison = Comparison { blur_um: blur, scans: figures, findings, ..found.comparison(evidence.unit(), split) };
+    let comparison = Comparison {
+        blur_um: blur,
+        noise: NoiseSummary::all(evidence),
+        scans: figures,
+        findings: campaign.findings(),
+        ..found.comparison(evidence.unit(), split)
+    };
     let alignments: Vec<_> = evidence.views.iter().map(|view| scans.alignment(view)).collect();
     let named = found.compared(model, asked.folder);
     let compared = compared_scans(campaign, evidence, &alignments, named);
@@ -243,6 +250,7 @@ impl Found<'_> {
             rms,
             noise_floor: floor,
             blur_um: None,
+            noise: Vec::new(),
             judged: if split == Split::Calibration { "calibration" } else { "evaluation" },
             equal_passes: self.equal_passes.clone(),
             failures,

@@ -81,6 +81,8 @@ pub enum Verdict {
     Partly,
     /// Something is missing that no known effect explains.
     Unknown,
+    /// An effect shows that is too small to be named.
+    Hint,
     /// The model agrees with the measurement within its noise.
     NothingMissing,
     /// These passes could not show what was asked.
@@ -101,6 +103,7 @@ impl Verdict {
             Self::Ambiguous => "ambiguous",
             Self::Partly => "partly",
             Self::Unknown => "unknown",
+            Self::Hint => "hint",
             Self::NothingMissing => "nothing-missing",
             Self::NotTestable => "not-testable",
             Self::Calibrated => "calibrated",

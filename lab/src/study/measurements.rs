@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{LabError, Result};
 use effects::{CompiledModel, Library, Model};
 
-use crate::{Evidence, RowEvidence, ScanEvidence, Totals, uncalibrated};
+use crate::{Calibration, Order, RowEvidence, ScanEvidence, Totals, uncalibrated};
 use trials::table::{TABLE_FILE, Table};
 use trials::trial::{Campaign, Finding};
 
@@ -139,14 +139,34 @@ impl<'a> Data<'a> {
         self.fitting(uncalibrated(model, library, self.evidence())?, library)
     }
 
-    /// Makes ready for fits that begin with a model: simulations that take far longer than its own are given up.
+    /// Calibrates a model and those that it grew from.
+    ///
+    /// - `models`: the model, and its base law before any fit
+    /// - `done`: called after each fit with its name
+    ///
+    /// # Errors
+    /// As [`Calibration::new`].
+    pub fn calibrated(
+        &mut self,
+        models: (&Model, &Model),
+        library: &Library,
+        (order, done): (Order, &dyn Fn(&str)),
+    ) -> Result<Calibration> {
+        match self {
+            Self::Scans(_, evidence) => evidence.calibrated(models, library, (order, done)),
+            Self::Rows(_, evidence) => Calibration::new(evidence.as_ref(), models, library, (order, done)),
+        }
+    }
+
+    /// A calibration to which a search has added an effect, taken further with errors of the simulation as they are there.
     ///
     /// # Errors
     /// When the model cannot be simulated.
-    pub fn prepare(&mut self, model: &Model, library: &Library) -> Result<()> {
-        let Self::Scans(_, evidence) = self else { return Ok(()) };
-        evidence.limit_steps(&CompiledModel::new(model, library, evidence.rows())?)?;
-        Ok(())
+    pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration> {
+        match self {
+            Self::Scans(_, evidence) => evidence.renewed(calibration),
+            Self::Rows(..) => Ok(calibration),
+        }
     }
 
     /// Keeps the instrument's blur at what a model finds, so that maps of several models are seen alike.

@@ -5,7 +5,7 @@ use serde_json::Value;
 use trials::trial::Finding;
 
 use crate::criteria::CriterionValues;
-use crate::{ErrorUnit, Verdict, WaterfallStep};
+use crate::{ErrorUnit, Searched, Verdict, WaterfallStep};
 
 /// The file by which the folder of a study is known.
 pub const STUDY_FILE: &str = "study.json";
@@ -78,6 +78,9 @@ pub struct StudyRecord {
     pub done: Vec<Done>,
     /// Effects that the study added, in order.
     pub added: Vec<String>,
+    /// The first model and that with each effect that was added, held against all data.
+    #[serde(default)]
+    pub searched: Vec<Searched>,
     /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
     /// What noise alone would leave of the calibration passes [µm].
@@ -115,6 +118,7 @@ impl StudyRecord {
             next: Some(Action::Compare),
             done: Vec::new(),
             added: Vec::new(),
+            searched: Vec::new(),
             error_unit: ErrorUnit::default(),
             noise_floor_um: 0.0,
             evaluation_noise_floor_um: None,
@@ -127,12 +131,19 @@ impl StudyRecord {
         }
     }
 
-    /// The verdict over all searches, from that of the last and the effects that were added before it.
-    pub(super) fn verdict_with(&self, last: Verdict) -> Verdict {
-        match (self.added.is_empty(), last) {
-            (true, verdict) => verdict,
-            (false, Verdict::Identified | Verdict::NothingMissing | Verdict::NotTestable) => Verdict::Identified,
-            (false, Verdict::Ambiguous | Verdict::Partly | Verdict::Unknown) => Verdict::Partly,
+    /// What a search says in a sentence, given the effects that were added before it.
+    pub(super) fn sentence_with(&self, verdict: Verdict, to_add: Option<&str>, of_search: &str) -> String {
+        let names: Vec<&str> = self.added.iter().map(String::as_str).chain(to_add).collect();
+        let names = names.join(" and ");
+        match verdict {
+            _ if self.added.is_empty() => of_search.to_owned(),
+            Verdict::Identified => format!("The model lacked {names}."),
+            Verdict::Unknown => {
+                format!(
+                    "The model lacked {names}, or what does the like: most of what is left no effect of the library describes."
+                )
+            }
+            _ => format!("The model lacked {names}, and more that was not found."),
         }
     }
 

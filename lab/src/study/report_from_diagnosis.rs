@@ -197,6 +197,7 @@ pub(super) fn verdict(verdict: Verdict) -> super::Verdict {
         Verdict::Ambiguous => super::Verdict::Ambiguous,
         Verdict::Partly => super::Verdict::Partly,
         Verdict::Unknown => super::Verdict::Unknown,
+        Verdict::Hint => super::Verdict::Hint,
         Verdict::NothingMissing => super::Verdict::NothingMissing,
         Verdict::NotTestable => super::Verdict::NotTestable,
     }
@@ -351,7 +352,7 @@ pub(super) fn parameter(parameter: &ParameterSummary) -> super::ParameterEstimat
 }
 
 pub(super) fn correlations(fit: &Fit) -> Option<super::Correlations> {
-    let covariance = fit.covariance()?;
+    let covariance = fit.covariance(1.0)?;
     let count = covariance.nrows();
     let names = fit.coordinates.iter().map(|c| c.slot.name()).collect();
     let value = |k: usize| {

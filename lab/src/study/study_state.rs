@@ -14,7 +14,7 @@ use super::report_from_diagnosis::{detectable, next_trial, suggested, suspects, 
 use crate::study::StudyReport;
 use crate::{
     BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, OnProgress, Order,
-    ParameterSummary, Suggestion, Unfitted, Verdict, beginning, parameter_summary,
+    ParameterSummary, Searched, Suggestion, Unfitted, Verdict, beginning, parameter_summary,
 };
 
 /// A study under way: its record, and what this run of the program has in memory of it.
@@ -131,11 +131,12 @@ impl<'a> StudyState<'a> {
 
     /// Makes sure that the model and those that it grew from are fitted.
     fn fitted(&mut self, told: OnProgress) -> Result<()> {
-        if self.calibration.as_ref().is_some_and(|c| c.steps.len() == 1 + self.model.effects.len()) {
+        if let Some(calibration) = self.calibration.take_if(|c| c.steps.len() == 1 + self.model.effects.len()) {
+            let is_added = self.record.done.last().is_some_and(|done| done.action == Action::Add);
+            self.calibration = Some(if is_added { self.data.renewed(calibration)? } else { calibration });
             return Ok(());
         }
         let count = 1 + self.model.effects.len();
-        self.data.prepare(&self.model, self.library)?;
         let start = self.data.start(&self.model, self.library)?;
         let done = Cell::new(0);
         let fitted = |name: &str| {
@@ -143,8 +144,7 @@ impl<'a> StudyState<'a> {
             told(name, done.get(), count);
         };
         let models = (&self.model, &start);
-        let made = Calibration::new(self.data.evidence(), models, self.library, (Order::Joint, &fitted))?;
-        self.calibration = Some(made);
+        self.calibration = Some(self.data.calibrated(models, self.library, (Order::Joint, &fitted))?);
         Ok(())
     }
 
@@ -154,21 +154,14 @@ impl<'a> StudyState<'a> {
         let fit = self.calibration.as_ref().expect("the model is fitted").last().fit.clone();
         let search = (self.record.seed, told);
         let mut diagnosis = Diagnosis::within(self.data.evidence(), (&self.model, fit), self.library, search, 1)?;
-        let sure = matches!(diagnosis.verdict, Verdict::Identified | Verdict::Partly);
-        let to_add = diagnosis.found().first().filter(|_| sure).map(|found| found.suspect.name().to_owned());
-        diagnosis.verdict = self.record.verdict_with(diagnosis.verdict);
+        let to_add = self.judged(&mut diagnosis);
         if to_add.is_none() {
             self.suggestion = suggestion(&self.data, &diagnosis, self.library, self.record.seed)?;
         }
         let summary = summary(&mut self.data, &diagnosis, self.library)?;
         self.data.free_blur();
         let record = &mut self.record;
-        let names: Vec<&str> = record.added.iter().chain(&to_add).map(String::as_str).collect();
-        let sentence = match (record.added.is_empty(), diagnosis.verdict) {
-            (false, Verdict::Identified) => format!("The model lacked {}.", names.join(" and ")),
-            (false, _) => format!("The model lacked {}, and more that was not found.", names.join(" and ")),
-            _ => summary.sentence.clone(),
-        };
+        let sentence = record.sentence_with(diagnosis.verdict, to_add.as_deref(), &summary.sentence);
         let outcome = [vec![sentence.clone()], summary.suspects.iter().take(3).map(|s| s.shown()).collect()].concat();
         (record.verdict, record.sentence) = (Some(diagnosis.verdict), Some(sentence));
         record.diagnosis = Some(serde_json::to_value(&summary)?);
@@ -184,6 +177,26 @@ impl<'a> StudyState<'a> {
         record.to_add = to_add.map(|name| [name, diagnosis.model.to_text(self.library)]);
         self.diagnosis = Some((diagnosis, summary));
         Ok(outcome.join("\n"))
+    }
+
+    /// The effect to add, and the verdict over all searches so far by the gates of a diagnosis: while more may be found, that
+    /// of the last search alone.
+    fn judged(&mut self, diagnosis: &mut Diagnosis) -> Option<String> {
+        let record = &mut self.record;
+        let first = &diagnosis.rounds[0];
+        if record.searched.is_empty() {
+            record.searched.push(first.as_searched());
+        }
+        let sure = matches!(diagnosis.verdict, Verdict::Identified | Verdict::Partly);
+        let found = diagnosis.found().first().map(|found| (found.suspect.name().to_owned(), found.as_searched()));
+        let chain: Vec<Searched> = record.searched.iter().cloned().chain(found.iter().map(|f| f.1.clone())).collect();
+        let goes_on = sure && diagnosis.verdict == Verdict::Partly && chain.len() <= MOST_EFFECTS;
+        if !goes_on && let Some(verdict) = Verdict::of_chain(&chain) {
+            diagnosis.verdict = verdict;
+        }
+        let (name, searched) = found.filter(|_| sure && diagnosis.verdict != Verdict::Unknown)?;
+        record.searched.push(searched);
+        Some(name)
     }
 
     /// Adds the effect that was found, with the values that the search fitted.

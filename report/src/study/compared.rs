@@ -27,6 +27,7 @@ fn meaning(verdict: Verdict) -> &'static str {
         Verdict::Ambiguous => "Several effects explain it equally well; these passes cannot tell them apart.",
         Verdict::Partly => "An effect was found, and structure remains beside it.",
         Verdict::Unknown => "Something is missing that no effect of the library explains.",
+        Verdict::Hint => "One effect shows and no other like it, but it is too small to be sure of.",
         Verdict::NothingMissing => {
             "The model agrees with the measurement within its noise; see below what would have shown."
         }

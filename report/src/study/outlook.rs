@@ -75,6 +75,9 @@ fn worth_of_another(report: &StudyReport) -> String {
         Verdict::Identified => {
             "One effect is left, so no trial has to separate two. The same passes on another workpiece would make the intervals of its parameters about 0.7 times as wide."
         }
+        Verdict::Hint => {
+            "One effect shows, so no trial has to separate two. Passes in which it is stronger, longer ones or such at other forces and speeds, would make sure of it."
+        }
         Verdict::NothingMissing => {
             "Nothing is missing, so no trial has to separate two effects. The same passes on another workpiece would make the least detectable sizes about 0.7 times as large."
         }

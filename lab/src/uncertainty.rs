@@ -1,0 +1,112 @@
+//! How well a fit knows its parameters: by the noise that whitening assumes, by how much blocks of the data differ in
+//! what they ask for, and by what the simulation's lattice moves them.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::fit::{Fit, weights};
+
+/// What a fit's data say about its parameters beside the curvature of the sum of squares.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Doubt {
+    /// Sum over blocks of the outer products of their scores, shape [coordinates, coordinates].
+    scores: DMatrix<f64>,
+    /// Change of the coordinates if the simulation ran on a lattice twice as fine.
+    lattice_shift: DVector<f64>,
+}
+
+impl Doubt {
+    /// Doubt of a fit.
+    ///
+    /// - `blocks`: for each residual the number of its block
+    /// - `lattice`: for each scan its first residual, and what the lattice's error adds to them
+    pub(super) fn of(fit: &Fit, blocks: &[usize], lattice: &[(usize, Vec<f64>)]) -> Self {
+        Self { scores: scores(fit, blocks), lattice_shift: lattice_shift(&fit.jacobian, lattice) }
+    }
+}
+
+/// Products of the blocks' scores, with the factor that few blocks need (Liang and Zeger 1986).
+fn scores(fit: &Fit, blocks: &[usize]) -> DMatrix<f64> {
+    let count = blocks.iter().max().map_or(0, |most| most + 1);
+    let mut scores = DMatrix::zeros(fit.at.len(), count);
+    let weights = weights(&fit.residuals);
+    for (row, &block) in blocks.iter().enumerate() {
+        let pull = fit.residuals[row] * weights[row] * weights[row];
+        for k in 0..fit.at.len() {
+            scores[(k, block)] += pull * fit.jacobian[(row, k)];
+        }
+    }
+    let factor = count as f64 / (count as f64 - 1.0).max(1.0);
+    factor * &scores * scores.transpose()
+}
+
+/// The step that the fit takes when the lattice's error is added to the simulation. The whitened data hold that error as a
+/// degree of freedom, which would take all of it up; so it is taken out of the covariance first (Sherman and Morrison 1950).
+fn lattice_shift(jacobian: &DMatrix<f64>, lattice: &[(usize, Vec<f64>)]) -> DVector<f64> {
+    let mut normal = jacobian.tr_mul(jacobian);
+    let mut pull = DVector::zeros(jacobian.ncols());
+    for (first, field) in lattice {
+        let field = DVector::from_column_slice(field);
+        let along = jacobian.rows(*first, field.len()).tr_mul(&field);
+        let rest = (1.0 - field.norm_squared()).max(f64::EPSILON);
+        normal += &along * along.transpose() / rest;
+        pull += along / rest;
+    }
+    Cholesky::new(normal).map_or_else(|| DVector::zeros(jacobian.ncols()), |normal| normal.solve(&pull))
+}
+
+impl Fit {
+    /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
+    /// others. Of the curvature's standard deviation, times `spread`, and that of the blocks' scores (Huber 1967; Liang and
+    /// Zeger 1986) the larger counts. What the lattice moves is added as a whole: it errs by about as much (Roache 1994).
+    pub fn covariance(&self, spread: f64) -> Option<DMatrix<f64>> {
+        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
+        let jacobian = self.jacobian.select_columns(&told);
+        let inverse = Cholesky::new(jacobian.tr_mul(&jacobian))?.inverse();
+        let mut widening = DVector::from_element(told.len(), spread);
+        let mut shift = DVector::zeros(told.len());
+        if let Some(doubt) = &self.doubt {
+            let scores = doubt.scores.select_columns(&told).select_rows(&told);
+            let sandwich = &inverse * scores * &inverse;
+            for (k, &place) in told.iter().enumerate() {
+                widening[k] = spread.max((sandwich[(k, k)] / inverse[(k, k)]).max(0.0).sqrt());
+                shift[k] = doubt.lattice_shift[place];
+            }
+        }
+        let mut covariance = DMatrix::from_diagonal_element(self.at.len(), self.at.len(), f64::INFINITY);
+        for (i, &a) in told.iter().enumerate() {
+            for (j, &b) in told.iter().enumerate() {
+                covariance[(a, b)] = widening[i] * widening[j] * inverse[(i, j)] + shift[i] * shift[j];
+            }
+        }
+        Some(covariance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::covariance::{Freedom, Whitener};
+
+    #[test]
+    fn a_fit_of_the_mean_moves_by_what_the_lattice_lifts() {
+        // Heights of two scans with unlike noise; the lattice lifts all of them by 3 µm.
+        let lifted = [3e-6; 40];
+        let scan = |sigma: f64| {
+            let column = Freedom::around_zero(DMatrix::from_column_slice(40, 1, &lifted), &[1.0]);
+            Whitener::new(DMatrix::from_diagonal_element(40, 40, sigma * sigma), column).unwrap()
+        };
+        let scans = [scan(1e-6), scan(2.5e-6)];
+        let rows: Vec<f64> = scans.iter().flat_map(|scan| scan.whitened_field(&[-1.0; 40])).collect();
+        let fields: Vec<(usize, Vec<f64>)> =
+            [0, 40].into_iter().zip(&scans).map(|(first, scan)| (first, scan.whitened_field(&lifted))).collect();
+        let shift = lattice_shift(&DMatrix::from_vec(80, 1, rows), &fields);
+        // Measured minus simulated falls by what is added to the simulation, and so does the height that is fitted.
+        assert!((shift[0] + 3e-6).abs() < 1e-12, "{shift}");
+    }
+
+    #[test]
+    fn without_a_lattice_error_nothing_moves() {
+        let jacobian = DMatrix::from_element(5, 2, 1.0);
+        assert_eq!(lattice_shift(&jacobian, &[]), DVector::zeros(2));
+    }
+}
