@@ -160,7 +160,7 @@ criteria! {
     /// Most steps of a fit that goes on after its data were seen better.
     RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
     /// χ² per datum above which a calibration starts again from both sides of its end.
-    RESTART_CHI2_PER_DATUM: f64 = 2.0, "1", "chosen";
+    RESTART_CHI2_PER_DATUM: f64 = 1.3, "1", "chosen: three times the tenth by which noise from one repeat errs";
     /// Factor on a ratio of the base laws from one start of their fit to the next.
     START_RATIO: f64 = 10.0, "1", "chosen: an order of magnitude; the library's ranges have two to five";
     /// Error of the logarithm of the totals at which the rate of a start is found.

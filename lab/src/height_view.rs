@@ -89,8 +89,8 @@ impl HeightView {
     }
 
     /// The same scan, given what the simulation's lattice errs by. How much of it the data hold is one more degree of
-    /// freedom, and its scatter within a tile an error of that tile alone: where a rim lies within a pixel the lattice does
-    /// not tell.
+    /// freedom, and its scatter over the pixels of a tile is an error of the tile's mean, alone: where a rim lies within a pixel
+    /// the lattice does not tell.
     ///
     /// - `error`: height of a simulation on a finer lattice above one on the usual lattice at each pixel [m]
     ///
@@ -98,7 +98,8 @@ impl HeightView {
     pub fn with_lattice_error(self, error: &[f64]) -> Option<Self> {
         let means = self.tiles.means(|at| error[at]);
         let squares = self.tiles.means(|at| error[at] * error[at]);
-        let scatter = means.iter().zip(squares).map(|(mean, square)| (square - mean * mean).max(0.0));
+        let pixels = (self.tiles.grid.side * self.tiles.grid.side) as f64;
+        let scatter = means.iter().zip(squares).map(|(mean, square)| (square - mean * mean).max(0.0) / pixels);
         let own = DMatrix::from_diagonal(&DVector::from_iterator(self.tiles.len(), scatter));
         let covariance = self.noise.covariance(&self.tiles, &self.before_share) + own;
         let column = Freedom::around_zero(DMatrix::from_vec(self.tiles.len(), 1, means), &[1.0]);

@@ -24,6 +24,9 @@ const COATING: f64 = 50e-6;
 /// Steps of all passes of a trial that are accepted: hours of work, at less than a millisecond each.
 const MOST_STEPS: f64 = 3e7;
 
+/// Rows of a log that tell how fast the tool came down: so many that the jitter of one counts little.
+const DESCENT_ROWS: usize = 8;
+
 /// Why a trial cannot be simulated.
 #[derive(Debug, Error)]
 pub enum SimulationError {
@@ -362,16 +365,42 @@ fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
     (next - last).max(0.0) + (last - first - simulated).max(0.0)
 }
 
-/// When the controller took over [s]: at the first row after the touch whose force exceeds [`TOUCH`] of the setpoint. Until then
-/// the robot comes down as it logged; a start some milliseconds early leaves the tool too low for a good part of the way.
+/// When the controller had taken over [s]: the first row after the touch whose force exceeds [`TOUCH`] of the setpoint. Until
+/// then the robot comes down; a start some milliseconds early leaves the tool too low for a good part of the way.
 fn handed_over(logged: &ToolPath, force_setpoint: f64) -> f64 {
     let Some(contact) = logged.contact else { return 0.0 };
     let presses = |pose: &&ToolPose| pose.time >= contact.start && pose.force > TOUCH * force_setpoint;
     logged.poses.iter().find(presses).map_or(contact.start, |pose| pose.time)
 }
 
+/// Where a tool that comes down as the last rows before `time` [s] say would be then [m]: of the row at that time, the
+/// controller knows more than of the way down.
+fn come_down(logged: &ToolPath, time: f64) -> DVec3 {
+    let end = logged.poses.partition_point(|pose| pose.time < time);
+    let rows = &logged.poses[end.saturating_sub(DESCENT_ROWS)..end];
+    match rows {
+        [first, .., last] => {
+            let speed = (last.centre - first.centre).dot(last.approach) / (last.time - first.time);
+            last.centre + last.approach * speed * (time - last.time)
+        }
+        _ => logged.at(time).centre,
+    }
+}
+
+/// The pose in which the tool was lifted off, between the last row in contact and the first off the part: the line on which
+/// it rose begins there. `None` where a log ends in contact or shows no rise.
+fn lifted_off(logged: &ToolPath, contact: Contact) -> Option<ToolPose> {
+    let off = logged.poses.partition_point(|pose| pose.time <= contact.end);
+    let [before, last, off, later] = logged.poses.get(off.checked_sub(2)?..off + 2)? else { return None };
+    let along = (last.centre - before.centre) / (last.time - before.time);
+    let speed = (later.centre - off.centre).dot(last.approach) / (later.time - off.time);
+    let rise = (off.centre - last.centre).dot(last.approach);
+    let time = (speed > 0.0).then(|| (off.time - rise / speed).clamp(last.time, off.time))?;
+    Some(ToolPose { time, centre: last.centre + along * (time - last.time), ..*last })
+}
+
 /// The logged path up to the end of contact. A controller finds its own height from when it took over: its path stays at
-/// the height that the tool had then.
+/// the height to which the tool had come down.
 fn path(
     (logged, approach): (&ToolPath, f64),
     trial: &Trial,
@@ -379,10 +408,11 @@ fn path(
     controller: sim::Controller,
 ) -> Result<Path, PathError> {
     let contact = logged.contact.unwrap_or(Contact { start: 0.0, end: f64::INFINITY });
-    let touch = logged.at(approach).centre;
-    let poses = logged.poses.iter().take_while(|pose| pose.time <= contact.end);
+    let touch = come_down(logged, approach);
+    let end = lifted_off(logged, contact).filter(|end| end.time > contact.end);
+    let poses = logged.poses.iter().take_while(|pose| pose.time <= contact.end).chain(&end);
     let samples = poses.map(|pose| {
-        let leads = controller == sim::Controller::Replay || pose.time <= approach;
+        let leads = controller == sim::Controller::Replay || pose.time < approach;
         let height = if leads { 0.0 } else { (pose.centre - touch).dot(pose.approach) };
         let across = match trial.tool {
             Tool::Wheel { .. } => pose.axis,

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use effects::{CompiledModel, Library, Model};
-use lab::{Agreement, Evidence, ScanEvidence, Split};
+use lab::{Agreement, Evidence, ScanEvidence, Split, calibrate_scans};
 use tempfile::TempDir;
 use trials::trial::{Campaign, Trial};
 
@@ -42,21 +42,32 @@ fn refused(folder: &Path, words: &[&str]) {
     words.iter().for_each(|word| assert!(message.contains(word), "{word:?} is missing in: {message}"));
 }
 
-/// Number of tiles, and how the base law with its defaults agrees with each scan.
-fn judged(folder: &Path) -> (usize, Vec<Agreement>) {
+/// Number of tiles, and how the base law agrees with each scan: with its defaults, or fitted.
+fn judged(folder: &Path, is_fitted: bool) -> (usize, Vec<Agreement>) {
     let trials = Campaign::read(folder).unwrap().trials;
-    let evidence = ScanEvidence::new(&trials, None).unwrap();
-    let model = CompiledModel::new(&Model::new(evidence.process()), Library::builtin(), evidence.rows()).unwrap();
+    let mut evidence = ScanEvidence::new(&trials, None).unwrap();
+    let model = Model::new(evidence.process());
+    let law = if is_fitted {
+        calibrate_scans(&mut evidence, &model, Library::builtin()).unwrap().last().fit.model.clone()
+    } else {
+        CompiledModel::new(&model, Library::builtin(), evidence.rows()).unwrap()
+    };
     let tiles = evidence.views.iter().map(|view| view.data.tiles().len()).sum();
-    (tiles, evidence.agreement(&model, Split::Calibration).unwrap())
+    (tiles, evidence.agreement(&law, Split::Calibration).unwrap())
 }
 
-/// Asserts that a change of the files changes no error by more than this share.
+/// Asserts that a change of the files changes no error of the base law with its defaults by more than this share.
 #[track_caller]
 fn survives(tolerance: f64, damage: impl Fn(&Path)) {
+    survives_judged((tolerance, false), damage);
+}
+
+/// As [`survives`], with the law fitted if so.
+#[track_caller]
+fn survives_judged((tolerance, is_fitted): (f64, bool), damage: impl Fn(&Path)) {
     let (sound, damaged) = (trial(), trial());
     damage(damaged.path());
-    let ((tiles, before), (left, after)) = (judged(sound.path()), judged(damaged.path()));
+    let [(tiles, before), (left, after)] = [&sound, &damaged].map(|folder| judged(folder.path(), is_fitted));
     for (before, after) in before.iter().zip(&after) {
         println!("{}: {:.3e} m before, {:.3e} m after, {left} of {tiles} tiles", before.about, before.rms, after.rms);
         assert!((after.rms / before.rms - 1.0).abs() <= tolerance, "{before:?} {after:?}");
@@ -122,8 +133,9 @@ fn a_tilted_map_is_survived_and_noted() {
 }
 
 #[test]
+// What a law that was not fitted leaves, the scans' poses take up in part, and that depends on the noise.
 fn a_fifth_of_the_pixels_may_be_missing() {
-    survives(0.1, |folder| {
+    survives_judged((0.15, true), |folder| {
         for (number, name) in
             ["before.csv", "before_repeat.csv", "pass1_after.csv", "pass2_after.csv"].iter().enumerate()
         {

@@ -37,8 +37,11 @@ fn residuals(trial: &Trial, passes: &[SimulatedPass]) -> Vec<f64> {
     (0..passes.len()).map(|pass| residual(trial, passes, pass).unwrap() / noise).collect()
 }
 
-/// Holds removed volumes, which the answers add up over the passes, and residuals against their bars: half a per cent, and
-/// `most` times the noise of two scans.
+/// Share of a volume by which two laboratories' simulations may differ: each is some tenths of a per cent off by its steps.
+const VOLUME_TOLERANCE: f64 = 0.006;
+
+/// Holds removed volumes, which the answers add up over the passes, and residuals against their bars: [`VOLUME_TOLERANCE`],
+/// and `most` times the noise of two scans.
 fn grinding_comes_out(name: &str, effects: &str, most: f64) {
     let Some((trials, passes, answers)) = simulated(name, usize::MAX, &format!("{GRINDING}{effects}")) else { return };
     for (trial, passes) in trials.iter().zip(&passes) {
@@ -54,7 +57,7 @@ fn grinding_comes_out(name: &str, effects: &str, most: f64) {
                 100.0 * off,
                 residuals[i]
             );
-            assert!(off.abs() < 0.005, "{name} {}: {removed} mm³", trial.name);
+            assert!(off.abs() < VOLUME_TOLERANCE, "{name} {}: {removed} mm³", trial.name);
             assert!(residuals[i] < most, "{name} {}: {residuals:?}", trial.name);
         }
     }

@@ -60,7 +60,7 @@ const AGREED: &[(&str, f64)] = &[
     ("ROUGH_FIT_STEPS", 8.0),
     ("RENEWED_FIT_DERIVATIVES", 1.0),
     ("RENEWED_FIT_STEPS", 10.0),
-    ("RESTART_CHI2_PER_DATUM", 2.0),
+    ("RESTART_CHI2_PER_DATUM", 1.3),
     ("START_RATIO", 10.0),
     ("START_RATE_TOLERANCE", 0.01),
     ("RESTART_DISTANCE", 0.4),
