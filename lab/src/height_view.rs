@@ -44,7 +44,7 @@ impl HeightView {
     ///
     /// - `measured`, `before`: scans without spikes
     /// - `free`: for each pixel, whether no tool came near it before this scan
-    /// - `side`: of a tile [pixels], with the noise of a tile and of one [`COARSE`] times as wide
+    /// - `side`: of a tile [pixels], with the noise of a tile and of one twice as wide
     ///
     /// `None` where no tile was touched.
     pub fn new(
