@@ -35,7 +35,10 @@ fn main() -> Result<()> {
     );
     for seed in first..first + count {
         let plan = [Plan::Varied, Plan::Steps, Plan::Reversed, Plan::Paper][(seed % 4) as usize];
-        one(&made((seed, plan, size), hard)?, plan, &mut counts)?;
+        match made((seed, plan, size), hard) {
+            Ok(made) => one(&made, plan, &mut counts)?,
+            Err(why) => println!("| {seed} | {plan:?} | not made: {why} | | |"),
+        }
     }
     println!();
     for (name, (held, all)) in &counts.held {

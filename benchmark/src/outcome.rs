@@ -127,7 +127,7 @@ fn diagnosed(case: &Case, hidden: Vec<Hidden>, size: Size, library: &Library) ->
     let fit = calibrate_scans(&mut evidence, &model, &known)?.last().fit.clone();
     let diagnosis = Diagnosis::new(&evidence, (&model, fit), &known, (seed, &|_, _, _| {}))?;
     let summary = DiagnosisSummary::new(&evidence, &diagnosis, &|name| name.to_owned())?;
-    evidence.fix_blur(&diagnosis.fit.model)?;
+    evidence.fix_observation(&diagnosis.fit.model)?;
     let next_trial = diagnosis.verdict == Verdict::Ambiguous && separating_trial(&evidence, &diagnosis)?.is_some();
     Ok(Diagnosed { summary, truth: made.answer.effects, next_trial, seconds: started.elapsed().as_secs_f64() })
 }

@@ -37,15 +37,6 @@ impl Freedom {
         }
         joint
     }
-
-    /// The first of these degrees of freedom.
-    pub fn first(&self, count: usize) -> Self {
-        Self {
-            columns: self.columns.columns(0, count).into_owned(),
-            mean: self.mean.rows(0, count).into_owned(),
-            covariance: self.covariance.view((0, 0), (count, count)).into_owned(),
-        }
-    }
 }
 
 /// Turns differences into numbers that are independent and of variance one when only noise and degrees of freedom are at work.

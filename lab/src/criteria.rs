@@ -81,6 +81,8 @@ criteria! {
     POSE_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen";
     /// Prior standard deviation of the part's place, along x and y, between robot and scanner.
     PART_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen: the frames may differ by about 100 µm (docs/diagnosis.md, Limits)";
+    /// Error of a tile's mean by what its lattice does not tell, over the noise, above which it is a rim.
+    RIM_NOISE_SHARE: f64 = 0.25, "σ", "chosen: of the variance of the other tiles at most a sixteenth is the lattice";
     /// Removed depth at which the noise of the scan before has fallen to 1/e of its share, in tile sigmas.
     SCAN_NOISE_DECAY_SIGMAS: f64 = 3.0, "σ", "chosen";
     /// Change of height from which a pixel counts as changed and the instrument blurs it again.
@@ -146,7 +148,7 @@ criteria! {
     /// Residual beyond which it counts linearly in the sum of squares.
     HUBER_CONSTANT: f64 = 2.5, "σ", "chosen; the loss: Huber 1964";
     /// Δχ², over χ² per datum where that is above one, below which a promised step ends a fit.
-    FIT_CONVERGED_DELTA_CHI2: f64 = 0.5, "1", "chosen";
+    FIT_CONVERGED_DELTA_CHI2: f64 = 0.05, "1", "derived: a fifth of a standard deviation";
     /// Times that the derivatives of a calibration are made.
     FIT_DERIVATIVES: usize = 4, "1", "chosen";
     /// Most steps of a calibration.

@@ -143,9 +143,9 @@ pub trait Evidence: Sync {
     /// For each residual the number of its block: neighbours that may still depend on each other.
     fn blocks(&self, split: Split) -> Vec<usize>;
 
-    /// For each scan its first residual of the calibration data, and what the simulation's lattice adds to its whitened
-    /// residuals as far as that is known.
-    fn lattice_fields(&self) -> Vec<(usize, Vec<f64>)> {
+    /// What the error of the simulation's lattice adds to the residuals of the calibration data before it is taken out of
+    /// them as a degree of freedom; nothing where it is not known.
+    fn lattice_field(&self) -> Vec<f64> {
         Vec::new()
     }
 }

@@ -154,7 +154,7 @@ impl Fit {
                 Step::None => known = false,
             }
         }
-        self.doubt = Some(Doubt::of(&self, &evidence.blocks(Split::Calibration), &evidence.lattice_fields()));
+        self.doubt = Some(Doubt::of(&self, &evidence.blocks(Split::Calibration), &evidence.lattice_field()));
         self
     }
 

@@ -9,7 +9,7 @@ use super::covariance::{Freedom, Whitener};
 use super::tile_noise::TileNoise;
 use super::tiles::{TileGrid, Tiles};
 use crate::criteria::{
-    PART_SHIFT_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA, SCAN_NOISE_DECAY_SIGMAS,
+    PART_SHIFT_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA, RIM_NOISE_SHARE, SCAN_NOISE_DECAY_SIGMAS,
 };
 use trials::measure::despiked;
 
@@ -19,7 +19,7 @@ const POSE_SIGMAS: [f64; 5] = [POSE_HEIGHT_SIGMA, POSE_TILT_SIGMA, POSE_TILT_SIG
 pub(super) const COARSE: usize = 2;
 /// Of these, height and tilts, which the untouched surface gives.
 const HELD: usize = 3;
-/// Degrees of freedom of the scan's pose and of the part's place, before that of the lattice's error.
+/// Degrees of freedom of the scan's pose and of the part's place.
 const PLACE_FREEDOMS: usize = 7;
 
 /// A scan as data.
@@ -33,7 +33,16 @@ pub struct HeightView {
     pub noise: TileNoise,
     slopes: Vec<DVec2>,
     cut: Vec<DVec2>,
-    lattice_error: Vec<f64>,
+    /// What the lattice's error adds to the whitened tiles; zeros until it is known.
+    pub lattice_field: Vec<f64>,
+    /// All tiles that the tool may have touched, rims too: the errors that people read are over them.
+    pub judged: Tiles,
+    /// These before any pixel of theirs was found to be a spike, and the share of the noise of the scan before in each.
+    whole: (Tiles, Vec<f64>),
+    /// Which of these are no rims, as the first simulation showed.
+    even: Option<Vec<usize>>,
+    /// Those that are.
+    pub rims: Tiles,
     whitener: Whitener,
     /// Share of the noise of the scan before in each tile.
     pub before_share: Vec<f64>,
@@ -75,41 +84,55 @@ impl HeightView {
         let shift = cut_columns(&tiles, &cut);
         let shift = Freedom::around_zero(shift, &[PART_SHIFT_SIGMA; 2]);
         let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift))?;
-        let lattice_error = vec![0.0; measured.heights.len()];
         (!tiles.is_empty()).then_some(Self {
             measured,
+            lattice_field: vec![0.0; tiles.len()],
+            judged: tiles.clone(),
+            whole: (tiles.clone(), before_share.clone()),
+            even: None,
+            rims: tiles.of_which(&[]),
             tiles,
             noise,
             slopes,
             cut,
-            lattice_error,
             whitener,
             before_share,
         })
     }
 
-    /// The same scan, given what the simulation's lattice errs by. How much of it the data hold is one more degree of
-    /// freedom, and its scatter over the pixels of a tile is an error of the tile's mean, alone: where a rim lies within a pixel
-    /// the lattice does not tell.
+    /// The same scan, beside a simulation near the best values. Pixels that stick out of the difference are spikes that a
+    /// steep rim has hidden, and count no more. Tiles in which the lattice's error scatters more than [`RIM_NOISE_SHARE`] of
+    /// the noise are rims: where a rim lies within a pixel the lattice does not tell, and they are no data, whatever later simulations show. In the others that
+    /// scatter is an error of the tile's mean. A rim along the tile errs alike in each of its pixels, so it is the error of
+    /// one line of them.
     ///
-    /// - `error`: height of a simulation on a finer lattice above one on the usual lattice at each pixel [m]
+    /// - `simulated`: on the usual lattice
+    /// - `error`: height of a simulation on a finer lattice above it at each pixel [m]
     ///
     /// `None` where the covariance is not positive definite.
-    pub fn with_lattice_error(self, error: &[f64]) -> Option<Self> {
-        let means = self.tiles.means(|at| error[at]);
-        let squares = self.tiles.means(|at| error[at] * error[at]);
-        let pixels = (self.tiles.grid.side * self.tiles.grid.side) as f64;
-        let scatter = means.iter().zip(squares).map(|(mean, square)| (square - mean * mean).max(0.0) / pixels);
-        let own = DMatrix::from_diagonal(&DVector::from_iterator(self.tiles.len(), scatter));
-        let covariance = self.noise.covariance(&self.tiles, &self.before_share) + own;
-        let column = Freedom::around_zero(DMatrix::from_vec(self.tiles.len(), 1, means), &[1.0]);
-        let freedom = self.whitener.expected().first(PLACE_FREEDOMS).and(column);
-        Some(Self { whitener: Whitener::new(covariance, freedom)?, lattice_error: error.to_vec(), ..self })
-    }
-
-    /// What the lattice's error adds to the whitened tiles.
-    pub fn lattice_field(&self) -> Vec<f64> {
-        self.whitener.whitened_field(&self.tiles.means(|at| self.lattice_error[at]))
+    pub fn beside(self, simulated: &HeightMap, error: &[f64]) -> Option<Self> {
+        let left =
+            self.measured.heights.iter().zip(&simulated.heights).map(|(measured, simulated)| measured - simulated);
+        let (_, spikes) = despiked(&HeightMap { heights: left.collect(), ..simulated.clone() });
+        let (tiles, before_share) = &self.whole;
+        let tiles = tiles.without(&spikes);
+        let (means, squares) = (tiles.means(|at| error[at]), tiles.means(|at| error[at] * error[at]));
+        let scatter: Vec<f64> = (means.iter().zip(squares))
+            .map(|(mean, square)| (square - mean * mean).max(0.0) / tiles.grid.side as f64)
+            .collect();
+        let most = (RIM_NOISE_SHARE * self.noise.sigma()).powi(2);
+        let even = || (0..tiles.len()).filter(|&k| scatter[k] <= most).collect();
+        let kept = self.even.clone().unwrap_or_else(even);
+        let is_rim = |k: &usize| kept.binary_search(k).is_err();
+        let rims = tiles.of_which(&(0..tiles.len()).filter(is_rim).collect::<Vec<_>>());
+        let of = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&k| values[k]).collect() };
+        let (judged, tiles, before_share) = (tiles.clone(), tiles.of_which(&kept), of(before_share));
+        let own = DMatrix::from_diagonal(&DVector::from_vec(of(&scatter)));
+        let covariance = self.noise.covariance(&tiles, &before_share) + own;
+        let columns = place_columns(&tiles, [&self.slopes, &self.cut]);
+        let whitener = Whitener::new(covariance, Freedom { columns, ..self.whitener.expected().clone() })?;
+        let lattice_field = whitener.whitened_field(&of(&means));
+        Some(Self { lattice_field, whitener, judged, tiles, before_share, even: Some(kept), rims, ..self })
     }
 
     /// Measured minus simulated height of each tile [m].
@@ -153,7 +176,7 @@ impl HeightView {
         let lift = |at: usize| {
             let cut = if self.cut[at].is_finite() { self.cut[at] } else { DVec2::ZERO };
             let column = pose_column(frame, self.measured.pixels, at, self.slopes[at]);
-            let own = [-cut.x, -cut.y, self.lattice_error[at]];
+            let own = [-cut.x, -cut.y];
             column.into_iter().chain(own).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
         };
         let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
@@ -207,9 +230,9 @@ impl HeightView {
         let (left, _) = despiked(&HeightMap { heights: self.left(simulated), ..simulated.clone() });
         let left = left.heights;
         let (mut squares, mut floor, mut removed, mut count) = (0.0, 0.0, 0.0, 0.0);
-        for (tile, at) in self.tiles.pixels().filter(|(_, at)| left[*at].is_finite()) {
+        for (tile, at) in self.judged.pixels().filter(|(_, at)| left[*at].is_finite()) {
             squares += left[at] * left[at];
-            floor += noise * noise * (1.0 + self.before_share[tile].powi(2));
+            floor += noise * noise * (1.0 + self.whole.1[tile].powi(2));
             removed += before.heights[at] - simulated.heights[at];
             count += 1.0;
         }
@@ -252,6 +275,16 @@ fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
     let known = |slope: f64| if slope.is_finite() { -slope } else { 0.0 };
     let (x, y) = (tiles.means(|at| known(cut[at].x)), tiles.means(|at| known(cut[at].y)));
     DMatrix::from_fn(tiles.len(), 2, move |row, k| if k == 0 { x[row] } else { y[row] })
+}
+
+/// What the scan's pose and the cut's place add to the height of each tile.
+///
+/// - `maps`: slopes of the scan and of the cut
+fn place_columns(tiles: &Tiles, [slopes, cut]: [&[DVec2]; 2]) -> DMatrix<f64> {
+    let (pose, cut) = (pose_columns(tiles, slopes), cut_columns(tiles, cut));
+    DMatrix::from_fn(tiles.len(), PLACE_FREEDOMS, |row, k| {
+        if k < pose.ncols() { pose[(row, k)] } else { cut[(row, k - pose.ncols())] }
+    })
 }
 
 /// Slope at each pixel from a plane through its neighbours two pixels around, NaN where too few are known.

@@ -1,12 +1,13 @@
 //! The error that the simulation's own lattice makes, from the same campaign on a lattice twice as fine.
 //!
 //! Near the best values the difference of the two changes far less with the parameters than the surface does. So it is
-//! simulated once there, and added to every simulation of a fit (additive correction, Kennedy and O'Hagan 2000). Of a
-//! simulation of second order the finer one still errs by a third of the difference (Richardson 1911; Roache 1994): so much
-//! enters the covariance. It is not extrapolated, because rims converge unevenly.
+//! simulated once there. What share of it the data hold is one degree of freedom of the campaign, with a prior (Kennedy and
+//! O'Hagan 2001): four thirds where the truth is smooth (Richardson 1911; Roache 1994), less where data come from a
+//! simulation on a lattice of their own.
 
 use effects::CompiledModel;
 use rayon::prelude::*;
+use sdf_bake::HeightMap;
 use serde::Serialize;
 
 use super::evidence::EvidenceError;
@@ -18,9 +19,19 @@ use trials::trial::PassScan;
 /// Voxels of the finer lattice over those of the usual one: every pixel stays on a lattice line.
 const FINER: f64 = 0.5;
 
+/// Share of the error that data hold, before they are seen: all of it where they come from a lattice like the finer one,
+/// four thirds where they are smooth.
+const EXPECTED_SHARE: f64 = 1.0;
+const SHARE_SIGMA: f64 = 1.0 / 3.0;
+/// By how much the share may differ from one kind of ground to another, as the order of convergence does.
+pub const SHARE_SPREAD: f64 = SHARE_SIGMA;
+
 /// What the lattice takes off or adds at each pixel of each scan.
 #[derive(Clone, Debug, Serialize)]
 pub struct LatticeError {
+    /// Simulated scans on the usual lattice, by trial and pass.
+    #[serde(skip)]
+    usual: Vec<Vec<HeightMap>>,
     /// Height to add to a simulated scan [m] by trial, pass and pixel.
     heights: Vec<Vec<Vec<f64>>>,
     /// Identity of all of them.
@@ -42,18 +53,60 @@ impl LatticeError {
         };
         let heights: Vec<Vec<Vec<f64>>> = runs[0].iter().zip(&runs[1]).map(trial).collect();
         let identity = identity(&heights);
-        Ok(Self { heights, identity })
+        let scans = |passes: &Vec<SimulatedPass>| passes.iter().filter_map(|pass| heights_of(&pass.scan)).collect();
+        Ok(Self { usual: runs[0].iter().map(scans).collect(), heights, identity })
     }
 
-    /// Heights to add to a scan [m], one for each pixel.
-    pub fn of(&self, trial: usize, pass: usize) -> &[f64] {
-        &self.heights[trial][pass]
+    /// A simulated scan on the usual lattice, and the heights to add to it [m], one for each pixel.
+    pub fn of(&self, trial: usize, pass: usize) -> (&HeightMap, &[f64]) {
+        (&self.usual[trial][pass], &self.heights[trial][pass])
     }
 
     /// What tells it from others.
     pub fn identity(&self) -> &str {
         &self.identity
     }
+}
+
+fn heights_of(scan: &PassScan) -> Option<HeightMap> {
+    match scan {
+        PassScan::Heights(map) => Some(map.clone()),
+        PassScan::Exposure(_) => None,
+    }
+}
+
+/// Whitened residuals with the lattice's error as one more degree of freedom: independent with variance one where it is
+/// at work beside the noise. `field` is what all of it adds to them. The covariance `1 + σ² f fᵀ` has a root in closed form.
+pub fn without_lattice_error(residuals: &[f64], field: &[f64]) -> Vec<f64> {
+    let square = dot(field, field);
+    if square == 0.0 {
+        return residuals.to_vec();
+    }
+    let left: Vec<f64> = residuals.iter().zip(field).map(|(r, f)| r - EXPECTED_SHARE * f).collect();
+    let shrink = (1.0 - (1.0 + SHARE_SIGMA * SHARE_SIGMA * square).sqrt().recip()) / square;
+    let along = shrink * dot(&left, field);
+    left.iter().zip(field).map(|(r, f)| r - along * f).collect()
+}
+
+/// Undoes [`without_lattice_error`] on a change of residuals.
+pub fn with_lattice_error(change: &[f64], field: &[f64]) -> Vec<f64> {
+    let square = dot(field, field);
+    if square == 0.0 {
+        return change.to_vec();
+    }
+    let grow = ((1.0 + SHARE_SIGMA * SHARE_SIGMA * square).sqrt() - 1.0) / square;
+    let along = grow * dot(change, field);
+    change.iter().zip(field).map(|(r, f)| r + along * f).collect()
+}
+
+/// The share of the lattice's error that whitened residuals most likely hold.
+pub fn lattice_share(residuals: &[f64], field: &[f64]) -> f64 {
+    let prior = SHARE_SIGMA.powi(-2);
+    (EXPECTED_SHARE * prior + dot(residuals, field)) / (prior + dot(field, field))
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// What a scan on the finer lattice has above one on the usual lattice [m].
@@ -64,5 +117,35 @@ fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
             usual.heights.iter().zip(&finer.heights).map(error).collect()
         }
         _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_has_the_likelihood_of_the_joint_covariance() {
+        let (residuals, field) = ([0.3, -1.2, 2.0, 0.5], [1.5, -0.4, 0.7, 2.2]);
+        let variance = |i: usize, j: usize| SHARE_SIGMA.powi(2) * field[i] * field[j] + f64::from(u8::from(i == j));
+        let covariance = nalgebra::Matrix4::from_fn(variance);
+        let centred = nalgebra::Vector4::from_fn(|i, _| residuals[i] - EXPECTED_SHARE * field[i]);
+        let expected = centred.dot(&(covariance.try_inverse().unwrap() * centred));
+        let left = without_lattice_error(&residuals, &field);
+        assert!((dot(&left, &left) - expected).abs() < 1e-12);
+        let [up, down] = [1.0, -1.0].map(|sign| residuals.map(|r| sign * r));
+        let [up, down] = [up, down].map(|residuals| without_lattice_error(&residuals, &field));
+        let change: Vec<f64> = up.iter().zip(&down).map(|(up, down)| 0.5 * (up - down)).collect();
+        for (undone, r) in with_lattice_error(&change, &field).iter().zip(residuals) {
+            assert!((undone - r).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_share_is_found_where_the_field_is_strong() {
+        let field: Vec<f64> = (0..200).map(|k| f64::from(k % 7) - 3.0).collect();
+        let residuals: Vec<f64> = field.iter().map(|f| 1.25 * f).collect();
+        assert!((lattice_share(&residuals, &field) - 1.25).abs() < 0.01);
+        assert_eq!(lattice_share(&[], &[]), EXPECTED_SHARE);
     }
 }

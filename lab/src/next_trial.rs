@@ -9,6 +9,7 @@ use super::coordinates::{Coordinate, moved};
 use super::diagnose::Diagnosis;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::Fit;
+use super::observation::Observation;
 use super::scans::ScanEvidence;
 use trials::trial::{Role, Trial};
 
@@ -110,7 +111,7 @@ pub fn next_trial(
 fn separation(evidence: &ScanEvidence, trial: &Trial, first: &Fit, second: &Fit) -> Result<f64, EvidenceError> {
     let trials = [trial.clone()];
     let mut there = ScanEvidence::new(&trials, None)?;
-    there.blur = evidence.blur.or(Some(0.0));
+    there.observation = evidence.observation.or(Some(Observation::default()));
     let of = |fit: &Fit| there.residuals(&fit.model, Split::Calibration);
     let (a, b) = (of(first)?, of(second)?);
     let difference = DVector::from_iterator(a.len(), a.iter().zip(&b).map(|(a, b)| b - a));

@@ -165,10 +165,10 @@ impl<'a> EqualScans<'a> {
 
     fn volumes(&self, model: &CompiledModel) -> Result<Volumes, EvidenceError> {
         let passes = self.evidence.simulate(model, Split::Calibration)?;
-        let blur = self.evidence.blur_of(&passes, model)?;
+        let observation = self.evidence.observation_of((&passes, model))?;
         let volume = |view: &&ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
             (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                let seen = self.evidence.seen(view, simulated, blur);
+                let seen = self.evidence.seen(view, simulated, observation);
                 let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
                 let (removed, left) = data.volumes(before, &seen);
                 [removed - left, data.volume_sigma(), removed]

@@ -3,10 +3,7 @@
 use std::ops::Range;
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
-use rayon::prelude::*;
-use sdf_bake::HeightMap;
 
-use super::blur::{blurred, least_of};
 use super::calibrate::fit_roughly;
 use super::calibration::{Calibration, Order};
 use super::coordinates::Coordinate;
@@ -14,26 +11,22 @@ use super::diagnose::with_values;
 use super::error::LabError;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
-use super::fit::robust_sum;
-use super::height_view::COARSE;
 use super::height_view::HeightView;
 use super::lattice_error::LatticeError;
+use super::observation::Observation;
 use super::pass_trend::{PassTrend, trend_of_scans};
-use super::tile_noise::{FittedNoise, TileNoise};
-use super::tiles::{TileGrid, Tiles};
+use super::prepared::Prepared;
+use super::tile_noise::FittedNoise;
+use super::tiles::Tiles;
 use crate::campaign_simulation::CampaignSimulation;
 use crate::criteria::{
-    BLUR_WIDEST, BORDER_REACH, COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS,
-    SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO, TILE_BLOCK_SIDE, TILE_LEAST_SIDE, TILES_PER_SCAN,
+    COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO,
+    TILE_BLOCK_SIDE,
 };
 use crate::simulation::SimulatedPass;
 use files::journal::Journal;
-use trials::measure::{CLEARANCE, NoiseFloor, despiked, noise_floor, untouched};
-use trials::trial::{PassScan, Role, TRIAL_FILE, ToolPath, Trial, least_gap};
-
-/// Values of the blur tried at first, and a change that counts as none [pixels].
-const BLUR_STEPS: usize = 6;
-const SETTLED_BLUR: f64 = 3e-4;
+use trials::measure::NoiseFloor;
+use trials::trial::{PassScan, Trial};
 
 /// One scan and where it belongs.
 pub struct ScanView {
@@ -50,7 +43,7 @@ pub struct ScanView {
 /// What a scan shows.
 pub enum ScanData {
     /// A ground surface.
-    Heights(HeightView),
+    Heights(Box<HeightView>),
     /// Where sanding went through the coating.
     Exposure(ExposureView),
 }
@@ -83,8 +76,8 @@ pub struct ScanEvidence<'a> {
     pub noise: Vec<NoiseFloor>,
     /// Noise of one scan's tiles by trial, where surfaces are ground.
     pub tile_noise: Vec<Option<FittedNoise>>,
-    /// Standard deviation of the instrument's lateral blur [m]; `None` where every model finds its own.
-    pub blur: Option<f64>,
+    /// How simulated surfaces are seen; `None` where every model finds its own observation.
+    pub observation: Option<Observation>,
     /// Steps of a pass beyond which a simulation is given up.
     pub(super) most_steps: Option<usize>,
     /// What the simulation's lattice errs by, once it was measured.
@@ -109,19 +102,13 @@ impl<'a> ScanEvidence<'a> {
             across.clamp(pitch(&trials[0]), SANDING_VOXEL_PIXELS * pitch(&trials[0]))
         };
         let simulation = CampaignSimulation::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
-        let prepared: Result<Vec<_>, _> = trials.par_iter().enumerate().map(views_of).collect();
-        let (mut views, mut noise, mut tile_noise) = (Vec::new(), Vec::new(), Vec::new());
-        for prepared in prepared? {
-            views.extend(prepared.views);
-            noise.push(prepared.floor);
-            tile_noise.push(prepared.tile_noise);
-        }
+        let Prepared { views, noise, tile_noise } = Prepared::new(trials)?;
         Ok(Self {
             simulation,
             views,
             noise,
             tile_noise,
-            blur: None,
+            observation: None,
             most_steps: None,
             lattice_error: None,
             journal: None,
@@ -148,23 +135,19 @@ impl<'a> ScanEvidence<'a> {
         needed
     }
 
-    /// Simulates what a split needs, and what the instrument's blur is found from.
+    /// Simulates what a split needs, and what the observation is found from.
     ///
     /// # Errors
     /// The first trial that fails.
     pub fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {
-        let blur = if self.blur.is_none() { self.needed(Split::Calibration) } else { Vec::new() };
-        let needed = self.needed(split).into_iter().enumerate().map(|(k, own)| own.max(*blur.get(k).unwrap_or(&0)));
+        let observation = if self.observation.is_none() { self.needed(Split::Calibration) } else { Vec::new() };
+        let needed =
+            self.needed(split).into_iter().enumerate().map(|(k, own)| own.max(*observation.get(k).unwrap_or(&0)));
         Ok(self.simulation.run_first(model, &needed.collect::<Vec<_>>())?)
     }
 
-    /// A simulated surface as an instrument with this blur [m] sees it.
-    pub fn seen(&self, view: &ScanView, simulated: &HeightMap, blur: f64) -> HeightMap {
-        blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, blur)
-    }
-
-    /// Measures what the simulation's lattice errs by near a model. From then on it counts as an error of the
-    /// data. Sanding leaves the surface as it was, and has none.
+    /// Measures what the simulation's lattice errs by near a model, and finds the spikes that rims have hidden. From then on the
+    /// lattice's error counts as one of the data, and the spikes do not count. Sanding leaves the surface as it was, and has none.
     ///
     /// # Errors
     /// When the model cannot be simulated on a lattice twice as fine.
@@ -175,8 +158,10 @@ impl<'a> ScanEvidence<'a> {
         let error = LatticeError::new(self, model)?;
         for view in &mut self.views {
             let ScanData::Heights(data) = &view.data else { continue };
-            let informed = data.clone().with_lattice_error(error.of(view.trial, view.pass));
-            view.data = ScanData::Heights(informed.expect("a covariance grows with what is added to it"));
+            let (simulated, error) = error.of(view.trial, view.pass);
+            let informed = data.as_ref().clone().beside(simulated, error);
+            let informed = informed.expect("a covariance grows with what is added to it");
+            view.data = ScanData::Heights(Box::new(informed));
         }
         self.lattice_error = Some(error);
         Ok(())
@@ -220,24 +205,6 @@ impl<'a> ScanEvidence<'a> {
         calibration.renewed(self)
     }
 
-    /// Measured minus simulated tiles of a scan, whitened, through an instrument of so much blur.
-    fn whitened(
-        &self,
-        view: &ScanView,
-        (passes, model): (&[Vec<SimulatedPass>], &CompiledModel),
-        blur: f64,
-    ) -> Result<Vec<f64>, EvidenceError> {
-        let pass = &passes[view.trial][view.pass];
-        Ok(match (&view.data, &pass.scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => data.whitened(&self.seen(view, simulated, blur)),
-            (ScanData::Exposure(data), _) => match pass.surface.dose_margin(model)? {
-                Some(margin) => data.whitened(&margin),
-                None => unreachable!("a sanded surface has doses"),
-            },
-            (ScanData::Heights(_), PassScan::Exposure(_)) => unreachable!("a simulated scan is like the real one"),
-        })
-    }
-
     /// Simulates a model once, and gives up every later simulation that takes far longer.
     ///
     /// # Errors
@@ -253,42 +220,9 @@ impl<'a> ScanEvidence<'a> {
         Ok(())
     }
 
-    /// Keeps the blur at what this model finds.
-    ///
-    /// # Errors
-    /// When the model cannot be simulated.
-    pub fn fix_blur(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
-        self.blur = None;
-        let passes = self.simulate(model, Split::Calibration)?;
-        self.blur = Some(self.blur_of(&passes, model)?);
-        Ok(())
-    }
-
-    /// The instrument's blur [m]: the one with which the simulated rims of what the tool cut are like those of the
-    /// calibration scans. It is found anew with every model, for a stiff contact and a sharp instrument leave like rims.
-    ///
-    /// # Errors
-    /// When a formula of the scanner gives no finite number.
-    pub fn blur_of(&self, passes: &[Vec<SimulatedPass>], model: &CompiledModel) -> Result<f64, EvidenceError> {
-        if let Some(blur) = self.blur {
-            return Ok(blur);
-        }
-        if self.process() == Process::Sanding {
-            return Ok(0.0);
-        }
-        let pitch = self.simulation.trials[0].trial.scans.before.pixels.pitch;
-        let scans: Vec<&ScanView> = self.of(Split::Calibration).collect();
-        let cost = |blur: f64| -> Result<f64, EvidenceError> {
-            let one = |view: &&ScanView| Ok(robust_sum(&self.whitened(view, (passes, model), blur)?));
-            let costs: Result<Vec<f64>, EvidenceError> = scans.par_iter().map(one).collect();
-            Ok(costs?.iter().sum())
-        };
-        least_of(cost, ([0.0, BLUR_WIDEST * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
-    }
-
     fn agreement_made(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let blur = self.blur_of(&passes, model)?;
+        let observation = self.observation_of((&passes, model))?;
         let agreement = |view: &ScanView| {
             let pass = &passes[view.trial][view.pass];
             let about = format!("{} pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
@@ -296,7 +230,7 @@ impl<'a> ScanEvidence<'a> {
                 (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
                     let before = &self.simulation.trials[view.trial].trial.scans.before;
                     let [rms, floor, scale] =
-                        data.agreement(&self.seen(view, simulated, blur), before, self.noise[view.trial].rms);
+                        data.agreement(&self.seen(view, simulated, observation), before, self.noise[view.trial].rms);
                     Agreement { about, rms, floor, noise: floor, scale }
                 }
                 (ScanData::Exposure(data), _, Some(margin)) => {
@@ -335,12 +269,7 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        self.remembered((model, split), || {
-            let passes = self.simulate(model, split)?;
-            let blur = self.blur_of(&passes, model)?;
-            let scans = self.of(split).map(|view| self.whitened(view, (&passes, model), blur));
-            Ok(scans.collect::<Result<Vec<_>, _>>()?.concat())
-        })
+        self.remembered((model, split), || self.seen_residuals((&self.simulate(model, split)?, model), split))
     }
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
@@ -374,13 +303,8 @@ impl Evidence for ScanEvidence<'_> {
         Some(why.to_owned())
     }
 
-    fn lattice_fields(&self) -> Vec<(usize, Vec<f64>)> {
-        let starts = self.ranges(Split::Calibration).into_iter().map(|range| range.start);
-        let field = |(start, view): (usize, &ScanView)| match &view.data {
-            ScanData::Heights(data) => Some((start, data.lattice_field())),
-            ScanData::Exposure(_) => None,
-        };
-        starts.zip(self.of(Split::Calibration)).filter_map(field).collect()
+    fn lattice_field(&self) -> Vec<f64> {
+        self.lattice_field_of(Split::Calibration)
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {
@@ -395,91 +319,4 @@ impl Evidence for ScanEvidence<'_> {
         }
         all
     }
-}
-
-/// The scans of a trial as data, and the noise of one.
-struct Prepared {
-    views: Vec<ScanView>,
-    floor: NoiseFloor,
-    tile_noise: Option<FittedNoise>,
-}
-
-fn views_of((index, trial): (usize, &Trial)) -> Result<Prepared, EvidenceError> {
-    let bad = |what: String| EvidenceError::NoData(format!("{}: {what}", trial.name));
-    let (before, _) = despiked(&trial.scans.before);
-    let repeat = trial.scans.repeats.first().ok_or_else(|| EvidenceError::NoData(no_repeat(trial)))?;
-    let (repeat, _) = despiked(repeat);
-    let floor = noise_floor(&before, &repeat).map_err(|error| bad(format!("the repeated scan: {error}")))?;
-    let left = HeightMap { heights: floor.registration.left(&repeat, &before), ..before.clone() };
-    let mut free = vec![true; before.heights.len()];
-    let (mut views, mut tile_noise) = (Vec::new(), None);
-    for (number, pass) in trial.passes.iter().enumerate() {
-        let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
-        let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
-        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
-        let side = tile_side(&free, &before);
-        let data = match &pass.scan {
-            PassScan::Heights(scan) => {
-                let [noise, coarse] = [side, COARSE * side].map(|side| noise_of_tiles(&left, side).map_err(&bad));
-                let (noise, coarse) = (noise?, coarse?.noise);
-                let view = HeightView::new(despiked(scan).0, &before, &free, (side, [noise.noise, coarse]));
-                tile_noise = Some(noise);
-                view.map(ScanData::Heights)
-            }
-            PassScan::Exposure(mask) => {
-                let reach = BORDER_REACH * trial.tool.half_width();
-                ExposureView::new(mask.clone(), &free, side, reach).map(ScanData::Exposure)
-            }
-        };
-        let split = match pass.role {
-            Role::Calibration => Split::Calibration,
-            Role::Evaluation => Split::Evaluation,
-        };
-        let data = data.ok_or_else(|| bad(format!("pass {}: {}", number + 1, untouched_words(trial, &path))))?;
-        views.push(ScanView { trial: index, pass: number, split, data });
-    }
-    Ok(Prepared { views, floor, tile_noise })
-}
-
-/// Why a trial without a repeated scan is no data, and what to do.
-fn no_repeat(trial: &Trial) -> String {
-    format!(
-        "{}: [scan] has no repeat, and without a second scan of the surface before the first pass the noise is unknown: add \
-         repeat = [\"before_repeat.csv\"]; only `simulate` needs none",
-        trial.folder.join(TRIAL_FILE).display()
-    )
-}
-
-/// Why a pass shows nothing.
-fn untouched_words(trial: &Trial, path: &ToolPath) -> String {
-    let clearance = 1e3 * CLEARANCE;
-    match least_gap(&trial.tool, path, &trial.scans.before) {
-        Some(gap) if gap > CLEARANCE => format!(
-            "by its log the tool stays {:.2} mm or more above the scan `before`, and {clearance} mm count as contact: is the \
-             zero of z_mm off, or radius_mm?",
-            1e3 * gap
-        ),
-        Some(_) => {
-            "the tool touched no part of the surface that all scans show: are too many pixels missing there?".into()
-        }
-        None => "by its log the tool never was over the scan `before`: is origin_mm off?".into(),
-    }
-}
-
-/// Smallest tile with which the touched area does not have too many.
-fn tile_side(free: &[bool], map: &HeightMap) -> usize {
-    let touched = free.iter().filter(|free| !**free).count() as f64;
-    ((touched / TILES_PER_SCAN as f64).sqrt().ceil() as usize)
-        .clamp(TILE_LEAST_SIDE, map.pixels.nx.min(map.pixels.ny) / 4)
-}
-
-/// Noise of the means of tiles of a side, from what is left of two scans of one surface after laying one on the other.
-fn noise_of_tiles(left: &HeightMap, side: usize) -> Result<FittedNoise, String> {
-    let coarse = TileGrid { pixels: left.pixels, side }.coarsened(&left.heights);
-    TileNoise::fitted(&coarse).ok_or_else(|| {
-        let (nx, ny) = (coarse.pixels.nx, coarse.pixels.ny);
-        format!(
-            "the repeated scan shares too few pixels with the scan before: {nx} by {ny} tiles with holes give no noise"
-        )
-    })
 }

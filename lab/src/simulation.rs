@@ -156,7 +156,7 @@ impl<'a> Simulation<'a> {
         // Before the part is made: voxels far wider than the scan's pixels take long.
         Process::check_voxel(voxel, &tool).map_err(|error| SimulationError::Pass { pass: 1, error })?;
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
-        let (mut part, _) = BrickGrid::from_heights(&trial.scans.before, &options)?;
+        let (mut part, _) = BrickGrid::from_heights(&trial.scans.checked_before(), &options)?;
         if let Some(material) = &trial.scans.material {
             part.label_columns(&material.pixels, &material.labels);
         }

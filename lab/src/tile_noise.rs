@@ -11,9 +11,11 @@ use trials::measure::centre_and_sigma;
 
 /// Sides of the square blocks of tiles that a likelihood is a product over, largest first.
 const BLOCK_SIDES: [usize; 6] = [12, 10, 8, 6, 5, 4];
-/// Lengths of kernels that are tried [tiles], a factor of √2 apart: what is shorter is a tile's own, what is longer than
-/// half a block looks like the scan's pose.
-const NOISE_LENGTHS: [f64; 8] = [0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0, 5.66];
+/// Lengths of kernels that are tried [tiles]: what is shorter is a tile's own, what is longer than half a block looks like
+/// the scan's pose.
+const NOISE_LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+/// Factors to both sides of the best length that are tried next: half the way to the next length, then half of that.
+const LENGTH_STEPS: [f64; 3] = [1.414, 1.189, 1.09];
 /// Steps of the search for the share that neighbours have in common.
 const SHARE_STEPS: usize = 24;
 
@@ -82,16 +84,16 @@ pub struct FittedNoise {
     pub side: usize,
 }
 
-/// Square blocks of tiles without holes.
+/// Square blocks of tiles without holes, by map.
 struct Blocks {
     side: usize,
-    values: Vec<DVector<f64>>,
+    values: Vec<Vec<DVector<f64>>>,
 }
 
 /// A kernel of a length on a block: principal fields, their variances, and the data along them.
 struct Spectrum {
     variances: DVector<f64>,
-    along: Vec<DVector<f64>>,
+    along: Vec<Vec<DVector<f64>>>,
     fields: DMatrix<f64>,
 }
 
@@ -101,7 +103,8 @@ struct Candidate {
     kernel: Kernel,
     length: f64,
     share: f64,
-    variance: f64,
+    /// Of the difference, by map.
+    variances: Vec<f64>,
 }
 
 impl TileNoise {
@@ -127,53 +130,138 @@ impl TileNoise {
         })
     }
 
-    /// The noise that makes the tile means of a difference of two scans of one surface most likely: the part alone, the
-    /// part shared, its length and its kernel. The likelihood is a product over blocks of tiles (Vecchia 1988), so that
-    /// slow waves that no fit could tell from the scan's pose do not count. Tile means are cut at some standard deviations.
+    /// The noise that makes the tile means of differences of two scans of one surface most likely: the part alone, the
+    /// part shared, its length and its kernel. All maps have one shape of noise, and each its own size. The likelihood is a
+    /// product over blocks of tiles (Vecchia 1988), so that slow waves that no fit could tell from the scan's pose do not
+    /// count. Tile means are cut at some standard deviations, first of all of them, then of what a first fit expects of
+    /// each given its neighbours.
     ///
-    /// - `difference`: means of a regular grid of tiles [m], NaN where one is not known
+    /// - `differences`: means of regular grids of tiles [m], NaN where one is not known
     ///
-    /// `None` where there are too few tiles.
-    pub fn fitted(difference: &HeightMap) -> Option<FittedNoise> {
-        let blocks = Blocks::of(difference)?;
-        let lengths = NOISE_LENGTHS.iter().filter(|&&length| length <= 0.5 * blocks.side as f64);
-        let pairs = lengths.flat_map(|&length| Kernel::ALL.map(|kernel| (kernel, length)));
-        let best = pairs.map(|pair| blocks.candidate(pair)).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        // The difference of two scans has twice the variance of one.
-        let (variance, pitch) = (0.5 * best.variance, difference.pixels.pitch);
-        let noise = Self {
+    /// `None` for maps with too few tiles.
+    pub fn fitted(differences: &[HeightMap]) -> Vec<Option<FittedNoise>> {
+        let mut all = vec![None; differences.len()];
+        let usable = |k: &usize| Blocks::side_of(&differences[*k]).is_some();
+        let mut rest: Vec<usize> = (0..differences.len()).filter(usable).collect();
+        while let Some(&first) = rest.first() {
+            // Lengths are counted in tiles.
+            let alike = |k: &usize| differences[*k].pixels.pitch == differences[first].pixels.pitch;
+            let (group, others): (Vec<usize>, Vec<usize>) = rest.into_iter().partition(alike);
+            let maps: Vec<&HeightMap> = group.iter().map(|&k| &differences[k]).collect();
+            for (fitted, k) in Blocks::fitted(&maps).into_iter().flatten().zip(group) {
+                all[k] = Some(fitted);
+            }
+            rest = others;
+        }
+        all
+    }
+
+    /// The noise of one scan, whose difference to another has twice the variance.
+    fn of(best: &Candidate, difference_variance: f64, pitch: f64) -> Self {
+        let variance = 0.5 * difference_variance;
+        Self {
             alone: ((1.0 - best.share) * variance).sqrt(),
             shared: (best.share * variance).sqrt(),
             length: best.length * pitch,
             kernel: best.kernel,
-        };
-        Some(FittedNoise { noise, whitened: blocks.whitened(&best), side: blocks.side })
+        }
     }
 }
 
 impl Blocks {
-    /// The largest blocks that cover most of what is known.
-    fn of(map: &HeightMap) -> Option<Self> {
-        let known: Vec<f64> = map.heights.iter().copied().filter(|height| height.is_finite()).collect();
-        let (centre, sigma) = centre_and_sigma(&known)?;
-        let most = NOISE_CUT_SIGMAS * sigma;
-        let cut = |height: f64| (height - centre).clamp(-most, most);
-        let of_side = |&side: &usize| {
-            let (nx, ny) = (map.pixels.nx, map.pixels.ny);
-            let corners = (0..ny / side).flat_map(|j| (0..nx / side).map(move |i| (i * side, j * side)));
-            let block = |(i, j): (usize, usize)| {
-                let at = |k: usize| map.heights[(j + k / side) * nx + i + k % side];
-                let values: Vec<f64> = (0..side * side).map(at).collect();
-                values
-                    .iter()
-                    .all(|v| v.is_finite())
-                    .then(|| DVector::from_iterator(values.len(), values.into_iter().map(cut)))
-            };
-            let values: Vec<DVector<f64>> = corners.filter_map(block).collect();
-            let covered = (values.len() * side * side) as f64 >= NOISE_BLOCK_SHARE * known.len() as f64;
-            (covered && !values.is_empty()).then_some(Self { side, values })
+    /// The noise of each map; `None` without maps.
+    fn fitted(maps: &[&HeightMap]) -> Option<Vec<FittedNoise>> {
+        let side = maps.iter().filter_map(|map| Self::side_of(map)).min()?;
+        let blocks = Self { side, values: maps.iter().map(|map| Self::cut(map, side)).collect() };
+        let first = blocks.best()?;
+        let blocks = blocks.without_outliers(&first);
+        let best = blocks.best()?;
+        let whitened = blocks.whitened(&best);
+        let noise = |(map, variance): (&&HeightMap, &f64)| TileNoise::of(&best, *variance, map.pixels.pitch);
+        let noises = maps.iter().zip(&best.variances).map(noise);
+        Some(noises.zip(whitened).map(|(noise, whitened)| FittedNoise { noise, whitened, side }).collect())
+    }
+
+    /// Side of the largest blocks that cover most of what is known of a map.
+    fn side_of(map: &HeightMap) -> Option<usize> {
+        let known = map.heights.iter().filter(|height| height.is_finite()).count() as f64;
+        let covers = |&side: &usize| {
+            let covered = Self::corners(map, side).count() * side * side;
+            covered > 0 && covered as f64 >= NOISE_BLOCK_SHARE * known
         };
-        BLOCK_SIDES.iter().find_map(of_side)
+        BLOCK_SIDES.into_iter().find(covers)
+    }
+
+    /// First tile of each block without holes.
+    fn corners(map: &HeightMap, side: usize) -> impl Iterator<Item = usize> {
+        let (nx, ny) = (map.pixels.nx, map.pixels.ny);
+        let whole =
+            move |corner: &usize| (0..side * side).all(|k| map.heights[corner + k / side * nx + k % side].is_finite());
+        (0..ny / side).flat_map(move |j| (0..nx / side).map(move |i| j * side * nx + i * side)).filter(whole)
+    }
+
+    /// The blocks of a map, values cut where they lie far from all others.
+    fn cut(map: &HeightMap, side: usize) -> Vec<DVector<f64>> {
+        let known: Vec<f64> = map.heights.iter().copied().filter(|height| height.is_finite()).collect();
+        let (centre, sigma) = centre_and_sigma(&known).unwrap_or_default();
+        let most = NOISE_CUT_SIGMAS * sigma;
+        let block = |corner: usize| {
+            let at = |k: usize| map.heights[corner + k / side * map.pixels.nx + k % side];
+            DVector::from_fn(side * side, |k, _| (at(k) - centre).clamp(-most, most))
+        };
+        Self::corners(map, side).map(block).collect()
+    }
+
+    /// The blocks with values cut where they lie too far from what the others of their block make of them: a spike that is
+    /// small among all tiles is large beside its neighbours.
+    fn without_outliers(self, best: &Candidate) -> Self {
+        let spectrum = self.spectrum(best.kernel, best.length);
+        let weights = best.weights(&spectrum).map(f64::recip);
+        let precision = &spectrum.fields * DMatrix::from_diagonal(&weights) * spectrum.fields.transpose();
+        let cut = |values: DVector<f64>, most: f64| {
+            // The residual of a value that is left out (Rasmussen and Williams 2006, equation 5.12).
+            let left = &precision * &values;
+            let beyond = |k: usize| {
+                let (own, sigma) = (left[k] / precision[(k, k)], precision[(k, k)].sqrt().recip());
+                own - own.clamp(-most * sigma, most * sigma)
+            };
+            DVector::from_fn(values.len(), |k, _| values[k] - beyond(k))
+        };
+        let map = |(blocks, variance): (Vec<DVector<f64>>, &f64)| {
+            let most = NOISE_CUT_SIGMAS * variance.sqrt();
+            blocks.into_iter().map(|values| cut(values, most)).collect()
+        };
+        Self { values: self.values.into_iter().zip(&best.variances).map(map).collect(), ..self }
+    }
+
+    /// The most likely kernel of all.
+    fn best(&self) -> Option<Candidate> {
+        let best = Kernel::ALL.map(|kernel| self.best_length(kernel));
+        best.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// The most likely length of a kernel: the best of a few, then of those beside it.
+    fn best_length(&self, kernel: Kernel) -> Option<Candidate> {
+        let longest = 0.5 * self.side as f64;
+        let of = |length: f64| (length <= longest).then(|| self.candidate((kernel, length)));
+        let better = |a: Candidate, b: Candidate| if b.cost < a.cost { b } else { a };
+        let mut best = NOISE_LENGTHS.iter().filter_map(|&length| of(length)).reduce(better)?;
+        for step in LENGTH_STEPS {
+            let beside = [best.length / step, best.length * step];
+            best = beside.into_iter().filter_map(of).fold(best, better);
+        }
+        Some(best)
+    }
+
+    /// The most likely share of a kernel of a length.
+    fn candidate(&self, (kernel, length): (Kernel, f64)) -> Candidate {
+        let spectrum = self.spectrum(kernel, length);
+        let of_share = |share: f64| {
+            let (cost, variances) = spectrum.cost(share);
+            Candidate { cost, kernel, length, share, variances }
+        };
+        let shares = (0..SHARE_STEPS).map(|k| (k as f64 + 0.5) / SHARE_STEPS as f64).map(|s| s.powf(0.5));
+        shares.chain([0.0]).map(of_share).min_by(|a, b| a.cost.total_cmp(&b.cost)).expect("there are shares")
     }
 
     fn spectrum(&self, kernel: Kernel, length: f64) -> Spectrum {
@@ -181,39 +269,48 @@ impl Blocks {
         let count = self.side * self.side;
         let matrix = DMatrix::from_fn(count, count, |a, b| kernel.at(place(a).distance(place(b)) / length));
         let SymmetricEigen { eigenvectors, eigenvalues } = matrix.symmetric_eigen();
-        let along = self.values.iter().map(|values| eigenvectors.tr_mul(values)).collect();
+        let along = |blocks: &Vec<DVector<f64>>| blocks.iter().map(|values| eigenvectors.tr_mul(values)).collect();
+        let along = self.values.iter().map(along).collect();
         Spectrum { variances: eigenvalues.map(|v| v.max(0.0)), along, fields: eigenvectors }
     }
 
-    /// The most likely share and variance of a kernel of a length.
-    fn candidate(&self, (kernel, length): (Kernel, f64)) -> Candidate {
-        let spectrum = self.spectrum(kernel, length);
-        let of_share = |share: f64| {
-            let (cost, variance) = spectrum.cost(share);
-            Candidate { cost, kernel, length, share, variance }
-        };
-        let shares = (0..SHARE_STEPS).map(|k| (k as f64 + 0.5) / SHARE_STEPS as f64).map(|s| s.powf(0.5));
-        shares.chain([0.0]).map(of_share).min_by(|a, b| a.cost.total_cmp(&b.cost)).expect("there are shares")
-    }
-
-    fn whitened(&self, best: &Candidate) -> Vec<Vec<f64>> {
+    /// By map and block.
+    fn whitened(&self, best: &Candidate) -> Vec<Vec<Vec<f64>>> {
         let spectrum = self.spectrum(best.kernel, best.length);
-        let scale = spectrum.variances.map(|v| (best.variance * ((1.0 - best.share) + best.share * v)).sqrt().recip());
+        let scale = best.weights(&spectrum).map(|weight| weight.sqrt().recip());
         // Symmetric whitening keeps each value at its tile.
-        let block = |along: &DVector<f64>| (&spectrum.fields * along.component_mul(&scale)).as_slice().to_vec();
-        spectrum.along.iter().map(block).collect()
+        let block = |along: &DVector<f64>, sigma: f64| {
+            (&spectrum.fields * along.component_mul(&scale) / sigma).as_slice().to_vec()
+        };
+        let map = |(blocks, variance): (&Vec<DVector<f64>>, &f64)| {
+            blocks.iter().map(|along| block(along, variance.sqrt())).collect()
+        };
+        spectrum.along.iter().zip(&best.variances).map(map).collect()
+    }
+}
+
+impl Candidate {
+    /// Variance along each field of a spectrum over that of a value.
+    fn weights(&self, spectrum: &Spectrum) -> DVector<f64> {
+        spectrum.variances.map(|v| (1.0 - self.share) + self.share * v)
     }
 }
 
 impl Spectrum {
-    /// Twice the negative logarithm of the likelihood with the variance that makes it greatest, and that variance.
-    fn cost(&self, share: f64) -> (f64, f64) {
+    /// Twice the negative logarithm of the likelihood with the variances that make it greatest, and these, by map.
+    fn cost(&self, share: f64) -> (f64, Vec<f64>) {
         let weights = self.variances.map(|v| (1.0 - share) + share * v);
-        let count = (self.along.len() * weights.len()) as f64;
+        let logs: f64 = weights.iter().map(|w| w.ln()).sum();
         let squares = |along: &DVector<f64>| along.iter().zip(&weights).map(|(a, w)| a * a / w).sum::<f64>();
-        let variance = self.along.iter().map(squares).sum::<f64>() / count;
-        let logs: f64 = weights.iter().map(|w| w.ln()).sum::<f64>() * self.along.len() as f64;
-        (count * variance.max(f64::MIN_POSITIVE).ln() + logs, variance)
+        let mut cost = 0.0;
+        let mut variances = Vec::new();
+        for blocks in &self.along {
+            let count = (blocks.len() * weights.len()) as f64;
+            let variance = (blocks.iter().map(squares).sum::<f64>() / count).max(f64::MIN_POSITIVE);
+            cost += count * variance.ln() + logs * blocks.len() as f64;
+            variances.push(variance);
+        }
+        (cost, variances)
     }
 }
 
@@ -242,6 +339,10 @@ mod tests {
         HeightMap { pixels, heights: heights.as_slice().to_vec() }
     }
 
+    fn fitted(map: &HeightMap) -> Option<FittedNoise> {
+        TileNoise::fitted(std::slice::from_ref(map)).remove(0)
+    }
+
     fn mean_square(fitted: &FittedNoise) -> f64 {
         let count = fitted.whitened.iter().map(Vec::len).sum::<usize>() as f64;
         fitted.whitened.iter().flatten().map(|r| r * r).sum::<f64>() / count
@@ -251,7 +352,7 @@ mod tests {
     fn the_noise_that_was_drawn_is_fitted() {
         for (seed, kernel) in (1..).zip(Kernel::ALL) {
             let drawn = TileNoise { alone: 0.7e-6, shared: 1.6e-6, length: 2e-3, kernel };
-            let fitted = TileNoise::fitted(&difference(drawn, seed)).unwrap();
+            let fitted = fitted(&difference(drawn, seed)).unwrap();
             println!("{kernel:?}: {:?}", fitted.noise);
             assert!((fitted.noise.sigma() / drawn.sigma() - 1.0).abs() < 0.15, "{kernel:?}: {:?}", fitted.noise);
             assert!((mean_square(&fitted) - 1.0).abs() < 1e-9, "the likelihood is greatest at variance one");
@@ -269,7 +370,7 @@ mod tests {
         let whole = difference(drawn, 5);
         let mut spoilt = whole.clone();
         spoilt.heights.iter_mut().step_by(97).for_each(|height| *height += 60e-6);
-        let [whole, spoilt] = [whole, spoilt].map(|map| TileNoise::fitted(&map).unwrap().noise.sigma());
+        let [whole, spoilt] = [whole, spoilt].map(|map| fitted(&map).unwrap().noise.sigma());
         assert!((spoilt / whole - 1.0).abs() < 0.2, "{whole} and {spoilt}");
     }
 
@@ -278,8 +379,8 @@ mod tests {
         let drawn = TileNoise { alone: 1e-6, shared: 1e-6, length: 2e-3, kernel: Kernel::Gaussian };
         let mut map = difference(drawn, 6);
         map.heights[7 * SHAPE.0 + 20] = f64::NAN;
-        assert!(TileNoise::fitted(&map).is_some());
+        assert!(fitted(&map).is_some());
         map.heights.iter_mut().step_by(3).for_each(|height| *height = f64::NAN);
-        assert!(TileNoise::fitted(&map).is_none());
+        assert!(fitted(&map).is_none());
     }
 }

@@ -1,6 +1,8 @@
 //! Square groups of pixels: the data of a fit. Their means keep what physics does to a surface, and are few enough that
 //! the covariance of all of them can be written down.
 
+use std::collections::HashSet;
+
 use glam::DVec2;
 use sdf_bake::{HeightMap, PixelGrid};
 
@@ -72,6 +74,26 @@ impl TileGrid {
 }
 
 impl Tiles {
+    /// Some of the tiles.
+    pub fn of_which(&self, kept: &[usize]) -> Self {
+        Self {
+            grid: self.grid,
+            centres: kept.iter().map(|&k| self.centres[k]).collect(),
+            cells: kept.iter().map(|&k| self.cells[k]).collect(),
+            members: kept.iter().map(|&k| self.members[k].clone()).collect(),
+        }
+    }
+
+    /// The same tiles without some pixels; one that would be left without any keeps its own.
+    pub fn without(&self, pixels: &[usize]) -> Self {
+        let pixels: HashSet<u32> = pixels.iter().map(|&at| at as u32).collect();
+        let kept = |of: &Vec<u32>| {
+            let kept: Vec<u32> = of.iter().copied().filter(|at| !pixels.contains(at)).collect();
+            if kept.is_empty() { of.clone() } else { kept }
+        };
+        Self { members: self.members.iter().map(kept).collect(), ..self.clone() }
+    }
+
     /// Number of tiles.
     pub fn len(&self) -> usize {
         self.cells.len()

@@ -51,14 +51,14 @@ pub trait Totals: Evidence {
 impl Totals for ScanEvidence<'_> {
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let blur = self.blur_of(&passes, model)?;
+        let observation = self.observation_of((&passes, model))?;
         let total = |view: &ScanView| {
             let pass = &passes[view.trial][view.pass];
             let about = format!("{}, pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
             Ok(match (&view.data, &pass.scan) {
                 (ScanData::Heights(data), PassScan::Heights(simulated)) => {
                     let before = &self.simulation.trials[view.trial].trial.scans.before;
-                    Total { about, ..volume(data, &self.seen(view, simulated, blur), before) }
+                    Total { about, ..volume(data, &self.seen(view, simulated, observation), before) }
                 }
                 (ScanData::Exposure(data), _) => Total { about, ..bare_area(data, &margin(pass, model)?) },
                 (ScanData::Heights(_), PassScan::Exposure(_)) => unreachable!("a simulated scan is like the real one"),
@@ -69,10 +69,10 @@ impl Totals for ScanEvidence<'_> {
 
     fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let blur = self.blur_of(&passes, model)?;
+        let observation = self.observation_of((&passes, model))?;
         let rms = |view: &ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
             (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                Some(data.raw_rms(&self.seen(view, simulated, blur)))
+                Some(data.raw_rms(&self.seen(view, simulated, observation)))
             }
             _ => None,
         };

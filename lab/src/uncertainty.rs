@@ -4,13 +4,14 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::fit::{Fit, weights};
+use super::lattice_error::{SHARE_SPREAD, with_lattice_error};
 
 /// What a fit's data say about its parameters beside the curvature of the sum of squares.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Doubt {
     /// Sum over blocks of the outer products of their scores, shape [coordinates, coordinates].
     scores: DMatrix<f64>,
-    /// Change of the coordinates if the simulation ran on a lattice twice as fine.
+    /// Change of the coordinates where the data hold more of the lattice's error by [`SHARE_SPREAD`] than the fit took out.
     lattice_shift: DVector<f64>,
 }
 
@@ -18,8 +19,8 @@ impl Doubt {
     /// Doubt of a fit.
     ///
     /// - `blocks`: for each residual the number of its block
-    /// - `lattice`: for each scan its first residual, and what the lattice's error adds to them
-    pub(super) fn of(fit: &Fit, blocks: &[usize], lattice: &[(usize, Vec<f64>)]) -> Self {
+    /// - `lattice`: see [`Evidence::lattice_field`](super::evidence::Evidence::lattice_field)
+    pub(super) fn of(fit: &Fit, blocks: &[usize], lattice: &[f64]) -> Self {
         Self { scores: scores(fit, blocks), lattice_shift: lattice_shift(&fit.jacobian, lattice) }
     }
 }
@@ -39,25 +40,25 @@ fn scores(fit: &Fit, blocks: &[usize]) -> DMatrix<f64> {
     factor * &scores * scores.transpose()
 }
 
-/// The step that the fit takes when the lattice's error is added to the simulation. The whitened data hold that error as a
-/// degree of freedom, which would take all of it up; so it is taken out of the covariance first (Sherman and Morrison 1950).
-fn lattice_shift(jacobian: &DMatrix<f64>, lattice: &[(usize, Vec<f64>)]) -> DVector<f64> {
-    let mut normal = jacobian.tr_mul(jacobian);
-    let mut pull = DVector::zeros(jacobian.ncols());
-    for (first, field) in lattice {
-        let field = DVector::from_column_slice(field);
-        let along = jacobian.rows(*first, field.len()).tr_mul(&field);
-        let rest = (1.0 - field.norm_squared()).max(f64::EPSILON);
-        normal += &along * along.transpose() / rest;
-        pull += along / rest;
+/// The step that a fit takes when the share of the lattice's error is off by [`SHARE_SPREAD`]. As a degree of freedom of the
+/// data it would take all of that up; so it is one no more.
+fn lattice_shift(jacobian: &DMatrix<f64>, field: &[f64]) -> DVector<f64> {
+    if field.is_empty() {
+        return DVector::zeros(jacobian.ncols());
     }
-    Cholesky::new(normal).map_or_else(|| DVector::zeros(jacobian.ncols()), |normal| normal.solve(&pull))
+    let columns: Vec<DVector<f64>> = (jacobian.column_iter())
+        .map(|column| DVector::from_vec(with_lattice_error(column.as_slice(), field)))
+        .collect();
+    let jacobian = DMatrix::from_columns(&columns);
+    let pull = SHARE_SPREAD * jacobian.tr_mul(&DVector::from_column_slice(field));
+    Cholesky::new(jacobian.tr_mul(&jacobian))
+        .map_or_else(|| DVector::zeros(jacobian.ncols()), |normal| normal.solve(&pull))
 }
 
 impl Fit {
     /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
     /// others. Of the curvature's standard deviation, times `spread`, and that of the blocks' scores (Huber 1967; Liang and
-    /// Zeger 1986) the larger counts. What the lattice moves is added as a whole: it errs by about as much (Roache 1994).
+    /// Zeger 1986) the larger counts. What the lattice moves is added as a whole.
     pub fn covariance(&self, spread: f64) -> Option<DMatrix<f64>> {
         let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
         let jacobian = self.jacobian.select_columns(&told);
@@ -85,23 +86,17 @@ impl Fit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::covariance::{Freedom, Whitener};
+    use crate::lattice_error::without_lattice_error;
 
     #[test]
     fn a_fit_of_the_mean_moves_by_what_the_lattice_lifts() {
-        // Heights of two scans with unlike noise; the lattice lifts all of them by 3 µm.
-        let lifted = [3e-6; 40];
-        let scan = |sigma: f64| {
-            let column = Freedom::around_zero(DMatrix::from_column_slice(40, 1, &lifted), &[1.0]);
-            Whitener::new(DMatrix::from_diagonal_element(40, 40, sigma * sigma), column).unwrap()
-        };
-        let scans = [scan(1e-6), scan(2.5e-6)];
-        let rows: Vec<f64> = scans.iter().flat_map(|scan| scan.whitened_field(&[-1.0; 40])).collect();
-        let fields: Vec<(usize, Vec<f64>)> =
-            [0, 40].into_iter().zip(&scans).map(|(first, scan)| (first, scan.whitened_field(&lifted))).collect();
-        let shift = lattice_shift(&DMatrix::from_vec(80, 1, rows), &fields);
+        // Heights in units of their noise; the lattice lifts all of them by 3, and a height is fitted to them.
+        let (field, lifted) = ([3.0; 40], [-1.0; 40]);
+        let [still, moved] = [[0.0; 40], lifted].map(|residuals| without_lattice_error(&residuals, &field));
+        let column: Vec<f64> = moved.iter().zip(&still).map(|(moved, still)| moved - still).collect();
+        let shift = lattice_shift(&DMatrix::from_vec(40, 1, column), &field);
         // Measured minus simulated falls by what is added to the simulation, and so does the height that is fitted.
-        assert!((shift[0] + 3e-6).abs() < 1e-12, "{shift}");
+        assert!((shift[0] + 3.0 * SHARE_SPREAD).abs() < 1e-12, "{shift}");
     }
 
     #[test]

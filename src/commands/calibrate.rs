@@ -84,7 +84,7 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let calibration = calibrated(args, &mut data, &library, console)?;
     let summary = CalibrationSummary::new(data.evidence(), &calibration, &library)?;
     describe(&summary, console);
-    data.fix_blur(&calibration.last().fit.model)?;
+    data.fix_observation(&calibration.last().fit.model)?;
     let place = args.out.out.join("model.toml");
     let answer = CalibrateAnswer { model: &place, notes: data.notes(), findings: data.findings(), summary: &summary };
     let report = calibration_report(&CalibrationReport {

@@ -134,7 +134,7 @@ pub fn compare_scans(
     let notes = campaign.notes();
     let removal = 1e6 * deepest(evidence, &simulated, split);
     let found = Found { equal_passes, tests, study, named: &tile_covariates::covariate, error, notes, removal };
-    let blur = Some(simulated.blur * 1e6);
+    let blur = Some(simulated.observation.blur * 1e6);
     let comparison = Comparison {
         blur_um: blur,
         noise: NoiseSummary::all(evidence),
@@ -145,7 +145,7 @@ pub fn compare_scans(
     let alignments: Vec<_> = evidence.views.iter().map(|view| scans.alignment(view)).collect();
     let named = found.compared(model, asked.folder);
     let compared = compared_scans(campaign, evidence, &alignments, named);
-    let compared = Compared { blur: Some(simulated.blur).filter(|blur| *blur > 0.0), ..compared };
+    let compared = Compared { blur: Some(simulated.observation.blur).filter(|blur| *blur > 0.0), ..compared };
     let report = StudyReport {
         waterfall,
         volumes: seen.volumes(),

@@ -18,7 +18,7 @@ use crate::{
 pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Result<DiagnosisSummary> {
     let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
     let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
-    data.fix_blur(&diagnosis.fit.model)?;
+    data.fix_observation(&diagnosis.fit.model)?;
     let is_beyond_the_law = summary.equal_passes.as_ref().is_some_and(|trend| trend.out_of_reach);
     let is_identified = diagnosis.verdict == Verdict::Identified;
     if is_identified && !is_beyond_the_law {

@@ -77,7 +77,7 @@ impl Seen<'_> {
     fn heights(&self, view: &ScanView, data: &HeightView) -> Option<HeightMaps> {
         let left = |simulated: &Simulated| Some(Ground::new(self.evidence, view, simulated)?.left);
         let mut judged = vec![false; data.measured.heights.len()];
-        data.tiles.pixels().for_each(|(_, at)| judged[at] = true);
+        data.judged.pixels().for_each(|(_, at)| judged[at] = true);
         Some(HeightMaps {
             pixels: data.measured.pixels,
             base: left(self.base)?,

@@ -169,19 +169,19 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// Keeps the instrument's blur at what a model finds, so that maps of several models are seen alike.
+    /// Keeps the observation that a model finds, so that maps of several models are seen alike.
     ///
     /// # Errors
     /// When the model cannot be simulated.
-    pub fn fix_blur(&mut self, model: &CompiledModel) -> Result<()> {
+    pub fn fix_observation(&mut self, model: &CompiledModel) -> Result<()> {
         let Self::Scans(_, evidence) = self else { return Ok(()) };
-        Ok(evidence.fix_blur(model)?)
+        Ok(evidence.fix_observation(model)?)
     }
 
-    /// Lets every model find the instrument's blur again, as fits do.
-    pub fn free_blur(&mut self) {
+    /// Lets every model find its own observation again, as fits do.
+    pub fn free_observation(&mut self) {
         if let Self::Scans(_, evidence) = self {
-            evidence.blur = None;
+            evidence.observation = None;
         }
     }
 }

@@ -254,7 +254,7 @@ pub(super) fn compared_scans(
         passes: evidence.views.iter().enumerate().map(pass).collect(),
         pitch: Some(trial.scans.before.pixels.pitch),
         voxel: evidence.simulation.trials.first().map(|simulation| simulation.part.voxel),
-        blur: evidence.blur.filter(|blur| *blur > 0.0),
+        blur: evidence.observation.map(|observation| observation.blur).filter(|blur| *blur > 0.0),
         method: METHOD.map(str::to_owned).to_vec(),
         ..named
     }

@@ -61,7 +61,7 @@ fn shared_tiles<'a>(
     trial: usize,
 ) -> Option<SharedTiles<'a>> {
     let heights = |view: &&&'a ScanView| match &view.data {
-        ScanData::Heights(data) if view.trial == trial => Some((**view, data)),
+        ScanData::Heights(data) if view.trial == trial => Some((**view, data.as_ref())),
         _ => None,
     };
     let scans: Vec<(&ScanView, &HeightView)> = views.iter().filter_map(|view| heights(&view)).collect();

@@ -6,7 +6,7 @@ use sdf_bake::HeightMap;
 
 use crate::campaign_simulation::{CampaignError, CampaignSimulation};
 use crate::simulation::{SimulatedPass, Simulation};
-use crate::{EvidenceError, ScanEvidence, ScanView};
+use crate::{EvidenceError, Observation, ScanEvidence, ScanView};
 use trials::trial::PassScan;
 
 /// The same simulation, which also tells what each place went through.
@@ -23,8 +23,8 @@ pub struct Simulated {
     pub model: CompiledModel,
     /// Passes of each trial.
     pub passes: Vec<Vec<SimulatedPass>>,
-    /// Standard deviation of the instrument's blur with which they are seen [m].
-    pub blur: f64,
+    /// How they are seen.
+    pub observation: Observation,
 }
 
 impl Simulated {
@@ -38,8 +38,8 @@ impl Simulated {
         let simulation = CampaignSimulation { trials: trials? };
         let run = |model: &&CompiledModel| {
             let passes = simulation.run(model)?;
-            let blur = evidence.blur_of(&passes, model)?;
-            Ok(Self { model: (*model).clone(), passes, blur })
+            let observation = evidence.observation_of((&passes, model))?;
+            Ok(Self { model: (*model).clone(), passes, observation })
         };
         models.par_iter().map(run).collect()
     }
@@ -52,7 +52,7 @@ impl Simulated {
     /// The ground surface as the instrument sees it; `None` when sanding.
     pub fn heights(&self, evidence: &ScanEvidence, view: &ScanView) -> Option<HeightMap> {
         match &self.pass(view).scan {
-            PassScan::Heights(map) => Some(evidence.seen(view, map, self.blur)),
+            PassScan::Heights(map) => Some(evidence.seen(view, map, self.observation)),
             PassScan::Exposure(_) => None,
         }
     }

@@ -159,7 +159,7 @@ impl<'a> StudyState<'a> {
             self.suggestion = suggestion(&self.data, &diagnosis, self.library, self.record.seed)?;
         }
         let summary = summary(&mut self.data, &diagnosis, self.library)?;
-        self.data.free_blur();
+        self.data.free_observation();
         let record = &mut self.record;
         let sentence = record.sentence_with(diagnosis.verdict, to_add.as_deref(), &summary.sentence);
         let outcome = [vec![sentence.clone()], summary.suspects.iter().take(3).map(|s| s.shown()).collect()].concat();
@@ -234,9 +234,9 @@ impl<'a> StudyState<'a> {
             Some(calibration) => calibration.last().fit.model.clone(),
             None => self.start()?,
         };
-        self.data.fix_blur(&seen)?;
+        self.data.fix_observation(&seen)?;
         let report = self.report_with(&seen, numbers.as_ref());
-        self.data.free_blur();
+        self.data.free_observation();
         report
     }
 

@@ -48,3 +48,14 @@ pub fn despiked(map: &HeightMap) -> (HeightMap, Vec<usize>) {
     }
     (clean, spikes)
 }
+
+/// A map without the spikes that a steep rim hides until a second scan of the same surface is taken off it.
+pub fn unlike_repeat(map: &HeightMap, repeat: &HeightMap) -> HeightMap {
+    let ((clean, _), (repeat, _)) = (despiked(map), despiked(repeat));
+    let mut checked = map.clone();
+    if let Ok(over) = register(&repeat, &clean, Freedom::PlaneAndShift, |_| true) {
+        let (_, spikes) = despiked(&HeightMap { heights: over.left(&repeat, &clean), ..clean });
+        spikes.into_iter().for_each(|at| checked.heights[at] = f64::NAN);
+    }
+    checked
+}

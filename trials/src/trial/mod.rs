@@ -26,6 +26,8 @@ use glam::DVec3;
 use sdf_bake::HeightMap;
 use serde::Serialize;
 
+use crate::measure::{despiked, unlike_repeat};
+
 pub use campaign::Campaign;
 pub use error::{Place, TrialError};
 pub use finding::{Finding, Severity};
@@ -92,6 +94,18 @@ pub struct Scans {
     pub repeats: Vec<HeightMap>,
     /// Material of each pixel.
     pub material: Option<LabelMap>,
+}
+
+impl Scans {
+    /// The surface before the first pass without the spikes that only the repeated scan shows.
+    pub fn checked_before(&self) -> HeightMap {
+        self.repeats.first().map_or_else(|| self.before.clone(), |repeat| unlike_repeat(&self.before, repeat))
+    }
+
+    /// The surface before the first pass without any spikes.
+    pub fn clean_before(&self) -> HeightMap {
+        despiked(&self.checked_before()).0
+    }
 }
 
 /// What was seen after a pass.

@@ -1,0 +1,151 @@
+//! How a simulated surface is seen before it is compared with a scan: through the instrument's blur, and without the share
+//! of the lattice's error that the data hold. Both are found anew with every model.
+
+use effects::{CompiledModel, Process};
+use rayon::prelude::*;
+use sdf_bake::HeightMap;
+
+use super::blur::{blurred, least_of};
+use super::evidence::{Evidence, EvidenceError, Split};
+use super::fit::robust_sum;
+use super::lattice_error::{lattice_share, without_lattice_error};
+use super::scans::{ScanData, ScanEvidence, ScanView};
+use crate::criteria::BLUR_WIDEST;
+use crate::simulation::SimulatedPass;
+use trials::trial::PassScan;
+
+/// Values of the blur tried at first, and a change that counts as none [pixels].
+const BLUR_STEPS: usize = 6;
+const SETTLED_BLUR: f64 = 3e-4;
+
+/// Most of the lattice's error that rims hold: all that a simulation of second order lacks (Richardson 1911).
+const RIM_SHARE_MOST: f64 = 4.0 / 3.0;
+
+/// How simulated surfaces are seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// Standard deviation of the instrument's lateral blur [m].
+    pub blur: f64,
+    /// Share of the measured error of the lattice that the data hold on even ground [1].
+    pub lattice_share: f64,
+    /// The same at rims, which converge otherwise and are no data [1].
+    pub rim_share: f64,
+}
+
+/// Simulated passes of each trial, and the model that made them.
+pub type Simulated<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
+
+impl ScanEvidence<'_> {
+    /// A simulated surface as the instrument sees it.
+    pub fn seen(&self, view: &ScanView, simulated: &HeightMap, observation: Observation) -> HeightMap {
+        let mut seen = blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, observation.blur);
+        let (Some(error), ScanData::Heights(data)) = (&self.lattice_error, &view.data) else { return seen };
+        let (_, error) = error.of(view.trial, view.pass);
+        let add = |height: &mut f64, share: f64, at: usize| *height += share * error[at];
+        seen.heights.iter_mut().enumerate().for_each(|(at, height)| add(height, observation.lattice_share, at));
+        let beyond = observation.rim_share - observation.lattice_share;
+        data.rims.pixels().for_each(|(_, at)| add(&mut seen.heights[at], beyond, at));
+        seen
+    }
+
+    /// The observation with which a model is most like the calibration scans.
+    ///
+    /// # Errors
+    /// When a formula of the scanner gives no finite number.
+    pub fn observation_of(&self, (passes, model): Simulated) -> Result<Observation, EvidenceError> {
+        if let Some(observation) = self.observation {
+            return Ok(observation);
+        }
+        if self.process() == Process::Sanding {
+            return Ok(Observation::default());
+        }
+        let blur = self.blur_of((passes, model))?;
+        let left = self.whitened((passes, model), Split::Calibration, blur)?;
+        let lattice_share = lattice_share(&left, &self.lattice_field_of(Split::Calibration));
+        let even = Observation { blur, lattice_share, rim_share: 0.0 };
+        Ok(Observation { rim_share: self.rim_share(passes, even), ..even })
+    }
+
+    /// The share of the lattice's error with which simulated rims are most like those of the calibration scans.
+    fn rim_share(&self, passes: &[Vec<SimulatedPass>], even: Observation) -> f64 {
+        let (mut products, mut squares) = (0.0, 0.0);
+        for view in self.of(Split::Calibration) {
+            let (Some(error), ScanData::Heights(data)) = (&self.lattice_error, &view.data) else { continue };
+            let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else { continue };
+            let (left, (_, error)) = (data.left(&self.seen(view, simulated, even)), error.of(view.trial, view.pass));
+            for (left, error) in data.rims.means(|at| left[at]).into_iter().zip(data.rims.means(|at| error[at])) {
+                products += if left.is_finite() { left * error } else { 0.0 };
+                squares += error * error;
+            }
+        }
+        if squares > 0.0 { (products / squares).clamp(0.0, RIM_SHARE_MOST) } else { even.lattice_share }
+    }
+
+    /// Keeps the observation that this model finds.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn fix_observation(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        self.observation = None;
+        let passes = self.simulate(model, Split::Calibration)?;
+        self.observation = Some(self.observation_of((&passes, model))?);
+        Ok(())
+    }
+
+    /// Measured minus simulated tiles of a split, independent with variance one where the model is right.
+    ///
+    /// # Errors
+    /// When a formula of the scanner gives no finite number.
+    pub(super) fn seen_residuals(&self, simulated: Simulated, split: Split) -> Result<Vec<f64>, EvidenceError> {
+        let left = self.whitened(simulated, split, self.blur_of(simulated)?)?;
+        Ok(without_lattice_error(&left, &self.lattice_field_of(split)))
+    }
+
+    /// The instrument's blur [m]: the one with which the simulated rims of what the tool cut are like those of the
+    /// calibration scans. A stiff contact and a sharp instrument leave like rims.
+    fn blur_of(&self, simulated: Simulated) -> Result<f64, EvidenceError> {
+        if let Some(observation) = self.observation {
+            return Ok(observation.blur);
+        }
+        if self.process() == Process::Sanding {
+            return Ok(0.0);
+        }
+        let pitch = self.simulation.trials[0].trial.scans.before.pixels.pitch;
+        let field = self.lattice_field_of(Split::Calibration);
+        let cost = |blur: f64| -> Result<f64, EvidenceError> {
+            let left = self.whitened(simulated, Split::Calibration, blur)?;
+            Ok(robust_sum(&without_lattice_error(&left, &field)))
+        };
+        least_of(cost, ([0.0, BLUR_WIDEST * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
+    }
+
+    /// Measured minus simulated tiles of a split, whitened scan by scan, through an instrument of so much blur [m].
+    fn whitened(&self, simulated: Simulated, split: Split, blur: f64) -> Result<Vec<f64>, EvidenceError> {
+        let views: Vec<&ScanView> = self.of(split).collect();
+        let scan = |view: &&ScanView| self.whitened_scan(view, simulated, blur);
+        Ok(views.par_iter().map(scan).collect::<Result<Vec<_>, _>>()?.concat())
+    }
+
+    fn whitened_scan(&self, view: &ScanView, (passes, model): Simulated, blur: f64) -> Result<Vec<f64>, EvidenceError> {
+        let pass = &passes[view.trial][view.pass];
+        Ok(match (&view.data, &pass.scan) {
+            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
+                data.whitened(&self.seen(view, simulated, Observation { blur, ..Observation::default() }))
+            }
+            (ScanData::Exposure(data), _) => match pass.surface.dose_margin(model)? {
+                Some(margin) => data.whitened(&margin),
+                None => unreachable!("a sanded surface has doses"),
+            },
+            (ScanData::Heights(_), PassScan::Exposure(_)) => unreachable!("a simulated scan is like the real one"),
+        })
+    }
+
+    /// What the lattice's error adds to the whitened tiles of a split.
+    pub(super) fn lattice_field_of(&self, split: Split) -> Vec<f64> {
+        let field = |view: &ScanView| match &view.data {
+            ScanData::Heights(data) => data.lattice_field.clone(),
+            ScanData::Exposure(data) => vec![0.0; data.tiles.len()],
+        };
+        self.of(split).flat_map(field).collect()
+    }
+}

@@ -1,0 +1,184 @@
+//! Scans made data: despiked, cut into tiles where the tool may have been, with the noise of the tiles.
+
+use rayon::prelude::*;
+use sdf_bake::HeightMap;
+
+use super::evidence::{EvidenceError, Split};
+use super::exposure_view::ExposureView;
+use super::height_view::{COARSE, HeightView};
+use super::scans::{ScanData, ScanView};
+use super::tile_noise::{FittedNoise, TileNoise};
+use super::tiles::TileGrid;
+use crate::criteria::{BORDER_REACH, TILE_LEAST_SIDE, TILES_PER_SCAN};
+use trials::measure::{CLEARANCE, NoiseFloor, despiked, noise_floor, untouched};
+use trials::trial::{PassScan, Role, TRIAL_FILE, ToolPath, Trial, least_gap};
+
+/// The scans of a campaign as data, and the noise of one scan by trial.
+pub(super) struct Prepared {
+    pub(super) views: Vec<ScanView>,
+    pub(super) noise: Vec<NoiseFloor>,
+    pub(super) tile_noise: Vec<Option<FittedNoise>>,
+}
+
+/// A trial's scans before the first pass, and where its passes went.
+struct Surface<'a> {
+    trial: &'a Trial,
+    /// Without spikes.
+    before: HeightMap,
+    /// What is left of the repeated scan after laying it on the first.
+    left: HeightMap,
+    floor: NoiseFloor,
+    passes: Vec<Touched>,
+}
+
+/// Where a tool went up to a pass.
+struct Touched {
+    path: ToolPath,
+    /// For each pixel, whether no tool came near it up to then.
+    free: Vec<bool>,
+    /// Of a tile [pixels].
+    side: usize,
+}
+
+/// Noise of tiles of one side [pixels], by trial.
+type NoiseOfSide = (usize, Vec<Option<FittedNoise>>);
+
+impl Prepared {
+    /// Prepares all scans.
+    ///
+    /// # Errors
+    /// The first trial without a repeated scan, or with a pass that shows nothing.
+    pub(super) fn new(trials: &[Trial]) -> Result<Self, EvidenceError> {
+        let surfaces: Vec<Surface> = trials.par_iter().map(Surface::new).collect::<Result<_, _>>()?;
+        let mut sides: Vec<usize> = surfaces
+            .iter()
+            .flat_map(|surface| &surface.passes)
+            .flat_map(|pass| [pass.side, COARSE * pass.side])
+            .collect();
+        sides.sort_unstable();
+        sides.dedup();
+        let grinds = surfaces.iter().any(Surface::is_ground);
+        let noises: Vec<NoiseOfSide> = match grinds {
+            true => sides.into_par_iter().map(|side| (side, noise_of_tiles(&surfaces, side))).collect(),
+            false => Vec::new(),
+        };
+        let views: Vec<Vec<ScanView>> =
+            (0..surfaces.len()).into_par_iter().map(|k| surfaces[k].views(k, &noises)).collect::<Result<_, _>>()?;
+        let tile_noise = surfaces.iter().enumerate().map(|(k, surface)| {
+            let side = surface.passes.last()?.side;
+            noises.iter().find(|noise| noise.0 == side)?.1[k].clone()
+        });
+        let tile_noise = tile_noise.collect();
+        let noise = surfaces.into_iter().map(|surface| surface.floor).collect();
+        Ok(Self { views: views.into_iter().flatten().collect(), noise, tile_noise })
+    }
+}
+
+impl<'a> Surface<'a> {
+    fn new(trial: &'a Trial) -> Result<Self, EvidenceError> {
+        let before = trial.scans.clean_before();
+        let repeat = trial.scans.repeats.first().ok_or_else(|| EvidenceError::NoData(no_repeat(trial)))?;
+        let (repeat, _) = despiked(repeat);
+        let floor = noise_floor(&before, &repeat).map_err(|error| bad(trial, format!("the repeated scan: {error}")))?;
+        let left = HeightMap { heights: floor.registration.left(&repeat, &before), ..before.clone() };
+        // A spike on a steep rim shows only in the difference.
+        let (left, _) = despiked(&left);
+        let mut free = vec![true; before.heights.len()];
+        let mut touched = |pass: &trials::trial::Pass| {
+            let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
+            let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
+            free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
+            Touched { path, side: tile_side(&free, &before), free: free.clone() }
+        };
+        let passes = trial.passes.iter().map(&mut touched).collect();
+        Ok(Self { trial, before, left, floor, passes })
+    }
+
+    fn is_ground(&self) -> bool {
+        self.trial.passes.iter().any(|pass| matches!(pass.scan, PassScan::Heights(_)))
+    }
+
+    /// The scans after the passes as data.
+    fn views(&self, number: usize, noises: &[NoiseOfSide]) -> Result<Vec<ScanView>, EvidenceError> {
+        let view = |(pass, touched): (usize, &Touched)| {
+            let data = self.data(pass, number, noises)?;
+            let none = || bad(self.trial, format!("pass {}: {}", pass + 1, untouched_words(self.trial, &touched.path)));
+            let split = match self.trial.passes[pass].role {
+                Role::Calibration => Split::Calibration,
+                Role::Evaluation => Split::Evaluation,
+            };
+            Ok(ScanView { trial: number, pass, split, data: data.ok_or_else(none)? })
+        };
+        self.passes.iter().enumerate().map(view).collect()
+    }
+
+    fn data(&self, pass: usize, number: usize, noises: &[NoiseOfSide]) -> Result<Option<ScanData>, EvidenceError> {
+        let Touched { free, side, .. } = &self.passes[pass];
+        let noise = |side: usize| {
+            let noise = noises.iter().find(|noise| noise.0 == side).and_then(|noise| noise.1[number].as_ref());
+            noise.map(|fitted| fitted.noise).ok_or_else(|| bad(self.trial, self.no_noise(side)))
+        };
+        Ok(match &self.trial.passes[pass].scan {
+            PassScan::Heights(scan) => {
+                let noise = [noise(*side)?, noise(COARSE * side)?];
+                HeightView::new(despiked(scan).0, &self.before, free, (*side, noise))
+                    .map(|view| ScanData::Heights(Box::new(view)))
+            }
+            PassScan::Exposure(mask) => {
+                let reach = BORDER_REACH * self.trial.tool.half_width();
+                ExposureView::new(mask.clone(), free, *side, reach).map(ScanData::Exposure)
+            }
+        })
+    }
+
+    /// Why the noise of tiles of a side [pixels] is not known.
+    fn no_noise(&self, side: usize) -> String {
+        let (nx, ny) = TileGrid { pixels: self.left.pixels, side }.shape();
+        format!(
+            "the repeated scan shares too few pixels with the scan before: {nx} by {ny} tiles with holes give no noise"
+        )
+    }
+}
+
+fn bad(trial: &Trial, what: String) -> EvidenceError {
+    EvidenceError::NoData(format!("{}: {what}", trial.name))
+}
+
+/// Noise of the means of tiles of a side [pixels] by trial, from what is left of two scans of one surface. One instrument scans
+/// all trials: its noise has one shape, and a size for each trial.
+fn noise_of_tiles(surfaces: &[Surface], side: usize) -> Vec<Option<FittedNoise>> {
+    let coarse = |surface: &Surface| TileGrid { pixels: surface.left.pixels, side }.coarsened(&surface.left.heights);
+    TileNoise::fitted(&surfaces.iter().map(coarse).collect::<Vec<_>>())
+}
+
+/// Why a trial without a repeated scan is no data, and what to do.
+fn no_repeat(trial: &Trial) -> String {
+    format!(
+        "{}: [scan] has no repeat, and without a second scan of the surface before the first pass the noise is unknown: add \
+         repeat = [\"before_repeat.csv\"]; only `simulate` needs none",
+        trial.folder.join(TRIAL_FILE).display()
+    )
+}
+
+/// Why a pass shows nothing.
+fn untouched_words(trial: &Trial, path: &ToolPath) -> String {
+    let clearance = 1e3 * CLEARANCE;
+    match least_gap(&trial.tool, path, &trial.scans.before) {
+        Some(gap) if gap > CLEARANCE => format!(
+            "by its log the tool stays {:.2} mm or more above the scan `before`, and {clearance} mm count as contact: is the \
+             zero of z_mm off, or radius_mm?",
+            1e3 * gap
+        ),
+        Some(_) => {
+            "the tool touched no part of the surface that all scans show: are too many pixels missing there?".into()
+        }
+        None => "by its log the tool never was over the scan `before`: is origin_mm off?".into(),
+    }
+}
+
+/// Smallest tile with which the touched area does not have too many.
+fn tile_side(free: &[bool], map: &HeightMap) -> usize {
+    let touched = free.iter().filter(|free| !**free).count() as f64;
+    ((touched / TILES_PER_SCAN as f64).sqrt().ceil() as usize)
+        .clamp(TILE_LEAST_SIDE, map.pixels.nx.min(map.pixels.ny) / 4)
+}
