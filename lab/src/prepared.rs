@@ -126,7 +126,7 @@ impl<'a> Surface<'a> {
             }
             PassScan::Exposure(mask) => {
                 let reach = BORDER_REACH * self.trial.tool.half_width();
-                ExposureView::new(mask.clone(), free, *side, reach).map(ScanData::Exposure)
+                ExposureView::new(mask.clone(), free, *side, reach).map(|view| ScanData::Exposure(Box::new(view)))
             }
         })
     }

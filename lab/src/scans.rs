@@ -45,7 +45,7 @@ pub enum ScanData {
     /// A ground surface.
     Heights(Box<HeightView>),
     /// Where sanding went through the coating.
-    Exposure(ExposureView),
+    Exposure(Box<ExposureView>),
 }
 
 impl ScanData {
