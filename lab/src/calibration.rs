@@ -4,8 +4,10 @@
 use std::collections::BTreeMap;
 
 use effects::{CompiledModel, Library, Model};
+use rayon::prelude::*;
 use serde::Serialize;
 
+use super::begin::{other_starts, with_matched_rate};
 use super::calibrate::fit_law;
 use super::diagnose::spread;
 use super::error::{LabError, Result};
@@ -74,7 +76,8 @@ impl Fitted {
     }
 
     /// A model that has one effect more than one that is fitted. The fit begins at the fitted values, with the effect once as
-    /// the file has it and once at its null, and once with all values of the file; it never ends worse than the model before.
+    /// the file has it and once at its null, and once with all values of the file but the rate; it never ends worse than the
+    /// model before.
     fn grown(evidence: &dyn Totals, (before, own): (&Fit, &CompiledModel), name: String) -> Result<Self> {
         let effect = name.trim_start_matches(ADDED);
         let coordinates = evidence.coordinates(own);
@@ -84,16 +87,26 @@ impl Fitted {
             let left = evidence.residuals(model, Split::Calibration).map(|left| robust_sum(&left));
             left.unwrap_or(f64::INFINITY)
         };
-        let mut starts = [beside, own.clone(), null.clone()].map(|model| (leaves(&model), model)).to_vec();
+        let matched = with_matched_rate(evidence, own).unwrap_or_else(|_| own.clone());
+        let mut starts = [beside, matched, null.clone()].map(|model| (leaves(&model), model)).to_vec();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best: Option<Fit> = None;
         for (_, start) in starts.iter().filter(|(chi2, _)| chi2.is_finite()) {
             let fit = Fit::new(evidence, start, coordinates.clone(), FitOptions::default())?;
             let is_nested = fit.chi2 <= before.chi2;
-            best = Some(best.filter(|best| best.chi2 <= fit.chi2).unwrap_or(fit));
-            if is_nested {
+            let better = best.filter(|best| best.chi2 <= fit.chi2).unwrap_or(fit);
+            // A poor fit may have begun in the wrong valley, where the model before it went to make up for the effect.
+            let is_done = is_nested && !better.is_poor();
+            best = Some(better);
+            if is_done {
                 break;
             }
+        }
+        if best.as_ref().is_some_and(Fit::is_poor) {
+            let again =
+                |start: &CompiledModel| Fit::new(evidence, start, coordinates.clone(), FitOptions::default()).ok();
+            let others: Vec<Fit> = other_starts(evidence, own).par_iter().filter_map(again).collect();
+            best = best.into_iter().chain(others).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
         }
         let fit = match best.filter(|best| best.chi2 <= before.chi2) {
             Some(best) => best,

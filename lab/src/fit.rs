@@ -158,12 +158,13 @@ impl Fit {
         self
     }
 
-    /// The same values against data that have changed a little; the derivatives are kept.
+    /// The same values against data that have changed a little and may be others; no derivatives are known.
     ///
     /// # Errors
     /// When the model cannot be simulated.
     pub(super) fn seen_anew(mut self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
         self.residuals = evidence.residuals(&self.model, Split::Calibration)?;
+        self.jacobian = DMatrix::zeros(self.residuals.len(), self.at.len());
         (self.chi2, self.converged) = (robust_sum(&self.residuals), false);
         Ok(self)
     }

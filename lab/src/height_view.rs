@@ -39,9 +39,7 @@ pub struct HeightView {
     pub judged: Tiles,
     /// These before any pixel of theirs was found to be a spike, and the share of the noise of the scan before in each.
     whole: (Tiles, Vec<f64>),
-    /// Which of these are no rims, as the first simulation showed.
-    even: Option<Vec<usize>>,
-    /// Those that are.
+    /// Those of them that are rims.
     pub rims: Tiles,
     whitener: Whitener,
     /// Share of the noise of the scan before in each tile.
@@ -89,7 +87,6 @@ impl HeightView {
             lattice_field: vec![0.0; tiles.len()],
             judged: tiles.clone(),
             whole: (tiles.clone(), before_share.clone()),
-            even: None,
             rims: tiles.of_which(&[]),
             tiles,
             noise,
@@ -102,7 +99,7 @@ impl HeightView {
 
     /// The same scan, beside a simulation near the best values. Pixels that stick out of the difference are spikes that a
     /// steep rim has hidden, and count no more. Tiles in which the lattice's error scatters more than [`RIM_NOISE_SHARE`] of
-    /// the noise are rims: where a rim lies within a pixel the lattice does not tell, and they are no data, whatever later simulations show. In the others that
+    /// the noise are rims: where a rim lies within a pixel the lattice does not tell, and they are no data. In the others that
     /// scatter is an error of the tile's mean. A rim along the tile errs alike in each of its pixels, so it is the error of
     /// one line of them.
     ///
@@ -121,8 +118,7 @@ impl HeightView {
             .map(|(mean, square)| (square - mean * mean).max(0.0) / tiles.grid.side as f64)
             .collect();
         let most = (RIM_NOISE_SHARE * self.noise.sigma()).powi(2);
-        let even = || (0..tiles.len()).filter(|&k| scatter[k] <= most).collect();
-        let kept = self.even.clone().unwrap_or_else(even);
+        let kept: Vec<usize> = (0..tiles.len()).filter(|&k| scatter[k] <= most).collect();
         let is_rim = |k: &usize| kept.binary_search(k).is_err();
         let rims = tiles.of_which(&(0..tiles.len()).filter(is_rim).collect::<Vec<_>>());
         let of = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&k| values[k]).collect() };
@@ -132,7 +128,7 @@ impl HeightView {
         let columns = place_columns(&tiles, [&self.slopes, &self.cut]);
         let whitener = Whitener::new(covariance, Freedom { columns, ..self.whitener.expected().clone() })?;
         let lattice_field = whitener.whitened_field(&of(&means));
-        Some(Self { lattice_field, whitener, judged, tiles, before_share, even: Some(kept), rims, ..self })
+        Some(Self { lattice_field, whitener, judged, tiles, before_share, rims, ..self })
     }
 
     /// Measured minus simulated height of each tile [m].

@@ -55,9 +55,7 @@ impl ScanEvidence<'_> {
     ) -> Result<T, EvidenceError> {
         let Some(journal) = &self.journal else { return make() };
         let lattice = self.lattice_error.as_ref().map(|error| error.identity());
-        // Which tiles are data is settled once, by an earlier model.
-        let tiles: usize = self.of(split).map(|view| view.data.tiles().len()).sum();
-        let seen = format!("{tiles} {:?} {lattice:?}", self.observation);
+        let seen = format!("{:?} {lattice:?}", self.observation);
         let decides = format!("{split:?} {seen} {:?} {:?}", self.most_steps, model_origin(model));
         let key = journal.key(&[T::NAME, &decides]);
         match journal.find(&key).as_deref() {

@@ -133,5 +133,5 @@ fn a_break_in_that_the_removal_rate_followed_promises_more_than_its_rival() {
     let by_slopes = promised_by_slopes(&truth, &fit);
     println!("break-in {:.1}, by slopes {by_slopes:.1}; grit-dulling {:.1}", truth.delta_chi2, rival.delta_chi2);
     assert!(truth.delta_chi2 > rival.delta_chi2 && rival.delta_chi2 > 100.0);
-    assert!(by_slopes < 0.5 * truth.delta_chi2, "by slopes it would be found, too: {by_slopes}");
+    assert!(by_slopes <= truth.delta_chi2, "to follow the base parameters promises no less: {by_slopes}");
 }
