@@ -158,7 +158,7 @@ criteria! {
     /// Most steps of a fit that only finds the place for the next.
     ROUGH_FIT_STEPS: usize = 8, "1", "chosen";
     /// Times that derivatives are made where a fit goes on after its data were seen better.
-    RENEWED_FIT_DERIVATIVES: usize = 1, "1", "chosen";
+    RENEWED_FIT_DERIVATIVES: usize = 1, "1", "chosen: along the principal directions";
     /// Most steps of a fit that goes on after its data were seen better.
     RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
     /// χ² per datum above which a calibration starts again from both sides of its end.

@@ -82,7 +82,7 @@ impl Fit {
     }
 
     /// Renews the derivatives along some coordinates.
-    fn differentiate(&mut self, evidence: &dyn Evidence, along: &[usize]) {
+    pub(super) fn differentiate(&mut self, evidence: &dyn Evidence, along: &[usize]) {
         let columns: Vec<(Vec<f64>, usize)> = along.par_iter().map(|&k| self.derivative(evidence, k)).collect();
         for (&k, (column, runs)) in along.iter().zip(columns) {
             self.jacobian.set_column(k, &DVector::from_vec(column));

@@ -158,7 +158,7 @@ impl Fit {
         self
     }
 
-    /// The same values against data that have changed a little and may be others; no derivatives are known.
+    /// The same values against data that have changed a little and may be others; derivatives are made along the parameters.
     ///
     /// # Errors
     /// When the model cannot be simulated.
@@ -166,6 +166,7 @@ impl Fit {
         self.residuals = evidence.residuals(&self.model, Split::Calibration)?;
         self.jacobian = DMatrix::zeros(self.residuals.len(), self.at.len());
         (self.chi2, self.converged) = (robust_sum(&self.residuals), false);
+        self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
         Ok(self)
     }
 
