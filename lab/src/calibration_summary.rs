@@ -43,6 +43,10 @@ pub struct CalibrationSummary {
     pub noise_floor_um: f64,
     /// The same of the evaluation passes; absent where none is held out.
     pub evaluation_noise_floor_um: Option<f64>,
+    /// Sum of squares of the whole model's whitened residuals, in which outliers count linearly.
+    pub chi2: f64,
+    /// Data less free parameters: what χ² is near where only noise is left.
+    pub degrees_of_freedom: usize,
     /// From raw data to the whole model.
     pub waterfall: Vec<WaterfallStep>,
     /// All that was removed from the start up to each scan, its pose fitted; empty of a table, whose error says it already.
@@ -103,6 +107,8 @@ impl CalibrationSummary {
             error_unit: unit,
             noise_floor_um: floor,
             evaluation_noise_floor_um,
+            chi2: last.fit.chi2,
+            degrees_of_freedom: last.fit.residuals.len().saturating_sub(last.fit.at.len()),
             waterfall,
             removal,
             parameters,

@@ -6,7 +6,7 @@ use effects::{CompiledModel, Reset, RowCounts};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::simulation::{SimulatedPass, Simulation, SimulationError};
+use crate::simulation::{SimulatedPass, Simulation, SimulationError, Variation};
 use trials::trial::Trial;
 
 /// Why a campaign cannot be simulated.
@@ -52,6 +52,20 @@ impl<'a> CampaignSimulation<'a> {
                 .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
         };
         Ok(Self { trials: self.trials.par_iter().map(simulation).collect::<Result<_, _>>()? })
+    }
+
+    /// The same trials where what was measured is a little otherwise.
+    ///
+    /// - `variation`: of a trial, by its number
+    ///
+    /// # Errors
+    /// The first trial that cannot be simulated so.
+    pub fn varied<'v>(&self, variation: impl Fn(usize) -> Variation<'v> + Sync) -> Result<Self, CampaignError> {
+        let simulation = |(number, own): (usize, &Simulation<'a>)| {
+            Simulation::varied(own.trial, own.part.voxel, own.replay, &variation(number))
+                .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
+        };
+        Ok(Self { trials: self.trials.par_iter().enumerate().map(simulation).collect::<Result<_, _>>()? })
     }
 
     /// Rows that a model needs which has a parameter for each pass or scan of the campaign.

@@ -5,32 +5,9 @@
 //! The modules use these constants and keep no copies. [`CRITERIA`] lists them; every result holds their values
 //! ([`CriterionValues`]), and `docs/diagnosis.md` shows the list.
 
-use serde::{Serialize, Serializer};
+mod criterion;
 
-/// A number that decides.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Criterion {
-    /// Name of its constant.
-    pub name: &'static str,
-    /// Its value [`unit`].
-    pub value: f64,
-    /// Unit; `1` where it has none, `σ` for standard deviations, `px` for pixels of a scan.
-    pub unit: &'static str,
-    /// The quantity that it is, in a sentence.
-    pub meaning: &'static str,
-    /// Origin of the value: a convention, a publication, a measurement, a derivation; `chosen` where nothing is recorded.
-    pub source: &'static str,
-}
-
-/// [`CRITERIA`] as results hold them: an object from name to value.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct CriterionValues;
-
-impl Serialize for CriterionValues {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(CRITERIA.iter().map(|criterion| (criterion.name, criterion.value)))
-    }
-}
+pub use criterion::{Criterion, CriterionValues};
 
 macro_rules! criteria {
     ($(#[doc = $meaning:literal] $name:ident: $kind:ty = $value:literal, $unit:literal, $source:literal;)+) => {
@@ -81,10 +58,14 @@ criteria! {
     POSE_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen";
     /// Prior standard deviation of the part's place, along x and y, between robot and scanner.
     PART_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen: the frames may differ by about 100 µm (docs/diagnosis.md, Limits)";
+    /// Prior standard deviation of when a controller took over, before the first row in contact, in rows of the log.
+    PASS_BEGIN_SIGMA: f64 = 0.577, "1", "derived: root mean square of a uniform law over the row before";
+    /// Prior standard deviation of when a tool was lifted off, in rows of the log.
+    PASS_END_SIGMA: f64 = 0.289, "1", "derived: uniform law over a row";
     /// Error of a tile's mean by what its lattice does not tell, over the noise, above which it is a rim.
     RIM_NOISE_SHARE: f64 = 0.25, "σ", "chosen: of the variance of the other tiles at most a sixteenth is the lattice";
-    /// Removed depth at which the noise of the scan before has fallen to 1/e of its share, in tile sigmas.
-    SCAN_NOISE_DECAY_SIGMAS: f64 = 3.0, "σ", "chosen";
+    /// Removed depth at which the noise of the scan before has fallen to 1/e, in tile sigmas, until it is measured.
+    SCAN_NOISE_DECAY_SIGMAS: f64 = 3.0, "σ", "chosen: a first guess, replaced by a simulation from the repeated scan";
     /// Change of height from which a pixel counts as changed and the instrument blurs it again.
     CHANGED_HEIGHT: f64 = 2e-6, "m", "chosen";
     /// Widest blur of the instrument that is fitted.
@@ -173,7 +154,8 @@ criteria! {
     DERIVATIVE_CHANGE_AIM: f64 = 12.0, "σ",
         "chosen: more than the simulation's own unevenness (docs/diagnosis.md, step 4)";
     /// Change below which the difference is made again over a longer step.
-    DERIVATIVE_CHANGE_LEAST: f64 = 4.0, "σ", "chosen";
+    DERIVATIVE_CHANGE_LEAST: f64 = 8.0, "σ",
+        "measured: simulations that differ by nothing of weight differ by 2 (docs/diagnosis.md, step 4)";
     /// Change above which the difference is made again over a shorter step.
     DERIVATIVE_CHANGE_MOST: f64 = 60.0, "σ", "chosen";
     /// Share of the whole misfit that a difference may change where that is more.
@@ -290,16 +272,33 @@ criteria! {
     SIGN_FLIP_DRAWS: u64 = 400, "1", "chosen; the method: Wu 1986";
     /// Share of the largest singular value up to which changes of an effect's amplitudes depend on each other.
     DEPENDENT_SHARE: f64 = 1e-3, "1", "chosen";
-    /// Temperature of the probabilities of effects: no simulation is exact.
-    MODEL_ERROR_TEMPERING: f64 = 5.0, "1",
-        "chosen; measured: Δχ² of up to 37 with nothing hidden (docs/diagnosis.md, step 7)";
-    /// Difference of Δχ² below which two effects are indistinguishable.
-    INDISTINGUISHABLE_DELTA_CHI2: f64 = 22.0, "1", "derived: nine to one under the tempering, 2 · 5 · ln 9";
+    /// Fewest folds into which calibration scans are cut: stretches of their passes.
+    FOLDS_LEAST: usize = 16, "1", "chosen: tens of folds, as of data that are left out in the literature";
+    /// Draws of the folds' weights behind the probabilities of models.
+    FOLD_WEIGHT_DRAWS: usize = 1000, "1", "convention: a thousand; the method: Yao and others 2018";
+    /// Hats of the closure along the part.
+    CLOSURE_PART_ALONG: usize = 13, "1", "chosen: their width is a sixth of the way";
+    /// Hats of the closure across the part.
+    CLOSURE_PART_ACROSS: usize = 4, "1", "chosen: their width is two thirds of what was touched";
+    /// Hats of the closure along each pass.
+    CLOSURE_PASS_ALONG: usize = 6, "1", "chosen: their width is two fifths of the way";
+    /// Hats of the closure across each pass.
+    CLOSURE_PASS_ACROSS: usize = 3, "1", "chosen: their width is what was touched";
+    /// Least strength of the closure that is tried, as a share of the removal.
+    CLOSURE_STRENGTH_LEAST: f64 = 0.001, "1", "chosen: below what noise lets any scan show";
+    /// Ratio of a strength of the closure to the one before.
+    CLOSURE_STRENGTH_RATIO: f64 = 2.0, "1", "chosen";
+    /// Strengths of the closure that are tried.
+    CLOSURE_STRENGTHS: i32 = 10, "1", "chosen: up to half of the removal";
+    /// Probability that none of the effects is the cause from which none is named.
+    NONE_MOST: f64 = 0.5, "1", "derived: even odds";
     /// Probability from which an effect is named alone.
     NAMED_PROBABILITY: f64 = 0.9, "1", "chosen: nine to one";
     /// Most probability of an effect that cannot be named alone, whatever it fits.
     RESERVED_PROBABILITY: f64 = 0.5, "1", "chosen: even odds, for nothing tests it";
-    /// Odds that the value of an effect's parameter lies within what the library lists.
+    /// Share of what a model leaves beyond noise from which the effect that explains it is told as the nearest.
+    NEAREST_SHARE: f64 = 0.1, "1", "chosen";
+    /// Odds that the value of an effect's parameter lies within what the library lists, and is the same in all passes.
     LISTED_ODDS: f64 = 19.0, "1", "chosen: the library's ranges hold 95 % of what is met";
     /// Effects that may be found one after the other.
     MOST_EFFECTS: usize = 3, "1", "chosen";
@@ -311,8 +310,8 @@ criteria! {
     FAR_END_RATIO: f64 = 1e-3, "1", "chosen";
     // Sizes and verdicts.
     /// Least size of an effect that is named, over the mean removal.
-    EFFECT_SIZE_REMOVAL: f64 = 0.005, "1",
-        "measured: another laboratory's simulation differs by about 0.5 % of the depth (docs/diagnosis.md, Limits)";
+    EFFECT_SIZE_REMOVAL: f64 = 0.002, "1",
+        "measured: twice the smooth error that another laboratory's data show of the law that made them (docs/diagnosis.md, Limits)";
     /// Least size of an effect that is named, over the noise floor.
     EFFECT_SIZE_FLOOR: f64 = 0.3, "1", "chosen";
     /// Change of all whitened data together that is detected in four cases of five.

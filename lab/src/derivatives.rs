@@ -13,10 +13,14 @@ use crate::criteria::{
 };
 
 impl Fit {
-    /// Broyden's update: the derivatives along the last step are those that were seen.
+    /// Broyden's update: the derivatives along the last step are those that were seen. A step that changes the data by no
+    /// more than the simulation's own unevenness tells nothing of them.
     pub(super) fn update_jacobian(&mut self, at: &[f64], residuals: &[f64]) {
         let way = DVector::from_iterator(at.len(), self.at.iter().zip(at).map(|(b, a)| b - a));
         let seen = DVector::from_iterator(residuals.len(), self.residuals.iter().zip(residuals).map(|(b, a)| b - a));
+        if seen.norm() < DERIVATIVE_CHANGE_AIM {
+            return;
+        }
         let missing = (seen - &self.jacobian * &way) / way.norm_squared();
         self.jacobian += missing * way.transpose();
     }
@@ -38,13 +42,18 @@ impl Fit {
         if self.jacobian.column_iter().any(|column| column.amax() == 0.0) {
             return self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
         }
-        let places: Vec<Vec<f64>> = self.principal_steps();
         let there =
             |at: &Vec<f64>| evidence.residuals(&moved(&self.model, &self.coordinates, at), Split::Calibration).ok();
-        let seen: Vec<Option<Vec<f64>>> = places.par_iter().map(there).collect();
-        self.runs += seen.len();
-        let pairs: Vec<(&Vec<f64>, &Vec<f64>)> =
-            places.iter().zip(&seen).filter_map(|(at, seen)| Some((at, seen.as_ref()?))).collect();
+        let step = |place: Vec<f64>| {
+            let seen = there(&place)?;
+            match self.farther(&place, &seen) {
+                Some(farther) => Some((2, farther.clone(), there(&farther)?)),
+                None => Some((1, place, seen)),
+            }
+        };
+        let steps: Vec<(usize, Vec<f64>, Vec<f64>)> = self.principal_steps().into_par_iter().filter_map(step).collect();
+        self.runs += steps.iter().map(|(runs, ..)| runs).sum::<usize>();
+        let pairs: Vec<(&Vec<f64>, &Vec<f64>)> = steps.iter().map(|(_, at, seen)| (at, seen)).collect();
         let ways = DMatrix::from_fn(self.at.len(), pairs.len(), |k, i| pairs[i].0[k] - self.at[k]);
         let changes = DMatrix::from_fn(self.residuals.len(), pairs.len(), |n, i| pairs[i].1[n] - self.residuals[n]);
         let missing = changes - &self.jacobian * &ways;
@@ -59,6 +68,19 @@ impl Fit {
             }
         }
         self.model = moved(&self.model, &self.coordinates, &self.at);
+    }
+
+    /// A place farther off than one that changes the residuals less than soundly: derivatives that are too large make
+    /// steps too short, on which the simulation's unevenness would keep them large.
+    fn farther(&self, place: &[f64], seen: &[f64]) -> Option<Vec<f64>> {
+        let change = seen.iter().zip(&self.residuals).map(|(b, a)| (b - a).powi(2)).sum::<f64>().sqrt();
+        let way: Vec<f64> = place.iter().zip(&self.at).map(|(b, a)| b - a).collect();
+        let longest = DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()));
+        let factor = (DERIVATIVE_CHANGE_AIM / change.max(1.0)).min(longest);
+        (change < DERIVATIVE_CHANGE_LEAST && factor > 1.0).then(|| {
+            let moved = self.at.iter().zip(&way).map(|(at, way)| at + factor * way);
+            moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
+        })
     }
 
     /// Places at a sound distance along each principal direction, kept within the bounds.

@@ -1,6 +1,7 @@
 //! What a model is held against, whatever the data are.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts, RunError};
+use nalgebra::DMatrix;
 use thiserror::Error;
 
 use super::coordinates::Coordinate;
@@ -142,6 +143,17 @@ pub trait Evidence: Sync {
 
     /// For each residual the number of its block: neighbours that may still depend on each other.
     fn blocks(&self, split: Split) -> Vec<usize>;
+
+    /// For each residual of the calibration data the number of its fold: what a model must predict from all the others.
+    fn folds(&self) -> Vec<usize> {
+        self.blocks(Split::Calibration)
+    }
+
+    /// What smooth relative changes of the removal, which stand for whatever no effect describes, add to the residuals of the
+    /// calibration data; shape [data, columns]. None of a table, for each of its columns has an effect.
+    fn closure(&self) -> DMatrix<f64> {
+        DMatrix::zeros(self.folds().len(), 0)
+    }
 
     /// What the error of the simulation's lattice adds to the residuals of the calibration data before it is taken out of
     /// them as a degree of freedom; nothing where it is not known.

@@ -75,6 +75,16 @@ impl ExposureView {
         self.whitener.unwhiten(change)
     }
 
+    /// What the tiles may differ by without any physics.
+    pub(super) fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
+    /// How far the border may move before a tile says no more where it is [m]; 0 for tiles that do not say.
+    pub(super) fn reached(&self) -> Vec<f64> {
+        self.distances.iter().map(|distance| if distance.abs() < self.reach { self.reach } else { 0.0 }).collect()
+    }
+
     /// The distance [m] that pixels of this pitch tell apart: the border's scatter, and half a pixel, for one pixel says no more
     /// about where the border is.
     pub fn border_floor(&self) -> f64 {

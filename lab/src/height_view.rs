@@ -6,10 +6,12 @@ use nalgebra::{DMatrix, DVector};
 use sdf_bake::HeightMap;
 
 use super::covariance::{Freedom, Whitener};
+use super::simulation_errors::ScanErrors;
 use super::tile_noise::TileNoise;
 use super::tiles::{TileGrid, Tiles};
 use crate::criteria::{
-    PART_SHIFT_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA, RIM_NOISE_SHARE, SCAN_NOISE_DECAY_SIGMAS,
+    PART_SHIFT_SIGMA, PASS_BEGIN_SIGMA, PASS_END_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA,
+    RIM_NOISE_SHARE, SCAN_NOISE_DECAY_SIGMAS,
 };
 use trials::measure::despiked;
 
@@ -37,11 +39,19 @@ pub struct HeightView {
     pub lattice_field: Vec<f64>,
     /// All tiles that the tool may have touched, rims too: the errors that people read are over them.
     pub judged: Tiles,
-    /// These before any pixel of theirs was found to be a spike, and the share of the noise of the scan before in each.
+    /// These before any pixel of theirs was found to be a spike, and what was removed from each [m].
     whole: (Tiles, Vec<f64>),
     /// Those of them that are rims.
     pub rims: Tiles,
+    /// Pose of the scan and place of the cut, for the tiles before any was found to be a rim.
+    place: Freedom,
+    /// Height that each pixel gains where passes begin and end by a row of their logs otherwise [m]; empty until known.
+    ends: [Vec<f64>; 2],
     whitener: Whitener,
+    /// What was removed from each tile up to this scan [m].
+    pub(super) removed: Vec<f64>,
+    /// Removed depth at which the noise of the scan before has fallen to 1/e [m].
+    noise_depth: f64,
     /// Share of the noise of the scan before in each tile.
     pub before_share: Vec<f64>,
 }
@@ -74,20 +84,25 @@ impl HeightView {
         let tiles = TileGrid { pixels, side }.tiles(|at| known(at) && !free[at]);
         let columns = pose_columns(&tiles, &slopes);
         let planes = &columns * &pose.mean;
-        let removed =
-            tiles.means(|at| -change[at]).into_iter().zip(planes.iter()).map(|(removed, lift)| removed + lift);
-        let depth = SCAN_NOISE_DECAY_SIGMAS * noise.sigma();
-        let before_share: Vec<f64> = removed.map(|removed| (-(removed.max(0.0) / depth)).exp()).collect();
+        let removed = tiles.means(|at| -change[at]).into_iter().zip(planes.iter());
+        let removed: Vec<f64> = removed.map(|(removed, lift)| (removed + lift).max(0.0)).collect();
+        let noise_depth = SCAN_NOISE_DECAY_SIGMAS * noise.sigma();
+        let before_share = shares(&removed, noise_depth);
         let covariance = noise.covariance(&tiles, &before_share);
         let shift = cut_columns(&tiles, &cut);
         let shift = Freedom::around_zero(shift, &[PART_SHIFT_SIGMA; 2]);
-        let whitener = Whitener::new(covariance, Freedom { columns, ..pose }.and(shift))?;
+        let place = Freedom { columns, ..pose }.and(shift);
+        let whitener = Whitener::new(covariance, place.clone())?;
         (!tiles.is_empty()).then_some(Self {
             measured,
             lattice_field: vec![0.0; tiles.len()],
             judged: tiles.clone(),
-            whole: (tiles.clone(), before_share.clone()),
+            whole: (tiles.clone(), removed.clone()),
+            removed,
+            noise_depth,
             rims: tiles.of_which(&[]),
+            place,
+            ends: [Vec::new(), Vec::new()],
             tiles,
             noise,
             slopes,
@@ -103,17 +118,15 @@ impl HeightView {
     /// scatter is an error of the tile's mean. A rim along the tile errs alike in each of its pixels, so it is the error of
     /// one line of them.
     ///
-    /// - `simulated`: on the usual lattice
-    /// - `error`: height of a simulation on a finer lattice above it at each pixel [m]
-    ///
     /// `None` where the covariance is not positive definite.
-    pub fn beside(self, simulated: &HeightMap, error: &[f64]) -> Option<Self> {
+    pub fn beside(self, errors: &ScanErrors) -> Option<Self> {
+        let ScanErrors { simulated, lattice, ends, noise_depth } = *errors;
         let left =
             self.measured.heights.iter().zip(&simulated.heights).map(|(measured, simulated)| measured - simulated);
         let (_, spikes) = despiked(&HeightMap { heights: left.collect(), ..simulated.clone() });
-        let (tiles, before_share) = &self.whole;
+        let (tiles, removed) = &self.whole;
         let tiles = tiles.without(&spikes);
-        let (means, squares) = (tiles.means(|at| error[at]), tiles.means(|at| error[at] * error[at]));
+        let (means, squares) = (tiles.means(|at| lattice[at]), tiles.means(|at| lattice[at] * lattice[at]));
         let scatter: Vec<f64> = (means.iter().zip(squares))
             .map(|(mean, square)| (square - mean * mean).max(0.0) / tiles.grid.side as f64)
             .collect();
@@ -122,13 +135,20 @@ impl HeightView {
         let is_rim = |k: &usize| kept.binary_search(k).is_err();
         let rims = tiles.of_which(&(0..tiles.len()).filter(is_rim).collect::<Vec<_>>());
         let of = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&k| values[k]).collect() };
-        let (judged, tiles, before_share) = (tiles.clone(), tiles.of_which(&kept), of(before_share));
+        let (judged, tiles, removed) = (tiles.clone(), tiles.of_which(&kept), of(removed));
+        let before_share = shares(&removed, noise_depth);
         let own = DMatrix::from_diagonal(&DVector::from_vec(of(&scatter)));
         let covariance = self.noise.covariance(&tiles, &before_share) + own;
         let columns = place_columns(&tiles, [&self.slopes, &self.cut]);
-        let whitener = Whitener::new(covariance, Freedom { columns, ..self.whitener.expected().clone() })?;
+        let ends_columns = DMatrix::from_fn(tiles.len(), 2, {
+            let means = ends.each_ref().map(|heights| tiles.means(|at| heights[at]));
+            move |row, k| means[k][row]
+        });
+        let of_ends = Freedom::around_zero(ends_columns, &[PASS_BEGIN_SIGMA, PASS_END_SIGMA]);
+        let whitener = Whitener::new(covariance, Freedom { columns, ..self.place.clone() }.and(of_ends))?;
         let lattice_field = whitener.whitened_field(&of(&means));
-        Some(Self { lattice_field, whitener, judged, tiles, before_share, rims, ..self })
+        let ends = ends.clone();
+        Some(Self { lattice_field, whitener, judged, tiles, removed, noise_depth, before_share, rims, ends, ..self })
     }
 
     /// Measured minus simulated height of each tile [m].
@@ -173,7 +193,8 @@ impl HeightView {
             let cut = if self.cut[at].is_finite() { self.cut[at] } else { DVec2::ZERO };
             let column = pose_column(frame, self.measured.pixels, at, self.slopes[at]);
             let own = [-cut.x, -cut.y];
-            column.into_iter().chain(own).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
+            let ends = self.ends.iter().filter(|heights| !heights.is_empty()).map(|heights| heights[at]);
+            column.into_iter().chain(own).chain(ends).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
         };
         let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
         (0..self.measured.heights.len()).map(left).collect()
@@ -225,15 +246,21 @@ impl HeightView {
     pub fn agreement(&self, simulated: &HeightMap, before: &HeightMap, noise: f64) -> [f64; 3] {
         let (left, _) = despiked(&HeightMap { heights: self.left(simulated), ..simulated.clone() });
         let left = left.heights;
+        let before_share = shares(&self.whole.1, self.noise_depth);
         let (mut squares, mut floor, mut removed, mut count) = (0.0, 0.0, 0.0, 0.0);
         for (tile, at) in self.judged.pixels().filter(|(_, at)| left[*at].is_finite()) {
             squares += left[at] * left[at];
-            floor += noise * noise * (1.0 + self.whole.1[tile].powi(2));
+            floor += noise * noise * (1.0 + before_share[tile].powi(2));
             removed += before.heights[at] - simulated.heights[at];
             count += 1.0;
         }
         [(squares / count).sqrt(), (floor / count).sqrt(), removed / count]
     }
+}
+
+/// Share of the noise of the scan before that is left where so much was removed [m].
+fn shares(removed: &[f64], noise_depth: f64) -> Vec<f64> {
+    removed.iter().map(|removed| (-removed / noise_depth).exp()).collect()
 }
 
 /// Middle of a map and half of its diagonal [m].

@@ -8,8 +8,8 @@ use sdf_bake::HeightMap;
 use super::blur::{blurred, least_of};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::robust_sum;
-use super::lattice_error::{lattice_share, without_lattice_error};
 use super::scans::{ScanData, ScanEvidence, ScanView};
+use super::simulation_errors::{lattice_share, without_lattice_error};
 use crate::criteria::BLUR_WIDEST;
 use crate::simulation::SimulatedPass;
 use trials::trial::PassScan;
@@ -39,7 +39,7 @@ impl ScanEvidence<'_> {
     /// A simulated surface as the instrument sees it.
     pub fn seen(&self, view: &ScanView, simulated: &HeightMap, observation: Observation) -> HeightMap {
         let mut seen = blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, observation.blur);
-        let (Some(error), ScanData::Heights(data)) = (&self.lattice_error, &view.data) else { return seen };
+        let (Some(error), ScanData::Heights(data)) = (&self.simulation_errors, &view.data) else { return seen };
         let (_, error) = error.of(view.trial, view.pass);
         let add = |height: &mut f64, share: f64, at: usize| *height += share * error[at];
         seen.heights.iter_mut().enumerate().for_each(|(at, height)| add(height, observation.lattice_share, at));
@@ -70,7 +70,7 @@ impl ScanEvidence<'_> {
     fn rim_share(&self, passes: &[Vec<SimulatedPass>], even: Observation) -> f64 {
         let (mut products, mut squares) = (0.0, 0.0);
         for view in self.of(Split::Calibration) {
-            let (Some(error), ScanData::Heights(data)) = (&self.lattice_error, &view.data) else { continue };
+            let (Some(error), ScanData::Heights(data)) = (&self.simulation_errors, &view.data) else { continue };
             let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else { continue };
             let (left, (_, error)) = (data.left(&self.seen(view, simulated, even)), error.of(view.trial, view.pass));
             for (left, error) in data.rims.means(|at| left[at]).into_iter().zip(data.rims.means(|at| error[at])) {

@@ -1,4 +1,4 @@
-//! Two effects found together, where the best single one is no account of what is missing: alone each may be outdone by a third
+//! Two effects found together, where the best single one is no adequate fit of what is missing: alone each may be outdone by a third
 //! that takes a part of both for its own, and either may harm the held-out data until the other is there.
 //!
 //! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra: beside the
@@ -13,15 +13,18 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
-use super::diagnose::{Finding, OnProgress, Round, probabilities, spread, with_values};
+use super::cross_validation::{CrossValidation, Prediction};
+use super::diagnose::{OnProgress, spread, with_values};
 use super::evidence::{Evidence, EvidenceError, Split};
+use super::finding::{Against, Finding};
 use super::fit::{Fit, FitOptions};
+use super::model_weights::probabilities;
 use super::probe::Candidate;
 use super::response::{Projector, Response};
+use super::round::Round;
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
 use super::suspect::{QUICK_FIT, REFINED_FIT, Suspect, is_at_far_end};
-use super::verdict::{is_open, misses};
 use crate::criteria::{
     LEAD_CHI2_SHARE, NAMED_PROBABILITY, PAIR_SINE_SQUARED, PAIRS_FITTED, PAIRS_PER_LEAD, PAIRS_REFINED,
     PARTNER_FIT_DERIVATIVES, PARTNER_FIT_STEPS, PARTNERS_REFINED,
@@ -38,7 +41,7 @@ struct Joint {
     both: Suspect,
 }
 
-/// The pair of effects that is an account of what a first search could not name, as two searches one after the other;
+/// The pair of effects that describes what a first search could not name, as two searches one after the other;
 /// `None` where there is none, or several that share no effect.
 ///
 /// # Errors
@@ -55,25 +58,29 @@ pub(super) fn pair(
     let mut known = BTreeSet::new();
     joints.retain(|joint| known.insert(joint.names()));
     let Some(least) = joints.first() else { return Ok(None) };
-    let spread = spread(&least.both.fit.residuals);
-    joints.sort_by(|a, b| a.cost(spread).total_cmp(&b.cost(spread)));
-    let lead = joints[0].lead.candidate.name.clone();
-    let costs: Vec<f64> = joints.iter().map(|joint| joint.cost(spread)).collect();
-    let priors: Vec<f64> = joints.iter().map(|joint| joint.both.prior()).collect();
-    let probabilities = probabilities((&costs, &priors), 1.0);
-    let with_lead = |joint: &Joint| joint.lead.candidate.name == lead;
-    let sure: f64 = joints.iter().zip(probabilities).filter(|(joint, _)| with_lead(joint)).map(|(_, p)| p).sum();
+    let (folds, spread) = (CrossValidation::new(evidence, &least.both.fit), spread(&least.both.fit.residuals));
+    let predictions: Vec<Prediction> = joints.par_iter().map(|joint| folds.prediction(&joint.both.fit)).collect();
+    let base = folds.prediction(&first.base);
+    let densities: Vec<Vec<f64>> =
+        std::iter::once(base).chain(predictions).map(|prediction| prediction.densities).collect();
+    let priors: Vec<f64> = std::iter::once(1.0).chain(joints.iter().map(|joint| joint.both.prior())).collect();
+    let weights = probabilities(&densities, &priors, seed);
+    let mut weighed: Vec<(f64, Joint)> = weights.into_iter().skip(1).zip(joints).collect();
+    weighed.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let lead = weighed[0].1.lead.candidate.name.clone();
+    weighed.retain(|(_, joint)| joint.lead.candidate.name == lead);
+    let sure: f64 = weighed.iter().map(|(weight, _)| weight).sum();
     if sure < NAMED_PROBABILITY {
         return Ok(None);
     }
-    joints.retain(with_lead);
-    let (half, second) = two_searches(evidence, first, joints, (spread, seed))?;
-    let is_account = |both: &Finding| {
+    let joints = weighed.into_iter().map(|(_, joint)| joint).collect();
+    let (half, second) = two_searches(evidence, first, joints, (&folds, spread, seed))?;
+    let is_adequate = |both: &Finding| {
         let at_end = |c: &Coordinate| is_at_far_end(c, value_of(c, &both.suspect.fit));
         let lead_is_free = !half.suspect.screened.candidate.coordinates.iter().any(at_end);
-        lead_is_free && !is_open(&both.calibration) && !misses(&both.evaluation)
+        lead_is_free && !both.as_searched().standing().is_open()
     };
-    if !second.nameable().is_some_and(is_account) {
+    if !second.nameable().is_some_and(is_adequate) {
         return Ok(None);
     }
     Ok(Some([halved(first, Finding { probability: sure, ..half }), second]))
@@ -84,24 +91,25 @@ fn two_searches(
     evidence: &dyn Evidence,
     first: &Round,
     joints: Vec<Joint>,
-    (spread, seed): (f64, u64),
+    (folds, spread, seed): (&CrossValidation, f64, u64),
 ) -> Result<(Finding, Round), EvidenceError> {
     let (lead, left) = (&joints[0].lead, &joints[0].both.fit.residuals);
     let blocks = evidence.blocks(Split::Calibration);
-    let chances = null_delta_chi2(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
+    let draws = null_delta_chi2(&Projector::new(&first.base), &first.screened, left, &blocks, seed);
     let alone = match known(first, lead) {
         Some(alone) => alone.clone(),
         None => Suspect::quick(evidence, &first.base, lead.clone())?,
     };
-    let half = Finding::new(evidence, alone, (&first.base, &first.calibration), (&chances, spread))?;
+    let against = Against { base: &first.base, calibration: &first.calibration, draws: &draws, folds, spread };
+    let half = Finding::new(evidence, alone, &against)?;
     let base = half.suspect.fit.clone();
     let calibration = evidence.agreement(&base.model, Split::Calibration)?;
-    let evaluation = evidence.agreement(&base.model, Split::Evaluation)?;
-    let finding = |joint: Joint| Finding::new(evidence, joint.both, (&base, &calibration), (&chances, spread));
-    let findings = joints.into_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
-    let half =
-        Finding { calibration: calibration.clone(), evaluation: evaluation.clone(), is_admissible: true, ..half };
-    let second = Round::weighed((base, calibration, evaluation), Vec::new(), (findings, spread));
+    let against = Against { base: &base, calibration: &calibration, ..against };
+    let findings = joints.into_iter().map(|joint| Finding::new(evidence, joint.both, &against));
+    let findings = findings.collect::<Result<Vec<_>, _>>()?;
+    let half = Finding { calibration: calibration.clone(), is_admissible: true, ..half };
+    let second = (base, calibration, half.prediction.clone());
+    let second = Round::weighed(evidence, second, (findings, spread), seed);
     Ok((half, second))
 }
 
@@ -124,12 +132,6 @@ impl Joint {
         let mut names = [self.lead.candidate.name.clone(), self.both.name().to_owned()];
         names.sort();
         names
-    }
-
-    /// Sum of squares over the spread of what the best pair leaves, with what the degrees of freedom cost (Schwarz 1978).
-    fn cost(&self, spread: f64) -> f64 {
-        let degrees_of_freedom = self.both.degrees_of_freedom() + self.lead.candidate.coordinates.len();
-        self.both.fit.chi2 / spread.powi(2) + degrees_of_freedom as f64 * (self.both.fit.residuals.len() as f64).ln()
     }
 }
 

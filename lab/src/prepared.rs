@@ -18,6 +18,8 @@ pub(super) struct Prepared {
     pub(super) views: Vec<ScanView>,
     pub(super) noise: Vec<NoiseFloor>,
     pub(super) tile_noise: Vec<Option<FittedNoise>>,
+    /// What the repeated scan has above the scan before [m], by trial.
+    pub(super) repeats: Vec<HeightMap>,
 }
 
 /// A trial's scans before the first pass, and where its passes went.
@@ -69,8 +71,8 @@ impl Prepared {
             noises.iter().find(|noise| noise.0 == side)?.1[k].clone()
         });
         let tile_noise = tile_noise.collect();
-        let noise = surfaces.into_iter().map(|surface| surface.floor).collect();
-        Ok(Self { views: views.into_iter().flatten().collect(), noise, tile_noise })
+        let (noise, repeats) = surfaces.into_iter().map(|surface| (surface.floor, surface.left)).unzip();
+        Ok(Self { views: views.into_iter().flatten().collect(), noise, tile_noise, repeats })
     }
 }
 

@@ -54,8 +54,8 @@ impl ScanEvidence<'_> {
         make: impl FnOnce() -> Result<T, EvidenceError>,
     ) -> Result<T, EvidenceError> {
         let Some(journal) = &self.journal else { return make() };
-        let lattice = self.lattice_error.as_ref().map(|error| error.identity());
-        let seen = format!("{:?} {lattice:?}", self.observation);
+        let errors = self.simulation_errors.as_ref().map(|errors| errors.identity());
+        let seen = format!("{:?} {errors:?}", self.observation);
         let decides = format!("{split:?} {seen} {:?} {:?}", self.most_steps, model_origin(model));
         let key = journal.key(&[T::NAME, &decides]);
         match journal.find(&key).as_deref() {

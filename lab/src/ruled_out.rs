@@ -1,8 +1,9 @@
 //! Why an effect that was fitted is out, and which effects are still in play.
 
-use super::diagnose::{Diagnosis, Finding, Round, least_size};
+use super::diagnose::Diagnosis;
 use super::evidence::ErrorUnit;
-use super::verdict::carries_over;
+use super::finding::Finding;
+use super::round::Round;
 use crate::criteria::{NAMED_PROBABILITY, SIGNIFICANCE_LEVEL};
 
 impl Round {
@@ -26,7 +27,7 @@ impl Round {
             reasons.push(format!("p-value {:.3}: not significant, {SIGNIFICANCE_LEVEL} is the level", finding.p_value));
         }
         if reasons.is_empty() {
-            let [size, least] = [finding.size, least_size(&self.calibration)].map(|size| size * unit.per_one());
+            let [size, least] = [finding.size, self.least_size()].map(|size| size * unit.per_one());
             let symbol = unit.symbol();
             reasons.push(format!("too small to matter: {size:.2} {symbol}, and {least:.2} {symbol} count"));
         }
@@ -35,33 +36,28 @@ impl Round {
 
     /// Why an effect that is large and sure enough is not the one named.
     fn beaten(&self, finding: &Finding) -> Option<String> {
-        let best = self.best()?;
-        if best.suspect.name() == finding.suspect.name() {
+        if finding.suspect.is_on_bound() && !self.is_half {
+            return Some("its best size lies beyond its range".to_owned());
+        }
+        let Some(best) = self.best() else {
+            return Some("it predicts data left out of the fit no better than the model without it".to_owned());
+        };
+        let name = best.suspect.name();
+        if name == finding.suspect.name() || self.is_near(finding) {
             return None;
         }
-        let (name, behind) = (best.suspect.name(), best.delta_chi2 - finding.delta_chi2);
-        if finding.probability == 0.0 && !self.is_half {
-            if finding.suspect.is_on_bound() {
-                return Some("its best size lies beyond its range".to_owned());
-            }
-            if !carries_over(&self.evaluation, &finding.evaluation) {
-                return Some("it degrades the held-out passes".to_owned());
-            }
+        if self.is_half {
+            return Some(format!("{name} and a second effect together explain more"));
         }
-        match (behind >= self.separable, finding.probability > 0.0) {
-            (true, _) => Some(format!("Δχ² is {behind:.1} less than that of {name}; {:.1} decide", self.separable)),
-            (false, true) => None,
-            (false, false) if self.is_half => Some(format!("{name} and a second effect together explain more")),
-            (false, false) => Some(format!("it leaves structure that {name} does not")),
-        }
+        let behind = best.prediction.total() - finding.prediction.total();
+        Some(format!("it predicts data left out of the fit worse than {name}: their log density is {behind:.1} less"))
     }
 
     /// The best effect and the most probable one that is still in play beside it: no verdict decides between them.
     fn in_play(&self) -> Option<[&Finding; 2]> {
-        let best = self.best()?;
-        let second = self.findings.get(1).filter(|second| second.is_admissible && second.probability > 0.0)?;
-        let is_open = best.probability < NAMED_PROBABILITY || best.delta_chi2 - second.delta_chi2 < self.separable;
-        is_open.then_some([best, second])
+        let best = self.best().filter(|best| best.probability < NAMED_PROBABILITY)?;
+        let second = self.look_alikes().into_iter().next()?;
+        Some([best, second])
     }
 }
 

@@ -3,6 +3,8 @@
 use std::ops::Range;
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use nalgebra::DMatrix;
+use sdf_bake::HeightMap;
 
 use super::calibrate::fit_roughly;
 use super::calibration::{Calibration, Order};
@@ -12,10 +14,10 @@ use super::error::LabError;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::height_view::HeightView;
-use super::lattice_error::LatticeError;
 use super::observation::Observation;
 use super::pass_trend::{PassTrend, trend_of_scans};
 use super::prepared::Prepared;
+use super::simulation_errors::SimulationErrors;
 use super::tile_noise::FittedNoise;
 use super::tiles::Tiles;
 use crate::campaign_simulation::CampaignSimulation;
@@ -57,6 +59,14 @@ impl ScanData {
         }
     }
 
+    /// A field of the tiles [m], whitened.
+    pub(super) fn whitened_field(&self, field: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Heights(view) => view.whitener().whitened_field(field),
+            Self::Exposure(view) => view.whitener().whitened_field(field),
+        }
+    }
+
     /// The change of the tiles [m] behind a change of the whitened ones, without what the scan's degrees of freedom take up of it.
     fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
         match self {
@@ -76,12 +86,14 @@ pub struct ScanEvidence<'a> {
     pub noise: Vec<NoiseFloor>,
     /// Noise of one scan's tiles by trial, where surfaces are ground.
     pub tile_noise: Vec<Option<FittedNoise>>,
+    /// What the repeated scan has above the scan before [m], by trial.
+    pub(super) repeats: Vec<HeightMap>,
     /// How simulated surfaces are seen; `None` where every model finds its own observation.
     pub observation: Option<Observation>,
     /// Steps of a pass beyond which a simulation is given up.
     pub(super) most_steps: Option<usize>,
     /// What the simulation's lattice errs by, once it was measured.
-    pub lattice_error: Option<LatticeError>,
+    pub simulation_errors: Option<SimulationErrors>,
     /// Predictions that were made before; `None` makes each again.
     pub journal: Option<Journal>,
 }
@@ -102,15 +114,16 @@ impl<'a> ScanEvidence<'a> {
             across.clamp(pitch(&trials[0]), SANDING_VOXEL_PIXELS * pitch(&trials[0]))
         };
         let simulation = CampaignSimulation::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
-        let Prepared { views, noise, tile_noise } = Prepared::new(trials)?;
+        let Prepared { views, noise, tile_noise, repeats } = Prepared::new(trials)?;
         Ok(Self {
             simulation,
             views,
             noise,
             tile_noise,
+            repeats,
             observation: None,
             most_steps: None,
-            lattice_error: None,
+            simulation_errors: None,
             journal: None,
         })
     }
@@ -151,19 +164,18 @@ impl<'a> ScanEvidence<'a> {
     ///
     /// # Errors
     /// When the model cannot be simulated on a lattice twice as fine.
-    pub fn measure_lattice_error(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+    pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         if self.process() == Process::Sanding {
             return Ok(());
         }
-        let error = LatticeError::new(self, model)?;
+        let error = SimulationErrors::new(self, model)?;
         for view in &mut self.views {
             let ScanData::Heights(data) = &view.data else { continue };
-            let (simulated, error) = error.of(view.trial, view.pass);
-            let informed = data.as_ref().clone().beside(simulated, error);
+            let informed = data.as_ref().clone().beside(&error.beside(view.trial, view.pass));
             let informed = informed.expect("a covariance grows with what is added to it");
             view.data = ScanData::Heights(Box::new(informed));
         }
-        self.lattice_error = Some(error);
+        self.simulation_errors = Some(error);
         Ok(())
     }
 
@@ -186,7 +198,7 @@ impl<'a> ScanEvidence<'a> {
             return Calibration::new(self, (model, start), library, (order, done));
         }
         let rough = fit_roughly(self, &compiled)?;
-        self.measure_lattice_error(&rough.model)?;
+        self.measure_simulation_errors(&rough.model)?;
         // A fit that is far off says little about where the next should begin.
         let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
         let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
@@ -201,7 +213,7 @@ impl<'a> ScanEvidence<'a> {
         if self.process() == Process::Sanding {
             return Ok(calibration);
         }
-        self.measure_lattice_error(&calibration.last().fit.model)?;
+        self.measure_simulation_errors(&calibration.last().fit.model)?;
         calibration.renewed(self)
     }
 
@@ -305,6 +317,14 @@ impl Evidence for ScanEvidence<'_> {
 
     fn lattice_field(&self) -> Vec<f64> {
         self.lattice_field_of(Split::Calibration)
+    }
+
+    fn folds(&self) -> Vec<usize> {
+        self.stretches()
+    }
+
+    fn closure(&self) -> DMatrix<f64> {
+        self.closure_columns()
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {

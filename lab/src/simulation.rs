@@ -1,31 +1,29 @@
 //! A trial simulated: its part made from the scan before, its passes along the logged paths, its scans as the same
 //! instrument would see them.
 
+mod logged;
 mod models;
 
+pub use logged::PassEnds;
 pub use models::ModelRun;
 
 use std::cell::RefCell;
 
 use effects::{CompiledModel, Reset, States};
-use glam::DVec3;
-use sdf_bake::BrickGrid;
 use sdf_bake::heights::{HeightsError, SlabOptions};
-use sim::pass::TOUCH;
-use sim::{Covariates, PassError, PassRecord, Path, PathError, PathSample, Process, Progress, TOOL_CELLS, run_pass};
+use sdf_bake::{BrickGrid, HeightMap};
+use sim::{Covariates, PassError, PassRecord, Path, PathError, Process, Progress, TOOL_CELLS, run_pass};
 use thiserror::Error;
 
 use crate::scanner::SeenSurface;
-use trials::trial::{Contact, Controller, ExposureMask, Pass, PassScan, Tool, ToolPath, ToolPose, Trial};
+use logged::{LoggedPass, rest};
+use trials::trial::{Controller, ExposureMask, Pass, PassScan, Tool, Trial};
 
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
 
 /// Steps of all passes of a trial that are accepted: hours of work, at less than a millisecond each.
 const MOST_STEPS: f64 = 3e7;
-
-/// Rows of a log that tell how fast the tool came down: so many that the jitter of one counts little.
-const DESCENT_ROWS: usize = 8;
 
 /// Why a trial cannot be simulated.
 #[derive(Debug, Error)]
@@ -82,6 +80,15 @@ pub enum SimulationError {
         /// Which formula.
         error: effects::RunError,
     },
+}
+
+/// By how much what was measured of a trial is otherwise than its files say.
+#[derive(Clone, Debug, Default)]
+pub struct Variation<'a> {
+    /// Begin and end of its passes.
+    pub ends: PassEnds,
+    /// Heights to add to the scan before [m]; NaN adds nothing.
+    pub before: Option<&'a HeightMap>,
 }
 
 /// A trial ready to be simulated again and again.
@@ -152,21 +159,36 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// [`SimulationError`] when the scan makes no part, a log no path, or a pass cannot be run with this tool on this part.
     pub fn new(trial: &'a Trial, voxel: f64, replay: bool) -> Result<Self, SimulationError> {
+        Self::varied(trial, voxel, replay, &Variation::default())
+    }
+
+    /// As [`Simulation::new`], where what was measured is a little otherwise.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn varied(trial: &'a Trial, voxel: f64, replay: bool, variation: &Variation) -> Result<Self, SimulationError> {
         let tool = simulated_tool(&trial.tool);
         // Before the part is made: voxels far wider than the scan's pixels take long.
         Process::check_voxel(voxel, &tool).map_err(|error| SimulationError::Pass { pass: 1, error })?;
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
-        let (mut part, _) = BrickGrid::from_heights(&trial.scans.checked_before(), &options)?;
+        let mut before = trial.scans.checked_before();
+        let added = variation.before.iter().flat_map(|map| &map.heights);
+        before
+            .heights
+            .iter_mut()
+            .zip(added)
+            .for_each(|(height, added)| *height += if added.is_finite() { *added } else { 0.0 });
+        let (mut part, _) = BrickGrid::from_heights(&before, &options)?;
         if let Some(material) = &trial.scans.material {
             part.label_columns(&material.pixels, &material.labels);
         }
         let mut passes: Vec<Planned> = Vec::new();
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = controller(trial, replay);
-            let logged = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
-            let approach = handed_over(&logged, pass.force_setpoint);
-            let path = path((&logged, approach), trial, &tool, controller)
-                .map_err(|error| SimulationError::Path { pass: i + 1, error })?;
+            let logged = LoggedPass::new(pass, &trial.tool, variation.ends);
+            let approach = logged.taken_over;
+            let path =
+                logged.path(trial, &tool, controller).map_err(|error| SimulationError::Path { pass: i + 1, error })?;
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             let process = process(pass, trial, controller);
             process.check(&part, &tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
@@ -354,71 +376,4 @@ fn process(pass: &Pass, trial: &Trial, controller: sim::Controller) -> Process {
         coating: trial.coating.unwrap_or(COATING),
         ..Process::default()
     }
-}
-
-/// Time [s] from the end of a pass's path, `simulated` [s] after its first row, to the first row of the pass after it. A log
-/// whose clock starts again does not tell of the pause between them.
-fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
-    let times =
-        |pass: &Pass| pass.log.rows.first().zip(pass.log.rows.last()).map(|(first, last)| (first.time, last.time));
-    let (Some((first, last)), Some((next, _))) = (times(pass), times(after)) else { return 0.0 };
-    (next - last).max(0.0) + (last - first - simulated).max(0.0)
-}
-
-/// When the controller had taken over [s]: the first row after the touch whose force exceeds [`TOUCH`] of the setpoint. Until
-/// then the robot comes down; a start some milliseconds early leaves the tool too low for a good part of the way.
-fn handed_over(logged: &ToolPath, force_setpoint: f64) -> f64 {
-    let Some(contact) = logged.contact else { return 0.0 };
-    let presses = |pose: &&ToolPose| pose.time >= contact.start && pose.force > TOUCH * force_setpoint;
-    logged.poses.iter().find(presses).map_or(contact.start, |pose| pose.time)
-}
-
-/// Where a tool that comes down as the last rows before `time` [s] say would be then [m]: of the row at that time, the
-/// controller knows more than of the way down.
-fn come_down(logged: &ToolPath, time: f64) -> DVec3 {
-    let end = logged.poses.partition_point(|pose| pose.time < time);
-    let rows = &logged.poses[end.saturating_sub(DESCENT_ROWS)..end];
-    match rows {
-        [first, .., last] => {
-            let speed = (last.centre - first.centre).dot(last.approach) / (last.time - first.time);
-            last.centre + last.approach * speed * (time - last.time)
-        }
-        _ => logged.at(time).centre,
-    }
-}
-
-/// The pose in which the tool was lifted off, between the last row in contact and the first off the part: the line on which
-/// it rose begins there. `None` where a log ends in contact or shows no rise.
-fn lifted_off(logged: &ToolPath, contact: Contact) -> Option<ToolPose> {
-    let off = logged.poses.partition_point(|pose| pose.time <= contact.end);
-    let [before, last, off, later] = logged.poses.get(off.checked_sub(2)?..off + 2)? else { return None };
-    let along = (last.centre - before.centre) / (last.time - before.time);
-    let speed = (later.centre - off.centre).dot(last.approach) / (later.time - off.time);
-    let rise = (off.centre - last.centre).dot(last.approach);
-    let time = (speed > 0.0).then(|| (off.time - rise / speed).clamp(last.time, off.time))?;
-    Some(ToolPose { time, centre: last.centre + along * (time - last.time), ..*last })
-}
-
-/// The logged path up to the end of contact. A controller finds its own height from when it took over: its path stays at
-/// the height to which the tool had come down.
-fn path(
-    (logged, approach): (&ToolPath, f64),
-    trial: &Trial,
-    tool: &sim::Tool,
-    controller: sim::Controller,
-) -> Result<Path, PathError> {
-    let contact = logged.contact.unwrap_or(Contact { start: 0.0, end: f64::INFINITY });
-    let touch = come_down(logged, approach);
-    let end = lifted_off(logged, contact).filter(|end| end.time > contact.end);
-    let poses = logged.poses.iter().take_while(|pose| pose.time <= contact.end).chain(&end);
-    let samples = poses.map(|pose| {
-        let leads = controller == sim::Controller::Replay || pose.time < approach;
-        let height = if leads { 0.0 } else { (pose.centre - touch).dot(pose.approach) };
-        let across = match trial.tool {
-            Tool::Wheel { .. } => pose.axis,
-            Tool::Pad { .. } => DVec3::Y.reject_from_normalized(pose.approach).normalize(),
-        };
-        PathSample::from_centre(pose.time, pose.centre - pose.approach * height, (pose.approach, across), tool)
-    });
-    Path::from_samples(samples.collect())
 }

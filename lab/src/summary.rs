@@ -5,11 +5,14 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::detectable::Detectable;
-use super::diagnose::{Diagnosis, Finding, Round};
+use super::diagnose::Diagnosis;
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
+use super::finding::Finding;
 use super::fit::{Estimate, Fit};
 use super::next_trial::NextTrial;
 use super::pass_trend::PassTrend;
+use super::round::Round;
+use super::sentence::sentence;
 use super::unfitted::Unfitted;
 use super::verdict::Verdict;
 use crate::criteria::{CriterionValues, INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
@@ -108,6 +111,8 @@ pub struct DiagnosisSummary {
     pub sentence: String,
     /// What was found; the first is the most probable.
     pub effects: Vec<EffectSummary>,
+    /// Probability, in the first search, that no effect of the library is the cause of what is left, if anything is.
+    pub none_probability: f64,
     /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
     /// What noise alone would leave of the calibration passes [µm].
@@ -279,6 +284,7 @@ impl DiagnosisSummary {
             verdict: diagnosis.verdict,
             sentence: sentence((diagnosis, unit), &effects) + &sizes + &beyond,
             effects,
+            none_probability: first.none,
             error_unit: unit,
             noise_floor_um: rms(&first.calibration, unit, |a| a.floor),
             evaluation_noise_floor_um: floor_of(&first.evaluation, unit),
@@ -311,45 +317,4 @@ pub(super) fn step(
 ) -> WaterfallStep {
     let evaluation_rms_um = (!evaluation.is_empty()).then(|| rms(evaluation, unit, |a| a.rms));
     WaterfallStep { step, calibration_rms_um: rms(calibration, unit, |a| a.rms), evaluation_rms_um }
-}
-
-/// A hint in words: what shows, how large it is, and what would make sure.
-fn hint_words((hint, least): (&Finding, f64), diagnosis: &Diagnosis, unit: ErrorUnit) -> String {
-    let name = hint.suspect.name();
-    let estimates = hint.suspect.fit.estimates(diagnosis.rounds[0].spread);
-    let own = estimates.iter().filter(|estimate| estimate.coordinate.slot.owner == name);
-    let values: Vec<String> = own.map(|estimate| parameter_summary(estimate).shown()).collect();
-    let [size, least] = [hint.size, least].map(|size| significant(size * unit.per_one()));
-    let symbol = unit.symbol();
-    format!(
-        "{name} shows, but is too small to be named: {}. It changes {size} {symbol}, and from {least} {symbol} on it would \
-         be named: passes in which it is that much stronger would make sure.",
-        values.join("; ")
-    )
-}
-
-fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[EffectSummary]) -> String {
-    let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_str()).collect();
-    let first = effects.first();
-    let reserve = diagnosis.found().first().and_then(|found| found.reserve);
-    let alike = first.map_or(String::new(), |effect| effect.indistinguishable_from.join(", "));
-    match diagnosis.verdict {
-        Verdict::Identified => format!("The model lacks {}.", names.join(" and ")),
-        Verdict::Ambiguous => format!(
-            "The model lacks {} or an effect that these data cannot tell from it{}{}.",
-            names.first().unwrap_or(&"an effect"),
-            if alike.is_empty() { String::new() } else { format!(" ({alike})") },
-            reserve.map_or(String::new(), |reserve| format!(": {}", reserve.words()))
-        ),
-        Verdict::Partly => format!("The model lacks {}, and more that was not found.", names.join(" and ")),
-        Verdict::Unknown => "Something is missing that no effect of the library describes.".to_owned(),
-        Verdict::Hint => diagnosis.hint().map_or(String::new(), |hint| hint_words(hint, diagnosis, unit)),
-        Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
-        Verdict::NotTestable if diagnosis.misses_held_out() => {
-            "The calibration passes show nothing that is missing, but the model misses the held-out passes: passes that \
-             differ as much must calibrate it."
-                .to_owned()
-        }
-        Verdict::NotTestable => "These data cannot show most effects: nothing can be said.".to_owned(),
-    }
 }

@@ -63,11 +63,13 @@ impl Suspect {
         })
     }
 
-    /// Prior odds of its values against those that the library lists: each that lies beyond is so much less likely.
+    /// Prior odds of its values against those that the library lists: each that lies beyond is so much less likely, and
+    /// so is each pass for which it needs another value.
     pub(super) fn prior(&self) -> f64 {
         let own = self.screened.candidate.coordinates.iter();
-        let beyond = own.filter(|c| c.beyond_listed(c.from_value(self.fit.model.value(c.index))).is_some());
-        LISTED_ODDS.recip().powi(beyond.count() as i32)
+        let beyond = own.clone().filter(|c| c.beyond_listed(c.from_value(self.fit.model.value(c.index))).is_some());
+        let again = own.filter(|c| c.slot.row.is_some_and(|row| row > 0));
+        LISTED_ODDS.recip().powi((beyond.count() + again.count()) as i32)
     }
 
     /// Whether a size of the effect ended at the far end of its range.

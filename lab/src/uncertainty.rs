@@ -4,7 +4,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::fit::{Fit, weights};
-use super::lattice_error::{SHARE_SPREAD, with_lattice_error};
+use super::simulation_errors::{SHARE_SPREAD, with_lattice_error};
 
 /// What a fit's data say about its parameters beside the curvature of the sum of squares.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -86,7 +86,7 @@ impl Fit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice_error::without_lattice_error;
+    use crate::simulation_errors::without_lattice_error;
 
     #[test]
     fn a_fit_of_the_mean_moves_by_what_the_lattice_lifts() {

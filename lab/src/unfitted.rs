@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::diagnose::Round;
+use super::round::Round;
 use super::screen::Screened;
 use super::suspect::by_promise;
 use crate::criteria::{EFFECTS_FITTED, FITTED_DELTA_CHI2};

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::detectable::Detectable;
 use super::evidence::Agreement;
 use crate::criteria::{
-    ADEQUATE_NOISE, ADEQUATE_REMOVAL, HELD_OUT_NOISE, HELD_OUT_REMOVAL, HELD_OUT_RISE_NOISE, HELD_OUT_RISE_REMOVAL,
-    LEFT_CALIBRATION_SHARE, LEFT_HELD_OUT_SHARE, NAMED_PROBABILITY, TESTABLE_SHARE, UNEXPLAINED_NOISE,
-    UNEXPLAINED_REMOVAL,
+    ADEQUATE_NOISE, ADEQUATE_REMOVAL, EFFECT_SIZE_FLOOR, EFFECT_SIZE_REMOVAL, HELD_OUT_NOISE, HELD_OUT_REMOVAL,
+    HELD_OUT_RISE_NOISE, HELD_OUT_RISE_REMOVAL, LEFT_CALIBRATION_SHARE, LEFT_HELD_OUT_SHARE, NAMED_PROBABILITY,
+    TESTABLE_SHARE, UNEXPLAINED_NOISE, UNEXPLAINED_REMOVAL,
 };
 
 /// What the data say.
@@ -30,23 +30,35 @@ pub enum Verdict {
     NotTestable,
 }
 
-/// How well a model with one effect more describes calibration and held-out data, and the effect's probability.
-pub(super) type Found<'a> = ([&'a [Agreement]; 2], f64);
+/// How a model stands to all data.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Standing<'a> {
+    /// Agreement with the calibration data.
+    pub calibration: &'a [Agreement],
+    /// Agreement with the held-out data.
+    pub evaluation: &'a [Agreement],
+    /// Root mean square of what the closure explains of the calibration data beside the model, in their unit.
+    pub closed: f64,
+}
 
 /// A model of a chain of searches: the first, or one with an effect more than the one before.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Searched {
-    /// How well it describes the calibration data.
+    /// Agreement with the calibration data.
     pub calibration: Vec<Agreement>,
-    /// The held-out data.
+    /// Agreement with the held-out data.
     pub evaluation: Vec<Agreement>,
+    /// Root mean square of what the closure explains of the calibration data beside it, in their unit.
+    #[serde(default)]
+    pub closed: f64,
     /// Probability of the effect; 1 of the first model.
     pub probability: f64,
 }
 
 impl Searched {
-    fn found(&self) -> Found<'_> {
-        ([&self.calibration, &self.evaluation], self.probability)
+    /// The same as a verdict sees it.
+    pub(super) fn standing(&self) -> Standing<'_> {
+        Standing { calibration: &self.calibration, evaluation: &self.evaluation, closed: self.closed }
     }
 }
 
@@ -81,9 +93,23 @@ fn exceeds(of: &[Agreement], shares: (f64, f64)) -> bool {
     unexplained(of) > of_either(of, shares)
 }
 
-/// Whether more is left than noise and the simulation's own errors explain.
-pub(super) fn is_open(of: &[Agreement]) -> bool {
-    exceeds(of, (UNEXPLAINED_REMOVAL, UNEXPLAINED_NOISE))
+/// The size from which a change of the calibration data matters, given how well a model describes them.
+pub(super) fn least_size(of: &[Agreement]) -> f64 {
+    (EFFECT_SIZE_REMOVAL * rms(of, |a| a.scale)).max(EFFECT_SIZE_FLOOR * rms(of, |a| a.floor))
+}
+
+impl Standing<'_> {
+    /// Whether more is left of the calibration data than noise explains, in size or in smooth structure.
+    pub(super) fn is_open(&self) -> bool {
+        self.closed > least_size(self.calibration)
+            || exceeds(self.calibration, (UNEXPLAINED_REMOVAL, UNEXPLAINED_NOISE))
+    }
+
+    /// Whether all is explained but for a share of the mean square that another model leaves unexplained.
+    fn leaves_at_most(&self, share: f64, before: &Self) -> bool {
+        let left = |of: &Self| unexplained(of.calibration).max(of.closed).powi(2);
+        left(self) <= share * left(before)
+    }
 }
 
 /// Whether a model misses data that it was not fitted to.
@@ -103,32 +129,33 @@ pub(super) fn carries_over(before: &[Agreement], after: &[Agreement]) -> bool {
         <= unexplained(before).powi(2) + of_either(after, (HELD_OUT_RISE_REMOVAL, HELD_OUT_RISE_NOISE)).powi(2)
 }
 
-/// Whether an effect is what is missing, given how well the models without and with it describe calibration and held-out data: it
-/// leaves nothing, and without it much is left, of all data or of those held out.
-pub(super) fn is_account(before: [&[Agreement]; 2], after: [&[Agreement]; 2]) -> bool {
-    let is_missing =
-        is_open(before[0]) || misses(before[1]) || leaves_at_most(LEFT_HELD_OUT_SHARE, before[1], after[1]);
-    is_missing && !is_open(after[0]) && !misses(after[1])
-}
-
 impl Verdict {
-    /// From a search.
+    /// From a search, and the held-out data that are opened at its end.
     ///
-    /// - `base`: how well the first model describes calibration and held-out data
-    /// - `found`: the same for the model with each effect that can be named, and the effect's probability
+    /// - `base`: the first model
+    /// - `found`: the model with each effect that can be named, and the effect's probability
     /// - `end`: how the search ended
-    pub(super) fn new(base: [&[Agreement]; 2], (found, end): (&[Found], SearchEnd), detectable: &[Detectable]) -> Self {
+    pub(super) fn new(
+        base: Standing,
+        (found, end): (&[(Standing, f64)], SearchEnd),
+        detectable: &[Detectable],
+    ) -> Self {
         let Some(&(left, probability)) = found.last() else {
-            // An effect that was refused fits noise where the first model is an account of all data already.
-            let is_known = !is_open(base[0]) && (end == SearchEnd::Exhausted || !misses(base[1]));
-            return if is_known { Self::of_silence(base[1], detectable) } else { Self::Unknown };
+            // An effect that was refused fits noise where the first model is an adequate fit already.
+            let is_known = !base.is_open() && (end == SearchEnd::Exhausted || !misses(base.evaluation));
+            return if is_known { Self::of_silence(base.evaluation, detectable) } else { Self::Unknown };
         };
-        let of_calibration = !is_open(left[0]) || leaves_at_most(LEFT_CALIBRATION_SHARE, base[0], left[0]);
-        let of_held_out = !misses(left[1]) || leaves_at_most(LEFT_HELD_OUT_SHARE, base[1], left[1]);
-        let is_account = end == SearchEnd::CutShort
-            || (of_calibration && of_held_out && !exceeds(left[0], (ADEQUATE_REMOVAL, ADEQUATE_NOISE)));
-        match (is_open(left[0]), probability >= NAMED_PROBABILITY) {
-            _ if !is_account => Self::Unknown,
+        let of_calibration = !left.is_open() || left.leaves_at_most(LEFT_CALIBRATION_SHARE, &base);
+        let of_held_out =
+            !misses(left.evaluation) || leaves_at_most(LEFT_HELD_OUT_SHARE, base.evaluation, left.evaluation);
+        let goes_on = end == SearchEnd::CutShort && left.is_open();
+        let is_adequate = goes_on
+            || (of_calibration
+                && of_held_out
+                && carries_over(base.evaluation, left.evaluation)
+                && !exceeds(left.calibration, (ADEQUATE_REMOVAL, ADEQUATE_NOISE)));
+        match (left.is_open(), probability >= NAMED_PROBABILITY) {
+            _ if !is_adequate => Self::Unknown,
             (_, false) if found.len() == 1 => Self::Ambiguous,
             (false, true) => Self::Identified,
             _ => Self::Partly,
@@ -140,8 +167,8 @@ impl Verdict {
     /// - `chain`: the first model, and the model with each effect that was found
     pub fn of_chain(chain: &[Searched]) -> Option<Self> {
         let [first, found @ ..] = chain else { return None };
-        let found: Vec<Found> = found.iter().map(Searched::found).collect();
-        (!found.is_empty()).then(|| Self::new(first.found().0, (&found, SearchEnd::Exhausted), &[]))
+        let found: Vec<(Standing, f64)> = found.iter().map(|found| (found.standing(), found.probability)).collect();
+        (!found.is_empty()).then(|| Self::new(first.standing(), (&found, SearchEnd::Exhausted), &[]))
     }
 
     /// Where the calibration data show no effect.
@@ -161,12 +188,16 @@ mod tests {
         vec![Agreement { about: String::new(), rms: 1e-6 * rms_um, floor: 3e-6, noise: 3e-6, scale: 100e-6 }]
     }
 
+    fn standing([calibration, evaluation]: &[Vec<Agreement>; 2], closed: f64) -> Standing<'_> {
+        Standing { calibration, evaluation, closed }
+    }
+
     /// From errors [µm] of calibration and held-out data.
     fn verdict(base: [f64; 2], found: &[([f64; 2], f64)], end: SearchEnd) -> Verdict {
         let base = base.map(scan);
         let found: Vec<([Vec<Agreement>; 2], f64)> = found.iter().map(|&(rms, p)| (rms.map(scan), p)).collect();
-        let found: Vec<_> = found.iter().map(|(errors, p)| (errors.each_ref().map(|errors| &errors[..]), *p)).collect();
-        Verdict::new([&base[0], &base[1]], (&found, end), &[])
+        let found: Vec<(Standing, f64)> = found.iter().map(|(errors, p)| (standing(errors, 0.0), *p)).collect();
+        Verdict::new(standing(&base, 0.0), (&found, end), &[])
     }
 
     #[test]
@@ -200,6 +231,7 @@ mod tests {
         let link = |rms_um: f64, probability: f64| Searched {
             calibration: scan(rms_um),
             evaluation: scan(rms_um),
+            closed: 0.0,
             probability,
         };
         let verdict = |chain: &[Searched]| Verdict::of_chain(chain);
@@ -210,6 +242,21 @@ mod tests {
         let slow = [link(20.0, 1.0), link(16.0, 1.0), link(15.0, 1.0)];
         assert_eq!(verdict(&slow), Some(Verdict::Unknown), "most of what was missing is left");
         assert_eq!(verdict(&[link(20.0, 1.0), link(6.0, 1.0), link(3.1, 0.6)]), Some(Verdict::Partly));
+    }
+
+    #[test]
+    fn smooth_structure_that_is_large_enough_to_matter_is_missing() {
+        let errors = [20.0, 20.0].map(scan);
+        let after = [3.1, 3.2].map(scan);
+        let verdict = |closed: f64| {
+            Verdict::new(standing(&errors, 18e-6), (&[(standing(&after, closed), 1.0)], SearchEnd::Exhausted), &[])
+        };
+        assert_eq!(verdict(0.1e-6), Verdict::Identified);
+        assert_eq!(verdict(3e-6), Verdict::Partly);
+        assert_eq!(verdict(15e-6), Verdict::Unknown, "most of it is left");
+        let silent = |closed: f64| Verdict::new(standing(&after, closed), (&[], SearchEnd::Exhausted), &[]);
+        assert_eq!(silent(0.1e-6), Verdict::NothingMissing);
+        assert_eq!(silent(3e-6), Verdict::Unknown);
     }
 
     #[test]

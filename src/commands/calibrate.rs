@@ -137,6 +137,7 @@ fn describe(summary: &CalibrationSummary, console: &Console) {
         console.step("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um));
     }
     console.step("floor", format!("{:.2} {unit}", summary.noise_floor_um));
+    console.step("χ²", format!("{:.0} at {} degrees of freedom", summary.chi2, summary.degrees_of_freedom));
     for removal in &summary.removal {
         let role = if removal.is_calibration { "" } else { ", held out" };
         let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);

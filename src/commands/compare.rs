@@ -76,7 +76,7 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
     campaign.notes().iter().for_each(|note| console.step("note", note));
     let model = args.model.model(evidence.process(), &library)?;
     let model = CompiledModel::new(&model, &library, evidence.rows())?;
-    evidence.measure_lattice_error(&model)?;
+    evidence.measure_simulation_errors(&model)?;
     Ok(compare_scans((&campaign, &evidence), &model, asked)?)
 }
 

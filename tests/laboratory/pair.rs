@@ -184,23 +184,25 @@ fn of_look_alikes(besides: fn(f64) -> f64) -> (Diagnosis, f64) {
 }
 
 #[test]
-fn a_look_alike_that_harms_what_is_held_out_gives_way() {
+fn what_fits_as_well_and_degrades_what_is_held_out_is_not_named_alone() {
     let (diagnosis, lead) = of_look_alikes(|at| 0.45 * (23.0 * at).cos());
     assert!(lead > 0.0 && lead < 7.85, "{lead}");
-    assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Identified, vec!["cutting-direction"]));
+    assert_ne!(diagnosis.verdict, Verdict::Identified);
 }
 
 #[test]
-fn an_account_of_all_data_takes_the_place_of_what_fits_better_and_harms_what_is_held_out() {
-    let (diagnosis, lead) = of_look_alikes(|at| 0.8 * (23.0 * at).cos());
-    assert!(lead > 30.0, "{lead}");
-    assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Identified, vec!["cutting-direction"]));
-    assert!(diagnosis.rounds[0].separable > 0.999 * lead, "{}", diagnosis.rounds[0].separable);
+fn what_fits_better_and_degrades_what_is_held_out_leaves_it_unknown() {
+    for besides in [|at: f64| 0.8 * (23.0 * at).cos(), |at: f64| 2.0 * (23.0 * at).cos()] {
+        let (diagnosis, lead) = of_look_alikes(besides);
+        assert!(lead > 30.0, "{lead}");
+        assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Unknown, Vec::new()));
+    }
 }
 
 #[test]
-fn what_fits_better_and_harms_what_is_held_out_leaves_it_unknown_without_an_account() {
-    let (diagnosis, lead) = of_look_alikes(|at| 2.0 * (23.0 * at).cos());
-    assert!(lead > 30.0, "{lead}");
-    assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Unknown, Vec::new()));
+fn held_out_data_take_no_part_in_the_choice() {
+    let (chosen, _) = of_look_alikes(|at| 0.8 * (23.0 * at).cos());
+    let best = &chosen.rounds[0].findings[0];
+    assert_eq!(best.suspect.name(), "speed-exponent", "it predicts calibration data best");
+    assert!(best.probability > 0.9, "{}", best.probability);
 }

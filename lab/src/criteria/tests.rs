@@ -23,6 +23,8 @@ const AGREED: &[(&str, f64)] = &[
     ("POSE_TILT_SIGMA", 0.00005),
     ("POSE_SHIFT_SIGMA", 0.0001),
     ("PART_SHIFT_SIGMA", 0.0001),
+    ("PASS_BEGIN_SIGMA", 0.577),
+    ("PASS_END_SIGMA", 0.289),
     ("RIM_NOISE_SHARE", 0.25),
     ("SCAN_NOISE_DECAY_SIGMAS", 3.0),
     ("CHANGED_HEIGHT", 0.000002),
@@ -66,7 +68,7 @@ const AGREED: &[(&str, f64)] = &[
     ("START_RATE_TOLERANCE", 0.01),
     ("RESTART_DISTANCE", 0.4),
     ("DERIVATIVE_CHANGE_AIM", 12.0),
-    ("DERIVATIVE_CHANGE_LEAST", 4.0),
+    ("DERIVATIVE_CHANGE_LEAST", 8.0),
     ("DERIVATIVE_CHANGE_MOST", 60.0),
     ("DERIVATIVE_CHANGE_SHARE", 0.3),
     ("DERIVATIVE_LONGEST_STEP", 0.5),
@@ -123,16 +125,25 @@ const AGREED: &[(&str, f64)] = &[
     ("SIGNIFICANCE_LEVEL", 0.05),
     ("SIGN_FLIP_DRAWS", 400.0),
     ("DEPENDENT_SHARE", 0.001),
-    ("MODEL_ERROR_TEMPERING", 5.0),
-    ("INDISTINGUISHABLE_DELTA_CHI2", 22.0),
+    ("FOLDS_LEAST", 16.0),
+    ("FOLD_WEIGHT_DRAWS", 1000.0),
+    ("CLOSURE_PART_ALONG", 13.0),
+    ("CLOSURE_PART_ACROSS", 4.0),
+    ("CLOSURE_PASS_ALONG", 6.0),
+    ("CLOSURE_PASS_ACROSS", 3.0),
+    ("CLOSURE_STRENGTH_LEAST", 0.001),
+    ("CLOSURE_STRENGTH_RATIO", 2.0),
+    ("CLOSURE_STRENGTHS", 10.0),
+    ("NONE_MOST", 0.5),
     ("NAMED_PROBABILITY", 0.9),
     ("RESERVED_PROBABILITY", 0.5),
+    ("NEAREST_SHARE", 0.1),
     ("LISTED_ODDS", 19.0),
     ("MOST_EFFECTS", 3.0),
     ("NULL_RATIO", 0.01),
     ("NULL_SHARE", 0.000001),
     ("FAR_END_RATIO", 0.001),
-    ("EFFECT_SIZE_REMOVAL", 0.005),
+    ("EFFECT_SIZE_REMOVAL", 0.002),
     ("EFFECT_SIZE_FLOOR", 0.3),
     ("DETECTABLE_SIGMAS", 3.8),
     ("TESTABLE_SHARE", 0.5),
@@ -249,5 +260,5 @@ fn the_modules_use_every_criterion() {
 
 /// True if a source is the table itself, or this test of it.
 fn is_of_criteria(path: &Path) -> bool {
-    path.ends_with("criteria.rs") || path.ends_with("criteria/tests.rs")
+    path.ends_with("criteria.rs") || path.ends_with("criteria/criterion.rs") || path.ends_with("criteria/tests.rs")
 }

@@ -102,6 +102,9 @@ impl<'a> StudyState<'a> {
         let last = record.waterfall.last().expect("the model is a step");
         let ratio = last.calibration_rms_um / record.noise_floor_um;
         let text = format!("{}\n{ratio:.2} times the noise floor", record.shown(last));
+        if record.verdict == Some(Verdict::Identified) {
+            record.sentence = Some(identified(&record.added, &numbers.parameters));
+        }
         let values: Vec<String> = numbers.parameters.iter().map(|parameter| parameter.shown()).collect();
         let text = [vec![text], values, numbers.remarks].concat().join("\n");
         self.decide(ratio);
@@ -290,4 +293,14 @@ impl<'a> StudyState<'a> {
             }
         }
     }
+}
+
+/// What a study says of effects that it has identified, with the values of its last calibration.
+fn identified(added: &[String], parameters: &[ParameterSummary]) -> String {
+    let own = |name: &String| {
+        let of_effect = parameters.iter().filter(|parameter| parameter.name.starts_with(&format!("{name}.")));
+        let values: Vec<String> = of_effect.map(|parameter| parameter.shown()).collect();
+        if values.is_empty() { name.clone() } else { format!("{name}: {}", values.join("; ")) }
+    };
+    format!("The model lacked {}.", added.iter().map(own).collect::<Vec<_>>().join(" and "))
 }

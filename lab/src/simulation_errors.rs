@@ -1,4 +1,6 @@
-//! The error that the simulation's own lattice makes, from the same campaign on a lattice twice as fine.
+//! Errors of the simulation that are no physics, from the same campaign simulated in other ways: on a lattice twice as
+//! fine, with passes that begin and end a row of their logs earlier or later, and from the repeated scan before the first
+//! pass: what that scan's noise becomes under the tool.
 //!
 //! Near the best values the difference of the two changes far less with the parameters than the surface does. So it is
 //! simulated once there. What share of it the data hold is one degree of freedom of the campaign, with a prior (Kennedy and
@@ -12,12 +14,16 @@ use serde::Serialize;
 
 use super::evidence::EvidenceError;
 use super::model_origin::identity;
-use super::scans::ScanEvidence;
-use crate::simulation::SimulatedPass;
+use super::scans::{ScanData, ScanEvidence};
+use crate::simulation::{PassEnds, SimulatedPass, Variation};
 use trials::trial::PassScan;
 
 /// Voxels of the finer lattice over those of the usual one: every pixel stays on a lattice line.
 const FINER: f64 = 0.5;
+
+/// Depths at which the noise of the scan before may have fallen to 1/e [m], and steps of the search between them.
+const NOISE_DEPTHS: [f64; 2] = [1e-7, 1e-2];
+const NOISE_DEPTH_STEPS: usize = 150;
 
 /// Share of the error that data hold, before they are seen: all of it where they come from a lattice like the finer one,
 /// four thirds where they are smooth.
@@ -26,19 +32,37 @@ const SHARE_SIGMA: f64 = 1.0 / 3.0;
 /// By how much the share may differ from one kind of ground to another, as the order of convergence does.
 pub const SHARE_SPREAD: f64 = SHARE_SIGMA;
 
-/// What the lattice takes off or adds at each pixel of each scan.
+/// What the lattice, and the ends of passes, take off or add at each pixel of each scan.
 #[derive(Clone, Debug, Serialize)]
-pub struct LatticeError {
+pub struct SimulationErrors {
     /// Simulated scans on the usual lattice, by trial and pass.
     #[serde(skip)]
     usual: Vec<Vec<HeightMap>>,
     /// Height to add to a simulated scan [m] by trial, pass and pixel.
     heights: Vec<Vec<Vec<f64>>>,
+    /// Height that a scan gains where its trial's passes begin a row of their logs earlier, and where they end one later
+    /// [m], by trial, pass and pixel.
+    ends: Vec<Vec<[Vec<f64>; 2]>>,
+    /// Removed depth at which the noise of the scan before has fallen to 1/e [m].
+    noise_depth: f64,
     /// Identity of all of them.
     identity: String,
 }
 
-impl LatticeError {
+/// What is known of the simulation of one scan.
+#[derive(Clone, Copy, Debug)]
+pub struct ScanErrors<'a> {
+    /// The scan as it is simulated on the usual lattice.
+    pub simulated: &'a HeightMap,
+    /// Height of a simulation on a finer lattice above it at each pixel [m].
+    pub lattice: &'a [f64],
+    /// Height that each pixel gains where passes begin a row of their logs earlier, and where they end one later [m].
+    pub ends: &'a [Vec<f64>; 2],
+    /// Removed depth at which the noise of the scan before has fallen to 1/e [m].
+    pub noise_depth: f64,
+}
+
+impl SimulationErrors {
     /// Simulates all passes of a ground campaign on both lattices.
     ///
     /// # Errors
@@ -46,15 +70,38 @@ impl LatticeError {
     pub fn new(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Self, EvidenceError> {
         let usual = &evidence.simulation;
         let finer = usual.on_voxels(FINER)?;
-        let runs: Result<Vec<_>, _> = [usual, &finer].into_par_iter().map(|simulation| simulation.run(model)).collect();
-        let runs = runs?;
-        let trial = |(usual, finer): (&Vec<SimulatedPass>, &Vec<SimulatedPass>)| {
-            usual.iter().zip(finer).map(|(usual, finer)| difference(&usual.scan, &finer.scan)).collect()
+        let ends = |taken_over: f64, lifted: f64| {
+            let ends = PassEnds { taken_over, lifted };
+            usual.varied(move |_| Variation { ends, before: None })
         };
-        let heights: Vec<Vec<Vec<f64>>> = runs[0].iter().zip(&runs[1]).map(trial).collect();
-        let identity = identity(&heights);
+        let (begun, ended) = (ends(-1.0, 0.0)?, ends(0.0, 1.0)?);
+        let again =
+            usual.varied(|trial| Variation { before: Some(&evidence.repeats[trial]), ..Variation::default() })?;
+        let runs: Result<Vec<_>, _> =
+            [usual, &finer, &begun, &ended, &again].into_par_iter().map(|simulation| simulation.run(model)).collect();
+        let runs = runs?;
+        let trial = |(usual, other): (&Vec<SimulatedPass>, &Vec<SimulatedPass>)| {
+            usual.iter().zip(other).map(|(usual, other)| difference(&usual.scan, &other.scan)).collect()
+        };
+        let beside = |run: usize| -> Vec<Vec<Vec<f64>>> { runs[0].iter().zip(&runs[run]).map(trial).collect() };
+        let heights = beside(1);
+        let ends: Vec<Vec<[Vec<f64>; 2]>> = (beside(2).into_iter().zip(beside(3)))
+            .map(|(begun, ended)| begun.into_iter().zip(ended).map(|(begun, ended)| [begun, ended]).collect())
+            .collect();
+        let noise_depth = noise_depth(evidence, &beside(4));
+        let identity = identity(&(&heights, &ends, noise_depth));
         let scans = |passes: &Vec<SimulatedPass>| passes.iter().filter_map(|pass| heights_of(&pass.scan)).collect();
-        Ok(Self { usual: runs[0].iter().map(scans).collect(), heights, identity })
+        Ok(Self { usual: runs[0].iter().map(scans).collect(), heights, ends, noise_depth, identity })
+    }
+
+    /// All that is known of a scan's simulation.
+    pub fn beside(&self, trial: usize, pass: usize) -> ScanErrors<'_> {
+        ScanErrors {
+            simulated: &self.usual[trial][pass],
+            lattice: &self.heights[trial][pass],
+            ends: &self.ends[trial][pass],
+            noise_depth: self.noise_depth,
+        }
     }
 
     /// A simulated scan on the usual lattice, and the heights to add to it [m], one for each pixel.
@@ -78,14 +125,19 @@ fn heights_of(scan: &PassScan) -> Option<HeightMap> {
 /// Whitened residuals with the lattice's error as one more degree of freedom: independent with variance one where it is
 /// at work beside the noise. `field` is what all of it adds to them. The covariance `1 + σ² f fᵀ` has a root in closed form.
 pub fn without_lattice_error(residuals: &[f64], field: &[f64]) -> Vec<f64> {
+    let left: Vec<f64> = residuals.iter().zip(field).map(|(r, f)| r - EXPECTED_SHARE * f).collect();
+    change_without_lattice_error(&left, field)
+}
+
+/// What [`without_lattice_error`] makes of a change of residuals.
+pub fn change_without_lattice_error(change: &[f64], field: &[f64]) -> Vec<f64> {
     let square = dot(field, field);
     if square == 0.0 {
-        return residuals.to_vec();
+        return change.to_vec();
     }
-    let left: Vec<f64> = residuals.iter().zip(field).map(|(r, f)| r - EXPECTED_SHARE * f).collect();
     let shrink = (1.0 - (1.0 + SHARE_SIGMA * SHARE_SIGMA * square).sqrt().recip()) / square;
-    let along = shrink * dot(&left, field);
-    left.iter().zip(field).map(|(r, f)| r - along * f).collect()
+    let along = shrink * dot(change, field);
+    change.iter().zip(field).map(|(r, f)| r - along * f).collect()
 }
 
 /// Undoes [`without_lattice_error`] on a change of residuals.
@@ -118,6 +170,27 @@ fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Removed depth at which the noise of the scan before has fallen to 1/e [m]: the one with which the differences between the
+/// two scans before the first pass become those between the simulations that begin with them, by least squares over tiles.
+///
+/// A bump of height h under a spring of stiffness K wears at the rate k K h, and the ground at k (p − p_c): the depth is
+/// about (p − p_c) / K.
+fn noise_depth(evidence: &ScanEvidence, simulated: &[Vec<Vec<f64>>]) -> f64 {
+    let mut tiles: Vec<[f64; 3]> = Vec::new();
+    for view in &evidence.views {
+        let ScanData::Heights(data) = &view.data else { continue };
+        let of = |heights: &[f64]| data.tiles.means(|at| if heights[at].is_finite() { heights[at] } else { 0.0 });
+        let (before, after) = (of(&evidence.repeats[view.trial].heights), of(&simulated[view.trial][view.pass]));
+        tiles.extend((0..data.tiles.len()).map(|k| [data.removed[k], before[k], after[k]]));
+    }
+    let cost = |depth: &f64| -> f64 {
+        tiles.iter().map(|[removed, before, after]| (after - before * (-removed / depth).exp()).powi(2)).sum()
+    };
+    let depths = (0..=NOISE_DEPTH_STEPS)
+        .map(|k| NOISE_DEPTHS[0] * (NOISE_DEPTHS[1] / NOISE_DEPTHS[0]).powf(k as f64 / NOISE_DEPTH_STEPS as f64));
+    depths.min_by(|a, b| cost(a).total_cmp(&cost(b))).expect("there are steps")
 }
 
 #[cfg(test)]

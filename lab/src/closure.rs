@@ -1,0 +1,162 @@
+//! The closure of scans: smooth relative changes of the removal, over the part and over each pass, as columns of the
+//! whitened data; and the stretches of passes that are left out together when a model is asked to predict.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use nalgebra::DMatrix;
+
+use super::evidence::Split;
+use super::scans::{ScanData, ScanEvidence, ScanView};
+use super::simulation_errors::change_without_lattice_error;
+use super::tiles::Tiles;
+use crate::criteria::{CLOSURE_PART_ACROSS, CLOSURE_PART_ALONG, CLOSURE_PASS_ACROSS, CLOSURE_PASS_ALONG, FOLDS_LEAST};
+
+/// The rectangle along the way in which the tiles of scans lie.
+struct Frame {
+    along: DVec2,
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Frame {
+    fn of<'a>(tiles: impl Iterator<Item = &'a Tiles>) -> Self {
+        let centres: Vec<DVec2> = tiles.flat_map(|tiles| tiles.centres.iter().copied()).collect();
+        let middle = centres.iter().sum::<DVec2>() / centres.len().max(1) as f64;
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for way in centres.iter().map(|centre| *centre - middle) {
+            (xx, xy, yy) = (xx + way.x * way.x, xy + way.x * way.y, yy + way.y * way.y);
+        }
+        let along = DVec2::from_angle(0.5 * (2.0 * xy).atan2(xx - yy));
+        let mut frame = Self { along, low: DVec2::INFINITY, high: DVec2::NEG_INFINITY };
+        for centre in &centres {
+            let place = frame.turned(*centre);
+            (frame.low, frame.high) = (frame.low.min(place), frame.high.max(place));
+        }
+        frame
+    }
+
+    /// A place along and across the longer axis [m].
+    fn turned(&self, place: DVec2) -> DVec2 {
+        DVec2::new(self.along.dot(place), self.along.perp_dot(place))
+    }
+
+    /// Values at a place of the products of hats along and across; they sum to one.
+    fn hats(&self, place: DVec2, [along, across]: [usize; 2]) -> Vec<f64> {
+        let share = (self.turned(place) - self.low) / (self.high - self.low).max(DVec2::splat(f64::MIN_POSITIVE));
+        let (along, across) = (hats(share.x, along), hats(share.y, across));
+        along.iter().flat_map(|a| across.iter().map(move |b| a * b)).collect()
+    }
+}
+
+/// Values of hats at even distances over 0 to 1.
+fn hats(share: f64, count: usize) -> Vec<f64> {
+    let at = share.clamp(0.0, 1.0) * (count - 1) as f64;
+    (0..count).map(|k| (1.0 - (at - k as f64).abs()).max(0.0)).collect()
+}
+
+impl ScanEvidence<'_> {
+    /// What the closure can change of the whitened calibration data, shape [data, columns]: all of the removal by columns of
+    /// one value 1.
+    pub(super) fn closure_columns(&self) -> DMatrix<f64> {
+        let views: Vec<&ScanView> = self.of(Split::Calibration).collect();
+        let frame = Frame::of(views.iter().map(|view| view.data.tiles()));
+        let removed: Vec<Vec<f64>> = views.iter().map(|view| self.removed(view)).collect();
+        let whole = |scan: usize, _: usize| removed[scan].clone();
+        let mut columns = columns((&views, &frame), [CLOSURE_PART_ALONG, CLOSURE_PART_ACROSS], &[0], &whole);
+        let passes: Vec<usize> = (0..views.len()).collect();
+        let own = |scan: usize, pass: usize| increment((&views, &removed), scan, pass);
+        columns.extend(self::columns((&views, &frame), [CLOSURE_PASS_ALONG, CLOSURE_PASS_ACROSS], &passes, &own));
+        let field = self.lattice_field_of(Split::Calibration);
+        let mut matrix = DMatrix::zeros(field.len(), columns.len());
+        for (k, column) in columns.iter().enumerate() {
+            matrix.column_mut(k).copy_from_slice(&change_without_lattice_error(column, &field));
+        }
+        matrix
+    }
+
+    /// What was removed from each tile of a scan up to then [m]; of an exposure mask, how far its border may move.
+    fn removed(&self, view: &ScanView) -> Vec<f64> {
+        match &view.data {
+            ScanData::Heights(data) => {
+                let before = &self.simulation.trials[view.trial].trial.scans.before.heights;
+                let removed = data.tiles.means(|at| before[at] - data.measured.heights[at]);
+                removed.into_iter().map(|removed| if removed.is_finite() { removed.max(0.0) } else { 0.0 }).collect()
+            }
+            ScanData::Exposure(data) => data.reached(),
+        }
+    }
+
+    /// For each datum of the calibration scans the number of its fold: a stretch of one pass.
+    pub(super) fn stretches(&self) -> Vec<usize> {
+        let count = FOLDS_LEAST.div_ceil(self.of(Split::Calibration).count().max(1));
+        let stretches = |(scan, view): (usize, &ScanView)| {
+            let tiles = view.data.tiles();
+            let frame = Frame::of(std::iter::once(tiles));
+            let places: Vec<f64> = tiles.centres.iter().map(|centre| frame.turned(*centre).x).collect();
+            let mut sorted = places.clone();
+            sorted.sort_by(f64::total_cmp);
+            let ends: Vec<f64> = (1..count).map(|k| sorted[k * sorted.len() / count]).collect();
+            places
+                .into_iter()
+                .map(|place| scan * count + ends.partition_point(|end| *end <= place))
+                .collect::<Vec<usize>>()
+        };
+        self.of(Split::Calibration).enumerate().flat_map(stretches).collect()
+    }
+}
+
+/// Whitened columns of hats times what was removed, a set for each of `sets`.
+///
+/// - `removed`: of each tile of a scan, for a set
+fn columns(
+    (views, frame): (&[&ScanView], &Frame),
+    shape: [usize; 2],
+    sets: &[usize],
+    removed: &dyn Fn(usize, usize) -> Vec<f64>,
+) -> Vec<Vec<f64>> {
+    let mut all = Vec::new();
+    for &set in sets {
+        let mut own: Vec<Vec<f64>> = vec![Vec::new(); shape[0] * shape[1]];
+        for (scan, view) in views.iter().enumerate() {
+            let (tiles, removed) = (view.data.tiles(), removed(scan, set));
+            let hats: Vec<Vec<f64>> = tiles.centres.iter().map(|centre| frame.hats(*centre, shape)).collect();
+            for (k, column) in own.iter_mut().enumerate() {
+                let field: Vec<f64> = hats.iter().zip(&removed).map(|(hats, removed)| hats[k] * removed).collect();
+                column.extend(view.data.whitened_field(&field));
+            }
+        }
+        all.extend(own);
+    }
+    all
+}
+
+/// What a pass took off each tile of a scan [m]: nothing of scans before it or of other trials.
+fn increment((views, removed): (&[&ScanView], &[Vec<f64>]), scan: usize, pass: usize) -> Vec<f64> {
+    let (seen, own) = (views[scan], views[pass]);
+    if seen.trial != own.trial || seen.pass < own.pass {
+        return vec![0.0; removed[scan].len()];
+    }
+    let by_cell = |scan: usize| -> BTreeMap<usize, f64> {
+        views[scan].data.tiles().cells.iter().copied().zip(removed[scan].iter().copied()).collect()
+    };
+    let before = (0..views.len()).filter(|&k| views[k].trial == own.trial && views[k].pass < own.pass);
+    let before = before.max_by_key(|&k| views[k].pass).map(by_cell).unwrap_or_default();
+    let after = by_cell(pass);
+    let of = |cells: &BTreeMap<usize, f64>, cell: &usize| cells.get(cell).copied().unwrap_or(0.0);
+    seen.data.tiles().cells.iter().map(|cell| of(&after, cell) - of(&before, cell)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hats_sum_to_one_and_peak_at_their_own_place() {
+        for share in [-0.2, 0.0, 0.31, 0.5, 1.0, 1.4] {
+            let hats = hats(share, 5);
+            assert!((hats.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{share}");
+        }
+        assert_eq!(hats(0.25, 5), [0.0, 1.0, 0.0, 0.0, 0.0]);
+    }
+}

@@ -1,0 +1,30 @@
+//! A number that decides, and all of them as results hold them.
+
+use serde::{Serialize, Serializer};
+
+use super::CRITERIA;
+
+/// A number that decides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Criterion {
+    /// Name of its constant.
+    pub name: &'static str,
+    /// Its value [`unit`].
+    pub value: f64,
+    /// Unit; `1` where it has none, `σ` for standard deviations, `px` for pixels of a scan.
+    pub unit: &'static str,
+    /// The quantity that it is, in a sentence.
+    pub meaning: &'static str,
+    /// Origin of the value: a convention, a publication, a measurement, a derivation; `chosen` where nothing is recorded.
+    pub source: &'static str,
+}
+
+/// [`CRITERIA`](super::CRITERIA) as results hold them: an object from name to value.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CriterionValues;
+
+impl Serialize for CriterionValues {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(CRITERIA.iter().map(|criterion| (criterion.name, criterion.value)))
+    }
+}

@@ -1,0 +1,194 @@
+//! How well a model predicts calibration data that its fit did not see, fold by fold, without a fit for each fold.
+//!
+//! With whitened residuals `r`, derivatives `J` and prior precision `P`, a fit to all folds but `f` differs from the fit to
+//! all by `A_f⁻¹ J_fᵀ r_f`, where `A_f = JᵀJ + P − J_fᵀJ_f`. It predicts fold `f` with covariance
+//! `V = 1 + J_f A_f⁻¹ J_fᵀ` and misses it by `V r_f`, so that the log density of the fold is, but for a constant,
+//!
+//! `−(r_fᵀ V r_f + ln |V|) / 2` with `|V| = |JᵀJ + P| / |A_f|`
+//!
+//! (Stone 1974; Geisser and Eddy 1979). A parameter that only the fold itself determines makes the prediction wide and
+//! not wrong.
+//!
+//! Every model has the closure beside it: a smooth relative change of the removal over the part and over each pass, whose
+//! strength is the one that predicts best. It stands for all that no effect describes: a model that lacks nothing has
+//! none of it, and an effect is worth only what the closure cannot do without it (Kennedy and O'Hagan 2001).
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::coordinates::Coordinate;
+use super::diagnose::spread;
+use super::evidence::Evidence;
+use super::fit::{Fit, weights};
+use crate::criteria::{CLOSURE_STRENGTH_LEAST, CLOSURE_STRENGTH_RATIO, CLOSURE_STRENGTHS, INTERVAL_SIGMAS};
+
+/// What a model and the closure beside it make of folds that they did not see.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Prediction {
+    /// Log density of each fold as the others predict it.
+    pub densities: Vec<f64>,
+    /// Standard deviation of the closure, as a share of the removal; 0 where the model predicts best alone.
+    pub closure: f64,
+    /// What the closure takes off the whitened residuals; empty where it is 0.
+    pub closed: Vec<f64>,
+}
+
+impl Prediction {
+    /// Root mean square of what the closure explains, in the data's unit.
+    pub(super) fn closed_size(&self, evidence: &dyn Evidence) -> f64 {
+        if self.closed.is_empty() { 0.0 } else { evidence.size(&self.closed) }
+    }
+
+    /// Log density of all folds.
+    pub fn total(&self) -> f64 {
+        self.densities.iter().sum()
+    }
+}
+
+/// Calibration data cut into folds, and the closure for them.
+pub(super) struct CrossValidation {
+    folds: Vec<usize>,
+    /// What the closure can change of the whitened residuals, shape [data, columns].
+    closure: DMatrix<f64>,
+    /// Standard deviation of whitened residuals that counts as noise.
+    spread: f64,
+}
+
+impl CrossValidation {
+    /// Of calibration data.
+    ///
+    /// - `best`: the fit that leaves least; what it leaves beside the closure counts as noise
+    pub(super) fn new(evidence: &dyn Evidence, best: &Fit) -> Self {
+        let data = Self { folds: evidence.folds(), closure: evidence.closure(), spread: 1.0 };
+        let closed = data.prediction(best).closed;
+        let left: Vec<f64> = match closed.is_empty() {
+            true => best.residuals.clone(),
+            false => best.residuals.iter().zip(closed).map(|(residual, closed)| residual - closed).collect(),
+        };
+        Self { spread: spread(&left), ..data }
+    }
+
+    /// What a fit predicts, with the closure of the strength that predicts best.
+    pub(super) fn prediction(&self, fit: &Fit) -> Prediction {
+        let weights = weights(&fit.residuals) / self.spread;
+        let residuals = DVector::from_column_slice(&fit.residuals).component_mul(&weights);
+        let (own, columns) = (fit.jacobian.ncols(), self.closure.ncols());
+        let mut slopes = DMatrix::zeros(residuals.len(), own + columns);
+        slopes.columns_mut(0, own).copy_from(&fit.jacobian);
+        slopes.columns_mut(own, columns).copy_from(&self.closure);
+        slopes.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        let prior = prior(&fit.coordinates);
+        let alone = Folds::new(&self.folds, &residuals, &slopes.columns(0, own).into_owned());
+        let densities = alone.densities(&DMatrix::from_diagonal(&prior), false).map(|(densities, _)| densities);
+        let densities = densities.unwrap_or_else(|| vec![f64::NEG_INFINITY; alone.0.len()]);
+        let mut best = Prediction { densities, closure: 0.0, closed: Vec::new() };
+        if columns == 0 {
+            return best;
+        }
+        let joint = Folds::new(&self.folds, &residuals, &slopes);
+        for strength in (0..CLOSURE_STRENGTHS).map(|k| CLOSURE_STRENGTH_LEAST * CLOSURE_STRENGTH_RATIO.powi(k)) {
+            let precision = prior.iter().copied().chain(std::iter::repeat_n(strength.powi(-2), columns));
+            let prior = DMatrix::from_diagonal(&DVector::from_iterator(own + columns, precision));
+            let Some((densities, moved)) = joint.densities(&prior, true) else { continue };
+            if densities.iter().sum::<f64>() > best.total() {
+                let closed = -(&self.closure * moved.rows(own, columns));
+                best = Prediction { densities, closure: strength, closed: closed.as_slice().to_vec() };
+            }
+        }
+        best
+    }
+}
+
+/// A fold's products: slopes with themselves, slopes with residuals, and the residuals' sum of squares.
+struct Fold(DMatrix<f64>, DVector<f64>, f64);
+
+/// The products of all folds.
+struct Folds(Vec<Fold>);
+
+impl Folds {
+    fn new(folds: &[usize], residuals: &DVector<f64>, slopes: &DMatrix<f64>) -> Self {
+        let count = folds.iter().max().map_or(0, |most| most + 1);
+        let fold = |number: usize| {
+            let rows: Vec<usize> = (0..folds.len()).filter(|&row| folds[row] == number).collect();
+            let (residuals, slopes) = (residuals.select_rows(&rows), slopes.select_rows(&rows));
+            Fold(slopes.tr_mul(&slopes), slopes.tr_mul(&residuals), residuals.norm_squared())
+        };
+        Self((0..count).map(fold).collect())
+    }
+
+    /// Log density of each fold, and the step of the parameters from where the residuals are to their optimum; `None`
+    /// where the data do not fix them.
+    ///
+    /// - `is_open`: whether that step is still to be made; else the residuals are at the optimum
+    fn densities(&self, prior: &DMatrix<f64>, is_open: bool) -> Option<(Vec<f64>, DVector<f64>)> {
+        let all = self.0.iter().fold(prior.clone(), |sum, Fold(square, ..)| sum + square);
+        let factor = Cholesky::new(all.clone())?;
+        let pull: DVector<f64> = self.0.iter().map(|Fold(_, pull, _)| pull).sum();
+        let moved = if is_open { -factor.solve(&pull) } else { DVector::zeros(pull.len()) };
+        let whole = log_determinant(&factor);
+        let density = |Fold(square, pull, sum): &Fold| {
+            let others = Cholesky::new(&all - square)?;
+            let bent = square * &moved;
+            let left = sum + 2.0 * moved.dot(pull) + moved.dot(&bent);
+            let pull = pull + bent;
+            Some(-0.5 * (left + pull.dot(&others.solve(&pull)) + whole - log_determinant(&others)))
+        };
+        Some((self.0.iter().map(density).collect::<Option<_>>()?, moved))
+    }
+}
+
+fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
+    2.0 * factor.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>()
+}
+
+/// Prior precision of coordinates: what the library lists holds 95 % of what is met.
+fn prior(coordinates: &[Coordinate]) -> DVector<f64> {
+    let precision = |coordinate: &Coordinate| {
+        let [least, greatest] = coordinate.listed();
+        (2.0 * INTERVAL_SIGMAS / (greatest - least)).powi(2)
+    };
+    DVector::from_iterator(coordinates.len(), coordinates.iter().map(precision))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten data in three folds, two parameters.
+    fn data() -> (Vec<usize>, DVector<f64>, DMatrix<f64>) {
+        let folds = vec![0, 0, 0, 1, 1, 1, 1, 2, 2, 2];
+        let residuals = DVector::from_fn(10, |row, _| (1.7 * row as f64).sin());
+        let slopes = DMatrix::from_fn(10, 2, |row, k| ((row + 1) as f64).powi(k as i32) / 3.0);
+        (folds, residuals, slopes)
+    }
+
+    #[test]
+    fn a_fold_has_the_density_that_a_fit_to_the_others_gives_it() {
+        let (folds, residuals, slopes) = data();
+        let prior = DMatrix::from_diagonal(&DVector::from_vec(vec![0.3, 0.7]));
+        let (densities, _) = Folds::new(&folds, &residuals, &slopes).densities(&prior, true).unwrap();
+        for (number, density) in densities.iter().enumerate() {
+            let of = |is_in: bool| (0..10).filter(|&row| (folds[row] == number) == is_in).collect::<Vec<usize>>();
+            let (own, others) = (of(true), of(false));
+            let [(r, j), (r_others, j_others)] =
+                [&own, &others].map(|rows| (residuals.select_rows(rows), slopes.select_rows(rows)));
+            let covariance = (&prior + j_others.tr_mul(&j_others)).try_inverse().unwrap();
+            let missed = &r - &j * &covariance * j_others.tr_mul(&r_others);
+            let spread = DMatrix::identity(own.len(), own.len()) + &j * covariance * j.transpose();
+            let square = missed.dot(&(spread.clone().try_inverse().unwrap() * &missed));
+            assert!((density + 0.5 * (square + spread.determinant().ln())).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn a_parameter_that_one_fold_alone_determines_makes_its_prediction_wide_and_not_wrong() {
+        let (folds, residuals, _) = data();
+        let lifted = |by: f64| residuals.map_with_location(|row, _, r| if folds[row] == 1 { r + by } else { r });
+        let slopes = DMatrix::from_fn(10, 1, |row, _| f64::from(u8::from(folds[row] == 1)));
+        let density = |residuals: &DVector<f64>, precision: f64| {
+            let prior = DMatrix::from_element(1, 1, precision);
+            Folds::new(&folds, residuals, &slopes).densities(&prior, true).unwrap().0[1]
+        };
+        assert!((density(&lifted(0.0), 1e-4) - density(&lifted(3.0), 1e-4)).abs() < 0.05, "the prior is wide");
+        assert!(density(&lifted(0.0), 1e4) - density(&lifted(3.0), 1e4) > 10.0, "the prior is narrow");
+    }
+}

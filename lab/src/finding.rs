@@ -1,0 +1,91 @@
+//! An effect that was fitted, and what speaks for it.
+
+use super::cross_validation::{CrossValidation, Prediction};
+use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::fit::Fit;
+use super::reserve::Reserve;
+use super::significance::NullDraws;
+use super::suspect::Suspect;
+use super::verdict::{Searched, least_size, rms};
+use crate::criteria::SIGNIFICANCE_LEVEL;
+
+/// An effect that was found, or might be.
+#[derive(Clone)]
+pub struct Finding {
+    /// The effect fitted.
+    pub suspect: Suspect,
+    /// Fall of the sum of squares, over the spread of what is left.
+    pub delta_chi2: f64,
+    /// P-value of such a fall for the luckiest of all effects.
+    pub p_value: f64,
+    /// Root mean square of what it changes in the calibration data or takes from their errors, whichever is more, in their unit.
+    pub size: f64,
+    /// Probability among all effects that were fitted, and none of them.
+    pub probability: f64,
+    /// Agreement with the calibration data; empty where the effect is not significant.
+    pub calibration: Vec<Agreement>,
+    /// Agreement with the held-out data, opened once the search has ended; empty of effects that were not found.
+    pub evaluation: Vec<Agreement>,
+    /// What the model with it predicts of calibration data that its fit did not see.
+    pub prediction: Prediction,
+    /// Root mean square of what the closure explains beside it, in the data's unit.
+    pub closed: f64,
+    /// Whether it is large and sure enough to be named.
+    pub is_admissible: bool,
+    /// Why it cannot be named alone, however much better than the others it fits.
+    pub reserve: Option<Reserve>,
+}
+
+/// What effects are compared with: a base fit, and what noise and prediction say of the others.
+pub(super) struct Against<'a> {
+    /// The model without the effect.
+    pub base: &'a Fit,
+    /// Its agreement with the calibration data.
+    pub calibration: &'a [Agreement],
+    /// What noise alone would give the luckiest effect.
+    pub draws: &'a NullDraws,
+    /// Calibration data in folds.
+    pub folds: &'a CrossValidation,
+    /// Standard deviation of what the best model leaves, whitened.
+    pub spread: f64,
+}
+
+impl Finding {
+    /// The model with it, as a link of a chain of searches.
+    pub(super) fn as_searched(&self) -> Searched {
+        Searched {
+            calibration: self.calibration.clone(),
+            evaluation: self.evaluation.clone(),
+            closed: self.closed,
+            probability: self.probability,
+        }
+    }
+
+    /// # Errors
+    /// When the model with the effect cannot be simulated.
+    pub(super) fn new(evidence: &dyn Evidence, suspect: Suspect, against: &Against) -> Result<Self, EvidenceError> {
+        let Against { base, calibration: before, draws, folds, spread } = against;
+        let p_value = draws.p_value(base, &suspect.fit);
+        let is_real = p_value < SIGNIFICANCE_LEVEL && !suspect.is_null();
+        let calibration =
+            if is_real { evidence.agreement(&suspect.fit.model, Split::Calibration)? } else { Vec::new() };
+        let change: Vec<f64> = base.residuals.iter().zip(&suspect.fit.residuals).map(|(b, a)| b - a).collect();
+        let explained = rms(before, |a| a.rms).powi(2) - rms(&calibration, |a| a.rms).powi(2);
+        let size = if is_real { evidence.size(&change).max(explained.max(0.0).sqrt()) } else { 0.0 };
+        let conditions = evidence.conditions(&suspect.fit.model)?;
+        let prediction = folds.prediction(&suspect.fit);
+        Ok(Self {
+            delta_chi2: (base.chi2 - suspect.fit.chi2) / (spread * spread),
+            p_value,
+            size,
+            probability: 0.0,
+            calibration,
+            evaluation: Vec::new(),
+            closed: prediction.closed_size(evidence),
+            prediction,
+            is_admissible: is_real && size > least_size(before),
+            reserve: if is_real { Reserve::of(&suspect, *spread, conditions) } else { None },
+            suspect,
+        })
+    }
+}

@@ -1,0 +1,62 @@
+//! Probabilities of models from what they predict of folds that their fits did not see.
+//!
+//! The sum of a model's log densities is uncertain, because other folds might have been measured. So the folds are weighted
+//! at random (the Bayesian bootstrap, Rubin 1981), the models' weights follow from each draw, and their means are the
+//! probabilities (pseudo-BMA+; Yao, Vehtari, Simpson and Gelman 2018).
+
+use random::Stream;
+
+use crate::criteria::FOLD_WEIGHT_DRAWS;
+
+/// Probability of each model.
+///
+/// - `densities`: log density of each fold, by model; −∞ everywhere rules a model out
+/// - `priors`: prior odds
+pub(super) fn probabilities(densities: &[Vec<f64>], priors: &[f64], seed: u64) -> Vec<f64> {
+    let is_in: Vec<bool> = densities.iter().map(|of| of.iter().all(|density| density.is_finite())).collect();
+    let folds = densities.first().map_or(0, Vec::len);
+    let mut sums = vec![0.0; densities.len()];
+    let mut stream = Stream::of(seed, "weights of folds");
+    for _ in 0..FOLD_WEIGHT_DRAWS {
+        let draws: Vec<f64> = (0..folds).map(|_| -(1.0 - stream.between([0.0, 1.0])).ln()).collect();
+        let scale = folds as f64 / draws.iter().sum::<f64>();
+        let total = |of: &Vec<f64>| scale * of.iter().zip(&draws).map(|(density, draw)| density * draw).sum::<f64>();
+        let totals: Vec<f64> = densities
+            .iter()
+            .zip(&is_in)
+            .map(|(of, is_in)| if *is_in { total(of) } else { f64::NEG_INFINITY })
+            .collect();
+        let best = totals.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let weights: Vec<f64> = totals.iter().zip(priors).map(|(total, prior)| prior * (total - best).exp()).collect();
+        let all: f64 = weights.iter().sum();
+        if best.is_finite() && all > 0.0 {
+            sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight / all);
+        }
+    }
+    sums.into_iter().map(|sum| sum / FOLD_WEIGHT_DRAWS as f64).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_that_is_better_in_every_fold_is_certain_and_one_that_is_better_in_one_is_not() {
+        let even = vec![-10.0; 12];
+        let better: Vec<f64> = even.iter().map(|density| density + 1.0).collect();
+        let mut lucky = even.clone();
+        lucky[3] += 12.0;
+        let first = |other: &Vec<f64>| probabilities(&[other.clone(), even.clone()], &[1.0, 1.0], 1)[0];
+        assert!(first(&better) > 0.99, "{}", first(&better));
+        assert!((0.6..0.97).contains(&first(&lucky)), "{}", first(&lucky));
+        assert!((first(&even) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_model_that_cannot_be_is_out_and_priors_count() {
+        let (even, out) = (vec![-1.0; 4], vec![f64::NEG_INFINITY; 4]);
+        let found = probabilities(&[even.clone(), out.clone(), even], &[1.0, 1.0, 3.0], 1);
+        assert!((found[0] - 0.25).abs() < 1e-12 && found[1] == 0.0 && (found[2] - 0.75).abs() < 1e-12);
+        assert_eq!(probabilities(&[out.clone(), out], &[1.0, 1.0], 1), [0.0, 0.0]);
+    }
+}

@@ -1,0 +1,203 @@
+//! One search: every effect of the library tried beside a fitted model, the best fitted and weighed.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use effects::{Library, Model, candidates};
+use rayon::prelude::*;
+
+use super::cross_validation::{CrossValidation, Prediction};
+use super::diagnose::{OnProgress, spread, with_values};
+use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::finding::{Against, Finding};
+use super::fit::Fit;
+use super::model_weights::probabilities;
+use super::probe::Candidate;
+use super::response::{Look, Projector};
+use super::screen::Screened;
+use super::significance::null_delta_chi2;
+use super::suspect::suspects;
+use super::verdict::{Searched, Standing, least_size};
+use crate::criteria::{NAMED_PROBABILITY, NONE_MOST, RESERVED_PROBABILITY};
+
+/// One search for a missing effect.
+#[derive(Clone)]
+pub struct Round {
+    /// The model searched from, fitted.
+    pub base: Fit,
+    /// Its agreement with the calibration data.
+    pub calibration: Vec<Agreement>,
+    /// Its agreement with the held-out data; empty until the search has ended.
+    pub evaluation: Vec<Agreement>,
+    /// What it predicts of calibration data that its fit did not see.
+    pub prediction: Prediction,
+    /// Root mean square of what the closure explains beside it, in the data's unit.
+    pub closed: f64,
+    /// All effects, by name.
+    pub screened: Vec<Screened>,
+    /// The effects that were fitted, most probable first.
+    pub findings: Vec<Finding>,
+    /// Probability that none of them is the cause.
+    pub none: f64,
+    /// Standard deviation of what the best model leaves, whitened.
+    pub spread: f64,
+    /// Whether its best effect was found together with that of the next search: alone it need not be an adequate fit.
+    pub is_half: bool,
+    /// Seed of all draws.
+    pub(super) seed: u64,
+}
+
+impl Round {
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub(super) fn new(
+        evidence: &dyn Evidence,
+        (model, base): (&Model, Fit),
+        library: &Library,
+        (seed, progress): (u64, OnProgress),
+    ) -> Result<Self, EvidenceError> {
+        let projector = Projector::new(&base);
+        let look = Look { evidence, base: &base, projector: &projector };
+        let model = with_values(model, &base);
+        let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
+        let tried: Vec<Candidate> =
+            tried.filter_map(|effect| Candidate::new(evidence, &model, effect, library).ok()).collect();
+        let (count, done) = (tried.len(), AtomicUsize::new(0));
+        let screen = |candidate: Candidate| {
+            let name = candidate.name.clone();
+            let screened = Screened::new(&look, candidate);
+            progress(&name, 1 + done.fetch_add(1, Ordering::Relaxed), count);
+            screened
+        };
+        let screened: Vec<Screened> = tried.into_par_iter().map(screen).collect();
+        let fitted = suspects(evidence, &base, &screened, &|name| progress(name, count, count));
+        let best = fitted.first().map_or(&base, |best| &best.fit);
+        let spread = spread(&best.residuals);
+        let draws = null_delta_chi2(&projector, &screened, &best.residuals, &evidence.blocks(Split::Calibration), seed);
+        let calibration = evidence.agreement(&base.model, Split::Calibration)?;
+        let folds = CrossValidation::new(evidence, best);
+        let against = Against { base: &base, calibration: &calibration, draws: &draws, folds: &folds, spread };
+        let finding = |suspect| Finding::new(evidence, suspect, &against);
+        let findings = fitted.into_par_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
+        let (prediction, seed) = (folds.prediction(&base), seed);
+        Ok(Self { screened, ..Self::weighed(evidence, (base, calibration, prediction), (findings, spread), seed) })
+    }
+
+    /// From a base model with its agreement and prediction, and the effects that were fitted beside it.
+    pub(super) fn weighed(
+        evidence: &dyn Evidence,
+        (base, calibration, prediction): (Fit, Vec<Agreement>, Prediction),
+        (findings, spread): (Vec<Finding>, f64),
+        seed: u64,
+    ) -> Self {
+        let closed = prediction.closed_size(evidence);
+        let mut round = Self {
+            base,
+            calibration,
+            evaluation: Vec::new(),
+            prediction,
+            closed,
+            screened: Vec::new(),
+            findings,
+            none: 1.0,
+            spread,
+            is_half: false,
+            seed,
+        };
+        round.weigh();
+        round
+    }
+
+    /// Probabilities of the effects that are large and sure enough, and of none of them. An effect that wants to be larger
+    /// than it can be shows that something is there which none of the others describes.
+    fn weigh(&mut self) {
+        let [none, probabilities @ ..] = &self.probabilities(|finding| finding.is_admissible)[..] else { return };
+        self.none = *none;
+        for (finding, &probability) in self.findings.iter_mut().zip(probabilities) {
+            let is_cause = !finding.suspect.is_on_bound();
+            finding.probability = match finding.reserve {
+                _ if !is_cause => 0.0,
+                Some(_) => probability.min(RESERVED_PROBABILITY),
+                None => probability,
+            };
+            self.none += if is_cause { 0.0 } else { probability };
+        }
+        self.findings
+            .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
+    }
+
+    /// Probability of no effect, then of each that is let in.
+    fn probabilities(&self, lets_in: impl Fn(&Finding) -> bool) -> Vec<f64> {
+        let densities = |finding: &Finding| match lets_in(finding) {
+            true => finding.prediction.densities.clone(),
+            false => vec![f64::NEG_INFINITY; self.prediction.densities.len()],
+        };
+        let densities: Vec<Vec<f64>> =
+            std::iter::once(self.prediction.densities.clone()).chain(self.findings.iter().map(densities)).collect();
+        let priors: Vec<f64> =
+            std::iter::once(1.0).chain(self.findings.iter().map(|finding| finding.suspect.prior())).collect();
+        probabilities(&densities, &priors, self.seed)
+    }
+
+    /// The model searched from, as a link of a chain of searches.
+    pub(super) fn as_searched(&self) -> Searched {
+        let (calibration, evaluation) = (self.calibration.clone(), self.evaluation.clone());
+        Searched { calibration, evaluation, closed: self.closed, probability: 1.0 }
+    }
+
+    /// Opens the held-out data for the model searched from and the effect that was found.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated.
+    pub(super) fn open_held_out(&mut self, evidence: &dyn Evidence) -> Result<(), EvidenceError> {
+        self.evaluation = evidence.agreement(&self.base.model, Split::Evaluation)?;
+        let found = self.nameable().map(|found| evidence.agreement(&found.suspect.fit.model, Split::Evaluation));
+        if let Some(agreement) = found.transpose()? {
+            self.findings[0].evaluation = agreement;
+        }
+        Ok(())
+    }
+
+    /// The model searched from, as it stands.
+    pub(super) fn standing(&self) -> Standing<'_> {
+        Standing { calibration: &self.calibration, evaluation: &self.evaluation, closed: self.closed }
+    }
+
+    /// The most probable effect that is large and sure enough.
+    pub fn best(&self) -> Option<&Finding> {
+        self.findings.first().filter(|finding| finding.is_admissible && finding.probability > 0.0)
+    }
+
+    /// The best, unless most likely none of the effects is the cause.
+    pub(super) fn nameable(&self) -> Option<&Finding> {
+        self.best().filter(|_| self.is_half || self.none < NONE_MOST)
+    }
+
+    /// The effect that shows and no other like it, where it is too small to be named.
+    pub fn hint(&self) -> Option<&Finding> {
+        let is_real = |finding: &Finding| finding.size > 0.0;
+        let probabilities = self.probabilities(is_real);
+        let shown = self.findings.iter().zip(&probabilities[1..]);
+        let is_hint = |(finding, probability): &(&Finding, &f64)| {
+            !finding.is_admissible && finding.reserve.is_none() && **probability >= NAMED_PROBABILITY
+        };
+        shown.into_iter().find(is_hint).map(|(finding, _)| finding)
+    }
+
+    /// Whether odds of an effect against the best one are too near to decide.
+    pub(super) fn is_near(&self, finding: &Finding) -> bool {
+        let most = self.best().map_or(0.0, |best| best.probability);
+        finding.probability * NAMED_PROBABILITY >= most * (1.0 - NAMED_PROBABILITY) && finding.probability > 0.0
+    }
+
+    /// Effects that the data cannot distinguish from the best.
+    pub fn look_alikes(&self) -> Vec<&Finding> {
+        let Some(best) = self.best() else { return Vec::new() };
+        let is_other = |finding: &&Finding| finding.suspect.name() != best.suspect.name();
+        self.findings.iter().filter(is_other).filter(|finding| self.is_near(finding)).collect()
+    }
+
+    /// The size from which an effect beside this model is named, in the data's unit.
+    pub fn least_size(&self) -> f64 {
+        least_size(&self.calibration)
+    }
+}

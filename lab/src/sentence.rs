@@ -1,0 +1,74 @@
+//! A verdict in a sentence.
+
+use super::diagnose::Diagnosis;
+use super::evidence::ErrorUnit;
+use super::finding::Finding;
+use super::summary::{EffectSummary, parameter_summary, significant};
+use super::verdict::Verdict;
+use crate::criteria::NEAREST_SHARE;
+
+/// A hint in words: what shows, how large it is, and what would make sure.
+fn hint_words((hint, least): (&Finding, f64), diagnosis: &Diagnosis, unit: ErrorUnit) -> String {
+    let name = hint.suspect.name();
+    let estimates = hint.suspect.fit.estimates(diagnosis.rounds[0].spread);
+    let own = estimates.iter().filter(|estimate| estimate.coordinate.slot.owner == name);
+    let values: Vec<String> = own.map(|estimate| parameter_summary(estimate).shown()).collect();
+    let [size, least] = [hint.size, least].map(|size| significant(size * unit.per_one()));
+    let symbol = unit.symbol();
+    format!(
+        "{name} shows, but is too small to be named: {}. It changes {size} {symbol}, and from {least} {symbol} on it would \
+         be named: passes in which it is that much stronger would make sure.",
+        values.join("; ")
+    )
+}
+
+pub(super) fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[EffectSummary]) -> String {
+    let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_str()).collect();
+    let first = effects.first();
+    let reserve = diagnosis.found().first().and_then(|found| found.reserve);
+    let alike = first.map_or(String::new(), |effect| effect.indistinguishable_from.join(", "));
+    match diagnosis.verdict {
+        Verdict::Identified => {
+            let named: Vec<String> = effects.iter().map(with_values).collect();
+            format!("The model lacks {}.", named.join(" and "))
+        }
+        Verdict::Ambiguous => format!(
+            "The model lacks {} or an effect that these data cannot tell from it{}{}.",
+            names.first().unwrap_or(&"an effect"),
+            if alike.is_empty() { String::new() } else { format!(" ({alike})") },
+            reserve.map_or(String::new(), |reserve| format!(": {}", reserve.words()))
+        ),
+        Verdict::Partly => format!("The model lacks {}, and more that was not found.", names.join(" and ")),
+        Verdict::Unknown => {
+            format!("Something is missing that no effect of the library describes.{}", nearest(diagnosis))
+        }
+        Verdict::Hint => diagnosis.hint().map_or(String::new(), |hint| hint_words(hint, diagnosis, unit)),
+        Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
+        Verdict::NotTestable if diagnosis.misses_held_out() => {
+            "The calibration passes show nothing that is missing, but the model misses the held-out passes: passes that \
+             differ as much must calibrate it."
+                .to_owned()
+        }
+        Verdict::NotTestable => "These data cannot show most effects: nothing can be said.".to_owned(),
+    }
+}
+
+/// An effect with its values and their intervals.
+fn with_values(effect: &EffectSummary) -> String {
+    let values: Vec<String> = effect.parameters.values().map(|parameter| parameter.shown()).collect();
+    format!("{}: {}", effect.name, values.join("; "))
+}
+
+/// The effect that comes nearest to what is missing, where it explains a good part of it.
+fn nearest(diagnosis: &Diagnosis) -> String {
+    let Some(first) = diagnosis.rounds.first() else { return String::new() };
+    let excess = first.base.chi2 - first.base.residuals.len() as f64;
+    let explained = |finding: &Finding| (first.base.chi2 - finding.suspect.fit.chi2) / excess;
+    let best = first.findings.iter().max_by(|a, b| a.prediction.total().total_cmp(&b.prediction.total()));
+    match best.map(|best| (best.suspect.name(), explained(best))) {
+        Some((name, share)) if excess > 0.0 && share >= NEAREST_SHARE => {
+            format!(" The nearest is {name}, which explains {:.0} % of it.", 100.0 * share.min(1.0))
+        }
+        _ => String::new(),
+    }
+}

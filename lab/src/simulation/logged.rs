@@ -1,0 +1,112 @@
+//! A logged pass as the path that a simulation follows: where the controller took over, and where the tool was lifted.
+
+use glam::DVec3;
+use sim::pass::TOUCH;
+use sim::{Path, PathError, PathSample};
+use trials::trial::{Contact, Pass, Tool, ToolPath, ToolPose, Trial};
+
+/// Rows of a log that tell how fast the tool came down: so many that the jitter of one counts little.
+const DESCENT_ROWS: usize = 8;
+
+/// By how many rows of its log a pass begins and ends later than assumed: each end lies between two rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassEnds {
+    /// The controller takes over.
+    pub taken_over: f64,
+    /// The tool is lifted off.
+    pub lifted: f64,
+}
+
+/// What a log tells of a pass.
+pub(super) struct LoggedPass {
+    poses: ToolPath,
+    /// When the controller had taken over [s].
+    pub(super) taken_over: f64,
+    end: Option<ToolPose>,
+}
+
+impl LoggedPass {
+    pub(super) fn new(pass: &Pass, tool: &Tool, ends: PassEnds) -> Self {
+        let poses = ToolPath::of(&pass.log, tool, pass.force_setpoint);
+        let row = row_period(&poses);
+        let taken_over = (handed_over(&poses, pass.force_setpoint) + ends.taken_over * row).max(0.0);
+        let contact = contact(&poses);
+        let end = lifted_off(&poses, contact, ends.lifted * row).filter(|end| end.time > contact.end);
+        Self { poses, taken_over, end }
+    }
+
+    /// The logged path up to the end of contact. A controller finds its own height from when it took over: its path stays
+    /// at the height to which the tool had come down.
+    pub(super) fn path(&self, trial: &Trial, tool: &sim::Tool, controller: sim::Controller) -> Result<Path, PathError> {
+        let touch = come_down(&self.poses, self.taken_over);
+        let contact = contact(&self.poses);
+        let poses = self.poses.poses.iter().take_while(|pose| pose.time <= contact.end).chain(&self.end);
+        let samples = poses.map(|pose| {
+            let leads = controller == sim::Controller::Replay || pose.time < self.taken_over;
+            let height = if leads { 0.0 } else { (pose.centre - touch).dot(pose.approach) };
+            let across = match trial.tool {
+                Tool::Wheel { .. } => pose.axis,
+                Tool::Pad { .. } => DVec3::Y.reject_from_normalized(pose.approach).normalize(),
+            };
+            PathSample::from_centre(pose.time, pose.centre - pose.approach * height, (pose.approach, across), tool)
+        });
+        Path::from_samples(samples.collect())
+    }
+}
+
+fn contact(logged: &ToolPath) -> Contact {
+    logged.contact.unwrap_or(Contact { start: 0.0, end: f64::INFINITY })
+}
+
+/// Mean time between two rows [s].
+fn row_period(logged: &ToolPath) -> f64 {
+    match &logged.poses[..] {
+        [first, .., last] => (last.time - first.time) / (logged.poses.len() - 1) as f64,
+        _ => 0.0,
+    }
+}
+
+/// Time [s] from the end of a pass's path, `simulated` [s] after its first row, to the first row of the pass after it. A log
+/// whose clock starts again does not tell of the pause between them.
+pub(super) fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
+    let times =
+        |pass: &Pass| pass.log.rows.first().zip(pass.log.rows.last()).map(|(first, last)| (first.time, last.time));
+    let (Some((first, last)), Some((next, _))) = (times(pass), times(after)) else { return 0.0 };
+    (next - last).max(0.0) + (last - first - simulated).max(0.0)
+}
+
+/// When the controller had taken over [s]: the first row after the touch whose force exceeds [`TOUCH`] of the setpoint. Until
+/// then the robot comes down; a start some milliseconds early leaves the tool too low for a good part of the way.
+fn handed_over(logged: &ToolPath, force_setpoint: f64) -> f64 {
+    let Some(contact) = logged.contact else { return 0.0 };
+    let presses = |pose: &&ToolPose| pose.time >= contact.start && pose.force > TOUCH * force_setpoint;
+    logged.poses.iter().find(presses).map_or(contact.start, |pose| pose.time)
+}
+
+/// Where a tool that comes down as the last rows before `time` [s] say would be then [m]: of the row at that time, the
+/// controller knows more than of the way down.
+fn come_down(logged: &ToolPath, time: f64) -> DVec3 {
+    let end = logged.poses.partition_point(|pose| pose.time < time);
+    let rows = &logged.poses[end.saturating_sub(DESCENT_ROWS)..end];
+    match rows {
+        [first, .., last] => {
+            let speed = (last.centre - first.centre).dot(last.approach) / (last.time - first.time);
+            last.centre + last.approach * speed * (time - last.time)
+        }
+        _ => logged.at(time).centre,
+    }
+}
+
+/// The pose in which the tool was lifted off, between the last row in contact and the first off the part: the line on which
+/// it rose begins there. `None` where a log ends in contact or shows no rise.
+///
+/// - `later`: by how much it rose later than on that line [s]
+fn lifted_off(logged: &ToolPath, contact: Contact, later: f64) -> Option<ToolPose> {
+    let off = logged.poses.partition_point(|pose| pose.time <= contact.end);
+    let [before, last, off, after] = logged.poses.get(off.checked_sub(2)?..off + 2)? else { return None };
+    let along = (last.centre - before.centre) / (last.time - before.time);
+    let speed = (after.centre - off.centre).dot(last.approach) / (after.time - off.time);
+    let rise = (off.centre - last.centre).dot(last.approach);
+    let time = later + (speed > 0.0).then(|| (off.time - rise / speed).clamp(last.time, off.time))?;
+    Some(ToolPose { time, centre: last.centre + along * (time - last.time), ..*last })
+}
