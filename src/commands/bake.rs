@@ -7,7 +7,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
 
-use super::flags::{JOBS, MESH, MeshFlags, OutFlags, whole};
+use super::flags::{JOBS, MESH, MeshFlags, OutFlags};
+use super::values::whole;
 use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
 use crate::console::Console;
@@ -35,7 +36,13 @@ pub(super) struct BakeArgs {
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Meshes at once in a folder; the results do not depend on it, and neither does the limit of memory for fields.
-    #[arg(long, value_name = "J", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<usize>(JOBS))]
+    #[arg(
+        long,
+        value_name = "J",
+        default_value_t = 1,
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>(JOBS)
+    )]
     jobs: usize,
     #[command(flatten, next_help_heading = MESH)]
     mesh: MeshFlags,
@@ -64,10 +71,10 @@ struct Failure<'a> {
 pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
     let wishes = FieldWishes {
         unit: args.mesh.unit.into(),
-        fineness: args.mesh.fineness()?,
-        band_voxels: args.mesh.band_voxels()?,
+        fineness: args.mesh.fineness(),
+        band_voxels: args.mesh.band,
         sign: args.mesh.sign.into(),
-        shell: args.mesh.shell()?,
+        shell: args.mesh.shell(),
     };
     match args.meshes.as_slice() {
         [mesh] if !mesh.is_dir() && !args.resume => bake_one(mesh, &wishes, &args.out, console),

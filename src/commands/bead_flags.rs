@@ -1,10 +1,10 @@
 //! Flags of a bead's section and form.
 
-use anyhow::Result;
 use clap::{Args, ValueEnum};
 use weldgen::bead::{BeadShape, Crater, FormRequest, MOST_DEFECTS, MOST_HOLES, Ripples, Weave};
 
-use super::flags::{optional_mm, whole, within};
+use super::flags::metres;
+use super::values::{number, positive, whole};
 
 /// Heading of the help for a bead's sizes.
 pub(super) const BEAD: &str = "Bead";
@@ -20,37 +20,100 @@ pub(super) struct BeadFlags {
     #[arg(long, value_enum, default_value_t, help_heading = BEAD)]
     profile: ProfileFlag,
     /// Rise of a fillet's face above the chord between its toes [widths]; below 0 it is concave.
-    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = BEAD)]
+    #[arg(
+        long,
+        value_name = "WIDTHS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_parser = number([-0.2, 0.25]),
+        help_heading = BEAD
+    )]
     pub(super) convexity: f64,
     /// Least radius of the toes in the field [mm]; without it they are sharp.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = BEAD)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, help_heading = BEAD)]
     toe_radius_mm: Option<f64>,
     /// Distance between ripples [mm]; without it there are none.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, help_heading = FORM)]
     ripple_pitch_mm: Option<f64>,
     /// Height of ripples from trough to crest [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.1, allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "HEIGHTS",
+        default_value_t = 0.1,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 0.5]),
+        help_heading = FORM
+    )]
     ripple_height: f64,
     /// How far ripples trail behind at the toes [bead widths].
-    #[arg(long, value_name = "WIDTHS", default_value_t = 0.4, allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "WIDTHS",
+        default_value_t = 0.4,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 1.0]),
+        help_heading = FORM
+    )]
     ripple_chevron: f64,
     /// Depth of the end crater [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "HEIGHTS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 0.8]),
+        help_heading = FORM
+    )]
     crater: f64,
     /// Height of the hump at the start beyond the bead [bead heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "HEIGHTS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 0.5]),
+        help_heading = FORM
+    )]
     start_hump: f64,
     /// Largest offset of weaving to the sides [mm].
-    #[arg(long, value_name = "MM", requires = "weave_pitch_mm", allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "MM",
+        requires = "weave_pitch_mm",
+        allow_negative_numbers = true,
+        value_parser = positive,
+        help_heading = FORM
+    )]
     weave_mm: Option<f64>,
     /// Length of one swing to and fro [mm].
-    #[arg(long, value_name = "MM", requires = "weave_mm", allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "MM",
+        requires = "weave_mm",
+        allow_negative_numbers = true,
+        value_parser = positive,
+        help_heading = FORM
+    )]
     weave_pitch_mm: Option<f64>,
     /// Largest slow change of the bead's width [widths].
-    #[arg(long, value_name = "WIDTHS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "WIDTHS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 0.3]),
+        help_heading = FORM
+    )]
     width_variation: f64,
     /// Largest slow change of the bead's height [heights].
-    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.0, allow_negative_numbers = true, help_heading = FORM)]
+    #[arg(
+        long,
+        value_name = "HEIGHTS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 0.3]),
+        help_heading = FORM
+    )]
     height_variation: f64,
     /// Number of surface pores (ISO 6520-1: 2017).
     #[arg(
@@ -68,6 +131,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
+        value_parser = number([0.0, 0.7]),
         help_heading = IMPERFECTIONS
     )]
     sagging: f64,
@@ -77,6 +141,7 @@ pub(super) struct BeadFlags {
         value_name = "WIDTHS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
+        value_parser = number([0.0, 0.3]),
         help_heading = IMPERFECTIONS
     )]
     overlap: f64,
@@ -86,6 +151,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
+        value_parser = number([0.0, 0.5]),
         help_heading = IMPERFECTIONS
     )]
     undercut: f64,
@@ -138,32 +204,27 @@ impl BeadFlags {
     }
 
     /// Least radius of the toes [m].
-    pub(super) fn toe_radius(&self) -> Result<Option<f64>> {
-        optional_mm("--toe-radius-mm", self.toe_radius_mm)
+    pub(super) fn toe_radius(&self) -> Option<f64> {
+        metres(self.toe_radius_mm)
     }
 
     /// The form asked for; what depends on the bead's width is checked when that is known.
-    pub(super) fn request(&self) -> Result<FormRequest> {
-        within("--convexity", self.convexity, (-0.2, 0.25))?;
-        let pitch = optional_mm("--ripple-pitch-mm", self.ripple_pitch_mm)?;
-        let height = within("--ripple-height", self.ripple_height, (0.0, 0.5))?;
-        let chevron = within("--ripple-chevron", self.ripple_chevron, (0.0, 1.0))?;
-        let depth = within("--crater", self.crater, (0.0, 0.8))?;
-        let hump = within("--start-hump", self.start_hump, (0.0, 0.5))?;
-        let weave = optional_mm("--weave-mm", self.weave_mm)?;
-        let swing = optional_mm("--weave-pitch-mm", self.weave_pitch_mm)?;
-        Ok(FormRequest {
-            ripples: pitch.map(|pitch| Ripples { pitch, height, chevron }),
-            crater: (depth > 0.0 || hump > 0.0).then_some(Crater { depth, hump }),
-            weave: weave.zip(swing).map(|(amplitude, pitch)| Weave { amplitude, pitch }),
-            width_variation: within("--width-variation", self.width_variation, (0.0, 0.3))?,
-            height_variation: within("--height-variation", self.height_variation, (0.0, 0.3))?,
+    pub(super) fn request(&self) -> FormRequest {
+        let (height, chevron) = (self.ripple_height, self.ripple_chevron);
+        let crater = Crater { depth: self.crater, hump: self.start_hump };
+        let weave = metres(self.weave_mm).zip(metres(self.weave_pitch_mm));
+        FormRequest {
+            ripples: metres(self.ripple_pitch_mm).map(|pitch| Ripples { pitch, height, chevron }),
+            crater: (crater.depth > 0.0 || crater.hump > 0.0).then_some(crater),
+            weave: weave.map(|(amplitude, pitch)| Weave { amplitude, pitch }),
+            width_variation: self.width_variation,
+            height_variation: self.height_variation,
             pores: self.pores,
-            sagging: within("--sagging", self.sagging, (0.0, 0.7))?,
+            sagging: self.sagging,
             spatter: self.spatter,
-            overlap: within("--overlap", self.overlap, (0.0, 0.3))?,
-            undercut: within("--undercut", self.undercut, (0.0, 0.5))?,
+            overlap: self.overlap,
+            undercut: self.undercut,
             burn_through: self.burn_through,
-        })
+        }
     }
 }

@@ -8,7 +8,8 @@ use effects::Library;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::flags::{SEEDS, whole};
+use super::flags::SEEDS;
+use super::values::whole;
 use crate::console::Console;
 use benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
 use files::folder::{check_writable, write_file};

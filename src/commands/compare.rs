@@ -7,8 +7,9 @@ use clap::Args;
 use effects::CompiledModel;
 use sdf_bake::PixelGrid;
 
-use super::flags::{OutFlags, SEEDS, whole};
+use super::flags::{OutFlags, SEEDS};
 use super::model_flags::ModelFlags;
+use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
 use files::folder::StagedFolder;
@@ -38,18 +39,23 @@ pub(super) struct CompareArgs {
     #[command(flatten)]
     model: ModelFlags,
     /// Section through all scans: across the bead at an x, such as x=20mm, or along it at a y; may be repeated.
-    #[arg(long = "section", value_name = "x=MM")]
-    sections: Vec<String>,
+    #[arg(long = "section", value_name = "x=MM", value_parser = parse_section)]
+    sections: Vec<Direction>,
     /// Seed of the draws that tell structure from chance.
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        allow_negative_numbers = true,
+        value_parser = whole::<u64>(SEEDS)
+    )]
     seed: u64,
 }
 
 /// Runs the verb.
 pub(super) fn run(args: &CompareArgs, console: &Console) -> Result<()> {
     let folder = StagedFolder::new(&args.out.beside(&args.model.inputs(&args.campaign)), &COMPARISON)?;
-    let lines: Vec<Direction> = args.sections.iter().map(|text| line(text)).collect::<Result<_>>()?;
-    let asked = Asked { folder: &args.campaign, lines: &lines, seed: args.seed };
+    let asked = Asked { folder: &args.campaign, lines: &args.sections, seed: args.seed };
     let is_table = args.campaign.join(TABLE_FILE).is_file();
     let (comparison, report) =
         if is_table { of_rows(args, &asked, console)? } else { of_scans(args, &asked, console)? };
@@ -69,7 +75,7 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
     let campaign = Campaign::read(&args.campaign)?;
     let maps = campaign.trials.iter().map(|trial| &trial.scans.before.pixels);
     for pixels in maps {
-        asked.lines.iter().zip(&args.sections).try_for_each(|(line, text)| check(*line, text, pixels))?;
+        args.sections.iter().try_for_each(|section| check(*section, pixels))?;
     }
     let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
     console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
@@ -81,8 +87,8 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
 }
 
 fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comparison, StudyReport)> {
-    if let Some(text) = args.sections.first() {
-        return Err(wrong_use(format!("--section {text}: a table has no sections")));
+    if !args.sections.is_empty() {
+        return Err(wrong_use("--section: a table has no sections".to_owned()));
     }
     let table = Table::read(&args.campaign)?;
     let evidence = RowEvidence::new(&table)?;
@@ -93,9 +99,9 @@ fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comp
     Ok(compare_rows(&evidence, &CompiledModel::new(&model, &library, evidence.rows())?, asked)?)
 }
 
-/// The section that a flag asks for.
-fn line(text: &str) -> Result<Direction> {
-    let bad = || wrong_use(format!("--section {text}: x=20mm or y=-3mm is expected"));
+/// `x=20mm` or `y=-3mm`.
+fn parse_section(text: &str) -> Result<Direction, String> {
+    let bad = || "x=20mm or y=-3mm is expected".to_owned();
     let (axis, place) = text.split_once('=').ok_or_else(bad)?;
     let number = place.trim().trim_end_matches("mm").trim();
     let place = number.parse::<f64>().ok().filter(|place| place.is_finite()).ok_or_else(bad)? * 1e-3;
@@ -107,9 +113,9 @@ fn line(text: &str) -> Result<Direction> {
 }
 
 /// Refuses a section beside the map.
-fn check(line: Direction, text: &str, pixels: &PixelGrid) -> Result<()> {
+fn check(section: Direction, pixels: &PixelGrid) -> Result<()> {
     let last = pixels.position(pixels.nx - 1, pixels.ny - 1);
-    let (axis, place, low, high) = match line {
+    let (axis, place, low, high) = match section {
         Direction::Across(x) => ("x", x, pixels.origin.x, last.x),
         Direction::Along(y) => ("y", y, pixels.origin.y, last.y),
         Direction::AlongCrest => return Ok(()),
@@ -117,8 +123,8 @@ fn check(line: Direction, text: &str, pixels: &PixelGrid) -> Result<()> {
     if (low - 0.5 * pixels.pitch..=high + 0.5 * pixels.pitch).contains(&place) {
         return Ok(());
     }
-    let (low, high) = (low * 1e3, high * 1e3);
-    Err(wrong_use(format!("--section {text}: the scans reach from {axis} = {low:.2} mm to {high:.2} mm")))
+    let (place, low, high) = (place * 1e3, low * 1e3, high * 1e3);
+    Err(wrong_use(format!("--section {axis}={place:.2}mm: the scans reach from {axis} = {low:.2} mm to {high:.2} mm")))
 }
 
 fn describe(comparison: &Comparison, console: &Console) {

@@ -8,8 +8,9 @@ use clap::{ArgMatches, Args, Subcommand};
 use serde::Serialize;
 
 use super::dataset_images::{self, ImagesArgs};
-use super::flags::{JOBS, LIMITS, RUNS, whole};
+use super::flags::{JOBS, LIMITS, RUNS};
 use super::item_flags::{ITEMS, ItemFlags};
+use super::values::whole;
 use crate::cache::find_meshes;
 use crate::console::Console;
 use crate::dataset::item::Ending;
@@ -18,7 +19,6 @@ use crate::dataset::plan::Shard;
 use crate::dataset::progress::{Progress, Summary};
 use crate::dataset::run::{Outcome, Run};
 use crate::dataset::{Catalogue, Dataset, Plan};
-use crate::wrong_use;
 
 /// Items of one part that are accepted; their names have four digits.
 const MOST_PER_PART: u64 = 10_000;
@@ -80,8 +80,8 @@ pub(super) struct DatasetArgs {
     )]
     limit: Option<usize>,
     /// The i-th of n shares, for several machines.
-    #[arg(long, value_name = "i/n", allow_hyphen_values = true, help_heading = RUNS)]
-    shard: Option<String>,
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard, help_heading = RUNS)]
+    shard: Option<Shard>,
     /// Items at once [default: all cores].
     #[arg(
         long,
@@ -119,7 +119,7 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     // Without a word in front the parser insists on it.
     let out = args.out.as_deref().unwrap_or(Path::new(""));
     let jobs = jobs(args.jobs);
-    let (wishes, limits) = (args.items.wishes()?, args.items.limits()?);
+    let (wishes, limits) = (args.items.wishes(), args.items.limits());
     let flags = ItemFlags::given(matches);
     let sources = args.sources.iter().map(|place| place.to_string_lossy().into_owned()).collect();
     let recipe = args.items.recipe(&wishes, &flags, sources)?;
@@ -186,16 +186,20 @@ pub(super) fn jobs(asked: Option<usize>) -> usize {
     asked.unwrap_or_else(cores)
 }
 
+fn shard(text: &str) -> Result<Shard, String> {
+    Shard::parse(text).ok_or_else(|| "i/n is accepted, with i from 1 to n, for example 2/3".to_owned())
+}
+
 fn plan(args: &DatasetArgs) -> Result<Plan> {
-    let shard = match args.shard.as_deref() {
-        None => Shard::WHOLE,
-        Some(text) => Shard::parse(text).ok_or_else(|| {
-            wrong_use(format!("--shard {text}: i/n is accepted, with i from 1 to n, for example 2/3"))
-        })?,
-    };
     let indices = args.item.map_or(0..args.per_part, |item| item..item + 1);
     let sources = find_meshes(&args.sources)?;
-    Ok(Plan::new(sources, args.items.unit(), indices, args.limit.unwrap_or(usize::MAX), shard))
+    Ok(Plan::new(
+        sources,
+        args.items.unit(),
+        indices,
+        args.limit.unwrap_or(usize::MAX),
+        args.shard.unwrap_or(Shard::WHOLE),
+    ))
 }
 
 fn describe(plan: &Plan) -> String {

@@ -24,7 +24,7 @@ pub(super) struct DatasetImageArgs {
 }
 
 pub(super) fn run(args: &DatasetImageArgs) -> Result<()> {
-    args.limits.limits()?.bind()?;
+    args.limits.limits().bind()?;
     let set = ImageSet::open(&args.out)?;
     let ending = make(&set, &args.id);
     println!("{}", serde_json::to_string(&Answer { ending, usage: Usage::now() })?);

@@ -8,8 +8,10 @@ use clap::Args;
 use serde::Serialize;
 
 use super::dataset::{jobs, tell};
-use super::flags::{JOBS, LIMITS, RUNS, SEEDS, whole, within};
+use super::flags::{JOBS, LIMITS, RUNS, SEEDS};
+use super::item_flags::{GIGABYTES, SECONDS};
 use super::render::parse_size;
+use super::values::{number, whole};
 use crate::console::Console;
 use crate::dataset::limits::Limits;
 use crate::dataset::progress::Summary;
@@ -82,10 +84,17 @@ pub(super) struct ImagesArgs {
     )]
     stages: u32,
     /// Width and height of the images [pixels].
-    #[arg(long, default_value = "640x480", help_heading = CONTENTS)]
-    size: String,
+    #[arg(long, default_value = "640x480", value_parser = parse_size, help_heading = CONTENTS)]
+    size: (usize, usize),
     /// Distance between voxels of bracket and panel [mm]; assets have their own.
-    #[arg(long, value_name = "MM", default_value_t = 0.6, allow_negative_numbers = true, help_heading = CONTENTS)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 0.6,
+        allow_negative_numbers = true,
+        value_parser = number([0.1, 5.0]),
+        help_heading = CONTENTS
+    )]
     voxel_mm: f64,
     /// At most so many images, with every state of the coating, workpiece, placement and split in its share of the set;
     /// a larger limit with --resume adds to those that are there.
@@ -126,7 +135,14 @@ const USUAL_LIMITS: (f64, f64) = (600.0, 4.0);
 #[derive(Clone, Debug, Args)]
 pub(super) struct LimitFlags {
     /// Time by the clock that an image or simulation may take [s].
-    #[arg(long, value_name = "s", default_value_t = USUAL_LIMITS.0, allow_negative_numbers = true, help_heading = RUNS)]
+    #[arg(
+        long,
+        value_name = "s",
+        default_value_t = USUAL_LIMITS.0,
+        allow_negative_numbers = true,
+        value_parser = number(SECONDS),
+        help_heading = RUNS
+    )]
     time_limit: f64,
     /// Memory that the process of one may ask for [GB].
     #[arg(
@@ -134,6 +150,7 @@ pub(super) struct LimitFlags {
         value_name = "GB",
         default_value_t = USUAL_LIMITS.1,
         allow_negative_numbers = true,
+        value_parser = number(GIGABYTES),
         help_heading = RUNS
     )]
     memory_limit: f64,
@@ -145,10 +162,8 @@ impl LimitFlags {
         Self { time_limit: USUAL_LIMITS.0, memory_limit: USUAL_LIMITS.1 }
     }
 
-    pub(super) fn limits(&self) -> Result<Limits> {
-        let time = within("--time-limit", self.time_limit, (0.1, 1e6))?;
-        let memory = within("--memory-limit", self.memory_limit, (0.1, 1e4))?;
-        Ok(Limits { time, memory: (memory * 1e9) as u64 })
+    pub(super) fn limits(&self) -> Limits {
+        Limits { time: self.time_limit, memory: (self.memory_limit * 1e9) as u64 }
     }
 }
 
@@ -169,7 +184,7 @@ struct PlanAnswer<'a> {
 }
 
 pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
-    let (jobs, limits, recipe) = (jobs(args.jobs), args.limits.limits()?, args.recipe()?);
+    let (jobs, limits, recipe) = (jobs(args.jobs), args.limits.limits(), args.recipe()?);
     let steps = args.steps(&recipe)?;
     let [workpieces, sandings, images] = steps.each_ref().map(Vec::len);
     console.step("plan", format!("{images} images from {sandings} simulations on {workpieces} workpieces"));
@@ -204,9 +219,8 @@ pub(super) fn make(run: &ImageRun, steps: &[Vec<Task>; 3], console: &Console) ->
 
 impl ImagesArgs {
     fn recipe(&self) -> Result<ImageRecipe> {
-        let voxel_mm = within("--voxel-mm", self.voxel_mm, (0.1, 5.0))?;
-        let workpieces: Vec<Coated> =
-            self.workpieces.iter().map(|word| Coated::named(word, voxel_mm)).collect::<Result<_>>()?;
+        let coated = self.workpieces.iter().map(|word| Coated::named(word, self.voxel_mm));
+        let workpieces: Vec<Coated> = coated.collect::<Result<_>>()?;
         let twice = |name: &str| workpieces.iter().filter(|coated| coated.name == name).count() > 1;
         if let Some(coated) = workpieces.iter().find(|coated| twice(&coated.name)) {
             return Err(wrong_use(format!("--workpieces: {} is named twice", coated.name)));
@@ -222,8 +236,8 @@ impl ImagesArgs {
             placements: self.placements,
             patterns,
             stages: self.stages,
-            size: parse_size(&self.size)?,
-            voxel_mm,
+            size: self.size,
+            voxel_mm: self.voxel_mm,
         })
     }
 

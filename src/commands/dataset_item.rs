@@ -26,9 +26,9 @@ pub(super) struct DatasetItemArgs {
 }
 
 pub(super) fn run(args: &DatasetItemArgs) -> Result<()> {
-    args.items.limits()?.bind()?;
+    args.items.limits().bind()?;
     let dataset = Dataset::open(&args.out)?;
-    let ending = make(&dataset, &args.source, &args.id, &args.items.wishes()?);
+    let ending = make(&dataset, &args.source, &args.id, &args.items.wishes());
     println!("{}", serde_json::to_string(&Answer { ending, usage: Usage::now() })?);
     Ok(())
 }

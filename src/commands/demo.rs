@@ -11,8 +11,9 @@ use serde::Serialize;
 use sim::Wheel;
 use weldgen::Placement;
 
-use super::flags::{SEEDS, whole};
+use super::flags::SEEDS;
 use super::study::STUDY_NAMES;
+use super::values::whole;
 use crate::asset::{self, ASSET_NAMES, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
 use crate::finishing::{self, GRIND_FILE, GROUND_NAMES, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};

@@ -6,8 +6,9 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use super::flags::{OutFlags, SEEDS, whole};
+use super::flags::{OutFlags, SEEDS};
 use super::model_flags::ModelFlags;
+use super::values::whole;
 use crate::console::Console;
 use files::folder::StagedFolder;
 use files::output::FolderKind;

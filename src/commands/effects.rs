@@ -88,8 +88,8 @@ struct AddArgs {
     /// Name of the effect.
     name: String,
     /// A parameter's value with its unit; may be given several times [default: typical values].
-    #[arg(long, value_name = "PARAMETER=VALUE")]
-    set: Vec<String>,
+    #[arg(long, value_name = "PARAMETER=VALUE", value_parser = parse_setting)]
+    set: Vec<(String, String)>,
     #[command(flatten)]
     own: OwnFlags,
 }
@@ -194,12 +194,14 @@ fn fits(effect: &Effect, library: &Library) -> Result<(), ModelError> {
 
 fn add(args: &AddArgs, console: &Console) -> Result<()> {
     let library = args.own.library()?;
-    let given = args.set.iter().map(|set| match set.split_once('=') {
-        Some((name, value)) => Ok((name.trim().to_owned(), value.trim().to_owned())),
-        None => Err(wrong_use(format!("--set {set}: PARAMETER=VALUE is expected, such as dulling_volume=350 mm^3"))),
-    });
-    let given = given.collect::<Result<Vec<_>>>()?;
-    change(&args.model, console, |source| Model::add_to_text(source, &args.name, &given, &library))
+    change(&args.model, console, |source| Model::add_to_text(source, &args.name, &args.set, &library))
+}
+
+fn parse_setting(text: &str) -> Result<(String, String), String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or_else(|| "PARAMETER=VALUE is expected, such as dulling_volume=350 mm^3".to_owned())?;
+    Ok((name.trim().to_owned(), value.trim().to_owned()))
 }
 
 fn remove(args: &RemoveArgs, console: &Console) -> Result<()> {

@@ -5,7 +5,8 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, Parser};
 use sdf_bake::read::UnitChoice;
 
-use super::flags::{MESH, MeshFlags, RUNS, SEEDS, whole, within};
+use super::flags::{MESH, MeshFlags, RUNS, SEEDS, solid_only};
+use super::values::{number, whole};
 use super::weld::WeldFlags;
 use crate::dataset::item::ItemWishes;
 use crate::dataset::limits::Limits;
@@ -19,9 +20,14 @@ const PREVIEW_SIZE: (usize, usize) = (320, 240);
 
 /// Heading of the help for what decides items.
 pub(super) const ITEMS: &str = "Items";
+/// Time that an item may be given [s].
+pub(super) const SECONDS: [f64; 2] = [0.1, 1e6];
+/// Memory that an item may be given [GB].
+pub(super) const GIGABYTES: [f64; 2] = [0.1, 1e4];
 
 /// What decides an item beside its part and its number, and what its process may use.
 #[derive(Clone, Debug, Args)]
+#[command(mut_arg("shell_mm", solid_only))]
 pub(super) struct ItemFlags {
     /// Seed of the set; each item's own follows from it, the part's content and the item's number.
     #[arg(
@@ -40,10 +46,24 @@ pub(super) struct ItemFlags {
     #[arg(long, value_name = "TEXT", default_value = "not stated", help_heading = ITEMS)]
     licence: String,
     /// Time by the clock that an item may take [s].
-    #[arg(long, value_name = "s", default_value_t = 600.0, allow_negative_numbers = true, help_heading = RUNS)]
+    #[arg(
+        long,
+        value_name = "s",
+        default_value_t = 600.0,
+        allow_negative_numbers = true,
+        value_parser = number(SECONDS),
+        help_heading = RUNS
+    )]
     time_limit: f64,
     /// Memory that the process of an item may ask for [GB].
-    #[arg(long, value_name = "GB", default_value_t = 2.0, allow_negative_numbers = true, help_heading = RUNS)]
+    #[arg(
+        long,
+        value_name = "GB",
+        default_value_t = 2.0,
+        allow_negative_numbers = true,
+        value_parser = number(GIGABYTES),
+        help_heading = RUNS
+    )]
     memory_limit: f64,
 }
 
@@ -79,23 +99,20 @@ impl ItemFlags {
     }
 
     /// What all items have in common.
-    pub(super) fn wishes(&self) -> Result<ItemWishes> {
-        self.mesh.solid_only("robofin dataset")?;
+    pub(super) fn wishes(&self) -> ItemWishes {
         let options = WeldingOptions {
             seed: self.seed,
-            fineness: self.mesh.fineness_or(Fineness::Diagonal(DIAGONAL_VOXELS))?,
-            band_voxels: self.mesh.band_voxels()?,
+            fineness: self.mesh.fineness_or(Fineness::Diagonal(DIAGONAL_VOXELS)),
+            band_voxels: self.mesh.band,
             sign: self.mesh.sign.into(),
-            wishes: self.weld.wishes()?,
+            wishes: self.weld.wishes(),
         };
-        Ok(ItemWishes { unit: self.unit(), options })
+        ItemWishes { unit: self.unit(), options }
     }
 
     /// What an item may use.
-    pub(super) fn limits(&self) -> Result<Limits> {
-        let time = within("--time-limit", self.time_limit, (0.1, 1e6))?;
-        let memory = within("--memory-limit", self.memory_limit, (0.1, 1e4))?;
-        Ok(Limits { time, memory: (memory * 1e9) as u64 })
+    pub(super) fn limits(&self) -> Limits {
+        Limits { time: self.time_limit, memory: (self.memory_limit * 1e9) as u64 }
     }
 
     /// The recipe that follows from the flags.

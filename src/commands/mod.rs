@@ -15,6 +15,7 @@ mod dataset_item;
 mod demo;
 mod diagnose;
 mod effects;
+mod faults;
 mod flags;
 mod item_flags;
 mod man;
@@ -25,18 +26,18 @@ mod render;
 mod sensor_flags;
 mod simulate;
 mod study;
+mod tool_flag;
 mod trial;
 mod validate;
 mod validate_images;
 mod validate_set;
+mod values;
 mod weld;
 
-use std::error::Error as _;
-use std::num::ParseFloatError;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use clap::error::{ContextKind, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use lab::LabError;
@@ -63,7 +64,7 @@ struct Cli {
         global = true,
         value_name = "N",
         allow_negative_numbers = true,
-        value_parser = flags::whole::<usize>(THREADS)
+        value_parser = values::whole::<usize>(THREADS)
     )]
     threads: Option<usize>,
     /// Let the manifest of a trial or table name files outside its own folder.
@@ -123,8 +124,10 @@ enum Verb {
 
 /// Parses the command line and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
 pub fn main() -> ExitCode {
-    let matches = Cli::command().try_get_matches().unwrap_or_else(|error| refuse(error));
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| refuse(error));
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let parsed = Cli::command().try_get_matches_from(&words);
+    let matches = parsed.unwrap_or_else(|error| faults::refuse(&Cli::command(), &words, error));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let console = Console::new(cli.json);
     interrupt::listen();
     let ended = start(cli, &matches, &console);
@@ -156,21 +159,6 @@ fn answer_refusal(error: &anyhow::Error, console: &Console) {
         // Who closed the output wants no answer, and the error was told.
         let _ = console.answer(&Refusal { refused });
     }
-}
-
-/// Ends the program with what is wrong about the command line: a value in the words of the other refusals, all else in
-/// those of the parser.
-fn refuse(error: clap::Error) -> ! {
-    let text = |kind| error.get(kind).map(|value| value.to_string());
-    let (Some(flag), Some(value)) = (text(ContextKind::InvalidArg), text(ContextKind::InvalidValue)) else {
-        error.exit()
-    };
-    let Some(why) = error.source().filter(|_| error.kind() == ErrorKind::ValueValidation) else { error.exit() };
-    let flag = flag.split(' ').next().unwrap_or_default();
-    let no_number = why.is::<ParseFloatError>();
-    let why = if no_number { "a number such as 0.5 or 2e-3 is accepted".to_owned() } else { why.to_string() };
-    eprintln!("error: {flag} {value}: {why}");
-    std::process::exit(2);
 }
 
 fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {

@@ -7,10 +7,10 @@ use clap::{Args, ValueEnum};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::flags::{OutFlags, positive, whole, within};
+use super::flags::OutFlags;
+use super::values::{number, whole};
 use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
-use crate::wrong_use;
 use files::folder::StagedFile;
 use files::output::FileKind;
 use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
@@ -44,10 +44,24 @@ pub(super) struct PathArgs {
     )]
     weld: Option<u16>,
     /// Patch of the part's top to cover in lines, in the part's frame: X0,Y0,X1,Y1 [mm].
-    #[arg(long, value_name = "MM", requires = "spacing_mm", allow_hyphen_values = true, help_heading = "Way")]
-    raster: Option<String>,
+    #[arg(
+        long,
+        value_name = "MM",
+        requires = "spacing_mm",
+        allow_hyphen_values = true,
+        value_parser = parse_raster,
+        help_heading = "Way"
+    )]
+    raster: Option<[f64; 4]>,
     /// Distance between the lines of a raster, at most [mm].
-    #[arg(long, value_name = "MM", requires = "raster", allow_negative_numbers = true, help_heading = "Way")]
+    #[arg(
+        long,
+        value_name = "MM",
+        requires = "raster",
+        allow_negative_numbers = true,
+        value_parser = number([1e-3, 1e3]),
+        help_heading = "Way"
+    )]
     spacing_mm: Option<f64>,
     /// Which way the lines of a raster run.
     #[arg(long, value_enum, default_value_t, help_heading = "Way")]
@@ -56,8 +70,14 @@ pub(super) struct PathArgs {
     #[arg(long, requires = "raster", help_heading = "Way")]
     zigzag: bool,
     /// The tool: wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH, lengths with mm or m.
-    #[arg(long, value_name = "TOOL", default_value = "wheel:radius=50mm,width=20mm", help_heading = MOTION)]
-    tool: String,
+    #[arg(
+        long,
+        value_name = "TOOL",
+        default_value = "wheel:radius=50mm,width=20mm",
+        value_parser = parse_tool,
+        help_heading = MOTION
+    )]
+    tool: Tool,
     #[command(flatten, next_help_heading = MOTION)]
     motion: MotionFlags,
 }
@@ -66,22 +86,58 @@ pub(super) struct PathArgs {
 #[derive(Clone, Debug, Args)]
 struct MotionFlags {
     /// Speed along the path [mm/s].
-    #[arg(long, value_name = "MM_S", default_value_t = 5.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MM_S",
+        default_value_t = 5.0,
+        allow_negative_numbers = true,
+        value_parser = number([1e-3, 1e4])
+    )]
     feed_mm_s: f64,
     /// Way over which the speed rises from zero and falls to it, at each end of a line [mm].
-    #[arg(long, value_name = "MM", default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 2.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 1e3])
+    )]
     ramp_mm: f64,
     /// Height above the surface where the path starts and ends [mm].
-    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 5.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 1e3])
+    )]
     approach_mm: f64,
     /// Time between two rows [ms].
-    #[arg(long, value_name = "MS", default_value_t = 10.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MS",
+        default_value_t = 10.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.1, 1e4])
+    )]
     period_ms: f64,
     /// Force setpoint on the surface [N].
-    #[arg(long, value_name = "N", default_value_t = 15.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 15.0,
+        allow_negative_numbers = true,
+        value_parser = number([1e-3, 1e4])
+    )]
     force_n: f64,
     /// Spindle speed [rpm].
-    #[arg(long, value_name = "RPM", default_value_t = 6000.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "RPM",
+        default_value_t = 6000.0,
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 1e6])
+    )]
     spindle_rpm: f64,
 }
 
@@ -121,8 +177,7 @@ struct PathAnswer<'a> {
 }
 
 pub(super) fn run(args: &PathArgs, console: &Console) -> Result<()> {
-    let travel = args.travel()?;
-    let patch = args.patch()?;
+    let (travel, patch) = (args.travel(), args.patch());
     let file = StagedFile::new(&args.out.beside(&[&args.asset]), &PLAN)?;
     Manifest::read(&args.asset)?;
     let plan = match &patch {
@@ -152,35 +207,22 @@ fn weld_plan(asset: &Path, id: u16) -> Result<Plan> {
 }
 
 impl PathArgs {
-    fn travel(&self) -> Result<Travel> {
+    fn travel(&self) -> Travel {
         let motion = &self.motion;
-        Ok(Travel {
-            tool: parse_tool(&self.tool)?,
-            feed: within("--feed-mm-s", motion.feed_mm_s, (1e-3, 1e4))? * 1e-3,
-            ramp: within("--ramp-mm", motion.ramp_mm, (0.0, 1e3))? * 1e-3,
-            clearance: within("--approach-mm", motion.approach_mm, (0.0, 1e3))? * 1e-3,
-            period: within("--period-ms", motion.period_ms, (0.1, 1e4))? * 1e-3,
-            force: within("--force-n", motion.force_n, (1e-3, 1e4))?,
-            spindle_speed: within("--spindle-rpm", motion.spindle_rpm, (0.0, 1e6))? * RPM,
-        })
+        Travel {
+            tool: self.tool,
+            feed: motion.feed_mm_s * 1e-3,
+            ramp: motion.ramp_mm * 1e-3,
+            clearance: motion.approach_mm * 1e-3,
+            period: motion.period_ms * 1e-3,
+            force: motion.force_n,
+            spindle_speed: motion.spindle_rpm * RPM,
+        }
     }
 
-    fn patch(&self) -> Result<Option<Raster>> {
-        let (Some(text), Some(spacing)) = (&self.raster, self.spacing_mm) else { return Ok(None) };
-        let wrong = || {
-            wrong_use(format!(
-                "--raster {text}: X0,Y0,X1,Y1 in mm with X0 < X1 and Y0 < Y1, each within {FARTHEST_MM:e}, is expected, for \
-                 example 0,0,40,20"
-            ))
-        };
-        let numbers: Vec<f64> =
-            text.split(',').map(|part| part.trim().parse()).collect::<Result<_, _>>().map_err(|_| wrong())?;
-        let &[x0, y0, x1, y1] = numbers.as_slice() else { return Err(wrong()) };
-        if !(x0 < x1 && y0 < y1 && numbers.iter().all(|number| number.abs() <= FARTHEST_MM)) {
-            return Err(wrong());
-        }
-        let spacing = within("--spacing-mm", positive("--spacing-mm", spacing)?, (1e-3, 1e3))?;
-        Ok(Some(Raster {
+    fn patch(&self) -> Option<Raster> {
+        let ([x0, y0, x1, y1], spacing) = self.raster.zip(self.spacing_mm)?;
+        Some(Raster {
             low: DVec2::new(x0, y0) * 1e-3,
             high: DVec2::new(x1, y1) * 1e-3,
             spacing: spacing * 1e-3,
@@ -190,7 +232,7 @@ impl PathArgs {
             },
             zigzag: self.zigzag,
             clearance: self.motion.approach_mm * 1e-3,
-        }))
+        })
     }
 
     fn answer(&self, plan: &Plan, log: &Log, lines: usize) -> PathAnswer<'_> {
@@ -207,13 +249,25 @@ impl PathArgs {
     }
 }
 
+/// `X0,Y0,X1,Y1` [mm].
+fn parse_raster(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let corners = numbers.and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
+    let is_patch = |[x0, y0, x1, y1]: &[f64; 4]| x0 < x1 && y0 < y1;
+    let is_near = |corners: &[f64; 4]| corners.iter().all(|number| number.abs() <= FARTHEST_MM);
+    corners.filter(|corners| is_patch(corners) && is_near(corners)).ok_or_else(|| {
+        format!(
+            "X0,Y0,X1,Y1 in mm with X0 < X1 and Y0 < Y1, each within {FARTHEST_MM:e}, is expected, for example 0,0,40,20"
+        )
+    })
+}
+
 /// `wheel:radius=50mm,width=20mm` or `pad:radius=25mm`.
-fn parse_tool(text: &str) -> Result<Tool> {
+fn parse_tool(text: &str) -> Result<Tool, String> {
     let wrong = |found: String| {
-        wrong_use(format!(
-            "--tool {text}: {found}; wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH with lengths like 50mm or \
-             0.05m is expected"
-        ))
+        format!(
+            "{found}; wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH with lengths like 50mm or 0.05m is expected"
+        )
     };
     let (kind, sizes) = text.split_once(':').ok_or_else(|| wrong("no ':'".into()))?;
     let (mut radius, mut width) = (None, None);
@@ -222,9 +276,7 @@ fn parse_tool(text: &str) -> Result<Tool> {
         let length = parse_length(value).ok_or_else(|| wrong(format!("{value:?} is no length with mm or m")))?;
         if !(SIZES_MM.0..=SIZES_MM.1).contains(&(1e3 * length)) {
             let (least, most) = SIZES_MM;
-            return Err(wrong_use(format!(
-                "--tool {text}: the {key} is {value}; {least:?} to {most:?} mm is accepted"
-            )));
+            return Err(format!("the {key} is {value}; {least:?} to {most:?} mm is accepted"));
         }
         match (kind, key.trim()) {
             (_, "radius") => radius = Some(length),

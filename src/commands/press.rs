@@ -13,10 +13,12 @@ use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
 use serde::Serialize;
 use sim::physics::Physics;
 use sim::press::Press;
-use sim::{Contact, FieldTool, Frame, MeshDepth, Pad, Pose, TOOL_CELLS, Tool, Wheel};
+use sim::{Contact, FieldTool, Frame, MeshDepth, Pose, TOOL_CELLS, Tool};
 
-use super::flags::{SignFlag, UnitFlag, positive, stiffness, within};
+use super::flags::{STIFFNESS, SignFlag, UnitFlag};
 use super::model_flags::ModelFlags;
+use super::tool_flag::ToolFlag;
+use super::values::{number, positive};
 use crate::asset::{AssetFields, Manifest};
 use crate::console::Console;
 use crate::memory_budget;
@@ -24,8 +26,6 @@ use crate::part::Part;
 use crate::workpiece::{DEFAULT_BAND, needs_solid};
 use crate::wrong_use;
 
-/// Kinds of tools, as `--tool` takes them.
-const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
 /// Heading of the help for the laws of the contact.
 const MODEL: &str = "Model";
 /// Times that a contact is sought again under effects that follow its own force.
@@ -44,16 +44,12 @@ pub(super) struct PressArgs {
     /// wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE, which comes down as it is in its
     /// file; a wheel turns about y.
     #[arg(long, value_name = "TOOL")]
-    tool: String,
-    /// Depth below the first touch [mm].
-    #[arg(long, value_name = "MM", conflicts_with = "force_n", allow_negative_numbers = true)]
-    depth_mm: Option<f64>,
-    /// Force to press with [N].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    force_n: Option<f64>,
+    tool: ToolFlag,
+    #[command(flatten)]
+    goal: GoalFlags,
     /// Where the tool comes down along -z: x and y of the part's frame [mm].
-    #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true)]
-    at: String,
+    #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true, value_parser = parse_place)]
+    at: (f64, f64),
     /// Contact stiffness K: pressure per depth [Pa/m].
     #[arg(
         long,
@@ -61,11 +57,19 @@ pub(super) struct PressArgs {
         default_value_t = 1e10,
         conflicts_with = "model",
         allow_negative_numbers = true,
+        value_parser = number(STIFFNESS),
         help_heading = MODEL
     )]
     stiffness: f64,
     /// Voxel of parts and tools that are meshes [mm].
-    #[arg(long, value_name = "MM", default_value_t = 0.5, allow_negative_numbers = true, help_heading = "Part")]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 0.5,
+        allow_negative_numbers = true,
+        value_parser = positive,
+        help_heading = "Part"
+    )]
     voxel_mm: f64,
     /// Unit of the coordinates in mesh files.
     #[arg(long, value_enum, default_value_t, help_heading = "Part")]
@@ -75,6 +79,28 @@ pub(super) struct PressArgs {
     sign: SignFlag,
     #[command(flatten, next_help_heading = MODEL)]
     model: ModelFlags,
+}
+
+/// How hard to press: one of the two.
+#[derive(Clone, Debug, Args)]
+#[group(required = true, multiple = false)]
+struct GoalFlags {
+    /// Depth below the first touch [mm].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number([1e-6, 1e3]))]
+    depth_mm: Option<f64>,
+    /// Force to press with [N].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number([1e-6, 1e9]))]
+    force_n: Option<f64>,
+}
+
+impl GoalFlags {
+    fn goal(&self) -> Goal {
+        match (self.depth_mm, self.force_n) {
+            (Some(mm), _) => Goal::Depth(mm * 1e-3),
+            (None, Some(force)) => Goal::Force(force),
+            (None, None) => unreachable!("the parser insists on one"),
+        }
+    }
 }
 
 /// The answer of `press --json`.
@@ -99,25 +125,14 @@ struct PressAnswer {
 }
 
 pub(super) fn run(args: &PressArgs, console: &Console) -> Result<()> {
-    let (x, y) = parse_place(&args.at)?;
-    let depth =
-        args.depth_mm.map(|mm| Ok::<_, anyhow::Error>(within("--depth-mm", mm, (1e-6, 1e3))? * 1e-3)).transpose()?;
-    let force = args.force_n.map(|force| within("--force-n", force, (1e-6, 1e9))).transpose()?;
-    let goal = match (depth, force) {
-        (Some(depth), None) => Goal::Depth(depth),
-        (None, Some(force)) => Goal::Force(force),
-        _ => return Err(wrong_use("one of --depth-mm and --force-n is expected".to_owned())),
-    };
-    let voxel = positive("--voxel-mm", args.voxel_mm)? * 1e-3;
+    let voxel = args.voxel_mm * 1e-3;
     let tool = args.tool(voxel)?;
-    let stiffness = stiffness(args.stiffness)?;
-    let model = args
-        .model
-        .compile_any(&format!("[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n"), RowCounts::default())?;
+    let law = format!("[law.winkler]\nstiffness = \"{:e} Pa/m\"\n", args.stiffness);
+    let model = args.model.compile_any(&law, RowCounts::default())?;
     let part = args.part(voxel)?;
 
-    let place = Place::over(&part, (x, y), &tool)?;
-    let held = place.press(&part, &tool, &model, goal)?;
+    let place = Place::over(&part, args.at, &tool)?;
+    let held = place.press(&part, &tool, &model, args.goal.goal())?;
     let contact = &held.contact;
     console.step("contact", describe(&held));
     let point = |v: DVec3| (v * 1e3).to_array();
@@ -323,20 +338,9 @@ impl PressArgs {
 
     /// The tool asked for.
     fn tool(&self, voxel: f64) -> Result<Tool> {
-        let text = &self.tool;
-        let wrong = |why: String| wrong_use(format!("--tool {text}: {why}; {TOOLS} is expected"));
-        let Some((kind, rest)) = text.split_once(':') else {
-            return Err(wrong("a kind and its sizes are missing".to_owned()));
-        };
-        match kind {
-            "wheel" => {
-                let [radius, width] = sizes(rest, ["radius", "width"]).map_err(wrong)?;
-                Ok(Wheel::cylinder(radius, width).into())
-            }
-            "pad" => Ok(Pad { radius: sizes(rest, ["radius"]).map_err(wrong)?[0] }.into()),
-            "sphere" => Ok(Tool::Sphere(sizes(rest, ["radius"]).map_err(wrong)?[0])),
-            "mesh" => self.tool_of_mesh(Path::new(rest), voxel),
-            _ => Err(wrong(format!("no tool is called `{kind}`"))),
+        match &self.tool {
+            ToolFlag::Solid(tool) => Ok(tool.clone()),
+            ToolFlag::Mesh(file) => self.tool_of_mesh(file, voxel),
         }
     }
 
@@ -352,38 +356,11 @@ impl PressArgs {
     }
 }
 
-/// Sizes [m] of a text such as `radius=50mm,width=20mm`.
-fn sizes<const N: usize>(text: &str, names: [&str; N]) -> std::result::Result<[f64; N], String> {
-    let mut found = [None; N];
-    for part in text.split(',').filter(|part| !part.is_empty()) {
-        let (name, value) =
-            part.split_once('=').ok_or_else(|| format!("`{part}` is no size such as {}=10mm", names[0]))?;
-        let index = names.iter().position(|known| *known == name.trim());
-        let index = index.ok_or_else(|| format!("`{name}` is no size of it, it has {}", names.join(" and ")))?;
-        found[index] = Some(
-            length(value.trim()).ok_or_else(|| format!("`{value}` is no length such as 20mm, from 0.01 mm to 10 m"))?,
-        );
-    }
-    let mut sizes = [0.0; N];
-    for ((size, found), name) in sizes.iter_mut().zip(found).zip(names) {
-        *size = found.ok_or_else(|| format!("the size `{name}` is missing"))?;
-    }
-    Ok(sizes)
-}
-
-/// A length [m] with its unit.
-fn length(text: &str) -> Option<f64> {
-    let (number, unit) = [("mm", 1e-3), ("um", 1e-6), ("m", 1.0)]
-        .into_iter()
-        .find_map(|(unit, size)| text.strip_suffix(unit).map(|number| (number, size)))?;
-    let length = number.trim().parse::<f64>().ok()? * unit;
-    (1e-5..=10.0).contains(&length).then_some(length)
-}
-
-fn parse_place(text: &str) -> Result<(f64, f64)> {
+/// `X,Y` [mm], in metres.
+fn parse_place(text: &str) -> Result<(f64, f64), String> {
     let place = text.split_once(',').and_then(|(x, y)| {
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|mm| mm.abs() < 1e6);
         Some((number(x)? * 1e-3, number(y)? * 1e-3))
     });
-    place.ok_or_else(|| wrong_use(format!("--at {text}: x and y [mm] are expected, for example 12.5,-4")))
+    place.ok_or_else(|| "x and y [mm] are expected, each within 1e6, for example 12.5,-4".to_owned())
 }

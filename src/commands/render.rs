@@ -11,8 +11,10 @@ use sdf_bake::{BrickGrid, nvdb};
 use serde::Serialize;
 
 use super::backend_flags::{BackendFlags, name_of};
-use super::flags::{OutFlags, whole};
+use super::faults::refuse_all;
+use super::flags::OutFlags;
 use super::sensor_flags::SensorFlags;
+use super::values::whole;
 use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
 use crate::photo::{Darkroom, PHOTOGRAPHS, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
@@ -35,8 +37,8 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     out: OutFlags,
     /// Width and height of the picture [pixels].
-    #[arg(long, default_value = "960x720")]
-    size: String,
+    #[arg(long, default_value = "960x720", value_parser = parse_size)]
+    size: (usize, usize),
     #[command(flatten, next_help_heading = "Photograph")]
     photo: PhotoFlags,
 }
@@ -45,43 +47,31 @@ pub(super) struct RenderArgs {
 const MOST_RAYS: f64 = 1e11;
 /// Usual colour samples along each side of a pixel.
 const SAMPLES: usize = 2;
-/// What `--camera` accepts.
-const CAMERA_FORM: &str = "AZIMUTH,ELEVATION in degrees is expected, elevation from -90 to 90, for example -58,32";
-/// What `--grind-along` accepts.
-const GRIND_FORM: &str = "X,Y,Z is expected, for example 1,0,0";
 
 /// What only photographs have.
 #[derive(Clone, Debug, Args)]
 struct PhotoFlags {
     /// Where the camera stands, seen from the part: azimuth from x towards y and elevation [deg] [default: a
     /// three-quarter view from above that shows the weld, from below where it is hidden from above and no table is].
-    #[arg(
-        long,
-        value_name = "AZIMUTH,ELEVATION",
-        allow_hyphen_values = true,
-        value_delimiter = ',',
-        num_args = 1,
-        value_parser = |text: &str| number_of(text, CAMERA_FORM)
-    )]
-    camera: Vec<f64>,
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_parser = parse_camera)]
+    camera: Option<[f64; 2]>,
     #[command(flatten)]
     backend: BackendFlags,
     /// Colour samples along each side of a pixel.
-    #[arg(long, value_name = "N", default_value_t = SAMPLES, allow_negative_numbers = true, value_parser = whole::<usize>([1, 16]))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = SAMPLES,
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>([1, 16])
+    )]
     samples: usize,
     /// Puts the part on a table, which the camera stands above.
     #[arg(long)]
     table: bool,
     /// Direction of grinding marks in the part's frame [default: along the asset's weld; none without one].
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        allow_hyphen_values = true,
-        value_delimiter = ',',
-        num_args = 1,
-        value_parser = |text: &str| number_of(text, GRIND_FORM)
-    )]
-    grind_along: Vec<f64>,
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_direction)]
+    grind_along: Option<DVec3>,
     /// Pictures of one turn of the part, as a sequence and as an animated PNG.
     #[arg(
         long,
@@ -111,23 +101,44 @@ struct RenderAnswer<'a> {
 
 pub(super) fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let started = std::time::Instant::now();
-    let size = parse_size(&args.size)?;
-    args.photo.check()?;
-    let out = &args.out.out;
-    let is_drawing = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    let pictures = if is_drawing { draw(args, size, console)? } else { photograph(args, size, console)? };
-    let seconds = started.elapsed().as_secs_f64();
-    console.answer(&RenderAnswer { out, width: size.0, height: size.1, pictures, seconds })
+    refuse_all(args.faults())?;
+    let pictures = if args.is_drawing() { draw(args, console)? } else { photograph(args, console)? };
+    let (out, (width, height), seconds) = (&args.out.out, args.size, started.elapsed().as_secs_f64());
+    console.answer(&RenderAnswer { out, width, height, pictures, seconds })
 }
 
-fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<usize> {
-    if let Some(flag) = args.photo.first_given() {
-        return Err(wrong_use(format!(
-            "{flag} with --out {}: a .png is a drawing, made on the CPU; a photograph takes {flag}, and --out is the \
-             name of its folder",
-            args.out.out.display()
-        )));
+impl RenderArgs {
+    fn is_drawing(&self) -> bool {
+        self.out.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
     }
+
+    /// What of the flags does not fit together.
+    fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::from_iter(self.photo.sensor.fault());
+        if self.is_drawing() {
+            let out = self.out.out.display();
+            faults.extend(self.photo.given().map(|flag| {
+                format!(
+                    "{flag} with --out {out}: a .png is a drawing, made on the CPU; a photograph takes {flag}, and --out is \
+                     the name of its folder"
+                )
+            }));
+        }
+        let (width, height) = self.size;
+        let samples = width * height * self.photo.samples * self.photo.samples;
+        let rays = samples as f64 * self.photo.turntable.unwrap_or(1) as f64;
+        if rays > MOST_RAYS {
+            faults.push(format!(
+                "--size, --samples and --turntable make {rays:.1e} samples, and {MOST_RAYS:.0e} are accepted: lower one of \
+                 them"
+            ));
+        }
+        faults
+    }
+}
+
+fn draw(args: &RenderArgs, console: &Console) -> Result<usize> {
+    let size = args.size;
     let file = StagedFile::new(&args.out.beside(&[&args.source]), &DRAWING)?;
     let (grid, weld) = open(&args.source)?;
     let picture = overview(&grid, weld.as_ref(), size, SAMPLES_PER_SIDE)?;
@@ -136,19 +147,13 @@ fn draw(args: &RenderArgs, size: (usize, usize), console: &Console) -> Result<us
     Ok(1)
 }
 
-fn photograph(args: &RenderArgs, (width, height): (usize, usize), console: &Console) -> Result<usize> {
-    let photo = &args.photo;
+fn photograph(args: &RenderArgs, console: &Console) -> Result<usize> {
+    let (photo, (width, height)) = (&args.photo, args.size);
     let raster = Raster { width, height, samples_per_side: photo.samples };
-    let rays = (width * height * photo.samples * photo.samples) as f64 * photo.turntable.unwrap_or(1) as f64;
-    if rays > MOST_RAYS {
-        return Err(wrong_use(format!(
-            "--size, --samples and --turntable make {rays:.1e} samples, and {MOST_RAYS:.0e} are accepted: lower one of them"
-        )));
-    }
     let folder = StagedFolder::new(&args.out.beside(&[&args.source]), &PHOTOGRAPHS)?;
     let states = if photo.lapse { kept_fields(&args.source)? } else { Vec::new() };
     let is_sequence = photo.lapse || photo.turntable.is_some();
-    let mut album = Album::new(folder.path(), is_sequence, (raster, photo.sensor.sensor()?));
+    let mut album = Album::new(folder.path(), is_sequence, (raster, photo.sensor.sensor()));
     let (first, weld) = match states.first() {
         Some(state) => (read_field(state)?, None),
         None => open(&args.source)?,
@@ -228,7 +233,7 @@ impl<'a> Album<'a> {
 impl PhotoFlags {
     fn scene<'a>(&self, part: &'a BrickGrid, weld: Option<&WeldTruth>) -> Result<Scene<'a>> {
         let mut scene = Scene::new(part);
-        scene.appearance.marks = match (self.grinding()?, weld) {
+        scene.appearance.marks = match (self.grind_along, weld) {
             (Some(direction), _) => Marks::parallel(direction),
             (None, Some(weld)) => Marks::along_path(&weld.curve.position),
             (None, None) => Marks::default(),
@@ -240,55 +245,27 @@ impl PhotoFlags {
         Ok(scene)
     }
 
-    /// A flag that was given, if any, that a drawing does not take.
-    fn first_given(&self) -> Option<&'static str> {
+    /// The flags that were given and that a drawing does not take.
+    fn given(&self) -> impl Iterator<Item = &'static str> {
         let flags = [
-            (!self.camera.is_empty(), "--camera"),
+            (self.camera.is_some(), "--camera"),
             (self.table, "--table"),
             (self.turntable.is_some(), "--turntable"),
             (self.lapse, "--lapse"),
             (self.samples != SAMPLES, "--samples"),
-            (!self.grind_along.is_empty(), "--grind-along"),
+            (self.grind_along.is_some(), "--grind-along"),
             (self.sensor.is_given(), "a flag of lens or sensor"),
             (self.backend.is_gpu(), "--backend gpu"),
         ];
-        flags.into_iter().find(|(is_given, _)| *is_given).map(|(_, flag)| flag)
-    }
-
-    /// Refuses what no part can be photographed with.
-    fn check(&self) -> Result<()> {
-        self.sensor.sensor()?;
-        self.sensor.distortion()?;
-        self.grinding()?;
-        self.angles()?;
-        Ok(())
-    }
-
-    /// Direction of grinding marks, if one was given.
-    fn grinding(&self) -> Result<Option<DVec3>> {
-        match *self.grind_along.as_slice() {
-            [] => Ok(None),
-            [x, y, z] if DVec3::new(x, y, z).is_finite() && DVec3::new(x, y, z).length() > 0.0 => {
-                Ok(Some(DVec3::new(x, y, z)))
-            }
-            ref other => Err(wrong_use(format!("--grind-along {other:?}: {GRIND_FORM}"))),
-        }
-    }
-
-    /// Azimuth and elevation of the camera [rad], if they were given.
-    fn angles(&self) -> Result<Option<(f64, f64)>> {
-        match *self.camera.as_slice() {
-            [] => Ok(None),
-            [azimuth, elevation] if azimuth.is_finite() && (-90.0..=90.0).contains(&elevation) => {
-                Ok(Some((azimuth.to_radians(), elevation.to_radians())))
-            }
-            ref other => Err(wrong_use(format!("--camera {other:?}: {CAMERA_FORM}"))),
-        }
+        flags.into_iter().filter(|(is_given, _)| *is_given).map(|(_, flag)| flag)
     }
 
     fn standing(&self, part: &BrickGrid, weld: Option<&WeldTruth>, raster: &Raster) -> Result<Camera> {
         let horizon = if self.table { Horizon::Above } else { Horizon::Either };
-        let (azimuth, elevation) = self.angles()?.unwrap_or_else(|| three_quarter_view(part, weld, horizon));
+        let (azimuth, elevation) = match self.camera {
+            Some([azimuth, elevation]) => (azimuth.to_radians(), elevation.to_radians()),
+            None => three_quarter_view(part, weld, horizon),
+        };
         let (mut low, mut high) = surface_bounds(part)?;
         if self.turntable.is_some() {
             // The cylinder that the part sweeps.
@@ -300,13 +277,12 @@ impl PhotoFlags {
         let camera = Camera::framing(low, high, azimuth, elevation, aspect);
         if self.table && camera.eye.z <= low.z {
             return Err(wrong_use(format!(
-                "--camera {:?} with --table: this camera stands {:.0} mm below the table's top; a greater elevation is \
-                 accepted, 0 or more always",
-                self.camera,
+                "--camera with --table: this camera stands {:.0} mm below the table's top; a greater elevation is accepted, \
+                 0 or more always",
                 (low.z - camera.eye.z) * 1e3
             )));
         }
-        Ok(Camera { distortion: self.sensor.distortion()?, ..camera })
+        Ok(Camera { distortion: self.sensor.distortion.unwrap_or_default(), ..camera })
     }
 
     /// One photograph, or those of one turn about the upright axis through the part's middle.
@@ -354,16 +330,28 @@ fn read_field(source: &Path) -> Result<BrickGrid> {
     file.to_field().with_context(context)
 }
 
-fn number_of(text: &str, form: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| form.to_owned())
+/// `AZIMUTH,ELEVATION` [deg].
+fn parse_camera(text: &str) -> Result<[f64; 2], String> {
+    let angles = text.split_once(',').and_then(|(azimuth, elevation)| {
+        let azimuth = azimuth.trim().parse().ok().filter(|azimuth: &f64| azimuth.is_finite())?;
+        let elevation = elevation.trim().parse().ok().filter(|elevation| (-90.0..=90.0).contains(elevation))?;
+        Some([azimuth, elevation])
+    });
+    angles.ok_or_else(|| {
+        "AZIMUTH,ELEVATION in degrees is expected, elevation from -90 to 90, for example -58,32".to_owned()
+    })
 }
 
-pub(super) fn parse_size(text: &str) -> Result<(usize, usize)> {
-    let wrong =
-        || wrong_use(format!("--size {text}: WIDTHxHEIGHT from 16 to 4096 pixels is expected, for example 960x720"));
-    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    match (width.parse(), height.parse()) {
-        (Ok(width), Ok(height)) if (16..=4096).contains(&width) && (16..=4096).contains(&height) => Ok((width, height)),
-        _ => Err(wrong()),
-    }
+fn parse_direction(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let direction = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok()).map(DVec3::from);
+    let is_one = |direction: &DVec3| direction.is_finite() && direction.length() > 0.0;
+    direction.filter(is_one).ok_or_else(|| "X,Y,Z is expected, not all zero, for example 1,0,0".to_owned())
+}
+
+/// `WIDTHxHEIGHT` [pixels].
+pub(super) fn parse_size(text: &str) -> Result<(usize, usize), String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (16..=4096).contains(side));
+    let size = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
+    size.ok_or_else(|| "WIDTHxHEIGHT from 16 to 4096 pixels is expected, for example 960x720".to_owned())
 }

@@ -10,20 +10,23 @@ use serde::Serialize;
 use sim::{Tool, Wheel};
 
 use super::backend_flags::{BackendFlags, name_of};
-use super::flags::{OutFlags, stiffness, whole, within};
+use super::faults::refuse_all;
+use super::flags::{OutFlags, STIFFNESS, metres};
 use super::model_flags::ModelFlags;
+use super::values::{number, whole};
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
 use crate::finishing::{self, GROUND, GrindSummary, Plan, grind_asset};
 use crate::snapshot::{Keeping, Resume, kept};
 use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
-use crate::wrong_use;
 use files::folder::StagedFolder;
 use lab::simulation::Simulation;
 use trials::trial::{self, Trial};
 
 /// Passes that are accepted; each takes seconds.
 const PASSES: [u64; 2] = [1, 200];
+/// Sizes of a wheel that are accepted [mm].
+const WHEEL_MM: [f64; 2] = [0.1, 1e3];
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin weld data/bracket.obj --out out/bracket --seed 7\n  \
@@ -39,7 +42,13 @@ pub(super) struct SimulateArgs {
     #[command(flatten, next_help_heading = "Model")]
     model: ModelFlags,
     /// Voxel of a trial's field [mm] [default: the scan's pitch].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = "Trial")]
+    #[arg(
+        long,
+        value_name = "MM",
+        allow_negative_numbers = true,
+        value_parser = number([1e-3, 1e2]),
+        help_heading = "Trial"
+    )]
     voxel_mm: Option<f64>,
     /// Keep a trial's tool to the logged heights instead of simulating its controller.
     #[arg(long, help_heading = "Trial")]
@@ -67,7 +76,13 @@ pub(super) struct StateFlags {
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Pass after which to begin [default: the last one kept].
-    #[arg(long, value_name = "N", requires = "resume", allow_negative_numbers = true, value_parser = whole::<usize>(PASSES))]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "resume",
+        allow_negative_numbers = true,
+        value_parser = whole::<usize>(PASSES)
+    )]
     after_pass: Option<usize>,
 }
 
@@ -83,37 +98,55 @@ impl StateFlags {
 #[derive(Clone, Debug, Args)]
 pub(super) struct ProcessFlags {
     /// Radius of the wheel [mm] [default: 50].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number(WHEEL_MM))]
     wheel_radius_mm: Option<f64>,
     /// Width of the wheel [mm] [default: 20].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number(WHEEL_MM))]
     wheel_width_mm: Option<f64>,
     /// Passes along the weld, to and fro [default: 2].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u32>(PASSES))]
     passes: Option<u32>,
     /// Normal force that the controller holds [N] [default: 15].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number([1e-3, 1e4]))]
     force_n: Option<f64>,
     /// Speed along the weld [mm/s] [default: 5].
-    #[arg(long, value_name = "MM_S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = number([1e-3, 1e4]))]
     feed_mm_s: Option<f64>,
     /// Contact stiffness K: pressure per depth [Pa/m] [default: 1e10].
-    #[arg(long, value_name = "PA_M", conflicts_with = "model", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "PA_M",
+        conflicts_with = "model",
+        allow_negative_numbers = true,
+        value_parser = number(STIFFNESS)
+    )]
     stiffness: Option<f64>,
     /// Preston's coefficient k [m/(Pa s)] [default: 1e-9].
-    #[arg(long, value_name = "M_PA_S", conflicts_with = "model", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "M_PA_S",
+        conflicts_with = "model",
+        allow_negative_numbers = true,
+        value_parser = number([1e-15, 1e-6])
+    )]
     grind_rate: Option<f64>,
     /// Threshold pressure p_c, below which nothing is removed [MPa] [default: 0].
-    #[arg(long, value_name = "MPA", conflicts_with = "model", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MPA",
+        conflicts_with = "model",
+        allow_negative_numbers = true,
+        value_parser = number([0.0, 1e4])
+    )]
     threshold_mpa: Option<f64>,
 }
 
 impl ProcessFlags {
-    /// Refuses what a trial states itself.
+    /// Refuses all that a trial states itself.
     fn refuse_for_trial(&self, trial: &Path) -> Result<()> {
         let by_trial = "the trial states it";
         let by_model = "a trial takes it from --model";
-        for (flag, given, why) in [
+        let flags = [
             ("--wheel-radius-mm", self.wheel_radius_mm.is_some(), by_trial),
             ("--wheel-width-mm", self.wheel_width_mm.is_some(), by_trial),
             ("--passes", self.passes.is_some(), by_trial),
@@ -122,40 +155,34 @@ impl ProcessFlags {
             ("--stiffness", self.stiffness.is_some(), by_model),
             ("--grind-rate", self.grind_rate.is_some(), by_model),
             ("--threshold-mpa", self.threshold_mpa.is_some(), by_model),
-        ] {
-            if given {
-                return Err(wrong_use(format!("{flag}: only for an asset; {} is a trial, and {why}", trial.display())));
-            }
-        }
-        Ok(())
+        ];
+        let given = flags.into_iter().filter(|(_, is_given, _)| *is_given);
+        let told = |(flag, _, why)| format!("{flag}: only for an asset; {} is a trial, and {why}", trial.display());
+        refuse_all(given.map(told).collect())
     }
 
     /// The wheel asked for.
-    pub(super) fn wheel(&self) -> Result<Wheel> {
-        let radius = within("--wheel-radius-mm", self.wheel_radius_mm.unwrap_or(50.0), (0.1, 1000.0))? * 1e-3;
-        let width = within("--wheel-width-mm", self.wheel_width_mm.unwrap_or(20.0), (0.1, 1000.0))? * 1e-3;
-        Ok(Wheel::cylinder(radius, width))
+    fn wheel(&self) -> Wheel {
+        Wheel::cylinder(self.wheel_radius_mm.unwrap_or(50.0) * 1e-3, self.wheel_width_mm.unwrap_or(20.0) * 1e-3)
     }
 
     /// The passes asked for.
-    fn plan(&self) -> Result<Plan> {
-        let passes = self.passes.unwrap_or(2);
-        Ok(Plan {
-            passes,
-            force_setpoint: within("--force-n", self.force_n.unwrap_or(15.0), (1e-3, 1e4))?,
-            feed: within("--feed-mm-s", self.feed_mm_s.unwrap_or(5.0), (1e-3, 1e4))? * 1e-3,
-        })
+    fn plan(&self) -> Plan {
+        Plan {
+            passes: self.passes.unwrap_or(2),
+            force_setpoint: self.force_n.unwrap_or(15.0),
+            feed: self.feed_mm_s.unwrap_or(5.0) * 1e-3,
+        }
     }
 
     /// The base law asked for, as in a model file.
-    fn law(&self) -> Result<String> {
-        let stiffness = stiffness(self.stiffness.unwrap_or(1e10))?;
-        let grind_rate = within("--grind-rate", self.grind_rate.unwrap_or(1e-9), (1e-15, 1e-6))?;
-        let threshold = within("--threshold-mpa", self.threshold_mpa.unwrap_or(0.0), (0.0, 1e4))?;
-        Ok(format!(
+    fn law(&self) -> String {
+        let (stiffness, grind_rate) = (self.stiffness.unwrap_or(1e10), self.grind_rate.unwrap_or(1e-9));
+        let threshold = self.threshold_mpa.unwrap_or(0.0);
+        format!(
             "[law.winkler]\nstiffness = \"{stiffness:e} Pa/m\"\n[law.preston-threshold]\n\
              grind_rate = \"{grind_rate:e} m/(Pa s)\"\nthreshold_pressure = \"{threshold:e} MPa\"\n"
-        ))
+        )
     }
 }
 
@@ -217,10 +244,7 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     };
     let rows = RowCounts { passes: trial.passes.len(), scans: trial.passes.len() };
     let model = args.model.compile(process, "", rows)?;
-    let voxel = match args.voxel_mm {
-        Some(voxel) => within("--voxel-mm", voxel, (1e-3, 1e2))? * 1e-3,
-        None => trial.scans.before.pixels.pitch,
-    };
+    let voxel = metres(args.voxel_mm).unwrap_or(trial.scans.before.pixels.pitch);
     let keeping = args.state.keeping(trial.passes.len())?;
     let mut simulation = Simulation::new(&trial, voxel, args.replay)?;
     simulation.covariates = args.covariates;
@@ -275,19 +299,18 @@ fn run_batch(
 }
 
 fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
-    for (flag, given) in [
+    let of_trials = [
         ("--voxel-mm", args.voxel_mm.is_some()),
         ("--replay", args.replay),
         ("--covariates", args.covariates),
         ("--batch", args.batch.is_some()),
-    ] {
-        if given {
-            return Err(wrong_use(format!("{flag}: only a trial has it, and {} is none", args.folder.display())));
-        }
-    }
-    let (wheel, plan) = (args.process.wheel()?, args.process.plan()?);
+    ];
+    let given = of_trials.into_iter().filter(|(_, is_given)| *is_given);
+    let told = |(flag, _)| format!("{flag}: only a trial has it, and {} is none", args.folder.display());
+    refuse_all(given.map(told).collect())?;
+    let (wheel, plan) = (args.process.wheel(), args.process.plan());
     let rows = RowCounts { passes: plan.passes as usize, scans: plan.passes as usize };
-    let model = args.model.compile(Process::Grinding, &args.process.law()?, rows)?;
+    let model = args.model.compile(Process::Grinding, &args.process.law(), rows)?;
     let folder = StagedFolder::new(&args.out.beside(&args.inputs()), &GROUND)?;
     let keeping = args.state.keeping(plan.passes as usize)?;
     let refusal = sim::gpu::refusal_of(&Tool::from(wheel), &model);

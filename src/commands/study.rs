@@ -7,8 +7,9 @@ use anyhow::{Context, Result};
 use clap::Args;
 use effects::{Library, Model};
 
-use super::flags::{OutFlags, SEEDS, whole};
+use super::flags::{OutFlags, SEEDS};
 use super::model_flags::{ModelFlags, read_text};
+use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
 use files::folder::StagedFolder;

@@ -9,8 +9,9 @@ use rand::rngs::SysRng;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::flags::{OutFlags, SEEDS, whole};
+use super::flags::{OutFlags, SEEDS};
 use super::model_flags::OwnFlags;
+use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
 use trials::trial::Process;
@@ -54,8 +55,13 @@ struct SynthArgs {
     process: ProcessFlag,
     /// Effect to hide; may be given several times. Parameters that are not given get a visible size; of one per pass or scan the value
     /// is the standard deviation [default: none].
-    #[arg(long = "effect", value_name = "NAME[:PARAMETER=VALUE,...]", help_heading = HIDDEN)]
-    effect: Vec<String>,
+    #[arg(
+        long = "effect",
+        value_name = "NAME[:PARAMETER=VALUE,...]",
+        value_parser = parse_hidden,
+        help_heading = HIDDEN
+    )]
+    effect: Vec<Hidden>,
     /// Draw what is hidden: nothing, an effect of the library, or one that it lacks.
     #[arg(long, conflicts_with = "effect", help_heading = HIDDEN)]
     random: bool,
@@ -183,25 +189,10 @@ impl SynthArgs {
             InstrumentFlag::Clean => (Instrument::clean(), Robot::clean()),
             InstrumentFlag::Hard => (Instrument::hard(), Robot::hard()),
         };
-        let choice = self.choice()?;
+        let choice = if self.random { Choice::Drawn } else { Choice::These(self.effect.clone()) };
         let seed = self.seed()?;
         let base = Experiment::new(process, &self.own.library()?, seed)?;
         Ok(Experiment { plan, trials, size, choice, instrument, robot, ..base })
-    }
-
-    fn choice(&self) -> Result<Choice> {
-        if self.random {
-            return Ok(Choice::Drawn);
-        }
-        let hidden = self.effect.iter().map(|text| {
-            Hidden::parse(text).map_err(|found| {
-                wrong_use(format!(
-                    "--effect {text}: {found} is no PARAMETER=VALUE; NAME or NAME:PARAMETER=VALUE,... is expected, such \
-                     as \"tool-tilt:roll_angle=12 mrad\""
-                ))
-            })
-        });
-        Ok(Choice::These(hidden.collect::<Result<_>>()?))
     }
 
     fn seed(&self) -> Result<u64> {
@@ -221,10 +212,19 @@ impl SynthArgs {
     }
 }
 
+fn parse_hidden(text: &str) -> Result<Hidden, String> {
+    Hidden::parse(text).map_err(|found| {
+        format!(
+            "{found} is no PARAMETER=VALUE; NAME or NAME:PARAMETER=VALUE,... is expected, such as \"tool-tilt:roll_angle=12 \
+             mrad\""
+        )
+    })
+}
+
 fn synth(args: &SynthArgs, console: &Console) -> Result<()> {
     let out = &args.out.out;
-    let places = Places::take(&args.out.beside(&args.inputs()), args.sealed)?;
     let experiment = args.experiment()?;
+    let places = Places::take(&args.out.beside(&args.inputs()), args.sealed)?;
     let bar = console.bar("passes", experiment.passes() as u64);
     let made = experiment.make_reporting(&|| bar.inc(1));
     bar.finish_and_clear();

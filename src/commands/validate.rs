@@ -8,7 +8,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::dataset::jobs;
-use super::flags::{JOBS, whole};
+use super::flags::JOBS;
+use super::values::whole;
 use super::{validate_images, validate_set};
 use crate::asset::UsdMode;
 use crate::console::Console;

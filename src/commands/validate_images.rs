@@ -18,7 +18,7 @@ pub(super) fn run(folder: &Path, repair: bool, jobs: usize, console: &Console) -
     if repair && !found.holds() {
         let steps = expected(&set)?;
         remove_broken(&set, &found.broken)?;
-        make(&ImageRun { set: &set, limits: LimitFlags::usual().limits()?, jobs }, &steps, console)?;
+        make(&ImageRun { set: &set, limits: LimitFlags::usual().limits(), jobs }, &steps, console)?;
         ImageCatalogue::update(&set)?;
         found = look(&set, jobs, console)?;
     }

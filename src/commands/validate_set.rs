@@ -75,7 +75,7 @@ fn mend(
 ) -> Result<()> {
     let recipe = &dataset.recipe;
     let kept = ItemFlags::read(&recipe.flags)?;
-    let same = kept.recipe(&kept.wishes()?, &recipe.flags, recipe.sources.clone())?;
+    let same = kept.recipe(&kept.wishes(), &recipe.flags, recipe.sources.clone())?;
     let difference = recipe.difference(&same);
     ensure!(
         difference.is_none(),
@@ -87,7 +87,7 @@ fn mend(
         let places = from.map_or_else(|| recipe.sources.iter().map(PathBuf::from).collect(), <[PathBuf]>::to_vec);
         let plan = plan_repair(dataset, &found.broken, &places, kept.unit())?;
         let flags = &recipe.flags;
-        make(&Run { dataset, plan: &plan, flags, limits: kept.limits()?, jobs }, console)?;
+        make(&Run { dataset, plan: &plan, flags, limits: kept.limits(), jobs }, console)?;
     }
     Catalogue::update(dataset)?;
     Ok(())

@@ -9,18 +9,22 @@ use weldgen::access::{ToolKind, ToolShape};
 use weldgen::{Difficulty, Placement, Stitch};
 
 use super::bead_flags::{BEAD, BeadFlags};
-use super::flags::{MESH, MeshFlags, OutFlags, RangeFlag, SEEDS, optional_mm, positive, whole, within};
+use super::flags::{MESH, MeshFlags, OutFlags, SEEDS, metres, solid_only};
+use super::values::{number, positive, range, whole};
 use crate::asset::{self, ASSET, Extras, Manifest, UsdMode};
 use crate::console::Console;
 use crate::part::Part;
 use crate::workpiece::{WeldWishes, WeldingOptions, weld_part};
-use crate::wrong_use;
 use files::folder::StagedFolder;
 
 /// Heading of the help for where a weld runs.
 const CURVE: &str = "Curve";
 /// Heading of the help for what gets at a weld.
 const ACCESS: &str = "Exposure and access";
+/// Geodesic curvatures that are accepted [1/m].
+const CURVATURES: [f64; 2] = [0.0, 1e4];
+/// Shares of a whole.
+const SHARES: [f64; 2] = [0.0, 1.0];
 
 /// Example: robofin weld part.obj --out out/part --seed 7
 #[derive(Debug, Args)]
@@ -29,7 +33,8 @@ const ACCESS: &str = "Exposure and access";
                   robofin weld data/bracket.obj --out out/hard --difficulty hard --count 2\n  \
                   robofin weld data/bracket.obj --out out/shade --length-mm 20..40 --curvature-per-m 5..20 \
                   --exposure 0.4..0.7\n  \
-                  robofin weld data/bracket.obj --out out/fillet --place seam --width-mm 6 --ripple-pitch-mm 2 --pores 3"
+                  robofin weld data/bracket.obj --out out/fillet --place seam --width-mm 6 --ripple-pitch-mm 2 --pores 3",
+    mut_arg("shell_mm", solid_only)
 )]
 pub(super) struct WeldArgs {
     /// Mesh file: OBJ, STL, PLY, GLB or glTF.
@@ -64,60 +69,113 @@ pub(super) struct WeldFlags {
     )]
     count: Option<u16>,
     /// Length of the weld's centreline, or a range [mm].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = CURVE)]
-    length_mm: Option<RangeFlag>,
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = range(positive), help_heading = CURVE)]
+    length_mm: Option<[f64; 2]>,
     /// Where the weld runs; `seam` lays fillets in concave creases, `butt` joins halves that a plane parts.
     #[arg(long, value_enum, default_value_t, help_heading = CURVE)]
     place: PlaceFlag,
     /// Length of each bead of an intermittent weld [mm].
-    #[arg(long, value_name = "MM", requires = "stitch_pitch_mm", allow_negative_numbers = true, help_heading = CURVE)]
+    #[arg(
+        long,
+        value_name = "MM",
+        requires = "stitch_pitch_mm",
+        allow_negative_numbers = true,
+        value_parser = positive,
+        help_heading = CURVE
+    )]
     stitch_mm: Option<f64>,
     /// Distance from the start of a bead of an intermittent weld to that of the next [mm].
-    #[arg(long, value_name = "MM", requires = "stitch_mm", allow_negative_numbers = true, help_heading = CURVE)]
+    #[arg(
+        long,
+        value_name = "MM",
+        requires = "stitch_mm",
+        allow_negative_numbers = true,
+        value_parser = positive,
+        help_heading = CURVE
+    )]
     stitch_pitch_mm: Option<f64>,
     /// Width of the bead between its toes [mm].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = BEAD)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, help_heading = BEAD)]
     width_mm: Option<f64>,
     /// Height of the bead above the surface [mm].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = BEAD)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, help_heading = BEAD)]
     height_mm: Option<f64>,
     #[command(flatten)]
     form: BeadFlags,
     /// Root mean square of the centreline's geodesic curvature, or a range [1/m]; 0 is a geodesic.
-    #[arg(long, value_name = "PER_M", allow_negative_numbers = true, help_heading = CURVE)]
-    curvature_per_m: Option<RangeFlag>,
+    #[arg(
+        long,
+        value_name = "PER_M",
+        allow_negative_numbers = true,
+        value_parser = range(number(CURVATURES)),
+        help_heading = CURVE
+    )]
+    curvature_per_m: Option<[f64; 2]>,
     /// Largest geodesic curvature [1/m] [default: three times the root mean square asked].
-    #[arg(long, value_name = "PER_M", allow_negative_numbers = true, help_heading = CURVE)]
+    #[arg(
+        long,
+        value_name = "PER_M",
+        allow_negative_numbers = true,
+        value_parser = number(CURVATURES),
+        help_heading = CURVE
+    )]
     curvature_max_per_m: Option<f64>,
     /// Correlation length of the geodesic curvature [mm] [default: half the length].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = CURVE)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, help_heading = CURVE)]
     correlation_mm: Option<f64>,
     /// Least exposure along the weld, or a range for it: the cosine-weighted free share of the hemisphere, 0 to 1.
     #[arg(
         long,
         value_name = "SHARE",
         allow_negative_numbers = true,
+        value_parser = range(number(SHARES)),
         conflicts_with = "min_exposure",
         help_heading = ACCESS
     )]
-    exposure: Option<RangeFlag>,
+    exposure: Option<[f64; 2]>,
     /// The same as --exposure SHARE..1.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, help_heading = ACCESS)]
+    #[arg(
+        long,
+        value_name = "SHARE",
+        allow_negative_numbers = true,
+        value_parser = number(SHARES),
+        help_heading = ACCESS
+    )]
     min_exposure: Option<f64>,
     /// What lies farther hides nothing [mm] [default: a quarter of the part's diagonal].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, help_heading = ACCESS)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, help_heading = ACCESS)]
     exposure_reach_mm: Option<f64>,
     /// Tool whose access to the weld is measured.
     #[arg(long, value_enum, default_value_t, help_heading = ACCESS)]
     access_tool: AccessToolFlag,
     /// Radius of that tool [mm].
-    #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true, help_heading = ACCESS)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 50.0,
+        allow_negative_numbers = true,
+        value_parser = positive,
+        help_heading = ACCESS
+    )]
     access_radius_mm: f64,
     /// Width of that tool along its axis [mm].
-    #[arg(long, value_name = "MM", default_value_t = 10.0, allow_negative_numbers = true, help_heading = ACCESS)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 10.0,
+        allow_negative_numbers = true,
+        value_parser = positive,
+        help_heading = ACCESS
+    )]
     access_width_mm: f64,
     /// Least mean share of that tool's poses that are clear of the part, 0 to 1.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, help_heading = ACCESS)]
+    #[arg(
+        long,
+        value_name = "SHARE",
+        allow_negative_numbers = true,
+        value_parser = number(SHARES),
+        help_heading = ACCESS
+    )]
     min_access: Option<f64>,
 }
 
@@ -158,19 +216,8 @@ enum AccessToolFlag {
 }
 
 impl WeldFlags {
-    pub(super) fn wishes(&self) -> Result<WeldWishes> {
-        let share = |flag: &'static str| {
-            move |share: f64| match (0.0..=1.0).contains(&share) {
-                true => Ok(share),
-                false => Err(wrong_use(format!("{flag} {share:?}: a share from 0 to 1 is expected"))),
-            }
-        };
-        let curvature = |flag: &'static str| move |curvature: f64| within(flag, curvature, (0.0, 1e4));
-        let mm = |flag: &'static str| move |mm: f64| Ok(positive(flag, mm)? * 1e-3);
-        let from_min = self.min_exposure.map(share("--min-exposure")).transpose()?.map(|least| [least, 1.0]);
-        let exposure = self.exposure.map(|range| range.checked(share("--exposure"))).transpose()?;
-        let (curvature_flag, max_flag) = ("--curvature-per-m", "--curvature-max-per-m");
-        Ok(WeldWishes {
+    pub(super) fn wishes(&self) -> WeldWishes {
+        WeldWishes {
             difficulty: match self.difficulty {
                 DifficultyFlag::Easy => Difficulty::Easy,
                 DifficultyFlag::Medium => Difficulty::Medium,
@@ -183,41 +230,38 @@ impl WeldFlags {
                 PlaceFlag::Butt => Placement::Butt,
                 PlaceFlag::Mixed => Placement::Mixed,
             },
-            stitch: self.stitch()?,
+            stitch: self.stitch(),
             shape: self.form.shape(),
             convexity: self.form.convexity,
-            form: self.form.request()?,
-            toe_radius: self.form.toe_radius()?,
-            length: self.length_mm.map(|range| range.checked(mm("--length-mm"))).transpose()?,
-            width: optional_mm("--width-mm", self.width_mm)?,
-            height: optional_mm("--height-mm", self.height_mm)?,
-            curvature: self.curvature_per_m.map(|range| range.checked(curvature(curvature_flag))).transpose()?,
-            curvature_max: self.curvature_max_per_m.map(curvature(max_flag)).transpose()?,
-            correlation: optional_mm("--correlation-mm", self.correlation_mm)?,
-            exposure: exposure.or(from_min),
-            exposure_reach: optional_mm("--exposure-reach-mm", self.exposure_reach_mm)?,
-            tool: self.tool()?,
-            min_access: self.min_access.map(share("--min-access")).transpose()?,
-        })
+            form: self.form.request(),
+            toe_radius: self.form.toe_radius(),
+            length: self.length_mm.map(|range| range.map(|mm| mm * 1e-3)),
+            width: metres(self.width_mm),
+            height: metres(self.height_mm),
+            curvature: self.curvature_per_m,
+            curvature_max: self.curvature_max_per_m,
+            correlation: metres(self.correlation_mm),
+            exposure: self.exposure.or(self.min_exposure.map(|least| [least, 1.0])),
+            exposure_reach: metres(self.exposure_reach_mm),
+            tool: self.tool(),
+            min_access: self.min_access,
+        }
     }
-}
 
-impl WeldFlags {
-    fn tool(&self) -> Result<ToolShape> {
-        Ok(ToolShape {
+    fn tool(&self) -> ToolShape {
+        ToolShape {
             kind: match self.access_tool {
                 AccessToolFlag::Wheel => ToolKind::Wheel,
                 AccessToolFlag::Pad => ToolKind::Pad,
             },
-            radius: positive("--access-radius-mm", self.access_radius_mm)? * 1e-3,
-            width: positive("--access-width-mm", self.access_width_mm)? * 1e-3,
-        })
+            radius: self.access_radius_mm * 1e-3,
+            width: self.access_width_mm * 1e-3,
+        }
     }
 
-    fn stitch(&self) -> Result<Option<Stitch>> {
-        let length = optional_mm("--stitch-mm", self.stitch_mm)?;
-        let pitch = optional_mm("--stitch-pitch-mm", self.stitch_pitch_mm)?;
-        Ok(length.zip(pitch).map(|(length, pitch)| Stitch { length, pitch }))
+    fn stitch(&self) -> Option<Stitch> {
+        let (length, pitch) = (metres(self.stitch_mm), metres(self.stitch_pitch_mm));
+        length.zip(pitch).map(|(length, pitch)| Stitch { length, pitch })
     }
 }
 
@@ -234,13 +278,12 @@ struct WeldAnswer<'a> {
 
 pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let started = std::time::Instant::now();
-    args.mesh.solid_only("robofin weld")?;
     let options = WeldingOptions {
         seed: args.seed,
-        fineness: args.mesh.fineness()?,
-        band_voxels: args.mesh.band_voxels()?,
+        fineness: args.mesh.fineness(),
+        band_voxels: args.mesh.band,
         sign: args.mesh.sign.into(),
-        wishes: args.wishes.wishes()?,
+        wishes: args.wishes.wishes(),
     };
     let folder = StagedFolder::new(&args.out.beside(&[&args.file]), &ASSET)?;
     let part = Part::load(&args.file, args.mesh.unit.into())?;

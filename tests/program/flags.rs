@@ -1,6 +1,6 @@
 //! Flags that make no sense: exit code 2 and the range, or exit code 1 where the part decides.
 
-use crate::program::{bracket, names, robofin, run, weld_bracket};
+use crate::program::{asset, bracket, names, robofin, run, weld_bracket};
 
 fn bake() -> std::process::Command {
     let mut command = robofin(["bake"]);
@@ -26,15 +26,15 @@ fn numbers_out_of_range_are_wrong_use_and_say_the_range() {
         ("--length-mm", &["0", "-1", "nan", "inf"][..], "above zero"),
         ("--width-mm", &["0", "-1", "nan", "inf"], "above zero"),
         ("--height-mm", &["0", "-1", "nan", "inf"], "above zero"),
-        ("--curvature-per-m", &["-1", "1e9", "nan", "inf"], "0.0 to 10000.0"),
+        ("--curvature-per-m", &["-1", "1e9", "nan", "inf"], "0 to 10000"),
         ("--min-exposure", &["2", "-0.5", "nan"], "0 to 1"),
         ("--exposure", &["0.5..2", "-0.5", "0.8..0.2", "0.1..", "a..b"], ""),
         ("--length-mm", &["80..40", "0..50", "40..inf"], ""),
-        ("--curvature-max-per-m", &["-1", "nan"], "0.0 to 10000.0"),
+        ("--curvature-max-per-m", &["-1", "nan"], "0 to 10000"),
         ("--min-access", &["2", "-1"], "0 to 1"),
         ("--count", &["0", "-1", "70000"], ""),
         ("--convexity", &["1", "nan"], "-0.2 to 0.25"),
-        ("--crater", &["1", "-0.1"], "0.0 to 0.8"),
+        ("--crater", &["1", "-0.1"], "0 to 0.8"),
         ("--ripple-pitch-mm", &["0", "nan"], "above zero"),
     ] {
         for value in values {
@@ -128,4 +128,222 @@ fn a_voxel_larger_than_the_part_is_refused() {
     run(bake().args(["--voxel-mm", "1e9"]).arg("--out").arg(&out)).is_refused(1, &["voxel"]);
     run(bake().args(["--voxel-mm", "1e300"]).arg("--out").arg(&out)).is_refused(1, &["voxel"]);
     assert_eq!(names(folder.path()), Vec::<String>::new());
+}
+
+/// Words of a command line, and words of each fault that is told of it.
+type Refusal<'a> = (&'a [&'a str], &'a [&'a [&'a str]]);
+
+#[test]
+fn all_wrong_flags_of_a_verb_are_told_at_once_with_value_and_range() {
+    let refusals: [Refusal; 14] = [
+        (
+            &[
+                "weld",
+                "no.obj",
+                "--out",
+                "o",
+                "--voxel-mm",
+                "0",
+                "--band=1",
+                "--length-mm",
+                "80..40",
+                "--crater",
+                "deep",
+            ],
+            &[
+                &["--voxel-mm 0:", "above zero"],
+                &["--band 1:", "2 to 64"],
+                &["--length-mm 80..40:", "80 is above 40"],
+                &["--crater deep:", "such as 0.5", "0 to 0.8"],
+            ],
+        ),
+        (
+            &["bake", "no.obj", "--out", "o", "--band", "1000", "--resolution", "7", "--jobs", "0", "--unit", "ell"],
+            &[&["--band", "2 to 64"], &["--resolution", "8 to 4096"], &["--jobs", "1 to 256"], &["--unit", "m or mm"]],
+        ),
+        (
+            &[
+                "press",
+                "no.obj",
+                "--tool",
+                "drill:",
+                "--depth-mm",
+                "0",
+                "--at",
+                "here",
+                "--stiffness",
+                "1",
+                "--voxel-mm=-1",
+            ],
+            &[
+                &["--tool drill:", "`drill`"],
+                &["--depth-mm 0:", "1e-6 to 1000"],
+                &["--at here:", "12.5,-4"],
+                &["--stiffness 1:", "1e5 to 1e14"],
+                &["--voxel-mm -1:", "above zero"],
+            ],
+        ),
+        (
+            &[
+                "simulate",
+                "no",
+                "--out",
+                "o",
+                "--passes",
+                "0",
+                "--force-n",
+                "-15",
+                "--grind-rate",
+                "nan",
+                "--backend",
+                "xpu",
+            ],
+            &[
+                &["--passes 0:", "1 to 200"],
+                &["--force-n -15:", "0.001 to 10000"],
+                &["--grind-rate nan:", "1e-15 to 1e-6"],
+                &["--backend xpu:"],
+            ],
+        ),
+        (
+            &[
+                "path",
+                "no",
+                "--out",
+                "o",
+                "--raster",
+                "5,0,1,1",
+                "--spacing-mm",
+                "0",
+                "--feed-mm-s",
+                "0",
+                "--tool",
+                "x",
+            ],
+            &[&["--raster", "X0 < X1"], &["--spacing-mm", "0.001 to 1000"], &["--feed-mm-s"], &["--tool", "LENGTH"]],
+        ),
+        (
+            &[
+                "render",
+                "no",
+                "--out",
+                "o",
+                "--size",
+                "1x1",
+                "--camera",
+                "0,91",
+                "--samples",
+                "0",
+                "--distortion",
+                "1,2",
+            ],
+            &[
+                &["--size", "16 to 4096"],
+                &["--camera", "-90 to 90"],
+                &["--samples", "1 to 16"],
+                &["--distortion", "K3"],
+            ],
+        ),
+        (
+            &[
+                "dataset",
+                "no",
+                "--out",
+                "o",
+                "--per-part",
+                "0",
+                "--shard",
+                "4/3",
+                "--time-limit",
+                "-1",
+                "--shell-mm",
+                "1",
+            ],
+            &[
+                &["--per-part 0"],
+                &["--shard 4/3", "i/n"],
+                &["--time-limit -1", "0.1 to 1e6"],
+                &["--shell-mm 1", "bake"],
+            ],
+        ),
+        (
+            &[
+                "dataset",
+                "images",
+                "--out",
+                "o",
+                "--stages",
+                "0",
+                "--size",
+                "9",
+                "--voxel-mm",
+                "9",
+                "--memory-limit",
+                "0",
+            ],
+            &[&["--stages"], &["--size"], &["--voxel-mm", "0.1 to 5"], &["--memory-limit", "0.1 to 10000"]],
+        ),
+        (
+            &["trial", "synth", "--out", "o", "--trials", "65", "--seed=-1", "--effect", "tool-tilt:steep"],
+            &[&["--trials 65:", "1 to 64"], &["--seed -1:"], &["--effect tool-tilt:steep:", "PARAMETER=VALUE"]],
+        ),
+        (
+            &["bench", "diagnose", "--out", "o", "--cases", "4000000000000", "--families", "N,Q", "--seed", "x"],
+            &[&["--cases", "1 to 10000"], &["--families Q:", "N or S"], &["--seed x:"]],
+        ),
+        (&["study", "no", "--out", "o", "--seed", "x", "--threads", "0"], &[&["--seed"], &["--threads", "1 to 1024"]]),
+        (
+            &["calibrate", "no", "--threads", "0", "--out", "o", "--order", "any"],
+            &[&["--threads"], &["--order any:", "joint or staged"]],
+        ),
+        (&["--threads", "0", "diagnose", "no", "--out", "o", "--seed", "x"], &[&["--threads 0:"], &["--seed x:"]]),
+        (
+            &["compare", "no", "--out", "o", "--section", "z=1", "--section", "x=20mm", "--seed", "1.5"],
+            &[&["--section z=1:", "x=20mm"], &["--seed 1.5:"]],
+        ),
+    ];
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (words, faults) in refusals {
+        run(robofin(words).current_dir(folder.path())).is_refused_for_all(faults);
+    }
+    assert_eq!(names(folder.path()), Vec::<String>::new());
+}
+
+#[test]
+fn what_is_wrong_beside_the_values_is_told_with_them() {
+    run(&mut robofin(["weld", "--voxel-mm", "0", "--band", "1", "--stitch-mm", "20"])).is_refused_for_all(&[
+        &["--voxel-mm"],
+        &["--band"],
+        &["required arguments were not provided"],
+    ]);
+    run(&mut robofin(["weld", "part.obj", "--out", "o", "--frobnicate", "3", "--voxel-mm", "0"]))
+        .is_refused_for_all(&[&["--voxel-mm"], &["--frobnicate"]]);
+    run(&mut robofin(["press", "part.obj", "--tool", "pad:radius=0mm"]))
+        .is_refused_for_all(&[&["--tool"], &["required arguments were not provided"]]);
+    // What follows `--` is no flag.
+    run(&mut robofin(["bake", "--band", "1", "--out", "o", "--", "--resolution=1"])).is_refused_for_all(&[&["--band"]]);
+}
+
+#[test]
+fn all_flags_that_do_not_fit_together_are_told_at_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let trials = ["--replay", "--voxel-mm", "1", "--out"];
+    run(robofin(["simulate"]).arg(asset()).args(trials).arg(folder.path().join("out")))
+        .is_refused_for_all(&[&["--voxel-mm", "only a trial"], &["--replay", "only a trial"]]);
+    let photograph = ["--table", "--samples", "3", "--read-noise", "5", "--out"];
+    run(robofin(["render"]).arg(asset()).args(photograph).arg(folder.path().join("out.png"))).is_refused_for_all(&[
+        &["--read-noise 5.0", "--full-well"],
+        &["--table", "a drawing"],
+        &["--samples", "a drawing"],
+        &["a flag of lens or sensor"],
+    ]);
+    assert_eq!(names(folder.path()), Vec::<String>::new());
+}
+
+#[test]
+fn a_value_of_many_characters_is_not_repeated_whole() {
+    let value = "9".repeat(300);
+    let told =
+        run(&mut robofin(["weld", "part.obj", "--out", "o", "--band", &value])).is_refused(2, &["--band 999", "…"]);
+    assert!(told.chars().count() < 150, "{told}");
 }

@@ -119,9 +119,8 @@ fn flags_that_were_accepted_without_a_meaning_are_refused() {
     for (flags, words) in [
         (&["--samples", "0"][..], &["--samples", "0", "1 to 16"][..]),
         (&["--samples", "17"], &["--samples", "17", "1 to 16"]),
-        (&["--read-noise", "5"], &["--read-noise 5.0", "--full-well", "10 to 1e9"]),
         (&["--turntable", "1"], &["--turntable", "1", "2 to 720"]),
-        (&["--camera", "0,91"], &["--camera", "91.0", "-90 to 90"]),
+        (&["--camera", "0,91"], &["--camera", "0,91", "-90 to 90"]),
         (&["--grind-along", "0,0,0"], &["--grind-along", "X,Y,Z"]),
     ] {
         for out in [&out, &drawing] {
@@ -133,6 +132,8 @@ fn flags_that_were_accepted_without_a_meaning_are_refused() {
         .arg("--out")
         .arg(&out))
     .is_refused(2, &["--turntable", "3.1e12 samples", "1e11 are accepted"]);
+    run(robofin(["render", "--read-noise", "5"]).arg(asset()).arg("--out").arg(&out))
+        .is_refused(2, &["--read-noise 5.0", "--full-well", "10 to 1e9"]);
     run(robofin(["render", "--samples", "3"]).arg(asset()).arg("--out").arg(&drawing))
         .is_refused(2, &["--samples", "a drawing"]);
     for jobs in ["0", "257", "-1", "1.5"] {

@@ -92,7 +92,7 @@ fn paths_that_cannot_be_are_refused_with_the_reason() {
         (2, &["--tool", "pad:radius=5mm,width=2mm"], &["--tool", "\"width\" is unknown"]),
         (2, &["--raster", "0,0,1", "--spacing-mm", "1"], &["--raster", "X0,Y0,X1,Y1"]),
         (2, &["--raster", "5,0,1,1", "--spacing-mm", "1"], &["--raster", "X0 < X1"]),
-        (2, &["--raster", "0,0,1,1", "--spacing-mm", "0"], &["--spacing-mm", "above zero"]),
+        (2, &["--raster", "0,0,1,1", "--spacing-mm", "0"], &["--spacing-mm", "0.001 to 1000"]),
         (2, &["--raster", "0,0,1,1"], &["required"]),
         (2, &["--weld", "1", "--raster", "0,0,1,1", "--spacing-mm", "1"], &["--weld", "--raster"]),
         (2, &["--feed-mm-s", "0"], &["--feed-mm-s", "is accepted"]),

@@ -87,6 +87,18 @@ impl Outcome {
         errors[0].to_owned()
     }
 
+    /// The run ended as wrong use, with one `error:` line for each of `faults` in this order, which holds all its words.
+    #[track_caller]
+    pub(crate) fn is_refused_for_all(&self, faults: &[&[&str]]) {
+        let text = &self.stderr;
+        assert_eq!(self.status.code(), Some(2), "{text}");
+        let errors: Vec<&str> = text.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert_eq!(errors.len(), faults.len(), "{} error lines are expected: {text}", faults.len());
+        for (error, words) in errors.iter().zip(faults) {
+            assert!(words.iter().all(|word| error.contains(word)), "{words:?} expected in: {error}");
+        }
+    }
+
     /// The one JSON object on standard output.
     #[track_caller]
     pub(crate) fn answer(&self) -> Value {

@@ -1,0 +1,65 @@
+//! The tool that is pressed into a part, as a flag names it.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use sim::{Pad, Tool, Wheel};
+
+/// Kinds of tools, as `--tool` takes them.
+const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
+
+/// The tool that a flag names.
+#[derive(Clone, Debug)]
+pub(super) enum ToolFlag {
+    /// Of sizes.
+    Solid(Tool),
+    /// Of a file.
+    Mesh(PathBuf),
+}
+
+impl FromStr for ToolFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = |why: String| format!("{why}; {TOOLS} is expected");
+        let (kind, rest) = text.split_once(':').ok_or_else(|| wrong("a kind and its sizes are missing".to_owned()))?;
+        Ok(Self::Solid(match kind {
+            "wheel" => {
+                let [radius, width] = sizes(rest, ["radius", "width"]).map_err(wrong)?;
+                Wheel::cylinder(radius, width).into()
+            }
+            "pad" => Pad { radius: sizes(rest, ["radius"]).map_err(wrong)?[0] }.into(),
+            "sphere" => Tool::Sphere(sizes(rest, ["radius"]).map_err(wrong)?[0]),
+            "mesh" => return Ok(Self::Mesh(rest.into())),
+            _ => return Err(wrong(format!("no tool is called `{kind}`"))),
+        }))
+    }
+}
+
+/// Sizes [m] of a text such as `radius=50mm,width=20mm`.
+fn sizes<const N: usize>(text: &str, names: [&str; N]) -> Result<[f64; N], String> {
+    let mut found = [None; N];
+    for part in text.split(',').filter(|part| !part.is_empty()) {
+        let (name, value) =
+            part.split_once('=').ok_or_else(|| format!("`{part}` is no size such as {}=10mm", names[0]))?;
+        let index = names.iter().position(|known| *known == name.trim());
+        let index = index.ok_or_else(|| format!("`{name}` is no size of it, it has {}", names.join(" and ")))?;
+        found[index] = Some(
+            length(value.trim()).ok_or_else(|| format!("`{value}` is no length such as 20mm, from 0.01 mm to 10 m"))?,
+        );
+    }
+    let mut sizes = [0.0; N];
+    for ((size, found), name) in sizes.iter_mut().zip(found).zip(names) {
+        *size = found.ok_or_else(|| format!("the size `{name}` is missing"))?;
+    }
+    Ok(sizes)
+}
+
+/// A length [m] with its unit.
+fn length(text: &str) -> Option<f64> {
+    let (number, unit) = [("mm", 1e-3), ("um", 1e-6), ("m", 1.0)]
+        .into_iter()
+        .find_map(|(unit, size)| text.strip_suffix(unit).map(|number| (number, size)))?;
+    let length = number.trim().parse::<f64>().ok()? * unit;
+    (1e-5..=10.0).contains(&length).then_some(length)
+}

@@ -1,0 +1,52 @@
+//! How the values of flags are read: one message for all that a flag does not accept.
+
+/// Reads a whole number between bounds, both included.
+pub(super) fn whole<T: TryFrom<u64>>(
+    [least, most]: [u64; 2],
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync {
+    move |text| {
+        let number = text.parse::<u64>().ok().filter(|number| (least..=most).contains(number));
+        number.and_then(|number| T::try_from(number).ok()).ok_or_else(|| match most {
+            u64::MAX => format!("a whole number of 64 bits, {least} or more, is accepted"),
+            _ => format!("a whole number from {least} to {most} is accepted"),
+        })
+    }
+}
+
+/// Reads a number between bounds, both included.
+pub(super) fn number([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+    move |text| {
+        accepted(text, &format!("from {} to {}", shown(least), shown(most)), |number| (least..=most).contains(&number))
+    }
+}
+
+/// Reads a finite number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    accepted(text, "above zero", |number| number > 0.0 && number.is_finite())
+}
+
+/// Reads a number, or two with `..` between: a range to draw from, both ends included. Both are read as `end` says.
+pub(super) fn range(
+    end: impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync,
+) -> impl Fn(&str) -> Result<[f64; 2], String> + Clone + Send + Sync {
+    move |text| match text.split_once("..") {
+        None => Ok([end(text)?; 2]),
+        Some((low, high)) => match [end(low.trim())?, end(high.trim())?] {
+            [low, high] if low > high => Err(format!("{low} is above {high}; the lower end comes first")),
+            range => Ok(range),
+        },
+    }
+}
+
+fn accepted(text: &str, range: &str, is_accepted: impl Fn(f64) -> bool) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(number) if is_accepted(number) => Ok(number),
+        Ok(_) => Err(format!("a number {range} is accepted")),
+        Err(_) => Err(format!("a number such as 0.5 or 2e-3 is accepted, {range}")),
+    }
+}
+
+/// A bound in few digits.
+fn shown(bound: f64) -> String {
+    if bound == 0.0 || (1e-3..1e5).contains(&bound.abs()) { format!("{bound}") } else { format!("{bound:e}") }
+}
