@@ -22,7 +22,7 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("paths", &["sdf-bake", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "sdf-bake", "shaders", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "sdf-bake", "sim", "trials"]),
-    ("benchmark", &["effects", "lab", "trials", "virtual-lab"]),
+    ("benchmark", &["effects", "lab", "random", "trials", "virtual-lab"]),
     ("report", &["lab", "sdf-bake", "trials"]),
     (
         "",

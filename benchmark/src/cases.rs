@@ -1,10 +1,12 @@
 //! The cases: families, designs and what is hidden in each.
 
 use effects::{Effect, Library};
+use random::Stream;
 use serde::{Deserialize, Serialize};
 
+use super::ladder::{POWER_RUNGS, RUNGS, effect_process};
 use trials::trial::Process;
-use virtual_lab::Plan;
+use virtual_lab::{FrontEnd, Plan, outside};
 
 /// What a family of cases asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -13,33 +15,25 @@ pub enum Family {
     N,
     /// One effect of the library.
     S,
-    /// An effect that changes nothing but the base parameters under one force, feed and speed.
+    /// One effect that was taken out of the library.
+    L,
+    /// An effect outside the library.
+    U,
+    /// Hard front ends, with and without an effect.
+    H,
+    /// An effect that changes nothing but the base parameters.
     A,
     /// Two effects.
     D,
-    /// An effect that the library lacks, or one taken out of it.
-    U,
-    /// A fault of the scanner.
-    M,
-    /// Sanding.
-    B,
     /// The plan of two equal passes.
     P,
+    /// A few effects over and over, for their detectable size.
+    W,
 }
 
 impl Family {
     /// All families, in the order of the table.
-    pub const ALL: [Self; 8] = [Self::N, Self::S, Self::A, Self::D, Self::U, Self::M, Self::B, Self::P];
-}
-
-/// How good scanner and robot are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Instruments {
-    /// A careful laboratory.
-    Clean,
-    /// More of every error.
-    Hard,
+    pub const ALL: [Self; 9] = [Self::N, Self::S, Self::L, Self::U, Self::H, Self::A, Self::D, Self::P, Self::W];
 }
 
 /// A campaign but for what is hidden in it.
@@ -49,8 +43,8 @@ pub struct Design {
     pub process: Process,
     /// How the passes differ.
     pub plan: Plan,
-    /// How good scanner and robot are.
-    pub instruments: Instruments,
+    /// How the measurements are taken.
+    pub front: FrontEnd,
     /// Of workpieces, base law, noise and path.
     pub seed: u64,
 }
@@ -58,17 +52,9 @@ pub struct Design {
 impl Design {
     /// Its name in file names.
     pub fn id(&self) -> String {
-        format!("{:?}-{:?}-{:?}-{}", self.process, self.plan, self.instruments, self.seed).to_lowercase()
+        let Self { process, plan, front, seed } = self;
+        format!("{process:?}-{plan:?}-{}-{seed}", front.word()).to_lowercase()
     }
-}
-
-/// How large a hidden effect is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Sized {
-    /// Large enough to be seen by eye.
-    Visible,
-    /// A multiple of the least size that the same campaign could show.
-    Detectable(f64),
 }
 
 /// One case.
@@ -82,35 +68,38 @@ pub struct Case {
     pub design: Design,
     /// Names of the hidden effects.
     pub hidden: Vec<String>,
-    /// How large they are.
-    pub size: Sized,
-    /// Whether the diagnosis must do without the hidden effect in its library.
-    pub left_out: bool,
+    /// How large they are over the visible size.
+    pub rung: f64,
 }
 
 impl Case {
-    /// The same campaign with nothing hidden in it.
-    pub fn clean(&self) -> Self {
-        let (family, size) = (Family::N, Sized::Visible);
-        Self { family, size, hidden: Vec::new(), left_out: false, ..self.clone() }
-    }
-
     /// Its name in file names and tables.
     pub fn id(&self) -> String {
         format!("{:?}{:02}", self.family, self.number)
     }
+
+    /// Whether the study must do without the hidden effect in its library.
+    pub fn is_left_out(&self) -> bool {
+        self.family == Family::L
+    }
 }
 
-/// Multiples of the detectable size, one for each round through the library.
-const SIZES: [f64; 4] = [4.0, 8.0, 2.0, 1.0];
-/// Cases in a row that share workpieces, base law and noise; single effects do for a round through the library.
-const PER_SEED: usize = 4;
-/// Effects that one force, feed and speed hide in the rate constant.
-const ABSORBED: [(&str, Plan); 4] = [
+/// Designs of campaigns in which nothing is hidden, in turn.
+const PLANS: [(Process, Plan); 4] = [
+    (Process::Grinding, Plan::Varied),
+    (Process::Sanding, Plan::Varied),
+    (Process::Grinding, Plan::Paper),
+    (Process::Grinding, Plan::Steps),
+];
+/// Effects that only change what every fit leaves free: the rate constant under one force, feed and speed, or the scans' poses
+/// and blur.
+const ABSORBED: [(&str, Plan); 6] = [
     ("speed-exponent", Plan::Reversed),
+    ("scan-tilt", Plan::Varied),
     ("cutting-direction", Plan::Paper),
+    ("lateral-blur", Plan::Varied),
     ("force-bias", Plan::Paper),
-    ("speed-exponent", Plan::Paper),
+    ("scan-shift", Plan::Varied),
 ];
 /// Pairs of effects: apart, alike, and one against the other.
 const PAIRS: [(Process, [&str; 2]); 6] = [
@@ -121,25 +110,43 @@ const PAIRS: [(Process, [&str; 2]); 6] = [
     (Process::Sanding, ["tool-tilt", "pad-loading"]),
     (Process::Grinding, ["entry-overshoot", "tool-tilt"]),
 ];
-/// Effects that are taken out of the library.
-const LEFT_OUT: [(Process, &str); 4] = [
+/// What is hidden in two equal passes.
+const EQUAL_PASSES: [&str; 4] = ["pressure-exponent", "break-in", "surface-layer", "tool-tilt"];
+/// Front ends that are not clean.
+const FRONTS: [FrontEnd; 6] =
+    [FrontEnd::Frame, FrontEnd::Clock, FrontEnd::Ripple, FrontEnd::Texture, FrontEnd::Worn, FrontEnd::Hard];
+/// What is hidden behind them.
+const BEHIND: [(Process, Option<&str>); 6] = [
+    (Process::Grinding, None),
+    (Process::Grinding, Some("grit-dulling")),
+    (Process::Sanding, None),
+    (Process::Grinding, Some("tool-tilt")),
+    (Process::Sanding, Some("pad-loading")),
+    (Process::Grinding, Some("speed-exponent")),
+];
+/// What is hidden behind a worn tool: what it remembers.
+const BEHIND_WORN: [(Process, Option<&str>); 6] = [
+    (Process::Grinding, Some("grit-dulling")),
+    (Process::Sanding, Some("pad-loading")),
+    (Process::Grinding, Some("wheel-wear")),
+    (Process::Grinding, Some("self-sharpening")),
+    (Process::Grinding, None),
+    (Process::Grinding, Some("break-in")),
+];
+/// Effects whose detectable size is measured.
+pub const POWER: [(Process, &str); 5] = [
     (Process::Grinding, "tool-tilt"),
     (Process::Sanding, "pad-loading"),
     (Process::Grinding, "grit-dulling"),
-    (Process::Grinding, "wheel-crown"),
+    (Process::Grinding, "pressure-exponent"),
+    (Process::Grinding, "break-in"),
 ];
-/// Faults of the scanner.
-const FAULTS: [(Process, &str); 4] = [
-    (Process::Grinding, "height-gain"),
-    (Process::Grinding, "slope-bias"),
-    (Process::Sanding, "exposure-threshold"),
-    (Process::Grinding, "stitching"),
-];
-/// What is hidden when sanding.
-const SANDED: [Option<&str>; 6] =
-    [Some("pad-loading"), None, Some("pressure-exponent"), Some("tool-tilt"), Some("break-in"), Some("random-orbit")];
-/// What is hidden in two equal passes.
-const EQUAL_PASSES: [&str; 4] = ["pressure-exponent", "break-in", "surface-layer", "pass-gain"];
+/// An effect of the library that describes each pass for itself and explains none.
+const NO_CAUSE: &str = "pass-gain";
+/// What every fit leaves free, or what is no cause by itself.
+const UNFIT: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", NO_CAUSE];
+/// Way from one effect to the next in the list: a prime, so that a round meets all of them.
+const STRIDE: usize = 7;
 
 /// The first `count` cases of each family.
 pub fn cases(families: &[Family], count: usize, seed: u64, library: &Library) -> Vec<Case> {
@@ -147,56 +154,55 @@ pub fn cases(families: &[Family], count: usize, seed: u64, library: &Library) ->
     families.iter().flat_map(family).collect()
 }
 
+/// What a case hides, the process and plan, the front end and the rung.
+struct Draft<'a> {
+    hidden: Vec<&'a str>,
+    process: Process,
+    plan: Plan,
+    front: FrontEnd,
+    rung: f64,
+}
+
+impl<'a> Draft<'a> {
+    /// Visible effects in a clean laboratory.
+    fn new(hidden: impl IntoIterator<Item = &'a str>, process: Process, plan: Plan) -> Self {
+        Self { hidden: hidden.into_iter().collect(), process, plan, front: FrontEnd::Clean, rung: 1.0 }
+    }
+}
+
 fn case(family: Family, number: usize, seed: u64, library: &Library) -> Case {
-    let varied = |process| (process, Plan::Varied);
-    let mut block = number / PER_SEED;
-    let (hidden, (process, plan), size) = match family {
-        Family::N => visible(&[], cycle(&PLANS, number)),
-        Family::S => {
-            let (hidden, design, size, round) = single(number, library);
-            block = round;
-            (hidden, design, size)
+    let varied = Plan::Varied;
+    let outsiders = outsiders();
+    let Draft { hidden, process, plan, front, rung } = match family {
+        Family::N => {
+            let (process, plan) = cycle(&PLANS, number);
+            Draft::new([], process, plan)
         }
+        Family::S => single(number, library),
+        Family::L => Draft { rung: 1.0, ..single(number, library) },
+        Family::U => {
+            let (effect, process) = &outsiders[number % outsiders.len()];
+            Draft::new([effect.as_str()], *process, varied)
+        }
+        Family::H => behind(number),
         Family::A => {
             let (effect, plan) = cycle(&ABSORBED, number);
-            visible(&[effect], (Process::Grinding, plan))
+            Draft::new([effect], Process::Grinding, plan)
         }
         Family::D => {
             let (process, pair) = cycle(&PAIRS, number);
-            visible(&pair, varied(process))
+            Draft::new(pair, process, varied)
         }
-        Family::U if number % 3 == 2 => {
-            let (process, effect) = cycle(&LEFT_OUT, number / 3);
-            visible(&[effect], varied(process))
+        Family::P => Draft::new([cycle(&EQUAL_PASSES, number)], Process::Grinding, Plan::Paper),
+        Family::W => {
+            let (process, effect) = cycle(&POWER, number);
+            Draft { rung: cycle(&POWER_RUNGS, number / POWER.len()), ..Draft::new([effect], process, varied) }
         }
-        Family::U => {
-            let (effect, process) = unknown(number - number / 3);
-            visible(&[effect], varied(process))
-        }
-        Family::M => {
-            let (process, effect) = cycle(&FAULTS, number);
-            visible(&[effect], varied(process))
-        }
-        Family::B => visible(cycle(&SANDED, number).as_slice(), varied(Process::Sanding)),
-        Family::P => visible(&[cycle(&EQUAL_PASSES, number)], (Process::Grinding, Plan::Paper)),
     };
-    let hard = family == Family::N && number / PLANS.len() % 2 == 1;
-    let instruments = if hard { Instruments::Hard } else { Instruments::Clean };
-    let design = Design { process, plan, instruments, seed: seed.wrapping_add(block as u64) };
-    let left_out = family == Family::U && number % 3 == 2;
-    Case { family, number, design, hidden: hidden.into_iter().map(str::to_owned).collect(), size, left_out }
-}
-
-/// Designs of campaigns in which nothing is hidden, in turn.
-const PLANS: [(Process, Plan); 4] = [
-    (Process::Grinding, Plan::Varied),
-    (Process::Sanding, Plan::Varied),
-    (Process::Grinding, Plan::Paper),
-    (Process::Grinding, Plan::Steps),
-];
-
-fn visible<'a>(hidden: &[&'a str], design: (Process, Plan)) -> (Vec<&'a str>, (Process, Plan), Sized) {
-    (hidden.to_vec(), design, Sized::Visible)
+    // Each case has workpieces of its own.
+    let seed = Stream::of(seed, &format!("{family:?}{number}")).below(1 << 31) as u64;
+    let hidden = hidden.into_iter().map(str::to_owned).collect();
+    Case { family, number, design: Design { process, plan, front, seed }, hidden, rung }
 }
 
 fn cycle<T: Copy>(list: &[T], number: usize) -> T {
@@ -206,41 +212,39 @@ fn cycle<T: Copy>(list: &[T], number: usize) -> T {
 /// All effects of the library that may be hidden, when grinding and when sanding.
 fn singles(library: &Library) -> Vec<(&str, Process)> {
     let known = library.effects().iter().filter(|effect| !UNFIT.contains(&effect.name.as_str()));
-    let acts = |effect: &Effect, process| effect.acts_in(effect_process(process));
-    let in_both = known.flat_map(|effect| [Process::Grinding, Process::Sanding].map(|process| (effect, process)));
-    let acting = in_both.filter(|&(effect, process)| acts(effect, process));
-    acting.map(|(effect, process)| (effect.name.as_str(), process)).collect()
+    known.flat_map(|effect| acting(effect).map(|process| (effect.name.as_str(), process))).collect()
 }
 
-/// The single effect of a case, its design and size, and the round through the library that it belongs to.
-fn single(number: usize, library: &Library) -> (Vec<&str>, (Process, Plan), Sized, usize) {
+/// Processes in which an effect acts.
+fn acting(effect: &Effect) -> impl Iterator<Item = Process> {
+    [Process::Grinding, Process::Sanding].into_iter().filter(|&process| effect.acts_in(effect_process(process)))
+}
+
+/// The single effect of a case, round after round through the library.
+fn single(number: usize, library: &Library) -> Draft<'_> {
     let singles = singles(library);
     let (round, (effect, process)) = (number / singles.len(), singles[number * STRIDE % singles.len()]);
-    let plan = if process == Process::Grinding && round % 2 == 1 { Plan::Steps } else { Plan::Varied };
-    (vec![effect], (process, plan), Sized::Detectable(cycle(&SIZES, round)), round)
+    let steps = process == Process::Grinding && round % 2 == 1;
+    let plan = if steps { Plan::Steps } else { Plan::Varied };
+    Draft { rung: cycle(&RUNGS, round), ..Draft::new([effect], process, plan) }
 }
 
-/// Way from one effect to the next in the list: a prime, so that a round meets all of them.
-const STRIDE: usize = 7;
-/// What every fit leaves free, or what is no cause by itself.
-const UNFIT: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", "pass-gain"];
-
-/// Effects outside the library, and those of them that act when sanding.
-const UNKNOWN: [&str; 6] = ["grit-loss", "paint-run", "stick-slip", "lateral-wander", "spatter-patch", "plate-warping"];
-const UNKNOWN_WHEN_SANDING: [&str; 2] = ["paint-run", "lateral-wander"];
-
-/// An effect outside the library.
-fn unknown(number: usize) -> (&'static str, Process) {
-    let name = cycle(&UNKNOWN, number);
-    (name, if UNKNOWN_WHEN_SANDING.contains(&name) { Process::Sanding } else { Process::Grinding })
+/// A hard front end, and what is hidden behind it.
+fn behind(number: usize) -> Draft<'static> {
+    let front = cycle(&FRONTS, number);
+    let list = if front == FrontEnd::Worn { &BEHIND_WORN } else { &BEHIND };
+    // The round is added, so that no front end meets the same hidden effects first.
+    let (process, hidden) = cycle(list, number / FRONTS.len() + number % FRONTS.len());
+    Draft { front, ..Draft::new(hidden, process, Plan::Varied) }
 }
 
-/// The same word in the effect library.
-pub(super) fn effect_process(process: Process) -> effects::Process {
-    match process {
-        Process::Grinding => effects::Process::Grinding,
-        Process::Sanding => effects::Process::Sanding,
-    }
+/// Effects outside the library, each once, then those of them that act in both processes once more, then what is no cause.
+fn outsiders() -> Vec<(String, Process)> {
+    let all = outside::with_outside(Library::builtin()).expect("their names are free");
+    let is_outside = |effect: &&Effect| outside::EFFECTS.iter().any(|(file, _)| *file == effect.file);
+    let own: Vec<&Effect> = all.effects().iter().filter(is_outside).collect();
+    let nth = |n: usize| own.iter().filter_map(move |effect| Some((effect.name.clone(), acting(effect).nth(n)?)));
+    nth(0).chain(nth(1)).chain([(NO_CAUSE.to_owned(), Process::Grinding)]).collect()
 }
 
 #[cfg(test)]
@@ -250,20 +254,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_round_of_single_effects_meets_each_once_on_the_same_workpieces() {
+    fn a_round_of_single_effects_meets_each_once_and_the_next_takes_another_rung() {
         let library = Library::builtin();
         let count = singles(library).len();
-        let cases = cases(&[Family::S], 2 * count, 1, library);
-        for (round, size) in [4.0, 8.0].into_iter().enumerate() {
-            let cases = &cases[round * count..(round + 1) * count];
-            let met: BTreeSet<(&str, bool)> =
-                cases.iter().map(|c| (c.hidden[0].as_str(), c.design.process == Process::Sanding)).collect();
-            assert_eq!(
-                met.len(),
-                count,
-                "each effect once when grinding and once when sanding, as far as it acts there"
-            );
-            assert!(cases.iter().all(|c| c.design.seed == 1 + round as u64 && c.size == Sized::Detectable(size)));
+        for family in [Family::S, Family::L] {
+            let cases = cases(&[family], 2 * count, 1, library);
+            for round in 0..2 {
+                let cases = &cases[round * count..(round + 1) * count];
+                let met: BTreeSet<(&str, bool)> =
+                    cases.iter().map(|c| (c.hidden[0].as_str(), c.design.process == Process::Sanding)).collect();
+                assert_eq!(met.len(), count, "each effect once in each process, as far as it acts there");
+                let rung = if family == Family::S { RUNGS[round] } else { 1.0 };
+                assert!(cases.iter().all(|case| case.rung == rung && case.is_left_out() == (family == Family::L)));
+            }
+        }
+    }
+
+    #[test]
+    fn every_effect_of_the_library_and_all_outside_it_are_hidden_somewhere() {
+        let library = Library::builtin();
+        let all = cases(&Family::ALL, 60, 1, library);
+        let hidden: BTreeSet<&str> = all.iter().flat_map(|case| &case.hidden).map(String::as_str).collect();
+        let missing: Vec<&str> =
+            library.effects().iter().map(|e| e.name.as_str()).filter(|name| !hidden.contains(name)).collect();
+        assert_eq!(missing, Vec::<&str>::new());
+        let outside: BTreeSet<String> =
+            cases(&[Family::U], 8, 1, library).into_iter().map(|c| c.hidden[0].clone()).collect();
+        assert_eq!(outside.len(), outside::EFFECTS.len(), "the first eight are all there are");
+    }
+
+    #[test]
+    fn every_case_has_a_seed_of_its_own_and_other_seeds_give_others() {
+        let library = Library::builtin();
+        let [one, other] = [1, 2].map(|seed| cases(&Family::ALL, 20, seed, library));
+        let seeds = |cases: &[Case]| cases.iter().map(|case| case.design.seed).collect::<BTreeSet<_>>();
+        assert_eq!(seeds(&one).len(), one.len());
+        assert!(seeds(&one).is_disjoint(&seeds(&other)));
+    }
+
+    #[test]
+    fn each_front_end_is_met_with_nothing_hidden_and_with_effects() {
+        let cases = cases(&[Family::H], 36, 1, Library::builtin());
+        for front in FRONTS {
+            let behind: Vec<&Case> = cases.iter().filter(|case| case.design.front == front).collect();
+            let empty = behind.iter().filter(|case| case.hidden.is_empty()).count();
+            assert!(behind.len() == 6 && (1..=2).contains(&empty), "{front:?}: {empty} of {}", behind.len());
         }
     }
 }

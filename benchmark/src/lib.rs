@@ -1,18 +1,40 @@
-//! How often a diagnosis is right: campaigns of the virtual laboratory with known answers, diagnosed with the default
-//! settings and judged.
+//! How often a study is right: campaigns of the virtual laboratory with known answers, studied with the default settings
+//! and judged.
 //!
-//! 1. [`cases`] lists what is hidden, family by family; sizes are multiples of what the same campaign without the effect
-//!    says it could detect.
-//! 2. [`Outcome`] is what came out of one case.
-//! 3. [`Summary`] counts them, with intervals.
+//! 1. [`cases`] lists what is hidden, family by family; [`rung`] gives its size, a share of the visible one, whatever the
+//!    study calls detectable; [`sample`] takes a part of the list.
+//! 2. [`run`] makes a case, writes its trials to a folder and lets a study read them from there: the [`Outcome`].
+//! 3. [`Said`] is what an answer says, [`Judgement`] what that is worth; [`Forecast`] holds its probabilities, [`Interval`] its
+//!    intervals, [`Errors`] the held-out errors.
+//! 4. [`Summary`] counts them, with intervals, beside guesses that a study must beat.
 //!
-//! The generator has a finer lattice, shorter steps, another path and an instrument's errors; the diagnosis sees what a
-//! reader of trial folders sees.
+//! The generator has a finer lattice, shorter steps, another path and an instrument's errors; the study sees what a reader of
+//! trial folders sees.
 
+mod baseline;
 mod cases;
+mod coverage;
+mod diagram;
+mod error_gap;
+mod forecast;
+mod ladder;
 mod outcome;
-mod rates;
+mod power;
+mod rate;
+mod said;
+mod sample;
+mod summary;
+mod table;
 
-pub use cases::{Case, Design, Family, Instruments, Sized, cases};
+pub use cases::{Case, Design, Family, cases};
+pub use coverage::{Coverage, Interval, coverage};
+pub use diagram::reliability_svg;
+pub use error_gap::{Errors, GapClosed};
+pub use forecast::{Bin, Forecast, Reliability, most_probable};
+pub use ladder::{POWER_RUNGS, RUNGS, Rung, rung};
 pub use outcome::{BenchError, Outcome, run};
-pub use rates::{FamilyRates, Rate, Summary};
+pub use power::Power;
+pub use rate::Rate;
+pub use said::{Asked, Judgement, Named, Said, describing};
+pub use sample::sample;
+pub use summary::{Compared, CoverageOf, Scores, Summary};

@@ -1,19 +1,26 @@
-//! One case: made, diagnosed, judged.
+//! One case: made, written, read again, studied, and what came out.
 
+use std::path::Path;
 use std::time::Instant;
 
-use effects::{Effect, EffectError, Library, Model, Scale};
+use effects::{EffectError, Library, Model};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use thiserror::Error;
 
-use super::cases::{Case, Design, Instruments, Sized, effect_process};
-use lab::{
-    Detectable, Diagnosis, DiagnosisSummary, EffectSummary, Evidence, EvidenceError, LabError, ScanEvidence, Sides,
-    Verdict, calibrate_scans, separating_trial,
-};
-use virtual_lab::{Choice, Experiment, Hidden, HiddenEffect, Instrument, MakeError, Robot, Size};
+use super::baseline::regression;
+use super::cases::{Case, Design};
+use super::coverage::Interval;
+use super::error_gap::Errors;
+use super::forecast::Forecast;
+use super::ladder::hidden;
+use super::said::{Judgement, Named, Said};
+use lab::study::{Measurements, StudyRecord, StudyState, inputs_sha256};
+use lab::{BASE_STEP, LabError, ParameterSummary, Verdict};
+use virtual_lab::write::{WriteError, write};
+use virtual_lab::{Choice, Experiment, HiddenEffect, Made, MakeError, Size};
 
-/// The reason why a case gave no answer.
+/// The reason why a case could not be put to a study.
 #[derive(Debug, Error)]
 pub enum BenchError {
     /// Its experiment is none.
@@ -22,15 +29,9 @@ pub enum BenchError {
     /// It could not be made.
     #[error(transparent)]
     Made(#[from] MakeError),
-    /// It could not be diagnosed.
+    /// Its trials could not be written.
     #[error(transparent)]
-    Diagnosed(#[from] LabError),
-}
-
-impl From<EvidenceError> for BenchError {
-    fn from(error: EvidenceError) -> Self {
-        Self::Diagnosed(error.into())
-    }
+    Written(#[from] WriteError),
 }
 
 /// What came out of a case.
@@ -40,127 +41,158 @@ pub struct Outcome {
     pub case: Case,
     /// What was hidden, with its values.
     pub truth: Vec<HiddenEffect>,
-    /// Whether the campaign could show an effect of this size; `None` where that was not asked.
-    pub testable: Option<bool>,
-    /// The verdict.
-    pub verdict: Verdict,
-    /// Effects that were named.
-    pub named: Vec<String>,
-    /// Probability of the first.
-    pub probability: Option<f64>,
-    /// What the data cannot tell from each of them.
-    pub alike: Vec<Vec<String>>,
-    /// Errors of base and final model on the evaluation passes, and the noise floor [µm].
-    pub evaluation_um: [Option<f64>; 2],
-    /// The noise floor [µm].
-    pub floor_um: f64,
-    /// The most probable effects of each search, with what they leave held out, for people.
-    pub suspects: Vec<String>,
+    /// Why the study refused the measurements or failed; absent where it ended.
+    pub refused: Option<String>,
+    /// What the study said.
+    pub said: Said,
+    /// What that is worth.
+    pub judgement: Judgement,
+    /// Probabilities of its first search.
+    pub forecast: Forecast,
+    /// What residual regression says.
+    pub regression: Said,
+    /// Parameters of the final model beside the truth.
+    pub intervals: Vec<Interval>,
+    /// Errors of the held-out passes [µm].
+    pub errors: Errors,
     /// Whether a next trial was proposed.
     pub next_trial: bool,
-    /// Least size of each effect that this campaign could show.
-    pub detectable: Vec<Detectable>,
-    /// Time that the diagnosis took [s].
+    /// The most probable effects of the first search, for people.
+    pub suspects: Vec<String>,
+    /// Time that the study took [s].
     pub seconds: f64,
 }
 
-/// Makes a case, diagnoses it with the default settings and notes what came out.
+/// Makes a case, lets a study with default settings go to its end, and notes what came out. What the study refuses is an
+/// outcome too.
 ///
-/// - `detectable`: what the same design without an effect could show, for sizes that are multiples of it
+/// - `scratch`: place of a folder for the trials, which the study reads from there as any others; the caller removes it
 ///
 /// # Errors
-/// When it cannot be made or diagnosed.
-pub fn run(case: &Case, detectable: &[Detectable], size: Size, library: &Library) -> Result<Outcome, BenchError> {
-    let hide = |name: &String| hidden(case, name, detectable, library);
-    let hidden: Vec<(Hidden, Option<bool>)> = case.hidden.iter().map(hide).collect();
-    let testable = hidden.iter().map(|(_, testable)| *testable).reduce(|a, b| Some(a? && b?)).flatten();
-    let hidden: Vec<Hidden> = hidden.into_iter().map(|(hidden, _)| hidden).collect();
-    let Diagnosed { summary, truth, next_trial, seconds } = diagnosed(case, hidden, size, library)?;
-    let evaluation = |step: Option<&lab::WaterfallStep>| step.and_then(|step| step.evaluation_rms_um);
-    Ok(Outcome {
-        case: case.clone(),
-        truth,
-        testable,
-        verdict: summary.verdict,
-        named: summary.effects.iter().map(|effect| effect.name.clone()).collect(),
-        probability: summary.effects.first().map(|effect| effect.probability),
-        alike: summary.effects.iter().map(|effect| effect.indistinguishable_from.clone()).collect(),
-        evaluation_um: [evaluation(summary.waterfall.first()), evaluation(summary.waterfall.last())],
-        floor_um: summary.noise_floor_um,
-        suspects: summary.suspects.iter().map(suspect).collect(),
-        next_trial,
-        detectable: summary.detectable,
-        seconds,
-    })
-}
-
-fn suspect(suspect: &EffectSummary) -> String {
-    let held_out =
-        [suspect.evaluation_rms_um_before, suspect.evaluation_rms_um_after].map(|rms| rms.unwrap_or(f64::NAN));
-    format!("{}; held out {:.2} -> {:.2} µm", suspect.shown(), held_out[0], held_out[1])
-}
-
-/// What a diagnosis of a synthetic campaign gives.
-struct Diagnosed {
-    summary: DiagnosisSummary,
-    truth: Vec<HiddenEffect>,
-    next_trial: bool,
-    seconds: f64,
-}
-
-fn diagnosed(case: &Case, hidden: Vec<Hidden>, size: Size, library: &Library) -> Result<Diagnosed, BenchError> {
-    let Design { process, plan, instruments, seed } = case.design;
-    let (instrument, robot) = match instruments {
-        Instruments::Clean => (Instrument::clean(), Robot::clean()),
-        Instruments::Hard => (Instrument::hard(), Robot::hard()),
-    };
+/// When the case cannot be made.
+pub fn run(case: &Case, size: Size, library: &Library, scratch: &Path) -> Result<Outcome, BenchError> {
+    let Design { process, plan, front, seed } = case.design;
     let new = Experiment::new(process, library, seed)?;
-    let trials = plan.usual_trials();
-    let made = Experiment { plan, trials, size, choice: Choice::These(hidden), instrument, robot, ..new }.make()?;
-    let known = match case.left_out {
+    let hide = |name: &String| hidden(name, (process, size), case.rung, &new.library);
+    let choice = Choice::These(case.hidden.iter().map(hide).collect());
+    let experiment = Experiment { plan, trials: plan.usual_trials(), size, choice, ..new }.behind(front);
+    let made = experiment.make()?;
+    write(&made, &experiment, scratch, None, true)?;
+    let known = match case.is_left_out() {
         true => library.without(&case.hidden.iter().map(String::as_str).collect::<Vec<_>>()),
         false => library.clone(),
     };
     let started = Instant::now();
-    let mut evidence = ScanEvidence::new(&made.trials, None)?;
-    let model = Model::new(evidence.process());
-    let fit = calibrate_scans(&mut evidence, &model, &known)?.last().fit.clone();
-    let diagnosis = Diagnosis::new(&evidence, (&model, fit), &known, (seed, &|_, _, _| {}))?;
-    let summary = DiagnosisSummary::new(&evidence, &diagnosis, &|name| name.to_owned())?;
-    evidence.fix_observation(&diagnosis.fit.model)?;
-    let next_trial = diagnosis.verdict == Verdict::Ambiguous && separating_trial(&evidence, &diagnosis)?.is_some();
-    Ok(Diagnosed { summary, truth: made.answer.effects, next_trial, seconds: started.elapsed().as_secs_f64() })
-}
-
-/// A hidden effect with its size, and whether the campaign could show it.
-fn hidden(case: &Case, name: &str, detectable: &[Detectable], library: &Library) -> (Hidden, Option<bool>) {
-    let Sized::Detectable(multiple) = case.size else { return (Hidden::effect(name), None) };
-    let known = detectable.iter().find(|least| least.effect == name);
-    let effect = library.find(name).filter(|effect| effect.acts_in(effect_process(case.design.process)));
-    let (Some(least), Some(effect)) = (known, effect) else { return (Hidden::effect(name), Some(false)) };
-    let Some(size) = least.size.filter(|_| least.testable) else { return (Hidden::effect(name), Some(false)) };
-    let (value, within) = sized(effect, least, multiple * size, size / multiple, case);
-    (Hidden::effect(name).with(&least.parameter, &format!("{value} {}", unit_of(least))), Some(within))
-}
-
-/// A value that departs from the null by so much, or lies so low where the null is infinite, and whether it had to be kept
-/// within the parameter's range for that [the parameter's unit].
-fn sized(effect: &Effect, least: &Detectable, departs: f64, low: f64, case: &Case) -> (f64, bool) {
-    let process = effect_process(case.design.process);
-    let parameter = effect.parameters.iter().find(|parameter| parameter.name == least.parameter);
-    let Some(parameter) = parameter else { return (departs, false) };
-    let [from, to] = parameter.range.of(process).map(|end| parameter.unit.from_si(end));
-    let null = parameter.null.map_or(0.0, |null| parameter.unit.from_si(null));
-    let wanted = match parameter.scale {
-        _ if null.is_infinite() => low,
-        Scale::Log => null + departs,
-        Scale::Linear if null + departs <= to && least.sides != Sides::Below => null + departs,
-        Scale::Linear => null - departs,
+    let studied = Studied::new(scratch, known, seed);
+    let seconds = started.elapsed().as_secs_f64();
+    let (studied, refused) = match studied {
+        Ok(studied) => (studied, None),
+        Err(error) => (Studied::default(), Some(in_full(&error))),
     };
-    let value = wanted.clamp(from, to);
-    (value, (value - wanted).abs() <= 1e-9 * wanted.abs())
+    Ok(studied.outcome((case, &made), refused, seconds))
 }
 
-fn unit_of(least: &Detectable) -> &str {
-    if least.unit == "1" { "" } else { &least.unit }
+/// An error with its causes.
+fn in_full(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| cause.source()).map(|cause| format!(": {cause}"));
+    causes.fold(error.to_string(), |text, cause| if text.contains(&cause[2..]) { text } else { text + &cause })
+}
+
+/// What a study gave.
+#[derive(Default)]
+struct Studied {
+    said: Said,
+    first: Option<Value>,
+    regression: Said,
+    parameters: Vec<ParameterSummary>,
+    errors: Errors,
+    next_trial: bool,
+}
+
+impl Studied {
+    /// A study of a folder of trials to its end.
+    fn new(folder: &Path, library: Library, seed: u64) -> Result<Self, LabError> {
+        let measurements = Measurements::read(folder)?;
+        let data = measurements.data()?;
+        let library = data.library(library)?;
+        let model = Model::new(data.evidence().process());
+        let record = StudyRecord::new(inputs_sha256(folder)?, seed);
+        let mut state = StudyState::new(data, &library, model, record)?;
+        let mut studied = Self::default();
+        let mut searches = 0;
+        while state.step(&|_, _, _| {})?.is_some() {
+            let done = state.record.done.iter().filter(|done| done.action == lab::study::Action::Diagnose).count();
+            if done > searches {
+                searches = done;
+                studied.note_search(&state);
+            }
+        }
+        studied.said.verdict = state.record.verdict;
+        studied.parameters = state.parameters();
+        let step = |name: Option<&str>| {
+            let mut steps = state.record.waterfall.iter().rev();
+            steps.find(|step| name.is_none_or(|name| step.step == name)).and_then(|step| step.evaluation_rms_um)
+        };
+        let floor = state.record.evaluation_noise_floor_um;
+        studied.errors = Errors { base: step(Some(BASE_STEP)), found: step(None), floor };
+        Ok(studied)
+    }
+
+    /// Notes what a search says.
+    fn note_search(&mut self, state: &StudyState) {
+        let Some(summary) = &state.record.diagnosis else { return };
+        let named = |effect: &Value| {
+            let alike = effect["indistinguishable_from"].as_array().into_iter().flatten();
+            let alike = alike.filter_map(|name| name.as_str().map(str::to_owned)).collect();
+            Some(Named { name: effect["name"].as_str()?.to_owned(), alike })
+        };
+        let effects = summary["effects"].as_array().map_or(&[][..], Vec::as_slice);
+        // A study adds the first effect of each search; one in doubt is named and not added.
+        let is_added = state.record.to_add.is_some();
+        if is_added || state.record.verdict == Some(Verdict::Ambiguous) {
+            self.said.named.extend(effects.iter().take(1).filter_map(named));
+        }
+        self.next_trial |= !summary["next_trial"].is_null();
+        let Some(diagnosis) = state.diagnosis() else { return };
+        self.said.hint = diagnosis.hint().map(|(hint, _)| hint.suspect.name().to_owned());
+        if self.first.is_none() {
+            let of = |key: &str| summary[key].as_f64().unwrap_or(0.0);
+            let errors = [of("base_rms_um"), of("noise_floor_um")];
+            self.regression = regression(state.evidence(), diagnosis, errors);
+            self.first = Some(summary.clone());
+        }
+    }
+
+    fn outcome(self, (case, made): (&Case, &Made), refused: Option<String>, seconds: f64) -> Outcome {
+        let first = self.first.unwrap_or_default();
+        let suspects = first["suspects"].as_array().map_or(&[][..], Vec::as_slice);
+        Outcome {
+            case: case.clone(),
+            truth: made.answer.effects.clone(),
+            refused,
+            judgement: self.said.judged(case),
+            said: self.said,
+            forecast: Forecast::of(&first),
+            regression: self.regression,
+            intervals: Interval::all(&self.parameters, &made.answer),
+            errors: self.errors,
+            next_trial: self.next_trial,
+            suspects: suspects.iter().map(shown).collect(),
+            seconds,
+        }
+    }
+}
+
+/// A suspect in a line.
+fn shown(suspect: &Value) -> String {
+    let number = |key: &str| suspect[key].as_f64().unwrap_or(f64::NAN);
+    format!(
+        "{}: probability {:.3}, Δχ² {:.1}, p-value {:.3}; held out {:.2} -> {:.2} µm",
+        suspect["name"].as_str().unwrap_or_default(),
+        number("probability"),
+        number("delta_chi2"),
+        number("p_value"),
+        number("evaluation_rms_um_before"),
+        number("evaluation_rms_um_after")
+    )
 }

@@ -1,5 +1,7 @@
-//! `robofin bench`: how often a diagnosis is right.
+//! `robofin bench`: how often a study is right.
 
+use std::ffi::OsString;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -11,17 +13,22 @@ use serde::de::DeserializeOwned;
 use super::flags::SEEDS;
 use super::values::whole;
 use crate::console::Console;
-use benchmark::{Case, Family, Outcome, Sized, Summary, cases, run as diagnosed};
+use benchmark::{Case, Family, Outcome, Summary, cases, reliability_svg, run as studied, sample};
 use files::folder::{check_writable, write_file};
 use files::json_file::read_json;
-use files::output::FolderKind;
+use files::output::{FolderKind, UNFINISHED};
 use virtual_lab::Size;
 
-/// The folder of a benchmark: its table, and a file for each finished case.
-const BENCHMARK: FolderKind =
-    FolderKind { marker: "benchmark.json", key: "outcomes", names: &[("", &["benchmark.md", "*-*.json"])] };
-/// Cases of each family that are accepted. One takes about a minute, so that so many of all eight take eight weeks.
+/// The folder of a benchmark: its tables, its picture, and a file for each finished case.
+const BENCHMARK: FolderKind = FolderKind {
+    marker: "benchmark.json",
+    key: "outcomes",
+    names: &[("", &["benchmark.md", "reliability.svg", "*-*.json"])],
+};
+/// Cases of each family that are accepted. One takes a minute or two, so that so many of all nine take months.
 const CASES: [u64; 2] = [1, 10_000];
+/// Size of the campaigns.
+const SIZE: Size = Size::Small;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin bench diagnose --out out/bench --cases 4")]
@@ -32,8 +39,9 @@ pub(super) struct BenchArgs {
 
 #[derive(Debug, Subcommand)]
 enum Action {
-    /// Diagnose synthetic campaigns with known answers, and count how often the answer is right.
+    /// Study synthetic campaigns with known answers, and count how often the answer is right.
     #[command(after_help = "Examples:\n  robofin bench diagnose --out out/bench --cases 4\n  \
+                            robofin bench diagnose --out out/bench --cases 60 --limit 100 --seed 7\n  \
                             robofin bench diagnose --out out/bench --families N,S --cases 20 --json\n\n\
                             A folder that holds finished cases is gone on with.")]
     Diagnose(DiagnoseArgs),
@@ -41,16 +49,20 @@ enum Action {
 
 #[derive(Debug, Args)]
 struct DiagnoseArgs {
-    /// Folder for the cases and the table; finished cases in it are kept.
+    /// Folder for the cases and the tables; finished cases in it are kept.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Families: N nothing hidden, S one effect, A absorbed, D two, U unknown, M scanner, B sanding, P two equal passes.
+    /// Families: N nothing hidden, S one effect, L one left out of the library, U outside it, H hard front ends, A absorbed, D
+    /// two, P two equal passes, W a few effects for their detectable size.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = FamilyFlag::ALL)]
     families: Vec<FamilyFlag>,
     /// Cases of each family.
     #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = whole::<usize>(CASES))]
     cases: usize,
-    /// Seed of workpieces, laws, noise and paths.
+    /// Only so many of all these cases, drawn evenly from each family.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(CASES))]
+    limit: Option<usize>,
+    /// Seed of workpieces, laws, noise and paths, and of the draw of --limit.
     #[arg(long, value_name = "SEED", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
 }
@@ -60,16 +72,17 @@ struct DiagnoseArgs {
 enum FamilyFlag {
     N,
     S,
+    L,
+    U,
+    H,
     A,
     D,
-    U,
-    M,
-    B,
     P,
+    W,
 }
 
 impl FamilyFlag {
-    const ALL: [Self; 8] = [Self::N, Self::S, Self::A, Self::D, Self::U, Self::M, Self::B, Self::P];
+    const ALL: [Self; 9] = [Self::N, Self::S, Self::L, Self::U, Self::H, Self::A, Self::D, Self::P, Self::W];
 }
 
 impl std::fmt::Display for FamilyFlag {
@@ -81,7 +94,10 @@ impl std::fmt::Display for FamilyFlag {
 /// The answer of `bench diagnose --json`.
 #[derive(Serialize)]
 struct Answer<'a> {
+    seed: u64,
     summary: &'a Summary,
+    /// Cases that the laboratory could not make, and why.
+    not_made: &'a [(String, String)],
     outcomes: &'a [Outcome],
 }
 
@@ -89,81 +105,76 @@ struct Answer<'a> {
 pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
     let Action::Diagnose(args) = &args.action;
     let library = Library::builtin();
-    let chosen: Vec<Family> = FamilyFlag::ALL
-        .iter()
-        .zip(Family::ALL)
-        .filter(|(flag, _)| args.families.contains(flag))
-        .map(|(_, family)| family)
-        .collect();
-    let cases = cases(&chosen, args.cases, args.seed, library);
     BENCHMARK.check_continued(&args.out)?;
     check_writable(&args.out)?;
-    let mut outcomes: Vec<Outcome> = Vec::new();
+    let cases = args.cases(library);
+    let (mut outcomes, mut not_made): (Vec<Outcome>, Vec<(String, String)>) = Default::default();
     for (number, case) in cases.iter().enumerate() {
         match outcome(case, &args.out, library) {
             Ok(outcome) => {
-                let word = if outcome.is_right() { "right" } else { "wrong" };
-                let named = outcome.named.join(" + ");
-                let hidden = case.hidden.join(" + ");
-                console.step(
-                    &case.id(),
-                    format!(
-                        "{}/{}: hidden [{hidden}], {:?} [{named}], {word}, {:.0} s",
-                        number + 1,
-                        cases.len(),
-                        outcome.verdict,
-                        outcome.seconds
-                    ),
-                );
+                console.step(&case.id(), format!("{}/{}: {}", number + 1, cases.len(), line(&outcome)));
                 outcomes.push(outcome);
             }
-            Err(error) => console.step(&case.id(), format!("not made: {error:#}")),
+            Err(error) => {
+                console.step(&case.id(), format!("not made: {error:#}"));
+                not_made.push((case.id(), format!("{error:#}")));
+            }
         }
     }
-    outcomes.extend(unasked(&outcomes, &args.out, library)?);
     let summary = Summary::new(&outcomes);
-    let table = summary.to_markdown(&outcomes);
-    let answer = Answer { summary: &summary, outcomes: &outcomes };
-    write_file(&args.out.join(BENCHMARK.marker), &serde_json::to_vec_pretty(&answer)?)?;
-    write_file(&args.out.join("benchmark.md"), table.as_bytes())?;
-    console.step("singles", summary.large_singles.to_string());
-    console.step("alarms", summary.false_alarms.to_string());
-    console.step("names", summary.false_names.to_string());
+    let answer = Answer { seed: args.seed, summary: &summary, not_made: &not_made, outcomes: &outcomes };
+    let write = |name: &str, text: &[u8]| write_file(&args.out.join(name), text);
+    write(BENCHMARK.marker, &serde_json::to_vec_pretty(&answer)?)?;
+    write("benchmark.md", summary.to_markdown(&outcomes, (library, SIZE)).as_bytes())?;
+    write("reliability.svg", reliability_svg(&summary.reliability).as_bytes())?;
+    let study = &summary.all.study;
+    console.step("right", study.right.to_string());
+    console.step("class", study.class.to_string());
+    console.step("wrong", study.wrong_name.to_string());
     console.step("written", args.out.join("benchmark.md").display().to_string());
     console.answer(&answer)
 }
 
-/// Campaigns without an effect from which the sizes of effects were taken, beyond those of family N.
-fn unasked(outcomes: &[Outcome], folder: &Path, library: &Library) -> Result<Vec<Outcome>> {
-    let mut known: Vec<String> =
-        outcomes.iter().filter(|o| o.case.hidden.is_empty()).map(|o| o.case.design.id()).collect();
-    let sized = outcomes.iter().filter(|outcome| matches!(outcome.case.size, Sized::Detectable(_)));
-    let mut clean = Vec::new();
-    for case in sized.map(|outcome| outcome.case.clean()) {
-        if !known.contains(&case.design.id()) {
-            known.push(case.design.id());
-            clean.push(outcome(&case, folder, library)?);
-        }
+impl DiagnoseArgs {
+    /// The cases that are asked for.
+    fn cases(&self, library: &Library) -> Vec<Case> {
+        let flags = FamilyFlag::ALL.iter().zip(Family::ALL);
+        let chosen: Vec<Family> =
+            flags.filter(|(flag, _)| self.families.contains(flag)).map(|(_, family)| family).collect();
+        let all = cases(&chosen, self.cases, self.seed, library);
+        sample(all, self.limit.unwrap_or(usize::MAX), self.seed)
     }
-    Ok(clean)
+}
+
+/// An outcome in a line.
+fn line(outcome: &Outcome) -> String {
+    let (hidden, said) = (outcome.case.hidden.join(" + "), &outcome.said);
+    let word = outcome.judgement.word();
+    format!("hidden [{hidden}], {} [{}], {word}, {:.0} s", said.verdict_word(), said.names(), outcome.seconds)
 }
 
 /// A case's outcome, from its file where it was finished before.
 fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
-    let name = if case.hidden.is_empty() { "clean".to_owned() } else { case.id() };
-    let file = folder.join(format!("{name}-{}.json", case.design.id()));
+    let file = folder.join(format!("{}-{}.json", case.id(), case.design.id()));
     let known: Option<Outcome> = read(&file)?;
-    let is_same = |known: &Outcome| known.case == *case || case.hidden.is_empty();
-    if let Some(known) = known.filter(is_same) {
-        return Ok(Outcome { case: case.clone(), ..known });
+    if let Some(known) = known.filter(|known| known.case == *case) {
+        return Ok(known);
     }
-    let detectable = match case.size {
-        Sized::Detectable(_) => outcome(&case.clean(), folder, library)?.detectable,
-        Sized::Visible => Vec::new(),
-    };
-    let outcome = diagnosed(case, &detectable, Size::Small, library)?;
+    let scratch = scratch(folder, case);
+    let outcome = studied(case, SIZE, library, &scratch);
+    if scratch.is_dir() {
+        fs::remove_dir_all(&scratch).with_context(|| format!("{}: cannot be removed", scratch.display()))?;
+    }
+    let outcome = outcome?;
     write_file(&file, &serde_json::to_vec_pretty(&outcome)?)?;
     Ok(outcome)
+}
+
+/// Where the trials of a case lie while they are studied: beside the folder.
+fn scratch(folder: &Path, case: &Case) -> PathBuf {
+    let mut name: OsString = folder.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}{UNFINISHED}", case.id()));
+    folder.with_file_name(name)
 }
 
 fn read<T: DeserializeOwned>(file: &Path) -> Result<Option<T>> {

@@ -16,7 +16,7 @@ use crate::console::Console;
 use crate::wrong_use;
 use trials::trial::Process;
 use virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unseal, write_into};
-use virtual_lab::{Choice, Experiment, Hidden, Instrument, Key, Made, MakeError, Plan, Robot, Size};
+use virtual_lab::{Choice, Experiment, FrontEnd, Hidden, Key, Made, MakeError, Plan, Size};
 
 /// Heading of the help for what measurements hide.
 const HIDDEN: &str = "Hidden";
@@ -83,7 +83,7 @@ struct SynthArgs {
     /// How large workpieces and scans are.
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     size: SizeFlag,
-    /// How good scanner and robot are.
+    /// What is wrong with scanner, robot or tool besides what is hidden.
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     instrument: InstrumentFlag,
     /// Same seed, same bytes [default: 0; sealed: one that no one knows].
@@ -131,6 +131,30 @@ enum InstrumentFlag {
     Clean,
     /// More of every error: drop-outs, spikes, shifts, noise.
     Hard,
+    /// The robot's frame is off by 0.5 mm and 2 mrad.
+    Frame,
+    /// Logged places are 80 ms older than forces.
+    Clock,
+    /// The force swings by 10 %.
+    Ripple,
+    /// Grinding marks, coatings like orange peel.
+    Texture,
+    /// The tool worked before each trial.
+    Worn,
+}
+
+impl InstrumentFlag {
+    fn front_end(self) -> FrontEnd {
+        match self {
+            Self::Clean => FrontEnd::Clean,
+            Self::Hard => FrontEnd::Hard,
+            Self::Frame => FrontEnd::Frame,
+            Self::Clock => FrontEnd::Clock,
+            Self::Ripple => FrontEnd::Ripple,
+            Self::Texture => FrontEnd::Texture,
+            Self::Worn => FrontEnd::Worn,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -185,14 +209,10 @@ impl SynthArgs {
             SizeFlag::Small => Size::Small,
             SizeFlag::Full => Size::Full,
         };
-        let (instrument, robot) = match self.instrument {
-            InstrumentFlag::Clean => (Instrument::clean(), Robot::clean()),
-            InstrumentFlag::Hard => (Instrument::hard(), Robot::hard()),
-        };
         let choice = if self.random { Choice::Drawn } else { Choice::These(self.effect.clone()) };
         let seed = self.seed()?;
         let base = Experiment::new(process, &self.own.library()?, seed)?;
-        Ok(Experiment { plan, trials, size, choice, instrument, robot, ..base })
+        Ok(Experiment { plan, trials, size, choice, ..base }.behind(self.instrument.front_end()))
     }
 
     fn seed(&self) -> Result<u64> {

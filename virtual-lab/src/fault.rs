@@ -5,6 +5,8 @@ use sdf_bake::channels::Scalar;
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use sim::Profilometer;
 
+use super::surface::Workpiece;
+
 /// The scanner's formulas at a scan.
 pub(super) struct Fault<'a> {
     /// The true model.
@@ -13,6 +15,8 @@ pub(super) struct Fault<'a> {
     pub(super) pass: usize,
     /// Row of parameters per scan, from 0.
     pub(super) row: usize,
+    /// The workpiece before it was ground.
+    pub(super) piece: &'a Workpiece,
 }
 
 impl Fault<'_> {

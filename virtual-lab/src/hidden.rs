@@ -2,7 +2,9 @@
 
 use effects::{CompiledModel, Effect, Library, Model, ModelError, Parameter, Problem, Process, RowCounts, Rows, Scale};
 
+use super::MakeError;
 use super::plan::Size;
+use super::ripple;
 use random::Stream;
 
 /// Priors of the base laws: law, parameter, least and greatest value [SI]. They keep two passes from grinding a bead away.
@@ -128,12 +130,14 @@ pub enum Choice {
 }
 
 /// The true model of an experiment.
+///
+/// - `ripple`: swing of the force that no effect of the library makes [1]
 pub(super) fn true_model(
     (process, size, rows): (Process, Size, RowCounts),
     choice: &Choice,
     library: &Library,
-    seed: u64,
-) -> Result<CompiledModel, ModelError> {
+    (seed, ripple): (u64, f64),
+) -> Result<CompiledModel, MakeError> {
     let mut stream = Stream::of(seed, "law");
     let mut model = Model::new(process);
     let prior: &[_] = match process {
@@ -159,7 +163,11 @@ pub(super) fn true_model(
             model.set(&effect.name, &parameter.name, &values);
         }
     }
-    CompiledModel::new(&model, library, rows)
+    if ripple == 0.0 {
+        return Ok(CompiledModel::new(&model, library, rows)?);
+    }
+    let library = ripple::add(&mut model, library, (ripple, rows.passes, seed))?;
+    Ok(CompiledModel::new(&model, &library, rows)?)
 }
 
 /// Refuses a value that the parameter cannot have.
@@ -203,7 +211,7 @@ fn values(
     (process, size, rows, drawn): (Process, Size, RowCounts, bool),
     stream: &mut Stream,
 ) -> Vec<f64> {
-    let usual = visible(&effect.name, parameter, process, size);
+    let usual = visible_value(&effect.name, parameter, process, size);
     let mut value = given.first().copied().unwrap_or(usual);
     let range = parameter.range.of(process);
     let acts = parameter.null.is_some_and(|null| null != value);
@@ -220,8 +228,9 @@ fn values(
     (0..count).map(|_| rounded((value * stream.normal()).clamp(range[0], range[1]))).collect()
 }
 
-/// Visible size of a parameter [SI].
-fn visible(effect: &str, parameter: &Parameter, process: Process, size: Size) -> f64 {
+/// Value of an effect's parameter at which a campaign of this size shows the effect [SI]: as the laboratory hides it unless
+/// told otherwise.
+pub fn visible_value(effect: &str, parameter: &Parameter, process: Process, size: Size) -> f64 {
     let find = |table: &[(&str, &str, f64, f64)]| {
         table.iter().find(|row| row.0 == effect && row.1 == parameter.name).map(|row| (row.2, row.3))
     };

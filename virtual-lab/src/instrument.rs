@@ -1,6 +1,6 @@
 //! The virtual scanner: what it makes of a true surface.
 //!
-//! `scan = quantised(faults(blurred(truth(p - shift))) + white + correlated + piston + tilt · (p - centre))`, then holes,
+//! `scan = quantised(faults(blurred(truth(p - shift)) + marks) + white + correlated + piston + tilt · (p - centre))`, then holes,
 //! an empty rim and spikes. Every scan has its own registration error and its own noise, the repeated scan as well.
 
 use effects::RunError;
@@ -9,9 +9,14 @@ use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use sim::Profilometer;
 
 use super::fault::Fault;
-use super::noise::correlated;
+use super::noise::{correlated, streaked};
 use random::Stream;
 use trials::trial::ExposureMask;
+
+/// Length of grinding marks along the way and their width across [m].
+const MARK_LENGTHS: [f64; 2] = [4e-3, 0.4e-3];
+/// Removed depth from which a place was ground and has marks, beyond what lattice and tilt of a scan make [m].
+const MARKED_DEPTH: f64 = 5e-6;
 
 /// Sizes of the scanner's errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +53,8 @@ pub struct Instrument {
     pub border_noise: f64,
     /// Dose around the threshold where the optics cannot tell [1]; sanding only.
     pub undecided: f64,
+    /// Grinding marks where a tool was, along the way and new after each pass, root mean square [m]; grinding only.
+    pub marks: f64,
 }
 
 impl Instrument {
@@ -70,6 +77,7 @@ impl Instrument {
             border_blur: 0.2e-3,
             border_noise: 0.01,
             undecided: 0.005,
+            marks: 0.0,
         }
     }
 
@@ -90,6 +98,11 @@ impl Instrument {
             undecided: 0.02,
             ..Self::clean()
         }
+    }
+
+    /// A good instrument on surfaces with texture: grinding marks, and a coating like orange peel.
+    pub fn textured() -> Self {
+        Self { marks: 4e-6, border_noise: 0.03, ..Self::clean() }
     }
 
     /// Root mean square of one scan's noise without spikes [m].
@@ -113,6 +126,7 @@ impl Instrument {
         let seen = Profilometer { pixels: placed, blur: self.blur }.heights(part);
         let mut map = HeightMap { pixels, ..seen };
         if let Some(fault) = fault {
+            self.mark(&mut map, (fault, placed), stream);
             map.heights = fault.of(&map, part, placed)?;
         }
         self.disturb(&mut map, stream);
@@ -157,6 +171,23 @@ impl Instrument {
             let place = map.pixels.position(k % nx, k / nx) - centre;
             *height += piston + tilt.dot(place) + self.white * stream.normal() + self.correlated * shared[k];
             *height = (*height / self.quantum).round() * self.quantum;
+        }
+    }
+
+    /// Adds the marks of the last pass where the tool was.
+    ///
+    /// - `placed`: where the pixels really are
+    fn mark(&self, map: &mut HeightMap, (fault, placed): (&Fault, PixelGrid), stream: &mut Stream) {
+        if self.marks == 0.0 {
+            return;
+        }
+        let PixelGrid { pitch, nx, ny, .. } = placed;
+        let marks = streaked((nx, ny), MARK_LENGTHS.map(|length| length / pitch), stream);
+        for (k, height) in map.heights.iter_mut().enumerate() {
+            let depth = fault.piece.height(placed.position(k % nx, k / nx)) - *height;
+            if depth > MARKED_DEPTH {
+                *height += self.marks * marks[k];
+            }
         }
     }
 

@@ -15,12 +15,15 @@
 
 mod answer;
 mod fault;
+mod frame;
+mod front_end;
 mod hidden;
 mod instrument;
 mod motion;
 mod noise;
 pub mod outside;
 mod plan;
+mod ripple;
 mod robot;
 mod seal;
 mod surface;
@@ -39,7 +42,8 @@ use trials::trial::{Process, Trial};
 use truth::Bout;
 
 pub use answer::{ANSWER_FORMAT, Answer, HiddenEffect, Quantity, TrueTrial};
-pub use hidden::{Choice, Hidden};
+pub use front_end::FrontEnd;
+pub use hidden::{Choice, Hidden, visible_value};
 pub use instrument::Instrument;
 pub use plan::{Plan, Size};
 pub use robot::Robot;
@@ -63,6 +67,8 @@ pub struct Experiment {
     pub instrument: Instrument,
     /// The robot.
     pub robot: Robot,
+    /// Passes that the tool did on another workpiece before each trial; the trial counts it as fresh.
+    pub earlier_passes: usize,
     /// Laws and effects that are known to the laboratory.
     pub library: Library,
     /// Same seed, same bytes.
@@ -84,6 +90,9 @@ pub enum MakeError {
     /// The effects do not fit the process or the library.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// An effect of the robot cannot be added to the library.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
     /// What happens in a trial.
     #[error(transparent)]
     Truth(#[from] TruthError),
@@ -103,6 +112,7 @@ impl Experiment {
             choice: Choice::These(Vec::new()),
             instrument: Instrument::clean(),
             robot: Robot::clean(),
+            earlier_passes: 0,
             library: outside::with_outside(library)?,
             seed,
         })
@@ -143,19 +153,24 @@ impl Experiment {
     ///
     /// # Errors
     /// Effects that do not exist or act.
-    pub fn hidden_effects(&self) -> Result<Vec<String>, ModelError> {
+    pub fn hidden_effects(&self) -> Result<Vec<String>, MakeError> {
         let model = self.true_model()?;
         Ok(answer::hidden(&model).iter().map(|effect| effect.name.clone()).collect())
     }
 
     /// The model that is at work.
-    fn true_model(&self) -> Result<CompiledModel, ModelError> {
+    fn true_model(&self) -> Result<CompiledModel, MakeError> {
         let process = match self.process {
             Process::Grinding => effects::Process::Grinding,
             Process::Sanding => effects::Process::Sanding,
         };
         let rows = RowCounts { passes: self.passes(), scans: self.passes() };
-        hidden::true_model((process, self.size, rows), &self.choice, &self.library, self.seed)
+        hidden::true_model(
+            (process, self.size, rows),
+            &self.choice,
+            &self.library,
+            (self.seed, self.robot.force_ripple),
+        )
     }
 
     fn run(

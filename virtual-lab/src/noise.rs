@@ -7,15 +7,19 @@ const REACH: f64 = 4.0;
 
 /// Normal noise of variance 1 on `nx` by `ny` points whose correlation falls as `exp(-(d / length)²)` with the distance
 /// d [points]; white for a length of zero.
-pub(super) fn correlated((nx, ny): (usize, usize), length: f64, stream: &mut Stream) -> Vec<f64> {
+pub(super) fn correlated(points: (usize, usize), length: f64, stream: &mut Stream) -> Vec<f64> {
+    streaked(points, [length; 2], stream)
+}
+
+/// The same with a length along x and one along y.
+pub(super) fn streaked((nx, ny): (usize, usize), lengths: [f64; 2], stream: &mut Stream) -> Vec<f64> {
     // Two Gaussians of this deviation overlap as the correlation says.
-    let kernel = kernel(0.5 * length);
-    let pad = kernel.len() - 1;
-    let (wide, high) = (nx + pad, ny + pad);
+    let [along, across] = lengths.map(|length| kernel(0.5 * length));
+    let (wide, high) = (nx + along.len() - 1, ny + across.len() - 1);
     let white: Vec<f64> = (0..wide * high).map(|_| stream.normal()).collect();
-    let row = |k: usize| filtered(&white[k / nx * wide + k % nx..], 1, &kernel);
+    let row = |k: usize| filtered(&white[k / nx * wide + k % nx..], 1, &along);
     let rows: Vec<f64> = (0..nx * high).map(row).collect();
-    (0..nx * ny).map(|k| filtered(&rows[k..], nx, &kernel)).collect()
+    (0..nx * ny).map(|k| filtered(&rows[k..], nx, &across)).collect()
 }
 
 /// The same along a line of `count` points.
@@ -54,6 +58,9 @@ mod tests {
         // About 900 independent patches.
         assert!((mean(0) - 1.0).abs() < 0.15);
         assert!((mean(8) / mean(0) - (-1f64).exp()).abs() < 0.08);
+        let streaks = streaked((nx, ny), [length, 0.0], &mut Stream::of(1, "streaks"));
+        let beside = |lag: usize| (0..nx * (ny - 1)).map(|k| streaks[k] * streaks[k + lag]).sum::<f64>();
+        assert!(beside(nx).abs() < 0.05 * beside(0), "rows do not know of each other");
         let white = correlated((nx, ny), 0.0, &mut Stream::of(1, "white"));
         assert!((white.iter().map(|v| v * v).sum::<f64>() / white.len() as f64 - 1.0).abs() < 0.02);
     }

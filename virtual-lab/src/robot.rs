@@ -4,7 +4,9 @@
 use glam::{DVec2, DVec3};
 use sim::PassRecord;
 
+use super::frame::Frame;
 use super::motion::Way;
+use super::ripple::Ripple;
 use random::Stream;
 use trials::trial::{Controller, Log, LogRow, RPM};
 
@@ -32,12 +34,30 @@ pub struct Robot {
     pub wander: f64,
     /// Way over which it wanders [m].
     pub wander_length: f64,
+    /// How far the logged places are off in the scans' frame [m]; the direction is drawn for each campaign.
+    pub frame_shift: f64,
+    /// How far the robot's frame is turned about the scan's middle [rad]; the sense is drawn for each campaign.
+    pub frame_turn: f64,
+    /// Time by which a logged place is older than the force beside it [s].
+    pub pose_delay: f64,
+    /// Swing of the true force about what the controller holds, standard deviation [1]; the log shows it.
+    pub force_ripple: f64,
 }
 
 impl Robot {
     /// A good robot.
     pub fn clean() -> Self {
-        Self { force_noise: 0.2, speed_noise: 4.0, pose_jitter: 2e-6, wander: 5e-6, wander_length: 8e-3 }
+        Self {
+            force_noise: 0.2,
+            speed_noise: 4.0,
+            pose_jitter: 2e-6,
+            wander: 5e-6,
+            wander_length: 8e-3,
+            frame_shift: 0.0,
+            frame_turn: 0.0,
+            pose_delay: 0.0,
+            force_ripple: 0.0,
+        }
     }
 
     /// More of every error.
@@ -56,14 +76,14 @@ impl Robot {
         let rows = ((end + RETRACT.1) / PERIOD).floor() as usize;
         let row = |k: usize| {
             let time = k as f64 * PERIOD;
-            let lifted = RETRACT.0 * (time - end).max(0.0);
-            let level = pass.level(time.min(end)) + lifted;
+            let posed = time - self.pose_delay;
+            let level = pass.level(posed.min(end)) + RETRACT.0 * (posed - end).max(0.0);
             let mut jitter = || self.pose_jitter * stream.normal();
             let jitter = DVec3::new(jitter(), jitter(), jitter());
-            let force = if lifted > 0.0 { 0.0 } else { pass.force_reading(time) };
+            let force = if time > end { 0.0 } else { pass.force_reading(time) };
             let force = force + self.force_noise * stream.normal();
             let rpm = pass.spindle_speed / RPM + self.speed_noise * stream.normal();
-            let place = pass.way.at(time - pass.touch).extend(level) + jitter;
+            let place = pass.frame.logged(pass.way.at(posed - pass.touch)).extend(level) + jitter;
             LogRow {
                 // The rounded product of two decimals is the decimal that the file holds.
                 time: (time * 1e6).round() / 1e6,
@@ -91,6 +111,10 @@ pub(super) struct Ran<'a> {
     pub(super) force_setpoint: f64,
     /// What the spindle was told [rad/s].
     pub(super) spindle_speed: f64,
+    /// The frame of its places.
+    pub(super) frame: Frame,
+    /// How its force swings.
+    pub(super) ripple: Option<Ripple>,
 }
 
 impl Ran<'_> {
@@ -110,9 +134,14 @@ impl Ran<'_> {
         a.position.z + (b.position.z - a.position.z) * t
     }
 
+    /// What the sensor says [N]: what it told the controller, with the swing that the controller does not follow.
+    fn force_reading(&self, time: f64) -> f64 {
+        self.followed(time) * self.ripple.as_ref().map_or(1.0, |ripple| 1.0 + ripple.at(time))
+    }
+
     /// What the sensor told the controller [N], the mean since the row before: from how the tool moved, by the
     /// controller's own law `mass · z'' = (F - setpoint) - damping · z'`. Before the touch there is nothing to believe.
-    fn force_reading(&self, time: f64) -> f64 {
+    fn followed(&self, time: f64) -> f64 {
         let since = (time - PERIOD).max(self.touch);
         let Controller::Admittance { mass, damping, .. } = self.controller else {
             return if time < self.touch { 0.0 } else { self.force_setpoint };

@@ -12,8 +12,10 @@ use thiserror::Error;
 use super::Experiment;
 use super::answer::TrueTrial;
 use super::fault::Fault;
+use super::frame::Frame;
 use super::motion::Way;
-use super::plan::{Bench, Setting, role};
+use super::plan::{Bench, Plan, Setting, role};
+use super::ripple::Ripple;
 use super::robot::{Ran, Robot, touching};
 use super::surface::Workpiece;
 use random::Stream;
@@ -108,8 +110,17 @@ pub(super) struct Bout<'a> {
 impl<'a> Bout<'a> {
     /// Draws the workpiece of a trial and makes the part.
     pub(super) fn new(experiment: &'a Experiment, model: &'a CompiledModel, number: usize) -> Result<Self, TruthError> {
-        let bench = Bench::of(experiment.process, experiment.size);
-        let name = format!("trial-{}", number + 1);
+        Self::named(experiment, model, number, &format!("trial-{}", number + 1))
+    }
+
+    /// The same under another name, with which its workpiece and all else of it is drawn.
+    fn named(
+        experiment: &'a Experiment,
+        model: &'a CompiledModel,
+        number: usize,
+        name: &str,
+    ) -> Result<Self, TruthError> {
+        let (bench, name) = (Bench::of(experiment.process, experiment.size), name.to_owned());
         let mut stream = Stream::of(experiment.seed, &format!("{name}/workpiece"));
         let length = (stream.between(bench.length) * 1e3).round() * 1e-3;
         let (piece, extent, ends) = match experiment.process {
@@ -160,6 +171,7 @@ impl<'a> Bout<'a> {
             self.part.scalar_or_zero(Scalar::Removed);
         }
         states.reset(self.model, Reset::FreshTool);
+        self.wear(states, row)?;
         states.reset(self.model, Reset::Trial);
         let (mut passes, mut truth) = (Vec::new(), TrueTrial::default());
         for (pass, setting) in settings.iter().enumerate() {
@@ -171,7 +183,9 @@ impl<'a> Bout<'a> {
             }
             let (force_setpoint, spindle_speed) = self.told(setting);
             let controller = self.controller;
-            let ran = Ran { record: &record, way: &way, touch, controller, force_setpoint, spindle_speed };
+            let (frame, ripple) = (self.frame(), Ripple::of(self.model, at.1));
+            let record = &record;
+            let ran = Ran { record, way: &way, touch, controller, force_setpoint, spindle_speed, frame, ripple };
             passes.push(Pass {
                 log: self.experiment.robot.log(&ran, &mut self.stream(&format!("pass-{}/log", pass + 1))),
                 scan: self.scan_after(at)?,
@@ -184,6 +198,25 @@ impl<'a> Bout<'a> {
             done();
         }
         Ok((self.into_trial(scans, passes), truth))
+    }
+
+    /// Lets the tool work on another workpiece before the trial.
+    fn wear(&self, states: &mut States, row: usize) -> Result<(), TruthError> {
+        if self.experiment.earlier_passes == 0 {
+            return Ok(());
+        }
+        let mut other = Self::named(self.experiment, self.model, self.number, &format!("{}/earlier", self.name))?;
+        let usual = Plan::Paper.settings(1);
+        for (pass, setting) in usual[0].iter().cycle().take(self.experiment.earlier_passes).enumerate() {
+            other.pass(setting, states, (pass + 1, row))?;
+        }
+        Ok(())
+    }
+
+    /// The robot's frame.
+    fn frame(&self) -> Frame {
+        let end = self.pixels.position(self.pixels.nx - 1, self.pixels.ny - 1);
+        Frame::of(&self.experiment.robot, self.experiment.seed, 0.5 * (self.pixels.origin + end))
     }
 
     fn into_trial(self, scans: Scans, passes: Vec<Pass>) -> Trial {
@@ -242,7 +275,7 @@ impl<'a> Bout<'a> {
             let threshold = self.model.exposure_threshold(&step).map_err(|error| self.scan_error(pass, error))?;
             return Ok(PassScan::Exposure(instrument.mask(&self.part, self.pixels, threshold, &mut stream)));
         }
-        let fault = Fault { model: self.model, pass, row };
+        let fault = Fault { model: self.model, pass, row, piece: &self.piece };
         let map = instrument.heights(&self.part, self.pixels, Some(&fault), &mut stream);
         map.map(PassScan::Heights).map_err(|error| self.scan_error(pass, error))
     }

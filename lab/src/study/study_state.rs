@@ -14,7 +14,7 @@ use super::report_from_diagnosis::{detectable, next_trial, suggested, suspects, 
 use crate::study::StudyReport;
 use crate::{
     BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, OnProgress, Order,
-    ParameterSummary, Searched, Suggestion, Unfitted, Verdict, beginning, parameter_summary,
+    ParameterSummary, Searched, Suggestion, Totals, Unfitted, Verdict, beginning, parameter_summary,
 };
 
 /// A study under way: its record, and what this run of the program has in memory of it.
@@ -221,6 +221,16 @@ impl<'a> StudyState<'a> {
     pub fn parameters(&self) -> Vec<ParameterSummary> {
         let estimates = self.calibration.iter().flat_map(|calibration| calibration.last().estimates());
         estimates.map(|estimate| parameter_summary(&estimate)).collect()
+    }
+
+    /// The last search of this run.
+    pub fn diagnosis(&self) -> Option<&Diagnosis> {
+        self.diagnosis.as_ref().map(|(diagnosis, _)| diagnosis)
+    }
+
+    /// The measurements as fits see them.
+    pub fn evidence(&self) -> &dyn Totals {
+        self.data.evidence()
     }
 
     /// The report of what is known so far.

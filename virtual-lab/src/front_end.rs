@@ -1,0 +1,80 @@
+//! Front ends: what may be wrong with scanner, robot and tool besides what is hidden.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Experiment, Instrument, Robot};
+
+/// How the measurements are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrontEnd {
+    /// A careful laboratory.
+    #[default]
+    Clean,
+    /// More of every error of scanner and robot.
+    Hard,
+    /// The robot's frame is off that of the scans by 0.5 mm and turned by 2 mrad.
+    Frame,
+    /// The logged places are 80 ms older than the forces beside them.
+    Clock,
+    /// The force swings by 10 % about its mean.
+    Ripple,
+    /// Surfaces have a texture that no two scans share: grinding marks of 4 µm, coatings like orange peel.
+    Texture,
+    /// The tool did two passes on another workpiece before each trial, and counts as fresh.
+    Worn,
+}
+
+impl FrontEnd {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Clean, Self::Hard, Self::Frame, Self::Clock, Self::Ripple, Self::Texture, Self::Worn];
+
+    /// In files and tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Hard => "hard",
+            Self::Frame => "frame",
+            Self::Clock => "clock",
+            Self::Ripple => "ripple",
+            Self::Texture => "texture",
+            Self::Worn => "worn",
+        }
+    }
+
+    /// The scanner.
+    pub fn instrument(self) -> Instrument {
+        match self {
+            Self::Hard => Instrument::hard(),
+            Self::Texture => Instrument::textured(),
+            _ => Instrument::clean(),
+        }
+    }
+
+    /// The robot.
+    pub fn robot(self) -> Robot {
+        let clean = Robot::clean();
+        match self {
+            Self::Hard => Robot::hard(),
+            Self::Frame => Robot { frame_shift: 0.5e-3, frame_turn: 2e-3, ..clean },
+            Self::Clock => Robot { pose_delay: 0.08, ..clean },
+            Self::Ripple => Robot { force_ripple: 0.1, ..clean },
+            _ => clean,
+        }
+    }
+
+    /// Passes that the tool did before each trial.
+    pub fn earlier_passes(self) -> usize {
+        if self == Self::Worn { 2 } else { 0 }
+    }
+}
+
+impl Experiment {
+    /// The same experiment with other measurements.
+    #[must_use]
+    pub fn behind(self, front: FrontEnd) -> Self {
+        let (instrument, robot, earlier_passes) = (front.instrument(), front.robot(), front.earlier_passes());
+        Self { instrument, robot, earlier_passes, ..self }
+    }
+}
