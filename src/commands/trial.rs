@@ -250,6 +250,7 @@ fn synth(args: &SynthArgs, console: &Console) -> Result<()> {
     bar.finish_and_clear();
     let made = made.map_err(|error| match error {
         MakeError::Model(error) => wrong_use(error.to_string()),
+        MakeError::Effect(error) => error.into(),
         MakeError::Truth(error) => error.into(),
     })?;
     write_into(&made, &experiment, places, args.key())?;

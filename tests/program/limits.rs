@@ -23,6 +23,7 @@ fn more_cases_than_anyone_waits_for_are_refused() {
         run(robofin(["bench", "diagnose", "--cases", cases, "--out"]).arg(&out))
             .is_refused(2, &["--cases", cases, "1 to 10000"]);
     }
+    run(robofin(["bench", "diagnose", "--limit", "0", "--out"]).arg(&out)).is_refused(2, &["--limit", "1 to 10000"]);
     assert_eq!(names(folder.path()), Vec::<String>::new());
 }
 

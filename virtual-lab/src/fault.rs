@@ -6,6 +6,7 @@ use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use sim::Profilometer;
 
 use super::surface::Workpiece;
+use random::Stream;
 
 /// The scanner's formulas at a scan.
 pub(super) struct Fault<'a> {
@@ -17,6 +18,8 @@ pub(super) struct Fault<'a> {
     pub(super) row: usize,
     /// The workpiece before it was ground.
     pub(super) piece: &'a Workpiece,
+    /// Of grinding marks.
+    pub(super) marks: Stream,
 }
 
 impl Fault<'_> {

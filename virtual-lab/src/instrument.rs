@@ -119,14 +119,14 @@ impl Instrument {
         &self,
         part: &BrickGrid,
         pixels: PixelGrid,
-        fault: Option<&Fault>,
+        fault: Option<Fault>,
         stream: &mut Stream,
     ) -> Result<HeightMap, RunError> {
         let placed = PixelGrid { origin: pixels.origin - self.shift(stream), ..pixels };
         let seen = Profilometer { pixels: placed, blur: self.blur }.heights(part);
         let mut map = HeightMap { pixels, ..seen };
-        if let Some(fault) = fault {
-            self.mark(&mut map, (fault, placed), stream);
+        if let Some(mut fault) = fault {
+            self.mark(&mut map, placed, &mut fault);
             map.heights = fault.of(&map, part, placed)?;
         }
         self.disturb(&mut map, stream);
@@ -177,12 +177,12 @@ impl Instrument {
     /// Adds the marks of the last pass where the tool was.
     ///
     /// - `placed`: where the pixels really are
-    fn mark(&self, map: &mut HeightMap, (fault, placed): (&Fault, PixelGrid), stream: &mut Stream) {
+    fn mark(&self, map: &mut HeightMap, placed: PixelGrid, fault: &mut Fault) {
         if self.marks == 0.0 {
             return;
         }
         let PixelGrid { pitch, nx, ny, .. } = placed;
-        let marks = streaked((nx, ny), MARK_LENGTHS.map(|length| length / pitch), stream);
+        let marks = streaked((nx, ny), MARK_LENGTHS.map(|length| length / pitch), &mut fault.marks);
         for (k, height) in map.heights.iter_mut().enumerate() {
             let depth = fault.piece.height(placed.position(k % nx, k / nx)) - *height;
             if depth > MARKED_DEPTH {

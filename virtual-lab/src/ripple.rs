@@ -9,13 +9,15 @@ use random::Stream;
 /// Its name, and its file.
 const NAME: &str = "force-ripple";
 const FILE: (&str, &str) = ("force-ripple.toml", include_str!("force-ripple.toml"));
-/// Phases by parameter, and their frequencies [Hz]: no two have a common period within a pass.
-const WAVES: [(&str, f64); 3] = [("phase_slow", 1.3), ("phase_middle", 3.1), ("phase_fast", 7.3)];
+/// Phases by parameter, and their frequencies over the slowest.
+const WAVES: [(&str, f64); 3] = [("phase_slow", 1.0), ("phase_middle", 2.4), ("phase_fast", 5.6)];
 
 /// The ripple in a pass.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ripple {
     swing: f64,
+    /// Of the slowest wave [Hz].
+    frequency: f64,
     phases: [f64; WAVES.len()],
 }
 
@@ -50,13 +52,13 @@ impl Ripple {
             own.find(|(slot, _)| slot.row.is_none_or(|other| other == row)).map(|(_, &value)| value)
         };
         let phase = |(name, _): (&str, f64)| value(name).unwrap_or(0.0);
-        Some(Self { swing: value("swing")?, phases: WAVES.map(phase) })
+        Some(Self { swing: value("swing")?, frequency: value("frequency")?, phases: WAVES.map(phase) })
     }
 
     /// Force over its mean, less one, at a time of the pass [s].
     pub(super) fn at(&self, time: f64) -> f64 {
         let waves = WAVES.iter().zip(self.phases);
-        let sum: f64 = waves.map(|((_, frequency), phase)| (TAU * frequency * time + phase).sin()).sum();
+        let sum: f64 = waves.map(|((_, ratio), phase)| (TAU * ratio * self.frequency * time + phase).sin()).sum();
         self.swing * (2.0 / WAVES.len() as f64).sqrt() * sum
     }
 }

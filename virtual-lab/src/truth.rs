@@ -275,8 +275,9 @@ impl<'a> Bout<'a> {
             let threshold = self.model.exposure_threshold(&step).map_err(|error| self.scan_error(pass, error))?;
             return Ok(PassScan::Exposure(instrument.mask(&self.part, self.pixels, threshold, &mut stream)));
         }
-        let fault = Fault { model: self.model, pass, row, piece: &self.piece };
-        let map = instrument.heights(&self.part, self.pixels, Some(&fault), &mut stream);
+        let marks = self.stream(&format!("pass-{pass}/marks"));
+        let fault = Fault { model: self.model, pass, row, piece: &self.piece, marks };
+        let map = instrument.heights(&self.part, self.pixels, Some(fault), &mut stream);
         map.map(PassScan::Heights).map_err(|error| self.scan_error(pass, error))
     }
 
