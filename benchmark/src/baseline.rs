@@ -41,7 +41,10 @@ pub(super) fn most_common(cases: &[&Case]) -> Said {
         *counts.entry(case.hidden[0].as_str()).or_default() += 1;
     }
     let most = counts.iter().rev().max_by_key(|(_, count)| **count);
-    Said::sure(Verdict::Identified, most.map(|(name, _)| *name))
+    match most {
+        Some((name, _)) => Said::sure(Verdict::Identified, Some(name)),
+        None => Said::sure(Verdict::NothingMissing, None),
+    }
 }
 
 #[cfg(test)]

@@ -78,11 +78,15 @@ fn marks_lie_where_the_tool_was_and_along_its_way() {
         known.filter(|k| depth(k) > 60e-6 || depth(k).abs() < 20e-6).partition(|k| depth(k) > 60e-6);
     let [here, there] = [&ground, &away].map(|of| rms(of.iter().map(|&k| mark(k))));
     println!("{:.2} µm where it was ground, {:.2} µm elsewhere", here * 1e6, there * 1e6);
-    assert!(ground.len() > 500 && away.len() > 500 && (3e-6..5e-6).contains(&here) && there < 1e-6);
+    assert!(ground.len() > 500 && away.len() > 500 && (3e-6..5e-6).contains(&here));
+    // A place that seems untouched may lie on the border of the track: scans are off by 10 µm in height.
+    assert!(there < 0.4 * here, "{there}");
     let like = |step: usize| {
         ground.iter().map(|&k| mark(k) * mark(k + step)).filter(|product| product.is_finite()).sum::<f64>()
     };
-    assert!(like(1) > 2.0 * like(nx), "along the way more than across: {} and {}", like(1), like(nx));
+    // Pixels are 0.3 mm apart: exp(−(0.3 / 4)²) = 0.99 along the way, exp(−(0.3 / 0.4)²) = 0.57 across.
+    let [along, across] = [1, nx].map(|step| like(step) / like(0));
+    assert!(along > 0.9 && (0.4..0.7).contains(&across), "{along}, {across}");
 }
 
 #[test]
