@@ -313,7 +313,7 @@ criteria! {
     EFFECT_SIZE_REMOVAL: f64 = 0.002, "1",
         "measured: twice the smooth error that another laboratory's data show of the law that made them (docs/diagnosis.md, Limits)";
     /// Least size of an effect that is named, over the noise floor.
-    EFFECT_SIZE_FLOOR: f64 = 0.3, "1", "chosen";
+    EFFECT_SIZE_FLOOR: f64 = 0.1, "1", "derived: less changes the error by under half a percent";
     /// Change of all whitened data together that is detected in four cases of five.
     DETECTABLE_SIGMAS: f64 = 3.8, "σ",
         "derived: one-sided level of 5 % over thirty effects, 2.94 σ, and a power of 80 %, 0.84 σ";

@@ -144,7 +144,7 @@ const AGREED: &[(&str, f64)] = &[
     ("NULL_SHARE", 0.000001),
     ("FAR_END_RATIO", 0.001),
     ("EFFECT_SIZE_REMOVAL", 0.002),
-    ("EFFECT_SIZE_FLOOR", 0.3),
+    ("EFFECT_SIZE_FLOOR", 0.1),
     ("DETECTABLE_SIGMAS", 3.8),
     ("TESTABLE_SHARE", 0.5),
     ("UNEXPLAINED_REMOVAL", 0.01),
