@@ -132,13 +132,7 @@ impl<'a> Bout<'a> {
             Process::Sanding => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut stream), length, [0.0, length]),
         };
         let (tool, controller) = tooling(experiment.process, &bench);
-        let count = |extent: f64| (extent / bench.pitch).round() as usize + 1;
-        let pixels = PixelGrid {
-            origin: DVec2::new(0.0, -0.5 * bench.width),
-            pitch: bench.pitch,
-            nx: count(extent),
-            ny: count(bench.width),
-        };
+        let pixels = scanned(&bench, extent);
         let part =
             true_part(&piece, &pixels, &tool).map_err(|error| TruthError::Part { trial: name.clone(), error })?;
         Ok(Self {
@@ -365,6 +359,13 @@ fn simulated(tool: &Tool) -> sim::Tool {
         Tool::Wheel { radius, width, .. } => sim::Wheel::cylinder(radius, width).into(),
         Tool::Pad { radius } => sim::Pad { radius }.into(),
     }
+}
+
+/// Pixels of a scan of a workpiece that is so long [m].
+fn scanned(bench: &Bench, length: f64) -> PixelGrid {
+    let count = |extent: f64| (extent / bench.pitch).round() as usize + 1;
+    let origin = DVec2::new(0.0, -0.5 * bench.width);
+    PixelGrid { origin, pitch: bench.pitch, nx: count(length), ny: count(bench.width) }
 }
 
 /// The true surface on a lattice finer than the scan, past its border by half the tool's width.
