@@ -6,7 +6,8 @@
 //! 2. [`workpiece`] places a weld on it ([`weldgen`]) and bakes part and bead ([`sdf_bake::bake`]).
 //!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
 //! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD; [`dataset`] does it for thousands, and
-//!    [`images`] makes labelled pictures of coated ones in the course of sanding.
+//!    [`images`] makes labelled pictures of coated ones in the course of sanding. Both, and [`cache`], are a [`store`] that
+//!    can be gone on with.
 //! 4. [`finishing`] grinds the weld ([`sim`]) and [`grinding_page`] shows what happened ([`report`]).
 //! 5. [`paths`] plans tool paths; [`trials`] reads measurements, [`trial_run`] simulates them ([`snapshot`], [`batch`]).
 //! 6. [`virtual_lab`] makes virtual experiments with hidden effects, and the answers.
@@ -36,6 +37,7 @@ pub mod photo;
 pub mod picture;
 pub mod sealed_example;
 pub mod snapshot;
+pub mod store;
 pub mod trial_run;
 pub mod validate;
 pub mod workpiece;

@@ -108,6 +108,18 @@ pub struct GrindPictures {
     pub sheet: Picture,
 }
 
+/// Pictures one below the other, on white.
+pub fn stacked(strips: &[Picture]) -> Picture {
+    let width = strips.iter().map(|strip| strip.width).max().unwrap_or(1);
+    let mut sheet = Picture::filled(width, strips.iter().map(|strip| strip.height).sum(), [255; 3]);
+    let mut top = 0;
+    for strip in strips {
+        sheet.paste((0, top), strip);
+        top += strip.height;
+    }
+    sheet
+}
+
 /// Draws a weld before and after grinding.
 pub fn grinding(before: &BrickGrid, after: &BrickGrid, weld: &WeldTruth, title: &str) -> GrindPictures {
     let (width, height) = (VIEW_SIZE.0 * 2 / 3, VIEW_SIZE.1 * 2 / 3);

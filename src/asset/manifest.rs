@@ -60,8 +60,12 @@ impl FileRecord {
     /// # Errors
     /// When the file cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
-        let content = input::read(path, MOST_MESH_BYTES)?;
-        Ok(Self { sha256: sha256(&content), bytes: content.len() as u64 })
+        Ok(Self::of_bytes(&input::read(path, MOST_MESH_BYTES)?))
+    }
+
+    /// Hashes the content of a file.
+    pub fn of_bytes(content: &[u8]) -> Self {
+        Self { sha256: sha256(content), bytes: content.len() as u64 }
     }
 }
 

@@ -15,8 +15,8 @@ use super::{Cache, Recipe, Record};
 use crate::baking::{FieldWishes, bake_part};
 use crate::memory_budget;
 use crate::part::Part;
+use crate::store::Filled;
 use files::file_lock::Patience;
-use files::job_queue::take_turns;
 
 /// Meshes to bake into a cache.
 pub struct Batch<'a> {
@@ -48,10 +48,12 @@ pub struct Entry {
     pub bake_s: Option<f64>,
 }
 
+/// A mesh file, and why it cannot be looked for, if so.
+type Source = (PathBuf, Option<String>);
+
 /// What the jobs share.
 struct Work<'a> {
     batch: &'a Batch<'a>,
-    meshes: Vec<(PathBuf, Option<String>)>,
     /// Time spent on each entry that this run made [s].
     baked: Mutex<HashMap<String, f64>>,
     room: Room,
@@ -63,27 +65,20 @@ impl Batch<'_> {
     /// # Errors
     /// When the index cannot be written, or `done` fails; a mesh that fails is an outcome.
     pub fn run(&self, sources: Sources, mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
-        let work = Work {
-            batch: self,
-            meshes: sources.into_iter().collect(),
-            baked: Mutex::default(),
-            room: Room::new(memory_budget::MOST_BRICKS),
-        };
+        let meshes: Vec<Source> = sources.into_iter().collect();
+        let room = Room::new(memory_budget::MOST_BRICKS);
+        let work = Work { batch: self, baked: Mutex::default(), room };
         let mut keys = BTreeMap::new();
         let mut in_order = InOrder::default();
-        let told = take_turns(
-            work.meshes.len(),
-            self.jobs,
-            |turn, patience| work.outcome(turn, patience),
-            |turn, made| {
-                in_order.add(turn, made, |mut outcome| {
-                    work.credit(&mut outcome);
-                    let key = outcome.result.as_ref().ok().map(|entry| entry.key.clone());
-                    keys.insert(outcome.mesh.to_string_lossy().into_owned(), key);
-                    done(&outcome)
-                })
-            },
-        );
+        let make = |(mesh, fault): &Source, patience| work.outcome(mesh, fault.as_deref(), patience);
+        let told = self.cache.work_through(&meshes, self.jobs, make, |turn, made| {
+            in_order.add(turn, made, |mut outcome| {
+                work.credit(&mut outcome);
+                let key = outcome.result.as_ref().ok().map(|entry| entry.key.clone());
+                keys.insert(outcome.mesh.to_string_lossy().into_owned(), key);
+                done(&outcome)
+            })
+        });
         self.cache.update_index(&keys)?;
         told
     }
@@ -96,36 +91,35 @@ impl Work<'_> {
         let bytes = MeshBytes::load(mesh)?;
         let recipe = Recipe::new(&bytes, wishes)?;
         let key = recipe.key()?;
-        let found = |record| Ok(Some(Entry { key: key.clone(), record, bake_s: None }));
-        if let Some(record) = cache.find(&key) {
-            return found(record);
-        }
-        let Some(claim) = cache.claim(&key, patience)? else { return Ok(None) };
-        // Whoever held the claim before may have finished it.
-        if let Some(record) = cache.find(&key) {
-            return found(record);
-        }
-        let part = Part::from_bytes(&bytes, wishes.unit)?;
-        drop(bytes);
-        let options = wishes.options(&part);
-        let _share = self.room.share(memory_budget::check(&part.mesh, &options)?);
-        let baked = bake_part(&part, &options)?;
-        // Before the entry can be found by the other jobs, so that none takes it for an old one.
-        lock(&self.baked).insert(key.clone(), baked.bake_s);
-        found(cache.keep(&claim, &recipe, baked)?)
+        let filled = cache.fill(
+            &key,
+            patience,
+            || cache.find(&key),
+            || -> Result<Record> {
+                let part = Part::from_bytes(&bytes, wishes.unit)?;
+                drop(bytes);
+                let options = wishes.options(&part);
+                let _share = self.room.share(memory_budget::check(&part.mesh, &options)?);
+                let baked = bake_part(&part, &options)?;
+                // Before the entry can be found by the other jobs, so that none takes it for an old one.
+                lock(&self.baked).insert(key.clone(), baked.bake_s);
+                cache.keep(&recipe, baked)
+            },
+        )?;
+        let Some(Filled::There(record) | Filled::Made(record)) = filled else { return Ok(None) };
+        Ok(Some(Entry { key, record, bake_s: None }))
     }
 
-    fn outcome(&self, turn: usize, patience: Patience) -> Option<Outcome> {
+    fn outcome(&self, mesh: &Path, fault: Option<&str>, patience: Patience) -> Option<Outcome> {
         let started = Instant::now();
-        let (mesh, unreadable) = &self.meshes[turn];
-        let make = || match unreadable {
+        let make = || match fault {
             Some(reason) => bail!("{reason}"),
             None => self.entry(mesh, patience),
         };
         // A bug that one mesh brings to light must not cost the others.
         let result = catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|_| Err(anyhow!("a bug in this program")));
         let result = result.with_context(|| mesh.display().to_string()).transpose()?;
-        Some(Outcome { mesh: mesh.clone(), result, process_s: started.elapsed().as_secs_f64() })
+        Some(Outcome { mesh: mesh.to_owned(), result, process_s: started.elapsed().as_secs_f64() })
     }
 
     /// Of meshes with the same entry the first one is said to have been baked, whichever job was faster.

@@ -3,14 +3,14 @@
 use std::fs;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{Cache, Recipe};
 use crate::asset::FileRecord;
 use crate::baking::{BakedField, FieldFacts};
-use files::file_lock::{FileLock, Patience};
+use files::folder::write_file;
 use files::json_file::read_json;
 use files::sha256;
 
@@ -36,11 +36,11 @@ struct Sealed {
 impl Cache {
     /// Path of an entry's field.
     pub fn field_path(&self, key: &str) -> PathBuf {
-        self.folder.join(format!("{key}.nvdb"))
+        self.folder().join(format!("{key}.nvdb"))
     }
 
     fn record_path(&self, key: &str) -> PathBuf {
-        self.folder.join(format!("{key}.json"))
+        self.folder().join(format!("{key}.json"))
     }
 
     /// The record of an entry whose field is there, whole and unchanged.
@@ -54,32 +54,16 @@ impl Cache {
         unchanged.then_some(record)
     }
 
-    /// The right to make an entry; `None` when someone else has it.
-    pub(super) fn claim(&self, key: &str, patience: Patience) -> Result<Option<FileLock>> {
-        Ok(FileLock::take(&self.folder.join(format!(".{key}.lock")), patience)?)
-    }
-
-    /// Keeps a field: first the field, then the record that makes it an entry.
-    pub(super) fn keep(&self, _claim: &FileLock, recipe: &Recipe, baked: BakedField) -> Result<Record> {
+    /// Keeps a field: first the field, then the record that makes it an entry. For who holds the claim on it.
+    pub(super) fn keep(&self, recipe: &Recipe, baked: BakedField) -> Result<Record> {
         let key = recipe.key()?;
-        let field = FileRecord { sha256: sha256(&baked.bytes), bytes: baked.bytes.len() as u64 };
+        let field = FileRecord::of_bytes(&baked.bytes);
         let record = Record { recipe: serde_json::to_value(recipe)?, field, facts: baked.facts };
         let sealed = Sealed { record_sha256: seal(&record)?, record };
-        self.put(&key, self.field_path(&key), &baked.bytes)?;
+        write_file(&self.field_path(&key), &baked.bytes)?;
         let text = serde_json::to_string_pretty(&sealed)? + "\n";
-        self.put(&key, self.record_path(&key), text.as_bytes())?;
+        write_file(&self.record_path(&key), text.as_bytes())?;
         Ok(sealed.record)
-    }
-
-    /// Writes beside the place and renames; only the holder of the claim does.
-    fn put(&self, key: &str, place: PathBuf, bytes: &[u8]) -> Result<()> {
-        let staging = self.folder.join(format!(".{key}.part"));
-        let written = fs::write(&staging, bytes).and_then(|()| fs::rename(&staging, &place));
-        if written.is_err() {
-            // The error below says what matters; the next holder writes over what is left.
-            let _ = fs::remove_file(&staging);
-        }
-        written.with_context(|| format!("{}: cannot write this file", place.display()))
     }
 }
 
@@ -91,7 +75,7 @@ fn seal(record: &Record) -> serde_json::Result<String> {
 pub(super) fn is_of_an_entry(name: &str) -> bool {
     let key = |name: &str| name.len() == 64 && name.bytes().all(|byte| byte.is_ascii_hexdigit());
     match (name.strip_prefix('.'), name.rsplit_once('.')) {
-        (Some(hidden), _) => matches!(hidden.rsplit_once('.'), Some((stem, "lock" | "part")) if key(stem)),
+        (Some(hidden), _) => hidden.split_once('.').is_some_and(|(stem, _)| key(stem)),
         (None, Some((stem, "nvdb" | "json"))) => key(stem),
         _ => false,
     }

@@ -8,7 +8,6 @@ use files::input::{self, MOST_TEXT_BYTES};
 use serde::{Deserialize, Serialize};
 
 use super::Cache;
-use files::file_lock::{FileLock, Patience};
 use files::folder::write_file;
 
 /// Name of the index in a cache.
@@ -28,10 +27,10 @@ impl Cache {
     /// # Errors
     /// When the folder cannot be written.
     pub(super) fn update_index(&self, keys: &BTreeMap<String, Option<String>>) -> Result<()> {
-        let _claim = FileLock::take(&self.folder.join(format!(".{INDEX_FILE}.lock")), Patience::Endless)?;
-        let path = self.folder.join(INDEX_FILE);
+        let _claim = self.claim_catalogue()?;
+        let path = self.folder().join(INDEX_FILE);
         let mut fields = read(&path);
-        fields.retain(|mesh, field| !keys.contains_key(mesh) && self.folder.join(field).is_file());
+        fields.retain(|mesh, field| !keys.contains_key(mesh) && self.folder().join(field).is_file());
         for (mesh, key) in keys {
             if let Some(key) = key {
                 fields.insert(mesh.clone(), format!("{key}.nvdb"));

@@ -4,7 +4,7 @@
 //! cache.json                    marks the folder as a cache
 //! 3f…c2.nvdb, 3f…c2.json        an entry: the field, and its record
 //! index.jsonl                   which mesh file became which entry
-//! .3f…c2.lock, .3f…c2.part      while an entry is made
+//! .3f…c2.…                      while an entry is made
 //! ```
 //!
 //! The name of an entry is the SHA-256 of its [`Recipe`]: the mesh's bytes and everything else that decides the field. A
@@ -18,17 +18,12 @@ mod recipe;
 mod room;
 mod sources;
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
-use files::input::quoted_near;
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
-use crate::wrong_use;
-use files::folder::{check_writable, write_file};
-use files::json_file::read_json;
-use files::output::{FolderKind, Out};
+use crate::store::{Marker, Occupied, Store, names, remove};
 
 pub use batch::{Batch, Entry, Outcome};
 pub use entry::Record;
@@ -38,127 +33,51 @@ pub use sources::{Sources, find_meshes};
 
 /// Name of the file that marks a cache.
 pub const MARKER_FILE: &str = "cache.json";
-/// The folder of a cache that is not one yet.
-const CACHE: FolderKind = FolderKind { marker: MARKER_FILE, key: "format", names: &[] };
 /// Value of the `format` key of the marker and of every recipe.
 pub const CACHE_FORMAT: &str = "robofin-cache/1";
 
-/// What to do with a folder that already holds something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Occupied {
-    /// Leave it alone and say so.
-    Refuse,
-    /// Go on with a cache: what is complete is kept.
-    Resume,
-    /// Empty a cache first.
-    Replace,
-}
-
 /// A folder of entries.
-#[derive(Clone, Debug)]
-pub struct Cache {
-    folder: PathBuf,
-}
+pub type Cache = Store<CacheMarker>;
 
-#[derive(Serialize, Deserialize)]
-struct Marker {
+/// The marker of a cache; each entry has a recipe of its own.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CacheMarker {
     format: String,
 }
 
+impl Marker for CacheMarker {
+    const WHAT: &'static str = "a cache";
+    const FILE: &'static str = MARKER_FILE;
+    const FORMAT: &'static str = CACHE_FORMAT;
+    const FOLDERS: &'static [&'static str] = &[""];
+    const CONTINUED: &'static str = "--resume to go on with it, --force to bake all of it anew";
+
+    fn format(&self) -> &str {
+        &self.format
+    }
+
+    fn difference(&self, _: &Self) -> Option<String> {
+        None
+    }
+
+    fn text(&self) -> Result<String> {
+        Ok(serde_json::to_string(self)? + "\n")
+    }
+}
+
 impl Cache {
-    /// Opens a cache, or makes one in a folder that is empty or not there.
+    /// Makes a cache in a folder that is empty or not there, or opens one; to be replaced, it loses its entries.
     ///
     /// # Errors
-    /// Wrong use when the folder holds something that is no cache, or a cache and `occupied` does not say what to do
-    /// with it; otherwise when the folder cannot be written.
-    pub fn open(out: &Out, occupied: Occupied) -> Result<Self> {
-        let folder = out.place;
-        let cache = Self { folder: folder.to_owned() };
-        let marker = folder.join(MARKER_FILE);
-        if folder.exists() && !folder.is_dir() {
-            let place = folder.display();
-            return Err(wrong_use(format!(
-                "{place} already exists and is a file; --out expects a folder for several meshes"
-            )));
-        }
-        if marker.is_file() {
-            check_marker(&marker)?;
-            check_writable(folder)?;
-            cache.drop_staged_markers();
-            match occupied {
-                Occupied::Resume => {}
-                Occupied::Replace => cache.clear()?,
-                Occupied::Refuse => {
-                    return Err(wrong_use(format!(
-                        "{} is a cache already: give --resume to go on with it, --force to bake all of it anew, or \
-                         choose another --out",
-                        folder.display()
-                    )));
-                }
+    /// As [`Store::start`].
+    pub fn prepare(folder: &Path, occupied: Occupied) -> Result<Self> {
+        let cache = Self::start(folder, CacheMarker { format: CACHE_FORMAT.to_owned() }, occupied)?;
+        if occupied == Occupied::Replace {
+            // Other files are not the cache's to remove.
+            for name in names(folder)?.iter().filter(|name| *name == INDEX_FILE || entry::is_of_an_entry(name)) {
+                remove(&folder.join(name))?;
             }
-            return Ok(cache);
         }
-        if !is_unused(folder) {
-            if occupied == Occupied::Resume {
-                return Err(wrong_use(format!(
-                    "{} holds no {MARKER_FILE}: it is not a cache that --resume could go on with; choose another --out",
-                    folder.display()
-                )));
-            }
-            out.check_folder(&CACHE)?;
-        }
-        let text = serde_json::to_string(&Marker { format: CACHE_FORMAT.to_owned() })? + "\n";
-        let written = write_file(&marker, text.as_bytes());
-        // Another process that was quicker may have dropped the staged file; then the marker is there.
-        check_marker(&marker).or(written)?;
-        cache.drop_staged_markers();
         Ok(cache)
     }
-
-    /// Removes what processes left behind that were killed while they marked the folder.
-    fn drop_staged_markers(&self) {
-        for file in fs::read_dir(&self.folder).into_iter().flatten().flatten().filter(is_staged_marker) {
-            let _ = fs::remove_file(file.path());
-        }
-    }
-
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
-    /// Removes entries and index; other files are not the cache's to remove.
-    fn clear(&self) -> Result<()> {
-        for file in fs::read_dir(&self.folder).with_context(|| self.folder.display().to_string())? {
-            let path = file?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if name == INDEX_FILE || entry::is_of_an_entry(&name) {
-                fs::remove_file(&path).with_context(|| format!("{}: cannot be removed", path.display()))?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Whether a folder is absent, or holds at most what a run that was killed at its start leaves behind.
-fn is_unused(folder: &Path) -> bool {
-    match fs::read_dir(folder) {
-        Ok(mut files) => files.all(|file| file.is_ok_and(|file| is_staged_marker(&file))),
-        Err(_) => folder.symlink_metadata().is_err(),
-    }
-}
-
-fn is_staged_marker(file: &fs::DirEntry) -> bool {
-    file.file_name().to_string_lossy().starts_with(&format!(".{MARKER_FILE}.part-"))
-}
-
-fn check_marker(marker: &Path) -> Result<()> {
-    let found: Marker = read_json(marker, &format!("the mark of a cache of format {CACHE_FORMAT}"))?;
-    ensure!(
-        found.format == CACHE_FORMAT,
-        "{}: format is {}, {CACHE_FORMAT:?} is expected: choose another --out",
-        marker.display(),
-        quoted_near(&found.format, [CACHE_FORMAT])
-    );
-    Ok(())
 }

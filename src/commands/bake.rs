@@ -10,11 +10,12 @@ use serde::Serialize;
 use super::flags::{JOBS, MESH, MeshFlags, OutFlags};
 use super::values::whole;
 use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
-use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Occupied, Outcome, find_meshes};
+use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Outcome, find_meshes};
 use crate::console::Console;
 use crate::in_full;
 use crate::memory_budget;
 use crate::part::Part;
+use crate::store::Occupied;
 use files::folder::StagedFile;
 
 #[derive(Debug, Args)]
@@ -123,8 +124,7 @@ fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<
         (_, true) => Occupied::Replace,
         _ => Occupied::Refuse,
     };
-    let inputs: Vec<&Path> = sources.keys().map(PathBuf::as_path).collect();
-    let cache = Cache::open(&args.out.beside(&inputs), occupied)?;
+    let cache = Cache::prepare(&args.out.out, occupied)?;
     let meshes = sources.len();
     let bar = console.bar("bake", meshes as u64);
     let mut tally = Tally::default();

@@ -13,12 +13,15 @@ use super::item_flags::{ITEMS, ItemFlags};
 use super::values::whole;
 use crate::cache::find_meshes;
 use crate::console::Console;
-use crate::dataset::item::Ending;
-use crate::dataset::limits::Usage;
 use crate::dataset::plan::Shard;
-use crate::dataset::progress::{Progress, Summary};
-use crate::dataset::run::{Outcome, Run};
-use crate::dataset::{Catalogue, Dataset, Plan};
+use crate::dataset::run::Run;
+use crate::dataset::{Dataset, Plan};
+use crate::store::Occupied;
+use crate::store::catalogue::Catalogue;
+use crate::store::limits::Usage;
+use crate::store::process::Ending;
+use crate::store::progress::{Progress, Summary};
+use crate::store::run::Outcome;
 
 /// Items of one part that are accepted; their names have four digits.
 const MOST_PER_PART: u64 = 10_000;
@@ -128,11 +131,11 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     if args.dry_run {
         return rehearse(out, &plan, console);
     }
-    let dataset = Dataset::start(out, recipe, args.resume)?;
+    let dataset = Dataset::start(out, recipe, Occupied::resumed(args.resume))?;
     let run = Run { dataset: &dataset, plan: &plan, flags: &flags, limits, jobs };
     let summary = make(&run, console)?;
     let catalogue = Catalogue::update(&dataset)?;
-    console.step("dataset", format!("{} items listed in {}", catalogue.items, out.display()));
+    console.step("dataset", format!("{} items listed in {}", catalogue.pieces, out.display()));
     console.step("done", summary.describe(jobs));
     if let Some(outlook) = summary.outlook() {
         console.step("", outlook);

@@ -6,10 +6,10 @@ use anyhow::Result;
 use clap::Args;
 
 use super::dataset_images::LimitFlags;
-use crate::dataset::limits::Usage;
-use crate::dataset::process::Answer;
 use crate::images::ImageSet;
 use crate::images::make::make;
+use crate::store::limits::Usage;
+use crate::store::process::Answer;
 
 #[derive(Debug, Args)]
 pub(super) struct DatasetImageArgs {

@@ -13,13 +13,15 @@ use super::item_flags::{GIGABYTES, SECONDS};
 use super::render::parse_size;
 use super::values::{number, whole};
 use crate::console::Console;
-use crate::dataset::limits::Limits;
-use crate::dataset::progress::Summary;
 use crate::images::make::Task;
 use crate::images::pattern::Pattern;
-use crate::images::run::ImageRun;
 use crate::images::workpiece::Coated;
-use crate::images::{IMAGES_FORMAT, ImageCatalogue, ImageRecipe, ImageSet};
+use crate::images::{IMAGES_FORMAT, ImageRecipe, ImageSet};
+use crate::store::Occupied;
+use crate::store::catalogue::Catalogue;
+use crate::store::limits::Limits;
+use crate::store::progress::Summary;
+use crate::store::run::{Piece, Run};
 use crate::wrong_use;
 
 /// Placements or stages that are accepted; names of placements have two digits.
@@ -191,10 +193,10 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     if args.dry_run {
         return rehearse(&steps, ImageSet::open(&args.out).ok().as_ref(), console);
     }
-    let set = ImageSet::start(&args.out, recipe, args.resume)?;
-    let summaries = make(&ImageRun { set: &set, limits, jobs }, &steps, console)?;
-    let catalogue = ImageCatalogue::update(&set)?;
-    console.step("dataset", format!("{} images listed in {}", catalogue.images, args.out.display()));
+    let set = ImageSet::start(&args.out, recipe, Occupied::resumed(args.resume))?;
+    let summaries = make(&Run { set: &set, limits, jobs }, &steps, console)?;
+    let catalogue = Catalogue::update(&set)?;
+    console.step("dataset", format!("{} images listed in {}", catalogue.pieces, args.out.display()));
     console.step("done", summaries[2].describe(jobs));
     let failed: usize = summaries.iter().map(|summary| summary.failed).sum();
     let [workpieces, sandings, images] = summaries;
@@ -209,7 +211,7 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
 }
 
 /// Does the tasks of all steps and tells of each.
-pub(super) fn make(run: &ImageRun, steps: &[Vec<Task>; 3], console: &Console) -> Result<[Summary; 3]> {
+pub(super) fn make(run: &Run<'_, ImageRecipe>, steps: &[Vec<Task>; 3], console: &Console) -> Result<[Summary; 3]> {
     let mut summaries = [Summary::default(), Summary::default(), Summary::default()];
     for (tasks, summary) in steps.iter().zip(&mut summaries) {
         *summary = tell(tasks.len(), console, |done| run.run(tasks, done))?;
@@ -259,7 +261,7 @@ impl ImagesArgs {
 fn rehearse(steps: &[Vec<Task>; 3], set: Option<&ImageSet>, console: &Console) -> Result<()> {
     let mut missing = 0;
     for task in steps.iter().flatten() {
-        let is_there = set.is_some_and(|set| task.is_done(set));
+        let is_there = set.is_some_and(|set| task.is_there(set));
         missing += usize::from(!is_there);
         console.answer_line(&PlanAnswer { task: task.id(), is_there })?;
     }

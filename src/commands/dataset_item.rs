@@ -8,8 +8,8 @@ use clap::Args;
 use super::item_flags::ItemFlags;
 use crate::dataset::Dataset;
 use crate::dataset::item::make;
-use crate::dataset::limits::Usage;
-use crate::dataset::process::Answer;
+use crate::store::limits::Usage;
+use crate::store::process::Answer;
 
 #[derive(Debug, Args)]
 pub(super) struct DatasetItemArgs {

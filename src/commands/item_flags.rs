@@ -9,8 +9,8 @@ use super::flags::{MESH, MeshFlags, RUNS, SEEDS, solid_only};
 use super::values::{number, whole};
 use super::weld::WeldFlags;
 use crate::dataset::item::ItemWishes;
-use crate::dataset::limits::Limits;
 use crate::dataset::{DATASET_FORMAT, Recipe};
+use crate::store::limits::Limits;
 use crate::workpiece::{Fineness, WeldingOptions};
 
 /// Voxels along the diagonal, unless asked otherwise.

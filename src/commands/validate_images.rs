@@ -7,10 +7,11 @@ use anyhow::Result;
 use super::dataset_images::{LimitFlags, make};
 use super::validate_set::{conclude, tell};
 use crate::console::Console;
-use crate::dataset::check::SetValidation;
+use crate::images::ImageSet;
 use crate::images::check::{check, expected, remove_broken};
-use crate::images::run::ImageRun;
-use crate::images::{ImageCatalogue, ImageSet};
+use crate::store::catalogue::Catalogue;
+use crate::store::check::SetValidation;
+use crate::store::run::Run;
 
 pub(super) fn run(folder: &Path, repair: bool, jobs: usize, console: &Console) -> Result<()> {
     let set = ImageSet::open(folder)?;
@@ -18,8 +19,8 @@ pub(super) fn run(folder: &Path, repair: bool, jobs: usize, console: &Console) -
     if repair && !found.holds() {
         let steps = expected(&set)?;
         remove_broken(&set, &found.broken)?;
-        make(&ImageRun { set: &set, limits: LimitFlags::usual().limits(), jobs }, &steps, console)?;
-        ImageCatalogue::update(&set)?;
+        make(&Run { set: &set, limits: LimitFlags::usual().limits(), jobs }, &steps, console)?;
+        Catalogue::update(&set)?;
         found = look(&set, jobs, console)?;
     }
     conclude(folder, repair, &found, console)

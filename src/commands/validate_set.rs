@@ -8,9 +8,12 @@ use serde::Serialize;
 use super::dataset::make;
 use super::item_flags::ItemFlags;
 use crate::console::Console;
-use crate::dataset::check::{SetValidation, check, plan_repair};
+use crate::dataset::check::{check, plan_repair};
 use crate::dataset::run::Run;
-use crate::dataset::{Catalogue, Dataset, MARKER_FILE};
+use crate::dataset::{Dataset, MARKER_FILE};
+use crate::store::Marker;
+use crate::store::catalogue::Catalogue;
+use crate::store::check::SetValidation;
 
 /// The answer of `validate --json` for a data set.
 #[derive(Serialize)]

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
+use super::Recipe;
 use super::difficulty::Difficulty;
 use super::row::Seen;
-use super::{Failure, Recipe};
+use crate::store::Failure;
 
 /// A row of the table of figures: its name, and where its values are.
 type Figure = (&'static str, fn(&Seen) -> f64);

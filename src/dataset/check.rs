@@ -1,6 +1,6 @@
 //! Holding a data set against itself: every item rehashed and rechecked, the catalogue made again and compared.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -8,76 +8,27 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use files::input::{self, MOST_TEXT_BYTES};
 use sdf_bake::read::UnitChoice;
-use serde::Serialize;
 
 use super::catalogue::ROWS_FILE;
 use super::plan::{index_of, key_of, source_key};
 use super::row::Row;
-use super::{ASSETS_FOLDER, Catalogue, Dataset, Item, MARKER_FILE, Marker, Plan, manifest_path, names};
+use super::{ASSETS_FOLDER, Dataset, Item, Plan, manifest_path};
 use crate::asset::{MANIFEST_FILE, Manifest, UsdMode};
 use crate::cache::find_meshes;
 use crate::in_full;
+use crate::store::check::{Broken, SetValidation};
+use crate::store::{self, remove};
 use crate::validate::validate;
 use files::file_lock::Patience;
-use files::job_queue::take_turns;
-
-/// An item that does not hold.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Broken {
-    /// Its name.
-    pub id: String,
-    /// What is wrong, one sentence each.
-    pub faults: Vec<String>,
-}
-
-/// What was found in a data set.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct SetValidation {
-    /// Items that were checked.
-    pub items: usize,
-    /// Checks that were made in them.
-    pub checks: usize,
-    /// Items that do not hold, by name.
-    pub broken: Vec<Broken>,
-    /// What is wrong with the set's own files.
-    pub catalogue: Vec<String>,
-}
-
-impl SetValidation {
-    /// Whether everything holds.
-    pub fn holds(&self) -> bool {
-        self.broken.is_empty() && self.catalogue.is_empty()
-    }
-}
 
 /// Checks all items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they come in.
 ///
 /// # Errors
 /// When a folder cannot be read, or `done` fails.
-pub fn check(
-    dataset: &Dataset,
-    jobs: usize,
-    mut done: impl FnMut(&str, &[String]) -> Result<()>,
-) -> Result<SetValidation> {
-    let ids: Vec<String> =
-        listed(dataset).into_iter().chain(dataset.ids()?).collect::<BTreeSet<_>>().into_iter().collect();
-    let mut found = SetValidation { items: ids.len(), ..Default::default() };
-    take_turns(
-        ids.len(),
-        jobs,
-        |turn, _| Some(check_item(dataset, &ids[turn])),
-        |turn, (checks, faults)| {
-            done(&ids[turn], &faults)?;
-            found.checks += checks;
-            if !faults.is_empty() {
-                found.broken.push(Broken { id: ids[turn].clone(), faults });
-            }
-            anyhow::Ok(())
-        },
-    )?;
-    found.broken.sort_by(|a, b| a.id.cmp(&b.id));
-    found.catalogue = check_catalogue(dataset, found.broken.is_empty())?;
-    Ok(found)
+pub fn check(dataset: &Dataset, jobs: usize, done: impl FnMut(&str, &[String]) -> Result<()>) -> Result<SetValidation> {
+    let ids: BTreeSet<String> = listed(dataset).into_iter().chain(dataset.ids()?).collect();
+    let items: Vec<(String, ())> = ids.into_iter().map(|id| (id, ())).collect();
+    store::check::check(dataset, jobs, &items, |id, ()| check_item(dataset, id), done)
 }
 
 /// Names of the items that the manifest lists, as far as it can be read.
@@ -109,46 +60,6 @@ fn check_item(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
     }
 }
 
-/// What is wrong with the files of the set itself; those that follow from the items need whole items.
-fn check_catalogue(dataset: &Dataset, items_hold: bool) -> Result<Vec<String>> {
-    if !items_hold {
-        return Ok(vec!["not compared with the items, some of which are broken".to_owned()]);
-    }
-    match Catalogue::of(dataset) {
-        Err(error) => Ok(vec![in_full(&error)]),
-        Ok(catalogue) => compare_files(dataset, &catalogue.files),
-    }
-}
-
-/// What differs between the files of a data set's catalogue and what they should hold, and what is no part of the set.
-///
-/// # Errors
-/// When the set's folder cannot be read.
-pub(crate) fn compare_files<R: Marker>(
-    dataset: &Dataset<R>,
-    files: &BTreeMap<&'static str, Vec<u8>>,
-) -> Result<Vec<String>> {
-    let found = |name: &str| input::read(&dataset.folder().join(name), MOST_TEXT_BYTES).ok();
-    let mut faults: Vec<String> =
-        files.iter().filter_map(|(name, expected)| compare(name, found(name), expected)).collect();
-    let own = R::FOLDERS.iter().chain(files.keys()).map(|name| name.split('/').next().unwrap_or(name));
-    let known: BTreeSet<&str> = own.chain([MARKER_FILE]).collect();
-    let strange = names(dataset.folder())?.into_iter().filter(|name| !known.contains(name.as_str()));
-    let strange = strange.filter(|name| !name.starts_with('.'));
-    faults.extend(strange.map(|name| format!("{name}: no part of a data set")));
-    Ok(faults)
-}
-
-fn compare(name: &str, found: Option<Vec<u8>>, expected: &[u8]) -> Option<String> {
-    let Some(found) = found else { return Some(format!("{name}: missing")) };
-    let same = found.iter().zip(expected).take_while(|(a, b)| a == b).count();
-    if same == expected.len() && found.len() == expected.len() {
-        return None;
-    }
-    let line = 1 + expected[..same].iter().filter(|&&byte| byte == b'\n').count();
-    Some(format!("{name}: differs in line {line} from what the items and failures say"))
-}
-
 /// Removes broken items and plans them anew from the sources below `places`.
 ///
 /// # Errors
@@ -174,9 +85,7 @@ pub fn plan_repair(dataset: &Dataset, broken: &[Broken], places: &[PathBuf], uni
         let folder = dataset.asset_folder(id);
         // Without its manifest an item is not taken for whole, should this be interrupted.
         let _ = fs::remove_file(folder.join(MANIFEST_FILE));
-        if folder.exists() {
-            fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
-        }
+        remove(&folder)?;
     }
     Ok(Plan { parts: items.len(), items, ..Default::default() })
 }

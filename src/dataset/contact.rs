@@ -4,10 +4,10 @@ use anyhow::{Context, Result};
 use render::{Panel, Picture, contact_sheet};
 
 use super::Dataset;
-use super::plan::number_from;
 use super::row::Seen;
 use crate::asset::PREVIEW_FILE;
-use crate::picture::to_png;
+use crate::picture::{stacked, to_png};
+use crate::store::number_from;
 
 /// Pictures in a row.
 const COLUMNS: usize = 6;
@@ -47,16 +47,4 @@ fn strip(dataset: &Dataset, title: &str, items: &[&Seen], words: impl Fn(&Seen) 
         Ok(Panel { caption: format!("{}  {}", item.row.id, words(item)), picture, legend: None })
     };
     Ok(contact_sheet(title, &items.iter().map(panel).collect::<Result<Vec<_>>>()?))
-}
-
-/// Pictures one below the other, on white.
-pub(crate) fn stacked(strips: &[Picture]) -> Picture {
-    let width = strips.iter().map(|strip| strip.width).max().unwrap_or(1);
-    let mut sheet = Picture::filled(width, strips.iter().map(|strip| strip.height).sum(), [255; 3]);
-    let mut top = 0;
-    for strip in strips {
-        sheet.paste((0, top), strip);
-        top += strip.height;
-    }
-    sheet
 }

@@ -6,11 +6,12 @@ use anyhow::Result;
 use serde_json::{Map, Value, json};
 
 use super::Recipe;
-use super::catalogue::{CONTACT_FILE, FAILURES_FILE, ROWS_FILE, TABLE_FILE};
+use super::catalogue::{ROWS_FILE, TABLE_FILE};
 use super::table::Table;
 use crate::asset::{
     FileRecord, PHI_FILE, PREVIEW_FILE, SURFACE_FILE, WELD_FILE, WELDED_FILE, WELDS_FILE, WORKPIECE_FILE,
 };
+use crate::store::catalogue::{CONTACT_FILE, FAILURES_FILE};
 
 /// Files of the set itself with their media types.
 const FILES: [(&str, &str); 4] = [

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use sdf_bake::read::{MeshBytes, UnitChoice};
-use sha2::{Digest, Sha256};
 
 use crate::cache::Sources;
 use crate::in_full;
+use crate::store::number_from;
 use files::sha256;
 
 /// Hexadecimal digits of the source in an item's name: 64 bits, so that millions of parts do not share a name.
@@ -73,11 +73,6 @@ impl Shard {
     fn has(self, name: &str) -> bool {
         number_from(&format!("shard {name}")) % u64::from(self.of) == u64::from(self.number - 1)
     }
-}
-
-/// The first eight bytes of a text's SHA-256, as a number.
-pub(crate) fn number_from(text: &str) -> u64 {
-    Sha256::digest(text.as_bytes()).iter().take(8).fold(0, |number, &byte| number << 8 | u64::from(byte))
 }
 
 /// What identifies a source: its bytes, and as far as they matter its format and the unit in its name.

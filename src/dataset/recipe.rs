@@ -4,8 +4,9 @@ use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::plan::number_from;
+use super::{ASSETS_FOLDER, MARKER_FILE};
 use crate::asset::Manifest;
+use crate::store::{FAILURES_FOLDER, Marker, number_from};
 use crate::workpiece::WeldingOptions;
 
 /// Value of the `format` key.
@@ -52,22 +53,6 @@ impl Recipe {
         number_from(&format!("{DATASET_FORMAT} {} {id}", self.seed))
     }
 
-    /// The first thing in which two recipes differ, in words; how the sets were started does not count.
-    pub fn difference(&self, asked: &Self) -> Option<String> {
-        let unit = |recipe: &Self| recipe.unit.to_string();
-        let preview = |recipe: &Self| format!("{:?}", recipe.preview);
-        let compared = [
-            ("version", self.version.clone(), asked.version.clone()),
-            ("seed", self.seed.to_string(), asked.seed.to_string()),
-            ("unit", unit(self), unit(asked)),
-            ("options", self.options.to_string(), asked.options.to_string()),
-            ("preview", preview(self), preview(asked)),
-            ("licence", self.licence.clone(), asked.licence.clone()),
-        ];
-        let (name, now, then) = compared.into_iter().find(|(_, now, then)| now != then)?;
-        Some(format!("{name} is {now} there, and {then} now"))
-    }
-
     /// Whether an item was made by this recipe.
     ///
     /// # Errors
@@ -82,5 +67,31 @@ impl Recipe {
         ensure!(manifest.version == self.version, "its version is {}, {} is expected", manifest.version, self.version);
         ensure!(options == self.options, "its options are {options}, {} is expected", self.options);
         Ok(())
+    }
+}
+
+impl Marker for Recipe {
+    const WHAT: &'static str = "a data set";
+    const FILE: &'static str = MARKER_FILE;
+    const FORMAT: &'static str = DATASET_FORMAT;
+    const FOLDERS: &'static [&'static str] = &[ASSETS_FOLDER, FAILURES_FOLDER];
+
+    fn format(&self) -> &str {
+        &self.format
+    }
+
+    fn difference(&self, asked: &Self) -> Option<String> {
+        let unit = |recipe: &Self| recipe.unit.to_string();
+        let preview = |recipe: &Self| format!("{:?}", recipe.preview);
+        let compared = [
+            ("version", self.version.clone(), asked.version.clone()),
+            ("seed", self.seed.to_string(), asked.seed.to_string()),
+            ("unit", unit(self), unit(asked)),
+            ("options", self.options.to_string(), asked.options.to_string()),
+            ("preview", preview(self), preview(asked)),
+            ("licence", self.licence.clone(), asked.licence.clone()),
+        ];
+        let (name, now, then) = compared.into_iter().find(|(_, now, then)| now != then)?;
+        Some(format!("{name} is {now} there, and {then} now"))
     }
 }

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::difficulty::{Difficulty, turn};
-use super::plan::{index_of, key_of, number_from};
+use super::plan::{index_of, key_of};
 use super::{ASSETS_FOLDER, Dataset};
 use crate::asset::{CurveTruth, FileRecord, MANIFEST_FILE, Manifest, WeldTruth, Welds};
+use crate::store::number_from;
 
 /// Tenths of the parts for training; one of the others is for validation and one for tests.
 const TRAINING: u64 = 8;

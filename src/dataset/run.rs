@@ -1,18 +1,20 @@
 //! Making the items of a plan, several at once.
 
-use std::path::PathBuf;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::Result;
 
-use super::failure::source_id;
-use super::item::Ending;
-use super::limits::{Limits, Usage};
-use super::plan::{Item, Plan};
-use super::process::{Answer, make_apart};
-use super::{Dataset, Failure};
-use files::file_lock::Patience;
-use files::job_queue::take_turns;
+use super::plan::{Item, Plan, Unreadable};
+use super::{Dataset, Recipe};
+use crate::store::limits::{Limits, Usage};
+use crate::store::process::Ending;
+use crate::store::run::{self, Outcome, Piece};
+use crate::store::{Failure, Stage, command_line};
+use files::sha256;
+
+/// Verb that makes one item in the process that is started.
+pub const ITEM_VERB: &str = "dataset-item";
 
 /// Items to make.
 pub struct Run<'a> {
@@ -28,21 +30,6 @@ pub struct Run<'a> {
     pub jobs: usize,
 }
 
-/// What became of an item.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// Its name.
-    pub id: String,
-    /// The mesh file.
-    pub source: PathBuf,
-    /// How it ended; never [`Ending::Busy`].
-    pub ending: Ending,
-    /// What making it took.
-    pub usage: Usage,
-    /// The same by the clock [s].
-    pub seconds: f64,
-}
-
 impl Run<'_> {
     /// Makes what is not there yet and calls `done` for each item as it ends, sources without items first.
     ///
@@ -53,36 +40,85 @@ impl Run<'_> {
             self.dataset.forget_failure(&source_id(source))?;
         }
         for unreadable in &self.plan.unreadable {
-            let failure = Failure::of_source(unreadable, self.flags);
+            let failure = failure_of_source(unreadable, self.flags);
             self.dataset.keep_failure(&failure)?;
             let ending = Ending::Failed { stage: failure.stage, reason: failure.reason };
             let (source, usage) = (unreadable.source.clone(), Usage::default());
             done(&Outcome { id: failure.id, source, ending, usage, seconds: 0.0 })?;
         }
-        let work = |turn: usize, patience| self.outcome(&self.plan.items[turn], patience).transpose();
-        take_turns(self.plan.items.len(), self.jobs, work, |_, outcome| done(&outcome?))?;
-        self.dataset.sweep()
+        let items: Vec<FlaggedItem<'_>> =
+            self.plan.items.iter().map(|item| FlaggedItem { item, flags: self.flags }).collect();
+        run::Run { set: self.dataset, limits: self.limits, jobs: self.jobs }.run(&items, done)
+    }
+}
+
+/// An item with the flags that decide it, limits among them.
+struct FlaggedItem<'a> {
+    item: &'a Item,
+    flags: &'a [String],
+}
+
+impl Piece<Recipe> for FlaggedItem<'_> {
+    fn id(&self) -> &str {
+        &self.item.id
     }
 
-    /// Finds or makes one item; `None` when someone else is making it and there is no patience.
-    fn outcome(&self, item: &Item, patience: Patience) -> Result<Option<Outcome>> {
-        let started = Instant::now();
-        if patience == Patience::Endless {
-            // Whoever makes it is done when the claim is free.
-            drop(self.dataset.claim(&item.id, Patience::Endless)?);
+    fn source(&self, _: &Dataset) -> PathBuf {
+        self.item.source.clone()
+    }
+
+    fn is_there(&self, dataset: &Dataset) -> bool {
+        dataset.holds(&self.item.id)
+    }
+
+    fn words<'c>(&self, command: &'c mut Command, dataset: &Dataset, _: Limits) -> &'c mut Command {
+        command.arg(ITEM_VERB).args(self.flags);
+        command.arg("--id").arg(self.id()).arg("--out").arg(dataset.folder()).arg("--").arg(&self.item.source)
+    }
+
+    fn failure(&self, _: &Dataset, stage: Stage, reason: String) -> Failure {
+        let Item { id, source, index } = self.item;
+        Failure {
+            id: id.clone(),
+            source: source.to_string_lossy().into_owned(),
+            index: *index,
+            stage,
+            reason,
+            command: command(source, *index, self.flags),
         }
-        let Answer { ending, usage } = match self.dataset.holds(&item.id) {
-            true => Answer { ending: Ending::There, usage: Usage::default() },
-            false => make_apart(self.dataset, item, self.flags, self.limits)?,
-        };
-        match &ending {
-            Ending::Busy => return Ok(None),
-            Ending::Failed { stage, reason } => {
-                self.dataset.keep_failure(&Failure::of(item, *stage, reason.clone(), self.flags))?;
-            }
-            Ending::Made | Ending::There => self.dataset.forget_failure(&item.id)?,
-        }
-        let seconds = started.elapsed().as_secs_f64();
-        Ok(Some(Outcome { id: item.id.clone(), source: item.source.clone(), ending, usage, seconds }))
+    }
+}
+
+/// The failure of a source without items.
+fn failure_of_source(Unreadable { source, reason }: &Unreadable, flags: &[String]) -> Failure {
+    Failure {
+        id: source_id(source),
+        source: source.to_string_lossy().into_owned(),
+        index: 0,
+        stage: Stage::Part,
+        reason: reason.clone(),
+        command: command(source, 0, flags),
+    }
+}
+
+/// Name under which the failure of a source without items is kept.
+fn source_id(source: &Path) -> String {
+    format!("source-{}", &sha256(source.to_string_lossy().as_bytes())[..16])
+}
+
+fn command(source: &Path, index: u32, flags: &[String]) -> String {
+    let words = ["robofin".to_owned(), "dataset".to_owned(), source.to_string_lossy().into_owned()];
+    let more = ["--item".to_owned(), index.to_string(), "--out".to_owned(), "again".to_owned()];
+    command_line(words.iter().chain(flags).chain(&more))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_of_a_failure_makes_that_item_alone() {
+        let line = command(Path::new("my parts/it's.obj"), 3, &["--seed".into(), "7".into()]);
+        assert_eq!(line, r"robofin dataset 'my parts/it'\''s.obj' --seed 7 --item 3 --out again");
     }
 }

@@ -6,7 +6,7 @@ use super::ImageRecipe;
 use super::label::{LEAST_CONTRAST, SANDED_FROM, UNSANDED_TO};
 use super::plan::{Split, Treatment};
 use super::record::ImageRecord;
-use crate::dataset::Failure;
+use crate::store::Failure;
 
 /// Writes the card in Markdown.
 pub(super) fn write(recipe: &ImageRecipe, records: &[ImageRecord], failures: &[Failure]) -> String {

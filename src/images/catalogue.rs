@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use super::coco::{self, Annotation};
 use super::plan::{Planned, Split};
 use super::record::{ImageRecord, file_path};
-use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageSet, card, sheet};
-use crate::dataset::catalogue::{CARD_FILE, CONTACT_FILE, FAILURES_FILE, lines, publish};
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageRecipe, ImageSet, card, check, sheet};
+use crate::store::catalogue::{CARD_FILE, CONTACT_FILE, Catalogue, Described, FAILURES_FILE, lines};
 
 /// One line of JSON for each image.
 pub const METADATA_FILE: &str = "metadata.jsonl";
@@ -27,20 +27,10 @@ const ANNOTATIONS: [(&str, [&str; 3]); 2] = [
     (DOSE_FOLDER, ["annotations/dose-train.json", "annotations/dose-validation.json", "annotations/dose-test.json"]),
 ];
 
-/// The files of a catalogue by name.
-pub struct ImageCatalogue {
-    /// Their contents.
-    pub files: BTreeMap<&'static str, Vec<u8>>,
-    /// How many images it lists.
-    pub images: usize,
-}
+impl Described for ImageRecipe {
+    const PIECES: &'static str = "images";
 
-impl ImageCatalogue {
-    /// Describes what is there.
-    ///
-    /// # Errors
-    /// When a record or a label cannot be read.
-    pub fn of(set: &ImageSet) -> Result<Self> {
+    fn describe(set: &ImageSet) -> Result<Catalogue> {
         let there: Vec<Planned> = set.recipe.images().into_iter().filter(|image| set.holds_image(image)).collect();
         let records = there.iter().map(|image| set.read_record(&image.id)).collect::<Result<Vec<ImageRecord>>>()?;
         let failures = set.failures()?;
@@ -55,18 +45,11 @@ impl ImageCatalogue {
                 files.insert(name, annotations(set, (folder, split), &records)?);
             }
         }
-        Ok(Self { files, images: records.len() })
+        Ok(Catalogue { files, pieces: records.len() })
     }
 
-    /// Describes what is there and writes the description, in place of an older one.
-    ///
-    /// # Errors
-    /// As [`ImageCatalogue::of`], and when a file cannot be written.
-    pub fn update(set: &ImageSet) -> Result<Self> {
-        let _claim = set.claim_catalogue()?;
-        let catalogue = Self::of(set)?;
-        publish(set, &catalogue.files)?;
-        Ok(catalogue)
+    fn contradictions(set: &ImageSet) -> Result<Vec<String>> {
+        check::contradictions(set)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Holding a set of images against itself: every file rehashed, every label read again, the catalogue made again.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 
 use anyhow::{Context, Result};
 
@@ -10,48 +9,27 @@ use super::make::Task;
 use super::plan::{Planned, Treatment};
 use super::record::ImageRecord;
 use super::sanding::stage_file;
-use super::{APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, ImageCatalogue, ImageSet, RECORDS_FOLDER};
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, ImageSet, RECORDS_FOLDER};
 use crate::asset::FileRecord;
-use crate::dataset::check::{Broken, SetValidation, compare_files};
-use crate::dataset::names;
 use crate::in_full;
+use crate::store::check::{Broken, SetValidation};
+use crate::store::run::Piece;
+use crate::store::{self, names, remove};
 use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
-use files::job_queue::take_turns;
 
 /// Checks all things of a set with `jobs` threads, then the catalogue; calls `done` with each one's faults.
 ///
 /// # Errors
 /// When a folder cannot be read, or `done` fails.
-pub fn check(
-    set: &ImageSet,
-    jobs: usize,
-    mut done: impl FnMut(&str, &[String]) -> Result<()>,
-) -> Result<SetValidation> {
-    let tasks = expected(set)?.concat();
-    let mut found = SetValidation { items: tasks.len(), ..Default::default() };
-    take_turns(
-        tasks.len(),
-        jobs,
-        |turn, _| Some(check_task(set, &tasks[turn])),
-        |turn, (checks, faults)| {
-            let id = tasks[turn].id().to_owned();
-            done(&id, &faults)?;
-            found.checks += checks;
-            if !faults.is_empty() {
-                found.broken.push(Broken { id, faults });
-            }
-            anyhow::Ok(())
-        },
-    )?;
-    found.broken.sort_by(|a, b| a.id.cmp(&b.id));
-    found.catalogue = match found.broken.is_empty() {
-        false => vec!["not compared with the images, some of which are broken".to_owned()],
-        true => match ImageCatalogue::of(set) {
-            Err(error) => vec![in_full(&error)],
-            Ok(catalogue) => [compare_files(set, &catalogue.files)?, strange_records(set)?, courses(set)?].concat(),
-        },
-    };
-    Ok(found)
+pub fn check(set: &ImageSet, jobs: usize, done: impl FnMut(&str, &[String]) -> Result<()>) -> Result<SetValidation> {
+    let tasks: Vec<(String, Task)> =
+        expected(set)?.into_iter().flatten().map(|task| (task.id().to_owned(), task)).collect();
+    store::check::check(set, jobs, &tasks, |_, task| check_task(set, task), done)
+}
+
+/// What whole images say against each other, and what is no image of the set.
+pub(super) fn contradictions(set: &ImageSet) -> Result<Vec<String>> {
+    Ok([strange_records(set)?, courses(set)?].concat())
 }
 
 /// Things that the set should hold: the images that its metadata lists or that have a record, and what they need.
@@ -203,21 +181,10 @@ pub fn remove_broken(set: &ImageSet, broken: &[Broken]) -> Result<()> {
     for Broken { id, .. } in broken {
         match Task::named(&set.recipe, id) {
             Some(Task::Image(_)) => set.remove_image(id)?,
-            Some(Task::Sanding(_)) => set.remove_field(&set.sanding_folder(id))?,
-            Some(Task::Workpiece(_)) => set.remove_field(&set.workpiece_path(id))?,
+            Some(Task::Sanding(_)) => remove(&set.sanding_folder(id))?,
+            Some(Task::Workpiece(_)) => remove(&set.workpiece_path(id))?,
             None => {}
         }
     }
     Ok(())
-}
-
-impl ImageSet {
-    fn remove_field(&self, path: &std::path::Path) -> Result<()> {
-        let removed = match (path.exists(), path.is_dir()) {
-            (false, _) => Ok(()),
-            (true, true) => fs::remove_dir_all(path),
-            (true, false) => fs::remove_file(path),
-        };
-        removed.with_context(|| format!("{}: cannot be removed", path.display()))
-    }
 }

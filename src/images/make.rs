@@ -1,18 +1,24 @@
 //! Making one thing of a set, a workpiece, a simulation or an image; runs in a process of its own.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 
 use super::plan::{Planned, PlannedSanding, Treatment};
 use super::scene::Scene;
 use super::shot::shoot;
 use super::workpiece::Coated;
 use super::{ImageRecipe, ImageSet};
-use crate::dataset::item::Ending;
-use crate::dataset::{Marker, Stage, remove_stale};
-use crate::in_full;
+use crate::store::limits::Limits;
+use crate::store::process::Ending;
+use crate::store::run::Piece;
+use crate::store::{Failure, Stage, command_line};
 use files::file_lock::Patience;
+
+/// Verb that does one task in the process that is started.
+pub const TASK_VERB: &str = "dataset-image";
 
 /// A thing to make.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,15 +57,6 @@ impl Task {
         Self::all(recipe).into_iter().flatten().find(|task| task.id() == id)
     }
 
-    /// Its name.
-    pub fn id(&self) -> &str {
-        match self {
-            Self::Workpiece(coated) => &coated.name,
-            Self::Sanding(sanding) => &sanding.id,
-            Self::Image(image) => &image.id,
-        }
-    }
-
     /// Name of its workpiece.
     pub fn workpiece<'a>(&'a self, recipe: &'a ImageRecipe) -> &'a str {
         match self {
@@ -84,49 +81,68 @@ impl Task {
             Self::Image(_) => Stage::Render,
         }
     }
+}
 
-    /// Whether it is done.
-    pub fn is_done(&self, set: &ImageSet) -> bool {
+impl Piece<ImageRecipe> for Task {
+    fn id(&self) -> &str {
+        match self {
+            Self::Workpiece(coated) => &coated.name,
+            Self::Sanding(sanding) => &sanding.id,
+            Self::Image(image) => &image.id,
+        }
+    }
+
+    fn source(&self, set: &ImageSet) -> PathBuf {
+        self.workpiece(&set.recipe).into()
+    }
+
+    fn is_there(&self, set: &ImageSet) -> bool {
         match self {
             Self::Workpiece(coated) => set.holds_workpiece(&coated.name),
             Self::Sanding(sanding) => set.holds_sanding(&sanding.id),
             Self::Image(image) => set.holds_image(image),
         }
     }
+
+    fn obstacle(&self, set: &ImageSet) -> Option<Ending> {
+        let is_there = |id: &String| Self::named(&set.recipe, id).is_some_and(|task| task.is_there(set));
+        let missing = self.needs(&set.recipe).into_iter().find(|id| !is_there(id))?;
+        Some(Ending::Failed { stage: self.stage(), reason: format!("it needs {missing}, which failed") })
+    }
+
+    fn words<'c>(&self, command: &'c mut Command, set: &ImageSet, limits: Limits) -> &'c mut Command {
+        let Limits { time, memory } = limits;
+        command.arg(TASK_VERB).arg("--id").arg(self.id()).arg("--out").arg(set.folder());
+        command.arg("--time-limit").arg(time.to_string());
+        command.arg("--memory-limit").arg((memory as f64 * 1e-9).to_string())
+    }
+
+    fn failure(&self, set: &ImageSet, stage: Stage, reason: String) -> Failure {
+        let words = ["robofin", "dataset", "images"].map(str::to_owned);
+        let more = ["--only", self.id(), "--out", "again"].map(str::to_owned);
+        Failure {
+            id: self.id().to_owned(),
+            source: self.workpiece(&set.recipe).to_owned(),
+            index: if let Self::Image(image) = self { image.placement } else { 0 },
+            stage,
+            reason,
+            command: command_line(words.iter().chain(&set.recipe.flags()).chain(&more)),
+        }
+    }
 }
 
 /// Does a task, or says why it cannot be done; what it makes is complete or not there.
 pub fn make(set: &ImageSet, id: &str) -> Ending {
-    let failed = |stage, error: anyhow::Error| {
-        // Staged names hold the number of this process, and reasons are the same in every run.
-        let reason = in_full(&error).replace(&format!(".part-{}", std::process::id()), "");
-        Ending::Failed { stage, reason }
-    };
     let Some(task) = Task::named(&set.recipe, id) else {
-        return failed(Stage::Part, anyhow::anyhow!("{id}: no part of this set"));
+        return Ending::of(id, Err(Stage::Part.fault(anyhow!("{id}: no part of this set"))));
     };
-    let _claim = match set.claim(id, Patience::None) {
-        Ok(Some(claim)) => claim,
-        Ok(None) => return Ending::Busy,
-        Err(error) => return failed(Stage::Write, error),
-    };
-    if task.is_done(set) {
-        return Ending::There;
-    }
-    let made = sweep(set, id).and_then(|()| match &task {
+    let make = || match &task {
         Task::Workpiece(coated) => set.make_workpiece(coated),
         Task::Sanding(sanding) => set.make_sanding(sanding),
         Task::Image(image) => make_image(set, image),
-    });
-    match made {
-        Ok(()) => Ending::Made,
-        Err(error) => failed(task.stage(), error),
-    }
-}
-
-/// Removes what killed runs left of a task that we hold.
-fn sweep(set: &ImageSet, id: &str) -> Result<()> {
-    ImageRecipe::FOLDERS.iter().try_for_each(|folder| remove_stale(&set.folder().join(folder), id))
+    };
+    let there = || task.is_there(set).then_some(());
+    Ending::of(id, set.fill(id, Patience::None, there, || make().map_err(|error| task.stage().fault(error))))
 }
 
 fn make_image(set: &ImageSet, planned: &Planned) -> Result<()> {

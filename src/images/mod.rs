@@ -13,11 +13,12 @@
 //!
 //! The road: [`plan`] names the images of a [`recipe`], `order` says which of them a limit takes; [`workpiece`] gives each workpiece its field, [`patch`] finds
 //! where a pad can go and [`pattern`] which ways; [`sanding`] simulates them; [`scene`] draws light, material and
-//! camera, [`shot`] renders, [`label`] compares; [`record`] keeps; [`run`] makes all of it, each image in a process of its own, with
-//! the rooms of [`crate::dataset`]. [`catalogue`] describes what is there, and [`check`] holds it against itself.
+//! camera, [`shot`] renders, [`label`] compares; [`record`] keeps; [`make`] makes each thing, in a
+//! process of its own that [`crate::store`] starts. `catalogue` describes what is there, and [`check`] holds it against
+//! itself.
 
 mod card;
-pub mod catalogue;
+mod catalogue;
 pub mod check;
 pub mod coco;
 pub mod label;
@@ -29,20 +30,18 @@ pub mod plan;
 pub mod recipe;
 pub mod record;
 pub mod rle;
-pub mod run;
 pub mod sanding;
 pub mod scene;
 mod sheet;
 pub mod shot;
 pub mod workpiece;
 
-use crate::dataset::Dataset;
+use crate::store::{FAILURES_FOLDER, Store};
 
-pub use catalogue::ImageCatalogue;
 pub use recipe::{IMAGES_FORMAT, ImageRecipe};
 
 /// The folder of a set of images.
-pub type ImageSet = Dataset<ImageRecipe>;
+pub type ImageSet = Store<ImageRecipe>;
 
 /// Folder of the records, in which images are claimed.
 pub const RECORDS_FOLDER: &str = "records";
@@ -59,4 +58,4 @@ pub const ANNOTATIONS_FOLDER: &str = "annotations";
 
 /// Folders of a set.
 const FOLDERS: [&str; 6] =
-    [RECORDS_FOLDER, IMAGES_FOLDER, APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, crate::dataset::FAILURES_FOLDER];
+    [RECORDS_FOLDER, IMAGES_FOLDER, APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, FAILURES_FOLDER];

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::pattern::Pattern;
 use super::recipe::ImageRecipe;
-use crate::dataset::plan::number_from;
+use crate::store::number_from;
 
 /// What was done to the coating before an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

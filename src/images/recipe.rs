@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::FOLDERS;
 use super::pattern::Pattern;
 use super::workpiece::Coated;
-use crate::dataset::Marker;
+use crate::dataset::MARKER_FILE;
+use crate::store::Marker;
 
 /// Value of the `format` key.
 pub const IMAGES_FORMAT: &str = "robofin-images/1";
@@ -50,6 +51,8 @@ impl ImageRecipe {
 }
 
 impl Marker for ImageRecipe {
+    const WHAT: &'static str = "a data set";
+    const FILE: &'static str = MARKER_FILE;
     const FORMAT: &'static str = IMAGES_FORMAT;
     const FOLDERS: &'static [&'static str] = &FOLDERS;
 

@@ -14,8 +14,8 @@ use super::scene::Scene;
 use super::shot::Shot;
 use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageSet, RECORDS_FOLDER};
 use crate::asset::FileRecord;
-use crate::dataset::record_of;
 use crate::picture::to_png;
+use crate::store::remove;
 use files::folder::write_file;
 use files::json_file::read_json;
 
@@ -114,7 +114,7 @@ impl ImageSet {
         for (folder, bytes) in FILE_FOLDERS.iter().zip(&contents) {
             let name = file_path(folder, &planned.id);
             write_file(&self.folder().join(&name), bytes)?;
-            files.insert(name, record_of(bytes));
+            files.insert(name, FileRecord::of_bytes(bytes));
         }
         let record = ImageRecord {
             id: planned.id.clone(),
@@ -141,10 +141,7 @@ impl ImageSet {
     /// When the file system refuses.
     pub fn remove_image(&self, id: &str) -> Result<()> {
         let files = FILE_FOLDERS.iter().map(|folder| self.folder().join(file_path(folder, id)));
-        for path in std::iter::once(self.record_path(id)).chain(files).filter(|path| path.exists()) {
-            std::fs::remove_file(&path).with_context(|| format!("{}: cannot be removed", path.display()))?;
-        }
-        Ok(())
+        std::iter::once(self.record_path(id)).chain(files).try_for_each(|path| remove(&path))
     }
 }
 

@@ -21,6 +21,7 @@ use super::pattern::{Pattern, Stroke};
 use super::plan::PlannedSanding;
 use super::{FIELDS_FOLDER, ImageSet};
 use crate::asset::{FileRecord, write_json};
+use crate::store::remove;
 use files::folder::StagedFolder;
 use files::json_file::read_json;
 use files::sha256;
@@ -172,14 +173,12 @@ impl ImageSet {
     pub fn make_sanding(&self, planned: &PlannedSanding) -> Result<()> {
         let (mut part, workpiece_sha256) = self.read_workpiece(&self.recipe.workpieces[planned.workpiece].name)?;
         let folder = self.sanding_folder(&planned.id);
-        if folder.exists() {
-            std::fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
-        }
+        remove(&folder)?;
         let staged = StagedFolder::fresh(&folder)?;
         let mut stages = Vec::new();
         let setting = sand(&mut part, (planned.pattern, self.recipe.stages), |part, figures| {
             let bytes = nvdb::write(&[dose_of(part)], Codec::Zip)?;
-            let file = FileRecord { sha256: sha256(&bytes), bytes: bytes.len() as u64 };
+            let file = FileRecord::of_bytes(&bytes);
             stages.push(StageRecord { figures, file });
             write(&staged.path().join(stage_file(stages.len())), &bytes)
         })?;

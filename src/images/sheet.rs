@@ -8,9 +8,8 @@ use super::label::{SANDED, UNSANDED};
 use super::plan::Treatment;
 use super::record::{ImageRecord, file_path};
 use super::{APPEARANCE_FOLDER, IMAGES_FOLDER, ImageSet};
-use crate::dataset::contact::stacked;
-use crate::dataset::plan::number_from;
-use crate::picture::to_png;
+use crate::picture::{stacked, to_png};
+use crate::store::number_from;
 
 /// Images in a row.
 const COLUMNS: usize = 6;

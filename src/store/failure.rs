@@ -1,19 +1,19 @@
-//! Items that could not be made, each with its reason and the line that shows it again.
+//! Pieces that could not be made, each with its reason and the line that shows it again.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Item, Unreadable};
-use super::{Dataset, FAILURES_FOLDER, Marker, names, remove_stale};
+use super::{Marker, Store, names, remove, remove_stale};
 use files::file_lock::Patience;
 use files::folder::write_file;
 use files::json_file::read_json;
-use files::sha256;
 
-/// Where on the road an item failed.
+/// Folder of the records of failures in a set.
+pub const FAILURES_FOLDER: &str = "failures";
+
+/// Where on the road a piece failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -48,58 +48,43 @@ impl Stage {
     }
 }
 
-/// An item that could not be made.
+/// A piece that could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Name of the item; of a source that cannot be read, `source-` and a hash of its path.
+    /// Name of the piece; of a source that cannot be read, `source-` and a hash of its path.
     pub id: String,
-    /// The mesh file, as it was given.
+    /// What it is made from, as it was given.
     pub source: String,
-    /// Number among the items of the part.
+    /// Number among the pieces of the source.
     pub index: u32,
     /// Where it failed.
     pub stage: Stage,
     /// Why.
     pub reason: String,
-    /// The command line that makes this item alone.
+    /// The command line that makes this piece alone.
     pub command: String,
 }
 
-impl Failure {
-    /// The failure of an item; `flags` are those that decide it.
-    pub fn of(item: &Item, stage: Stage, reason: String, flags: &[String]) -> Self {
-        Self {
-            id: item.id.clone(),
-            source: item.source.to_string_lossy().into_owned(),
-            index: item.index,
-            stage,
-            reason,
-            command: command(&item.source, item.index, flags),
-        }
-    }
+/// Why a piece could not be made. An error without a stage is of writing.
+#[derive(Debug)]
+pub struct Fault {
+    /// Where it failed.
+    pub stage: Stage,
+    /// Why.
+    pub error: anyhow::Error,
+}
 
-    /// The failure of a source without items.
-    pub fn of_source(Unreadable { source, reason }: &Unreadable, flags: &[String]) -> Self {
-        Self {
-            id: source_id(source),
-            source: source.to_string_lossy().into_owned(),
-            index: 0,
-            stage: Stage::Part,
-            reason: reason.clone(),
-            command: command(source, 0, flags),
-        }
+impl Stage {
+    /// A fault at this stage.
+    pub fn fault(self, error: anyhow::Error) -> Fault {
+        Fault { stage: self, error }
     }
 }
 
-/// Name under which the failure of a source without items is kept.
-pub(super) fn source_id(source: &Path) -> String {
-    format!("source-{}", &sha256(source.to_string_lossy().as_bytes())[..16])
-}
-
-fn command(source: &Path, index: u32, flags: &[String]) -> String {
-    let words = ["robofin".to_owned(), "dataset".to_owned(), source.to_string_lossy().into_owned()];
-    let more = ["--item".to_owned(), index.to_string(), "--out".to_owned(), "again".to_owned()];
-    command_line(words.iter().chain(flags).chain(&more))
+impl From<anyhow::Error> for Fault {
+    fn from(error: anyhow::Error) -> Self {
+        Stage::Write.fault(error)
+    }
 }
 
 /// Words as one line that a POSIX shell takes apart into them.
@@ -116,7 +101,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-impl<R: Marker> Dataset<R> {
+impl<M: Marker> Store<M> {
     fn failure_path(&self, id: &str) -> PathBuf {
         self.folder().join(FAILURES_FOLDER).join(format!("{id}.json"))
     }
@@ -125,25 +110,19 @@ impl<R: Marker> Dataset<R> {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub(crate) fn keep_failure(&self, failure: &Failure) -> Result<()> {
+    pub fn keep_failure(&self, failure: &Failure) -> Result<()> {
         let _claim = self.claim(&failure.id, Patience::Endless)?;
         remove_stale(&self.folder().join(FAILURES_FOLDER), &failure.id)?;
         let text = serde_json::to_string_pretty(failure)? + "\n";
         Ok(write_file(&self.failure_path(&failure.id), text.as_bytes())?)
     }
 
-    /// Forgets the failure of an item or source that is well now.
+    /// Forgets the failure of a piece or source that is well now.
     ///
     /// # Errors
     /// When the file system refuses.
-    pub(crate) fn forget_failure(&self, id: &str) -> Result<()> {
-        let path = self.failure_path(id);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(error).with_context(|| format!("{}: cannot be removed", path.display()))
-            }
-            _ => Ok(()),
-        }
+    pub fn forget_failure(&self, id: &str) -> Result<()> {
+        remove(&self.failure_path(id))
     }
 
     /// All failures, by name.
@@ -165,10 +144,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_shell_reads_the_command_as_it_was_given() {
-        let item = Item { source: "my parts/it's.obj".into(), id: "0-0003".into(), index: 3 };
-        let failure = Failure::of(&item, Stage::Weld, String::new(), &["--seed".into(), "7".into()]);
-        let line = r"robofin dataset 'my parts/it'\''s.obj' --seed 7 --item 3 --out again";
-        assert_eq!(failure.command, line);
+    fn a_shell_reads_a_line_as_its_words_were() {
+        let words = ["robofin", "dataset", "my parts/it's.obj", "--seed", "7", ""].map(str::to_owned);
+        assert_eq!(command_line(words.iter()), r"robofin dataset 'my parts/it'\''s.obj' --seed 7 ''");
     }
 }

@@ -1,4 +1,4 @@
-//! What holds the process of one item: a limit of memory, a limit of time, and the life of the one who asked for it.
+//! What holds the process of one piece: a limit of memory, a limit of time, and the life of the one who asked for it.
 
 use std::io::Read;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,7 +13,7 @@ pub const TIME_IS_UP: i32 = 124;
 /// Exit code of a process whose parent is gone.
 const ORPHANED: i32 = 125;
 
-/// What one item may use.
+/// What one piece may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Time by the clock [s].

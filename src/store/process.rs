@@ -1,42 +1,62 @@
-//! Starting the process of an item, and what its end means.
+//! Starting the process of a piece, and what its end means.
 
 use std::process::{Command, ExitStatus, Output, Stdio};
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::item::Ending;
 use super::limits::{Limits, TIME_IS_UP, Usage};
-use super::plan::Item;
-use super::{Dataset, Stage};
+use super::{Fault, Filled, Stage};
+use crate::in_full;
 
-/// Verb that makes one item in the process that is started.
-pub const PIECE_VERB: &str = "dataset-item";
 /// Exit code of a Rust program that panicked.
 const PANICKED: i32 = 101;
 /// What the allocator says before it gives up.
 const OUT_OF_MEMORY: &str = "memory allocation of";
 
-/// What the process of an item says on standard output, as one line of JSON.
+/// How a piece ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ending {
+    /// It was made.
+    Made,
+    /// It was there already.
+    There,
+    /// Another process is making it.
+    Busy,
+    /// It cannot be made.
+    Failed {
+        /// Where it failed.
+        stage: Stage,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Ending {
+    /// The ending of the piece `id`, which this process made or not.
+    pub fn of(id: &str, filled: Result<Option<Filled<()>>, Fault>) -> Self {
+        match filled {
+            Ok(None) => Self::Busy,
+            Ok(Some(Filled::There(()))) => Self::There,
+            Ok(Some(Filled::Made(()))) => Self::Made,
+            Err(Fault { stage, error }) => {
+                // Staged names hold the number of this process, and reasons are the same in every run.
+                let ending = format!(".part-{}", std::process::id());
+                let reason = in_full(&error).replace(&format!(".{id}{ending}"), id).replace(&ending, "");
+                Self::Failed { stage, reason }
+            }
+        }
+    }
+}
+
+/// What the process of a piece says on standard output, as one line of JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// How the item ended.
+    /// How the piece ended.
     pub ending: Ending,
     /// What it took.
     pub usage: Usage,
-}
-
-/// Makes an item in a process of its own, which cannot take anything else down with it.
-///
-/// `flags`: those that decide the item, limits among them.
-///
-/// # Errors
-/// When no process can be started.
-pub fn make_apart(dataset: &Dataset, item: &Item, flags: &[String], limits: Limits) -> Result<Answer> {
-    run_apart(limits, |command| {
-        command.arg(PIECE_VERB).args(flags);
-        command.arg("--id").arg(&item.id).arg("--out").arg(dataset.folder()).arg("--").arg(&item.source)
-    })
 }
 
 /// Runs this program with the arguments that `words` adds, on one thread, as a process that binds itself to `limits`

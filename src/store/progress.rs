@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::dataset::item::Ending;
-use crate::dataset::run::Outcome;
+use super::process::Ending;
+use super::run::Outcome;
 
 /// Parts in the training data of the first model of this kind; how long they would take is told after a run.
 const KNOWN_SET: f64 = 8918.0;
@@ -141,7 +141,8 @@ fn duration(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::limits::Usage;
+    use crate::store::Stage;
+    use crate::store::limits::Usage;
 
     #[test]
     fn a_run_is_counted_and_told() {
@@ -156,7 +157,7 @@ mod tests {
         let line = progress.count(&outcome(Ending::Made, 0.5));
         assert!(line.text(true).is_some_and(|text| text.starts_with("1/3 0-0000 of a.obj: 0.50 s")), "{}", line.text);
         assert_eq!(line.text(false), None);
-        let stage = crate::dataset::Stage::Weld;
+        let stage = Stage::Weld;
         let line = progress.count(&outcome(Ending::Failed { stage, reason: "no place".into() }, 0.1));
         assert!(line.text(false).is_some_and(|text| text.contains("no place; about")), "{}", line.text);
         progress.count(&outcome(Ending::There, 0.0));

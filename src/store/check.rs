@@ -1,0 +1,109 @@
+//! Holding a set against itself: every piece looked at, the catalogue made again and compared.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::Result;
+use files::input::{self, MOST_TEXT_BYTES};
+use serde::Serialize;
+
+use super::catalogue::Described;
+use super::{Marker, Store, names};
+use crate::in_full;
+use files::job_queue::take_turns;
+
+/// A piece that does not hold.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Broken {
+    /// Its name.
+    pub id: String,
+    /// What is wrong, one sentence each.
+    pub faults: Vec<String>,
+}
+
+/// What was found in a set.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SetValidation {
+    /// Pieces that were checked.
+    pub items: usize,
+    /// Checks that were made in them.
+    pub checks: usize,
+    /// Pieces that do not hold, by name.
+    pub broken: Vec<Broken>,
+    /// What is wrong with the set's own files.
+    pub catalogue: Vec<String>,
+}
+
+impl SetValidation {
+    /// Whether everything holds.
+    pub fn holds(&self) -> bool {
+        self.broken.is_empty() && self.catalogue.is_empty()
+    }
+}
+
+/// Checks pieces with `jobs` threads, then the catalogue; calls `done` with each piece's faults as they come in.
+///
+/// - `pieces`: their names, and what `look` needs of them
+/// - `look`: how many checks it made of a piece, and what they found
+///
+/// # Errors
+/// When a folder cannot be read, or `done` fails.
+pub fn check<M: Described, P: Sync>(
+    set: &Store<M>,
+    jobs: usize,
+    pieces: &[(String, P)],
+    look: impl Fn(&str, &P) -> (usize, Vec<String>) + Sync,
+    mut done: impl FnMut(&str, &[String]) -> Result<()>,
+) -> Result<SetValidation> {
+    let mut found = SetValidation { items: pieces.len(), ..Default::default() };
+    take_turns(
+        pieces.len(),
+        jobs,
+        |turn, _| Some(look(&pieces[turn].0, &pieces[turn].1)),
+        |turn, (checks, faults)| {
+            let id = &pieces[turn].0;
+            done(id, &faults)?;
+            found.checks += checks;
+            if !faults.is_empty() {
+                found.broken.push(Broken { id: id.clone(), faults });
+            }
+            anyhow::Ok(())
+        },
+    )?;
+    found.broken.sort_by(|a, b| a.id.cmp(&b.id));
+    found.catalogue = check_catalogue(set, found.broken.is_empty())?;
+    Ok(found)
+}
+
+/// What is wrong with the files of the set itself; those that follow from the pieces need whole pieces.
+fn check_catalogue<M: Described>(set: &Store<M>, pieces_hold: bool) -> Result<Vec<String>> {
+    if !pieces_hold {
+        return Ok(vec![format!("not compared with the {}, some of which are broken", M::PIECES)]);
+    }
+    match M::describe(set) {
+        Err(error) => Ok(vec![in_full(&error)]),
+        Ok(catalogue) => Ok([compare_files(set, &catalogue.files)?, M::contradictions(set)?].concat()),
+    }
+}
+
+/// What differs between the files of a set's catalogue and what they should hold, and what is no part of the set.
+fn compare_files<M: Marker>(set: &Store<M>, files: &BTreeMap<&'static str, Vec<u8>>) -> Result<Vec<String>> {
+    let found = |name: &str| input::read(&set.folder().join(name), MOST_TEXT_BYTES).ok();
+    let mut faults: Vec<String> =
+        files.iter().filter_map(|(name, expected)| compare(name, found(name), expected)).collect();
+    let own = M::FOLDERS.iter().chain(files.keys()).map(|name| name.split('/').next().unwrap_or(name));
+    let known: BTreeSet<&str> = own.chain([M::FILE]).collect();
+    let strange = names(set.folder())?.into_iter().filter(|name| !known.contains(name.as_str()));
+    let strange = strange.filter(|name| !name.starts_with('.'));
+    faults.extend(strange.map(|name| format!("{name}: no part of a data set")));
+    Ok(faults)
+}
+
+fn compare(name: &str, found: Option<Vec<u8>>, expected: &[u8]) -> Option<String> {
+    let Some(found) = found else { return Some(format!("{name}: missing")) };
+    let same = found.iter().zip(expected).take_while(|(a, b)| a == b).count();
+    if same == expected.len() && found.len() == expected.len() {
+        return None;
+    }
+    let line = 1 + expected[..same].iter().filter(|&&byte| byte == b'\n').count();
+    Some(format!("{name}: differs in line {line} from what the items and failures say"))
+}

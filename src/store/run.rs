@@ -1,0 +1,98 @@
+//! Making the pieces of a set, several at once, each in a process of its own.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::Result;
+
+use super::limits::{Limits, Usage};
+use super::process::{Answer, Ending, run_apart};
+use super::{Failure, Marker, Stage, Store};
+use files::file_lock::Patience;
+
+/// A piece of a set of the kind `M`.
+pub trait Piece<M>: Sync {
+    /// Its name.
+    fn id(&self) -> &str;
+
+    /// What it is made from, for people.
+    fn source(&self, set: &Store<M>) -> PathBuf;
+
+    /// Whether it is there.
+    fn is_there(&self, set: &Store<M>) -> bool;
+
+    /// How it fails without having been tried; for pieces that need others.
+    fn obstacle(&self, _set: &Store<M>) -> Option<Ending> {
+        None
+    }
+
+    /// Adds the arguments of the process that makes it.
+    fn words<'c>(&self, command: &'c mut Command, set: &Store<M>, limits: Limits) -> &'c mut Command;
+
+    /// The record of its failure.
+    fn failure(&self, set: &Store<M>, stage: Stage, reason: String) -> Failure;
+}
+
+/// How the pieces of a set are made.
+pub struct Run<'a, M> {
+    /// Where to.
+    pub set: &'a Store<M>,
+    /// What each piece may use.
+    pub limits: Limits,
+    /// Pieces at once.
+    pub jobs: usize,
+}
+
+/// What became of a piece.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Its name.
+    pub id: String,
+    /// What it is made from.
+    pub source: PathBuf,
+    /// How it ended; never [`Ending::Busy`].
+    pub ending: Ending,
+    /// What making it took.
+    pub usage: Usage,
+    /// The same by the clock [s].
+    pub seconds: f64,
+}
+
+impl<M: Marker> Run<'_, M> {
+    /// Makes what is not there yet and calls `done` for each piece as it ends.
+    ///
+    /// # Errors
+    /// When the set cannot be written, or `done` fails; a piece that fails is an outcome.
+    pub fn run<P: Piece<M>>(&self, pieces: &[P], mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
+        let work = |piece: &P, patience| self.outcome(piece, patience).transpose();
+        self.set.work_through(pieces, self.jobs, work, |_, outcome| done(&outcome?))
+    }
+
+    /// Finds or makes one piece; `None` when someone else is making it and there is no patience.
+    fn outcome(&self, piece: &impl Piece<M>, patience: Patience) -> Result<Option<Outcome>> {
+        let started = Instant::now();
+        if patience == Patience::Endless {
+            // Whoever makes it is done when the claim is free.
+            drop(self.set.claim(piece.id(), Patience::Endless)?);
+        }
+        let Answer { ending, usage } = self.answer(piece)?;
+        match &ending {
+            Ending::Busy => return Ok(None),
+            Ending::Failed { stage, reason } => {
+                self.set.keep_failure(&piece.failure(self.set, *stage, reason.clone()))?;
+            }
+            Ending::Made | Ending::There => self.set.forget_failure(piece.id())?,
+        }
+        let (id, source) = (piece.id().to_owned(), piece.source(self.set));
+        Ok(Some(Outcome { id, source, ending, usage, seconds: started.elapsed().as_secs_f64() }))
+    }
+
+    fn answer(&self, piece: &impl Piece<M>) -> Result<Answer> {
+        let known = if piece.is_there(self.set) { Some(Ending::There) } else { piece.obstacle(self.set) };
+        match known {
+            Some(ending) => Ok(Answer { ending, usage: Usage::default() }),
+            None => run_apart(self.limits, |command| piece.words(command, self.set, self.limits)),
+        }
+    }
+}
