@@ -1,9 +1,13 @@
 //! The asset folder: everything that is known of a welded workpiece, in formats that others read.
 //!
-//! `workpiece.glb`, `welded.glb`, `surface.glb`, `welded.usdc`, `phi.nvdb` (fields of the welded and of the bare part),
-//! `weld.nvdb` (weld id and weld share of each voxel), `welds.json`, `preview.png`, `asset.json`.
+//! Each file is an [`Exporter`] in a source file of its own, and a row of [`EXPORTS`]; `asset.json`, the [`Manifest`], comes
+//! last and has the hashes of all.
 
+mod check;
+mod exporter;
 mod manifest;
+mod meshes;
+mod preview;
 mod surface;
 mod truth;
 mod usd;
@@ -17,13 +21,15 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 
 use crate::console::Console;
-use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE, overview, to_png};
+use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE};
 use crate::workpiece::{WeldingOptions, Workpiece};
-use export::glb::{GlbMaterial, GlbPart, write_glb};
 use files::folder::StagedFolder;
 use files::output::FolderKind;
 
+pub use check::{Check, Opened, Validation};
+pub use exporter::{Content, Export, Exporter};
 pub use manifest::{ASSET_FORMAT, FileRecord, MANIFEST_FILE, Manifest, record_files};
+pub use meshes::Meshes;
 pub use truth::{CurveTruth, Imperfection, WELDS_FORMAT, WeldTruth, Welds};
 pub use usd::UsdMode;
 pub use volumes::{AssetFields, PHI_FILE, WELD_FILE};
@@ -41,9 +47,28 @@ pub const USD_FILE: &str = "welded.usdc";
 /// Name of the picture.
 pub const PREVIEW_FILE: &str = "preview.png";
 
-/// Files of an asset beside its manifest.
-pub const ASSET_NAMES: &[&str] =
-    &[WORKPIECE_FILE, WELDED_FILE, SURFACE_FILE, USD_FILE, PHI_FILE, WELD_FILE, WELDS_FILE, PREVIEW_FILE];
+/// The files of an asset beside its manifest, in the order in which they are written: USD is made from those before it.
+pub const EXPORTS: &[Export] = &[
+    Export::of::<meshes::PartMesh>(),
+    Export::of::<meshes::WeldedMeshes>(),
+    Export::of::<surface::Surface>(),
+    Export::of::<volumes::Phi>(),
+    Export::of::<volumes::WeldLabels>(),
+    Export::of::<truth::Truth>(),
+    Export::of::<preview::Preview>(),
+    Export::of::<usd::Usd>(),
+];
+
+/// Names of the files in [`EXPORTS`].
+pub const ASSET_NAMES: &[&str] = &{
+    let mut names = [""; EXPORTS.len()];
+    let mut row = 0;
+    while row < names.len() {
+        names[row] = EXPORTS[row].file;
+        row += 1;
+    }
+    names
+};
 /// The folder of an asset.
 pub const ASSET: FolderKind = FolderKind { marker: MANIFEST_FILE, key: "baking", names: &[("", ASSET_NAMES)] };
 
@@ -76,34 +101,16 @@ pub fn write(
     extras: Extras,
     console: &Console,
 ) -> Result<PathBuf> {
-    write_meshes(workpiece, folder.path())?;
-    surface::write(workpiece, folder.path())?;
-    let truth = Welds::of(&workpiece.welds);
-    write_json(&folder.path().join(WELDS_FILE), &truth)?;
-    volumes::write(workpiece, folder.path())?;
-    let preview = overview(&workpiece.welded, truth.welds.first(), extras.preview, extras.samples_per_side)?;
-    fs::write(folder.path().join(PREVIEW_FILE), to_png(&preview)?)?;
-    usd::write(folder.path(), extras.usd, console)?;
+    let truth = &Welds::of(&workpiece.welds);
+    let content = Content { workpiece, truth, extras, console };
+    for export in EXPORTS {
+        (export.write)(&content, &folder.path().join(export.file))?;
+    }
     let manifest = manifest_of(workpiece, options, folder.path())?;
     write_json(&folder.path().join(MANIFEST_FILE), &manifest)?;
     let place = folder.commit()?;
     console.step("asset", format!("{} files written", manifest.files.len() + 1));
     Ok(place)
-}
-
-fn write_meshes(workpiece: &Workpiece, folder: &Path) -> Result<()> {
-    let base = GlbPart { name: "base", mesh: &workpiece.part.mesh, weld_id: 0, material: GlbMaterial::Base };
-    let names: Vec<String> = workpiece.welds.iter().map(|placed| format!("weld-{}", placed.id)).collect();
-    let beads = workpiece.welds.iter().zip(&names).map(|(placed, name)| GlbPart {
-        name,
-        mesh: &placed.weld.bead,
-        weld_id: placed.id,
-        material: GlbMaterial::Weld,
-    });
-    let parts: Vec<GlbPart<'_>> = std::iter::once(base).chain(beads).collect();
-    fs::write(folder.join(WORKPIECE_FILE), write_glb(&[base], serde_json::Map::new())?)?;
-    fs::write(folder.join(WELDED_FILE), write_glb(&parts, serde_json::Map::new())?)?;
-    Ok(())
 }
 
 fn manifest_of(workpiece: &Workpiece, options: &WeldingOptions, folder: &Path) -> Result<Manifest> {

@@ -8,24 +8,34 @@ use anyhow::{Context, Result};
 use sdf_bake::{BrickGrid, Mesh};
 
 use super::SURFACE_FILE;
+use super::exporter::{Content, Exporter};
+use super::meshes::GLB;
 use crate::workpiece::Workpiece;
 use export::glb::{GlbMaterial, GlbPart, write_surface_glb};
 
 /// A triangle is weld metal when its middle is farther than this outside the bare part [voxels].
 const OFF_PART: f32 = 0.1;
 
-pub(super) fn write(workpiece: &Workpiece, folder: &Path) -> Result<()> {
-    let surface = workpiece.welded.surface_mesh();
-    let pieces = pieces(&surface, &workpiece.welded, &workpiece.target);
-    let parts: Vec<GlbPart<'_>> = pieces
-        .iter()
-        .map(|(&weld_id, mesh)| {
-            let material = if weld_id == 0 { GlbMaterial::Base } else { GlbMaterial::Weld };
-            GlbPart { name: SURFACE_NAME, mesh, weld_id, material }
-        })
-        .collect();
-    let bytes = write_surface_glb(SURFACE_NAME, &parts)?;
-    fs::write(folder.join(SURFACE_FILE), bytes).with_context(|| SURFACE_FILE.to_owned())
+/// `surface.glb`: the surface, in pieces by weld id.
+pub(super) struct Surface;
+
+impl Exporter for Surface {
+    const FILE: &'static str = SURFACE_FILE;
+    const MEDIA_TYPE: &'static str = GLB;
+
+    fn write(content: &Content<'_>, place: &Path) -> Result<()> {
+        let Workpiece { welded, target, .. } = content.workpiece;
+        let pieces = pieces(&welded.surface_mesh(), welded, target);
+        let parts: Vec<GlbPart<'_>> = pieces
+            .iter()
+            .map(|(&weld_id, mesh)| {
+                let material = if weld_id == 0 { GlbMaterial::Base } else { GlbMaterial::Weld };
+                GlbPart { name: SURFACE_NAME, mesh, weld_id, material }
+            })
+            .collect();
+        let bytes = write_surface_glb(SURFACE_NAME, &parts)?;
+        fs::write(place, bytes).with_context(|| SURFACE_FILE.to_owned())
+    }
 }
 
 /// Name of the mesh.

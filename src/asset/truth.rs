@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use weldgen::bead::{BeadShape, Defect, DefectKind};
 use weldgen::{Joint, Weld, WeldCurve};
 
-use super::WELDS_FILE;
+use super::exporter::{Content, Exporter};
+use super::{WELDS_FILE, write_json};
 use crate::workpiece::PlacedWeld;
 use files::json_file::read_json;
 
@@ -162,6 +163,18 @@ pub struct CurveTruth {
     pub width: Vec<f64>,
     /// Height of the bead [m].
     pub height: Vec<f64>,
+}
+
+/// The truth as a file.
+pub(super) struct Truth;
+
+impl Exporter for Truth {
+    const FILE: &'static str = WELDS_FILE;
+    const MEDIA_TYPE: &'static str = "application/json";
+
+    fn write(content: &Content<'_>, place: &Path) -> Result<()> {
+        write_json(place, content.truth)
+    }
 }
 
 impl Welds {

@@ -8,6 +8,7 @@ use files::input::{self, MOST_MESH_BYTES};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Checksum, Codec, GridRef, NvdbFile, NvdbGrid};
 
+use super::exporter::{Content, Exporter};
 use crate::workpiece::Workpiece;
 
 /// Level sets `phi` (welded workpiece) and `target` (bare part) [m].
@@ -25,17 +26,38 @@ pub struct AssetFields {
     pub share: Vec<f32>,
 }
 
-pub(super) fn write(workpiece: &Workpiece, folder: &Path) -> Result<()> {
-    let (welded, target) = (&workpiece.welded, &workpiece.target);
-    let phi = [GridRef::LevelSet { name: "phi", grid: welded }, GridRef::LevelSet { name: "target", grid: target }];
-    fs::write(folder.join(PHI_FILE), nvdb::write(&phi, Codec::Zip)?)?;
-    let share = welded.difference_share(target);
-    let weld = [
-        GridRef::Labels { name: "weld_id", grid: welded },
-        GridRef::Density { name: "weld_share", grid: welded, values: &share },
-    ];
-    fs::write(folder.join(WELD_FILE), nvdb::write(&weld, Codec::Zip)?)?;
-    Ok(())
+/// `phi.nvdb`: the level sets.
+pub(super) struct Phi;
+/// `weld.nvdb`: the weld of each voxel.
+pub(super) struct WeldLabels;
+
+/// Media type of NanoVDB, which has none of its own.
+const NANOVDB: &str = "application/octet-stream";
+
+impl Exporter for Phi {
+    const FILE: &'static str = PHI_FILE;
+    const MEDIA_TYPE: &'static str = NANOVDB;
+
+    fn write(content: &Content<'_>, place: &Path) -> Result<()> {
+        let Workpiece { welded, target, .. } = content.workpiece;
+        let phi = [GridRef::LevelSet { name: "phi", grid: welded }, GridRef::LevelSet { name: "target", grid: target }];
+        Ok(fs::write(place, nvdb::write(&phi, Codec::Zip)?)?)
+    }
+}
+
+impl Exporter for WeldLabels {
+    const FILE: &'static str = WELD_FILE;
+    const MEDIA_TYPE: &'static str = NANOVDB;
+
+    fn write(content: &Content<'_>, place: &Path) -> Result<()> {
+        let Workpiece { welded, target, .. } = content.workpiece;
+        let share = welded.difference_share(target);
+        let weld = [
+            GridRef::Labels { name: "weld_id", grid: welded },
+            GridRef::Density { name: "weld_share", grid: welded, values: &share },
+        ];
+        Ok(fs::write(place, nvdb::write(&weld, Codec::Zip)?)?)
+    }
 }
 
 impl AssetFields {

@@ -11,11 +11,11 @@ use super::dataset::jobs;
 use super::flags::JOBS;
 use super::values::whole;
 use super::{validate_images, validate_set};
-use crate::asset::UsdMode;
+use crate::asset::{UsdMode, Validation};
 use crate::console::Console;
 use crate::dataset::MARKER_FILE;
 use crate::images::IMAGES_FORMAT;
-use crate::validate::{Validation, validate};
+use crate::validate::validate;
 use crate::wrong_use;
 use files::json_file::read_json;
 

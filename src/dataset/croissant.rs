@@ -8,9 +8,7 @@ use serde_json::{Map, Value, json};
 use super::Recipe;
 use super::catalogue::{ROWS_FILE, TABLE_FILE};
 use super::table::Table;
-use crate::asset::{
-    FileRecord, PHI_FILE, PREVIEW_FILE, SURFACE_FILE, WELD_FILE, WELDED_FILE, WELDS_FILE, WORKPIECE_FILE,
-};
+use crate::asset::{EXPORTS, Export, FileRecord};
 use crate::store::catalogue::{CONTACT_FILE, FAILURES_FILE};
 
 /// Files of the set itself with their media types.
@@ -19,17 +17,6 @@ const FILES: [(&str, &str); 4] = [
     (ROWS_FILE, "application/jsonlines"),
     (FAILURES_FILE, "application/jsonlines"),
     (CONTACT_FILE, "image/png"),
-];
-
-/// Files of each item with their media types.
-const PIECE_FILES: [(&str, &str); 7] = [
-    (WORKPIECE_FILE, "model/gltf-binary"),
-    (WELDED_FILE, "model/gltf-binary"),
-    (SURFACE_FILE, "model/gltf-binary"),
-    (PHI_FILE, "application/octet-stream"),
-    (WELD_FILE, "application/octet-stream"),
-    (WELDS_FILE, "application/json"),
-    (PREVIEW_FILE, "image/png"),
 ];
 
 /// Terms of the vocabulary that stand for themselves in `cr:`.
@@ -76,7 +63,7 @@ pub(super) fn write(recipe: &Recipe, table: &Table, records: &BTreeMap<&str, Fil
             "sha256": record.map(|record| &record.sha256),
         })
     };
-    let set = |&(name, media): &(&str, &str)| {
+    let set = |&Export { file: name, media_type: media, .. }: &Export| {
         json!({
             "@type": "cr:FileSet",
             "@id": format!("assets/{name}"),
@@ -86,7 +73,8 @@ pub(super) fn write(recipe: &Recipe, table: &Table, records: &BTreeMap<&str, Fil
             "includes": format!("assets/*/{name}"),
         })
     };
-    let distribution: Vec<Value> = FILES.iter().map(object).chain(PIECE_FILES.iter().map(set)).collect();
+    let of_items = EXPORTS.iter().filter(|export| export.always).map(set);
+    let distribution: Vec<Value> = FILES.iter().map(object).chain(of_items).collect();
     let metadata = json!({
         "@context": context(),
         "@type": "sc:Dataset",

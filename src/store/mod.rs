@@ -343,7 +343,9 @@ mod tests {
         let left = [".a.txt.part-1", ".b.txt.part-1", ".list.part-1"];
         left.iter().for_each(|name| fs::write(at(name), "half").unwrap());
         let find = |id: &str| at(id).is_file().then_some(());
-        let fill = |id: &str| store.fill(id, Patience::None, || find(id), || Ok(fs::write(at(id), "whole")?));
+        let fill = |id: &str| {
+            store.fill(id, Patience::None, || find(id), || -> Result<()> { Ok(fs::write(at(id), "whole")?) })
+        };
         assert_eq!(fill("a").unwrap(), Some(Filled::Made(())));
         assert!(!at(left[0]).exists());
         assert_eq!(fill("a").unwrap(), Some(Filled::There(())));

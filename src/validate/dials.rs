@@ -5,8 +5,7 @@ use sdf_bake::Mesh;
 use sdf_bake::query::MeshQuery;
 use weldgen::exposure::{ExposureRays, exposures};
 
-use super::Check;
-use crate::asset::{WELDS_FILE, WeldTruth, Welds};
+use crate::asset::{Check, WELDS_FILE, WeldTruth, Welds};
 
 /// Rays at each point: 16 times those that placed the weld.
 const RAYS: u32 = 16 * 256;

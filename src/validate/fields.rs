@@ -3,9 +3,7 @@
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 
-use super::Check;
-use super::meshes::Meshes;
-use crate::asset::{AssetFields, Imperfection, PHI_FILE, WELD_FILE, WeldTruth, Welds};
+use crate::asset::{AssetFields, Check, Imperfection, Meshes, PHI_FILE, WELD_FILE, WeldTruth, Welds};
 
 /// Boxes of mesh and field may differ by this [voxels].
 const BOX_TOLERANCE: f64 = 1.0;

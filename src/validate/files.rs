@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::Check;
-use crate::asset::{MANIFEST_FILE, Manifest, PREVIEW_FILE, record_files};
+use crate::asset::{Check, MANIFEST_FILE, Manifest, PREVIEW_FILE, record_files};
 
 pub(super) fn check(folder: &Path, manifest: &Manifest) -> Vec<Check> {
     let found = match record_files(folder) {

@@ -5,8 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-use super::Check;
-use crate::asset::{AssetFields, SURFACE_FILE, Welds};
+use crate::asset::{AssetFields, Check, SURFACE_FILE, Welds};
 use export::glb_read::ReadPart;
 
 /// Largest |φ| of the trilinear field at a vertex [voxels]: on sharp edges and corners, which interpolation rounds off,

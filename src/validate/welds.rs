@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use sdf_bake::query::MeshQuery;
 
-use super::Check;
-use super::meshes::Meshes;
-use crate::asset::{AssetFields, CurveTruth, MANIFEST_FILE, Manifest, WELD_FILE, WELDS_FILE, WeldTruth, Welds};
+use crate::asset::{
+    AssetFields, Check, CurveTruth, MANIFEST_FILE, Manifest, Meshes, WELD_FILE, WELDS_FILE, WeldTruth, Welds,
+};
 
 /// Largest distance of the centreline from the part's surface [m].
 const ON_SURFACE: f64 = 1e-5;

@@ -9,4 +9,5 @@ mod manifold;
 mod outside;
 mod python;
 mod solids;
+mod table;
 mod usd;
