@@ -15,7 +15,7 @@ use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
 use shaders::Device;
-use sim::{LogRow, PassRecord, Tool, Wheel};
+use sim::{LogRow, PassRecord, Wheel};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
@@ -56,6 +56,25 @@ impl Default for Plan {
     fn default() -> Self {
         Self { force_setpoint: 15.0, feed: 5e-3, passes: 2 }
     }
+}
+
+/// What grinds a weld.
+pub struct Grinding {
+    /// The wheel.
+    pub wheel: Wheel,
+    /// The passes.
+    pub plan: Plan,
+    /// What the wheel does to the part.
+    pub model: CompiledModel,
+}
+
+/// Who runs passes, and who is told of them.
+#[derive(Clone, Copy)]
+pub struct Executor<'a> {
+    /// The graphics processor; `None` for the CPU.
+    pub device: Option<&'a Device>,
+    /// Progress and results for people.
+    pub console: &'a Console,
 }
 
 /// A weld that has been ground.
@@ -131,40 +150,40 @@ pub struct GrindSummary {
 /// Grinds the first weld of an asset along its centreline, pass after pass to and fro.
 ///
 /// - `keeping`, `folder`: which states are kept, and where; see [`crate::snapshot`]
-/// - `device`: the graphics processor that runs the passes; `None` for the CPU
 ///
 /// # Errors
 /// When the asset or a state cannot be read, a setting does not fit it, or its first pass fails. A later pass that fails is
 /// no error: [`Ground::stopped`] tells of it.
 pub fn grind_asset(
     asset: &Path,
-    (wheel, plan): (Wheel, Plan),
-    model: CompiledModel,
-    (keeping, folder): (&Keeping, &Path),
-    (device, console): (Option<&Device>, &Console),
+    grinding: Grinding,
+    keeping: &Keeping,
+    folder: &Path,
+    executor: Executor<'_>,
 ) -> Result<Ground> {
+    let (Wheel { width, .. }, console) = (grinding.wheel, executor.console);
     let manifest = Manifest::read(asset)?;
     let asset_sha256 = sha256(&input::read(&asset.join(MANIFEST_FILE), MOST_TEXT_BYTES)?);
     let weld = Welds::read(asset)?.welds.into_iter().next().context("the asset has no weld to grind")?;
     let AssetFields { welded: before, target, .. } = AssetFields::open(asset)?;
-    if 1e-3 * weld.width_mm > wheel.width {
+    if 1e-3 * weld.width_mm > width {
         console.step("wheel", format!("narrower than the bead ({:.1} mm): one track will not cover it", weld.width_mm));
     }
-    check_wheel(&wheel, before.voxel)?;
+    check_wheel(&grinding.wheel, before.voxel)?;
     let started = Instant::now();
     let mut after = before.clone();
-    let origin = origin(&asset_sha256, (&wheel, plan), &model);
+    let origin = origin(&asset_sha256, &grinding);
     let mut done = Done::default();
     if let Some(resume) = &keeping.resume {
-        done = Done::read(resume, &mut after, &model, &origin)?;
+        done = Done::read(resume, &mut after, &grinding.model, &origin)?;
         console.step("resumed", format!("after pass {} of {}", resume.passes, resume.folder.display()));
     }
     keeping.copy_earlier(folder)?;
     if keeping.snapshots {
         done.folder = Some((folder.to_owned(), origin));
     }
-    let Done { passes, lost, lost_since, stopped, .. } =
-        run_passes((&mut after, done), &weld, (&Tool::from(wheel), plan, &model), (device, console))?;
+    let Done { passes, lost, lost_since, stopped, .. } = run_passes(&mut after, done, &weld, &grinding, executor)?;
+    let Grinding { wheel, plan, model } = grinding;
     let seconds = started.elapsed().as_secs_f64();
     let removed = lost.iter().sum::<f64>() + lost_since;
     let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));
@@ -200,7 +219,7 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
 }
 
 /// All that a state of a ground weld depends on.
-fn origin(asset_sha256: &str, (wheel, plan): (&Wheel, Plan), model: &CompiledModel) -> Origin {
+fn origin(asset_sha256: &str, Grinding { wheel, plan, model }: &Grinding) -> Origin {
     let mut origin = model_origin(model);
     origin.insert("asset".into(), asset_sha256.to_owned());
     origin.insert("wheel".into(), identity(wheel));

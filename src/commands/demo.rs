@@ -16,7 +16,9 @@ use super::study::STUDY_NAMES;
 use super::values::whole;
 use crate::asset::{self, ASSET_NAMES, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
-use crate::finishing::{self, GRIND_FILE, GROUND_NAMES, GrindSummary, Ground, PAGE_FILE, Plan, grind_asset};
+use crate::finishing::{
+    self, Executor, GRIND_FILE, GROUND_NAMES, GrindSummary, Grinding, Ground, PAGE_FILE, Plan, grind_asset,
+};
 use crate::part::Part;
 use crate::sealed_example::{EXAMPLE_NAME, Opened, open, unpack};
 use crate::snapshot::Keeping;
@@ -129,8 +131,8 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
     let grind_folder = StagedFolder::fresh(&folder.join("grind"))?;
-    let keeping = (&Keeping::default(), grind_folder.path());
-    let mut ground = grind_asset(&asset, (wheel, plan), model, keeping, (None, console))?;
+    let (grinding, executor) = (Grinding { wheel, plan, model }, Executor { device: None, console });
+    let mut ground = grind_asset(&asset, grinding, &Keeping::default(), grind_folder.path(), executor)?;
     if let Some(error) = ground.stopped.take() {
         return Err(error);
     }

@@ -16,7 +16,7 @@ use super::model_flags::ModelFlags;
 use super::values::{number, whole};
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
-use crate::finishing::{self, GROUND, GrindSummary, Plan, grind_asset};
+use crate::finishing::{self, Executor, GROUND, GrindSummary, Grinding, Plan, grind_asset};
 use crate::snapshot::{Keeping, Resume, kept};
 use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
 use files::folder::StagedFolder;
@@ -315,8 +315,8 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     let keeping = args.state.keeping(plan.passes as usize)?;
     let refusal = sim::gpu::refusal_of(&Tool::from(wheel), &model);
     let device = args.backend.device(refusal, console)?;
-    let mut ground =
-        grind_asset(&args.folder, (wheel, plan), model, (&keeping, folder.path()), (device.as_ref(), console))?;
+    let (grinding, executor) = (Grinding { wheel, plan, model }, Executor { device: device.as_ref(), console });
+    let mut ground = grind_asset(&args.folder, grinding, &keeping, folder.path(), executor)?;
     finishing::write(&ground, &args.folder, folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     if let Some(error) = ground.stopped.take() {

@@ -5,12 +5,10 @@ use std::path::PathBuf;
 use anyhow::{Context, Error, Result, ensure};
 use effects::{CompiledModel, States};
 use sdf_bake::BrickGrid;
-use shaders::Device;
 use sim::{CurvePoint, Pass, PassRecord, Process, TOOL_CELLS, Tool, gpu, run_pass};
 
-use super::Plan;
+use super::{Executor, Grinding};
 use crate::asset::WeldTruth;
-use crate::console::Console;
 use crate::snapshot::{self, Resume, Snapshot};
 use lab::Origin;
 
@@ -64,11 +62,13 @@ impl Done {
 
 /// Runs the passes of a plan that are not done yet.
 pub(super) fn run_passes(
-    (grid, mut done): (&mut BrickGrid, Done),
+    grid: &mut BrickGrid,
+    mut done: Done,
     weld: &WeldTruth,
-    (tool, plan, model): (&Tool, Plan, &CompiledModel),
-    (device, console): (Option<&Device>, &Console),
+    Grinding { wheel, plan, model }: &Grinding,
+    executor: Executor<'_>,
 ) -> Result<Done> {
+    let tool = &Tool::from(*wheel);
     let (curve, search_reach) = followed(weld, tool);
     let forth = sim::Path::along(&curve, plan.feed)?;
     let process = Process { force_setpoint: plan.force_setpoint, search_reach, ..Process::default() };
@@ -80,7 +80,7 @@ pub(super) fn run_passes(
         let path = if number % 2 == 1 { &forth } else { &back };
         let trial_time = (number - 1) as f64 * forth.duration();
         let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
-        let record = match run_one((grid, &mut states), pass, (device, console)) {
+        let record = match run_one((grid, &mut states), pass, executor) {
             Ok(record) => record,
             Err(error) if number == 1 => return Err(error),
             Err(error) => {
@@ -91,7 +91,7 @@ pub(super) fn run_passes(
         };
         let left = grid.volume();
         let lost = volume - left;
-        console.step(&format!("pass {number}"), describe(&record, lost));
+        executor.console.step(&format!("pass {number}"), describe(&record, lost));
         if let Some((folder, origin)) = &done.folder {
             let trial_time = number as f64 * forth.duration();
             let state = Snapshot { part: grid.clone(), tool: states.clone(), trial_time, record: record.clone() };
@@ -124,7 +124,7 @@ fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
 fn run_one(
     (grid, states): (&mut BrickGrid, &mut States),
     pass: Pass,
-    (device, console): (Option<&Device>, &Console),
+    Executor { device, console }: Executor<'_>,
 ) -> Result<PassRecord> {
     let name = format!("pass {}", pass.number);
     let bar = console.bar(&name, 100);

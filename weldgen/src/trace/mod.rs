@@ -21,7 +21,7 @@ use arc::{Arc, LARGEST_TURN};
 use face::FlatFace;
 use fan::Fan;
 pub use section::trace_section;
-use strip::follow;
+use strip::{Bounds, follow};
 
 /// Where a trace starts.
 #[derive(Clone, Copy, Debug)]
@@ -193,7 +193,8 @@ impl Walker<'_> {
     fn follow(&mut self, edge: usize, reach: f64, trace: &mut Trace) -> Result<(), TraceEnd> {
         let most = self.limits.max_steps.saturating_sub(trace.crossings);
         let entry = self.face.entry(edge, self.point, self.heading);
-        let followed = follow((self.mesh, self.topology), entry, (reach, self.limits.sharp_angle, most));
+        let bounds = Bounds { reach, sharp_angle: self.limits.sharp_angle, most };
+        let followed = follow((self.mesh, self.topology), entry, &bounds);
         if followed.crossings > 0 {
             trace.length += followed.length;
             trace.crossings += followed.crossings;

@@ -36,13 +36,19 @@ pub(super) struct Followed {
     pub(super) crossings: usize,
 }
 
-/// Follows a straight line as long as it crosses whole triangles within `reach` [m], away from corners, over edges that
-/// may be crossed, `most` of them at most.
-pub(super) fn follow(
-    (mesh, topology): (&Mesh, &Topology),
-    mut entry: Entry,
-    (reach, sharp_angle, most): (f64, f64, usize),
-) -> Followed {
+/// How far a line may be followed.
+pub(super) struct Bounds {
+    /// Way [m].
+    pub(super) reach: f64,
+    /// Edges whose normals differ by more than this [rad] are not crossed.
+    pub(super) sharp_angle: f64,
+    /// Crossings.
+    pub(super) most: usize,
+}
+
+/// Follows a straight line within its bounds as long as it crosses whole triangles, away from corners.
+pub(super) fn follow((mesh, topology): (&Mesh, &Topology), mut entry: Entry, bounds: &Bounds) -> Followed {
+    let Bounds { reach, sharp_angle, most } = *bounds;
     let (mut length, mut crossings) = (0.0, 0);
     while crossings < most {
         let corners = mesh.corners(entry.face as usize);
