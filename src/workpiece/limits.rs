@@ -2,42 +2,10 @@
 
 use anyhow::{Result, anyhow, bail};
 use sdf_bake::{BLEND_REACH, BakeOptions};
+use weldgen::dials::{Dial, HEIGHT, LENGTH, RIPPLE_PITCH, TOE_RADIUS, WEAVE_PITCH, WIDTH};
 use weldgen::{BeadProfile, DialFault, Placement, Weld, WeldRequest};
 
 use super::WeldWishes;
-
-/// Flags of the dials of a weld.
-const FLAGS: [(&str, &str); 29] = [
-    ("length", "--length-mm"),
-    ("curvature RMS", "--curvature-per-m"),
-    ("curvature maximum", "--curvature-max-per-m"),
-    ("correlation length", "--correlation-mm"),
-    ("exposure", "--exposure"),
-    ("exposure reach", "--exposure-reach-mm"),
-    ("tool radius", "--access-radius-mm"),
-    ("tool width", "--access-width-mm"),
-    ("least access", "--min-access"),
-    ("width", "--width-mm"),
-    ("height", "--height-mm"),
-    ("overlap", "--overlap"),
-    ("convexity", "--convexity"),
-    ("stitch length", "--stitch-mm"),
-    ("stitch pitch", "--stitch-pitch-mm"),
-    ("ripple pitch", "--ripple-pitch-mm"),
-    ("ripple height", "--ripple-height"),
-    ("ripple chevron", "--ripple-chevron"),
-    ("crater depth", "--crater"),
-    ("start hump", "--start-hump"),
-    ("weave", "--weave-mm"),
-    ("weave pitch", "--weave-pitch-mm"),
-    ("width variation", "--width-variation"),
-    ("height variation", "--height-variation"),
-    ("sagging", "--sagging"),
-    ("undercut", "--undercut"),
-    ("number of pores", "--pores"),
-    ("number of drops of spatter", "--spatter"),
-    ("number of burnt holes", "--burn-through"),
-];
 
 /// The thinnest welding wire [m]; no bead is narrower.
 const THINNEST_WIRE: f64 = 0.6e-3;
@@ -49,24 +17,25 @@ pub(super) fn check(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOpt
     check_toe_radius(wishes, request, baking)
 }
 
+/// The flag that sets a dial, for the front of a message; nothing for what no flag sets.
 fn flag_of(fault: &DialFault) -> String {
-    let row = FLAGS.iter().find(|(dial, _)| *dial == fault.dial);
-    row.map_or(String::new(), |(_, flag)| format!("{flag}: "))
+    Dial::named(fault.dial).map_or(String::new(), |dial| format!("--{}: ", dial.key))
 }
 
 /// What is far below the voxel would be in the truth and not in the field.
 fn check_sizes(wishes: &WeldWishes, voxel: f64) -> Result<()> {
-    for (flag, wish, voxels) in [
-        ("--length-mm", wishes.length.map(|[low, _]| low), 1.0),
-        ("--width-mm", wishes.width, 1.0),
-        ("--height-mm", wishes.height, 0.05),
+    for (dial, wish, voxels) in [
+        (LENGTH, wishes.length.map(|[low, _]| low), 1.0),
+        (WIDTH, wishes.width, 1.0),
+        (HEIGHT, wishes.height, 0.05),
         // A wave needs two samples (Shannon 1949).
-        ("--ripple-pitch-mm", wishes.form.ripples.map(|ripples| ripples.pitch), 2.0),
-        ("--weave-pitch-mm", wishes.form.weave.map(|weave| weave.pitch), 2.0),
+        (RIPPLE_PITCH, wishes.form.ripples.map(|ripples| ripples.pitch), 2.0),
+        (WEAVE_PITCH, wishes.form.weave.map(|weave| weave.pitch), 2.0),
     ] {
         if let Some(size) = wish.filter(|&size| size < voxels * voxel) {
             bail!(
-                "{flag} {:?}: with a voxel of {:.4} mm, {:.4} mm or more is accepted; a smaller --voxel-mm allows less",
+                "--{} {:?}: with a voxel of {:.4} mm, {:.4} mm or more is accepted; a smaller --voxel-mm allows less",
+                dial.key,
                 size * 1e3,
                 voxel * 1e3,
                 voxels * voxel * 1e3
@@ -95,8 +64,9 @@ pub(super) fn check_blend(profile: &BeadProfile, toe_radius: Option<f64>, baking
         return Ok(());
     }
     bail!(
-        "--toe-radius-mm {:?}: 0 to {:.4} mm are accepted for a bead {:.3} mm wide and {:.3} mm high in a band of {:.3} mm; a \
+        "--{} {:?}: 0 to {:.4} mm are accepted for a bead {:.3} mm wide and {:.3} mm high in a band of {:.3} mm; a \
          wider --band allows more",
+        TOE_RADIUS.key,
         radius * 1e3,
         most * 1e3,
         profile.width * 1e3,

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use robofin::asset::{AssetFields, Welds};
 use serde_json::Value;
+use weldgen::dials::{ABOVE_ZERO, DIALS, Dial};
 
 use crate::program::{bracket, robofin, run};
 
@@ -116,4 +117,26 @@ fn a_butt_joint_makes_a_whole_asset_in_one_plane() {
     assert_eq!(found[0]["joint"], "butt");
     assert!((number(&found[0], "length_mm") - 30.0).abs() < 1e-6);
     assert!(found[0]["requested"]["geodesic_curvature_rms_per_m"].is_null());
+}
+
+#[test]
+fn every_dial_has_a_flag_that_refuses_what_the_table_refuses() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for Dial { key, range, .. } in DIALS {
+        let outside = if range == ABOVE_ZERO { [0.0, -1.0] } else { [range[0] - 1.0, range[1] + 1.0] };
+        for value in outside {
+            let mut command = weld(&folder.path().join("out"));
+            command.arg(format!("--{key}={value}"));
+            // These go in pairs.
+            let partner = match key {
+                "stitch-mm" => Some("--stitch-pitch-mm=40"),
+                "stitch-pitch-mm" => Some("--stitch-mm=20"),
+                "weave-mm" => Some("--weave-pitch-mm=40"),
+                "weave-pitch-mm" => Some("--weave-mm=1"),
+                _ => None,
+            };
+            let said = run(command.args(partner)).is_refused(2, &[&format!("--{key}")]);
+            assert!(!said.contains("unexpected argument"), "{said}");
+        }
+    }
 }

@@ -10,7 +10,7 @@ use crate::trace::{Trace, TraceEnd, TraceLimits, TracePoint, TraceStart, trace_s
 impl Proposals<'_> {
     /// What the weld joins.
     pub(crate) fn joint(&self) -> Joint {
-        match (self.along_seams, self.request.placement) {
+        match (self.search.along_seams, self.search.request.placement) {
             (true, _) => Joint::Fillet,
             (false, Placement::Butt) => Joint::Butt,
             (false, _) => Joint::BeadOnPlate,
@@ -40,8 +40,8 @@ impl Proposals<'_> {
     }
 
     fn walk_section(&self, start: TraceStart, length: f64) -> Trace {
-        let (spacing, sharp_angle) = (self.layout().spacing, self.request.sharp_angle);
+        let (spacing, sharp_angle) = (self.layout().spacing, self.search.request.sharp_angle);
         let limits = TraceLimits { length, spacing, sharp_angle, max_steps: MAX_STEPS };
-        trace_section(self.surface.part, &self.surface.topology, start, limits)
+        trace_section(self.search.surface.part, &self.search.surface.topology, start, limits)
     }
 }

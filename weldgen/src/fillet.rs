@@ -22,7 +22,7 @@ impl Proposals<'_> {
     /// A stretch of one of the seams, drawn by its length.
     pub(crate) fn propose_fillet(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
-        let seams = self.surface.seams();
+        let seams = self.search.surface.seams();
         let Layout { steps, spacing, clear } = self.layout();
         let reach = (steps + 2 * clear) as f64 * spacing;
         let cut_short = |run: f64| Refused { why: Rejection::SharpEdge, run };
@@ -38,10 +38,11 @@ impl Proposals<'_> {
             return Err(cut_short((seam.length() - 2.0 * clear as f64 * spacing).max(0.0)));
         }
         let from = rng.random::<f64>() * if seam.closed { seam.length() } else { room };
-        let refuse = |why| Refused { why, run: self.length };
+        let refuse = |why| Refused { why, run: self.wanted.length };
         let profile = self.fillet_profile(seam.openings([from, from + reach])).map_err(refuse)?;
-        let points: Vec<_> =
-            (0..=steps + 2 * clear).map(|i| seam.point_at(self.surface.part, from + i as f64 * spacing)).collect();
+        let points: Vec<_> = (0..=steps + 2 * clear)
+            .map(|i| seam.point_at(self.search.surface.part, from + i as f64 * spacing))
+            .collect();
         let stretch = self.layout().stretch(profile.width, 0.0);
         let mut curve = WeldCurve::frame(&points, stretch, &CurvatureProfile::constant(0.0));
         curve.measure_curvature();
@@ -52,7 +53,7 @@ impl Proposals<'_> {
     fn fillet_profile(&self, [narrow, wide]: [f64; 2]) -> Result<BeadProfile, Rejection> {
         let fits = wide - narrow <= OPENING_CHANGE && narrow >= OPENINGS[0] && wide <= OPENINGS[1];
         let opening = 0.5 * (narrow + wide);
-        let profile = BeadProfile::fillet(self.profile.width, opening, self.request.convexity);
+        let profile = BeadProfile::fillet(self.profile.width, opening, self.search.request.convexity);
         if fits && profile.toe_angle() > 0.0 { Ok(profile) } else { Err(Rejection::Tilt) }
     }
 
@@ -72,7 +73,7 @@ impl Proposals<'_> {
             return Err(why);
         }
         self.sees_the_sky(&curve)?;
-        let form = BeadForm::new(self.request.form, [self.length, profile.width, profile.height], rng);
+        let form = BeadForm::new(self.search.request.form, [self.wanted.length, profile.width, profile.height], rng);
         let bead = sweep_formed(&curve, &profile, &form, root_depth).map_err(|_| Rejection::Fold)?;
         let cuts = self.cuts(&curve, &profile, &form, rng)?;
         Ok(Candidate { curve, bead, root_depth, profile, form, cuts })
@@ -81,8 +82,8 @@ impl Proposals<'_> {
     /// Why a section does not fit its corner: its face must be in the open, its base in the walls.
     fn off_walls(&self, point: &CurvePoint, profile: &BeadProfile, root_depth: f64) -> Option<Rejection> {
         let at = |y: f64, z: f64| point.position + y * point.side + z * point.normal;
-        let outside = |point: DVec3| self.surface.is_open_space(point);
-        let inside = |point: DVec3| self.surface.winding.winding_number(point) > 0.5;
+        let outside = |point: DVec3| self.search.surface.is_open_space(point);
+        let inside = |point: DVec3| self.search.surface.winding.winding_number(point) > 0.5;
         let (toe, base) = (0.5 * profile.width, 0.5 * profile.width + 0.8 * root_depth);
         let above = 1.02 * profile.height.max(profile.toe_height);
         if !(outside(at(0.0, above)) && [-0.5, 0.5].iter().all(|share| outside(at(share * toe, above)))) {

@@ -59,26 +59,27 @@ pub(crate) fn first_fit(
 
 /// Measures what the curve's points record; exposure and access are now known well enough to hold them against the dials.
 fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, Refused> {
-    let refuse = |why| Err(Refused { why, run: proposals.length });
+    let refuse = |why| Err(Refused { why, run: proposals.wanted.length });
     let BeadProfile { width, height, .. } = candidate.profile;
     let places: Vec<_> = candidate.curve.points.iter().map(|point| (point.position, point.normal)).collect();
-    let measured = exposures(proposals.surface.query, &places, proposals.rays(MEASURING_RAYS));
+    let measured = exposures(proposals.search.surface.query, &places, proposals.rays(MEASURING_RAYS));
     for (point, exposure) in candidate.curve.points.iter_mut().zip(measured) {
         point.exposure = exposure;
         point.width = width * candidate.form.width_factor(point.arc_length);
         point.height = height * candidate.form.height_factor(point.arc_length);
     }
-    let [low, high] = within(proposals.exposure);
+    let [low, high] = within(proposals.wanted.exposure);
     match candidate.curve.min_exposure() {
         least if least < low => return refuse(Rejection::Exposure),
         least if least > high => return refuse(Rejection::TooOpen),
         _ => {}
     }
-    let shares = access(proposals.surface.query, &candidate.curve, proposals.request.tool, [width, height]);
+    let shares =
+        access(proposals.search.surface.query, &candidate.curve, proposals.search.request.tool, [width, height]);
     for (point, access) in candidate.curve.points.iter_mut().zip(shares) {
         point.access = access;
     }
-    if candidate.curve.mean_access() < proposals.request.min_access {
+    if candidate.curve.mean_access() < proposals.search.request.min_access {
         return refuse(Rejection::Access);
     }
     Ok(candidate)

@@ -24,7 +24,7 @@
 //! ```
 //!
 //! In the order data meets them: [`topology`] (neighbours), [`curvature`] (the steering), [`trace`] (the curve),
-//! [`exposure`] (free sky), [`access`] (room for a tool), [`request`] (the dials), [`surface`] (a part made ready),
+//! [`exposure`] (free sky), [`access`] (room for a tool), [`dials`] (what can be asked), [`request`] (what is asked), [`surface`] (a part made ready),
 //! [`strata`] (where welds may start), [`seam`] (where fillets may run), [`place`] (proposals until one fits), [`curve`] (points with
 //! frames), [`bead`] (sections and the swept mesh).
 //!
@@ -39,6 +39,7 @@ pub mod curvature;
 pub mod curve;
 mod cut;
 mod dial_fault;
+pub mod dials;
 pub mod exposure;
 mod fillet;
 mod fit;

@@ -191,9 +191,12 @@ fn other_exposure(weld: &Weld, [least, most]: [f64; 2]) -> String {
 pub(crate) struct Search<'a> {
     pub(crate) surface: &'a Surface<'a>,
     pub(crate) request: &'a WeldRequest,
+    /// Where welds are already.
     pub(crate) taken: &'a [Taken],
     pub(crate) field: &'a ExposureField,
+    /// Strata in which to start.
     pub(crate) starts: &'a [u32],
+    /// Whether to follow seams.
     pub(crate) along_seams: bool,
 }
 
@@ -216,18 +219,7 @@ impl Search<'_> {
     }
 
     pub(crate) fn proposals(&self, wanted: &Wanted, profile: BeadProfile) -> Proposals<'_> {
-        Proposals {
-            surface: self.surface,
-            request: self.request,
-            length: wanted.length,
-            profile,
-            curvature_rms: wanted.curvature_rms,
-            exposure: wanted.exposure,
-            field: self.field,
-            starts: self.starts,
-            taken: self.taken,
-            along_seams: self.along_seams,
-        }
+        Proposals { search: self, wanted: *wanted, profile }
     }
 }
 
@@ -237,7 +229,7 @@ fn finish(
     (wanted, seed): (&Wanted, u64),
     dropped: Tally,
 ) -> Weld {
-    let request = proposals.request;
+    let request = proposals.search.request;
     let (length, width) = (curve.length(), profile.width);
     let mut reasons = request.reasons.clone();
     // Any length of the range is what was asked.
@@ -253,7 +245,7 @@ fn finish(
     reasons.push(format!("placed with seed {seed} after {} dropped proposals", dropped.total()));
     let bead_volume = bead.volume();
     let base = request.form.half_reach(profile.half_width_at(root_depth));
-    let Surface { query, part, .. } = proposals.surface;
+    let Surface { query, part, .. } = proposals.search.surface;
     let ground = Ground { curve: &curve, query, part, width, clear: base };
     let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, usize::MAX));
     let (spattered, drops) = ground.spatter(request.form.spatter, &mut rng);

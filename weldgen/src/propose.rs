@@ -13,11 +13,9 @@ use crate::curve::{CurvePoint, Stretch, WeldCurve};
 use crate::cut::{Cuts, Laid};
 use crate::exposure::{ExposureRays, exposure};
 use crate::footprint::Footprint;
-use crate::place::Weld;
+use crate::place::{Search, Wanted, Weld};
 use crate::rejection::Rejection;
-use crate::request::{Placement, WeldRequest};
-use crate::strata::ExposureField;
-use crate::surface::Surface;
+use crate::request::Placement;
 use crate::trace::{TraceEnd, TraceLimits, TracePoint, TraceStart, trace};
 
 /// Points of the curve per bead width.
@@ -37,21 +35,12 @@ pub(crate) const MAX_STEPS: usize = 20_000;
 
 /// Everything that the proposals of one stage share.
 pub(crate) struct Proposals<'a> {
-    pub(crate) surface: &'a Surface<'a>,
-    pub(crate) length: f64,
+    /// Part, request, and where welds may start.
+    pub(crate) search: &'a Search<'a>,
+    /// The dials of this stage.
+    pub(crate) wanted: Wanted,
+    /// Cross-section of a bead on a face.
     pub(crate) profile: BeadProfile,
-    pub(crate) request: &'a WeldRequest,
-    /// Root mean square of the geodesic curvature [1/m].
-    pub(crate) curvature_rms: f64,
-    /// Range of the least exposure along the curve.
-    pub(crate) exposure: [f64; 2],
-    pub(crate) field: &'a ExposureField,
-    /// Strata in which to start.
-    pub(crate) starts: &'a [u32],
-    /// Where welds are already.
-    pub(crate) taken: &'a [Taken],
-    /// Whether to follow seams.
-    pub(crate) along_seams: bool,
 }
 
 /// The ground of a weld that is already there.
@@ -120,21 +109,26 @@ pub(crate) struct Refused {
 impl Proposals<'_> {
     /// The proposal of a number in the sequence of a seed; checks go from cheap to dear.
     pub(crate) fn propose(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
-        if self.along_seams {
+        if self.search.along_seams {
             return self.propose_fillet(seed, number);
         }
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
         let start = self.start(seed, number, &mut rng);
-        let butt = self.request.placement == Placement::Butt;
+        let butt = self.search.request.placement == Placement::Butt;
         let curve = if butt { self.section(start)? } else { self.run(start, &mut rng)? };
-        let refuse = |why| Refused { why, run: self.length };
+        let refuse = |why| Refused { why, run: self.wanted.length };
         self.bends_gently(&curve).map_err(refuse)?;
         self.keeps_apart(&curve).map_err(refuse)?;
-        let footprint = Footprint { mesh: self.surface.part, query: self.surface.query, profile: self.envelope() };
+        let footprint =
+            Footprint { mesh: self.search.surface.part, query: self.search.surface.query, profile: self.envelope() };
         let root_depth = footprint.root_depth(&curve).map_err(refuse)?;
         self.lies_outside(&curve).map_err(refuse)?;
         self.sees_the_sky(&curve).map_err(refuse)?;
-        let form = BeadForm::new(self.request.form, [self.length, self.profile.width, self.profile.height], &mut rng);
+        let form = BeadForm::new(
+            self.search.request.form,
+            [self.wanted.length, self.profile.width, self.profile.height],
+            &mut rng,
+        );
         let bead = sweep_formed(&curve, &self.profile, &form, root_depth).map_err(|_| refuse(Rejection::Fold))?;
         let profile = self.profile;
         let cuts = self.cuts(&curve, &profile, &form, &mut rng).map_err(refuse)?;
@@ -149,26 +143,26 @@ impl Proposals<'_> {
         form: &BeadForm,
         rng: &mut Pcg64Mcg,
     ) -> Result<Cuts, Rejection> {
-        let laid = Laid { surface: self.surface, curve, profile, form };
-        if laid.overlaps_hang_free() { laid.cuts(&self.request.form, rng) } else { Err(Rejection::Wall) }
+        let laid = Laid { surface: self.search.surface, curve, profile, form };
+        if laid.overlaps_hang_free() { laid.cuts(&self.search.request.form, rng) } else { Err(Rejection::Wall) }
     }
 
     /// The section wide enough for all that the bead's form does to it.
     fn envelope(&self) -> BeadProfile {
-        BeadProfile { width: 2.0 * self.request.form.half_reach(0.5 * self.profile.width), ..self.profile }
+        BeadProfile { width: 2.0 * self.search.request.form.half_reach(0.5 * self.profile.width), ..self.profile }
     }
 
     /// A point and a direction of its tangents; one proposal after the other goes through the strata evenly.
     fn start(&self, seed: u64, number: usize, rng: &mut Pcg64Mcg) -> TraceStart {
         let offset = Pcg64Mcg::seed_from_u64(seed).random::<f64>();
         let turn = (offset + number as f64 * GOLDEN_RATIO).fract();
-        let stratum = self.starts[(turn * self.starts.len() as f64) as usize];
-        let share = self.field.share(stratum, rng.random());
-        let (face, barycentric) = self.surface.place_at(share, [rng.random(), rng.random()]);
-        let [a, b, _] = self.surface.part.corners(face as usize);
+        let stratum = self.search.starts[(turn * self.search.starts.len() as f64) as usize];
+        let share = self.search.field.share(stratum, rng.random());
+        let (face, barycentric) = self.search.surface.place_at(share, [rng.random(), rng.random()]);
+        let [a, b, _] = self.search.surface.part.corners(face as usize);
         let along = (b - a).normalize_or_zero();
         let turn = TAU * rng.random::<f64>();
-        let heading = along * turn.cos() + self.surface.part.normal(face as usize).cross(along) * turn.sin();
+        let heading = along * turn.cos() + self.search.surface.part.normal(face as usize).cross(along) * turn.sin();
         TraceStart { face, barycentric, heading }
     }
 
@@ -176,8 +170,8 @@ impl Proposals<'_> {
     fn run(&self, start: TraceStart, rng: &mut Pcg64Mcg) -> Result<WeldCurve, Refused> {
         let Layout { steps, spacing, clear } = self.layout();
         let reach = (steps + 2 * clear) as f64 * spacing;
-        let correlation = self.request.correlation.unwrap_or(0.5 * self.length);
-        let (rms, max) = (self.curvature_rms, self.request.curvature_max);
+        let correlation = self.search.request.correlation.unwrap_or(0.5 * self.wanted.length);
+        let (rms, max) = (self.wanted.curvature_rms, self.search.request.curvature_max);
         let shape = CurvatureProfile::random(reach, correlation, rng);
         let refuse = |(end, points): (TraceEnd, usize)| Refused {
             why: Rejection::cut_short(end),
@@ -187,7 +181,7 @@ impl Proposals<'_> {
         let behind = self.room_behind(start, &all, (steps + 2 * clear, spacing)).map_err(refuse)?;
         // Only now is it known which stretch of the profile the weld gets, and what its root mean square is.
         let first = (clear as f64 - behind as f64) * spacing;
-        let curvature = shape.limited_to(rms, max, [first, first + self.length]);
+        let curvature = shape.limited_to(rms, max, [first, first + self.wanted.length]);
         let (back, back_end) = self.walk(start, false, &curvature, (behind, spacing));
         let (ahead, ahead_end) = self.walk(start, true, &curvature, (steps + 2 * clear - behind, spacing));
         let end = if back_end == TraceEnd::Length { ahead_end } else { back_end };
@@ -200,8 +194,8 @@ impl Proposals<'_> {
 
     /// How many points of which spacing.
     pub(crate) fn layout(&self) -> Layout {
-        let steps = (self.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
-        let spacing = self.length / steps as f64;
+        let steps = (self.wanted.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
+        let spacing = self.wanted.length / steps as f64;
         Layout { steps, spacing, clear: (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize }
     }
 
@@ -237,13 +231,15 @@ impl Proposals<'_> {
         (steps, spacing): (usize, f64),
     ) -> (Vec<TracePoint>, TraceEnd) {
         let length = steps as f64 * spacing;
-        let limits = TraceLimits { length, spacing, sharp_angle: self.request.sharp_angle, max_steps: MAX_STEPS };
+        let limits =
+            TraceLimits { length, spacing, sharp_angle: self.search.request.sharp_angle, max_steps: MAX_STEPS };
         if ahead {
-            let traced = trace(self.surface.part, &self.surface.topology, start, curvature, limits);
+            let traced = trace(self.search.surface.part, &self.search.surface.topology, start, curvature, limits);
             return (traced.points, traced.end);
         }
         let backwards = TraceStart { heading: -start.heading, ..start };
-        let mut traced = trace(self.surface.part, &self.surface.topology, backwards, &curvature.reversed(), limits);
+        let mut traced =
+            trace(self.search.surface.part, &self.search.surface.topology, backwards, &curvature.reversed(), limits);
         for point in &mut traced.points {
             point.tangent = -point.tangent;
         }
@@ -268,14 +264,15 @@ impl Proposals<'_> {
         if meets {
             return Err(Rejection::OwnPass);
         }
-        let near = |taken: &Taken| sparse.iter().any(|(_, point)| taken.is_near(*point, 0.5 * base + self.request.gap));
-        if self.taken.iter().any(near) { Err(Rejection::OtherWeld) } else { Ok(()) }
+        let near =
+            |taken: &Taken| sparse.iter().any(|(_, point)| taken.is_near(*point, 0.5 * base + self.search.request.gap));
+        if self.search.taken.iter().any(near) { Err(Rejection::OtherWeld) } else { Ok(()) }
     }
 
     /// Just above the curve must be open space.
     fn lies_outside(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let above = |point: &CurvePoint| point.position + 0.05 * self.profile.height * point.normal;
-        let outside = |point: &CurvePoint| self.surface.is_open_space(above(point));
+        let outside = |point: &CurvePoint| self.search.surface.is_open_space(above(point));
         let stride = (POINTS_PER_WIDTH / 2.0) as usize;
         if curve.points.iter().step_by(stride).all(outside) { Ok(()) } else { Err(Rejection::Inside) }
     }
@@ -284,10 +281,10 @@ impl Proposals<'_> {
     pub(crate) fn sees_the_sky(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let settings = self.rays(JUDGING_RAYS);
         let stride = (POINTS_PER_WIDTH / 2.0) as usize;
-        let [low, high] = self.exposure;
+        let [low, high] = self.wanted.exposure;
         let mut least = 1f64;
         for point in curve.points.iter().step_by(stride) {
-            least = least.min(exposure(self.surface.query, point.position, point.normal, settings));
+            least = least.min(exposure(self.search.surface.query, point.position, point.normal, settings));
             if least < low - JUDGING_ERROR {
                 return Err(Rejection::Exposure);
             }
@@ -296,6 +293,6 @@ impl Proposals<'_> {
     }
 
     pub(crate) fn rays(&self, rays: u32) -> ExposureRays {
-        ExposureRays { reach: self.request.exposure_reach, lift: 0.05 * self.profile.height, rays }
+        ExposureRays { reach: self.search.request.exposure_reach, lift: 0.05 * self.profile.height, rays }
     }
 }

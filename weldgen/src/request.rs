@@ -6,6 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::access::ToolShape;
 use crate::bead::{BeadShape, FormRequest};
 use crate::dial_fault::{DialFault, shown, shown_mm};
+use crate::dials::{
+    ABOVE_ZERO, CONVEXITY, CORRELATION, CURVATURE_MAX, CURVATURE_RMS, Dial, EXPOSURE, EXPOSURE_REACH, HEIGHT,
+    LEAST_ACCESS, LENGTH, OVERLAP, STITCH_LENGTH, STITCH_PITCH, TOOL_RADIUS, TOOL_WIDTH, Unit, WIDTH,
+};
 
 /// The voxel that [`WeldRequest::for_part`] is usually given is the part's diagonal over this.
 pub const VOXELS_PER_DIAGONAL: f64 = 256.0;
@@ -192,74 +196,76 @@ impl WeldRequest {
     }
 
     fn curve_checks(&self) -> Vec<DialCheck> {
-        let positive = |x: f64| x.is_finite() && x > 0.0;
         let ordered = |[low, high]: [f64; 2], least: f64| low >= least && high >= low && high.is_finite();
-        let share = |x: f64| (0.0..=1.0).contains(&x);
-        let range = |name, [low, high]: [f64; 2], good, want: &str| {
-            let found = if low == high { shown(low) } else { format!("{} to {}", shown(low), shown(high)) };
-            (name, found, good, want.to_owned())
+        let range = |dial: &Dial, [low, high]: [f64; 2], good, want: &str| {
+            let [low, high] = [low, high].map(|end| dial.shown(end));
+            (dial.name, if low == high { low } else { format!("{low} to {high}") }, good, want.to_owned())
         };
-        let one = |name, value: f64, good, want: &str| (name, shown(value), good, want.to_owned());
-        let mm = |name, length: f64, good, want: &str| (name, shown_mm(length), good, want.to_owned());
         let (rms, max) = (self.curvature_rms, self.curvature_max);
         let correlation = self.correlation.unwrap_or(self.width);
         let most_rms = format!("at most {} 1/m, 0.95 of the curvature maximum", shown(MOST_RMS * max));
         let half_width = format!("at least {}, half the bead's width", shown_mm(0.5 * self.width));
-        let [low, high] = self.length.map(shown_mm);
+        let open = self.exposure.iter().all(|&share| EXPOSURE.accepts(share));
         vec![
-            (
-                "length",
-                if low == high { low } else { format!("{low} to {high}") },
-                ordered(self.length, f64::MIN_POSITIVE),
-                "above zero, the lower first".to_owned(),
-            ),
-            range("curvature RMS", rms, ordered(rms, 0.0), "0 or more, the lower first"),
-            one("curvature maximum", max, max >= 0.0, "0 or more"),
-            range("curvature RMS", rms, rms[1] <= MOST_RMS * max, &most_rms),
-            mm("correlation length", correlation, correlation >= 0.5 * self.width, &half_width),
-            range("exposure", self.exposure, self.exposure.iter().all(|&x| share(x)), "within 0 to 1"),
-            range("exposure", self.exposure, ordered(self.exposure, 0.0), "a range, the lower first"),
-            mm("exposure reach", self.exposure_reach, positive(self.exposure_reach), "above zero"),
-            mm("tool radius", self.tool.radius, positive(self.tool.radius), "above zero"),
-            mm("tool width", self.tool.width, positive(self.tool.width), "above zero"),
-            one("least access", self.min_access, share(self.min_access), "within 0 to 1"),
-            one("sharp angle", self.sharp_angle, positive(self.sharp_angle), "above zero"),
-            mm("gap", self.gap, self.gap >= 0.0, "0 or more"),
-            one("number of attempts", self.attempts as f64, self.attempts > 0, "at least 1"),
+            range(&LENGTH, self.length, ordered(self.length, f64::MIN_POSITIVE), "above zero, the lower first"),
+            range(&CURVATURE_RMS, rms, ordered(rms, 0.0), "0 or more, the lower first"),
+            related(&CURVATURE_MAX, max, max >= 0.0, "0 or more"),
+            range(&CURVATURE_RMS, rms, rms[1] <= MOST_RMS * max, &most_rms),
+            related(&CORRELATION, correlation, correlation >= 0.5 * self.width, &half_width),
+            range(&EXPOSURE, self.exposure, open, &EXPOSURE.accepted()),
+            range(&EXPOSURE, self.exposure, ordered(self.exposure, 0.0), "a range, the lower first"),
+            plain(&EXPOSURE_REACH, self.exposure_reach),
+            plain(&TOOL_RADIUS, self.tool.radius),
+            plain(&TOOL_WIDTH, self.tool.width),
+            plain(&LEAST_ACCESS, self.min_access),
+            plain(&SHARP_ANGLE, self.sharp_angle),
+            related(&GAP, self.gap, self.gap >= 0.0, "0 or more"),
+            related(&ATTEMPTS, self.attempts as f64, self.attempts > 0, "at least 1"),
         ]
     }
 
     fn bead_checks(&self) -> Vec<DialCheck> {
-        let positive = |x: f64| x.is_finite() && x > 0.0;
-        let mm = |name, length: f64, good, want: &str| (name, shown_mm(length), good, want.to_owned());
-        let one = |name, value: f64, good, want: &str| (name, shown(value), good, want.to_owned());
         let round = self.shape != BeadShape::CircularSegment || self.height <= 0.5 * self.width;
-        let convex = (-0.2..=0.25).contains(&self.convexity);
         let fillets = matches!(self.placement, Placement::Seam | Placement::Mixed);
         let lobed = self.form.overlap == 0.0 || !fillets;
         let half = format!("at most {}, half of the width, for a circular segment", shown_mm(0.5 * self.width));
         let mut checks = vec![
-            mm("width", self.width, positive(self.width), "above zero"),
-            mm("height", self.height, positive(self.height), "above zero"),
-            mm("height", self.height, round, &half),
+            plain(&WIDTH, self.width),
+            plain(&HEIGHT, self.height),
+            related(&HEIGHT, self.height, round, &half),
             (
                 "shape",
                 "fillet".to_owned(),
                 self.shape != BeadShape::Fillet,
                 "one for faces; fillets are for seams".to_owned(),
             ),
-            one("overlap", self.form.overlap, lobed, "0 where fillets may be laid: they have no lobes"),
-            one("convexity", self.convexity, convex, "within -0.2 to 0.25 widths"),
+            related(&OVERLAP, self.form.overlap, lobed, "0 where fillets may be laid: they have no lobes"),
+            plain(&CONVEXITY, self.convexity),
         ];
         if let Some(Stitch { length, pitch }) = self.stitch {
             let least = length + 1.5 * self.width;
             let long = format!("at least {}, the bead's width", shown_mm(self.width));
             let apart = format!("at least {}, the stitch and 1.5 widths", shown_mm(least));
-            checks.push(mm("stitch length", length, length >= self.width, &long));
-            checks.push(mm("stitch pitch", pitch, pitch >= least, &apart));
+            checks.push(related(&STITCH_LENGTH, length, length >= self.width, &long));
+            checks.push(related(&STITCH_PITCH, pitch, pitch >= least, &apart));
         }
         checks
     }
+}
+
+/// What is asked of a weld and no user sets.
+const SHARP_ANGLE: Dial = Dial { name: "sharp angle", key: "", unit: Unit::One, range: ABOVE_ZERO };
+const GAP: Dial = Dial { name: "gap", key: "", unit: Unit::Length, range: ABOVE_ZERO };
+const ATTEMPTS: Dial = Dial { name: "number of attempts", key: "", unit: Unit::One, range: ABOVE_ZERO };
+
+/// The check of a dial by its row of the table.
+fn plain(dial: &Dial, value: f64) -> DialCheck {
+    (dial.name, dial.shown(value), dial.accepts(value), dial.accepted())
+}
+
+/// A check of a dial against others.
+fn related(dial: &Dial, value: f64, good: bool, want: &str) -> DialCheck {
+    (dial.name, dial.shown(value), good, want.to_owned())
 }
 
 /// A dial's name, its value, whether that is good, and what would be.

@@ -11,6 +11,10 @@ use serde::Serialize;
 use super::defect::{Defect, DefectKind, overlap, pores, sag};
 use crate::curvature::CurvatureProfile;
 use crate::dial_fault::{DialFault, shown, shown_mm};
+use crate::dials::{
+    BURN_THROUGH, CRATER_DEPTH, Dial, HEIGHT_VARIATION, OVERLAP, PORES, RIPPLE_CHEVRON, RIPPLE_HEIGHT, RIPPLE_PITCH,
+    SAGGING, SPATTER, START_HUMP, UNDERCUT, WEAVE, WEAVE_PITCH, WIDTH_VARIATION,
+};
 
 /// Least share of the crown's height that ripples, crater and variation together leave.
 const LEAST_HEIGHT: f64 = 0.1;
@@ -100,51 +104,52 @@ impl FormRequest {
     /// # Errors
     /// The first part that is out of range.
     pub fn check(&self, width: f64) -> Result<(), DialFault> {
-        let lengths = self.lengths(width).into_iter().map(|(dial, length, [low, high])| {
+        let lengths = self.lengths(width).into_iter().map(|(Dial { name: dial, .. }, length, [low, high])| {
             let (lowest, highest) = (shown_mm(low * width), shown_mm(high * width));
             let widths = format!("{} to {} widths", shown(low), shown(high));
             let good = (low * width..=high * width).contains(&length);
             (good, DialFault { dial, found: shown_mm(length), accepted: format!("{lowest} to {highest}, {widths}") })
         });
-        let shares = self.shares().into_iter().map(|(dial, value, [low, high], unit)| {
-            let accepted = format!("{} to {}{unit}", shown(low), shown(high));
-            ((low..=high).contains(&value), DialFault { dial, found: format!("{}{unit}", shown(value)), accepted })
+        let shares = self.shares().into_iter().map(|(dial, value)| {
+            let (unit, [low, high]) = (dial.unit.suffix(), dial.range.map(shown));
+            let found = format!("{}{unit}", shown(value));
+            (dial.accepts(value), DialFault { dial: dial.name, found, accepted: format!("{low} to {high}{unit}") })
         });
         lengths.chain(shares).find(|(good, _)| !good).map_or(Ok(()), |(_, fault)| Err(fault))
     }
 
     /// Lengths [m] that are asked for, and their range in bead widths.
-    fn lengths(&self, width: f64) -> Vec<(&'static str, f64, [f64; 2])> {
+    fn lengths(&self, width: f64) -> Vec<(Dial, f64, [f64; 2])> {
         let mut lengths = Vec::new();
         if let Some(ripples) = self.ripples {
-            lengths.push(("ripple pitch", ripples.pitch, [0.25, 10.0]));
+            lengths.push((RIPPLE_PITCH, ripples.pitch, [0.25, 10.0]));
         }
         if let Some(Weave { amplitude, pitch }) = self.weave {
-            lengths.push(("weave", amplitude, [0.0, 0.5]));
+            lengths.push((WEAVE, amplitude, [0.0, 0.5]));
             // Steeper swings would fold the bead.
-            lengths.push(("weave pitch", pitch, [1.5 + TAU * amplitude / width, 1e3]));
+            lengths.push((WEAVE_PITCH, pitch, [1.5 + TAU * amplitude / width, 1e3]));
         }
         lengths
     }
 
-    /// Shares and counts, their range and their unit.
-    fn shares(&self) -> [(&'static str, f64, [f64; 2], &'static str); 12] {
+    /// Shares and counts that are asked for.
+    fn shares(&self) -> [(Dial, f64); 12] {
         let Ripples { height, chevron, .. } = self.ripples.unwrap_or(Ripples { pitch: 0.0, height: 0.0, chevron: 0.0 });
         let Crater { depth, hump } = self.crater.unwrap_or(Crater { depth: 0.0, hump: 0.0 });
         let [pores, spatter, holes] = [self.pores, self.spatter, self.burn_through].map(f64::from);
         [
-            ("ripple height", height, [0.0, 0.5], " heights"),
-            ("ripple chevron", chevron, [0.0, 1.0], " widths"),
-            ("crater depth", depth, [0.0, 0.8], " heights"),
-            ("start hump", hump, [0.0, 0.5], " heights"),
-            ("width variation", self.width_variation, [0.0, 0.3], " widths"),
-            ("height variation", self.height_variation, [0.0, 0.3], " heights"),
-            ("sagging", self.sagging, [0.0, 0.7], " heights"),
-            ("overlap", self.overlap, [0.0, 0.3], " widths"),
-            ("undercut", self.undercut, [0.0, 0.5], " heights"),
-            ("number of burnt holes", holes, [0.0, f64::from(MOST_HOLES)], ""),
-            ("number of pores", pores, [0.0, f64::from(MOST_DEFECTS)], ""),
-            ("number of drops of spatter", spatter, [0.0, f64::from(MOST_DEFECTS)], ""),
+            (RIPPLE_HEIGHT, height),
+            (RIPPLE_CHEVRON, chevron),
+            (CRATER_DEPTH, depth),
+            (START_HUMP, hump),
+            (WIDTH_VARIATION, self.width_variation),
+            (HEIGHT_VARIATION, self.height_variation),
+            (SAGGING, self.sagging),
+            (OVERLAP, self.overlap),
+            (UNDERCUT, self.undercut),
+            (BURN_THROUGH, holes),
+            (PORES, pores),
+            (SPATTER, spatter),
         ]
     }
 
