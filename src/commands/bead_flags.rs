@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use weldgen::bead::{BeadShape, Crater, FormRequest, MOST_DEFECTS, MOST_HOLES, Ripples, Weave};
+use weldgen::dials;
 
 use super::flags::metres;
 use super::values::{number, positive, whole};
@@ -25,7 +26,7 @@ pub(super) struct BeadFlags {
         value_name = "WIDTHS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([-0.2, 0.25]),
+        value_parser = number(dials::CONVEXITY.range),
         help_heading = BEAD
     )]
     pub(super) convexity: f64,
@@ -41,7 +42,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.1,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.5]),
+        value_parser = number(dials::RIPPLE_HEIGHT.range),
         help_heading = FORM
     )]
     ripple_height: f64,
@@ -51,7 +52,7 @@ pub(super) struct BeadFlags {
         value_name = "WIDTHS",
         default_value_t = 0.4,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 1.0]),
+        value_parser = number(dials::RIPPLE_CHEVRON.range),
         help_heading = FORM
     )]
     ripple_chevron: f64,
@@ -61,7 +62,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.8]),
+        value_parser = number(dials::CRATER_DEPTH.range),
         help_heading = FORM
     )]
     crater: f64,
@@ -71,7 +72,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.5]),
+        value_parser = number(dials::START_HUMP.range),
         help_heading = FORM
     )]
     start_hump: f64,
@@ -101,7 +102,7 @@ pub(super) struct BeadFlags {
         value_name = "WIDTHS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.3]),
+        value_parser = number(dials::WIDTH_VARIATION.range),
         help_heading = FORM
     )]
     width_variation: f64,
@@ -111,7 +112,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.3]),
+        value_parser = number(dials::HEIGHT_VARIATION.range),
         help_heading = FORM
     )]
     height_variation: f64,
@@ -131,7 +132,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.7]),
+        value_parser = number(dials::SAGGING.range),
         help_heading = IMPERFECTIONS
     )]
     sagging: f64,
@@ -141,7 +142,7 @@ pub(super) struct BeadFlags {
         value_name = "WIDTHS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.3]),
+        value_parser = number(dials::OVERLAP.range),
         help_heading = IMPERFECTIONS
     )]
     overlap: f64,
@@ -151,7 +152,7 @@ pub(super) struct BeadFlags {
         value_name = "HEIGHTS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        value_parser = number([0.0, 0.5]),
+        value_parser = number(dials::UNDERCUT.range),
         help_heading = IMPERFECTIONS
     )]
     undercut: f64,

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use weldgen::access::{ToolKind, ToolShape};
-use weldgen::{Difficulty, Placement, Stitch};
+use weldgen::{Difficulty, Placement, Stitch, dials};
 
 use super::bead_flags::{BEAD, BeadFlags};
 use super::flags::{MESH, MeshFlags, OutFlags, SEEDS, metres, solid_only};
@@ -21,10 +21,6 @@ use files::folder::StagedFolder;
 const CURVE: &str = "Curve";
 /// Heading of the help for what gets at a weld.
 const ACCESS: &str = "Exposure and access";
-/// Geodesic curvatures that are accepted [1/m].
-const CURVATURES: [f64; 2] = [0.0, 1e4];
-/// Shares of a whole.
-const SHARES: [f64; 2] = [0.0, 1.0];
 
 /// Example: robofin weld part.obj --out out/part --seed 7
 #[derive(Debug, Args)]
@@ -107,7 +103,7 @@ pub(super) struct WeldFlags {
         long,
         value_name = "PER_M",
         allow_negative_numbers = true,
-        value_parser = range(number(CURVATURES)),
+        value_parser = range(number(dials::CURVATURE_RMS.range)),
         help_heading = CURVE
     )]
     curvature_per_m: Option<[f64; 2]>,
@@ -116,7 +112,7 @@ pub(super) struct WeldFlags {
         long,
         value_name = "PER_M",
         allow_negative_numbers = true,
-        value_parser = number(CURVATURES),
+        value_parser = number(dials::CURVATURE_MAX.range),
         help_heading = CURVE
     )]
     curvature_max_per_m: Option<f64>,
@@ -128,7 +124,7 @@ pub(super) struct WeldFlags {
         long,
         value_name = "SHARE",
         allow_negative_numbers = true,
-        value_parser = range(number(SHARES)),
+        value_parser = range(number(dials::EXPOSURE.range)),
         conflicts_with = "min_exposure",
         help_heading = ACCESS
     )]
@@ -138,7 +134,7 @@ pub(super) struct WeldFlags {
         long,
         value_name = "SHARE",
         allow_negative_numbers = true,
-        value_parser = number(SHARES),
+        value_parser = number(dials::EXPOSURE.range),
         help_heading = ACCESS
     )]
     min_exposure: Option<f64>,
@@ -173,7 +169,7 @@ pub(super) struct WeldFlags {
         long,
         value_name = "SHARE",
         allow_negative_numbers = true,
-        value_parser = number(SHARES),
+        value_parser = number(dials::LEAST_ACCESS.range),
         help_heading = ACCESS
     )]
     min_access: Option<f64>,
