@@ -25,7 +25,7 @@ use crate::clipped_cell::{ramp_mean, wet_share};
 use crate::lines::{Lines, Run};
 use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::tool::{Frame, Pose, Tool};
+use crate::tool::{Frame, Placement, Tool};
 
 /// Way of a tool across its own axis for which what lies under it is not measured anew [voxels].
 const SAME_COVER: f64 = 1e-3;
@@ -50,6 +50,15 @@ impl Contact {
     pub fn pressure_mean(&self) -> f64 {
         if self.area > 0.0 { self.force / self.area } else { 0.0 }
     }
+}
+
+/// A part of a sheet that is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'a> {
+    /// The sheet.
+    pub sheet: &'a Sheet,
+    /// Which of its lines.
+    pub region: &'a Region,
 }
 
 /// Where a tool was when its squares were measured.
@@ -100,18 +109,13 @@ pub struct Squares {
 
 impl Squares {
     /// Measures a tool over a region of a sheet. `gap` [m], one per line of the grown region or empty, is how much further
-    /// away the tool's surface is than its shape says. Contact is taken as the mean over a `sweep` [m] of the tool about its
+    /// away the tool's surface is than its shape says. Contact is taken as the mean over the tool's sweep about its
     /// pose: with the time that the working surface is over a square, and the depth of a pad in that time.
-    pub fn measure(
-        &mut self,
-        tool: &Tool,
-        pose: &Pose,
-        (sheet, region): (&Sheet, &Region),
-        (gap, sweep): (&[f64], DVec3),
-    ) {
+    pub fn measure(&mut self, place: &Placement, &Ground { sheet, region }: &Ground, gap: &[f64]) {
+        let &Placement { tool, pose, sweep } = place;
         self.clear(sheet.window.lines());
         self.region.clone_from(region);
-        let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, sweep);
+        let border = Border::new(place, sheet);
         self.way = border.frame.turned(border.sweep);
         self.lag.resize(if sweep == DVec3::ZERO { 0 } else { sheet.window.lines() }, 0.0);
         let sought =
@@ -137,7 +141,8 @@ impl Squares {
 
     /// Measures a pad again over the same region of the same sheet, which has only moved along its axis since it was measured: what
     /// is under it stays so, but deeper or less deep. Returns whether that is all it did; if not, nothing was measured.
-    pub fn measure_deeper(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, sweep: DVec3) -> bool {
+    pub fn measure_deeper(&mut self, place: &Placement, sheet: &Sheet) -> bool {
+        let Placement { pose, sweep, .. } = *place;
         let Some(at) = self.at.filter(|at| at.frame == pose.frame && at.sweep == sweep) else { return false };
         let across = (pose.centre - at.over).reject_from_normalized(pose.frame.z);
         if across.length() > SAME_COVER * sheet.pitch {
@@ -157,7 +162,7 @@ impl Squares {
             return true;
         }
         self.clear(sheet.window.lines());
-        self.settle(&Border::new(tool, SheetFrame::new(pose, sheet), sheet, sweep), sheet);
+        self.settle(&Border::new(place, sheet), sheet);
         true
     }
 
@@ -287,8 +292,8 @@ impl Squares {
     }
 
     /// Largest depth under the working surface [m], negative: the gap.
-    pub fn deepest(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> f64 {
-        self.under(tool, pose, sheet).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
+    pub fn deepest(&self, place: &Placement, sheet: &Sheet) -> f64 {
+        self.under(place, sheet).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 

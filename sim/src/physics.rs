@@ -6,15 +6,24 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::clock::{Clock, Phase};
-use crate::contact::{Contact, SheetFrame, Squares};
+use crate::contact::{Contact, Ground, SheetFrame, Squares};
 use crate::lines::{Lines, Run};
-use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::step::Step;
-use crate::tool::{Pose, Tool};
+use crate::tool::{Placement, Tool};
 use crate::tool_cells::ToolCells;
 use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, Process, RunError, States, StepValues, Variable};
 use sdf_bake::simd::in_wide_lanes;
+
+/// Squares of a sheet that formulas run over, one lane each.
+#[derive(Clone, Copy)]
+pub struct InContact<'a> {
+    /// The sheet.
+    pub sheet: &'a Sheet,
+    /// How deep its squares lie under the tool, where that was measured.
+    pub squares: Option<&'a Squares>,
+    /// Lines of the sheet.
+    pub lines: &'a Lines,
+}
 
 /// A model with the state of its tool, and the values of the step under way.
 pub struct Physics<'a> {
@@ -120,8 +129,13 @@ impl<'a> Physics<'a> {
         self.model.process() == Process::Sanding
     }
 
+    /// Whether the part has to keep the depth removed: a hook of the contact or the scanner reads it.
+    pub(crate) fn keeps_removed(&self) -> bool {
+        self.wants(Variable::RemovedDepth) || self.model.needs(Hook::Height).contains(&Variable::RemovedDepth)
+    }
+
     /// Whether a hook reads a variable of the cells.
-    pub fn wants(&self, variable: Variable) -> bool {
+    fn wants(&self, variable: Variable) -> bool {
         self.wanted.contains(&variable)
     }
 
@@ -147,32 +161,28 @@ impl<'a> Physics<'a> {
 
     /// How much further away the tool's surface is than its shape says [m], for each line of a region and of those around
     /// it; empty if no effect changes the shape.
-    pub fn gap(
-        &mut self,
-        tool: &Tool,
-        pose: &Pose,
-        (sheet, region): (&Sheet, &Region),
-        out: &mut Vec<f64>,
-    ) -> Result<(), RunError> {
+    pub fn gap(&mut self, place: &Placement, ground: &Ground, out: &mut Vec<f64>) -> Result<(), RunError> {
         out.clear();
         if !self.model.has(Hook::Shape) {
             return Ok(());
         }
         let mut lines = Lines::default();
+        let Ground { sheet, region } = *ground;
         region.grown().lines(sheet.window.size[1]).for_each(|line| lines.push(line));
-        self.place(tool, pose, sheet, None, &lines);
+        self.place(place, &InContact { sheet, squares: None, lines: &lines });
         out.resize(lines.len(), 0.0);
         self.run(Hook::Shape, &[], out)
     }
 
-    /// Takes up what decides the balance of forces on the squares `lines` of a sheet under a tool at `pose`.
-    pub fn place(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: Option<&Squares>, lines: &Lines) {
+    /// Takes up what decides the balance of forces on the squares under a tool.
+    pub fn place(&mut self, place: &Placement, at: &InContact) {
         let balancing = std::mem::take(&mut self.balancing);
-        self.fill(&balancing, (tool, pose), sheet, squares, lines);
+        self.fill(&balancing, place, at);
         self.balancing = balancing;
         self.tool_cell.clear();
+        let InContact { sheet, lines, .. } = *at;
         if self.model.needs_tool_cells() {
-            let (cells, frame) = (ToolCells::of(tool), SheetFrame::new(pose, sheet));
+            let (cells, frame) = (ToolCells::of(place.tool), SheetFrame::new(&place.pose, sheet));
             let place = |&line: &u32| cells.place(frame.local(sheet.point(line as usize)));
             self.tool_cell.extend(lines.list().iter().map(place));
         }
@@ -187,33 +197,26 @@ impl<'a> Physics<'a> {
     }
 
     /// Takes up what else the hooks read, once the forces are in balance.
-    pub fn place_rest(&mut self, tool: &Tool, pose: &Pose, sheet: &Sheet, squares: &Squares, lines: &Lines) {
+    pub fn place_rest(&mut self, place: &Placement, at: &InContact) {
         let following = std::mem::take(&mut self.following);
-        self.fill(&following, (tool, pose), sheet, Some(squares), lines);
+        self.fill(&following, place, at);
         self.following = following;
     }
 
     /// Fills the lanes of some variables.
-    fn fill(
-        &mut self,
-        variables: &[Variable],
-        (tool, pose): (&Tool, &Pose),
-        sheet: &Sheet,
-        squares: Option<&Squares>,
-        lines: &Lines,
-    ) {
-        let (spindle, feed) = self.motion();
-        let frame = SheetFrame::new(pose, sheet);
+    fn fill(&mut self, variables: &[Variable], place: &Placement, at: &InContact) {
+        let InContact { sheet, squares, lines } = *at;
+        let motion = self.motion();
+        let frame = SheetFrame::new(&place.pose, sheet);
         let local = |line: usize| frame.local(sheet.point(line));
         for &variable in variables {
             let lane = &mut self.lanes[variable as usize];
             lane.clear();
             if variable == Variable::SlipSpeed {
                 lane.resize(lines.len(), 0.0);
-                let places = (sheet, &frame, squares);
                 in_wide_lanes(
                     #[inline(always)]
-                    || slip_speeds(tool, (spindle, feed), places, lines, lane),
+                    || slip_speeds((place.tool, &frame), motion, at, lane),
                 );
                 continue;
             }
@@ -229,7 +232,7 @@ impl<'a> Physics<'a> {
                     Variable::Dose => sheet.dose[line],
                     Variable::CoatingRemoved => sheet.dose[line].min(1.0) * self.coating,
                     Variable::EdgeDistance => sheet.edge_distances()[line],
-                    Variable::Slope => sheet.slope_against(line, pose.approach),
+                    Variable::Slope => sheet.slope_against(line, place.pose.approach),
                     Variable::Label => f64::from(sheet.label[line]),
                     _ => 0.0,
                 }
@@ -238,20 +241,26 @@ impl<'a> Physics<'a> {
         }
     }
 
-    /// Moves the states of the workpiece's cells in contact on by `dt` [s].
+    /// Moves the states of the workpiece's cells in contact on by `dt` [s] in which they had certain `means`.
     ///
     /// # Errors
     /// A formula that gives no finite number.
-    pub fn advance_cells(&mut self, step: &Step, sheet: &Sheet, dt: f64) -> Result<(), RunError> {
+    pub fn advance_cells(
+        &mut self,
+        lines: &Lines,
+        means: &[(Variable, &[f64])],
+        sheet: &Sheet,
+        dt: f64,
+    ) -> Result<(), RunError> {
         if self.cell_lanes.is_empty() {
             return Ok(());
         }
         let mut moved = self.cell_lanes.clone();
         let old: Vec<&[f64]> = self.cell_lanes.iter().map(Vec::as_slice).collect();
-        let lanes = self.lanes(step.lines().len(), &step.means()).with_states(&old);
+        let lanes = self.lanes(lines.len(), means).with_states(&old);
         let mut out: Vec<&mut [f64]> = moved.iter_mut().map(Vec::as_mut_slice).collect();
         self.model.advance_cells(dt, (&self.step, self.states), &lanes, &mut out)?;
-        for (lane, &line) in step.lines().list().iter().enumerate() {
+        for (lane, &line) in lines.list().iter().enumerate() {
             let values = moved.iter().map(|values| values[lane]).collect();
             self.cells.insert(sheet.window.place(line as usize), values);
         }
@@ -315,10 +324,9 @@ impl<'a> Physics<'a> {
 /// with its depth.
 #[inline(always)]
 fn slip_speeds(
-    tool: &Tool,
+    (tool, frame): (&Tool, &SheetFrame),
     (spindle, feed): (f64, DVec3),
-    (sheet, frame, squares): (&Sheet, &SheetFrame, Option<&Squares>),
-    lines: &Lines,
+    &InContact { sheet, squares, lines }: &InContact,
     out: &mut [f64],
 ) {
     for Run { lines: run, lanes } in lines.runs() {

@@ -8,10 +8,10 @@ use crate::control::{Balance, Motion, Response};
 use crate::extent::Extent;
 use crate::physics::Physics;
 use crate::region::Region;
+use crate::scheme::{EndForce, Grinding, Scheme};
 use crate::sheet::{Facing, Sheet};
-use crate::step::Step;
 use crate::surface::way_to_surface;
-use crate::tool::{Pose, Tool};
+use crate::tool::{Placement, Pose, Tool};
 use effects::RunError;
 
 /// Relative difference between force and setpoint that is good enough.
@@ -34,7 +34,8 @@ pub struct Press<'a> {
     pose: Pose,
     reach: f64,
     sheet: Sheet,
-    step: Step,
+    /// A step that takes no time.
+    scheme: Grinding,
     /// Where the tool first touches [m].
     touched: Option<DVec3>,
 }
@@ -47,15 +48,15 @@ impl<'a> Press<'a> {
         let (window, lowest) = extent.window(tool, &[pose], facing, grid.voxel);
         let level = facing.sheet(pose.centre - pose.frame.z * tool.drop()).z;
         let sheet = Sheet::read(grid, facing, window, level + reach, lowest - reach - BELOW * grid.voxel);
-        let mut step = Step::default();
-        step.look_at(Region::inside(&sheet.window));
-        Self { tool, pose, reach, sheet, step, touched: None }
+        let mut scheme = Grinding::default();
+        scheme.look_at(Region::inside(&sheet.window));
+        Self { tool, pose, reach, sheet, scheme, touched: None }
     }
 
     /// The same with the squares at rim and border cut into cells of a sixteenth of a voxel. Without, they are measured
     /// as in a pass; a tool from a mesh always is measured so.
     pub fn closer(mut self) -> Self {
-        self.step.look_closer();
+        self.scheme.look_closer();
         self
     }
 
@@ -65,21 +66,28 @@ impl<'a> Press<'a> {
     /// # Errors
     /// A formula of the model that gives no finite number.
     pub fn contact(&mut self, travel: f64, physics: &mut Physics) -> Result<Contact, RunError> {
-        let pose = self.at(travel, physics)?;
-        self.step.begin((self.tool, &pose), &self.sheet, physics)?;
-        self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
-        let moment = self.step.moment(&pose, &self.sheet);
-        let peak = self.step.start_peak(self.tool, &pose, &self.sheet);
-        let pressure_max = self.step.pressure_to(peak.as_ref());
-        let contact = Contact { moment, pressure_max, ..self.step.contact(&pose, &self.sheet).0 };
-        let width = self.step.extent(&pose, &self.sheet).map_or(0.0, |extent| extent.y.1 - extent.y.0);
+        let place = self.at(travel, physics)?;
+        self.force_at(&place, physics)?;
+        self.scheme.face(&place.pose, &self.sheet);
+        let step = self.scheme.step();
+        let moment = step.moment(&place.pose, &self.sheet);
+        let peak = step.start_peak(&place, &self.sheet);
+        let pressure_max = step.pressure_to(peak.as_ref());
+        let contact = Contact { moment, pressure_max, ..step.contact(&self.sheet).0 };
+        let width = step.extent(&place.pose, &self.sheet).map_or(0.0, |extent| extent.y.1 - extent.y.0);
         physics.has_met(&contact, width);
         Ok(contact)
     }
 
     /// The tool as the model's effects have it, lifted by `travel` [m].
-    fn at(&self, travel: f64, physics: &Physics) -> Result<Pose, RunError> {
-        Ok(self.pose.lifted(travel).changed(&physics.pose_change()?))
+    fn at(&self, travel: f64, physics: &Physics) -> Result<Placement<'a>, RunError> {
+        Ok(Placement::still(self.tool, self.pose.lifted(travel).changed(&physics.pose_change()?)))
+    }
+
+    /// Force on the tool at a place.
+    fn force_at(&mut self, place: &Placement, physics: &mut Physics) -> Result<EndForce, RunError> {
+        self.scheme.begin(place, &self.sheet, physics)?;
+        self.scheme.force_at(place, &self.sheet, physics, 0.0)
     }
 
     /// Travel [m] at which the tool first touches the surface, coming down; `None` where it meets none within reach.
@@ -89,9 +97,9 @@ impl<'a> Press<'a> {
     pub fn touch(&mut self, physics: &mut Physics) -> Result<Option<f64>, RunError> {
         let (mut travel, mut gap) = (self.reach, f64::INFINITY);
         for _ in 0..TOUCH_STEPS {
-            let pose = self.at(travel, physics)?;
-            self.step.begin((self.tool, &pose), &self.sheet, physics)?;
-            let peak = self.step.start_peak(self.tool, &pose, &self.sheet);
+            let place = self.at(travel, physics)?;
+            self.scheme.begin(&place, &self.sheet, physics)?;
+            let peak = self.scheme.step().start_peak(&place, &self.sheet);
             let Some(peak) = peak.filter(|_| travel >= -self.reach) else { return Ok(None) };
             // The gap is the shortest way to the surface, so it is never too far down.
             travel += peak.depth;
@@ -118,8 +126,7 @@ impl<'a> Press<'a> {
     /// # Errors
     /// As [`Press::contact`].
     pub fn patch(&self, travel: f64, physics: &Physics) -> Result<(f64, f64), RunError> {
-        let pose = self.at(travel, physics)?;
-        let patch = self.step.patch(self.tool, &pose, &self.sheet);
+        let patch = self.scheme.step().patch(&self.at(travel, physics)?, &self.sheet);
         Ok(patch.map_or((0.0, 0.0), |patch| (patch.x.1 - patch.x.0, patch.y.1 - patch.y.0)))
     }
 
@@ -141,10 +148,9 @@ impl<'a> Press<'a> {
             bounds: (-self.reach, self.reach),
         };
         balance.solve(touch - FIRST_PRESS, |travel| {
-            let pose = self.at(travel, physics)?;
-            self.step.begin((self.tool, &pose), &self.sheet, physics)?;
-            let end = self.step.end_at((self.tool, &pose), &self.sheet, physics, 0.0)?;
-            let depth = self.step.end_gap(self.tool, &pose, &self.sheet);
+            let place = self.at(travel, physics)?;
+            let end = self.force_at(&place, physics)?;
+            let depth = self.scheme.gap(&place, &self.sheet);
             Ok(Response { force: end.force, stiffness: end.stiffness, depth })
         })
     }

@@ -1,11 +1,14 @@
-//! How a pass is controlled, with defaults that suit a weld on steel.
+//! What a pass is made with, and how it is controlled, with defaults that suit a weld on steel.
 
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
-pub use shaders::constants::LONGEST_STEP;
+pub use shaders::constants::{LONGEST_STEP, TOUCH};
+use std::cell::RefCell;
 
+use crate::clock::Clock;
 use crate::control::Controller;
+use crate::covariates::Covariates;
 use crate::path::Path;
 use crate::tool::Tool;
 use effects::{CompiledModel, Hook, RunError, Variable};
@@ -15,14 +18,8 @@ pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
 /// Fewest squares across a tool.
 const LEAST_SQUARES: f64 = 2.0;
-/// Way of a tool in one step that changes nothing but the coating [footprints], and longest such step [s].
-const SANDING_STEP: (f64, f64) = (0.04, LONGEST_STEP);
-/// The same where the tool keeps its velocity, so that the middle of the step stands for all of it.
-const STEADY_SANDING_STEP: (f64, f64) = (0.06, 0.08);
-/// Difference in velocity up to which it counts as kept [1].
-const STEADY: f64 = 0.05;
-/// Its way on one sheet [footprints]: the surface stays as it was read.
-const SANDING_SHEET: f64 = 1.0;
+/// Longest step of all [s]: of what does not change the surface, while the tool keeps its velocity.
+pub(crate) const LONGEST_STEADY_STEP: f64 = 0.08;
 /// Longest step under an effect that lets the controller's reading follow the clock [s]: ten for a swing at 20 Hz.
 const CLOCKED_STEP: f64 = 5e-3;
 
@@ -63,6 +60,50 @@ impl Default for Process {
             coating: 50e-6,
             search_reach: 20e-3,
             most_steps: None,
+        }
+    }
+}
+
+/// What a pass is made with.
+#[derive(Clone, Copy)]
+pub struct Pass<'a> {
+    /// What presses on the part.
+    pub tool: &'a Tool,
+    /// Where it goes.
+    pub path: &'a Path,
+    /// How it is controlled.
+    pub process: &'a Process,
+    /// What it does to the part.
+    pub model: &'a CompiledModel,
+    /// Number of the pass in its trial, from 1.
+    pub number: usize,
+    /// Row of parameters that have one value per pass, from 0.
+    pub row: usize,
+    /// Time since the trial's first pass began, pauses included [s].
+    pub trial_time: f64,
+    /// Until then the tool keeps to its path, unless the force exceeds [`TOUCH`] of the setpoint before [s]; then the
+    /// controller takes over.
+    pub approach: f64,
+    /// Where to add up what each place of the surface goes through; `None` costs nothing.
+    pub covariates: Option<&'a RefCell<Covariates>>,
+    /// Where to sum up the time that each phase of the work takes; `None` costs nothing.
+    pub clock: Option<&'a Clock>,
+}
+
+impl<'a> Pass<'a> {
+    /// The first pass of a trial.
+    pub fn first(tool: &'a Tool, path: &'a Path, process: &'a Process, model: &'a CompiledModel) -> Self {
+        Self {
+            tool,
+            path,
+            process,
+            model,
+            number: 1,
+            row: 0,
+            trial_time: 0.0,
+            approach: 0.0,
+            covariates: None,
+            clock: None,
         }
     }
 }
@@ -142,7 +183,7 @@ impl Process {
     /// # Errors
     /// [`PassError::NoDynamics`] where an ideal controller would read a past force.
     pub fn longest_step(&self, model: &CompiledModel) -> Result<f64, PassError> {
-        let mut longest = STEADY_SANDING_STEP.1;
+        let mut longest = LONGEST_STEADY_STEP;
         for effect in model.acting(Hook::Force) {
             match self.controller {
                 Controller::Replay => {}
@@ -155,33 +196,6 @@ impl Process {
             }
         }
         Ok(longest)
-    }
-
-    /// Longest way of a tool in a step, and on one sheet [m].
-    pub(crate) fn ways(&self, tool: &Tool, voxel: f64, grinds: bool) -> (f64, f64) {
-        let (step, sheet) = (self.step_voxels * voxel, self.commit_voxels * voxel);
-        if grinds {
-            return (step, sheet);
-        }
-        let footprint = 2.0 * tool.half_footprint(f64::INFINITY).0;
-        (step.max(STEADY_SANDING_STEP.0 * footprint), sheet.max(SANDING_SHEET * footprint))
-    }
-
-    /// Longest step that may begin on each piece of a path [s].
-    pub(crate) fn longest_steps(&self, tool: &Tool, path: &Path, voxel: f64, grinds: bool) -> Vec<f64> {
-        let footprint = 2.0 * tool.half_footprint(f64::INFINITY).0;
-        let longest = |piece: usize| {
-            let (share, longest) = if grinds {
-                (0.0, LONGEST_STEP)
-            } else if path.is_steady(piece, STEADY, STEADY_SANDING_STEP.1) {
-                STEADY_SANDING_STEP
-            } else {
-                SANDING_STEP
-            };
-            let (way, speed) = ((self.step_voxels * voxel).max(share * footprint), path.piece_velocity(piece).length());
-            if speed > 0.0 { longest.min(way / speed) } else { longest }
-        };
-        (0..path.pieces()).map(longest).collect()
     }
 
     /// Steps that a pass along a path takes on voxels [m] of a size, at most about: of a part of a voxel, of the longest

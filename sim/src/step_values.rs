@@ -1,9 +1,9 @@
 //! The values that the model's formulas may read once per step: clock, feed, and what the last step did.
 
-use crate::contact::Contact;
 use crate::control::Motion;
-use crate::pass::Pass;
-use crate::record::Removal;
+use crate::scheme::Applied;
+use crate::settings::Pass;
+use crate::step::Taken;
 use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
 use effects::{StepValues, Variable};
@@ -80,14 +80,9 @@ impl Moment {
         step.set(Variable::SlidingSpeed, speed.abs() * self.rim_radius);
     }
 
-    /// Takes up what a step of `dt` [s] did.
-    pub(crate) fn leave(
-        &mut self,
-        (contact, removal): (&Contact, &Removal),
-        (motion, before): (Motion, Motion),
-        patch_width: f64,
-        dt: f64,
-    ) {
+    /// Takes up what a step did after the tool's motion `before`, on a patch so wide [m].
+    pub(crate) fn leave(&mut self, taken: &Taken, before: Motion, patch_width: f64) {
+        let Taken { motion, dt, contact, applied: Applied { removal, .. }, .. } = taken;
         let speed = (motion.travel - before.travel) / dt;
         self.lift_acceleration = (speed - self.lift_speed) / dt;
         self.lift_speed = speed;

@@ -9,10 +9,10 @@ use common::{fresh, line};
 use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use sdf_bake::BrickGrid;
-use sim::contact::Squares;
+use sim::contact::{Ground, Squares};
 use sim::region::Region;
 use sim::sheet::{Facing, Sheet, Window};
-use sim::{Controller, Frame, Pad, Pass, PassRecord, Path, PathSample, Pose, Process, Tool, run_pass};
+use sim::{Controller, Frame, Pad, Pass, PassRecord, Path, PathSample, Placement, Pose, Process, Tool, run_pass};
 
 const VOXEL: f64 = 0.5e-3;
 /// K_P/h_c [1/(Pa m)].
@@ -174,19 +174,21 @@ fn a_pad_that_only_sinks_in_is_measured_as_if_anew() {
     let window = Window { low: [-30, -30], size: [61, 61] };
     let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 2e-3, -1e-3);
     let (tool, region) = (Tool::from(Pad { radius: 0.0125 }), Region::inside(&window));
+    let ground = Ground { sheet: &sheet, region: &region };
     let sweep = DVec3::new(1e-3, 4e-4, -3e-5);
     let (mut steady, mut wet) = (Squares::default(), Vec::new());
     for tilt in [0.0, 4e-3] {
         let frame = Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z }.tilted(tilt, -0.5 * tilt);
         let pose = |sunk: f64| Pose { centre: DVec3::new(3e-4, -2e-4, -sunk), approach: DVec3::Z, frame };
-        steady.measure(&tool, &pose(-9e-4), (&sheet, &region), (&[], sweep));
+        let place = |sunk: f64| Placement { tool: &tool, pose: pose(sunk), sweep };
+        steady.measure(&place(-9e-4), &ground, &[]);
         for sunk in [-9e-4, -8.99e-4, -8e-4, 1e-4, 5e-4, 5.1e-4, 5.05e-4, 3e-4, -2e-4] {
-            if !steady.measure_deeper(&tool, &pose(sunk), &sheet, sweep) {
-                steady.measure(&tool, &pose(sunk), (&sheet, &region), (&[], sweep));
+            if !steady.measure_deeper(&place(sunk), &sheet) {
+                steady.measure(&place(sunk), &ground, &[]);
                 assert_ne!(tilt, 0.0, "a level pad does not move across its axis");
             }
             let mut anew = Squares::default();
-            anew.measure(&tool, &pose(sunk), (&sheet, &region), (&[], sweep));
+            anew.measure(&place(sunk), &ground, &[]);
             assert_eq!(steady.wet, anew.wet, "{tilt} rad, {sunk} m");
             for line in anew.wet.list().iter().map(|line| *line as usize) {
                 let off = |of: fn(&Squares) -> &[f64]| (of(&steady)[line] - of(&anew)[line]).abs();

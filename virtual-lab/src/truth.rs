@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use sdf_bake::channels::Scalar;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
-use sim::pass::TOUCH;
+use sim::settings::TOUCH;
 use sim::{PassError, PassRecord, PathError, Profilometer, run_pass};
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! A logged pass as the path that a simulation follows: where the controller took over, and where the tool was lifted.
 
 use glam::DVec3;
-use sim::pass::TOUCH;
+use sim::settings::TOUCH;
 use sim::{Path, PathError, PathSample};
 use trials::trial::{Contact, Pass, Tool, ToolPath, ToolPose, Trial};
 

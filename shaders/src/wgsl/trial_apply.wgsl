@@ -1,4 +1,4 @@
-// What a step did to the squares, and its sums; twin of step/contact_integrals.rs and of Step::apply.
+// What a step did to the squares, and its sums; twin of scheme/contact_integrals.rs and of Scheme::apply.
 
 // Height of the parabola's peak above the column, if it is in the square.
 fn peak_rise(d: Difference) -> f32 {

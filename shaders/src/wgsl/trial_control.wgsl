@@ -1,4 +1,4 @@
-// The order of things: what follows each parallel part; twin of pass/mod.rs. One invocation of the workgroup runs it.
+// The order of things: what follows each parallel part; twin of step/mod.rs. One invocation of the workgroup runs it.
 
 
 // Ends the trial if a formula gave no finite number; the sheet is written back first.

@@ -1,4 +1,4 @@
-// What follows an evaluation of the force; twin of pass/force_balance.rs.
+// What follows an evaluation of the force; twin of step/force_balance.rs.
 
 // Takes up the force of the evaluation.
 fn settle_evaluation() {

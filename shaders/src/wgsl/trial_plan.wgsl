@@ -1,4 +1,4 @@
-// What one invocation decides between the parallel parts of a step: clock, sheet and poses; twin of pass/mod.rs, seek.rs
+// What one invocation decides between the parallel parts of a step: clock, sheet and poses; twin of step/mod.rs, step/force_balance.rs
 // and extent.rs.
 
 

@@ -1,4 +1,4 @@
-// A square integrated over a step, and put right where its law is no straight line in the depth; twin of step/exponential_integrator.rs and step/nonlinear_correction.rs.
+// A square integrated over a step, and put right where its law is no straight line in the depth; twin of scheme/exponential_integrator.rs and scheme/nonlinear_correction.rs.
 
 
 

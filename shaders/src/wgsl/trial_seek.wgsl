@@ -1,4 +1,4 @@
-// Where the controller brings the tool in a step, evaluation by evaluation; twin of pass/force_balance.rs.
+// Where the controller brings the tool in a step, evaluation by evaluation; twin of step/force_balance.rs.
 
 
 // Chooses a sheet that holds the contact for the next steps.

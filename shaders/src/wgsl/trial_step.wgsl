@@ -1,4 +1,4 @@
-// One step of the contact over the squares of the region, one invocation each in turn; twin of step/.
+// One step of the contact over the squares of the region, one invocation each in turn; twin of scheme/grinding.rs and scheme/sanding.rs.
 
 
 // Whether a line is in the rectangle in which the start of the step was measured.

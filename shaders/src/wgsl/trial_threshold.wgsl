@@ -1,4 +1,4 @@
-// Squares that begin or cease to recede within a step, and the depths that recede; twin of step/threshold.rs and of step/contact_state.rs.
+// Squares that begin or cease to recede within a step, and the depths that recede; twin of scheme/threshold.rs and of scheme/contact_state.rs.
 
 // Recession per what a depth exceeds its straight line by in the middle of a step, as a parabola over time.
 fn bulge_gain(x: f32) -> f32 {

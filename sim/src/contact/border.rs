@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::clipped_cell::wet_share;
 use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::tool::{Pose, Tool};
+use crate::tool::{Placement, Pose, Tool};
 
 /// Cosine of a pad's tilt against the columns below which its squares are sought in whole rows.
 const MOST_TILTED: f64 = 0.5;
@@ -69,8 +69,9 @@ pub(super) struct Border<'a> {
 }
 
 impl<'a> Border<'a> {
-    pub(super) fn new(tool: &'a Tool, frame: SheetFrame, sheet: &Sheet, sweep: DVec3) -> Self {
-        let sweep = sheet.facing.sheet(sweep);
+    pub(super) fn new(place: &Placement<'a>, sheet: &Sheet) -> Self {
+        let (tool, frame) = (place.tool, SheetFrame::new(&place.pose, sheet));
+        let sweep = sheet.facing.sheet(place.sweep);
         // Half a square's diagonal, and what a slope of one adds.
         let near = sheet.pitch + 0.5 * sweep.length();
         let rim = tool.rim_radius();

@@ -10,7 +10,7 @@ use super::rows::UNSETTLED;
 use super::{SheetFrame, Squares};
 use crate::extent::Extent;
 use crate::sheet::{NO_SURFACE, Sheet};
-use crate::tool::{Pose, Tool};
+use crate::tool::{Placement, Tool};
 
 /// Second difference below which depths lie on a plane [pitches]: a thousand times the roundings of the heights.
 const STRAIGHT: f64 = 1e-6;
@@ -67,15 +67,15 @@ impl Squares {
     }
 
     /// Extent of the patch in the tool's frame, rim and border found between columns; `None` without contact.
-    pub(crate) fn extent(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
-        let (frame, across) = (SheetFrame::new(pose, sheet), sheet.window.size[1]);
+    pub(crate) fn extent(&self, place: &Placement, sheet: &Sheet) -> Option<Extent> {
+        let (frame, across) = (SheetFrame::new(&place.pose, sheet), sheet.window.size[1]);
         let is_full = |line: &usize| self.share[*line] == 1.0;
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for line in self.wet.runs().iter().flat_map(|run| run.lines.clone()) {
             if [line, line - 1, line + 1, line - across, line + across].iter().all(is_full) {
                 continue;
             }
-            let patch = Patch::new((tool, &frame), sheet, line, self.depth[line]);
+            let patch = Patch::new((place.tool, &frame), sheet, line, self.depth[line]);
             rim_points(&patch, &mut |at| {
                 let at = frame.local(patch.point(at));
                 (low, high) = (low.min(at), high.max(at));

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::patch::Patch;
 use super::{Border, SheetFrame, Squares};
 use crate::sheet::{NO_SURFACE, Sheet};
-use crate::tool::{Pose, Tool};
+use crate::tool::Placement;
 
 /// How far the height of a column beside a wall may be off [voxels].
 const EDGE_ERROR: f64 = 0.05;
@@ -30,9 +30,9 @@ pub(crate) struct Peak {
 impl Squares {
     /// The deepest point under the working surface, between columns and at the border as well; `None` where there is no
     /// surface. Beside a wall a column's height is less sure than elsewhere, and counts as that much less deep.
-    pub(crate) fn peak(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> Option<Peak> {
-        let frame = SheetFrame::new(pose, sheet);
-        let lines: Vec<usize> = self.under(tool, pose, sheet).filter(|&line| sheet.height[line] > NO_SURFACE).collect();
+    pub(crate) fn peak(&self, place: &Placement, sheet: &Sheet) -> Option<Peak> {
+        let (tool, frame) = (place.tool, SheetFrame::new(&place.pose, sheet));
+        let lines: Vec<usize> = self.under(place, sheet).filter(|&line| sheet.height[line] > NO_SURFACE).collect();
         let within = |line: usize| tool.within(frame.local(sheet.point(line)));
         let mut best: Option<Peak> = None;
         for &line in lines.iter().filter(|&&line| within(line) >= 0.0) {
@@ -60,9 +60,9 @@ impl Squares {
         best
     }
 
-    /// Lines under the working surface.
-    pub(super) fn under(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> impl Iterator<Item = usize> {
-        let border = Border::new(tool, SheetFrame::new(pose, sheet), sheet, DVec3::ZERO);
+    /// Lines under the working surface of a tool that stands.
+    pub(super) fn under(&self, place: &Placement, sheet: &Sheet) -> impl Iterator<Item = usize> {
+        let border = Border::new(&Placement::still(place.tool, place.pose), sheet);
         self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line).share > 0.0)
     }
 

@@ -15,10 +15,11 @@ use shaders::simulate::{Batch, Remains, Rooms, Running, SimulateError, Simulator
 
 use super::setup::time_of;
 use super::{GpuError, readback, refusal, setup};
-use crate::pass::{Pass, Progress};
+use crate::pass::Progress;
 use crate::physics::Physics;
 use crate::record::PassRecord;
-use crate::settings::PassError;
+use crate::scheme::{Pace, scheme_of};
+use crate::settings::{Pass, PassError};
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, Hook, Reset, States};
 
@@ -125,6 +126,7 @@ struct Ready<'a> {
     trial: Trial<'a>,
     states: States,
     setup: shaders::layout::TrialSetup,
+    pace: Pace,
     sands: bool,
     keeps_removed: bool,
 }
@@ -139,9 +141,9 @@ impl<'a> Ready<'a> {
         let mut states = tool.clone();
         states.reset(pass.model, Reset::Pass);
         let physics = Physics::new(pass.model, &mut states, pass.process.coating);
-        let setup = setup::setup(part, &pass, &physics)?;
-        let (sands, keeps_removed) = (physics.sands(), setup::keeps_removed(&pass, &physics));
-        Ok((model, Self { number, trial, states, setup, sands, keeps_removed }))
+        let (setup, pace) = setup::setup(part, &pass, &physics, scheme_of(&physics).as_ref())?;
+        let (sands, keeps_removed) = (physics.sands(), physics.keeps_removed());
+        Ok((model, Self { number, trial, states, setup, pace, sands, keeps_removed }))
     }
 }
 
@@ -187,7 +189,7 @@ fn batch(group: &[Ready], model: &DeviceModel) -> Batch {
             }
         };
         let path_first = batch.path.len() as u32;
-        batch.path.extend(setup::path(&pass, part.voxel, ready.setup.grinds == 1));
+        batch.path.extend(setup::path(&pass, part.voxel, &ready.pace));
         let mut setup = ready.setup;
         (setup.first_brick, setup.shared_bricks) = (first_brick, part.brick_count() as u32);
         (setup.path_first, setup.path_pieces) = (path_first, batch.path.len() as u32 - path_first - 1);

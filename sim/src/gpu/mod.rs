@@ -10,8 +10,7 @@ mod setup;
 
 pub use batch::{Outcome, Settings, Trial, run_batch, run_pass};
 
-use crate::pass::Pass;
-use crate::settings::PassError;
+use crate::settings::{Pass, PassError};
 use crate::tool::Tool;
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, Hook};

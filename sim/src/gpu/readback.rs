@@ -9,8 +9,8 @@ use shaders::simulate::Remains;
 
 use super::setup::time_of;
 use crate::contact::Contact;
-use crate::pass::Pass;
 use crate::record::{DEVICE_CLOCK, LogRow, PassRecord, Removal};
+use crate::settings::Pass;
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, States};
 

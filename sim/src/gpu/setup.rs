@@ -10,13 +10,13 @@ use shaders::constants::{
 use shaders::layout::{PathPiece, TrialSetup, TrialState};
 
 use crate::control::Controller;
-use crate::pass::Pass;
 use crate::path::PathSample;
 use crate::physics::Physics;
-use crate::settings::{LONGEST_STEP, PassError};
+use crate::scheme::{Pace, Scheme};
+use crate::settings::{LONGEST_STEP, Pass, PassError};
 use crate::tool::Tool;
 use crate::tool_cells::ToolCells;
-use effects::{DeviceModel, Hook, States, StepValues, Variable};
+use effects::{DeviceModel, States, StepValues, Variable};
 
 /// Longest piece of a path [voxels]: f32 resolves places on it to 1e-6 voxel.
 const PIECE: f64 = 16.0;
@@ -39,11 +39,10 @@ fn four(v: DVec3, last: f64) -> [f32; 4] {
 }
 
 /// The path in straight pieces, and its end.
-pub(super) fn path(pass: &Pass, voxel: f64, grinds: bool) -> Vec<PathPiece> {
+pub(super) fn path(pass: &Pass, voxel: f64, pace: &Pace) -> Vec<PathPiece> {
     let samples = pass.path.samples();
     let mut pieces = Vec::new();
-    let longest_steps = pass.process.longest_steps(pass.tool, pass.path, voxel, grinds);
-    for (pair, longest_step) in samples.windows(2).zip(longest_steps) {
+    for (pair, &longest_step) in samples.windows(2).zip(&pace.longest_steps) {
         let (a, b) = (&pair[0], &pair[1]);
         let count = ((b.position - a.position).length() / (PIECE * voxel)).ceil().max(1.0);
         let velocity = (b.position - a.position) / (b.time - a.time) / voxel;
@@ -76,11 +75,16 @@ fn piece(
     }
 }
 
-/// What a trial is made with; where its arrays begin is the host's.
+/// What a trial is made with; where its arrays begin is the host's. And the pace of its tool.
 ///
 /// # Errors
 /// A setting out of range.
-pub(super) fn setup(grid: &BrickGrid, pass: &Pass, physics: &Physics) -> Result<TrialSetup, PassError> {
+pub(super) fn setup(
+    grid: &BrickGrid,
+    pass: &Pass,
+    physics: &Physics,
+    scheme: &dyn Scheme,
+) -> Result<(TrialSetup, Pace), PassError> {
     pass.process.check(grid, pass.tool)?;
     let voxel = grid.voxel;
     let in_voxels = |length: f64| (length / voxel) as f32;
@@ -99,13 +103,13 @@ pub(super) fn setup(grid: &BrickGrid, pass: &Pass, physics: &Physics) -> Result<
     place_controller(&mut setup, process.controller, voxel);
     setup.force_setpoint = process.force_setpoint as f32;
     setup.spindle_speed = process.spindle_speed as f32;
-    let (step_way, commit_way) = process.ways(pass.tool, voxel, physics.grinds());
-    (setup.step_way, setup.commit_way) = (in_voxels(step_way), in_voxels(commit_way));
+    let pace = scheme.pace(pass, voxel);
+    (setup.step_way, setup.commit_way) = (in_voxels(pace.step_way), in_voxels(pace.sheet_way));
     setup.search_reach = in_voxels(process.search_reach);
     setup.coating = process.coating as f32;
     setup.longest_step = process.longest_step(pass.model)? as f32;
     setup.quasi_static = process.quasi_static.into();
-    (setup.grinds, setup.sands) = (physics.grinds().into(), physics.sands().into());
+    (setup.grinds, setup.sands) = (scheme.recedes().into(), physics.sands().into());
     setup.bends = physics.may_bend().into();
     setup.pass_row = pass.row as u32;
     setup.most_steps = process.most_steps.map_or(0, |most| most.max(1) as u32);
@@ -113,7 +117,7 @@ pub(super) fn setup(grid: &BrickGrid, pass: &Pass, physics: &Physics) -> Result<
     (setup.duration_blocks, setup.duration_rest) = clock(pass.path.duration());
     setup.trial_time = pass.trial_time as f32;
     setup.path_length = pass.path.length() as f32;
-    Ok(setup)
+    Ok((setup, pace))
 }
 
 fn place_tool(setup: &mut TrialSetup, tool: &Tool, voxel: f64) {
@@ -189,10 +193,4 @@ pub(super) fn values(pass: &Pass, states: &States, model: &DeviceModel) -> Vec<f
     fill(model.tool_states, tool);
     fill(model.cell_states, &cells.concat());
     values
-}
-
-/// Whether the field must keep the removed depth for a pass.
-pub(super) fn keeps_removed(pass: &Pass, physics: &Physics) -> bool {
-    let scanner = pass.model.needs(Hook::Height);
-    physics.wants(Variable::RemovedDepth) || scanner.contains(&Variable::RemovedDepth)
 }

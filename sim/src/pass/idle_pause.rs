@@ -1,7 +1,6 @@
 //! The pause before a pass: what the tool remembers goes on while it stands in the air.
 
-use super::Pass;
-use crate::settings::LONGEST_STEP;
+use crate::settings::{LONGEST_STEP, Pass};
 use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
 use effects::{RunError, States, StepValues, Variable};

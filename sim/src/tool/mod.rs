@@ -8,7 +8,7 @@ mod mesh;
 mod pose;
 
 pub use mesh::MeshDepth;
-pub use pose::{Frame, Pose};
+pub use pose::{Frame, Placement, Pose};
 
 use std::sync::Arc;
 

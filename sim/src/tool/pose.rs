@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::Tool;
 use effects::PoseChange;
 
 /// Axes of a tool in the workpiece's frame, orthonormal.
@@ -72,6 +73,24 @@ impl Pose {
     pub fn local(&self, point: DVec3) -> DVec3 {
         let from = point - self.centre;
         DVec3::new(from.dot(self.frame.x), from.dot(self.frame.y), from.dot(self.frame.z))
+    }
+}
+
+/// A tool at a place, or sweeping about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Placement<'a> {
+    /// The tool.
+    pub tool: &'a Tool,
+    /// Where it is.
+    pub pose: Pose,
+    /// Its way [m], half of it before and half after the pose; zero where it stands.
+    pub sweep: DVec3,
+}
+
+impl<'a> Placement<'a> {
+    /// A tool that stands.
+    pub fn still(tool: &'a Tool, pose: Pose) -> Self {
+        Self { tool, pose, sweep: DVec3::ZERO }
     }
 }
 

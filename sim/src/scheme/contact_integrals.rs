@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Step;
+use super::contact_state::{End, Side};
 use super::lanes::{Bounds, PARTS, dot};
 use crate::contact::{Contact, Peak, SheetFrame};
 use crate::covariates::Square;
@@ -10,8 +10,9 @@ use crate::extent::Extent;
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::sheet::Sheet;
-use crate::tool::{Pose, Tool};
+use crate::tool::{Placement, Pose};
 use crate::tool_cells::{CellSums, ToolCells, Under};
+use effects::Variable;
 use sdf_bake::simd::in_wide_lanes;
 
 /// Squares that are looked at together for the highest pressure.
@@ -41,39 +42,60 @@ impl ApproachShare {
             }
         }
     }
+
+    /// The same in the processor's widest lanes.
+    pub(super) fn fill_wide(&self, sheet: &Sheet, lines: &Lines, out: &mut Vec<f64>) {
+        in_wide_lanes(
+            #[inline(always)]
+            || self.fill(sheet, lines, out),
+        );
+    }
 }
 
-impl Step {
-    /// What the tool meets, as a mean over the step, but for the moment; and the force at its end, after what it takes off [N].
-    pub fn contact(&mut self, pose: &Pose, sheet: &Sheet) -> (Contact, f64) {
-        let mut facing = std::mem::take(&mut self.facing);
-        let result = in_wide_lanes(
+/// What a step did to the squares in contact, one lane each.
+pub(crate) struct ContactStep<'a> {
+    /// Lines of the sheet in contact.
+    pub(crate) lines: &'a Lines,
+    /// The tool at the step's start and end; of a step that is taken as its middle, that twice.
+    pub(super) start: &'a Side,
+    pub(super) end: &'a Side,
+    /// Surface of each lane's square that faces the approach axis [m²].
+    pub(super) facing: &'a [f64],
+    /// How fast the tool came nearer, less recession [m/s].
+    pub(super) depth_rate: &'a [f64],
+    /// Recession of the square's mean [m].
+    pub(super) recession: &'a [f64],
+    /// Mean over the square of the pressure, as a mean over the step and at its end [Pa].
+    pub(super) mean_load: &'a [f64],
+    pub(super) end_load: &'a [f64],
+    /// Dose that the square's mean took up [1].
+    pub(super) dose: &'a [f64],
+}
+
+impl ContactStep<'_> {
+    /// What the tool met, as a mean over the step, but for the moment; and the force at its end, after what it took off [N].
+    pub(crate) fn contact(&self, sheet: &Sheet) -> (Contact, f64) {
+        in_wide_lanes(
             #[inline(always)]
             || {
-                if !self.is_whole {
-                    ApproachShare::new(pose, sheet).fill(sheet, &self.lines, &mut facing);
-                }
-                let (load, area) = self.load_and_area(sheet, &facing);
-                let force = dot(&self.relaxed.mean_load, &facing);
+                let (load, area) = self.load_and_area(sheet);
+                let force = dot(self.mean_load, self.facing);
                 let pressure_max = self.pressure_max(sheet);
-                let end_force = if self.is_whole { force } else { dot(&self.relaxed.end_load, &facing) };
-                (Contact { force, load, area, pressure_max, ..Contact::default() }, end_force)
+                let contact = Contact { force, load, area, pressure_max, ..Contact::default() };
+                (contact, dot(self.end_load, self.facing))
             },
-        );
-        self.facing = facing;
-        result
+        )
     }
 
     /// Load [N] and area [m²] of the contact.
     #[inline(always)]
-    fn load_and_area(&self, sheet: &Sheet, facing: &[f64]) -> (f64, f64) {
-        let (start, end) = (self.start_squares(), &self.end_squares);
+    fn load_and_area(&self, sheet: &Sheet) -> (f64, f64) {
         let (mut load, mut area) = (0.0, 0.0);
         for Run { lines, lanes } in self.lines.runs() {
-            load += dot(&self.relaxed.mean_load[lanes.clone()], &sheet.area_ratios()[lines.clone()]);
-            let facing = &facing[lanes.clone()];
-            let end = dot(&end.area[lines.clone()], facing);
-            area += if self.is_whole { end } else { 0.5 * (dot(&start.area[lines.clone()], facing) + end) };
+            load += dot(&self.mean_load[lanes.clone()], &sheet.area_ratios()[lines.clone()]);
+            let facing = &self.facing[lanes.clone()];
+            let of = |side: &Side| dot(&side.squares.area[lines.clone()], facing);
+            area += 0.5 * (of(self.start) + of(self.end));
         }
         (load * (sheet.pitch * sheet.pitch), area)
     }
@@ -81,7 +103,7 @@ impl Step {
     /// Highest pressure [Pa]. That of a lane belongs to the square's mean depth; its middle may be deeper.
     #[inline(always)]
     fn pressure_max(&self, sheet: &Sheet) -> f64 {
-        let (start, squares) = (self.start(), self.start_squares());
+        let Side { lanes: start, squares, .. } = self.start;
         let mut highest = 0.0f64;
         for Run { lines: run, lanes } in self.lines.runs() {
             for first in (0..run.len()).step_by(LOOKED_AT) {
@@ -104,7 +126,7 @@ impl Step {
     /// Highest pressure [Pa] at the start of the step: that at a square's mean depth, or at the deepest point, which is as
     /// much higher as it lies deeper.
     pub(crate) fn pressure_to(&self, peak: Option<&Peak>) -> f64 {
-        let start = self.start();
+        let start = &self.start.lanes;
         let wet = |lane: &usize| start.share[*lane] > 0.0;
         let highest = (0..self.lines.len()).filter(wet).map(|lane| start.pressure[lane]).fold(0.0, f64::max);
         let lane_of = |peak: &Peak| self.lines.list().iter().position(|&line| line as usize == peak.line).filter(wet);
@@ -112,37 +134,42 @@ impl Step {
         peak.and_then(at).map_or(highest, |pressure| highest.max(pressure))
     }
 
+    /// The deepest point under the working surface at the start of the step; `None` where there is no surface.
+    pub(crate) fn start_peak(&self, place: &Placement, sheet: &Sheet) -> Option<Peak> {
+        self.start.squares.peak(place, sheet)
+    }
+
     /// Extent of the contact at the end of the step, to its rim; `None` without any.
-    pub(crate) fn patch(&self, tool: &Tool, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
-        self.end_squares.extent(tool, pose, sheet)
+    pub(crate) fn patch(&self, place: &Placement, sheet: &Sheet) -> Option<Extent> {
+        self.end.squares.extent(place, sheet)
     }
 
     /// Moment of the mean force about the tool's reference point [N m].
-    pub fn moment(&self, pose: &Pose, sheet: &Sheet) -> DVec3 {
+    pub(crate) fn moment(&self, pose: &Pose, sheet: &Sheet) -> DVec3 {
         let area = sheet.pitch * sheet.pitch;
         let normal = ApproachShare::new(pose, sheet);
         let moment = |(load, &line): (&f64, &u32)| {
             let arm = sheet.facing.world(sheet.point(line as usize)) - pose.centre;
             arm.cross(pose.approach) * (load * area * normal.of(sheet, line as usize))
         };
-        self.relaxed.mean_load.iter().zip(self.lines.list()).map(moment).sum()
+        self.mean_load.iter().zip(self.lines.list()).map(moment).sum()
     }
 
     /// What happened to each square in contact.
     pub(crate) fn squares(&self) -> impl Iterator<Item = Square> {
         self.lines.list().iter().enumerate().map(|(lane, &line)| Square {
             line: line as usize,
-            share: 0.5 * (self.start().share[lane] + self.end.share[lane]),
-            load: self.relaxed.mean_load[lane],
-            recession: self.relaxed.recession[lane],
+            share: 0.5 * (self.start.lanes.share[lane] + self.end.lanes.share[lane]),
+            load: self.mean_load[lane],
+            recession: self.recession[lane],
             dose: self.dose[lane],
         })
     }
 
     /// What happened under each cell of the tool: means over its contact, and what was taken under it.
-    pub fn cell_sums(&self, (tool, pose): (&Tool, &Pose), sheet: &Sheet, physics: &Physics, dt: f64) -> CellSums {
+    pub(crate) fn cell_sums(&self, place: &Placement, sheet: &Sheet, physics: &Physics, dt: f64) -> CellSums {
         let mut sums = CellSums::default();
-        let (places, frame) = (ToolCells::of(tool), SheetFrame::new(pose, sheet));
+        let (places, frame) = (ToolCells::of(place.tool), SheetFrame::new(&place.pose, sheet));
         for (square, &line) in self.squares().zip(self.lines.list()) {
             let at = frame.local(sheet.point(line as usize));
             sums.add(
@@ -150,7 +177,7 @@ impl Step {
                 &Under {
                     share: square.share,
                     load: square.load,
-                    slip_speed: physics.slip_speed(tool, at),
+                    slip_speed: physics.slip_speed(place.tool, at),
                     recession: square.recession / dt,
                     dose: square.dose / dt,
                     surface: sheet.pitch * sheet.pitch * sheet.area_ratio(line as usize),
@@ -162,7 +189,7 @@ impl Step {
     }
 
     /// Extent of the contact; `None` without any.
-    pub fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
+    pub(crate) fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
         let (x, y) = in_wide_lanes(
             #[inline(always)]
             || self.bounds(&SheetFrame::new(pose, sheet), sheet),
@@ -199,8 +226,15 @@ impl Step {
         (x.range(), y.range())
     }
 
-    /// Largest recession of a square in this step [m].
-    pub fn recession_max(&self) -> f64 {
-        self.relaxed.recession.iter().copied().fold(0.0, f64::max)
+    /// What the workpiece's cells see at the end of the step, lane by lane.
+    pub(crate) fn means(&self) -> [(Variable, &[f64]); 5] {
+        let End { depth, pressure, rate, dose_rate, .. } = &self.end.lanes;
+        [
+            (Variable::Depth, depth),
+            (Variable::DepthRate, self.depth_rate),
+            (Variable::Pressure, pressure),
+            (Variable::Rate, rate),
+            (Variable::DoseRate, dose_rate),
+        ]
     }
 }

@@ -1,16 +1,46 @@
-//! The squares in contact at one end of a step, one lane each.
+//! The tool at one end of a step: the squares under it, and those in contact as lanes.
 
 use std::ops::Range;
 
-use crate::contact::{Columns, Squares};
+use glam::DVec3;
+
+use crate::clock::Phase;
+use crate::contact::{Columns, Ground, Squares};
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
+use crate::tool::Placement;
 use effects::RunError;
 use sdf_bake::simd::in_wide_lanes;
 
+/// The tool at one moment of a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Side {
+    /// The tool's reference point [m].
+    pub(super) centre: DVec3,
+    pub(super) squares: Squares,
+    pub(super) lanes: End,
+}
+
+impl Side {
+    /// Measures the tool at a place. `gap` is filled with how much further away it is than its shape says.
+    pub(super) fn measure(
+        &mut self,
+        place: &Placement,
+        ground: &Ground,
+        physics: &mut Physics,
+        gap: &mut Vec<f64>,
+    ) -> Result<(), RunError> {
+        self.centre = place.pose.centre;
+        physics.gap(place, ground, gap)?;
+        self.squares.measure(place, ground, gap);
+        physics.lap(Phase::Squares);
+        Ok(())
+    }
+}
+
 /// State of the squares in contact at one end of a step.
 #[derive(Clone, Debug, Default)]
-pub(super) struct End {
+pub(crate) struct End {
     /// Mean depth over the wet share [m].
     pub(super) depth: Vec<f64>,
     pub(super) share: Vec<f64>,
@@ -100,12 +130,9 @@ impl End {
 /// Over flat work that is the depth at the column: then a column meets a threshold when the tool does, and the sum of what
 /// columns lose is that of the work. Elsewhere the depth within a square is not known; there it is the mean over the wet share, of
 /// which the square recedes by that share, so that pressure and removal go together.
-pub(super) fn gather_receding(
-    (start, end): (&mut End, &mut End),
-    (before, after): (&Squares, &Squares),
-    (across, bends): (usize, [f64; 2]),
-    lines: &Lines,
-) {
+pub(super) fn gather_receding((start, end): (&mut Side, &mut Side), (across, bends): (usize, [f64; 2]), lines: &Lines) {
+    let (before, after) = (&start.squares, &end.squares);
+    let (start, end) = (&mut start.lanes, &mut end.lanes);
     for end in [&mut *start, &mut *end] {
         end.own.clone_from(&end.depth);
         end.cover.clone_from(&end.share);

@@ -1,0 +1,38 @@
+//! The dose that a step gives the coating, Eq. (2).
+
+use super::lanes::sum;
+use crate::lines::{Lines, Run};
+use crate::sheet::Sheet;
+use sdf_bake::simd::in_wide_lanes;
+
+/// Dose of each lane in a step; filled again and again.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Dose {
+    /// What the square's mean takes up in the step [1].
+    pub(super) gain: Vec<f64>,
+    /// Share of each lane's square from which the step takes the coating, times its surface per area of the lattice [1].
+    bared: Vec<f64>,
+}
+
+impl Dose {
+    /// Adds the gain to a sheet's dose. Returns the area [m²] from which that takes all of the coating.
+    pub(super) fn add_to(&mut self, sheet: &mut Sheet, lines: &Lines) -> f64 {
+        let Self { gain, bared } = self;
+        in_wide_lanes(
+            #[inline(always)]
+            || {
+                bared.resize(lines.len(), 0.0);
+                for Run { lines, lanes } in lines.runs() {
+                    let (doses, ratios) = (&sheet.dose[lines.clone()], &sheet.area_ratios()[lines.clone()]);
+                    let taken = bared[lanes.clone()].iter_mut().zip(&gain[lanes.clone()]);
+                    for (((taken, gain), dose), ratio) in taken.zip(doses).zip(ratios) {
+                        *taken = gain.min((1.0 - dose).max(0.0)) * ratio;
+                    }
+                    let doses = sheet.dose[lines.clone()].iter_mut().zip(&gain[lanes.clone()]);
+                    doses.for_each(|(dose, gain)| *dose += gain);
+                }
+                sheet.pitch * sheet.pitch * sum(bared)
+            },
+        )
+    }
+}

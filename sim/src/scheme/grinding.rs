@@ -1,0 +1,289 @@
+//! The scheme of grinding: the surface recedes by Eq. (1) while the tool comes nearer.
+//!
+//! Within a step the mean depth m of a square obeys `dm/dt = s - r(m)`, Eq. (5): s is how fast the tool comes nearer, r the
+//! recession. Stiff contacts relax within a fraction of a step (`∂r/∂m = k K`), so the equation is linearised about the
+//! step's ends and integrated exactly (exponential integrators, Hochbruck and Ostermann 2010, eq. 2.8): any step
+//! is stable, and for Eq. (1) exact as long as s is constant. A step that takes no time is the contact of a tool held still.
+
+use std::ops::Range;
+
+use shaders::constants::{BENT, NEAR_BELOW};
+
+use super::contact_integrals::{ApproachShare, ContactStep};
+use super::contact_state::{self, End, Side};
+use super::dose::Dose;
+use super::exponential_integrator::{PROBE, Relax, Relaxed};
+use super::{Ahead, Applied, EndForce, Pace, Scheme, nonlinear_correction, threshold};
+use crate::clock::Phase;
+use crate::contact::Ground;
+use crate::lines::Lines;
+use crate::physics::{InContact, Physics};
+use crate::region::Region;
+use crate::settings::{LONGEST_STEP, Pass};
+use crate::sheet::{Sheet, Window};
+use crate::tool::{Placement, Pose, Tool};
+use effects::RunError;
+
+/// What a step does to each square in contact; buffers that are filled again and again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Grinding {
+    /// What is looked at.
+    region: Region,
+    /// How much further away the tool is than its shape says, by line; empty if it is not.
+    gap: Vec<f64>,
+    /// Lines of the sheet that are in contact at either end.
+    lines: Lines,
+    start: Side,
+    end: Side,
+    /// The law at other depths than those of the ends.
+    probe: End,
+    /// How fast the tool comes nearer, less recession [m/s].
+    depth_rate: Vec<f64>,
+    /// By how much deeper a point lies in the middle of the step than the mean of both ends, without recession [m].
+    bulge: f64,
+    /// What the step does to each lane.
+    relaxed: Relaxed,
+    dose: Dose,
+    /// Surface of each lane's square that faces the approach axis [m²].
+    facing: Vec<f64>,
+    /// Recession since the sheet's slopes were taken, at most [m].
+    bent: f64,
+    /// Whether the step before was applied to this sheet and ends where the next begins.
+    goes_on: bool,
+}
+
+impl Scheme for Grinding {
+    fn recedes(&self) -> bool {
+        true
+    }
+
+    fn pace(&self, pass: &Pass, voxel: f64) -> Pace {
+        let Pass { path, process, .. } = *pass;
+        let step_way = process.step_voxels * voxel;
+        let longest = |piece: usize| Pace::longest_step(path, piece, (step_way, LONGEST_STEP));
+        let longest_steps = (0..path.pieces()).map(longest).collect();
+        Pace { step_way, sheet_way: process.commit_voxels * voxel, longest_steps }
+    }
+
+    fn next_window(&self, ahead: &Ahead) -> (Window, f64) {
+        let Pace { step_way, sheet_way, .. } = ahead.pace;
+        (ahead.window)(&ahead.extent, ahead.until_written, (sheet_way / step_way).ceil())
+    }
+
+    fn below(&self, _: f64, voxel: f64) -> f64 {
+        NEAR_BELOW * voxel
+    }
+
+    fn look_at(&mut self, region: Region) {
+        self.region = region;
+    }
+
+    fn leave_sheet(&mut self) {
+        self.bent = 0.0;
+        self.goes_on = false;
+    }
+
+    fn goes_on(&self) -> bool {
+        self.goes_on
+    }
+
+    /// At its end.
+    fn measured<'a>(&self, tool: &'a Tool, times: Range<f64>, pose_at: &dyn Fn(f64) -> Pose) -> Placement<'a> {
+        Placement::still(tool, pose_at(times.end))
+    }
+
+    fn begin(&mut self, start: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError> {
+        if std::mem::take(&mut self.goes_on) {
+            return Ok(());
+        }
+        self.start.measure(start, &Ground { sheet, region: &self.region }, physics, &mut self.gap)
+    }
+
+    fn force_at(
+        &mut self,
+        place: &Placement,
+        sheet: &Sheet,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<EndForce, RunError> {
+        self.end.measure(place, &Ground { sheet, region: &self.region }, physics, &mut self.gap)?;
+        self.gather(place, (sheet, dt), physics.may_bend());
+        let at = InContact { sheet, squares: Some(&self.end.squares), lines: &self.lines };
+        physics.place(&self.middle(place), &at);
+        self.integrate(physics, dt)?;
+        if physics.may_bend() && dt > 0.0 {
+            self.look_again(physics, dt)?;
+        }
+        // Eq. (4), force.
+        let force = self.force(&place.pose, sheet);
+        physics.lap(Phase::Integrate);
+        Ok(force)
+    }
+
+    fn is_mean(&self) -> bool {
+        false
+    }
+
+    fn gap(&self, place: &Placement, sheet: &Sheet) -> f64 {
+        self.end.squares.deepest(place, sheet)
+    }
+
+    fn reaches_border(&self, sheet: &Sheet) -> bool {
+        self.start.squares.reaches_border(sheet) || self.end.squares.reaches_border(sheet)
+    }
+
+    fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError> {
+        let at = InContact { sheet, squares: Some(&self.end.squares), lines: &self.lines };
+        physics.place_rest(&self.middle(middle), &at);
+        // Eq. (2), dose.
+        self.end.lanes.sand(physics)?;
+        self.start.lanes.sand(physics)?;
+        let of = |end: &End, lane: usize| end.dose_rate[lane] * end.share[lane];
+        let gain = |lane| 0.5 * dt * (of(&self.start.lanes, lane) + of(&self.end.lanes, lane));
+        self.dose.gain.clear();
+        self.dose.gain.extend((0..self.lines.len()).map(gain));
+        physics.lap(Phase::Model);
+        self.face(&middle.pose, sheet);
+        Ok(())
+    }
+
+    fn step(&self) -> ContactStep<'_> {
+        ContactStep {
+            lines: &self.lines,
+            start: &self.start,
+            end: &self.end,
+            facing: &self.facing,
+            depth_rate: &self.depth_rate,
+            recession: &self.relaxed.recession,
+            mean_load: &self.relaxed.mean_load,
+            end_load: &self.relaxed.end_load,
+            dose: &self.dose.gain,
+        }
+    }
+
+    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> Applied {
+        let mut applied = self.recede(sheet);
+        applied.removal.coating_volume = coating * self.dose.add_to(sheet, &self.lines);
+        self.bent += self.relaxed.recession.iter().copied().fold(0.0, f64::max);
+        if self.bent > BENT * sheet.pitch {
+            sheet.set_slopes_in(&self.region);
+            self.bent = 0.0;
+        }
+        self.go_on();
+        applied
+    }
+}
+
+impl Grinding {
+    /// Cuts squares that are not straight into smaller cells from now on: for a tool that is held still.
+    pub(crate) fn look_closer(&mut self) {
+        self.start.squares.look_closer();
+        self.end.squares.look_closer();
+    }
+
+    /// Takes up how each square faces the approach axis: what integrals over the step are taken with.
+    pub(crate) fn face(&mut self, pose: &Pose, sheet: &Sheet) {
+        ApproachShare::new(pose, sheet).fill_wide(sheet, &self.lines, &mut self.facing);
+    }
+
+    /// The tool in the middle of the step: slip and places are those of there for both ends, second order in its length.
+    fn middle<'a>(&self, place: &Placement<'a>) -> Placement<'a> {
+        let centre = 0.5 * (self.start.centre + self.end.centre);
+        Placement { pose: Pose { centre, ..place.pose }, ..*place }
+    }
+
+    /// Gathers the lanes of both ends of a step of `dt` [s].
+    fn gather(&mut self, place: &Placement, (sheet, dt): (&Sheet, f64), may_bend: bool) {
+        let (a, b) = (&self.start.squares, &self.end.squares);
+        // The step before may have used up what was left of a square.
+        self.lines.merge(&a.wet, &b.wet, |line| a.share[line] + b.share[line] > 0.0);
+        self.start.lanes.gather(a, &self.lines);
+        self.end.lanes.gather(b, &self.lines);
+        // What follows from the slope at the deeper end alone says where a law begins only if it is straight above that.
+        let square = if may_bend { 0.0 } else { sheet.pitch * sheet.pitch };
+        let bends = place.tool.curvatures().map(|curvature| curvature * square);
+        contact_state::gather_receding((&mut self.start, &mut self.end), (sheet.window.size[1], bends), &self.lines);
+        self.depth_rate.clear();
+        let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let pairs = self.start.lanes.depth.iter().zip(&self.end.lanes.depth);
+        self.depth_rate.extend(pairs.map(|(a, b)| (b - a) * per_time));
+        self.bulge = place.tool.bulge(&place.pose, self.end.centre - self.start.centre);
+    }
+
+    /// Integrates each lane over the step with the law straight from its ends on.
+    fn integrate(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
+        let Self { start: Side { lanes: start, .. }, end: Side { lanes: end, .. }, probe, relaxed, bulge, .. } = self;
+        // Eq. (3), pressure, and Eq. (1), recession speed.
+        start.grind(physics, &self.depth_rate)?;
+        end.grind(physics, &self.depth_rate)?;
+        probe.set_deeper(start, end, 1.0 + PROBE);
+        probe.probe(physics, &self.depth_rate)?;
+        physics.lap(Phase::Model);
+        threshold::take_means(start, end, &mut probe.rate);
+        // Eq. (5), depth over the step.
+        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, bulge: *bulge, out: relaxed });
+        threshold::cross((start, end), (dt, *bulge), relaxed);
+        Ok(())
+    }
+
+    /// Looks at the law again where the step ends after all, and puts right what is not on the straight line.
+    fn look_again(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
+        let Self { start, end: Side { lanes: end, .. }, probe, relaxed, .. } = self;
+        probe.depth.clear();
+        let ends = end.depth.iter().zip(&end.share).zip(&relaxed.recession);
+        probe
+            .depth
+            .extend(ends.map(|((depth, share), recession)| nonlinear_correction::left(*depth, *share, *recession)));
+        probe.own.clone_from(&probe.depth);
+        probe.grind(physics, &self.depth_rate)?;
+        physics.lap(Phase::Model);
+        nonlinear_correction::bend((&start.lanes, end, probe), dt, relaxed);
+        Ok(())
+    }
+
+    /// Force at the end of the step.
+    fn force(&self, pose: &Pose, sheet: &Sheet) -> EndForce {
+        let normal = ApproachShare::new(pose, sheet);
+        let area = sheet.pitch * sheet.pitch;
+        let mut result = EndForce::default();
+        let loads = self.relaxed.end_load.iter().zip(&self.relaxed.stiffness);
+        for (&line, (load, stiffness)) in self.lines.list().iter().zip(loads) {
+            let facing = area * normal.of(sheet, line as usize);
+            result.force += load * facing;
+            result.stiffness += stiffness * facing;
+        }
+        result
+    }
+
+    /// Lets the surface of a sheet recede.
+    fn recede(&self, sheet: &mut Sheet) -> Applied {
+        let mut applied = Applied::default();
+        let lanes = self.lines.list().iter().zip(&self.relaxed.recession);
+        for (&line, &recession) in lanes.filter(|(_, recession)| **recession != 0.0) {
+            let line = line as usize;
+            applied.removal.volume += recession * (sheet.pitch * sheet.pitch * sheet.area_ratio(line));
+            sheet.recede(line, recession);
+            let receded = (sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line);
+            applied.receded = applied.receded.max(receded);
+        }
+        applied
+    }
+
+    /// Starts the next step where this one, which was applied to the sheet, has ended.
+    fn go_on(&mut self) {
+        let Self { start, end, lines, relaxed, .. } = self;
+        std::mem::swap(&mut start.squares, &mut end.squares);
+        start.centre = end.centre;
+        let squares = &mut start.squares;
+        for (lane, &line) in lines.list().iter().enumerate() {
+            let line = line as usize;
+            squares.depth[line] -= relaxed.recession[lane] / squares.cover_of_groove(line);
+            let left = squares.mean_depth[line] - relaxed.recession[lane];
+            squares.mean_depth[line] = left.max(0.0);
+            if left <= 0.0 {
+                (squares.share[line], squares.area[line]) = (0.0, 0.0);
+            }
+        }
+        self.goes_on = true;
+    }
+}

@@ -1,0 +1,216 @@
+//! The scheme of sanding: the surface stays as it is, and its coating takes up the dose of Eq. (2).
+//!
+//! A step is taken as its middle, with the border of the working surface and its depth swept by the tool's way. So it may be far
+//! longer than one under which the surface recedes. Sheets are as large as the way ahead, and are kept.
+
+use std::ops::Range;
+
+use super::contact_integrals::{ApproachShare, ContactStep};
+use super::contact_state::Side;
+use super::dose::Dose;
+use super::lanes::dot;
+use super::{Ahead, Applied, EndForce, Pace, Scheme};
+use crate::clock::Phase;
+use crate::contact::Ground;
+use crate::extent::Extent;
+use crate::lines::Lines;
+use crate::physics::{InContact, Physics};
+use crate::record::Removal;
+use crate::region::Region;
+use crate::settings::{LONGEST_STEADY_STEP, LONGEST_STEP, Pass};
+use crate::sheet::{Sheet, Window};
+use crate::tool::{Placement, Pose, Tool};
+use effects::RunError;
+use sdf_bake::simd::in_wide_lanes;
+
+/// Way of a tool in one step [footprints], and longest such step [s].
+const STEP: (f64, f64) = (0.04, LONGEST_STEP);
+/// The same where the tool keeps its velocity, so that the middle of the step stands for all of it.
+const STEADY_STEP: (f64, f64) = (0.06, LONGEST_STEADY_STEP);
+/// Difference in velocity up to which it counts as kept [1].
+const STEADY: f64 = 0.05;
+/// Its way on one sheet [footprints]: the surface stays as it was read.
+const SHEET: f64 = 1.0;
+/// Lines of a sheet, unless the tool's next ways need more: some 40 MB.
+const MOST_LINES: usize = 1 << 18;
+
+/// What a step does to each square in contact; buffers that are filled again and again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sanding {
+    /// What is looked at.
+    region: Region,
+    /// How much further away the tool is than its shape says, by line; empty if it is not.
+    gap: Vec<f64>,
+    /// Lines of the sheet that are in contact.
+    lines: Lines,
+    /// The step, taken as its middle.
+    middle: Side,
+    /// Mean over each lane's square of the pressure [Pa], and how it falls as the tool is lifted [Pa/m].
+    load: Vec<f64>,
+    stiffness: Vec<f64>,
+    /// Zero for each lane: how fast the depth changes [m/s], and what the surface recedes [m].
+    zeros: Vec<f64>,
+    dose: Dose,
+    /// Surface of each lane's square that faces the approach axis [m²].
+    facing: Vec<f64>,
+}
+
+impl Scheme for Sanding {
+    fn recedes(&self) -> bool {
+        false
+    }
+
+    fn pace(&self, pass: &Pass, voxel: f64) -> Pace {
+        let Pass { tool, path, process, .. } = *pass;
+        let (step_way, footprint) = (process.step_voxels * voxel, 2.0 * tool.half_footprint(f64::INFINITY).0);
+        let longest = |piece: usize| {
+            let (share, longest) = if path.is_steady(piece, STEADY, STEADY_STEP.1) { STEADY_STEP } else { STEP };
+            Pace::longest_step(path, piece, (step_way.max(share * footprint), longest))
+        };
+        Pace {
+            step_way: step_way.max(STEADY_STEP.0 * footprint),
+            sheet_way: (process.commit_voxels * voxel).max(SHEET * footprint),
+            longest_steps: (0..path.pieces()).map(longest).collect(),
+        }
+    }
+
+    /// As much as the tool will meet and a sheet may hold.
+    fn next_window(&self, ahead: &Ahead) -> (Window, f64) {
+        let extent = Extent::of(ahead.tool, 2.0 * ahead.voxel).joined(&ahead.extent);
+        let mut time = ahead.until_written.max(ahead.until_end);
+        loop {
+            let found = (ahead.window)(&extent, time, (time / LONGEST_STEP).ceil().max(1.0));
+            if time <= ahead.until_written || found.0.lines() <= MOST_LINES {
+                return found;
+            }
+            time = (0.5 * time).max(ahead.until_written);
+        }
+    }
+
+    fn below(&self, search_reach: f64, _: f64) -> f64 {
+        2.0 * search_reach
+    }
+
+    fn look_at(&mut self, region: Region) {
+        self.region = region;
+        self.middle.squares.forget();
+    }
+
+    fn leave_sheet(&mut self) {}
+
+    fn goes_on(&self) -> bool {
+        true
+    }
+
+    /// In its middle, with the way of the whole step as the sweep.
+    fn measured<'a>(&self, tool: &'a Tool, times: Range<f64>, pose_at: &dyn Fn(f64) -> Pose) -> Placement<'a> {
+        let sweep = pose_at(times.end).centre - pose_at(times.start).centre;
+        Placement { tool, pose: pose_at(0.5 * (times.start + times.end)), sweep }
+    }
+
+    fn begin(&mut self, _: &Placement, _: &Sheet, _: &mut Physics) -> Result<(), RunError> {
+        Ok(())
+    }
+
+    fn force_at(
+        &mut self,
+        place: &Placement,
+        sheet: &Sheet,
+        physics: &mut Physics,
+        _: f64,
+    ) -> Result<EndForce, RunError> {
+        self.measure(place, sheet, physics)?;
+        let Self { middle, lines, zeros, .. } = self;
+        lines.clone_from(&middle.squares.wet);
+        middle.lanes.gather(&middle.squares, lines);
+        zeros.resize(lines.len(), 0.0);
+        physics.place(place, &InContact { sheet, squares: Some(&middle.squares), lines });
+        // Eq. (3), pressure.
+        middle.lanes.press(physics, zeros)?;
+        physics.lap(Phase::Model);
+        // Eq. (4), force.
+        let force = self.force(&place.pose, sheet);
+        physics.lap(Phase::Integrate);
+        Ok(force)
+    }
+
+    fn is_mean(&self) -> bool {
+        true
+    }
+
+    fn gap(&self, place: &Placement, sheet: &Sheet) -> f64 {
+        self.middle.squares.deepest(place, sheet)
+    }
+
+    fn reaches_border(&self, sheet: &Sheet) -> bool {
+        self.middle.squares.reaches_border(sheet)
+    }
+
+    fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError> {
+        let Self { middle: Side { centre, squares, lanes }, lines, dose, .. } = self;
+        let place = Placement { pose: Pose { centre: *centre, ..middle.pose }, ..*middle };
+        physics.place_rest(&place, &InContact { sheet, squares: Some(squares), lines });
+        // Eq. (2), dose.
+        lanes.sand(physics)?;
+        lanes.rate.resize(lines.len(), 0.0);
+        dose.gain.clear();
+        dose.gain.extend(lanes.dose_rate.iter().zip(&lanes.share).map(|(rate, share)| dt * rate * share));
+        physics.lap(Phase::Model);
+        Ok(())
+    }
+
+    fn step(&self) -> ContactStep<'_> {
+        ContactStep {
+            lines: &self.lines,
+            start: &self.middle,
+            end: &self.middle,
+            facing: &self.facing,
+            depth_rate: &self.zeros,
+            recession: &self.zeros,
+            mean_load: &self.load,
+            end_load: &self.load,
+            dose: &self.dose.gain,
+        }
+    }
+
+    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> Applied {
+        let coating_volume = coating * self.dose.add_to(sheet, &self.lines);
+        Applied { removal: Removal { volume: 0.0, coating_volume }, receded: 0.0 }
+    }
+}
+
+impl Sanding {
+    /// Measures the squares; anew only where the tool has done more since it measured them than move along its axis.
+    fn measure(&mut self, place: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError> {
+        let Self { region, gap, middle: Side { centre, squares, .. }, .. } = self;
+        *centre = place.pose.centre;
+        let ground = Ground { sheet, region };
+        physics.gap(place, &ground, gap)?;
+        if !gap.is_empty() || !squares.measure_deeper(place, sheet) {
+            squares.measure(place, &ground, gap);
+        }
+        physics.lap(Phase::Squares);
+        Ok(())
+    }
+
+    /// Force under the pressures, and its slope; fills load, stiffness and facing.
+    fn force(&mut self, pose: &Pose, sheet: &Sheet) -> EndForce {
+        let Self { middle: Side { lanes, .. }, load, stiffness, facing, lines, .. } = self;
+        load.resize(lines.len(), 0.0);
+        stiffness.resize(lines.len(), 0.0);
+        in_wide_lanes(
+            #[inline(always)]
+            || {
+                ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
+                let (pressures, shares, depths) = (&lanes.pressure[..lines.len()], &lanes.share, &lanes.depth);
+                for ((load, pressure), share) in load.iter_mut().zip(pressures).zip(shares) {
+                    *load = pressure * share;
+                }
+                for ((stiffness, load), depth) in stiffness.iter_mut().zip(&*load).zip(depths) {
+                    *stiffness = load / depth;
+                }
+                EndForce { force: dot(load, facing), stiffness: dot(stiffness, facing) }
+            },
+        )
+    }
+}

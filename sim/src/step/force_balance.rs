@@ -1,0 +1,149 @@
+//! Where the controller brings the tool in a step, on a sheet that is large enough for it.
+
+use shaders::constants::LOOK_AHEAD;
+
+use super::Runner;
+use crate::clock::Phase;
+use crate::control::{Controller, Motion, Response};
+use crate::extent::Extent;
+use crate::physics::Physics;
+use crate::region::Region;
+use crate::scheme::{Ahead, EndForce};
+use crate::settings::{LONGEST_STEP, Pass};
+use crate::sheet::{Facing, Window};
+use crate::tool::{Placement, Pose};
+use effects::RunError;
+
+impl Runner<'_> {
+    /// Where the controller brings the tool in a step of `dt` [s], or of less where it moves too fast for that; `None` where
+    /// it finds nothing to press on. Returns the step's length, too [s]. Afterwards the scheme holds the step to that motion
+    /// on a sheet that is large enough.
+    pub(super) fn find_balance(&mut self, mut dt: f64) -> Result<(Option<Motion>, f64), RunError> {
+        loop {
+            let Some(motion) = self.find_motion(dt)? else { return Ok((None, dt)) };
+            match self.guide.shorter_step(motion, dt) {
+                Some(shorter) => dt = shorter,
+                None => return Ok((Some(motion), self.guide.take_step(dt))),
+            }
+        }
+    }
+
+    /// The same in a step of `dt` [s].
+    fn find_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
+        let mut searched = false;
+        loop {
+            self.choose_sheet(dt, searched);
+            let motion = self.try_motion(dt)?;
+            if motion.is_some()
+                && self.scheme.reaches_border(self.workpiece.sheet())
+                && let Some(extent) = self.workpiece.extent.grown(self.pass.tool, self.workpiece.grid.voxel)
+            {
+                self.write_back();
+                self.workpiece.extent = extent;
+                continue;
+            }
+            if motion.is_none() && !searched && self.guide.controller == Controller::Ideal {
+                self.write_back();
+                self.workpiece.expect_touch(self.pass.tool);
+                searched = true;
+                continue;
+            }
+            return Ok(motion);
+        }
+    }
+
+    fn try_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
+        let begins = self.guide.controller == Controller::Ideal && !self.scheme.goes_on();
+        if self.guide.is_in_air() || begins {
+            // An ideal controller is in balance from the first touch on, and on every new sheet: what it
+            // reads from the field differs a little from what was written, beside walls most of all.
+            let Some(motion) = self.try_step(0.0)? else { return Ok(None) };
+            self.guide.motion.travel = motion.travel;
+        }
+        self.try_step(dt)
+    }
+
+    /// Seeks the end of a step of `dt` [s].
+    fn try_step(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
+        let Self { pass: Pass { tool, .. }, guide, workpiece, scheme, physics, .. } = self;
+        let (start, sheet, from) = (Placement::still(tool, guide.here()), workpiece.sheet(), guide.motion);
+        let place = scheme.measured(tool, guide.time..guide.time + dt, &|time| guide.pose(time, 0.0));
+        scheme.begin(&start, sheet, physics)?;
+        let is_mean = scheme.is_mean();
+        let mut force_at = |physics: &mut Physics, travel: f64| {
+            let place = Placement { pose: place.pose.lifted(travel), ..place };
+            let force = scheme.force_at(&place, sheet, physics, dt)?;
+            let depth = if force.force > 0.0 { 0.0 } else { scheme.gap(&place, sheet) };
+            Ok((force, depth))
+        };
+        if let Some(motion) = guide.blind_motion(physics, dt)? {
+            guide.tried = force_at(physics, motion.travel)?.0;
+            return Ok(Some(motion));
+        }
+        let balance = guide.balance(physics, is_mean, dt)?;
+        let mut force = EndForce::default();
+        let travel = balance.solve(from.travel + from.speed * dt, |travel| {
+            let (end, depth) = force_at(physics, travel)?;
+            force = end;
+            Ok(Response { force: physics.force_reading(end.force)?, stiffness: end.stiffness, depth })
+        })?;
+        guide.tried = force;
+        guide.is_too_soft |= travel.is_none() && force.force > 0.0;
+        let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
+        Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
+    }
+
+    /// Sees to a sheet that holds the contact of a step of `dt` [s], and looks at its region of it; `far` to seek the surface
+    /// from the air.
+    fn choose_sheet(&mut self, dt: f64, far: bool) {
+        let Self { pass: Pass { tool, .. }, guide, workpiece, .. } = &*self;
+        let voxel = workpiece.grid.voxel;
+        let end = guide.time + dt;
+        let poses = [guide.time, end, end + guide.time_for(LOOK_AHEAD * voxel)];
+        let poses = poses.map(|time| guide.pose(time, guide.motion.travel));
+        let facing = Facing::of(poses[0].approach);
+        let (window, _) = workpiece.extent.window(tool, &poses, facing, voxel);
+        if !workpiece.holds(facing, &window) {
+            self.write_back();
+            self.read_sheet(dt, facing, far);
+        }
+        self.scheme.look_at(Region::common(&self.workpiece.sheet().window, &window));
+    }
+
+    /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
+    fn read_sheet(&mut self, dt: f64, facing: Facing, far: bool) {
+        let Pass { tool, process, .. } = self.pass;
+        let (start, voxel) = (self.guide.here(), self.workpiece.grid.voxel);
+        let (window, lowest) = self.next_window(dt, facing);
+        let level = facing.sheet(start.centre - start.frame.z * tool.drop()).z;
+        let below = if far || self.guide.is_in_air() {
+            2.0 * process.search_reach
+        } else {
+            self.scheme.below(process.search_reach, voxel)
+        };
+        let falling = (-self.guide.motion.speed).max(0.0) * LONGEST_STEP.max(dt);
+        self.workpiece.read(facing, window, (level, lowest.min(level) - below - falling));
+        self.physics.lap(Phase::Read);
+    }
+
+    /// The window of the next sheet, and its lowest corner [m up].
+    fn next_window(&self, dt: f64, facing: Facing) -> (Window, f64) {
+        let Self { pass: Pass { tool, path, .. }, guide, workpiece, pace, .. } = self;
+        let voxel = workpiece.grid.voxel;
+        let window = |extent: &Extent, ahead: f64, count: f64| {
+            let pose = |share: f64| guide.pose(guide.time + dt + ahead * share, guide.motion.travel);
+            let poses: Vec<Pose> =
+                std::iter::once(guide.here()).chain((0..=count as usize).map(|k| pose(k as f64 / count))).collect();
+            extent.window(tool, &poses, facing, voxel)
+        };
+        self.scheme.next_window(&Ahead {
+            tool,
+            extent: workpiece.extent,
+            voxel,
+            pace,
+            until_written: guide.time_for(pace.sheet_way + pace.step_way + LOOK_AHEAD * voxel),
+            until_end: path.duration() - guide.time - dt,
+            window: &window,
+        })
+    }
+}

@@ -1,0 +1,210 @@
+//! What guides the tool: where it is on its path, and who decides how far the tool is lifted from there.
+
+use shaders::constants::{APPROACH_STEP, FORCE_JUMP, INERTIA};
+
+use crate::control::{Balance, Controller, Motion, admittance_sample, end_weight};
+use crate::physics::Physics;
+use crate::record::LogRow;
+use crate::scheme::EndForce;
+use crate::settings::{LONGEST_STEP, Pass, TOUCH};
+use crate::tool::Pose;
+use effects::{PoseChange, RunError};
+
+/// Times that are one [s]: a step of what rounding leaves would make all that follow it short, too.
+const CLOCK: f64 = 1e-9;
+/// Relative difference between force and setpoint that is good enough.
+const FORCE_TOLERANCE: f64 = 1e-5;
+
+/// Path and controller of a pass.
+pub(super) struct Guide<'a> {
+    pass: Pass<'a>,
+    /// Since the pass began [s].
+    pub(super) time: f64,
+    pub(super) motion: Motion,
+    /// Who leads: the path during the approach, then the controller.
+    pub(super) controller: Controller,
+    /// What the model's effects do to the tool's place.
+    pub(super) pose_change: PoseChange,
+    /// Length of the next step [s], where the controller limits it.
+    limit: f64,
+    /// Longest step that the effects on the controller stand [s].
+    longest_step: f64,
+    /// Force at the end of the last step, and of the one that is tried.
+    pub(super) end: EndForce,
+    pub(super) tried: EndForce,
+    /// Whether the tool touched and went as deep as it may without meeting the setpoint.
+    pub(super) is_too_soft: bool,
+}
+
+impl<'a> Guide<'a> {
+    pub(super) fn new(pass: Pass<'a>, longest_step: f64) -> Self {
+        let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.process.controller };
+        let travel = if controller == Controller::Ideal { pass.process.search_reach } else { 0.0 };
+        Self {
+            pass,
+            time: 0.0,
+            motion: Motion { travel, speed: 0.0 },
+            controller,
+            pose_change: PoseChange { offset: [0.0; 3], roll: 0.0, pitch: 0.0 },
+            limit: LONGEST_STEP,
+            longest_step,
+            end: EndForce::default(),
+            tried: EndForce::default(),
+            is_too_soft: false,
+        }
+    }
+
+    /// The tool on its path, as path and controller have it.
+    pub(super) fn nominal(&self, time: f64, travel: f64) -> Pose {
+        self.pass.path.at(time).pose(self.pass.tool).lifted(travel)
+    }
+
+    /// The tool as the model's effects have it.
+    pub(super) fn pose(&self, time: f64, travel: f64) -> Pose {
+        self.nominal(time, travel).changed(&self.pose_change)
+    }
+
+    /// The same now.
+    pub(super) fn here(&self) -> Pose {
+        self.pose(self.time, self.motion.travel)
+    }
+
+    /// The same in the middle of a step of `dt` [s].
+    pub(super) fn middle(&self, motion: Motion, dt: f64) -> Pose {
+        self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel))
+    }
+
+    /// Time in which the tool moves by `way` [m]; 0 while it stands.
+    pub(super) fn time_for(&self, way: f64) -> f64 {
+        let speed = self.pass.path.velocity(self.time).length();
+        if speed > 0.0 { way / speed } else { 0.0 }
+    }
+
+    /// Whether the tool is as far from the part as it may be.
+    pub(super) fn is_in_air(&self) -> bool {
+        self.controller == Controller::Ideal && self.motion.travel >= self.pass.process.search_reach
+    }
+
+    /// Whether the path still leads the tool to the part.
+    fn comes_down(&self) -> bool {
+        self.pass.approach - self.time > CLOCK
+    }
+
+    /// Ends the approach when its time is up, or under a `force` [N].
+    pub(super) fn take_over(&mut self, force: f64) {
+        let Pass { process, .. } = self.pass;
+        let touches = force > TOUCH * process.force_setpoint;
+        if self.controller != process.controller && (touches || !self.comes_down()) {
+            self.controller = process.controller;
+        }
+    }
+
+    /// Time between the controller's samples [s].
+    fn period(&self) -> f64 {
+        match self.controller {
+            Controller::Admittance { period, .. } => period,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Length of the next step [s], where a piece of the path allows `on_piece` [s].
+    pub(super) fn step_length(&self, on_piece: f64) -> f64 {
+        let mut dt = on_piece.min(self.limit).min(self.longest_step).min(self.rest());
+        if !self.pass.process.quasi_static {
+            dt = dt.min(self.period());
+        }
+        if self.comes_down() {
+            dt = dt.min(APPROACH_STEP).min(self.pass.approach - self.time);
+        }
+        dt
+    }
+
+    /// Time until the end of the pass [s].
+    fn rest(&self) -> f64 {
+        self.pass.path.duration() - self.time
+    }
+
+    /// A shorter step than one of `dt` [s], where an admittance moves too fast for it.
+    pub(super) fn shorter_step(&self, motion: Motion, dt: f64) -> Option<f64> {
+        let period = self.period();
+        (dt > period && self.is_fast(motion, dt)).then(|| (0.25 * dt).max(period))
+    }
+
+    /// Whether an admittance moves too fast for a step of `dt` [s] to follow it.
+    fn is_fast(&self, motion: Motion, dt: f64) -> bool {
+        let Controller::Admittance { mass, .. } = self.controller else { return false };
+        let setpoint = self.pass.process.force_setpoint;
+        let inertial_force = (mass * (motion.speed - self.motion.speed) / dt).abs();
+        inertial_force > INERTIA * setpoint || (self.tried.force - self.end.force).abs() > FORCE_JUMP * setpoint
+    }
+
+    /// Lets the next step be up to twice as long as one of `dt` [s] that is taken. Returns its length, to the end of the
+    /// pass where that is near.
+    pub(super) fn take_step(&mut self, dt: f64) -> f64 {
+        self.limit = 2.0 * dt;
+        let rest = self.rest();
+        if rest - dt < CLOCK { rest } else { dt }
+    }
+
+    /// Motion in a step of `dt` [s] in which the controller does not look at the force, if it is one.
+    pub(super) fn blind_motion(&self, physics: &mut Physics, dt: f64) -> Result<Option<Motion>, RunError> {
+        match self.controller {
+            Controller::Replay => Ok(Some(Motion::default())),
+            Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
+                let reading = physics.force_reading(self.end.force)?;
+                let setpoint = self.pass.process.force_setpoint;
+                Ok(Some(admittance_sample(self.motion, reading, setpoint, (mass, damping), dt)))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The balance that the controller seeks in a step of `dt` [s], Eq. (6). `is_mean` says that forces are means over it.
+    pub(super) fn balance(&self, physics: &mut Physics, is_mean: bool, dt: f64) -> Result<Balance, RunError> {
+        let process = self.pass.process;
+        let (damping, mass) = match self.controller {
+            Controller::Admittance { mass, damping, .. } => (damping, mass),
+            Controller::Ideal | Controller::Replay => (0.0, 0.0),
+        };
+        // A contact that has just begun tells nothing of how the force comes to rest.
+        let is_fitted = !is_mean && damping > 0.0 && self.end.stiffness > 0.0;
+        let (start_force, weight) = if is_fitted {
+            let weight = end_weight(dt * self.end.stiffness / (damping + mass / dt));
+            (physics.force_reading(self.end.force)?, weight)
+        } else {
+            (0.0, 1.0)
+        };
+        Ok(Balance {
+            from: self.motion,
+            setpoint: process.force_setpoint,
+            damping,
+            mass,
+            dt,
+            start_force,
+            weight,
+            tolerance: FORCE_TOLERANCE * process.force_setpoint,
+            bounds: (-process.search_reach, process.search_reach),
+        })
+    }
+
+    /// Goes on to the end of a step of `dt` [s]. Returns the way of the tool [m].
+    pub(super) fn follow(&mut self, motion: Motion, dt: f64) -> f64 {
+        let way = self.nominal(self.time + dt, 0.0).centre - self.nominal(self.time, 0.0).centre;
+        self.motion = motion;
+        self.end = self.tried;
+        self.time += dt;
+        way.length()
+    }
+
+    /// Waits in the air for `dt` [s].
+    pub(super) fn stay_in_air(&mut self, dt: f64) {
+        self.motion = Motion { travel: self.pass.process.search_reach, speed: 0.0 };
+        self.time += dt;
+    }
+
+    /// What the log says now, under a force [N] and with the spindle at a speed [rad/s].
+    pub(super) fn log_row(&self, force: f64, spindle_speed: f64) -> LogRow {
+        let pose = self.nominal(self.time, self.motion.travel);
+        LogRow { time: self.time, position: pose.centre, approach: pose.approach, force, spindle_speed }
+    }
+}
