@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use effects::{CompiledModel, Library, Model, RowCounts};
 use lab::simulation::Simulation;
-use sim::{Clock, Controller, Phase};
+use robot::Controller;
+use sim::{Clock, Phase};
 use trials::trial::{Campaign, Trial};
 
 /// Base laws near those of the campaigns.
@@ -53,15 +54,13 @@ fn measure(trial: &Trial, model: &CompiledModel) {
     let part = Simulation::new(trial, pitch, false).expect("a simulation").part;
     let baking = cpu_seconds() - start;
     run(&format!("{}, quasi-static", trial.name), &mut simulation, model, &clocks[0]);
-    simulation.change_process(|process| {
-        process.quasi_static = false;
-        if let Controller::Admittance { period, .. } = &mut process.controller {
+    simulation.change_settings(|settings| {
+        settings.quasi_static = false;
+        if let Controller::Admittance { period, .. } = &mut settings.controller {
             *period = 1e-3;
         }
     });
-    if std::env::var_os("QUASI").is_none()
-        && matches!(trial.controller, Some(trials::trial::Controller::Admittance { .. }))
-    {
+    if std::env::var_os("QUASI").is_none() && matches!(trial.controller, Controller::Admittance { .. }) {
         run(&format!("{}, admittance at 1 ms", trial.name), &mut simulation, model, &clocks[1]);
     }
     println!("  part from the scan in {baking:.3} s, {:.1} MB", part.bytes() as f64 / 1e6);

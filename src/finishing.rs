@@ -11,11 +11,12 @@ use std::time::Instant;
 use anyhow::{Context, Error, Result, ensure};
 use effects::CompiledModel;
 use files::input::{self, MOST_TEXT_BYTES};
+use robot::{Tool, Wheel};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
 use shaders::Device;
-use sim::{LogRow, PassRecord, Wheel};
+use sim::{LogRow, PassRecord};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;

@@ -7,6 +7,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 use effects::CompiledModel;
+use glam::DVec3;
+use robot::Controller;
 use sdf_bake::nvdb::{self, Codec};
 use serde::Serialize;
 
@@ -21,7 +23,7 @@ use files::output::FolderKind;
 use lab::simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
 use lab::{Origin, identity, model_origin};
 use trials::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
-use trials::trial::{PassScan, ToolPath, Trial, exposure_csv, heights_csv};
+use trials::trial::{HeldTool, PassScan, ToolPath, Trial, exposure_csv, heights_csv};
 
 /// Name of the result file.
 pub const REHEARSAL_FILE: &str = "simulation.json";
@@ -257,8 +259,8 @@ fn origin(simulation: &Simulation, model: &CompiledModel, passes: usize) -> Orig
     let mut origin = model_origin(model);
     let mut add = |name: String, value: String| origin.insert(name, value);
     add("trial".into(), trial.name.clone());
-    add("tool".into(), identity(&(trial.tool, trial.fresh)));
-    add("controller".into(), identity(&trial.controller));
+    add("tool".into(), identity(&(ToolForm::of(&trial.tool), trial.fresh)));
+    add("controller".into(), identity(&ControllerForm::of(trial.controller)));
     add("replay".into(), simulation.replay.to_string());
     add("coating".into(), identity(&trial.coating));
     add("voxel".into(), format!("{:?} m", simulation.part.voxel));
@@ -270,6 +272,41 @@ fn origin(simulation: &Simulation, model: &CompiledModel, passes: usize) -> Orig
         add(format!("spindle speed of pass {}", i + 1), format!("{:?} rad/s", pass.spindle_speed));
     }
     origin
+}
+
+/// A tool in the words of snapshots.
+#[derive(Serialize)]
+enum ToolForm {
+    Wheel { radius: f64, width: f64, axis: DVec3 },
+    Pad { radius: f64 },
+}
+
+impl ToolForm {
+    fn of(HeldTool { shape, axis }: &HeldTool) -> Self {
+        let radius = shape.rim_radius();
+        match axis {
+            Some(axis) => Self::Wheel { radius, width: shape.width(), axis: *axis },
+            None => Self::Pad { radius },
+        }
+    }
+}
+
+/// A controller in the words of snapshots.
+#[derive(Serialize)]
+enum ControllerForm {
+    Admittance { mass: f64, damping: f64, period: f64 },
+    Ideal,
+}
+
+impl ControllerForm {
+    /// `None` for a replay.
+    fn of(controller: Controller) -> Option<Self> {
+        match controller {
+            Controller::Admittance { mass, damping, period } => Some(Self::Admittance { mass, damping, period }),
+            Controller::Ideal => Some(Self::Ideal),
+            Controller::Replay => None,
+        }
+    }
 }
 
 /// Whether a folder is a trial.

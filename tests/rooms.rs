@@ -8,20 +8,21 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Each folder with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 17] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
     ("effects", &["files"]),
     ("sdf-bake", &["files"]),
+    ("robot", &["sdf-bake"]),
     ("weldgen", &["sdf-bake"]),
-    ("sim", &["effects", "sdf-bake", "shaders"]),
+    ("sim", &["effects", "robot", "sdf-bake", "shaders"]),
     ("render", &["sdf-bake", "shaders"]),
     ("export", &["sdf-bake"]),
-    ("trials", &["effects", "files", "random", "sdf-bake"]),
-    ("paths", &["sdf-bake", "sim", "trials"]),
-    ("lab", &["effects", "files", "random", "sdf-bake", "shaders", "sim", "trials"]),
-    ("virtual-lab", &["effects", "files", "random", "sdf-bake", "sim", "trials"]),
+    ("trials", &["effects", "files", "random", "robot", "sdf-bake"]),
+    ("paths", &["robot", "sdf-bake", "sim", "trials"]),
+    ("lab", &["effects", "files", "random", "robot", "sdf-bake", "shaders", "sim", "trials"]),
+    ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("benchmark", &["effects", "lab", "random", "trials", "virtual-lab"]),
     ("report", &["lab", "sdf-bake", "trials"]),
     (
@@ -36,6 +37,7 @@ const MAY_USE: [(&str, &[&str]); 16] = [
             "random",
             "render",
             "report",
+            "robot",
             "sdf-bake",
             "shaders",
             "sim",

@@ -4,9 +4,8 @@
 
 use std::collections::BTreeMap;
 
-use effects::{Library, Model};
+use effects::{Library, Model, Process};
 use lab::{Estimate, Evidence, ResidualGrid, ScanEvidence, Split, calibrate_scans, structure_tests};
-use trials::trial::Process;
 use virtual_lab::{Choice, Experiment, Instrument, Made, Plan, Robot, Size};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;

@@ -1,11 +1,10 @@
 //! The cases: families, designs and what is hidden in each.
 
-use effects::{Effect, Library};
+use effects::{Effect, Library, Process};
 use random::Stream;
 use serde::{Deserialize, Serialize};
 
-use super::ladder::{POWER_RUNGS, RUNGS, effect_process};
-use trials::trial::Process;
+use super::ladder::{POWER_RUNGS, RUNGS};
 use virtual_lab::{FrontEnd, Plan, outside};
 
 /// What a family of cases asks for.
@@ -217,7 +216,7 @@ fn singles(library: &Library) -> Vec<(&str, Process)> {
 
 /// Processes in which an effect acts.
 fn acting(effect: &Effect) -> impl Iterator<Item = Process> {
-    [Process::Grinding, Process::Sanding].into_iter().filter(|&process| effect.acts_in(effect_process(process)))
+    [Process::Grinding, Process::Sanding].into_iter().filter(|&process| effect.acts_in(process))
 }
 
 /// The single effect of a case, round after round through the library.

@@ -109,8 +109,8 @@ pub fn most_probable(statements: &[(f64, bool)]) -> Option<(f64, bool)> {
 
 #[cfg(test)]
 mod tests {
+    use effects::Process;
     use serde_json::json;
-    use trials::trial::Process;
     use virtual_lab::{FrontEnd, Plan};
 
     use super::super::cases::{Design, Family};

@@ -1,9 +1,8 @@
 //! Sizes of hidden effects: a fixed ladder of physical sizes, whatever a diagnosis would call detectable.
 
-use effects::{Effect, Library, Parameter, Rows};
+use effects::{Effect, Library, Parameter, Process, Rows};
 use serde::{Deserialize, Serialize};
 
-use trials::trial::Process;
 use virtual_lab::{Hidden, Size, visible_value};
 
 /// Rungs of single effects over the visible size, in the order in which rounds through the library take them.
@@ -22,18 +21,9 @@ pub struct Rung {
     pub unit: String,
 }
 
-/// The same word in the effect library.
-pub(super) fn effect_process(process: Process) -> effects::Process {
-    match process {
-        Process::Grinding => effects::Process::Grinding,
-        Process::Sanding => effects::Process::Sanding,
-    }
-}
-
 /// So many times the visible size of an effect: each parameter with a null departs from it so many times as far, or is so many
 /// times smaller where the null is infinite, kept within its range.
 pub fn rung(effect: &Effect, (process, size): (Process, Size), factor: f64) -> Vec<Rung> {
-    let process = effect_process(process);
     let own = effect.parameters.iter().filter(|parameter| parameter.per == Rows::Model);
     let value = |parameter: &Parameter| {
         let (null, visible) = (parameter.null?, visible_value(&effect.name, parameter, process, size));

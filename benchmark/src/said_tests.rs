@@ -1,4 +1,4 @@
-use trials::trial::Process;
+use effects::Process;
 use virtual_lab::Plan;
 
 use super::super::cases::Design;

@@ -10,7 +10,6 @@ use super::cases::{Case, Family};
 use super::coverage::{Coverage, coverage};
 use super::error_gap::GapClosed;
 use super::forecast::{Forecast, Reliability, most_probable};
-use super::ladder::effect_process;
 use super::outcome::Outcome;
 use super::power::Power;
 use super::rate::Rate;
@@ -152,7 +151,7 @@ impl Summary {
             all: compared(&all),
             families: scored(&all, |o| o.case.family),
             front_ends: scored(&of_family(Family::H), |o| o.case.design.front.word()),
-            processes: scored(&all, |o| effect_process(o.case.design.process).name()),
+            processes: scored(&all, |o| o.case.design.process.name()),
             rungs: rungs(&some(&|o| matches!(o.case.family, Family::S | Family::W))),
             false_alarms: Rate::new(of_family(Family::N).iter().map(|o| o.judgement != Judgement::Right)),
             wrong_of_named: Rate::new(all.iter().filter(is_name).map(|o| o.judgement == Judgement::Wrong)),
@@ -205,8 +204,7 @@ fn coverages(all: &[&Outcome], right: &[&Outcome]) -> Vec<CoverageOf> {
 fn power(singles: &[&Outcome]) -> Vec<Power> {
     let named = |o: &&Outcome| (o.case.rung, matches!(o.judgement, Judgement::Right | Judgement::Class));
     let tried = |of: &[&Outcome]| of.iter().map(named).collect::<Vec<_>>();
-    let of_each =
-        grouped(singles, |o| format!("{}, {}", o.case.hidden[0], effect_process(o.case.design.process).name()));
+    let of_each = grouped(singles, |o| format!("{}, {}", o.case.hidden[0], o.case.design.process.name()));
     let each = of_each.into_iter().filter_map(|(name, of)| Power::new(name, &tried(&of)));
     let library: Vec<&Outcome> = singles.iter().filter(|o| o.case.family == Family::S).copied().collect();
     each.chain(Power::new("all effects of the library".to_owned(), &tried(&library))).collect()

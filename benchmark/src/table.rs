@@ -1,17 +1,16 @@
 //! The benchmark as a page of tables.
 
-use effects::Library;
+use effects::{Library, Process};
 
 use super::cases::Family;
 use super::coverage::Coverage;
 use super::error_gap::GapClosed;
 use super::forecast::Reliability;
-use super::ladder::{RUNGS, effect_process, rung};
+use super::ladder::{RUNGS, rung};
 use super::outcome::Outcome;
 use super::power::Power;
 use super::said::Said;
 use super::summary::{Scores, Summary};
-use trials::trial::Process;
 use virtual_lab::Size;
 
 /// Heads of a table of scores.
@@ -137,13 +136,13 @@ fn sizes(library: &Library, size: Size) -> String {
     let mut text =
         format!("\n## Sizes\n\n| effect | process | parameter |{heads}\n|---|---|---|{}\n", "---|".repeat(rungs.len()));
     for effect in library.effects() {
-        let acts = |process: &Process| effect.acts_in(effect_process(*process));
+        let acts = |process: &Process| effect.acts_in(*process);
         for process in [Process::Grinding, Process::Sanding].into_iter().filter(acts) {
             let columns = rungs.map(|factor| rung(effect, (process, size), factor));
             for (k, first) in columns[0].iter().enumerate() {
                 let values: String = columns.iter().map(|column| format!(" {} |", column[k].value)).collect();
                 let parameter = format!("{} [{}]", first.parameter, first.unit);
-                text += &format!("| {} | {} | {parameter} |{values}\n", effect.name, effect_process(process).name());
+                text += &format!("| {} | {} | {parameter} |{values}\n", effect.name, process.name());
             }
         }
     }

@@ -1,12 +1,15 @@
 //! An effect as its file states it: parameters, states and formulas.
 
+use serde::{Deserialize, Serialize};
+
 use super::accepted::Accepted;
 use super::syntax::Expr;
 use super::unit::Unit;
 use super::variable::{Hook, Variable};
 
 /// A finishing process.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Process {
     /// The surface recedes.
     Grinding,

@@ -107,7 +107,7 @@ impl<'a> ScanEvidence<'a> {
     /// # Errors
     /// When a trial makes no part, or has no scan that can be used.
     pub fn new(trials: &'a [Trial], voxel: Option<f64>) -> Result<Self, EvidenceError> {
-        let sands = trials.iter().all(|trial| trial.process == trials::trial::Process::Sanding);
+        let sands = trials.iter().all(|trial| trial.process == Process::Sanding);
         let pitch = |trial: &Trial| trial.scans.before.pixels.pitch;
         let coarse = || {
             let across = trials[0].tool.half_width() / SANDING_VOXELS_ACROSS;
@@ -226,7 +226,7 @@ impl<'a> ScanEvidence<'a> {
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
         let most_steps = Some(SIMULATION_STEP_RATIO * most.max(SIMULATION_LEAST_STEPS));
         for simulation in &mut self.simulation.trials {
-            simulation.change_process(|process| process.most_steps = most_steps);
+            simulation.change_settings(|settings| settings.most_steps = most_steps);
         }
         self.most_steps = most_steps;
         Ok(())
@@ -270,10 +270,7 @@ impl<'a> ScanEvidence<'a> {
 
 impl Evidence for ScanEvidence<'_> {
     fn process(&self) -> Process {
-        match self.simulation.trials[0].trial.process {
-            trials::trial::Process::Grinding => Process::Grinding,
-            trials::trial::Process::Sanding => Process::Sanding,
-        }
+        self.simulation.trials[0].trial.process
     }
 
     fn rows(&self) -> RowCounts {

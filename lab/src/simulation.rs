@@ -10,14 +10,15 @@ pub use models::ModelRun;
 use std::cell::RefCell;
 
 use effects::{CompiledModel, Reset, States};
+use robot::Controller;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap};
-use sim::{Covariates, PassError, PassRecord, Path, PathError, Process, Progress, TOOL_CELLS, run_pass};
+use sim::{Covariates, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS, run_pass};
 use thiserror::Error;
 
 use crate::scanner::SeenSurface;
 use logged::{LoggedPass, rest};
-use trials::trial::{Controller, ExposureMask, Pass, PassScan, Tool, Trial};
+use trials::trial::{ExposureMask, Pass, PassScan, Trial};
 
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
@@ -105,14 +106,13 @@ pub struct Simulation<'a> {
     pub device: Option<&'a shaders::Device>,
     /// Where the CPU's time is summed up by phase.
     pub clock: Option<&'a sim::Clock>,
-    tool: sim::Tool,
     passes: Vec<Planned>,
 }
 
 /// A pass ready to be run.
 struct Planned {
     path: Path,
-    process: Process,
+    settings: PassSettings,
     /// Time at which the logged tool touched the part [s].
     approach: f64,
     /// Time in the air since the end of the path before [s].
@@ -167,9 +167,9 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn varied(trial: &'a Trial, voxel: f64, replay: bool, variation: &Variation) -> Result<Self, SimulationError> {
-        let tool = simulated_tool(&trial.tool);
+        let tool = &trial.tool.shape;
         // Before the part is made: voxels far wider than the scan's pixels take long.
-        Process::check_voxel(voxel, &tool).map_err(|error| SimulationError::Pass { pass: 1, error })?;
+        PassSettings::check_voxel(voxel, tool).map_err(|error| SimulationError::Pass { pass: 1, error })?;
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
         let mut before = trial.scans.checked_before();
         let added = variation.before.iter().flat_map(|map| &map.heights);
@@ -184,26 +184,25 @@ impl<'a> Simulation<'a> {
         }
         let mut passes: Vec<Planned> = Vec::new();
         for (i, pass) in trial.passes.iter().enumerate() {
-            let controller = controller(trial, replay);
+            let controller = if replay { Controller::Replay } else { trial.controller };
             let logged = LoggedPass::new(pass, &trial.tool, variation.ends);
             let approach = logged.taken_over;
-            let path =
-                logged.path(trial, &tool, controller).map_err(|error| SimulationError::Path { pass: i + 1, error })?;
+            let path = logged.path(tool, controller).map_err(|error| SimulationError::Path { pass: i + 1, error })?;
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
-            let process = process(pass, trial, controller);
-            process.check(&part, &tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
-            passes.push(Planned { path, process, approach, rest });
+            let settings = settings(pass, trial, controller);
+            settings.check(&part, tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
+            passes.push(Planned { path, settings, approach, rest });
         }
-        let steps: f64 = passes.iter().map(|planned| planned.process.expected_steps(&planned.path, voxel)).sum();
+        let steps: f64 = passes.iter().map(|planned| planned.settings.expected_steps(&planned.path, voxel)).sum();
         if steps > MOST_STEPS {
             return Err(SimulationError::TooLong { steps });
         }
-        Ok(Self { trial, part, covariates: false, replay, device: None, clock: None, tool, passes })
+        Ok(Self { trial, part, covariates: false, replay, device: None, clock: None, passes })
     }
 
     /// Changes how every pass is controlled and stepped.
-    pub fn change_process(&mut self, change: impl Fn(&mut Process)) {
-        self.passes.iter_mut().for_each(|planned| change(&mut planned.process));
+    pub fn change_settings(&mut self, change: impl Fn(&mut PassSettings)) {
+        self.passes.iter_mut().for_each(|planned| change(&mut planned.settings));
     }
 
     /// The tool's states at the start of a campaign.
@@ -291,14 +290,14 @@ impl<'a> Simulation<'a> {
 
     /// The pass that a state is before.
     fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &TrialState) -> sim::Pass<'p> {
-        let Planned { path, process, approach, rest } = &self.passes[state.passes];
+        let Planned { path, settings, approach, rest } = &self.passes[state.passes];
         sim::Pass {
             number: state.passes + 1,
             row: state.first_row + state.passes,
             trial_time: state.trial_time + rest,
             approach: *approach,
             clock: self.clock,
-            ..sim::Pass::first(&self.tool, path, process, model)
+            ..sim::Pass::first(&self.trial.tool.shape, path, settings, model)
         }
     }
 
@@ -351,29 +350,12 @@ pub fn exposed_share(mask: &ExposureMask) -> f64 {
     known.clone().filter(|exposed| **exposed).count() as f64 / known.count().max(1) as f64
 }
 
-fn simulated_tool(tool: &Tool) -> sim::Tool {
-    match *tool {
-        Tool::Wheel { radius, width, .. } => sim::Wheel::cylinder(radius, width).into(),
-        Tool::Pad { radius } => sim::Pad { radius }.into(),
-    }
-}
-
-fn controller(trial: &Trial, replay: bool) -> sim::Controller {
-    match trial.controller {
-        Some(Controller::Admittance { mass, damping, period }) if !replay => {
-            sim::Controller::Admittance { mass, damping, period }
-        }
-        Some(Controller::Ideal) if !replay => sim::Controller::Ideal,
-        _ => sim::Controller::Replay,
-    }
-}
-
-fn process(pass: &Pass, trial: &Trial, controller: sim::Controller) -> Process {
-    Process {
+fn settings(pass: &Pass, trial: &Trial, controller: Controller) -> PassSettings {
+    PassSettings {
         controller,
         force_setpoint: pass.force_setpoint,
         spindle_speed: pass.spindle_speed,
         coating: trial.coating.unwrap_or(COATING),
-        ..Process::default()
+        ..PassSettings::default()
     }
 }

@@ -12,7 +12,7 @@ mod weld;
 use glam::DVec3;
 use thiserror::Error;
 
-use trials::trial::Tool;
+use robot::Tool;
 
 pub use raster::{LineDirection, Raster, raster};
 pub use weld::along_weld;
@@ -43,7 +43,7 @@ pub struct Plan {
 }
 
 /// How a plan is travelled.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Travel {
     /// The tool; its approach side touches the waypoints.
     pub tool: Tool,

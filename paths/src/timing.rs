@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::speed::Trapezoid;
 use super::{Leg, Plan, PlanError, Travel, Waypoint};
-use trials::trial::{Log, LogRow, Tool};
+use robot::Tool;
+use trials::trial::{Log, LogRow};
 
 /// Rows that a path may have.
 const MOST_ROWS: f64 = 1e6;
@@ -84,9 +85,9 @@ fn row(motions: &[Motion], time: f64, travel: &Travel) -> LogRow {
     let current = motions.partition_point(|motion| motion.start <= time).saturating_sub(1);
     let motion = &motions[current];
     let Waypoint { contact, approach } = motion.at(time);
-    let position = match travel.tool {
-        Tool::Wheel { radius, .. } => contact + approach * radius,
-        Tool::Pad { .. } => contact,
+    let position = match &travel.tool {
+        Tool::Pad(_) => contact,
+        tool => contact + approach * tool.drop(),
     };
     let force = if motion.leg.pressed { travel.force } else { 0.0 };
     LogRow { time, position, force, spindle_speed: travel.spindle_speed, approach }

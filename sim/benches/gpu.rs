@@ -12,6 +12,7 @@ use std::time::Instant;
 use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::DVec3;
 use rayon::prelude::*;
+use robot::{Controller, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use shaders::Device;
 use shaders::adapters::AdapterKind;
@@ -20,7 +21,7 @@ use shaders::device::{BackendChoice, open};
 use shaders::layout::{LogRecord, TrialState};
 use shaders::testing::copy_bandwidth;
 use sim::gpu::{Settings, Trial, run_batch};
-use sim::{Controller, CurvePoint, Pass, PassRecord, Path, Process, TOOL_CELLS, Tool, Wheel, run_pass};
+use sim::{CurvePoint, Pass, PassRecord, PassSettings, Path, TOOL_CELLS, run_pass};
 
 const VOXEL: f64 = 0.5e-3;
 const WIDTH: f64 = 4e-3;
@@ -37,7 +38,7 @@ const MANY: [usize; 5] = [1, 64, 512, 1024, 4096];
 struct Bench {
     part: BrickGrid,
     tool: Tool,
-    process: Process,
+    settings: PassSettings,
     model: CompiledModel,
     states: States,
     paths: [Path; 2],
@@ -90,10 +91,10 @@ impl Bench {
         Self {
             part: BrickGrid::from_distance(-half, half, VOXEL, 3.0, |p| p.z - 0.13e-3),
             tool: Tool::from(Wheel::cylinder(0.02, WIDTH)),
-            process: Process {
+            settings: PassSettings {
                 controller: Controller::Admittance { mass: 2.0, damping: 2000.0, period: PERIOD },
                 quasi_static: false,
-                ..Process::default()
+                ..PassSettings::default()
             },
             states: States::new(&model, TOOL_CELLS),
             model,
@@ -102,7 +103,7 @@ impl Bench {
     }
 
     fn pass(&self, way: usize) -> Pass<'_> {
-        Pass::first(&self.tool, &self.paths[way], &self.process, &self.model)
+        Pass::first(&self.tool, &self.paths[way], &self.settings, &self.model)
     }
 
     /// Time [s] and steps of a pass of so many trials, on all threads; and one record.

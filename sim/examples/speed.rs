@@ -4,17 +4,18 @@
 mod common;
 
 use common::{GRIND_RATE, WHEEL, base, fresh, line, welded_plate};
-use sim::{Pass, Path, Process, Tool, run_pass};
+use robot::Tool;
+use sim::{Pass, PassSettings, Path, run_pass};
 
 fn main() {
-    let (tool, process, model) = (Tool::from(WHEEL), Process::default(), base());
+    let (tool, settings, model) = (Tool::from(WHEEL), PassSettings::default(), base());
     let forward = Path::along(&line(-0.04, 0.04, 0.0), 5e-3).expect("a straight path");
     for voxel in [0.4e-3, 0.25e-3] {
         let mut grid = welded_plate(voxel, 1.0);
         let (mut steps, mut seconds) = (0, 0.0);
         for path in [forward.clone(), forward.reversed()] {
             let (before, start) = (grid.volume(), cpu_seconds());
-            let pass = Pass::first(&tool, &path, &process, &model);
+            let pass = Pass::first(&tool, &path, &settings, &model);
             let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |_| {}).expect("a pass");
             seconds += cpu_seconds() - start;
             steps += record.steps;

@@ -23,9 +23,10 @@ pub(crate) use self::peak::Peak;
 use self::rows::{Covers, Depths, Settle, UNSETTLED, rows_around};
 use crate::clipped_cell::{ramp_mean, wet_share};
 use crate::lines::{Lines, Run};
+use crate::pose::{Frame, Placement};
 use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::tool::{Frame, Placement, Tool};
+use robot::Tool;
 
 /// Way of a tool across its own axis for which what lies under it is not measured anew [voxels].
 const SAME_COVER: f64 = 1e-3;

@@ -3,8 +3,9 @@
 use glam::DVec3;
 pub(crate) use shaders::constants::MARGIN;
 
+use crate::pose::Pose;
 use crate::sheet::{Facing, Window};
-use crate::tool::{Pose, Tool};
+use robot::Tool;
 
 /// Least and greatest x and y of the contact in the tool's frame [m].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Contact and removal on live signed distance bricks.
 //!
-//! A part is a [`sdf_bake::BrickGrid`], negative inside. A rigid [`Wheel`] follows a [`Path`] and is lifted
+//! A part is a [`sdf_bake::BrickGrid`], negative inside. A rigid [`robot::Tool`] follows a [`Path`] and is lifted
 //! or lowered along its approach axis until its contact force is the setpoint; under the contact pressure
 //! the surface recedes. All is in SI units, in the part's right-handed frame with z up.
 //!
@@ -8,7 +8,8 @@
 //! use glam::DVec3;
 //! use sdf_bake::BrickGrid;
 //! use effects::{CompiledModel, Library, Model, RowCounts, States};
-//! use sim::{CurvePoint, Pass, Path, Process, TOOL_CELLS, Tool, Wheel, run_pass};
+//! use robot::{Tool, Wheel};
+//! use sim::{CurvePoint, Pass, PassSettings, Path, TOOL_CELLS, run_pass};
 //!
 //! let half = DVec3::new(0.03, 0.02, 0.005);
 //! let plate = |p: DVec3| p.z;
@@ -20,10 +21,10 @@
 //! let model = Model::parse("model.toml", "process = \"grinding\"", library).unwrap();
 //! let model = CompiledModel::new(&model, library, RowCounts::default()).unwrap();
 //! let mut wheel = States::new(&model, TOOL_CELLS);
-//! let process = Process::default();
-//! let record = run_pass(&mut part, Pass::first(&tool, &path, &process, &model), &mut wheel, &mut |_| {}).unwrap();
+//! let settings = PassSettings::default();
+//! let record = run_pass(&mut part, Pass::first(&tool, &path, &settings, &model), &mut wheel, &mut |_| {}).unwrap();
 //! let grind_rate = model.law_value("grind_rate").unwrap();
-//! let expected = grind_rate * process.force_setpoint * path.duration();
+//! let expected = grind_rate * settings.force_setpoint * path.duration();
 //! assert!((record.removed_volume / expected - 1.0).abs() < 0.01);
 //! ```
 //!
@@ -45,6 +46,7 @@ pub mod pass;
 pub mod path;
 mod phi_functions;
 pub mod physics;
+pub mod pose;
 pub mod press;
 pub mod profilometer;
 pub mod record;
@@ -55,19 +57,17 @@ pub mod sheet;
 mod step;
 mod step_values;
 pub mod surface;
-pub mod tool;
 mod tool_cells;
 pub mod topography;
 
 pub use clock::{Clock, Phase};
 pub use contact::Contact;
-pub use control::Controller;
 pub use covariates::Covariates;
 pub use pass::{Progress, rest, run_pass};
 pub use path::{CurvePoint, Path, PathError, PathSample};
+pub use pose::{Frame, Placement, Pose};
 pub use profilometer::Profilometer;
 pub use record::{LogRow, PassRecord};
-pub use settings::{LONGEST_STEP, Pass, PassError, Process};
-pub use tool::{FieldTool, Frame, MeshDepth, Pad, Placement, Pose, Tool, Wheel};
+pub use settings::{LONGEST_STEP, Pass, PassError, PassSettings};
 pub use tool_cells::COUNT as TOOL_CELLS;
 pub use topography::Topography;

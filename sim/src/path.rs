@@ -3,7 +3,8 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::tool::{Frame, Pose, Tool};
+use crate::pose::{Frame, Pose};
+use robot::Tool;
 
 /// One point of a curve on the workpiece.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -185,7 +186,7 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tool::Wheel;
+    use robot::Wheel;
 
     fn straight() -> Vec<CurvePoint> {
         (0..5).map(|i| CurvePoint { position: DVec3::X * 0.01 * f64::from(i), normal: DVec3::Z }).collect()

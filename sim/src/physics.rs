@@ -8,10 +8,11 @@ use glam::DVec3;
 use crate::clock::{Clock, Phase};
 use crate::contact::{Contact, Ground, SheetFrame, Squares};
 use crate::lines::{Lines, Run};
+use crate::pose::Placement;
 use crate::sheet::Sheet;
-use crate::tool::{Placement, Tool};
 use crate::tool_cells::ToolCells;
 use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, Process, RunError, States, StepValues, Variable};
+use robot::Tool;
 use sdf_bake::simd::in_wide_lanes;
 
 /// Squares of a sheet that formulas run over, one lane each.

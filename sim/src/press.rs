@@ -7,12 +7,13 @@ use crate::contact::Contact;
 use crate::control::{Balance, Motion, Response};
 use crate::extent::Extent;
 use crate::physics::Physics;
+use crate::pose::{Placement, Pose};
 use crate::region::Region;
 use crate::scheme::{EndForce, Grinding, Scheme};
 use crate::sheet::{Facing, Sheet};
 use crate::surface::way_to_surface;
-use crate::tool::{Placement, Pose, Tool};
 use effects::RunError;
+use robot::Tool;
 
 /// Relative difference between force and setpoint that is good enough.
 const FORCE_TOLERANCE: f64 = 1e-9;

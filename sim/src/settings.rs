@@ -7,11 +7,11 @@ pub use shaders::constants::{LONGEST_STEP, TOUCH};
 use std::cell::RefCell;
 
 use crate::clock::Clock;
-use crate::control::Controller;
 use crate::covariates::Covariates;
 use crate::path::Path;
-use crate::tool::Tool;
 use effects::{CompiledModel, Hook, RunError, Variable};
+use robot::Controller;
+use robot::Tool;
 
 /// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
@@ -25,7 +25,7 @@ const CLOCKED_STEP: f64 = 5e-3;
 
 /// Controller and numerics of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Process {
+pub struct PassSettings {
     /// Who holds the force. Default: ideal.
     pub controller: Controller,
     /// Normal force the controller holds [N]. Default 15.
@@ -48,7 +48,7 @@ pub struct Process {
     pub most_steps: Option<usize>,
 }
 
-impl Default for Process {
+impl Default for PassSettings {
     fn default() -> Self {
         Self {
             controller: Controller::Ideal,
@@ -72,7 +72,7 @@ pub struct Pass<'a> {
     /// Where it goes.
     pub path: &'a Path,
     /// How it is controlled.
-    pub process: &'a Process,
+    pub settings: &'a PassSettings,
     /// What it does to the part.
     pub model: &'a CompiledModel,
     /// Number of the pass in its trial, from 1.
@@ -92,11 +92,11 @@ pub struct Pass<'a> {
 
 impl<'a> Pass<'a> {
     /// The first pass of a trial.
-    pub fn first(tool: &'a Tool, path: &'a Path, process: &'a Process, model: &'a CompiledModel) -> Self {
+    pub fn first(tool: &'a Tool, path: &'a Path, settings: &'a PassSettings, model: &'a CompiledModel) -> Self {
         Self {
             tool,
             path,
-            process,
+            settings,
             model,
             number: 1,
             row: 0,
@@ -176,7 +176,7 @@ pub enum PassError {
     },
 }
 
-impl Process {
+impl PassSettings {
     /// Longest step [s] in which the controller sees what a model's effects do to its reading: an admittance that reads a
     /// past force is stepped at its own period.
     ///

@@ -1,12 +1,13 @@
 //! The values that the model's formulas may read once per step: clock, feed, and what the last step did.
 
 use crate::control::Motion;
+use crate::pose::Pose;
 use crate::scheme::Applied;
 use crate::settings::Pass;
 use crate::step::Taken;
-use crate::tool::{Pose, Tool};
 use crate::tool_cells::ToolCells;
 use effects::{StepValues, Variable};
+use robot::Tool;
 
 /// What a pass remembers from step to step for its formulas.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,7 +49,7 @@ impl Moment {
         let feed = velocity.normalize_or_zero();
         let along = feed.dot(nominal.frame.x);
         step.pass_row = pass.row;
-        let spindle = pass.process.spindle_speed;
+        let spindle = pass.settings.spindle_speed;
         // A wheel's rim moves along -x under its centre.
         let cutting =
             if matches!(pass.tool, Tool::Wheel(_)) && along != 0.0 { -(along * spindle).signum() } else { 0.0 };
@@ -62,7 +63,7 @@ impl Moment {
             (Variable::FeedAlong, along),
             (Variable::FeedAcross, feed.dot(nominal.frame.y)),
             (Variable::CuttingDirection, cutting),
-            (Variable::ForceSetpoint, pass.process.force_setpoint),
+            (Variable::ForceSetpoint, pass.settings.force_setpoint),
             (Variable::SpindleSetpoint, spindle),
             (Variable::SpindleSpeed, spindle),
             (Variable::ToolRadius, self.rim_radius),

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::tool::Tool;
 use effects::{CompiledModel, Lanes, RunError, States, StepValues, Variable};
+use robot::Tool;
 
 /// Cells of every tool.
 pub const COUNT: usize = 64;
@@ -151,7 +151,7 @@ impl CellSums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tool::{Pad, Wheel};
+    use robot::{Pad, Wheel};
 
     #[test]
     fn cells_cover_the_working_surface() {

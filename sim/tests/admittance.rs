@@ -9,10 +9,11 @@ use std::f64::consts::PI;
 
 use common::forms::{number, shared_cases};
 use common::{base, block, fresh, line, plate};
-use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
 use glam::DVec3;
+use robot::{Controller, Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;
-use sim::{Controller, Pad, Pass, PassRecord, Path, PathSample, Process, Tool, Wheel, run_pass};
+use sim::{Pass, PassRecord, PassSettings, Path, PathSample, run_pass};
 
 /// A pad on flat work; SI units.
 #[derive(Clone, Copy)]
@@ -63,10 +64,11 @@ impl Plunge {
         let sample = |time| PathSample { time, position: DVec3::ZERO, approach: DVec3::Z, axis: DVec3::Y };
         let path = Path::from_samples(vec![sample(0.0), sample(duration)]).expect("a path");
         let controller = Controller::Admittance { mass: self.mass, damping: self.damping, period };
-        let process = Process { controller, force_setpoint: self.setpoint, quasi_static, ..Process::default() };
+        let settings =
+            PassSettings { controller, force_setpoint: self.setpoint, quasi_static, ..PassSettings::default() };
         let model = self.model();
         let mut forces = Vec::new();
-        let pass = Pass::first(&tool, &path, &process, &model);
+        let pass = Pass::first(&tool, &path, &settings, &model);
         let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |now| forces.push((now.time, now.force)));
         (forces, record.expect("a pass").removed_volume / self.area)
     }
@@ -184,7 +186,8 @@ fn a_mass_below_zero_is_refused_by_name() {
     let tool = Tool::from(Pad { radius: 0.01 });
     for mass in [-1.0, f64::NAN, f64::INFINITY] {
         let controller = Controller::Admittance { mass, damping: 1500.0, period: 1e-3 };
-        let error = Process { controller, ..Process::default() }.check(&plate(0.5e-3, 0.0), &tool).unwrap_err();
+        let error =
+            PassSettings { controller, ..PassSettings::default() }.check(&plate(0.5e-3, 0.0), &tool).unwrap_err();
         assert!(error.to_string().contains("admittance mass [kg]"), "{error}");
         assert!(error.to_string().contains("zero, or positive and finite"), "{error}");
     }
@@ -228,10 +231,10 @@ fn long_steps_take_off_what_steps_at_the_controllers_period_do() {
         let (tool, model) = (Tool::from(Wheel::cylinder(0.05, 0.02)), base());
         let path = Path::along(&line(-0.006, 0.006, 0.0), 5e-3).expect("a path");
         let controller = Controller::Admittance { mass: 2.0, damping: 1500.0, period: 1e-3 };
-        let process = Process { controller, quasi_static, ..Process::default() };
+        let settings = PassSettings { controller, quasi_static, ..PassSettings::default() };
         let mut grid = plate(0.5e-3, 0.0);
         let before = grid.volume();
-        let pass = Pass::first(&tool, &path, &process, &model);
+        let pass = Pass::first(&tool, &path, &settings, &model);
         let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |_| {}).expect("a pass");
         (record, before - grid.volume())
     };

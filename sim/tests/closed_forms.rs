@@ -13,11 +13,12 @@ use common::forms::{number, shared_cases};
 use common::fresh;
 use effects::{CompiledModel, Library, Model, Process, RowCounts};
 use glam::DVec3;
+use robot::{Pad, Sphere, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use serde_json::Value;
 use sim::physics::Physics;
 use sim::press::Press;
-use sim::{Contact, Frame, Pad, Pose, Tool, Wheel};
+use sim::{Contact, Frame, Pose};
 
 /// A tool pressed into a part, and what it must meet.
 struct Case {
@@ -161,7 +162,7 @@ fn ball(radius: f64, (stiffness, depth): (f64, f64), force: f64) -> Case {
     let a = (2.0 * radius * depth - depth * depth).sqrt();
     Case {
         name: format!("ball of {:.1} mm, {:.0} µm deep", radius * 1e3, depth * 1e6),
-        tool: Tool::Sphere(radius),
+        tool: Tool::from(Sphere { radius }),
         depth,
         tilt: (0.0, 0.0),
         stiffness,

@@ -7,10 +7,11 @@ use std::f64::consts::PI;
 
 use common::{WHEEL, ball, bar, base, fresh, odd_turn, plate, pressed, turned};
 use glam::DVec3;
+use robot::{Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use sim::physics::Physics;
 use sim::press::Press;
-use sim::{Contact, Frame, Pad, Pose, Tool, Wheel};
+use sim::{Contact, Frame, Pose};
 
 const K: f64 = 1e10;
 

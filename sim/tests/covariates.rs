@@ -4,8 +4,9 @@ use std::cell::RefCell;
 
 use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::{DVec2, DVec3};
+use robot::{Tool, Wheel};
 use sdf_bake::{BrickGrid, PixelGrid};
-use sim::{Covariates, CurvePoint, Pass, PassRecord, Path, Process, TOOL_CELLS, Tool, Wheel, run_pass};
+use sim::{Covariates, CurvePoint, Pass, PassRecord, PassSettings, Path, TOOL_CELLS, run_pass};
 
 const VOXEL: f64 = 0.25e-3;
 const FEED: f64 = 5e-3;
@@ -33,8 +34,8 @@ fn pass(length: f64, laws: &str) -> (PassRecord, Covariates) {
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).unwrap();
     let map = PixelGrid { origin: DVec2::new(-0.015, -0.006), pitch: VOXEL, nx: 121, ny: 49 };
     let covariates = RefCell::new(Covariates::over(&map, VOXEL));
-    let process = Process { force_setpoint: FORCE, ..Process::default() };
-    let pass = Pass { covariates: Some(&covariates), ..Pass::first(&tool, &path, &process, &model) };
+    let settings = PassSettings { force_setpoint: FORCE, ..PassSettings::default() };
+    let pass = Pass { covariates: Some(&covariates), ..Pass::first(&tool, &path, &settings, &model) };
     let record = run_pass(&mut part, pass, &mut States::new(&model, TOOL_CELLS), &mut |_| {}).unwrap();
     (record, covariates.into_inner())
 }
@@ -76,7 +77,7 @@ fn a_place_is_touched_for_patch_length_over_feed() {
     assert!((peak / (STIFFNESS * depth) - 1.0).abs() < 0.02, "{peak} Pa, {} Pa under the axis", STIFFNESS * depth);
     let (ahead, behind) = (at(&covariates.first_contact, 4e-3), at(&covariates.first_contact, -4e-3));
     assert!((ahead - behind - 8e-3 / FEED).abs() < 2.0 * VOXEL / FEED, "{ahead} {behind}");
-    let speed = Process::default().spindle_speed * RADIUS;
+    let speed = PassSettings::default().spindle_speed * RADIUS;
     assert!((at(&covariates.slip_way, 0.0) / (speed * time) - 1.0).abs() < 1e-3);
     assert_eq!(at(&covariates.removed, 0.0), 0.0);
 }

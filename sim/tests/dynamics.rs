@@ -3,37 +3,38 @@
 mod common;
 
 use common::{fresh, line, model, plate};
-use sim::{Controller, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, rest, run_pass};
+use robot::{Controller, Tool, Wheel};
+use sim::{Pass, PassError, PassRecord, PassSettings, Path, rest, run_pass};
 
 const ADMITTANCE: Controller = Controller::Admittance { mass: 2.0, damping: 4000.0, period: 1e-3 };
 
-fn run(effect: &str, process: Process) -> Result<PassRecord, PassError> {
+fn run(effect: &str, settings: PassSettings) -> Result<PassRecord, PassError> {
     let model = model(&format!("process = \"grinding\"\n{effect}"));
     let (tool, mut grid) = (Tool::from(Wheel::cylinder(0.05, 0.006)), plate(1e-3, 0.0));
     let path = Path::along(&line(-0.005, 0.005, 0.0), 5e-3).expect("a path");
-    run_pass(&mut grid, Pass::first(&tool, &path, &process, &model), &mut fresh(&model), &mut |_| {})
+    run_pass(&mut grid, Pass::first(&tool, &path, &settings, &model), &mut fresh(&model), &mut |_| {})
 }
 
 #[test]
 fn a_lag_of_the_force_is_refused_under_an_ideal_controller_by_name() {
     let lag = "[effect.force-lag]\nlag = \"50 ms\"\n";
-    let refused = run(lag, Process::default()).expect_err("it could not act");
+    let refused = run(lag, PassSettings::default()).expect_err("it could not act");
     assert_eq!(refused, PassError::NoDynamics { effect: "force-lag".to_owned() });
     assert!(refused.to_string().contains("admittance"), "{refused}");
-    assert!(run("[effect.force-lag]\nlag = \"0 s\"\n", Process::default()).is_ok());
-    assert!(run(lag, Process { controller: Controller::Replay, ..Process::default() }).is_ok());
+    assert!(run("[effect.force-lag]\nlag = \"0 s\"\n", PassSettings::default()).is_ok());
+    assert!(run(lag, PassSettings { controller: Controller::Replay, ..PassSettings::default() }).is_ok());
 }
 
 #[test]
 fn an_admittance_that_reads_a_past_force_is_stepped_at_its_period() {
-    let process = Process { controller: ADMITTANCE, ..Process::default() };
+    let settings = PassSettings { controller: ADMITTANCE, ..PassSettings::default() };
     let every_period = 2000;
-    let quick = run("", process).expect("a pass");
+    let quick = run("", settings).expect("a pass");
     assert!(quick.steps < every_period / 4, "{}", quick.steps);
-    let lag = run("[effect.force-lag]\nlag = \"50 ms\"\n", process).expect("a pass");
+    let lag = run("[effect.force-lag]\nlag = \"50 ms\"\n", settings).expect("a pass");
     assert!((every_period..every_period + 20).contains(&lag.steps), "{}", lag.steps);
     let fine =
-        run("[effect.force-lag]\nlag = \"50 ms\"\n", Process { quasi_static: false, ..process }).expect("a pass");
+        run("[effect.force-lag]\nlag = \"50 ms\"\n", PassSettings { quasi_static: false, ..settings }).expect("a pass");
     assert_eq!(lag, fine);
 }
 
@@ -41,11 +42,11 @@ fn an_admittance_that_reads_a_past_force_is_stepped_at_its_period() {
 fn a_swing_in_time_is_followed_by_either_controller() {
     let chatter = "[effect.chatter]\nsine = \"0.2\"\nfrequency = \"20 Hz\"\n";
     for controller in [Controller::Ideal, ADMITTANCE] {
-        let record = run(chatter, Process { controller, ..Process::default() }).expect("a pass");
+        let record = run(chatter, PassSettings { controller, ..PassSettings::default() }).expect("a pass");
         assert!(record.steps >= 400, "{}", record.steps);
     }
     // F = F_set (1 + 0.2 sin): the force's rms off the setpoint is 0.2/√2.
-    let record = run(chatter, Process::default()).expect("a pass");
+    let record = run(chatter, PassSettings::default()).expect("a pass");
     let swing = record.force_rms_error / 15.0 * 2f64.sqrt();
     println!("ideal controller under a swing of 0.2 at 20 Hz: {swing:.4}");
     assert!((swing / 0.2 - 1.0).abs() < 0.02, "{swing}");
@@ -57,10 +58,10 @@ fn states_recover_in_a_pause() {
         "process = \"sanding\"\n[effect.pad-loading]\nloading_volume = \"100 mm^3\"\nclearing_rate = \"0.01 1/s\"\n\
          [effect.thermal-softening]\ntime_constant = \"8 s\"\n",
     );
-    let (tool, mut grid) = (Tool::from(sim::Pad { radius: 0.01 }), plate(1e-3, 0.0));
+    let (tool, mut grid) = (Tool::from(robot::Pad { radius: 0.01 }), plate(1e-3, 0.0));
     let path = Path::along(&line(-0.005, 0.005, 0.0), 5e-3).expect("a path");
-    let process = Process::default();
-    let pass = Pass::first(&tool, &path, &process, &model);
+    let settings = PassSettings::default();
+    let pass = Pass::first(&tool, &path, &settings, &model);
     let mut states = fresh(&model);
     run_pass(&mut grid, pass, &mut states, &mut |_| {}).expect("a pass");
     let of = |states: &effects::States| {
@@ -84,10 +85,10 @@ fn states_recover_in_a_pause() {
 #[test]
 fn a_contact_too_soft_for_its_setpoint_is_no_air() {
     let soft = model("process = \"sanding\"\n[law.winkler]\nstiffness = \"1e5 Pa/m\"\n");
-    let (tool, mut grid) = (Tool::from(sim::Pad { radius: 0.01 }), plate(1e-3, 0.0));
+    let (tool, mut grid) = (Tool::from(robot::Pad { radius: 0.01 }), plate(1e-3, 0.0));
     let path = Path::along(&line(-0.005, 0.005, 0.0), 5e-3).expect("a path");
-    let process = Process { search_reach: 2e-3, ..Process::default() };
-    let pass = Pass::first(&tool, &path, &process, &soft);
+    let settings = PassSettings { search_reach: 2e-3, ..PassSettings::default() };
+    let pass = Pass::first(&tool, &path, &settings, &soft);
     let refused = run_pass(&mut grid, pass, &mut fresh(&soft), &mut |_| {}).expect_err("π r² K 2 mm = 0.06 N");
     assert_eq!(refused, PassError::TooSoft { setpoint: 15.0, reach: 2e-3 });
     assert!(refused.to_string().contains("15 N within 2 mm"), "{refused}");

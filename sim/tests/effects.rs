@@ -4,10 +4,12 @@ mod common;
 
 use common::{base, fresh, line, plate};
 use effects::{
-    CompiledModel, EffectError, Hook, Lanes, Library, Model, Process as Kind, RowCounts, States, StepValues, Variable,
+    CompiledModel, EffectError, Hook, Lanes, Library, Model, Process as Kind, RowCounts, States, StepValues,
+    Variable,
 };
+use robot::{Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;
-use sim::{Pad, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
+use sim::{Pass, PassError, PassRecord, PassSettings, Path, run_pass};
 
 fn run(kind: Kind, model: &CompiledModel) -> (BrickGrid, PassRecord) {
     let (tool, feed) = match kind {
@@ -16,8 +18,8 @@ fn run(kind: Kind, model: &CompiledModel) -> (BrickGrid, PassRecord) {
     };
     let mut grid = plate(1e-3, 0.0);
     let path = Path::along(&line(-0.002, 0.002, 0.0), feed).expect("a path");
-    let process = Process::default();
-    let pass = Pass::first(&tool, &path, &process, model);
+    let settings = PassSettings::default();
+    let pass = Pass::first(&tool, &path, &settings, model);
     let record = run_pass(&mut grid, pass, &mut fresh(model), &mut |_| {}).expect("a pass");
     (grid, record)
 }
@@ -73,12 +75,12 @@ fn a_formula_that_breaks_down_is_named_and_the_part_keeps_the_last_good_state() 
     let library = Library::builtin().with(&[("fragile.toml".to_owned(), FRAGILE.to_owned())]).expect("an effect");
     let model = Model::new(Kind::Grinding).with("fragile");
     let model = CompiledModel::new(&model, &library, RowCounts::default()).expect("a model");
-    let (tool, process) = (Tool::from(Wheel::cylinder(0.05, 0.006)), Process::default());
+    let (tool, settings) = (Tool::from(Wheel::cylinder(0.05, 0.006)), PassSettings::default());
     let path = Path::along(&line(-0.004, 0.004, 0.0), 5e-3).expect("a path");
     let mut grid = plate(0.5e-3, 0.0);
     let before = grid.clone();
     let mut last = 0.0;
-    let pass = Pass::first(&tool, &path, &process, &model);
+    let pass = Pass::first(&tool, &path, &settings, &model);
     let error = run_pass(&mut grid, pass, &mut fresh(&model), &mut |now| last = now.time).expect_err("it breaks down");
     println!("{error}");
     let PassError::Formula { time, .. } = error else { panic!("{error}") };

@@ -6,16 +6,17 @@ use common::{GRIND_RATE, WHEEL, ball, base, fresh, line, odd_turn, plate, thresh
 use effects::CompiledModel;
 use glam::DVec3;
 use rayon::ThreadPoolBuilder;
+use robot::{Controller, Tool, Wheel};
 use sdf_bake::BrickGrid;
-use sim::{Controller, CurvePoint, Pass, PassError, PassRecord, Path, Process, Tool, Wheel, run_pass};
+use sim::{CurvePoint, Pass, PassError, PassRecord, PassSettings, Path, run_pass};
 
 /// Feed of the tests [m/s].
 const FEED: f64 = 5e-3;
 
 /// A pass, and the volume that the field lost [m³].
 fn pass(grid: &mut BrickGrid, path: &Path, model: &CompiledModel) -> (PassRecord, f64) {
-    let (tool, process, before) = (Tool::from(WHEEL), Process::default(), grid.volume());
-    let pass = Pass::first(&tool, path, &process, model);
+    let (tool, settings, before) = (Tool::from(WHEEL), PassSettings::default(), grid.volume());
+    let pass = Pass::first(&tool, path, &settings, model);
     let record = run_pass(grid, pass, &mut fresh(model), &mut |_| {}).expect("a pass");
     assert_eq!(grid.sanity_check(), Ok(()));
     let lost = before - grid.volume();
@@ -35,7 +36,7 @@ fn volume_errors(name: &str, (record, lost): &(PassRecord, f64)) -> (f64, f64) {
         against(GRIND_RATE * record.impulse) * 100.0,
         by_law * 100.0
     );
-    let setpoint = Process::default().force_setpoint * record.contact_time;
+    let setpoint = PassSettings::default().force_setpoint * record.contact_time;
     println!("    ∫ F dt {:+.3} % off the setpoint's", (record.impulse / setpoint - 1.0) * 100.0);
     assert!((record.impulse / setpoint - 1.0).abs() < 1e-3 && record.impulse <= record.load_impulse);
     (by_load.abs(), by_law.abs())
@@ -103,12 +104,12 @@ fn the_force_does_not_ripple_while_a_pass_slides_without_removal() {
         q.y.hypot(q.z + 0.02) - 0.02
     });
     let model = threshold(1e9);
-    let process = Process { controller: Controller::Replay, ..Process::default() };
+    let settings = PassSettings { controller: Controller::Replay, ..PassSettings::default() };
     for (name, mut grid, depth) in [("flat", flat, 32e-6), ("bar", bar, 150e-6)] {
         let curve = line(-3e-3, 3e-3, -depth)
             .map(|point| CurvePoint { position: turn * point.position, normal: turn * point.normal });
         let (tool, path, mut forces) = (Tool::from(WHEEL), Path::along(&curve, FEED).unwrap(), Vec::new());
-        let pass = Pass::first(&tool, &path, &process, &model);
+        let pass = Pass::first(&tool, &path, &settings, &model);
         run_pass(&mut grid, pass, &mut fresh(&model), &mut |now| forces.push(now.force)).expect("a pass");
         let mean = forces.iter().sum::<f64>() / forces.len() as f64;
         let ripple = forces.iter().map(|force| (force / mean - 1.0).abs()).fold(0.0, f64::max);
@@ -239,13 +240,13 @@ fn a_path_beside_the_part_is_in_the_air_and_says_so() {
 fn settings_out_of_range_are_refused_by_name() {
     let path = Path::along(&line(0.0, 0.01, 0.0), FEED).unwrap();
     let mut grid = plate(0.5e-3, 0.0);
-    let (defaults, model) = (Process::default(), base());
-    for (process, wheel, name) in [
-        (Process { force_setpoint: f64::NAN, ..defaults }, WHEEL, "force setpoint [N]"),
+    let (defaults, model) = (PassSettings::default(), base());
+    for (settings, wheel, name) in [
+        (PassSettings { force_setpoint: f64::NAN, ..defaults }, WHEEL, "force setpoint [N]"),
         (defaults, Wheel { radius: 0.0, ..WHEEL }, "wheel radius [m]"),
     ] {
         let tool = Tool::from(wheel);
-        let pass = Pass::first(&tool, &path, &process, &model);
+        let pass = Pass::first(&tool, &path, &settings, &model);
         match run_pass(&mut grid, pass, &mut fresh(&model), &mut |_| {}) {
             Err(PassError::BadSetting { name: found, .. }) => assert_eq!(found, name),
             other => panic!("{other:?}"),

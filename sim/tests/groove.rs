@@ -4,11 +4,12 @@ mod common;
 
 use common::forms::{Travelling, number, shared_cases};
 use common::{WHEEL, fresh, plate};
-use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
 use glam::{DMat3, DVec3};
+use robot::{Controller, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use sim::sheet::{Facing, Sheet, Window};
-use sim::{Controller, CurvePoint, Pass, PassRecord, Path, Process, Tool, Wheel, run_pass};
+use sim::{CurvePoint, Pass, PassRecord, PassSettings, Path, run_pass};
 
 const STIFFNESS: f64 = 1e10;
 /// Grind rates [m/(Pa s)] and threshold pressures [Pa].
@@ -61,19 +62,19 @@ impl Groove {
     }
 
     /// One pass at a `depth` [m] of the path, and the mean depth of the groove under mid width where the pass is steady.
-    fn grind(&self, process: &Process, depth: f64) -> (PassRecord, f64) {
+    fn grind(&self, settings: &PassSettings, depth: f64) -> (PassRecord, f64) {
         let mut grid = plate(self.voxel, 0.0);
         let model = grinding(self.stiffness, self.grind_rate, self.threshold);
         let path = Path::along(&self.ends(depth), self.feed).expect("a path");
         let tool = Tool::from(self.wheel);
-        let pass = Pass::first(&tool, &path, process, &model);
+        let pass = Pass::first(&tool, &path, settings, &model);
         let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |_| {}).expect("a pass");
         (record, self.groove_depth(&grid))
     }
 
     fn check_depth(&self, depth: f64) {
-        let process = Process { controller: Controller::Replay, ..Process::default() };
-        let (record, found) = self.grind(&process, depth);
+        let settings = PassSettings { controller: Controller::Replay, ..PassSettings::default() };
+        let (record, found) = self.grind(&settings, depth);
         let (exact, force) = self.form().at_depth(depth);
         let last = record.log[record.log.len() - 2].force;
         self.report(&format!("{:.0} µm deep", depth * 1e6), depth, (found, exact));
@@ -82,8 +83,8 @@ impl Groove {
     }
 
     fn check_force(&self, force: f64) {
-        let process = Process { force_setpoint: force, ..Process::default() };
-        let (_, found) = self.grind(&process, 0.0);
+        let settings = PassSettings { force_setpoint: force, ..PassSettings::default() };
+        let (_, found) = self.grind(&settings, 0.0);
         self.report(&format!("{force:.1} N"), 40e-6, (found, self.form().at_force(force)));
     }
 
@@ -151,7 +152,7 @@ fn half_a_millimetre_is_near_the_closed_form_wherever_the_rims_lie() {
 
 #[test]
 fn grooves_of_narrow_strips_above_a_threshold_are_those_of_the_closed_form() {
-    let process = Process { controller: Controller::Replay, ..Process::default() };
+    let settings = PassSettings { controller: Controller::Replay, ..PassSettings::default() };
     for (voxel, most) in [(0.5e-3, 1e-2), (0.25e-3, 3e-3)] {
         for cells in [3.0, 4.0, 5.0] {
             for stiff in [0.1, 1.0] {
@@ -160,7 +161,7 @@ fn grooves_of_narrow_strips_above_a_threshold_are_those_of_the_closed_form() {
                 let groove = Groove::new((rate, threshold), voxel, 0.0);
                 let depth = threshold / STIFFNESS + half * half / (2.0 * WHEEL.radius);
                 let (exact, force) = groove.form().at_depth(depth);
-                let (record, found) = groove.grind(&process, depth);
+                let (record, found) = groove.grind(&settings, depth);
                 let (off, last) = (found / exact - 1.0, record.log[record.log.len() - 2].force);
                 let of_force = last / force - 1.0;
                 println!(

@@ -6,10 +6,11 @@ mod common;
 use std::f64::consts::PI;
 
 use common::fresh;
-use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
 use glam::DVec3;
+use robot::{Controller, Pad, Tool};
 use sdf_bake::BrickGrid;
-use sim::{Controller, Pad, Pass, Path, PathSample, Process, Tool, run_pass};
+use sim::{Pass, PassSettings, Path, PathSample, run_pass};
 
 const EVEN: &str = r#"
 name = "even"
@@ -36,13 +37,13 @@ fn recede(grid: &mut BrickGrid, recession: f64, rounds: usize) {
     model.set("even", "speed", &[recession / rounds as f64 / duration]);
     let model = CompiledModel::new(&model, &library, RowCounts::default()).expect("a model");
     let tool = Tool::from(Pad { radius: 0.05 });
-    let process = Process { controller: Controller::Replay, ..Process::default() };
+    let settings = PassSettings { controller: Controller::Replay, ..PassSettings::default() };
     for _ in 0..rounds {
         for side in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
             let axis = side.any_orthonormal_vector();
             let sample = |time| PathSample { time, position: DVec3::ZERO, approach: side, axis };
             let path = Path::from_samples(vec![sample(0.0), sample(duration)]).expect("a path");
-            run_pass(grid, Pass::first(&tool, &path, &process, &model), &mut fresh(&model), &mut |_| {})
+            run_pass(grid, Pass::first(&tool, &path, &settings, &model), &mut fresh(&model), &mut |_| {})
                 .expect("a pass");
         }
     }

@@ -6,13 +6,14 @@ use std::f64::consts::PI;
 
 use common::forms::{number, pad_dose, shared_cases, tilted_pad_dose};
 use common::{fresh, line};
-use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
 use glam::DVec3;
+use robot::{Controller, Pad, Tool};
 use sdf_bake::BrickGrid;
 use sim::contact::{Ground, Squares};
 use sim::region::Region;
 use sim::sheet::{Facing, Sheet, Window};
-use sim::{Controller, Frame, Pad, Pass, PassRecord, Path, PathSample, Placement, Pose, Process, Tool, run_pass};
+use sim::{Frame, Pass, PassRecord, PassSettings, Path, PathSample, Placement, Pose, run_pass};
 
 const VOXEL: f64 = 0.5e-3;
 /// K_P/h_c [1/(Pa m)].
@@ -34,7 +35,7 @@ fn sanding(stiffness: f64, sanding_rate: f64, tilt: f64) -> CompiledModel {
 /// rounded to whole voxels.
 fn doses(
     radius: f64,
-    (process, model, depth): (&Process, &CompiledModel, f64),
+    (settings, model, depth): (&PassSettings, &CompiledModel, f64),
     feed: f64,
     places: &[f64],
 ) -> (PassRecord, Vec<(f64, f64)>) {
@@ -44,7 +45,7 @@ fn doses(
     let mut grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, |p| p.z);
     let path = Path::along(&line(-reach, reach, -depth), feed).expect("a path");
     let tool = Tool::from(Pad { radius });
-    let pass = Pass::first(&tool, &path, process, model);
+    let pass = Pass::first(&tool, &path, settings, model);
     let record = run_pass(&mut grid, pass, &mut fresh(model), &mut |_| {}).expect("a pass");
     let across = (reach / VOXEL) as i32;
     let window = Window { low: [-1, -across], size: [3, 2 * across as usize + 1] };
@@ -66,9 +67,9 @@ fn report(what: &str, y: f64, found: f64, exact: f64) {
 fn a_level_pad_leaves_the_dose_of_the_closed_form() {
     let (radius, feed, force) = (0.0125, 0.03, 10.0);
     for spin in [400.0, 3.0] {
-        let process = Process { force_setpoint: force, spindle_speed: spin, ..Process::default() };
+        let settings = PassSettings { force_setpoint: force, spindle_speed: spin, ..PassSettings::default() };
         let model = sanding(1e8, SANDING_RATE, 0.0);
-        let (record, found) = doses(radius, (&process, &model, 0.0), feed, &[-0.011, -0.007, 0.0, 0.004, 0.009]);
+        let (record, found) = doses(radius, (&settings, &model, 0.0), feed, &[-0.011, -0.007, 0.0, 0.004, 0.009]);
         assert!(record.coating_volume > 0.0 && record.removed_volume == 0.0);
         for (y, dose) in found {
             let pressure = force / (PI * radius * radius);
@@ -82,9 +83,9 @@ fn a_level_pad_leaves_the_dose_of_the_closed_form() {
 fn a_pad_tilted_by_an_effect_leaves_the_dose_of_the_closed_form() {
     let (radius, feed, spin, stiffness) = (0.0125, 0.03, 400.0, 1e8);
     for (depth, tilt) in [(2e-4, 0.01), (5e-5, 0.02), (-5e-5, -0.02)] {
-        let process = Process { controller: Controller::Replay, spindle_speed: spin, ..Process::default() };
+        let settings = PassSettings { controller: Controller::Replay, spindle_speed: spin, ..PassSettings::default() };
         let model = sanding(stiffness, SANDING_RATE, tilt);
-        let (_, found) = doses(radius, (&process, &model, depth), feed, &[-0.009, 0.0, 0.004]);
+        let (_, found) = doses(radius, (&settings, &model, depth), feed, &[-0.009, 0.0, 0.004]);
         for (y, dose) in found {
             let form = tilted_pad_dose(radius, (spin, feed), (depth, tilt), y);
             report(
@@ -103,8 +104,8 @@ fn shared_examples_of_doses_hold() {
         let [rate, force, radius, spin, feed, y] = ["C", "F", "rho", "om", "v", "y"].map(|name| number(inputs, name));
         let per = rate * force / (PI * radius * radius) / feed;
         assert!((per * pad_dose(radius, (spin, feed), y) / number(outputs, "value") - 1.0).abs() < 1e-9);
-        let process = Process { force_setpoint: force, spindle_speed: spin, ..Process::default() };
-        let (_, found) = doses(radius, (&process, &sanding(1e7, rate, 0.0), 0.0), feed, &[y]);
+        let settings = PassSettings { force_setpoint: force, spindle_speed: spin, ..PassSettings::default() };
+        let (_, found) = doses(radius, (&settings, &sanding(1e7, rate, 0.0), 0.0), feed, &[y]);
         report("shared", found[0].0, found[0].1, per * pad_dose(radius, (spin, feed), found[0].0));
     }
     for (inputs, outputs) in &shared_cases("dose_pad_tilted") {
@@ -112,8 +113,8 @@ fn shared_examples_of_doses_hold() {
         let [rate, stiffness, radius, depth, tilt, spin, feed, y] = names.map(|name| number(inputs, name));
         let form = |y: f64| rate * stiffness / feed * tilted_pad_dose(radius, (spin, feed), (depth, tilt), y);
         assert!((form(y) / number(outputs, "value") - 1.0).abs() < 1e-6);
-        let process = Process { controller: Controller::Replay, spindle_speed: spin, ..Process::default() };
-        let (_, found) = doses(radius, (&process, &sanding(stiffness, rate, tilt), depth), feed, &[y]);
+        let settings = PassSettings { controller: Controller::Replay, spindle_speed: spin, ..PassSettings::default() };
+        let (_, found) = doses(radius, (&settings, &sanding(stiffness, rate, tilt), depth), feed, &[y]);
         report("shared, tilted", found[0].0, found[0].1, form(found[0].0));
     }
 }
@@ -146,10 +147,10 @@ fn a_pad_that_turns_a_corner_leaves_the_dose_of_its_slip() {
     let path = Path::from_samples(samples.collect()).unwrap();
     let half = DVec3::new(0.026, 0.026, 1e-3);
     let mut grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, |p| p.z);
-    let process = Process { force_setpoint: force, spindle_speed: spin, ..Process::default() };
+    let settings = PassSettings { force_setpoint: force, spindle_speed: spin, ..PassSettings::default() };
     let model = sanding(stiffness, SANDING_RATE, 0.0);
     let tool = Tool::from(Pad { radius });
-    let pass = Pass::first(&tool, &path, &process, &model);
+    let pass = Pass::first(&tool, &path, &settings, &model);
     let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |_| {}).expect("a pass");
     let window = Window { low: [-48, -48], size: [97, 97] };
     let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 1e-3, -1e-3);

@@ -7,8 +7,8 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::Args;
 use effects::{CompiledModel, Library, Model, RowCounts};
+use robot::Wheel;
 use serde::Serialize;
-use sim::Wheel;
 use weldgen::Placement;
 
 use super::flags::SEEDS;

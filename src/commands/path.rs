@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use serde::Serialize;
 
 use super::flags::OutFlags;
@@ -14,7 +14,8 @@ use crate::console::Console;
 use files::folder::StagedFile;
 use files::output::FileKind;
 use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
-use trials::trial::{Log, LogRow, RPM, Tool, log_csv, read_log};
+use robot::{Pad, Tool, Wheel};
+use trials::trial::{Log, LogRow, RPM, log_csv, read_log};
 
 /// Sizes of a tool that are accepted [mm], as `robofin simulate` has them for its wheel.
 const SIZES_MM: (f64, f64) = (0.1, 1000.0);
@@ -285,8 +286,8 @@ fn parse_tool(text: &str) -> Result<Tool, String> {
         }
     }
     match (kind, radius, width) {
-        ("wheel", Some(radius), Some(width)) => Ok(Tool::Wheel { radius, width, axis: DVec3::Y }),
-        ("pad", Some(radius), None) => Ok(Tool::Pad { radius }),
+        ("wheel", Some(radius), Some(width)) => Ok(Wheel::cylinder(radius, width).into()),
+        ("pad", Some(radius), None) => Ok(Pad { radius }.into()),
         ("wheel" | "pad", ..) => Err(wrong("a size is missing".into())),
         _ => Err(wrong(format!("{kind:?} is no tool"))),
     }

@@ -8,12 +8,13 @@ use clap::Args;
 use effects::{CompiledModel, RowCounts, States};
 use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec3;
+use robot::{FieldTool, MeshDepth, Tool};
 use sdf_bake::nvdb;
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
 use serde::Serialize;
 use sim::physics::Physics;
 use sim::press::Press;
-use sim::{Contact, FieldTool, Frame, MeshDepth, Pose, TOOL_CELLS, Tool};
+use sim::{Contact, Frame, Pose, TOOL_CELLS};
 
 use super::flags::{STIFFNESS, SignFlag, UnitFlag};
 use super::model_flags::ModelFlags;
@@ -220,7 +221,7 @@ impl Place {
 
     fn press(&self, part: &BrickGrid, tool: &Tool, model: &CompiledModel, goal: Goal) -> Result<Held> {
         let mut states = States::new(model, TOOL_CELLS);
-        let mut physics = Physics::new(model, &mut states, sim::Process::default().coating);
+        let mut physics = Physics::new(model, &mut states, sim::PassSettings::default().coating);
         let setpoint = if let Goal::Force(force) = goal { force } else { 0.0 };
         physics.hold(tool, setpoint);
         let mut press = Press::new(part, tool, self.pose, self.reach).closer();

@@ -6,8 +6,8 @@ use std::time::Instant;
 use anyhow::{Result, bail};
 use clap::Args;
 use effects::{CompiledModel, Process, RowCounts};
+use robot::{Tool, Wheel};
 use serde::Serialize;
-use sim::{Tool, Wheel};
 
 use super::backend_flags::{BackendFlags, name_of};
 use super::faults::refuse_all;
@@ -21,7 +21,7 @@ use crate::snapshot::{Keeping, Resume, kept};
 use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
 use files::folder::StagedFolder;
 use lab::simulation::Simulation;
-use trials::trial::{self, Trial};
+use trials::trial::Trial;
 
 /// Passes that are accepted; each takes seconds.
 const PASSES: [u64; 2] = [1, 200];
@@ -238,12 +238,8 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     for note in &trial.notes {
         console.step("trial", note);
     }
-    let process = match trial.process {
-        trial::Process::Grinding => Process::Grinding,
-        trial::Process::Sanding => Process::Sanding,
-    };
     let rows = RowCounts { passes: trial.passes.len(), scans: trial.passes.len() };
-    let model = args.model.compile(process, "", rows)?;
+    let model = args.model.compile(trial.process, "", rows)?;
     let voxel = metres(args.voxel_mm).unwrap_or(trial.scans.before.pixels.pitch);
     let keeping = args.state.keeping(trial.passes.len())?;
     let mut simulation = Simulation::new(&trial, voxel, args.replay)?;

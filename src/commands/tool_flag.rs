@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use sim::{Pad, Tool, Wheel};
+use robot::{Pad, Sphere, Tool, Wheel};
 
 /// Kinds of tools, as `--tool` takes them.
 const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
@@ -29,7 +29,7 @@ impl FromStr for ToolFlag {
                 Wheel::cylinder(radius, width).into()
             }
             "pad" => Pad { radius: sizes(rest, ["radius"]).map_err(wrong)?[0] }.into(),
-            "sphere" => Tool::Sphere(sizes(rest, ["radius"]).map_err(wrong)?[0]),
+            "sphere" => Sphere { radius: sizes(rest, ["radius"]).map_err(wrong)?[0] }.into(),
             "mesh" => return Ok(Self::Mesh(rest.into())),
             _ => return Err(wrong(format!("no tool is called `{kind}`"))),
         }))

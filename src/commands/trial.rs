@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use clap::{Args, Subcommand, ValueEnum};
+use effects::Process;
 use rand::TryRng;
 use rand::rngs::SysRng;
 use serde::Serialize;
@@ -14,7 +15,6 @@ use super::model_flags::OwnFlags;
 use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
-use trials::trial::Process;
 use virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unseal, write_into};
 use virtual_lab::{Choice, Experiment, FrontEnd, Hidden, Key, Made, MakeError, Plan, Size};
 

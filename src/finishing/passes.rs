@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Error, Result, ensure};
 use effects::{CompiledModel, States};
+use robot::Tool;
 use sdf_bake::BrickGrid;
-use sim::{CurvePoint, Pass, PassRecord, Process, TOOL_CELLS, Tool, gpu, run_pass};
+use sim::{CurvePoint, Pass, PassRecord, PassSettings, TOOL_CELLS, gpu, run_pass};
 
 use super::{Executor, Grinding};
 use crate::asset::WeldTruth;
@@ -16,8 +17,8 @@ use lab::Origin;
 const MOST_STEPS: f64 = 2e5;
 
 /// Refuses a pass that would take too long.
-fn check_steps(path: &sim::Path, process: &Process, voxel: f64) -> Result<()> {
-    let steps = process.expected_steps(path, voxel);
+fn check_steps(path: &sim::Path, settings: &PassSettings, voxel: f64) -> Result<()> {
+    let steps = settings.expected_steps(path, voxel);
     ensure!(
         steps <= MOST_STEPS,
         "a pass of {:.3e} s over {:.3e} mm takes {steps:.1e} steps in a field of {:.3e} mm voxels, and {MOST_STEPS:.0e} are \
@@ -71,15 +72,15 @@ pub(super) fn run_passes(
     let tool = &Tool::from(*wheel);
     let (curve, search_reach) = followed(weld, tool);
     let forth = sim::Path::along(&curve, plan.feed)?;
-    let process = Process { force_setpoint: plan.force_setpoint, search_reach, ..Process::default() };
-    check_steps(&forth, &process, grid.voxel)?;
+    let settings = PassSettings { force_setpoint: plan.force_setpoint, search_reach, ..PassSettings::default() };
+    check_steps(&forth, &settings, grid.voxel)?;
     let back = forth.reversed();
     let mut states = done.tool.take().unwrap_or_else(|| States::new(model, TOOL_CELLS));
     let mut volume = grid.volume();
     for number in done.passes.len() + 1..=plan.passes as usize {
         let path = if number % 2 == 1 { &forth } else { &back };
         let trial_time = (number - 1) as f64 * forth.duration();
-        let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &process, model) };
+        let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &settings, model) };
         let record = match run_one((grid, &mut states), pass, executor) {
             Ok(record) => record,
             Err(error) if number == 1 => return Err(error),
@@ -115,7 +116,7 @@ fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
     let curve = points.map(|(&position, &normal)| CurvePoint { position: position + lift * normal, normal });
     let reach = match tool {
         Tool::Wheel(wheel) if is_fillet => (0.5 * wheel.width).min(lift),
-        _ => Process::default().search_reach,
+        _ => PassSettings::default().search_reach,
     };
     (curve.collect(), reach)
 }

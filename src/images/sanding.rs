@@ -10,11 +10,12 @@ use anyhow::{Context, Result, ensure};
 use effects::{CompiledModel, Library, Model, RowCounts, States};
 use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec3;
+use robot::{Pad, Tool};
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::{Deserialize, Serialize};
-use sim::{Pad, Pass, PathSample, Process, TOOL_CELLS, Tool, run_pass};
+use sim::{Pass, PassSettings, PathSample, TOOL_CELLS, run_pass};
 
 use super::patch::Patch;
 use super::pattern::{Pattern, Stroke};
@@ -92,13 +93,13 @@ pub fn sand(
     let model = CompiledModel::new(&Model::parse("sanding", MODEL, library)?, library, RowCounts::default())?;
     let setting = Setting::of(patch.radius, &model)?;
     let tool = Tool::from(Pad { radius: patch.radius });
-    let process = Process { force_setpoint: setting.force, spindle_speed: SPINDLE, ..Process::default() };
+    let settings = PassSettings { force_setpoint: setting.force, spindle_speed: SPINDLE, ..PassSettings::default() };
     let mut states = States::new(&model, TOOL_CELLS);
     for strokes in pattern.stages(&patch, stages) {
         let mut figures = StageFigures::default();
         for stroke in &strokes {
             let path = path(stroke, &patch, setting.feed)?;
-            let pass = run_pass(part, Pass::first(&tool, &path, &process, &model), &mut states, &mut |_| {})?;
+            let pass = run_pass(part, Pass::first(&tool, &path, &settings, &model), &mut states, &mut |_| {})?;
             figures.contact_s += pass.contact_time;
             figures.impulse_ns += pass.impulse;
             figures.coating_mm3 += 1e9 * pass.coating_volume;

@@ -6,7 +6,6 @@ use lab::{
     Agreement, Candidate, Evidence, EvidenceError, Fit, FitOptions, Look, PassTrend, Projector, ScanEvidence, Screened,
     Sides, Split, calibrate_scans, detectable, with_values,
 };
-use trials::trial::Process as Work;
 use virtual_lab::{Choice, Experiment, Hidden, Instrument, Plan, Robot, Size};
 
 const DATA: usize = 200;
@@ -122,7 +121,7 @@ fn promised_by_slopes(first: &Screened, fit: &Fit) -> f64 {
 fn a_break_in_that_the_removal_rate_followed_promises_more_than_its_rival() {
     let library = Library::builtin();
     let hidden = Hidden::effect(BREAK_IN).with("excess", "0.087").with("distance", "120 m");
-    let new = Experiment::new(Work::Grinding, library, 5).unwrap();
+    let new = Experiment::new(Process::Grinding, library, 5).unwrap();
     let (choice, plan) = (Choice::These(vec![hidden]), Plan::Steps);
     let clean = Experiment { instrument: Instrument::clean(), robot: Robot::clean(), ..new };
     let made = Experiment { plan, trials: plan.usual_trials(), size: Size::Small, choice, ..clean }.make().unwrap();

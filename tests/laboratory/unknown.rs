@@ -1,8 +1,8 @@
 //! What the library lacks gets a form; what data cannot tell apart gets a trial that can.
 
-use effects::{CompiledModel, Library, Model, check_file};
+use effects::{CompiledModel, Library, Model, Process, check_file};
 use lab::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, next_trial, suggest};
-use trials::trial::{Process, Trial};
+use trials::trial::Trial;
 use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 
 /// An effect that no library holds: the rate rises along the path.

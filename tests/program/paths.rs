@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use robofin::asset::{AssetFields, Welds};
 use serde_json::Value;
-use trials::trial::{LogRow, Tool, ToolPath, read_log};
+use trials::trial::{HeldTool, LogRow, ToolPath, read_log};
 
 use crate::program::{asset, names, robofin, run};
-
-const WHEEL: Tool = Tool::Wheel { radius: 0.05, width: 0.02, axis: glam::DVec3::Y };
 
 fn plan(arguments: &[&str], out: &Path) -> (Value, Vec<LogRow>) {
     let mut command = robofin(["path", "--json"]);
@@ -36,7 +35,7 @@ fn a_path_follows_the_crown_of_the_weld_at_the_feed() {
         let off = f64::from(field.sample(contact));
         assert!(off.abs() < 0.3 * field.voxel, "{off} m off the crown at {contact}");
     }
-    let path = ToolPath::of(&read_log(&out).expect("a log").content, &WHEEL, 15.0);
+    let path = ToolPath::of(&read_log(&out).expect("a log").content, &HeldTool::wheel(0.05, 0.02, DVec3::Y), 15.0);
     let speeds = middle.windows(2).map(|pair| {
         let contact = |row: &LogRow| row.position - row.approach * 0.05;
         contact(pair[1]).distance(contact(pair[0])) / (pair[1].time - pair[0].time)

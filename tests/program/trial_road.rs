@@ -3,10 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use effects::Process;
 use glam::{DVec2, DVec3};
+use robot::Controller;
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
-use trials::trial::{Controller, Log, LogRow, Pass, PassScan, Process, RPM, Role, Scans, Tool, Trial, write_trial};
+use trials::trial::{HeldTool, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial, write_trial};
 
 use crate::program::{asset, files, names, robofin, run};
 
@@ -57,10 +59,10 @@ pub(crate) fn trial() -> (TempDir, PathBuf) {
         folder: PathBuf::new(),
         name: "plate".into(),
         process: Process::Grinding,
-        tool: Tool::Wheel { radius: RADIUS, width: 0.02, axis: DVec3::Y },
+        tool: HeldTool::wheel(RADIUS, 0.02, DVec3::Y),
         fresh: true,
         scans: Scans { before: scan.clone(), repeats: Vec::new(), material: None },
-        controller: Some(Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 }),
+        controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
         coating: None,
         passes: vec![pass(false), pass(true)],
         notes: Vec::new(),

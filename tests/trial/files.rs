@@ -3,12 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use effects::Process;
 use glam::{DVec2, DVec3};
+use robot::Controller;
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
 use trials::trial::{
-    Controller, Covariate, ExposureMask, LabelMap, Log, LogRow, Pass, PassScan, Process, RPM, Role, Scans, Tool, Trial,
-    TrialError, write_trial,
+    Covariate, ExposureMask, HeldTool, LabelMap, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial, TrialError,
+    write_trial,
 };
 
 const RADIUS: f64 = 0.05;
@@ -67,14 +69,14 @@ pub(crate) fn grinding() -> Trial {
         folder: PathBuf::new(),
         name: "plate-01".into(),
         process: Process::Grinding,
-        tool: Tool::Wheel { radius: RADIUS, width: 0.02, axis: DVec3::Y },
+        tool: HeldTool::wheel(RADIUS, 0.02, DVec3::Y),
         fresh: true,
         scans: Scans {
             before: scan(0.0),
             repeats: vec![scan(1e-6)],
             material: Some(LabelMap { pixels: pixels(), labels }),
         },
-        controller: Some(Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 }),
+        controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
         coating: None,
         passes: vec![pass],
         notes: Vec::new(),
@@ -86,8 +88,8 @@ pub(crate) fn sanding() -> Trial {
     let exposed = (0..pixels().len()).map(|k| (k % 17 != 0).then_some(k % 3 == 0)).collect();
     let mut trial = grinding();
     trial.process = Process::Sanding;
-    trial.tool = Tool::Pad { radius: 0.004 };
-    trial.controller = Some(Controller::Ideal);
+    trial.tool = HeldTool::pad(0.004);
+    trial.controller = Controller::Ideal;
     trial.coating = Some(60e-6);
     for row in &mut trial.passes[0].log.rows {
         row.position.z -= RADIUS;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use trials::trial::{Campaign, PassScan, Tool, Trial, write_trial};
+use trials::trial::{Campaign, HeldTool, PassScan, Trial, write_trial};
 
 use crate::files::{edit, grinding, noted, pixels, refused};
 use crate::shared::campaigns;
@@ -237,7 +237,7 @@ fn beside() -> Trial {
         map.heights.iter_mut().enumerate().for_each(|(at, height)| *height += noise(at));
         map
     };
-    trial.tool = Tool::Wheel { radius: 0.05, width: 2e-3, axis: glam::DVec3::Y };
+    trial.tool = HeldTool::wheel(0.05, 2e-3, glam::DVec3::Y);
     (trial.scans.before, trial.scans.repeats) = (plate(1, 0.0), vec![plate(2, 0.0)]);
     trial.passes[0].log.rows.iter_mut().for_each(|row| row.position.z -= 1.5e-3);
     trial.passes[0].scan = PassScan::Heights(plate(3, 50e-6));

@@ -1,7 +1,7 @@
 //! A log as the path of the tool.
 
 use glam::DVec3;
-use trials::trial::{Tool, ToolPath};
+use trials::trial::{HeldTool, ToolPath};
 
 use crate::files::grinding;
 
@@ -27,7 +27,7 @@ fn a_tilted_approach_tilts_the_axis_with_it() {
     }
     let pose = trial.passes[0].tool_path(&trial.tool).at(1.0);
     assert!((pose.axis - DVec3::new(0.0, 0.8, -0.6)).length() < 1e-12, "{}", pose.axis);
-    let pad = ToolPath::of(&trial.passes[0].log, &Tool::Pad { radius: 0.01 }, 15.0).at(1.0);
+    let pad = ToolPath::of(&trial.passes[0].log, &HeldTool::pad(0.01), 15.0).at(1.0);
     assert!((pad.axis - approach).length() < 1e-12);
 }
 

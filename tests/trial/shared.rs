@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use trials::trial::{Campaign, Controller, PassScan, Process, Tool};
+use effects::Process;
+use robot::{Controller, Tool};
+use trials::trial::{Campaign, PassScan};
 
 use crate::shared_folder::shared;
 
@@ -35,14 +37,14 @@ fn shared_campaigns_are_read_completely() {
                 let contact = path.contact.expect("a contact");
                 assert!(contact.end - contact.start > 0.8 * path.duration(), "{name}: {contact:?}");
                 assert!((path.feed / pass.feed - 1.0).abs() < 0.02, "{name}: {} for {}", path.feed, pass.feed);
-                match (&pass.scan, trial.tool) {
-                    (PassScan::Heights(map), Tool::Wheel { .. }) => assert_eq!(map.pixels, trial.scans.before.pixels),
-                    (PassScan::Exposure(mask), Tool::Pad { .. }) => assert_eq!(mask.pixels, trial.scans.before.pixels),
+                match (&pass.scan, &trial.tool.shape) {
+                    (PassScan::Heights(map), Tool::Wheel(_)) => assert_eq!(map.pixels, trial.scans.before.pixels),
+                    (PassScan::Exposure(mask), Tool::Pad(_)) => assert_eq!(mask.pixels, trial.scans.before.pixels),
                     other => panic!("{name}: {other:?}"),
                 }
             }
         }
-        let admittance = matches!(campaign.trials[0].controller, Some(Controller::Admittance { .. }));
+        let admittance = matches!(campaign.trials[0].controller, Controller::Admittance { .. });
         assert_eq!(admittance, process == Process::Grinding);
     }
 }

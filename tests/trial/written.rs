@@ -1,7 +1,8 @@
 //! What is written is read again as it was.
 
+use robot::Controller;
 use sdf_bake::HeightMap;
-use trials::trial::{Campaign, Controller, PassScan, Trial, write_trial};
+use trials::trial::{Campaign, PassScan, Trial, write_trial};
 
 use crate::files::{edit, folder, grinding, noted, sanding};
 
@@ -18,7 +19,7 @@ fn returned(trial: &Trial) -> Trial {
 
 #[test]
 fn a_controller_without_mass_returns() {
-    let controller = Some(Controller::Admittance { mass: 0.0, damping: 1500.0, period: 5e-4 });
+    let controller = Controller::Admittance { mass: 0.0, damping: 1500.0, period: 5e-4 };
     assert_eq!(returned(&Trial { controller, ..grinding() }).controller, controller);
 }
 
@@ -26,8 +27,8 @@ fn a_controller_without_mass_returns() {
 fn a_grinding_trial_returns() {
     let (trial, read) = (grinding(), returned(&grinding()));
     assert_eq!(
-        (&read.name, read.process, read.tool, read.fresh, read.controller, read.coating),
-        (&trial.name, trial.process, trial.tool, trial.fresh, trial.controller, trial.coating)
+        (&read.name, read.process, &read.tool, read.fresh, read.controller, read.coating),
+        (&trial.name, trial.process, &trial.tool, trial.fresh, trial.controller, trial.coating)
     );
     assert!(same_heights(&trial.scans.before, &read.scans.before));
     assert!(same_heights(&trial.scans.repeats[0], &read.scans.repeats[0]));
@@ -49,7 +50,7 @@ fn a_grinding_trial_returns() {
 #[test]
 fn a_sanding_trial_returns() {
     let (trial, read) = (sanding(), returned(&sanding()));
-    assert_eq!((read.tool, read.controller), (trial.tool, trial.controller));
+    assert_eq!((&read.tool, read.controller), (&trial.tool, trial.controller));
     assert!((read.coating.unwrap() - trial.coating.unwrap()).abs() < 1e-15);
     assert_eq!(trial.passes[0].scan, read.passes[0].scan);
 }

@@ -1,8 +1,9 @@
 //! Hard front ends: each does what its name says and nothing else, and the files can be read.
 
+use effects::Process;
 use glam::DVec2;
 use sdf_bake::PixelGrid;
-use trials::trial::{Campaign, LogRow, Process, Trial};
+use trials::trial::{Campaign, LogRow, Trial};
 use virtual_lab::write::write;
 use virtual_lab::{FrontEnd, Hidden, Made};
 

@@ -3,9 +3,9 @@
 use std::fs;
 use std::sync::LazyLock;
 
-use effects::Library;
+use effects::{Library, Process};
 use sdf_bake::HeightMap;
-use trials::trial::{Campaign, PassScan, Process, Role, Trial};
+use trials::trial::{Campaign, PassScan, Role, Trial};
 use virtual_lab::write::write;
 use virtual_lab::{Choice, Experiment, Hidden, Made, Plan, Size};
 
@@ -46,7 +46,7 @@ fn campaigns_are_read_as_they_were_made() {
         assert_eq!(read.trials.len(), 2);
         for (trial, made) in read.trials.iter().zip(&made.trials) {
             assert_eq!(trial.notes, Vec::<String>::new());
-            assert_eq!((&trial.name, trial.tool, trial.controller), (&made.name, made.tool, made.controller));
+            assert_eq!((&trial.name, &trial.tool, trial.controller), (&made.name, &made.tool, made.controller));
             assert!(same_heights(&trial.scans.before, &made.scans.before));
             assert!(!same_heights(&trial.scans.before, &trial.scans.repeats[0]));
             for (pass, made) in trial.passes.iter().zip(&made.passes) {

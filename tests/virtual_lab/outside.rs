@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use effects::{Library, check_file};
+use effects::{Library, Process, check_file};
 use trials::measure::untouched;
-use trials::trial::{Process, Trial};
+use trials::trial::Trial;
 use virtual_lab::outside::EFFECTS;
 use virtual_lab::{Choice, Experiment, Hidden};
 
@@ -23,7 +23,7 @@ fn every_file_outside_the_library_is_good_listed_and_unknown_to_it() {
         let effect = check_file(file, text).unwrap();
         assert_eq!(format!("{}.toml", effect.name), **file);
         assert!(Library::builtin().find(&effect.name).is_none());
-        for (count, process) in counts.iter_mut().zip(effects::Process::ALL) {
+        for (count, process) in counts.iter_mut().zip(Process::ALL) {
             *count += usize::from(effect.acts_in(process));
         }
     }

@@ -32,21 +32,21 @@ pub mod write;
 
 use std::collections::BTreeMap;
 
-use effects::{CompiledModel, EffectError, Library, ModelError, Reset, RowCounts, States};
+use effects::{CompiledModel, EffectError, Library, ModelError, Process, Reset, RowCounts, States};
 use rayon::prelude::*;
 use sim::TOOL_CELLS;
 use thiserror::Error;
 
 use plan::Setting;
-use trials::trial::{Process, Trial};
+use trials::trial::Trial;
 use truth::Bout;
 
+pub use self::robot::Robot;
 pub use answer::{ANSWER_FORMAT, Answer, HiddenEffect, Quantity, TrueTrial};
 pub use front_end::FrontEnd;
 pub use hidden::{Choice, Hidden, visible_value};
 pub use instrument::Instrument;
 pub use plan::{Plan, Size};
-pub use robot::Robot;
 pub use seal::{Key, SEAL_FORMAT, Seal, SealError};
 pub use truth::TruthError;
 
@@ -160,13 +160,9 @@ impl Experiment {
 
     /// The model that is at work.
     fn true_model(&self) -> Result<CompiledModel, MakeError> {
-        let process = match self.process {
-            Process::Grinding => effects::Process::Grinding,
-            Process::Sanding => effects::Process::Sanding,
-        };
         let rows = RowCounts { passes: self.passes(), scans: self.passes() };
         hidden::true_model(
-            (process, self.size, rows),
+            (self.process, self.size, rows),
             &self.choice,
             &self.library,
             (self.seed, self.robot.force_ripple),

@@ -6,8 +6,9 @@ use sim::{Path, PathError, PathSample};
 use super::noise::correlated_line;
 use super::plan::{Bench, Setting};
 use super::robot::Robot;
+use effects::Process;
 use random::Stream;
-use trials::trial::Process;
+use robot::Tool;
 
 /// Way from a bead's end to where its passes begin and end, so that the wheel is on the bead [m].
 const INSET: f64 = 3e-3;
@@ -89,7 +90,7 @@ impl Way {
     /// The tool as it comes down over the beginning of the way and stays there.
     ///
     /// - `levels`: height of its reference point at first and at last [m]
-    pub(super) fn descent(&self, levels: [f64; 2], speed: f64, tool: &sim::Tool) -> Result<Path, PathError> {
+    pub(super) fn descent(&self, levels: [f64; 2], speed: f64, tool: &Tool) -> Result<Path, PathError> {
         let time = (levels[0] - levels[1]) / speed;
         let sample = |(time, level): (f64, f64)| sample(time, self.at(0.0).extend(level), tool);
         Path::from_samples([(0.0, levels[0]), (time, levels[1])].map(sample).to_vec())
@@ -102,7 +103,7 @@ impl Way {
         &self,
         (levels, touch): ([f64; 2], f64),
         robot: &Robot,
-        tool: &sim::Tool,
+        tool: &Tool,
         stream: &mut Stream,
     ) -> Result<Path, PathError> {
         let steps = (self.duration() / SAMPLE).ceil() as usize;
@@ -125,7 +126,7 @@ impl Stretch {
     }
 }
 
-fn sample(time: f64, centre: DVec3, tool: &sim::Tool) -> PathSample {
+fn sample(time: f64, centre: DVec3, tool: &Tool) -> PathSample {
     PathSample::from_centre(time, centre, (DVec3::Z, DVec3::Y), tool)
 }
 

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use trials::trial::{Process, Role};
+use effects::Process;
+use trials::trial::Role;
 
 /// Plan of a campaign.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

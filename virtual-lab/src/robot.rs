@@ -8,7 +8,8 @@ use super::frame::Frame;
 use super::motion::Way;
 use super::ripple::Ripple;
 use random::Stream;
-use trials::trial::{Controller, Log, LogRow, RPM};
+use robot::{Controller, Tool};
+use trials::trial::{Log, LogRow, RPM};
 
 /// Time between two rows [s]: 100 Hz.
 const PERIOD: f64 = 0.01;
@@ -160,12 +161,12 @@ impl Ran<'_> {
 /// Height of a tool's reference point where it touches a surface from above [m].
 ///
 /// - `height`: of the surface [m], by place [m]
-pub(super) fn touching(tool: &sim::Tool, place: DVec2, step: f64, height: impl Fn(DVec2) -> f64) -> f64 {
+pub(super) fn touching(tool: &Tool, place: DVec2, step: f64, height: impl Fn(DVec2) -> f64) -> f64 {
     let (along, across) = tool.half_footprint(CLEARANCE);
     let (nx, ny) = ((along / step).ceil() as i32, (across / step).ceil() as i32);
     let points = (-ny..=ny).flat_map(|j| (-nx..=nx).map(move |i| step * DVec2::new(f64::from(i), f64::from(j))));
     let reach = |at: DVec2| match tool {
-        sim::Tool::Wheel(wheel) => (wheel.radius * wheel.radius - at.x * at.x).max(0.0).sqrt(),
+        Tool::Wheel(wheel) => (wheel.radius * wheel.radius - at.x * at.x).max(0.0).sqrt(),
         _ => 0.0,
     };
     points.map(|at| height(place + at) + reach(at)).fold(f64::NEG_INFINITY, f64::max)

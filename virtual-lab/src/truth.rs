@@ -1,6 +1,6 @@
 //! What truly happens in a trial: another lattice, shorter steps and another quadrature in time than a fit has.
 
-use effects::{CompiledModel, Hook, Reset, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Process, Reset, RunError, States, StepValues, Variable};
 use glam::{DVec2, DVec3};
 use sdf_bake::channels::Scalar;
 use sdf_bake::heights::{HeightsError, SlabOptions};
@@ -19,7 +19,8 @@ use super::ripple::Ripple;
 use super::robot::{Ran, Robot, touching};
 use super::surface::Workpiece;
 use random::Stream;
-use trials::trial::{Controller, LabelMap, Pass, PassScan, Process, RPM, Scans, Tool, Trial};
+use robot::Controller;
+use trials::trial::{HeldTool, LabelMap, Pass, PassScan, RPM, Scans, Trial};
 
 /// Voxel of the true part [scan pitches]: finer than half a pixel, and no whole share of it, so that lattice lines and
 /// pixels fall apart.
@@ -101,7 +102,7 @@ pub(super) struct Bout<'a> {
     /// Least and greatest x of bead or panel [m].
     ends: [f64; 2],
     piece: Workpiece,
-    tool: Tool,
+    tool: HeldTool,
     controller: Controller,
     part: BrickGrid,
     trial_time: f64,
@@ -219,10 +220,10 @@ impl<'a> Bout<'a> {
             folder: self.name.clone().into(),
             name: self.name,
             process: self.experiment.process,
-            tool: self.tool,
+            tool: self.tool.clone(),
             fresh: true,
             scans,
-            controller: Some(self.controller),
+            controller: self.controller,
             coating: sands.then_some(COATING),
             passes,
             notes: Vec::new(),
@@ -288,9 +289,9 @@ impl<'a> Bout<'a> {
         states: &mut States,
         (number, row): (usize, usize),
     ) -> Result<(PassRecord, Way, f64), TruthError> {
-        let tool = simulated(&self.tool);
+        let tool = self.tool.shape.clone();
         let way = Way::of(self.experiment.process, &self.bench, self.ends, setting);
-        let process = self.process(setting);
+        let settings = self.settings(setting);
         let trial = || self.name.clone();
         let no_path = |error| TruthError::Path { trial: trial(), pass: number, error };
         let failed = |error| TruthError::Pass { trial: trial(), pass: number, error };
@@ -305,12 +306,12 @@ impl<'a> Bout<'a> {
             number,
             row,
             trial_time: self.trial_time,
-            ..sim::Pass::first(&tool, &descent, &process, self.model)
+            ..sim::Pass::first(&tool, &descent, &settings, self.model)
         };
-        let seeking = sim::Process { controller: sim::Controller::Replay, ..process };
-        let trying = sim::Pass { process: &seeking, approach: descent.duration(), ..base };
+        let seeking = sim::PassSettings { controller: Controller::Replay, ..settings };
+        let trying = sim::Pass { settings: &seeking, approach: descent.duration(), ..base };
         let sought = run_pass(&mut self.part.clone(), trying, &mut states.clone(), &mut |_| {}).map_err(failed)?;
-        let meets = |row: &&sim::LogRow| row.force > TOUCH * process.force_setpoint && row.time > 0.0;
+        let meets = |row: &&sim::LogRow| row.force > TOUCH * settings.force_setpoint && row.time > 0.0;
         let touch = sought.log.iter().find(meets).map(|row| row.time);
         let touch = touch.ok_or_else(|| TruthError::NoTouch { trial: trial(), pass: number })?;
         let levels = [levels[0], levels[0] - speed * touch];
@@ -329,36 +330,28 @@ impl<'a> Bout<'a> {
         (first(place) - Profilometer::sharp(pixel).heights(&self.part).heights[0]).max(0.0)
     }
 
-    fn process(&self, setting: &Setting) -> sim::Process {
+    fn settings(&self, setting: &Setting) -> sim::PassSettings {
         let (force_setpoint, spindle_speed) = self.told(setting);
-        let Controller::Admittance { mass, damping, period } = self.controller else { unreachable!("made in `new`") };
-        sim::Process {
-            controller: sim::Controller::Admittance { mass, damping, period },
+        sim::PassSettings {
+            controller: self.controller,
             force_setpoint,
             spindle_speed,
             step_voxels: STEP_VOXELS,
             quasi_static: false,
             coating: COATING,
-            ..sim::Process::default()
+            ..sim::PassSettings::default()
         }
     }
 }
 
 /// The tool and who holds the force.
-fn tooling(process: Process, bench: &Bench) -> (Tool, Controller) {
+fn tooling(process: Process, bench: &Bench) -> (HeldTool, Controller) {
     let radius = bench.tool_radius;
     let (tool, (mass, damping, period)) = match process {
-        Process::Grinding => (Tool::Wheel { radius, width: WHEEL_WIDTH, axis: DVec3::Y }, GRINDING_CONTROLLER),
-        Process::Sanding => (Tool::Pad { radius }, SANDING_CONTROLLER),
+        Process::Grinding => (HeldTool::wheel(radius, WHEEL_WIDTH, DVec3::Y), GRINDING_CONTROLLER),
+        Process::Sanding => (HeldTool::pad(radius), SANDING_CONTROLLER),
     };
     (tool, Controller::Admittance { mass, damping, period })
-}
-
-fn simulated(tool: &Tool) -> sim::Tool {
-    match *tool {
-        Tool::Wheel { radius, width, .. } => sim::Wheel::cylinder(radius, width).into(),
-        Tool::Pad { radius } => sim::Pad { radius }.into(),
-    }
 }
 
 /// Pixels of a scan of a workpiece that is so long [m].
@@ -369,7 +362,7 @@ fn scanned(bench: &Bench, length: f64) -> PixelGrid {
 }
 
 /// The true surface on a lattice finer than the scan, past its border by half the tool's width.
-fn true_part(piece: &Workpiece, scan: &PixelGrid, tool: &Tool) -> Result<BrickGrid, HeightsError> {
+fn true_part(piece: &Workpiece, scan: &PixelGrid, tool: &HeldTool) -> Result<BrickGrid, HeightsError> {
     let voxel = VOXEL * scan.pitch;
     let margin = tool.half_width() + BEYOND;
     let low = ((scan.origin - margin) / voxel).floor();

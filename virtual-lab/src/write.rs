@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use effects::Process;
 use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -82,7 +83,7 @@ pub struct KeptAnswer {
 struct Laboratory<'a> {
     format: &'static str,
     version: &'static str,
-    process: trials::trial::Process,
+    process: Process,
     plan: super::Plan,
     size: super::Size,
     trials: usize,

@@ -1,9 +1,10 @@
 //! A logged pass as the path that a simulation follows: where the controller took over, and where the tool was lifted.
 
 use glam::DVec3;
+use robot::{Controller, Tool};
 use sim::settings::TOUCH;
 use sim::{Path, PathError, PathSample};
-use trials::trial::{Contact, Pass, Tool, ToolPath, ToolPose, Trial};
+use trials::trial::{Contact, HeldTool, Pass, ToolPath, ToolPose};
 
 /// Rows of a log that tell how fast the tool came down: so many that the jitter of one counts little.
 const DESCENT_ROWS: usize = 8;
@@ -26,7 +27,7 @@ pub(super) struct LoggedPass {
 }
 
 impl LoggedPass {
-    pub(super) fn new(pass: &Pass, tool: &Tool, ends: PassEnds) -> Self {
+    pub(super) fn new(pass: &Pass, tool: &HeldTool, ends: PassEnds) -> Self {
         let poses = ToolPath::of(&pass.log, tool, pass.force_setpoint);
         let row = row_period(&poses);
         let taken_over = (handed_over(&poses, pass.force_setpoint) + ends.taken_over * row).max(0.0);
@@ -37,16 +38,16 @@ impl LoggedPass {
 
     /// The logged path up to the end of contact. A controller finds its own height from when it took over: its path stays
     /// at the height to which the tool had come down.
-    pub(super) fn path(&self, trial: &Trial, tool: &sim::Tool, controller: sim::Controller) -> Result<Path, PathError> {
+    pub(super) fn path(&self, tool: &Tool, controller: Controller) -> Result<Path, PathError> {
         let touch = come_down(&self.poses, self.taken_over);
         let contact = contact(&self.poses);
         let poses = self.poses.poses.iter().take_while(|pose| pose.time <= contact.end).chain(&self.end);
         let samples = poses.map(|pose| {
-            let leads = controller == sim::Controller::Replay || pose.time < self.taken_over;
+            let leads = controller == Controller::Replay || pose.time < self.taken_over;
             let height = if leads { 0.0 } else { (pose.centre - touch).dot(pose.approach) };
-            let across = match trial.tool {
-                Tool::Wheel { .. } => pose.axis,
-                Tool::Pad { .. } => DVec3::Y.reject_from_normalized(pose.approach).normalize(),
+            let across = match tool {
+                Tool::Wheel(_) => pose.axis,
+                _ => DVec3::Y.reject_from_normalized(pose.approach).normalize(),
             };
             PathSample::from_centre(pose.time, pose.centre - pose.approach * height, (pose.approach, across), tool)
         });

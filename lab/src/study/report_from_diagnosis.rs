@@ -18,8 +18,9 @@ use crate::{
     BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterState, ParameterSummary,
     RowEvidence, ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
 };
+use robot::Tool;
 use trials::measure::Registration;
-use trials::trial::{Campaign, Finding, PassScan, Tool};
+use trials::trial::{Campaign, Finding, PassScan};
 
 /// How scans are laid and judged, a sentence each.
 const METHOD: [&str; 3] = [
@@ -233,9 +234,9 @@ pub(super) fn compared_scans(
     named: Compared,
 ) -> Compared {
     let trial = &campaign.trials[0];
-    let tool = match trial.tool {
-        Tool::Wheel { radius, width, .. } => format!("wheel, radius {} mm, width {} mm", radius * 1e3, width * 1e3),
-        Tool::Pad { radius } => format!("pad, radius {} mm", radius * 1e3),
+    let tool = match &trial.tool.shape {
+        Tool::Wheel(wheel) => format!("wheel, radius {} mm, width {} mm", wheel.radius * 1e3, wheel.width * 1e3),
+        disc => format!("pad, radius {} mm", disc.rim_radius() * 1e3),
     };
     let pass = |(k, view): (usize, &ScanView)| {
         let pass = &campaign.trials[view.trial].passes[view.pass];

@@ -5,9 +5,10 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::clipped_cell::wet_share;
+use crate::pose::{Placement, Pose};
 use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::tool::{Placement, Pose, Tool};
+use robot::Tool;
 
 /// Cosine of a pad's tilt against the columns below which its squares are sought in whole rows.
 const MOST_TILTED: f64 = 0.5;

@@ -9,8 +9,9 @@ use super::patch::Patch;
 use super::rows::UNSETTLED;
 use super::{SheetFrame, Squares};
 use crate::extent::Extent;
+use crate::pose::Placement;
 use crate::sheet::{NO_SURFACE, Sheet};
-use crate::tool::{Placement, Tool};
+use robot::Tool;
 
 /// Second difference below which depths lie on a plane [pitches]: a thousand times the roundings of the heights.
 const STRAIGHT: f64 = 1e-6;

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::{Difference, SheetFrame};
 use crate::clipped_cell::{ramp_mean, wet_share};
 use crate::sheet::Sheet;
-use crate::tool::Tool;
+use robot::Tool;
 
 /// Times that a square is halved along both sides: cells of a sixteenth of a voxel.
 const HALVINGS: u32 = 4;

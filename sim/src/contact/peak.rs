@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::patch::Patch;
 use super::{Border, SheetFrame, Squares};
+use crate::pose::Placement;
 use crate::sheet::{NO_SURFACE, Sheet};
-use crate::tool::Placement;
 
 /// How far the height of a column beside a wall may be off [voxels].
 const EDGE_ERROR: f64 = 0.05;

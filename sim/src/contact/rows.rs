@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::{Border, Squares};
 use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::tool::Tool;
+use robot::{Shape, Tool};
 
 /// Share of a square that has to be measured by itself.
 pub(super) const UNSETTLED: f64 = -1.0;
@@ -61,12 +61,12 @@ impl pulp::NullaryFnOnce for Depths<'_> {
             match border.tool {
                 Tool::Wheel(wheel) => {
                     for (depth, at) in depths {
-                        *depth = wheel.radius - 0.5 * wheel.crown * at.y * at.y - (at.x * at.x + at.z * at.z).sqrt();
+                        *depth = wheel.depth(at);
                     }
                 }
-                Tool::Pad(_) => {
+                Tool::Pad(pad) => {
                     for (depth, at) in depths {
-                        *depth = at.z;
+                        *depth = pad.depth(at);
                     }
                 }
                 tool => {
@@ -111,7 +111,7 @@ fn cover_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag):
     match border.tool {
         Tool::Wheel(wheel) => {
             for (cover, at) in cover.iter_mut().zip(local(border, sheet, lines)) {
-                let within = 0.5 * wheel.width - at.y.abs();
+                let within = wheel.within(at);
                 let beside = if within <= -border.near { 0.0 } else { UNSETTLED };
                 *cover = if within >= border.near { 1.0 } else { beside };
             }

@@ -8,7 +8,7 @@
 use super::{Border, Squares};
 use crate::region::Region;
 use crate::sheet::Sheet;
-use crate::tool::Tool;
+use robot::Tool;
 
 impl Squares {
     /// Takes the wall out of the depths of the squares that a wheel's border crosses and of those next to them.

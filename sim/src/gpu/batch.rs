@@ -140,7 +140,7 @@ impl<'a> Ready<'a> {
         let model = DeviceModel::new(pass.model, tool_cells::COUNT).expect("a model that is not refused");
         let mut states = tool.clone();
         states.reset(pass.model, Reset::Pass);
-        let physics = Physics::new(pass.model, &mut states, pass.process.coating);
+        let physics = Physics::new(pass.model, &mut states, pass.settings.coating);
         let (setup, pace) = setup::setup(part, &pass, &physics, scheme_of(&physics).as_ref())?;
         let (sands, keeps_removed) = (physics.sands(), physics.keeps_removed());
         Ok((model, Self { number, trial, states, setup, pace, sands, keeps_removed }))
@@ -300,17 +300,17 @@ fn changed_part(ready: &Ready, remains: &Remains, at: (&shaders::layout::TrialSe
 
 /// The record of a pass at its end, or why it ended early.
 fn finish(mut record: PassRecord, state: &TrialState, ready: &Ready) -> Result<PassRecord, GpuError> {
-    let process = ready.trial.pass.process;
+    let settings = ready.trial.pass.settings;
     let time = time_of(state.time_blocks, state.time_rest);
     match state.status {
         STATUS_FORMULA => return Err(formula_fault(time, place_of(state.detail), ready.trial.pass.model)),
         STATUS_TOO_MANY_STEPS => {
-            return Err(PassError::TooManySteps { time, most: process.most_steps.unwrap_or_default() }.into());
+            return Err(PassError::TooManySteps { time, most: settings.most_steps.unwrap_or_default() }.into());
         }
         _ => {}
     }
     if state.too_soft == 1 && record.contact_time == 0.0 {
-        let (setpoint, reach) = (process.force_setpoint, process.search_reach);
+        let (setpoint, reach) = (settings.force_setpoint, settings.search_reach);
         return Err(PassError::TooSoft { setpoint, reach }.into());
     }
     record.finish(ready.trial.pass.path.duration());

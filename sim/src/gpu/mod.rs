@@ -11,9 +11,9 @@ mod setup;
 pub use batch::{Outcome, Settings, Trial, run_batch, run_pass};
 
 use crate::settings::{Pass, PassError};
-use crate::tool::Tool;
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, Hook};
+use robot::Tool;
 
 /// Why a trial has no result.
 #[derive(Debug, thiserror::Error, PartialEq)]

@@ -76,5 +76,5 @@ pub(super) fn push(record: &mut PassRecord, row: &LogRecord, pass: &Pass, voxel:
         ..Contact::default()
     };
     let removal = Removal { volume: row.volume.into(), coating_volume: row.coating_volume.into() };
-    record.push(log, (&contact, &removal), row.dt.into(), pass.process.force_setpoint);
+    record.push(log, (&contact, &removal), row.dt.into(), pass.settings.force_setpoint);
 }

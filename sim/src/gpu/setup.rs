@@ -9,14 +9,14 @@ use shaders::constants::{
 };
 use shaders::layout::{PathPiece, TrialSetup, TrialState};
 
-use crate::control::Controller;
 use crate::path::PathSample;
 use crate::physics::Physics;
 use crate::scheme::{Pace, Scheme};
 use crate::settings::{LONGEST_STEP, Pass, PassError};
-use crate::tool::Tool;
 use crate::tool_cells::ToolCells;
 use effects::{DeviceModel, States, StepValues, Variable};
+use robot::Controller;
+use robot::Tool;
 
 /// Longest piece of a path [voxels]: f32 resolves places on it to 1e-6 voxel.
 const PIECE: f64 = 16.0;
@@ -85,10 +85,10 @@ pub(super) fn setup(
     physics: &Physics,
     scheme: &dyn Scheme,
 ) -> Result<(TrialSetup, Pace), PassError> {
-    pass.process.check(grid, pass.tool)?;
+    pass.settings.check(grid, pass.tool)?;
     let voxel = grid.voxel;
     let in_voxels = |length: f64| (length / voxel) as f32;
-    let process = pass.process;
+    let settings = pass.settings;
     let mut setup: TrialSetup = bytemuck::Zeroable::zeroed();
     setup.grid_origin = [grid.origin.x, grid.origin.y, grid.origin.z, 0];
     setup.grid_dims = [grid.dims.x as u32, grid.dims.y as u32, grid.dims.z as u32, 0];
@@ -100,19 +100,19 @@ pub(super) fn setup(
     setup.kept_length = (KEPT_VOXELS * voxel) as f32;
     setup.infinity = f32::INFINITY;
     place_tool(&mut setup, pass.tool, voxel);
-    place_controller(&mut setup, process.controller, voxel);
-    setup.force_setpoint = process.force_setpoint as f32;
-    setup.spindle_speed = process.spindle_speed as f32;
+    place_controller(&mut setup, settings.controller, voxel);
+    setup.force_setpoint = settings.force_setpoint as f32;
+    setup.spindle_speed = settings.spindle_speed as f32;
     let pace = scheme.pace(pass, voxel);
     (setup.step_way, setup.commit_way) = (in_voxels(pace.step_way), in_voxels(pace.sheet_way));
-    setup.search_reach = in_voxels(process.search_reach);
-    setup.coating = process.coating as f32;
-    setup.longest_step = process.longest_step(pass.model)? as f32;
-    setup.quasi_static = process.quasi_static.into();
+    setup.search_reach = in_voxels(settings.search_reach);
+    setup.coating = settings.coating as f32;
+    setup.longest_step = settings.longest_step(pass.model)? as f32;
+    setup.quasi_static = settings.quasi_static.into();
     (setup.grinds, setup.sands) = (scheme.recedes().into(), physics.sands().into());
     setup.bends = physics.may_bend().into();
     setup.pass_row = pass.row as u32;
-    setup.most_steps = process.most_steps.map_or(0, |most| most.max(1) as u32);
+    setup.most_steps = settings.most_steps.map_or(0, |most| most.max(1) as u32);
     (setup.approach_blocks, setup.approach_rest) = clock(pass.approach);
     (setup.duration_blocks, setup.duration_rest) = clock(pass.path.duration());
     setup.trial_time = pass.trial_time as f32;
@@ -125,7 +125,7 @@ fn place_tool(setup: &mut TrialSetup, tool: &Tool, voxel: f64) {
     (setup.tool, setup.tool_radius) = match tool {
         Tool::Wheel(wheel) => (TOOL_WHEEL, in_voxels(wheel.radius)),
         Tool::Pad(pad) => (TOOL_PAD, in_voxels(pad.radius)),
-        Tool::Sphere(radius) => (TOOL_SPHERE, in_voxels(*radius)),
+        Tool::Sphere(sphere) => (TOOL_SPHERE, in_voxels(sphere.radius)),
         Tool::Field(_) => unreachable!("a tool baked into a field is refused"),
     };
     if let Tool::Wheel(wheel) = tool {
@@ -156,7 +156,7 @@ fn controller_kind(controller: Controller) -> u32 {
 /// A trial before its first step.
 pub(super) fn state(pass: &Pass, setup: &TrialSetup) -> TrialState {
     let mut state: TrialState = bytemuck::Zeroable::zeroed();
-    let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.process.controller };
+    let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.settings.controller };
     state.controller = controller_kind(controller);
     state.up = 1;
     state.axis = 2;
@@ -175,9 +175,9 @@ pub(super) fn values(pass: &Pass, states: &States, model: &DeviceModel) -> Vec<f
     let mut step = StepValues::new();
     let face_area = ToolCells::of(pass.tool).face_areas().iter().sum();
     step.set(Variable::PassNumber, pass.number as f64)
-        .set(Variable::ForceSetpoint, pass.process.force_setpoint)
-        .set(Variable::SpindleSetpoint, pass.process.spindle_speed)
-        .set(Variable::SpindleSpeed, pass.process.spindle_speed)
+        .set(Variable::ForceSetpoint, pass.settings.force_setpoint)
+        .set(Variable::SpindleSetpoint, pass.settings.spindle_speed)
+        .set(Variable::SpindleSpeed, pass.settings.spindle_speed)
         .set(Variable::ToolRadius, pass.tool.rim_radius())
         .set(Variable::ToolWidth, pass.tool.width())
         .set(Variable::ToolFaceArea, face_area);

@@ -37,14 +37,14 @@ pub fn run_pass(
     states: &mut States,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<PassRecord, PassError> {
-    pass.process.check(grid, pass.tool)?;
-    let longest_step = pass.process.longest_step(pass.model)?;
+    pass.settings.check(grid, pass.tool)?;
+    let longest_step = pass.settings.longest_step(pass.model)?;
     states.reset(pass.model, Reset::Pass);
     let duration = pass.path.duration();
     let mut runner = Runner::new(grid, pass, states, longest_step);
     while runner.time() < duration {
         let time = runner.time();
-        if let Some(most) = pass.process.most_steps.filter(|most| runner.steps() >= *most) {
+        if let Some(most) = pass.settings.most_steps.filter(|most| runner.steps() >= *most) {
             runner.write_back();
             return Err(PassError::TooManySteps { time, most });
         }

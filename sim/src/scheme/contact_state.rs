@@ -8,7 +8,7 @@ use crate::clock::Phase;
 use crate::contact::{Columns, Ground, Squares};
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
-use crate::tool::Placement;
+use crate::pose::Placement;
 use effects::RunError;
 use sdf_bake::simd::in_wide_lanes;
 

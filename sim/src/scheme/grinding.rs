@@ -18,11 +18,12 @@ use crate::clock::Phase;
 use crate::contact::Ground;
 use crate::lines::Lines;
 use crate::physics::{InContact, Physics};
+use crate::pose::{Placement, Pose};
 use crate::region::Region;
 use crate::settings::{LONGEST_STEP, Pass};
 use crate::sheet::{Sheet, Window};
-use crate::tool::{Placement, Pose, Tool};
 use effects::RunError;
+use robot::Tool;
 
 /// What a step does to each square in contact; buffers that are filled again and again.
 #[derive(Clone, Debug, Default)]
@@ -58,11 +59,11 @@ impl Scheme for Grinding {
     }
 
     fn pace(&self, pass: &Pass, voxel: f64) -> Pace {
-        let Pass { path, process, .. } = *pass;
-        let step_way = process.step_voxels * voxel;
+        let Pass { path, settings, .. } = *pass;
+        let step_way = settings.step_voxels * voxel;
         let longest = |piece: usize| Pace::longest_step(path, piece, (step_way, LONGEST_STEP));
         let longest_steps = (0..path.pieces()).map(longest).collect();
-        Pace { step_way, sheet_way: process.commit_voxels * voxel, longest_steps }
+        Pace { step_way, sheet_way: settings.commit_voxels * voxel, longest_steps }
     }
 
     fn next_window(&self, ahead: &Ahead) -> (Window, f64) {
@@ -207,7 +208,8 @@ impl Grinding {
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let pairs = self.start.lanes.depth.iter().zip(&self.end.lanes.depth);
         self.depth_rate.extend(pairs.map(|(a, b)| (b - a) * per_time));
-        self.bulge = place.tool.bulge(&place.pose, self.end.centre - self.start.centre);
+        let (way, frame) = (self.end.centre - self.start.centre, place.pose.frame);
+        self.bulge = place.tool.bulge(way.dot(frame.x).powi(2), way.dot(frame.y).powi(2));
     }
 
     /// Integrates each lane over the step with the law straight from its ends on.

@@ -21,12 +21,13 @@ use self::sanding::Sanding;
 use crate::extent::Extent;
 use crate::path::Path;
 use crate::physics::Physics;
+use crate::pose::{Placement, Pose};
 use crate::record::Removal;
 use crate::region::Region;
 use crate::settings::Pass;
 use crate::sheet::{Sheet, Window};
-use crate::tool::{Placement, Pose, Tool};
 use effects::RunError;
+use robot::Tool;
 
 /// A way to integrate the contact over steps. What follows is in the order in which a step asks for it.
 pub(crate) trait Scheme {

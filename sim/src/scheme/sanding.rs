@@ -15,12 +15,13 @@ use crate::contact::Ground;
 use crate::extent::Extent;
 use crate::lines::Lines;
 use crate::physics::{InContact, Physics};
+use crate::pose::{Placement, Pose};
 use crate::record::Removal;
 use crate::region::Region;
 use crate::settings::{LONGEST_STEADY_STEP, LONGEST_STEP, Pass};
 use crate::sheet::{Sheet, Window};
-use crate::tool::{Placement, Pose, Tool};
 use effects::RunError;
+use robot::Tool;
 use sdf_bake::simd::in_wide_lanes;
 
 /// Way of a tool in one step [footprints], and longest such step [s].
@@ -61,15 +62,15 @@ impl Scheme for Sanding {
     }
 
     fn pace(&self, pass: &Pass, voxel: f64) -> Pace {
-        let Pass { tool, path, process, .. } = *pass;
-        let (step_way, footprint) = (process.step_voxels * voxel, 2.0 * tool.half_footprint(f64::INFINITY).0);
+        let Pass { tool, path, settings, .. } = *pass;
+        let (step_way, footprint) = (settings.step_voxels * voxel, 2.0 * tool.half_footprint(f64::INFINITY).0);
         let longest = |piece: usize| {
             let (share, longest) = if path.is_steady(piece, STEADY, STEADY_STEP.1) { STEADY_STEP } else { STEP };
             Pace::longest_step(path, piece, (step_way.max(share * footprint), longest))
         };
         Pace {
             step_way: step_way.max(STEADY_STEP.0 * footprint),
-            sheet_way: (process.commit_voxels * voxel).max(SHEET * footprint),
+            sheet_way: (settings.commit_voxels * voxel).max(SHEET * footprint),
             longest_steps: (0..path.pieces()).map(longest).collect(),
         }
     }

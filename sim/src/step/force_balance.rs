@@ -4,15 +4,16 @@ use shaders::constants::LOOK_AHEAD;
 
 use super::Runner;
 use crate::clock::Phase;
-use crate::control::{Controller, Motion, Response};
+use crate::control::{Motion, Response};
 use crate::extent::Extent;
 use crate::physics::Physics;
+use crate::pose::{Placement, Pose};
 use crate::region::Region;
 use crate::scheme::{Ahead, EndForce};
 use crate::settings::{LONGEST_STEP, Pass};
 use crate::sheet::{Facing, Window};
-use crate::tool::{Placement, Pose};
 use effects::RunError;
+use robot::Controller;
 
 impl Runner<'_> {
     /// Where the controller brings the tool in a step of `dt` [s], or of less where it moves too fast for that; `None` where
@@ -112,14 +113,14 @@ impl Runner<'_> {
 
     /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
     fn read_sheet(&mut self, dt: f64, facing: Facing, far: bool) {
-        let Pass { tool, process, .. } = self.pass;
+        let Pass { tool, settings, .. } = self.pass;
         let (start, voxel) = (self.guide.here(), self.workpiece.grid.voxel);
         let (window, lowest) = self.next_window(dt, facing);
         let level = facing.sheet(start.centre - start.frame.z * tool.drop()).z;
         let below = if far || self.guide.is_in_air() {
-            2.0 * process.search_reach
+            2.0 * settings.search_reach
         } else {
-            self.scheme.below(process.search_reach, voxel)
+            self.scheme.below(settings.search_reach, voxel)
         };
         let falling = (-self.guide.motion.speed).max(0.0) * LONGEST_STEP.max(dt);
         self.workpiece.read(facing, window, (level, lowest.min(level) - below - falling));

@@ -2,13 +2,14 @@
 
 use shaders::constants::{APPROACH_STEP, FORCE_JUMP, INERTIA};
 
-use crate::control::{Balance, Controller, Motion, admittance_sample, end_weight};
+use crate::control::{Balance, Motion, admittance_sample, end_weight};
 use crate::physics::Physics;
+use crate::pose::Pose;
 use crate::record::LogRow;
 use crate::scheme::EndForce;
 use crate::settings::{LONGEST_STEP, Pass, TOUCH};
-use crate::tool::Pose;
 use effects::{PoseChange, RunError};
+use robot::Controller;
 
 /// Times that are one [s]: a step of what rounding leaves would make all that follow it short, too.
 const CLOCK: f64 = 1e-9;
@@ -38,8 +39,8 @@ pub(super) struct Guide<'a> {
 
 impl<'a> Guide<'a> {
     pub(super) fn new(pass: Pass<'a>, longest_step: f64) -> Self {
-        let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.process.controller };
-        let travel = if controller == Controller::Ideal { pass.process.search_reach } else { 0.0 };
+        let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.settings.controller };
+        let travel = if controller == Controller::Ideal { pass.settings.search_reach } else { 0.0 };
         Self {
             pass,
             time: 0.0,
@@ -82,7 +83,7 @@ impl<'a> Guide<'a> {
 
     /// Whether the tool is as far from the part as it may be.
     pub(super) fn is_in_air(&self) -> bool {
-        self.controller == Controller::Ideal && self.motion.travel >= self.pass.process.search_reach
+        self.controller == Controller::Ideal && self.motion.travel >= self.pass.settings.search_reach
     }
 
     /// Whether the path still leads the tool to the part.
@@ -92,10 +93,10 @@ impl<'a> Guide<'a> {
 
     /// Ends the approach when its time is up, or under a `force` [N].
     pub(super) fn take_over(&mut self, force: f64) {
-        let Pass { process, .. } = self.pass;
-        let touches = force > TOUCH * process.force_setpoint;
-        if self.controller != process.controller && (touches || !self.comes_down()) {
-            self.controller = process.controller;
+        let Pass { settings, .. } = self.pass;
+        let touches = force > TOUCH * settings.force_setpoint;
+        if self.controller != settings.controller && (touches || !self.comes_down()) {
+            self.controller = settings.controller;
         }
     }
 
@@ -110,7 +111,7 @@ impl<'a> Guide<'a> {
     /// Length of the next step [s], where a piece of the path allows `on_piece` [s].
     pub(super) fn step_length(&self, on_piece: f64) -> f64 {
         let mut dt = on_piece.min(self.limit).min(self.longest_step).min(self.rest());
-        if !self.pass.process.quasi_static {
+        if !self.pass.settings.quasi_static {
             dt = dt.min(self.period());
         }
         if self.comes_down() {
@@ -133,7 +134,7 @@ impl<'a> Guide<'a> {
     /// Whether an admittance moves too fast for a step of `dt` [s] to follow it.
     fn is_fast(&self, motion: Motion, dt: f64) -> bool {
         let Controller::Admittance { mass, .. } = self.controller else { return false };
-        let setpoint = self.pass.process.force_setpoint;
+        let setpoint = self.pass.settings.force_setpoint;
         let inertial_force = (mass * (motion.speed - self.motion.speed) / dt).abs();
         inertial_force > INERTIA * setpoint || (self.tried.force - self.end.force).abs() > FORCE_JUMP * setpoint
     }
@@ -152,7 +153,7 @@ impl<'a> Guide<'a> {
             Controller::Replay => Ok(Some(Motion::default())),
             Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
                 let reading = physics.force_reading(self.end.force)?;
-                let setpoint = self.pass.process.force_setpoint;
+                let setpoint = self.pass.settings.force_setpoint;
                 Ok(Some(admittance_sample(self.motion, reading, setpoint, (mass, damping), dt)))
             }
             _ => Ok(None),
@@ -161,7 +162,7 @@ impl<'a> Guide<'a> {
 
     /// The balance that the controller seeks in a step of `dt` [s], Eq. (6). `is_mean` says that forces are means over it.
     pub(super) fn balance(&self, physics: &mut Physics, is_mean: bool, dt: f64) -> Result<Balance, RunError> {
-        let process = self.pass.process;
+        let settings = self.pass.settings;
         let (damping, mass) = match self.controller {
             Controller::Admittance { mass, damping, .. } => (damping, mass),
             Controller::Ideal | Controller::Replay => (0.0, 0.0),
@@ -176,14 +177,14 @@ impl<'a> Guide<'a> {
         };
         Ok(Balance {
             from: self.motion,
-            setpoint: process.force_setpoint,
+            setpoint: settings.force_setpoint,
             damping,
             mass,
             dt,
             start_force,
             weight,
-            tolerance: FORCE_TOLERANCE * process.force_setpoint,
-            bounds: (-process.search_reach, process.search_reach),
+            tolerance: FORCE_TOLERANCE * settings.force_setpoint,
+            bounds: (-settings.search_reach, settings.search_reach),
         })
     }
 
@@ -198,7 +199,7 @@ impl<'a> Guide<'a> {
 
     /// Waits in the air for `dt` [s].
     pub(super) fn stay_in_air(&mut self, dt: f64) {
-        self.motion = Motion { travel: self.pass.process.search_reach, speed: 0.0 };
+        self.motion = Motion { travel: self.pass.settings.search_reach, speed: 0.0 };
         self.time += dt;
     }
 

@@ -14,11 +14,11 @@ use crate::clock::Phase;
 use crate::contact::Contact;
 use crate::control::Motion;
 use crate::physics::Physics;
+use crate::pose::Placement;
 use crate::record::PassRecord;
 use crate::scheme::{Applied, Pace, Scheme, scheme_of};
 use crate::settings::{Pass, PassError};
 use crate::step_values::Moment;
-use crate::tool::Placement;
 use crate::tool_cells::{CellSums, ToolCells};
 use effects::{RunError, States, Variable};
 
@@ -51,7 +51,7 @@ impl<'a> Runner<'a> {
         if let Some(clock) = pass.clock {
             clock.skip();
         }
-        let mut physics = Physics::new(pass.model, states, pass.process.coating);
+        let mut physics = Physics::new(pass.model, states, pass.settings.coating);
         physics.clock = pass.clock;
         if physics.sands() {
             grid.scalar_or_zero(Scalar::Dose);
@@ -97,7 +97,7 @@ impl<'a> Runner<'a> {
         // What each cell of the tool and each place goes through, with the states of the workpiece's cells.
         let sums = self.advance_cells(&middle, dt)?;
         // The surface recedes, Eq. (1), and the coating takes up its dose, Eq. (2).
-        let applied = self.scheme.apply(self.workpiece.sheet_mut(), self.pass.process.coating);
+        let applied = self.scheme.apply(self.workpiece.sheet_mut(), self.pass.settings.coating);
         // What formulas may read of this step, and the tool's states.
         let taken = Taken { motion, dt, contact, end_force, applied };
         self.leave(&middle, &taken, &sums)?;
@@ -157,7 +157,7 @@ impl<'a> Runner<'a> {
         let way = self.guide.follow(*motion, *dt);
         self.workpiece.travelled += way;
         let row = self.guide.log_row(*end_force, self.physics.step.get(Variable::SpindleSpeed));
-        self.record.push(row, (contact, &applied.removal), *dt, self.pass.process.force_setpoint);
+        self.record.push(row, (contact, &applied.removal), *dt, self.pass.settings.force_setpoint);
         self.physics.lap(Phase::Apply);
         // Half a step of slack: steps of equal ways would end on the limit itself, on a side that rounding decides.
         let is_far = self.workpiece.travelled + 0.5 * way > self.pace.sheet_way;
@@ -194,9 +194,9 @@ impl<'a> Runner<'a> {
     /// [`PassError::TooSoft`] where the tool met the setpoint nowhere.
     pub(crate) fn finish(mut self) -> Result<PassRecord, PassError> {
         self.write_back();
-        let Self { pass: Pass { process, path, .. }, workpiece, guide, scheme, mut record, .. } = self;
+        let Self { pass: Pass { settings, path, .. }, workpiece, guide, scheme, mut record, .. } = self;
         if guide.is_too_soft && record.contact_time == 0.0 {
-            return Err(PassError::TooSoft { setpoint: process.force_setpoint, reach: process.search_reach });
+            return Err(PassError::TooSoft { setpoint: settings.force_setpoint, reach: settings.search_reach });
         }
         if scheme.recedes() {
             workpiece.grid.release_uniform_bricks();

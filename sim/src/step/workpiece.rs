@@ -5,7 +5,7 @@ use sdf_bake::BrickGrid;
 use crate::commit::commit;
 use crate::extent::{Extent, MARGIN};
 use crate::sheet::{Facing, Sheet, Window};
-use crate::tool::Tool;
+use robot::Tool;
 
 /// How far a tool sinks in at first [voxels].
 const SINK: f64 = 2.0;

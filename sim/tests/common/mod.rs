@@ -5,8 +5,9 @@ pub(crate) mod forms;
 
 use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::{DMat3, DVec3};
+use robot::Wheel;
 use sdf_bake::BrickGrid;
-use sim::{CurvePoint, Frame, Pose, Wheel};
+use sim::{CurvePoint, Frame, Pose};
 
 pub(crate) const WHEEL: Wheel = Wheel::cylinder(0.05, 0.02);
 

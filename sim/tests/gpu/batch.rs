@@ -7,12 +7,13 @@ use crate::device;
 use crate::faulty_driver::{can_be_made, counted, with_faults};
 use effects::CompiledModel;
 use glam::DVec3;
+use robot::{Tool, Wheel};
 use sdf_bake::BrickGrid;
 use shaders::device::FaultKind;
 use shaders::simulate::{Rooms, SimulateError};
 use shaders::testing::{self, lose};
 use sim::gpu::{GpuError, Settings, Trial, refusal_of, run_batch, run_pass};
-use sim::{Pass, Path, Process, Tool, Wheel};
+use sim::{Pass, PassSettings, Path};
 
 fn slab() -> BrickGrid {
     let half = DVec3::new(0.010, 0.006, 0.003);
@@ -30,7 +31,8 @@ fn path() -> Path {
 #[test]
 fn trials_in_a_batch_leave_the_same_bits_as_alone_whatever_room_they_begin_with() {
     let Some(device) = device() else { return };
-    let (part, tool, path, process) = (slab(), tool(), path(), Process { force_setpoint: 5.0, ..Process::default() });
+    let (part, tool, path, settings) =
+        (slab(), tool(), path(), PassSettings { force_setpoint: 5.0, ..PassSettings::default() });
     let mut models: Vec<CompiledModel> = (0..3).map(|_| base()).collect();
     for (n, model) in models.iter_mut().enumerate() {
         let at = model.index("preston-threshold.grind_rate").unwrap();
@@ -40,7 +42,7 @@ fn trials_in_a_batch_leave_the_same_bits_as_alone_whatever_room_they_begin_with(
     let trials: Vec<Trial> = models
         .iter()
         .zip(&tools)
-        .map(|(model, states)| Trial { part: &part, pass: Pass::first(&tool, &path, &process, model), tool: states })
+        .map(|(model, states)| Trial { part: &part, pass: Pass::first(&tool, &path, &settings, model), tool: states })
         .collect();
     // One brick and a few lines: both must grow.
     let tight = Settings { rooms: Rooms { bricks: 1, lines: 16, ticks: 64 }, most_trials: 2 };
@@ -68,8 +70,8 @@ fn what_the_device_does_not_run_is_refused_by_name() {
 #[test]
 fn a_device_that_is_lost_or_too_small_is_named_and_the_part_kept() {
     let Some(device) = testing::device("a lost device") else { return };
-    let (part, tool, path, process, model) = (slab(), tool(), path(), Process::default(), base());
-    let pass = Pass::first(&tool, &path, &process, &model);
+    let (part, tool, path, settings, model) = (slab(), tool(), path(), PassSettings::default(), base());
+    let pass = Pass::first(&tool, &path, &settings, &model);
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
     let vast = Settings { rooms: Rooms { bricks: 10_000_000, ..Rooms::default() }, ..Settings::default() };
@@ -90,8 +92,8 @@ fn is_loss(error: &GpuError) -> bool {
 #[test]
 fn a_device_lost_in_the_middle_of_a_pass_fails_its_submission_and_not_the_one_before() {
     let (Some(shared), Some(device)) = (device(), testing::device("a device lost in a pass")) else { return };
-    let (part, tool, path, process, model) = (slab(), tool(), path(), Process::default(), base());
-    let pass = Pass::first(&tool, &path, &process, &model);
+    let (part, tool, path, settings, model) = (slab(), tool(), path(), PassSettings::default(), base());
+    let pass = Pass::first(&tool, &path, &settings, &model);
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
     let one_by_one = Settings { rooms: Rooms { ticks: 16, ..Rooms::default() }, most_trials: 1 };
@@ -115,8 +117,8 @@ fn a_device_lost_in_the_middle_of_a_pass_fails_its_submission_and_not_the_one_be
 #[test]
 fn four_trials_with_much_room_leave_the_bits_of_one_alone() {
     let Some(device) = device() else { return };
-    let (part, tool, path, process, model) = (slab(), tool(), path(), Process::default(), base());
-    let pass = Pass::first(&tool, &path, &process, &model);
+    let (part, tool, path, settings, model) = (slab(), tool(), path(), PassSettings::default(), base());
+    let pass = Pass::first(&tool, &path, &settings, &model);
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
     // 12 MiB for each.

@@ -2,19 +2,20 @@
 
 use crate::common::{fresh, line};
 use crate::device;
-use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
 use glam::DVec3;
+use robot::{Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
-use sim::{Pad, Pass, Path, Process, Tool, Wheel, gpu, run_pass};
+use sim::{Pass, PassSettings, Path, gpu, run_pass};
 
 fn slab() -> BrickGrid {
     let half = DVec3::new(0.010, 0.006, 0.003);
     BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.z - 0.13e-3)
 }
 
-fn compiled(process: Kind, effects: &[&str]) -> CompiledModel {
-    let model = effects.iter().fold(Model::new(process), |model, effect| model.with(effect));
+fn compiled(settings: Kind, effects: &[&str]) -> CompiledModel {
+    let model = effects.iter().fold(Model::new(settings), |model, effect| model.with(effect));
     CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model that compiles")
 }
 
@@ -23,8 +24,8 @@ fn compiled(process: Kind, effects: &[&str]) -> CompiledModel {
 fn agree(model: &CompiledModel, tool: &Tool) {
     let Some(device) = device() else { return };
     let path = Path::along(&line(-2e-3, 2e-3, 0.13e-3), 5e-3).unwrap();
-    let process = Process { force_setpoint: 5.0, ..Process::default() };
-    let pass = Pass::first(tool, &path, &process, model);
+    let settings = PassSettings { force_setpoint: 5.0, ..PassSettings::default() };
+    let pass = Pass::first(tool, &path, &settings, model);
     let (mut cpu, mut cpu_tool) = (slab(), fresh(model));
     let record = run_pass(&mut cpu, pass, &mut cpu_tool, &mut |_| {}).unwrap();
     let (mut part, mut tool_states) = (slab(), fresh(model));
@@ -72,8 +73,8 @@ fn a_pad_that_loads_does_so_on_the_device_as_on_the_cpu() {
 }
 
 /// Effects with the parameters that have a null value at it.
-fn at_null(process: Kind, effects: &[&str]) -> CompiledModel {
-    let mut model = compiled(process, effects);
+fn at_null(settings: Kind, effects: &[&str]) -> CompiledModel {
+    let mut model = compiled(settings, effects);
     let nulls: Vec<(usize, f64)> =
         model.parameters().iter().enumerate().filter_map(|(at, slot)| Some((at, slot.null?))).collect();
     nulls.into_iter().for_each(|(at, null)| model.set(at, null));
@@ -84,10 +85,10 @@ fn at_null(process: Kind, effects: &[&str]) -> CompiledModel {
 fn every_effect_at_its_null_value_leaves_the_same_bits_on_the_device() {
     let Some(device) = device() else { return };
     let path = Path::along(&line(-1e-3, 1e-3, 0.13e-3), 5e-3).unwrap();
-    let process = Process { force_setpoint: 5.0, ..Process::default() };
+    let settings = PassSettings { force_setpoint: 5.0, ..PassSettings::default() };
     let run = |tool: &Tool, model: &CompiledModel| {
         let (mut part, mut states) = (slab(), fresh(model));
-        let pass = Pass::first(tool, &path, &process, model);
+        let pass = Pass::first(tool, &path, &settings, model);
         let record = gpu::run_pass(device, &mut part, pass, &mut states, &mut |_| {}).unwrap();
         let bits: Vec<u32> = part.phi.iter().chain(&part.dose).map(|value| value.to_bits()).collect();
         (part.bricks, bits, record)

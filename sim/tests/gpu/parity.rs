@@ -4,9 +4,10 @@ use crate::common::{WHEEL, base, fresh, line, model, threshold, welded_plate};
 use crate::device;
 use effects::{CompiledModel, States};
 use glam::DVec3;
+use robot::{Controller, Pad, Sphere, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use shaders::Device;
-use sim::{Controller, Pad, Pass, PassRecord, Path, Process, Tool, Wheel, gpu, run_pass};
+use sim::{Pass, PassRecord, PassSettings, Path, gpu, run_pass};
 
 /// Largest difference of a field [voxels] and of a force [1] between device and CPU.
 const FIELD: f64 = 1e-4;
@@ -67,10 +68,10 @@ fn a_wheel_grinds_a_plate_as_on_the_cpu() {
     let part = slab(0.5e-3, DVec3::new(0.012, 0.008, 0.003), 0.13e-3);
     let tool = Tool::from(Wheel::cylinder(0.02, 0.006));
     let path = Path::along(&line(-4e-3, 4e-3, 0.13e-3), 5e-3).unwrap();
-    let (process, model) = (Process::default(), base());
-    let both = run(device, &part, Pass::first(&tool, &path, &process, &model));
+    let (settings, model) = (PassSettings::default(), base());
+    let both = run(device, &part, Pass::first(&tool, &path, &settings, &model));
     assert!(both.cpu.2.removed_volume > 1e-10);
-    agree("plate", &both, process.force_setpoint);
+    agree("plate", &both, settings.force_setpoint);
 }
 
 #[test]
@@ -78,19 +79,19 @@ fn a_ball_tip_with_replay_and_an_admittance_do_as_on_the_cpu() {
     let Some(device) = device() else { return };
     let part = slab(0.5e-3, DVec3::new(0.010, 0.006, 0.003), 0.13e-3);
     let model = base();
-    let ball = Tool::Sphere(0.02);
+    let ball = Tool::from(Sphere { radius: 0.02 });
     let path = Path::along(&line(-3e-3, 3e-3, 0.07e-3), 5e-3).unwrap();
-    let process = Process { controller: Controller::Replay, ..Process::default() };
-    agree("ball, replay", &run(device, &part, Pass::first(&ball, &path, &process, &model)), process.force_setpoint);
+    let settings = PassSettings { controller: Controller::Replay, ..PassSettings::default() };
+    agree("ball, replay", &run(device, &part, Pass::first(&ball, &path, &settings, &model)), settings.force_setpoint);
     let path = Path::along(&line(-2e-3, 2e-3, 0.12e-3), 5e-3).unwrap();
     let tool = Tool::from(Wheel { radius: 0.02, width: 0.006, crown: 2.0 });
     for mass in [2.0, 0.0] {
         let controller = Controller::Admittance { mass, damping: 2000.0, period: 1e-3 };
-        let process = Process { controller, ..Process::default() };
+        let settings = PassSettings { controller, ..PassSettings::default() };
         agree(
             &format!("wheel, admittance of {mass} kg"),
-            &run(device, &part, Pass::first(&tool, &path, &process, &model)),
-            process.force_setpoint,
+            &run(device, &part, Pass::first(&tool, &path, &settings, &model)),
+            settings.force_setpoint,
         );
     }
 }
@@ -102,10 +103,10 @@ fn a_narrow_strip_above_a_threshold_recedes_as_on_the_cpu() {
     // p_c/K is 20 µm: above it the wheel is 2 mm long, four squares.
     let (tool, model) = (Tool::from(Wheel::cylinder(0.02, 0.006)), threshold(2e5));
     let path = Path::along(&line(-3e-3, 3e-3, 0.085e-3), 5e-3).unwrap();
-    let process = Process { controller: Controller::Replay, ..Process::default() };
-    let both = run(device, &part, Pass::first(&tool, &path, &process, &model));
+    let settings = PassSettings { controller: Controller::Replay, ..PassSettings::default() };
+    let both = run(device, &part, Pass::first(&tool, &path, &settings, &model));
     assert!(both.cpu.2.removed_volume > 1e-11);
-    agree("strip", &both, process.force_setpoint);
+    agree("strip", &both, settings.force_setpoint);
 }
 
 #[test]
@@ -113,8 +114,8 @@ fn a_bead_is_ground_on_a_sheet_that_turns_as_on_the_cpu() {
     let Some(device) = device() else { return };
     let part = welded_plate(0.5e-3, 0.3);
     let path = Path::along(&line(-5e-3, 5e-3, 3e-3), 20e-3).unwrap();
-    let (tool, process, model) = (Tool::from(WHEEL), Process::default(), base());
-    agree("bead", &run(device, &part, Pass::first(&tool, &path, &process, &model)), process.force_setpoint);
+    let (tool, settings, model) = (Tool::from(WHEEL), PassSettings::default(), base());
+    agree("bead", &run(device, &part, Pass::first(&tool, &path, &settings, &model)), settings.force_setpoint);
 }
 
 fn sanding() -> CompiledModel {
@@ -127,9 +128,9 @@ fn a_pad_sands_a_plate_as_on_the_cpu() {
     let part = slab(0.5e-3, DVec3::new(0.016, 0.010, 0.003), 0.13e-3);
     let tool = Tool::from(Pad { radius: 5e-3 });
     let path = Path::along(&line(-4e-3, 4e-3, 0.13e-3), 20e-3).unwrap();
-    let (process, model) = (Process::default(), sanding());
-    let both = run(device, &part, Pass::first(&tool, &path, &process, &model));
-    agree("pad", &both, process.force_setpoint);
+    let (settings, model) = (PassSettings::default(), sanding());
+    let both = run(device, &part, Pass::first(&tool, &path, &settings, &model));
+    agree("pad", &both, settings.force_setpoint);
     let (a, b) = (&both.cpu.0, &both.gpu.0);
     let apart = (0..a.dose.len()).map(|at| (a.dose[at] - b.dose[at]).abs()).fold(0.0, f32::max);
     let most = a.dose.iter().copied().fold(0.0, f32::max);

@@ -4,7 +4,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
-use crate::trial::{Tool, ToolPath, ToolPose};
+use crate::trial::{HeldTool, ToolPath, ToolPose};
+use robot::{Tool, Wheel};
 
 /// Distance to the tool that counts as touched [m]: covers errors of pose and scan, and grinding dust.
 pub const CLEARANCE: f64 = 0.1e-3;
@@ -15,7 +16,7 @@ const SAME_POSE: f64 = 0.5;
 ///
 /// - `surface`: the workpiece before the pass; pixels without a height count as touched
 /// - `clearance`: such as [`CLEARANCE`]
-pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &Tool, clearance: f64) -> Vec<bool> {
+pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &HeldTool, clearance: f64) -> Vec<bool> {
     let poses = thinned(&path.poses, SAME_POSE * surface.pixels.pitch);
     let pixels = surface.pixels;
     let is_free = |at: usize| {
@@ -38,19 +39,20 @@ fn thinned(poses: &[ToolPose], way: f64) -> Vec<ToolPose> {
     kept
 }
 
-/// Distance [m] from a point to the tool's working face; infinite beside it, where beside begins a pixel further out.
-fn gap(tool: &Tool, pose: &ToolPose, point: DVec3, pixel: f64) -> f64 {
+/// Distance [m] from a point to the tool's working face; infinite beside it, where beside begins a pixel further out. What is
+/// no wheel is taken as a disc.
+fn gap(tool: &HeldTool, pose: &ToolPose, point: DVec3, pixel: f64) -> f64 {
     let from_centre = point - pose.centre;
-    match *tool {
-        Tool::Wheel { radius, width, .. } => {
+    match &tool.shape {
+        Tool::Wheel(Wheel { radius, width, .. }) => {
             let along = from_centre.dot(pose.axis);
             let radial = (from_centre.length_squared() - along * along).max(0.0).sqrt();
             if along.abs() <= 0.5 * width + pixel { radial - radius } else { f64::INFINITY }
         }
-        Tool::Pad { radius } => {
+        disc => {
             let height = -from_centre.dot(pose.approach);
             let beside = (from_centre + pose.approach * height).length();
-            if beside <= radius + pixel { height } else { f64::INFINITY }
+            if beside <= disc.rim_radius() + pixel { height } else { f64::INFINITY }
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{Place, TrialError};
 use super::manifest::TRIAL_FILE;
-use super::{Finding, Tool, Trial, plausible};
+use super::{Finding, HeldTool, Trial, plausible};
 
 /// All trials of a folder, in the order of their folders' names.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl Campaign {
 
     /// A worn tool carries on from the trial before, so that must have used the same tool.
     fn checked(mut self) -> Result<Self, TrialError> {
-        let tools: Vec<Tool> = self.trials.iter().map(|trial| trial.tool).collect();
+        let tools: Vec<HeldTool> = self.trials.iter().map(|trial| trial.tool.clone()).collect();
         for (k, trial) in self.trials.iter_mut().enumerate().filter(|(_, trial)| !trial.fresh) {
             if k == 0 {
                 trial.notes.push("the tool is not fresh and no trial comes before: its past is unknown".to_owned());

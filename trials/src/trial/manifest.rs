@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use effects::Process;
 use files::input::{self, MOST_TEXT_BYTES, quoted_near, without_content};
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
@@ -26,16 +27,6 @@ const KEYS: [(&str, &[&str]); 6] = [
     ("coating", &["thickness_mm"]),
     ("pass", &["log", "scan", "role", "force_setpoint_n", "feed_mm_s", "spindle_rpm", "direction"]),
 ];
-
-/// What the tool does to the workpiece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Process {
-    /// Material recedes.
-    Grinding,
-    /// Coating is worn off.
-    Sanding,
-}
 
 /// What a pass may be used for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

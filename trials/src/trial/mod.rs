@@ -22,9 +22,10 @@ mod x3p;
 
 use std::path::PathBuf;
 
+use effects::Process;
 use glam::DVec3;
+use robot::{Controller, Pad, Tool, Wheel};
 use sdf_bake::HeightMap;
-use serde::Serialize;
 
 use crate::measure::{despiked, unlike_repeat};
 
@@ -32,7 +33,7 @@ pub use campaign::Campaign;
 pub use error::{Place, TrialError};
 pub use finding::{Finding, Severity};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
-pub use manifest::{Process, Role, TRIAL_FILE, TRIAL_FORMAT};
+pub use manifest::{Role, TRIAL_FILE, TRIAL_FORMAT};
 pub(crate) use manifest::{Source, nearest};
 pub use plausible::least_gap;
 pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
@@ -40,49 +41,30 @@ pub use scan::{ExposureMask, LabelMap, Read, ScanFrame, read_exposure, read_heig
 pub(crate) use table::{Row as TextRow, Table as TextTable};
 pub use write::{exposure_csv, heights_csv, labels_csv, log_csv, write_trial};
 
-/// The tool's shape.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub enum Tool {
-    /// A cylinder that turns about its axis.
-    Wheel {
-        /// Radius [m].
-        radius: f64,
-        /// Width along the axis [m].
-        width: f64,
-        /// Axis, unit.
-        axis: DVec3,
-    },
-    /// A flat disc that faces against the approach axis.
-    Pad {
-        /// Radius [m].
-        radius: f64,
-    },
+/// A tool as the robot holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldTool {
+    /// Its shape.
+    pub shape: Tool,
+    /// A wheel's axis, unit; `None` for a tool that turns about the approach axis.
+    pub axis: Option<DVec3>,
 }
 
-impl Tool {
+impl HeldTool {
+    /// A cylinder of a radius and a width [m] that turns about an axis.
+    pub fn wheel(radius: f64, width: f64, axis: DVec3) -> Self {
+        Self { shape: Wheel::cylinder(radius, width).into(), axis: Some(axis) }
+    }
+
+    /// A flat disc of a radius [m] that faces against the approach axis.
+    pub fn pad(radius: f64) -> Self {
+        Self { shape: Pad { radius }.into(), axis: None }
+    }
+
     /// Half of what the tool covers across its feed [m]: a map continued that far has no edge under it.
     pub fn half_width(&self) -> f64 {
-        match *self {
-            Self::Wheel { width, .. } => 0.5 * width,
-            Self::Pad { radius } => radius,
-        }
+        0.5 * self.shape.width()
     }
-}
-
-/// What held the force.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub enum Controller {
-    /// `mass · z'' = (F - setpoint) - damping · z'`.
-    Admittance {
-        /// Virtual mass [kg].
-        mass: f64,
-        /// Virtual damping [N s/m].
-        damping: f64,
-        /// Time between two control steps [s].
-        period: f64,
-    },
-    /// The force is the setpoint.
-    Ideal,
 }
 
 /// The workpiece before the first pass.
@@ -146,13 +128,13 @@ pub struct Trial {
     /// What the tool does.
     pub process: Process,
     /// The tool.
-    pub tool: Tool,
+    pub tool: HeldTool,
     /// Whether the tool was dressed or new before the first pass; otherwise it carries on from the trial before.
     pub fresh: bool,
     /// The workpiece before.
     pub scans: Scans,
-    /// What held the force; `None`: z is replayed from the log.
-    pub controller: Option<Controller>,
+    /// What held the force; a replay of the logged z where the files name none.
+    pub controller: Controller,
     /// Thickness of the coating [m].
     pub coating: Option<f64>,
     /// Passes in order of time.

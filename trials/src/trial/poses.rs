@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::log::{Log, LogRow};
-use super::{Pass, Tool};
+use super::{HeldTool, Pass};
 use crate::measure::{MAD_TO_SIGMA, median};
 
 /// Robust standard deviations of the force's noise that count as contact.
@@ -78,14 +78,14 @@ pub(super) struct Motion {
 
 impl Pass {
     /// The pass's log as the path of `tool`.
-    pub fn tool_path(&self, tool: &Tool) -> ToolPath {
+    pub fn tool_path(&self, tool: &HeldTool) -> ToolPath {
         ToolPath::of(&self.log, tool, self.force_setpoint)
     }
 }
 
 impl ToolPath {
     /// A log as the path of a tool that was pressed on with `force_setpoint` [N].
-    pub fn of(log: &Log, tool: &Tool, force_setpoint: f64) -> Self {
+    pub fn of(log: &Log, tool: &HeldTool, force_setpoint: f64) -> Self {
         let start = log.rows.first().map_or(0.0, |row| row.time);
         let poses: Vec<ToolPose> = log.rows.iter().map(|row| pose(row, tool, start)).collect();
         let contact = contact(&poses, force_setpoint);
@@ -113,11 +113,9 @@ impl ToolPath {
     }
 }
 
-fn pose(row: &LogRow, tool: &Tool, start: f64) -> ToolPose {
-    let axis = match *tool {
-        Tool::Wheel { axis, .. } => axis.reject_from_normalized(row.approach).normalize_or(axis),
-        Tool::Pad { .. } => row.approach,
-    };
+fn pose(row: &LogRow, tool: &HeldTool, start: f64) -> ToolPose {
+    let across = |axis: DVec3| axis.reject_from_normalized(row.approach).normalize_or(axis);
+    let axis = tool.axis.map_or(row.approach, across);
     ToolPose {
         time: row.time - start,
         centre: row.position,

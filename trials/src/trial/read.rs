@@ -9,11 +9,11 @@ use toml::Spanned;
 
 use super::error::{Place, TrialError};
 use super::log::{RPM, read_log};
-use super::manifest::{
-    ControllerKind, ControllerTable, Manifest, PassTable, Process, Source, TRIAL_FILE, ToolKind, ToolTable,
-};
+use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Source, TRIAL_FILE, ToolKind, ToolTable};
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{Controller, Pass, PassScan, Scans, Tool, Trial, plausible};
+use super::{HeldTool, Pass, PassScan, Scans, Trial, plausible};
+use effects::Process;
+use robot::Controller;
 
 impl Trial {
     /// Reads a trial folder completely and checks that its files fit each other.
@@ -67,7 +67,7 @@ impl Reader<'_> {
             tool,
             fresh: manifest.tool.fresh,
             scans,
-            controller: manifest.controller.as_ref().map(|table| self.controller(table)).transpose()?,
+            controller: manifest.controller.as_ref().map_or(Ok(Controller::Replay), |table| self.controller(table))?,
             coating: coating.transpose()?.map(|thickness| thickness * 1e-3),
             passes,
             notes: std::mem::take(&mut self.notes),
@@ -100,7 +100,7 @@ impl Reader<'_> {
         Ok(ScanFrame { origin: DVec2::new(x, y) * 1e-3, pitch, shape: None })
     }
 
-    fn tool(&self, table: &ToolTable) -> Result<Tool, TrialError> {
+    fn tool(&self, table: &ToolTable) -> Result<HeldTool, TrialError> {
         let radius = self.within("radius_mm", &table.radius_mm, TOOL_MM)? * 1e-3;
         let missing = |key: &str| self.source.bad(table.kind.span(), format!("a wheel without {key}"), "it is needed");
         match table.kind.get_ref() {
@@ -109,13 +109,13 @@ impl Reader<'_> {
                 if let Some((key, at)) = extra.or(table.axis.as_ref().map(|axis| ("axis", axis.span()))) {
                     return Err(self.source.bad(at, format!("a pad with {key}"), "a pad has a radius only"));
                 }
-                Ok(Tool::Pad { radius })
+                Ok(HeldTool::pad(radius))
             }
             ToolKind::Wheel => {
                 let width = table.width_mm.as_ref().ok_or_else(|| missing("width_mm"))?;
                 let axis = table.axis.as_ref().ok_or_else(|| missing("axis"))?;
                 let width = self.within("width_mm", width, TOOL_MM)? * 1e-3;
-                Ok(Tool::Wheel { radius, width, axis: self.unit("axis", axis)? })
+                Ok(HeldTool::wheel(radius, width, self.unit("axis", axis)?))
             }
         }
     }

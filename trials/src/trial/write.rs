@@ -13,7 +13,8 @@ use super::manifest::{
     CoatingTable, ControllerKind, ControllerTable, Manifest, PassTable, ScanTable, TRIAL_FILE, TRIAL_FORMAT, ToolKind,
     ToolTable,
 };
-use super::{Controller, ExposureMask, LabelMap, Pass, PassScan, Tool, Trial};
+use super::{ExposureMask, HeldTool, LabelMap, Pass, PassScan, Trial};
+use robot::{Controller, Tool};
 
 /// A number with as many decimals as it needs, up to the sixth.
 fn number(value: f64) -> f64 {
@@ -149,39 +150,37 @@ fn manifest_of(trial: &Trial) -> Manifest {
             repeat: (0..trial.scans.repeats.len()).map(|k| plain(repeat(k))).collect(),
             material: trial.scans.material.as_ref().map(|_| plain("material.csv".into())),
         },
-        controller: trial.controller.map(|controller| plain(controller_table(controller))),
+        controller: controller_table(trial.controller).map(plain),
         coating: trial.coating.map(|thickness| CoatingTable { thickness_mm: millimetres(thickness) }),
         pass: trial.passes.iter().enumerate().map(|(k, pass)| pass_table(k + 1, pass)).collect(),
     }
 }
 
 fn tool_table(trial: &Trial) -> ToolTable {
-    let fresh = trial.fresh;
-    match trial.tool {
-        Tool::Wheel { radius, width, axis } => ToolTable {
-            kind: plain(ToolKind::Wheel),
-            radius_mm: millimetres(radius),
-            width_mm: Some(millimetres(width)),
-            axis: Some(plain(axis.to_array())),
-            fresh,
-        },
-        Tool::Pad { radius } => {
-            ToolTable { kind: plain(ToolKind::Pad), radius_mm: millimetres(radius), width_mm: None, axis: None, fresh }
-        }
+    let HeldTool { shape, axis } = &trial.tool;
+    let kind = if matches!(shape, Tool::Wheel(_)) { ToolKind::Wheel } else { ToolKind::Pad };
+    ToolTable {
+        kind: plain(kind),
+        radius_mm: millimetres(shape.rim_radius()),
+        width_mm: axis.map(|_| millimetres(shape.width())),
+        axis: axis.map(|axis| plain(axis.to_array())),
+        fresh: trial.fresh,
     }
 }
 
-fn controller_table(controller: Controller) -> ControllerTable {
+/// The table of a controller; none where the log is replayed.
+fn controller_table(controller: Controller) -> Option<ControllerTable> {
     match controller {
         Controller::Ideal => {
-            ControllerTable { kind: ControllerKind::Ideal, mass_kg: None, damping_ns_m: None, period_s: None }
+            Some(ControllerTable { kind: ControllerKind::Ideal, mass_kg: None, damping_ns_m: None, period_s: None })
         }
-        Controller::Admittance { mass, damping, period } => ControllerTable {
+        Controller::Admittance { mass, damping, period } => Some(ControllerTable {
             kind: ControllerKind::Admittance,
             mass_kg: Some(plain(mass)),
             damping_ns_m: Some(plain(damping)),
             period_s: Some(plain(period)),
-        },
+        }),
+        Controller::Replay => None,
     }
 }
 

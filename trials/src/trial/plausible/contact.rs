@@ -16,9 +16,10 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::super::error::{Place, TrialError};
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::{ToolPath, ToolPose};
-use super::super::{Tool, Trial};
+use super::super::{HeldTool, Trial};
 use super::{Names, Surfaces, touching};
 use crate::measure::{CLEARANCE, Freedom, median, register};
+use robot::{Tool, Wheel};
 
 /// Greatest gap between a touching tool and the surface [m]: five times the clearance that covers errors of pose, scan and
 /// part, and below the millimetre or more that a wrong unit, sign or reference point makes on a bead.
@@ -69,14 +70,14 @@ struct Gaps {
 
 /// A pass with the surfaces before and after it, in the frame of the first scan.
 struct Worked<'a> {
-    tool: &'a Tool,
+    tool: &'a HeldTool,
     poses: Vec<&'a ToolPose>,
     before: &'a HeightMap,
     after: Option<&'a HeightMap>,
 }
 
 /// Least gap of a tool to a surface on its whole path [m]; `None` where it never was over the map.
-pub fn least_gap(tool: &Tool, path: &ToolPath, map: &HeightMap) -> Option<f64> {
+pub fn least_gap(tool: &HeldTool, path: &ToolPath, map: &HeightMap) -> Option<f64> {
     let poses = spread_out(&path.poses.iter().collect::<Vec<_>>(), &map.pixels);
     let gaps = poses.par_iter().filter_map(|pose| gap(tool, pose, (map, Supposed::default())));
     gaps.collect::<Vec<f64>>().into_iter().reduce(f64::min)
@@ -178,9 +179,9 @@ fn describe(gap: f64, surface: &Path) -> String {
 impl Worked<'_> {
     /// Whether such gaps are those of a tool in contact.
     fn is_contact(&self, gaps: Gaps) -> bool {
-        let gives = match *self.tool {
-            Tool::Wheel { radius, .. } => (RIM_GIVES * radius).max(ABOVE),
-            Tool::Pad { .. } => PAD_GIVES,
+        let gives = match &self.tool.shape {
+            Tool::Wheel(Wheel { radius, .. }) => (RIM_GIVES * radius).max(ABOVE),
+            _ => PAD_GIVES,
         };
         gaps.before <= ABOVE && (-gives..=ABOVE).contains(&gaps.after)
     }
@@ -198,7 +199,7 @@ impl Worked<'_> {
     /// Mistakes that explain a gap, as questions.
     fn guesses(&self, gap: f64) -> Vec<String> {
         // A wheel that a mistake explains lies on the surface; how deep a pad's foam gives is unknown.
-        let is_near = |gaps: &Gaps| gaps.after >= -ABOVE || matches!(self.tool, Tool::Pad { .. });
+        let is_near = |gaps: &Gaps| gaps.after >= -ABOVE || matches!(self.tool.shape, Tool::Pad(_));
         let explains = |supposed| self.gaps(supposed).is_some_and(|gaps| self.is_contact(gaps) && is_near(&gaps));
         let log = |scale: f64| Supposed { log_scale: Some(scale), ..Supposed::default() };
         let maps = |scale: f64| Supposed { map_scale: Some(scale), ..Supposed::default() };
@@ -210,7 +211,7 @@ impl Worked<'_> {
             (log(-1.0), "z_mm has the other sign"),
             (Supposed { turned: true, ..Supposed::default() }, "nx, ny, nz point into the part"),
         ];
-        if let Tool::Wheel { radius, .. } = *self.tool {
+        if let Tool::Wheel(Wheel { radius, .. }) = self.tool.shape {
             known.push((
                 Supposed { lift: radius, ..Supposed::default() },
                 "z_mm is the wheel's lowest point, not its centre",
@@ -227,7 +228,7 @@ impl Worked<'_> {
 
     /// The mistake in `radius_mm` that explains a gap.
     fn radius(&self, gap: f64) -> Option<String> {
-        let Tool::Wheel { radius, .. } = *self.tool else { return None };
+        let Tool::Wheel(Wheel { radius, .. }) = self.tool.shape else { return None };
         let right = radius + gap;
         let near = |(factor, _): &&(f64, &str)| (right * factor / radius - 1.0).abs() < SAME_RADIUS;
         RADII.iter().find(near).map(|(_, words)| {
@@ -246,20 +247,20 @@ impl Supposed {
 
 /// How far the tool must go against its approach axis until it touches the map [m]; negative where it lies inside. `None`
 /// where no pixel lies below it.
-fn gap(tool: &Tool, pose: &ToolPose, (map, supposed): (&HeightMap, Supposed)) -> Option<f64> {
-    let (pixels, scale) = (map.pixels, supposed.map_scale.unwrap_or(1.0));
+fn gap(tool: &HeldTool, pose: &ToolPose, (map, supposed): (&HeightMap, Supposed)) -> Option<f64> {
+    let (pixels, scale, disc) = (map.pixels, supposed.map_scale.unwrap_or(1.0), tool.shape.rim_radius());
     let lift = |(at, &height): (usize, &f64)| {
         let place = pixels.position(at % pixels.nx, at / pixels.nx);
         let from = place.extend(scale * height) - pose.centre;
         let up = from.dot(pose.approach);
-        match *tool {
-            Tool::Wheel { radius, width, .. } => {
+        match &tool.shape {
+            Tool::Wheel(Wheel { radius, width, .. }) => {
                 let along = from.dot(pose.axis);
                 let forward = (from.length_squared() - up * up - along * along).max(0.0);
                 let is_below = along.abs() <= 0.5 * width && forward < radius * radius;
                 is_below.then(|| up + (radius * radius - forward).sqrt())
             }
-            Tool::Pad { radius } => (from.length_squared() - up * up <= radius * radius).then_some(up),
+            _ => (from.length_squared() - up * up <= disc * disc).then_some(up),
         }
     };
     let known = map.heights.iter().enumerate().filter(|(_, height)| height.is_finite());

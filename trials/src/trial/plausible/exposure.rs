@@ -14,8 +14,9 @@ use sdf_bake::PixelGrid;
 use super::super::error::{Place, TrialError};
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::{ToolPath, ToolPose};
-use super::super::{ExposureMask, PassScan, Tool, Trial};
+use super::super::{ExposureMask, PassScan, Trial};
 use super::{Names, Surfaces, odds};
+use robot::{Pad, Tool};
 
 /// Side of the squares of pixels over which exposure is one, in radii of the pad.
 const SQUARE: f64 = 0.5;
@@ -45,7 +46,7 @@ struct Stay<'a> {
 
 /// Refuses masks that contradict the pad's path, or each other.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
-    let Tool::Pad { radius } = trial.tool else { return Ok(Vec::new()) };
+    let Tool::Pad(Pad { radius }) = trial.tool.shape else { return Ok(Vec::new()) };
     let masks: Vec<&ExposureMask> = trial
         .passes
         .iter()

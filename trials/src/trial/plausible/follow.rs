@@ -4,8 +4,8 @@
 use glam::DVec2;
 use sdf_bake::HeightMap;
 
+use super::super::Trial;
 use super::super::error::{Place, TrialError};
-use super::super::{Tool, Trial};
 use super::{LEAST_PIXELS, Names, Surfaces, odds, touching};
 use crate::measure::{Freedom, centre_and_sigma, register};
 
@@ -93,7 +93,7 @@ pub(super) fn shows_removal(surfaces: &Surfaces, pass: usize) -> bool {
 /// How far the middle of what a wheel ground lies beside its path, along its axis: a wide wheel grinds the same where it is
 /// off by a few millimetres, so that nothing else shows it.
 fn across(trial: &Trial, surfaces: &Surfaces, pass: usize) -> Option<String> {
-    let Tool::Wheel { axis, .. } = trial.tool else { return None };
+    let axis = trial.tool.axis?;
     let cut = ground_by(surfaces, pass).filter(|cut| cut.len() >= LEAST_PIXELS)?;
     let pixels = surfaces.before.pixels;
     let ground =

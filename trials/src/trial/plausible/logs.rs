@@ -8,7 +8,7 @@ use super::super::error::{Place, TrialError};
 use super::super::log::{Log, LogRow};
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::ToolPose;
-use super::super::{Pass, Tool, Trial};
+use super::super::{HeldTool, Pass, Trial};
 use super::profile::{Contact, contacts, touch_level};
 use super::{Names, Surfaces, touching};
 use crate::measure::{CLEARANCE, median};
@@ -164,8 +164,8 @@ fn force_level(pass: &Pass, poses: &[&ToolPose]) -> Option<String> {
 }
 
 /// A wheel whose axis lies along its way, so that its rim goes across it.
-fn along(tool: &Tool, pass: &Pass) -> Option<String> {
-    let Tool::Wheel { axis, .. } = *tool else { return None };
+fn along(tool: &HeldTool, pass: &Pass) -> Option<String> {
+    let axis = tool.axis?;
     let way = way(&pass.log)?;
     (way.dot(axis.truncate()).abs() > SAME_WAY.acos().sin()).then(|| {
         format!(

@@ -18,8 +18,9 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::super::error::{Place, TrialError};
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::ToolPose;
-use super::super::{Tool, Trial};
+use super::super::{HeldTool, Trial};
 use super::{Names, Surfaces, contact, odds, touching};
+use robot::{Tool, Wheel};
 
 /// Least spread that is told from none [m]: pose and scan of good instruments err by as much.
 const FINEST: f64 = 2e-6;
@@ -124,7 +125,7 @@ fn displaced(feed: f64) -> Vec<Frame> {
 }
 
 /// The likeliest of some frames, with the logarithm of its odds against the one as read.
-fn best(tool: &Tool, contacts: &[Contact], frames: &[Frame]) -> Option<(Frame, f64)> {
+fn best(tool: &HeldTool, contacts: &[Contact], frames: &[Frame]) -> Option<(Frame, f64)> {
     let here: Vec<Option<Gaps>> = contacts.iter().map(|contact| contact.gaps(tool, Frame::AsRead)).collect();
     let odds = |&frame: &Frame| {
         let there = contacts.iter().map(|contact| contact.gaps(tool, frame));
@@ -148,14 +149,14 @@ fn log_odds(heights: Option<Gaps>, here: Option<Gaps>, there: Option<Gaps>) -> f
 }
 
 /// Root mean square of the gaps of all passes [m].
-fn pooled(tool: &Tool, contacts: &[Contact], frame: Frame) -> f64 {
+fn pooled(tool: &HeldTool, contacts: &[Contact], frame: Frame) -> f64 {
     let spreads = contacts.iter().filter_map(|contact| contact.gaps(tool, frame)).map(|gaps| gaps.spread.powi(2));
     let (sum, count) = spreads.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
     (sum / f64::max(count, 1.0)).sqrt()
 }
 
 /// Mean gap of a path to a map [m]; `None` where too little of it is known.
-pub(super) fn touch_level(tool: &Tool, contact: &Contact, map: &HeightMap) -> Option<f64> {
+pub(super) fn touch_level(tool: &HeldTool, contact: &Contact, map: &HeightMap) -> Option<f64> {
     let relief = relief(map);
     let gap = |pose: &&ToolPose| {
         let at = pose.centre.truncate();
@@ -174,7 +175,7 @@ fn relief(map: &HeightMap) -> f64 {
 }
 
 /// Logarithm of the odds that a path belongs to the surface of another pass, not to its own.
-pub(super) fn odds_of_another(tool: &Tool, own: &Contact, other: &HeightMap) -> f64 {
+pub(super) fn odds_of_another(tool: &HeldTool, own: &Contact, other: &HeightMap) -> f64 {
     let there = gaps_along(tool, &own.poses, other, |at| at);
     log_odds(own.heights(), own.gaps(tool, Frame::AsRead), there)
 }
@@ -185,7 +186,7 @@ impl Contact<'_> {
         Gaps::of(&self.poses.iter().enumerate().map(|(k, pose)| (k as f64, pose.centre.z)).collect::<Vec<_>>())
     }
 
-    fn gaps(&self, tool: &Tool, frame: Frame) -> Option<Gaps> {
+    fn gaps(&self, tool: &HeldTool, frame: Frame) -> Option<Gaps> {
         let PixelGrid { origin, pitch, nx, ny } = self.map.pixels;
         let ends = origin + self.map.pixels.position(nx - 1, ny - 1);
         let along = |place: &(dyn Fn(DVec2) -> DVec2 + Sync)| gaps_along(tool, &self.poses, &self.map, place);
@@ -229,7 +230,7 @@ impl Gaps {
 
 /// Gaps of a path to a map, where the places of the log are moved; `None` where too much of the path lies beside the map.
 fn gaps_along(
-    tool: &Tool,
+    tool: &HeldTool,
     poses: &[&ToolPose],
     map: &HeightMap,
     place: impl Fn(DVec2) -> DVec2 + Sync,
@@ -247,16 +248,16 @@ fn gaps_along(
     Gaps::of(&gaps)
 }
 
-/// Height of a wheel's centre where it touches a map at a place; mean height under a pad, which its foam evens out [m]. `None`
-/// where nothing is known below.
-fn touch(tool: &Tool, (pose, at): (&ToolPose, DVec2), map: &HeightMap, relief: f64) -> Option<f64> {
+/// Height of a wheel's centre where it touches a map at a place; mean height under a disc, which a pad's foam evens out [m].
+/// `None` where nothing is known below.
+fn touch(tool: &HeldTool, (pose, at): (&ToolPose, DVec2), map: &HeightMap, relief: f64) -> Option<f64> {
     let pixels = map.pixels;
-    let (reach, axis) = match *tool {
+    let (reach, axis) = match &tool.shape {
         // Beyond this a wheel's rim is higher than the map's relief above its lowest point.
-        Tool::Wheel { radius, width, .. } => {
-            ((2.0 * radius * relief).sqrt().min(radius).hypot(0.5 * width), pose.axis.truncate())
+        Tool::Wheel(Wheel { radius, width, .. }) => {
+            ((2.0 * radius * relief).sqrt().min(*radius).hypot(0.5 * width), pose.axis.truncate())
         }
-        Tool::Pad { radius } => (radius, DVec2::ZERO),
+        disc => (disc.rim_radius(), DVec2::ZERO),
     };
     let clamp = |value: f64, most: usize| value.clamp(0.0, most as f64) as usize;
     let low = (at - reach - pixels.origin) / pixels.pitch;
@@ -265,25 +266,25 @@ fn touch(tool: &Tool, (pose, at): (&ToolPose, DVec2), map: &HeightMap, relief: f
     for j in clamp(low.y, pixels.ny)..clamp(high.y, pixels.ny) {
         for i in clamp(low.x, pixels.nx)..clamp(high.x, pixels.nx) {
             let (height, from) = (map.height(i, j), pixels.position(i, j) - at);
-            match *tool {
-                Tool::Wheel { radius, width, .. } => {
+            match &tool.shape {
+                Tool::Wheel(Wheel { radius, width, .. }) => {
                     let along = from.dot(axis);
                     let forward = from.length_squared() - along * along;
                     if along.abs() <= 0.5 * width && forward < radius * radius && height.is_finite() {
                         most = most.max(height + (radius * radius - forward).sqrt());
                     }
                 }
-                Tool::Pad { radius } => {
-                    if from.length_squared() <= radius * radius && height.is_finite() {
+                _ => {
+                    if from.length_squared() <= reach * reach && height.is_finite() {
                         (sum, count) = (sum + height, count + 1);
                     }
                 }
             }
         }
     }
-    match *tool {
-        Tool::Wheel { .. } => most.is_finite().then_some(most),
-        Tool::Pad { .. } => (count > 0).then(|| sum / f64::from(count)),
+    match &tool.shape {
+        Tool::Wheel(_) => most.is_finite().then_some(most),
+        _ => (count > 0).then(|| sum / f64::from(count)),
     }
 }
 

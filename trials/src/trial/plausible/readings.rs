@@ -8,7 +8,7 @@ use super::super::error::{Place, TrialError};
 use super::super::log::{Log, RPM};
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::{Motion, NOISE_SIGMAS, force_noise};
-use super::super::{Pass, Tool, Trial};
+use super::super::{Pass, Trial};
 
 /// Factor between a logged value and the stated one from which one of them is wrong: √10, midway between a right value
 /// and the nearest mistakes of unit on a logarithmic scale (kgf or daN 0.1, lbf 0.22, rad/s 0.105, mm/min 60, kN 0.001).
@@ -188,9 +188,7 @@ fn check_spindle(pass: &Pass, place: &dyn Fn() -> Place) -> Result<(), TrialErro
 
 /// The speed of the tool's rim against what grinding and sanding tools do; a note where it is odd.
 pub(super) fn check_rim(pass: &Pass, trial: &Trial) -> Result<Option<String>, TrialError> {
-    let radius = match trial.tool {
-        Tool::Wheel { radius, .. } | Tool::Pad { radius } => radius,
-    };
+    let radius = trial.tool.shape.rim_radius();
     let rim = pass.spindle_speed * radius;
     let stated = format!(
         "spindle_rpm = {} and radius_mm = {} make a rim speed of {} m/s",

@@ -32,7 +32,7 @@ impl MeshDepth {
 
     /// Depth [m] of a point below the surface, whose baked `field` tells the side away from the surface. Far outside it is
     /// a bound: the gap is larger.
-    pub(super) fn depth(&self, at: DVec3, field: &BrickGrid) -> f64 {
+    pub(crate) fn depth(&self, at: DVec3, field: &BrickGrid) -> f64 {
         let rough = f64::from(field.sample(at));
         if rough > NEAR * field.voxel {
             return field.voxel - rough;

@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Tool;
 use effects::PoseChange;
+use robot::Tool;
 
 /// Axes of a tool in the workpiece's frame, orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]

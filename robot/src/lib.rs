@@ -1,0 +1,34 @@
+//! What a finishing robot holds, and how: the shapes of tools, and the controllers that press them on.
+//!
+//! Every tool is known by two functions of a point in its own frame (y across the feed, z away from the part, x = y × z): how
+//! deep the point lies below the working surface, and how far it lies within the working surface's border. Side
+//! walls do not work. All is in SI units.
+//!
+//! ```
+//! use glam::DVec3;
+//! use robot::{Tool, Wheel};
+//!
+//! let wheel = Tool::from(Wheel::cylinder(0.05, 0.02));
+//! // A point 1 mm above the lowest point of the rim, in the middle of its width.
+//! let point = DVec3::new(0.0, 0.0, -0.049);
+//! assert!((wheel.depth(point) - 1e-3).abs() < 1e-12);
+//! assert_eq!(wheel.within(point), 0.01);
+//! ```
+//!
+//! This crate knows no path, no contact and no file format.
+
+mod controller;
+mod field;
+mod mesh;
+mod pad;
+mod sphere;
+mod tool;
+mod wheel;
+
+pub use controller::Controller;
+pub use field::FieldTool;
+pub use mesh::MeshDepth;
+pub use pad::Pad;
+pub use sphere::Sphere;
+pub use tool::{Shape, Tool};
+pub use wheel::Wheel;
