@@ -11,7 +11,7 @@ use std::time::Instant;
 use anyhow::{Context, Error, Result, ensure};
 use effects::CompiledModel;
 use files::input::{self, MOST_TEXT_BYTES};
-use robot::{Tool, Wheel};
+use robot::Wheel;
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;

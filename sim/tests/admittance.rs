@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use common::forms::{number, shared_cases};
 use common::{base, block, fresh, line, plate};
-use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use robot::{Controller, Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;

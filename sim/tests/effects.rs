@@ -4,8 +4,7 @@ mod common;
 
 use common::{base, fresh, line, plate};
 use effects::{
-    CompiledModel, EffectError, Hook, Lanes, Library, Model, Process as Kind, RowCounts, States, StepValues,
-    Variable,
+    CompiledModel, EffectError, Hook, Lanes, Library, Model, Process as Kind, RowCounts, States, StepValues, Variable,
 };
 use robot::{Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;

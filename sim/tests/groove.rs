@@ -4,7 +4,7 @@ mod common;
 
 use common::forms::{Travelling, number, shared_cases};
 use common::{WHEEL, fresh, plate};
-use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::{DMat3, DVec3};
 use robot::{Controller, Tool, Wheel};
 use sdf_bake::BrickGrid;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use common::forms::{number, pad_dose, shared_cases, tilted_pad_dose};
 use common::{fresh, line};
-use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use robot::{Controller, Pad, Tool};
 use sdf_bake::BrickGrid;

@@ -211,7 +211,7 @@ impl PathArgs {
     fn travel(&self) -> Travel {
         let motion = &self.motion;
         Travel {
-            tool: self.tool,
+            tool: self.tool.clone(),
             feed: motion.feed_mm_s * 1e-3,
             ramp: motion.ramp_mm * 1e-3,
             clearance: motion.approach_mm * 1e-3,

@@ -2,7 +2,7 @@
 
 use crate::common::{fresh, line};
 use crate::device;
-use effects::{CompiledModel, Library, Model, PassSettings as Kind, RowCounts};
+use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use robot::{Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;
