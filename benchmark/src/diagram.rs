@@ -25,8 +25,8 @@ pub fn reliability_svg(reliability: &Reliability) -> String {
     );
     for tick in [0.0, 0.2, 0.4, 0.6, 0.8, 1.0] {
         let ([x, _], [_, y]) = (place([tick, 0.0]), place([0.0, tick]));
-        text += &format!("<text x=\"{x}\" y=\"{}\" text-anchor=\"middle\">{tick}</text>\n", bottom + 16.0);
-        text += &format!("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{tick}</text>\n", left - 6.0, y + 4.0);
+        text += &format!("<text x=\"{x:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{tick}</text>\n", bottom + 16.0);
+        text += &format!("<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"end\">{tick}</text>\n", left - 6.0, y + 4.0);
     }
     let middle = left + 0.5 * SIDE;
     text += &format!("<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">stated probability</text>\n", bottom + 34.0);

@@ -185,14 +185,15 @@ impl Studied {
 
 /// A suspect in a line.
 fn shown(suspect: &Value) -> String {
-    let number = |key: &str| suspect[key].as_f64().unwrap_or(f64::NAN);
+    let number = |key: &str, digits: usize| suspect[key].as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    let held_out = ["evaluation_rms_um_before", "evaluation_rms_um_after"].map(|key| number(key, 2));
     format!(
-        "{}: probability {:.3}, Δχ² {:.1}, p-value {:.3}; held out {:.2} -> {:.2} µm",
+        "{}: probability {}, Δχ² {}, p-value {}; held out {} -> {} µm",
         suspect["name"].as_str().unwrap_or_default(),
-        number("probability"),
-        number("delta_chi2"),
-        number("p_value"),
-        number("evaluation_rms_um_before"),
-        number("evaluation_rms_um_after")
+        number("probability", 3),
+        number("delta_chi2", 1),
+        number("p_value", 3),
+        held_out[0],
+        held_out[1]
     )
 }

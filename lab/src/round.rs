@@ -107,8 +107,8 @@ impl Round {
         round
     }
 
-    /// Probabilities of the effects that are large and sure enough, and of none of them. An effect that wants to be larger
-    /// than it can be shows that something is there which none of the others describes.
+    /// Probabilities of the effects that are large and sure enough, and of none of them. An effect that hits its
+    /// upper bound shows that something is there which none of the others describes.
     fn weigh(&mut self) {
         let [none, probabilities @ ..] = &self.probabilities(|finding| finding.is_admissible)[..] else { return };
         self.none = *none;

@@ -21,15 +21,24 @@ pub(super) fn refuse(program: &Command, words: &[OsString], first: clap::Error) 
     }
     let faults = of_values(program, words);
     if faults.is_empty() {
-        first.exit()
+        tell(&first);
+        std::process::exit(2)
     }
     faults.iter().for_each(|fault| eprintln!("error: {fault}"));
     let beside = with_any_values(program.clone()).try_get_matches_from(words).err();
     if let Some(beside) = beside.filter(clap::Error::use_stderr) {
-        // Nobody is left to be told that standard error is closed.
-        let _ = beside.print();
+        tell(&beside);
     }
     std::process::exit(2)
+}
+
+/// Prints an error of the parser; of missing words in one line.
+fn tell(error: &clap::Error) {
+    match missing(error) {
+        Some(needed) => eprintln!("error: required, and not given: {needed}; --help says more"),
+        // Nobody is left to be told that standard error is closed.
+        None => drop(error.print()),
+    }
 }
 
 /// Wrong use with all these faults, a line for each; nothing if there is none.
@@ -62,6 +71,14 @@ fn of_values(program: &Command, words: &[OsString]) -> Vec<String> {
         faults.extend(parsed.err().and_then(|error| of_value(name, &error)));
     }
     faults
+}
+
+/// The words that are needed and not there; `None` of an error of another kind.
+fn missing(error: &clap::Error) -> Option<String> {
+    match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::MissingRequiredArgument, Some(ContextValue::Strings(needed))) => Some(needed.join(", ")),
+        _ => None,
+    }
 }
 
 /// The fault of a flag's value in the words of the other refusals; none for errors of another kind.

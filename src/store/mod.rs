@@ -100,7 +100,7 @@ impl<M: Marker> Store<M> {
         }
         let store = Self::open(folder)?;
         check_writable(folder)?;
-        store.held_against(&recipe)
+        store.begun_alike(&recipe)
     }
 
     /// Marks a folder that is empty or not there.
@@ -114,7 +114,7 @@ impl<M: Marker> Store<M> {
         remove_stale(folder, M::FILE)?;
         // Another process may have come first, with a recipe of its own.
         if folder.join(M::FILE).exists() {
-            return Self::open(folder)?.held_against(&store.recipe);
+            return Self::open(folder)?.begun_alike(&store.recipe);
         }
         write_file(&folder.join(M::FILE), store.recipe.text()?.as_bytes())?;
         Ok(store)
@@ -137,7 +137,7 @@ impl<M: Marker> Store<M> {
         Ok(Self { folder: folder.to_owned(), recipe })
     }
 
-    fn held_against(self, recipe: &M) -> Result<Self> {
+    fn begun_alike(self, recipe: &M) -> Result<Self> {
         match self.recipe.difference(recipe) {
             None => Ok(self),
             Some(difference) => Err(wrong_use(format!(
@@ -213,6 +213,7 @@ impl<M: Marker> Store<M> {
     fn sweep(&self) -> Result<()> {
         // Who writes the store's own files may stage them in a folder of pieces.
         let _claim = self.claim_catalogue()?;
+        remove_stale(&self.folder, stem::<M>())?;
         for folder in M::FOLDERS {
             let place = self.folder.join(folder);
             for name in names(&place)?.iter().filter(|name| name.starts_with('.')) {
