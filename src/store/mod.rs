@@ -6,7 +6,7 @@
 //! interruptions change a byte.
 //!
 //! A set is a store whose pieces are made by processes of their own: [`run`] starts them ([`process`], [`limits`]) and
-//! counts ([`progress`]), [`failure`] keeps what could not be made, [`catalogue`] describes what is there, and [`check`]
+//! counts ([`progress`]), `failure` keeps what could not be made, [`catalogue`] describes what is there, and [`check`]
 //! holds it against itself.
 
 pub mod catalogue;
