@@ -100,11 +100,12 @@ fn two_searches(
         Some(alone) => alone.clone(),
         None => Suspect::quick(evidence, &first.base, lead.clone())?,
     };
-    let against = Against { base: &first.base, calibration: &first.calibration, draws: &draws, folds, spread };
+    let (own, calibration) = (first.spread, &first.calibration);
+    let against = Against { base: &first.base, calibration, draws: &draws, folds, spread: own };
     let half = Finding::new(evidence, alone, &against)?;
     let base = half.suspect.fit.clone();
     let calibration = evidence.agreement(&base.model, Split::Calibration)?;
-    let against = Against { base: &base, calibration: &calibration, ..against };
+    let against = Against { base: &base, calibration: &calibration, spread, ..against };
     let findings = joints.into_iter().map(|joint| Finding::new(evidence, joint.both, &against));
     let findings = findings.collect::<Result<Vec<_>, _>>()?;
     let half = Finding { calibration: calibration.clone(), is_admissible: true, ..half };
