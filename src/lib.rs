@@ -26,7 +26,6 @@ pub mod commands;
 pub mod console;
 pub mod covariate_maps;
 pub mod dataset;
-pub mod exr_file;
 pub mod finishing;
 pub mod grinding_page;
 pub mod images;

@@ -5,12 +5,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use png::{BitDepth, ColorType, Encoder};
-use render::{Camera, Frame, Photographer, Picture, Projection, Raster, Scene, Sensor};
+use render::{Camera, Frame, Photographer, Picture, Projection, Raster, Scene, Sensor, to_exr};
 use sdf_bake::BrickGrid;
 use serde::Serialize;
 use shaders::Device;
 
-use crate::exr_file::to_exr;
 use crate::picture::to_png;
 use files::output::FolderKind;
 
@@ -170,7 +169,7 @@ pub fn write_frame(
     (picture, buffers): (&str, Option<&str>),
 ) -> Result<Picture> {
     if let Some(name) = buffers {
-        write(&folder.join(name), &to_exr(frame)?)?;
+        write(&folder.join(name), &to_exr(frame).context("the frame cannot be written as EXR")?)?;
     }
     sensor.expose(frame);
     let shown = frame.to_srgb8();

@@ -49,8 +49,8 @@ const MAY_USE: [(&str, &[&str]); 17] = [
 ];
 /// Packages of the command line, which only the program itself may use.
 const OF_THE_PROGRAM: [&str; 3] = ["anyhow", "clap", "indicatif"];
-/// Most lines of product code in a crate. The program itself is over the 15,000 that all others keep.
-const MOST_LINES: usize = 15_500;
+/// Most lines of product code in a crate.
+const MOST_LINES: usize = 15_000;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

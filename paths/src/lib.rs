@@ -1,9 +1,12 @@
-//! Planned tool paths: along a weld, or in lines over a patch of a part's top.
+//! Planned tool paths: along a weld, in lines over a patch of a part's top, or in patterns where a pad lies flat.
 //!
 //! A plan is a list of [`Leg`]s on the surface ([`along_weld`], [`raster`]). [`Plan::timed`] adds approach and
 //! retract, gives every leg a trapezoidal speed ([`speed`]) and samples tool poses at a fixed period, as a log in
-//! the trial format: the force column then holds the setpoint, and 0 in the air.
+//! the trial format: the force column then holds the setpoint, and 0 in the air. A [`Pattern`] is the way of a pad over
+//! the [`PadPatch`] in which it lies flat, in stages of one length.
 
+mod pad_patch;
+mod pattern;
 mod raster;
 pub mod speed;
 mod timing;
@@ -14,6 +17,8 @@ use thiserror::Error;
 
 use robot::Tool;
 
+pub use pad_patch::{PadPatch, PadRest, PatchError};
+pub use pattern::{Pattern, Stroke};
 pub use raster::{LineDirection, Raster, raster};
 pub use weld::along_weld;
 

@@ -1,5 +1,5 @@
 //! Pictures of a part, rendered from its signed distance field. No mesh is extracted and no file is written: a view
-//! gives float buffers ([`Frame`]), and these an eight-bit [`Picture`] for whoever can store one.
+//! gives float buffers ([`Frame`]), and these an eight-bit [`Picture`] or the bytes of an EXR file ([`to_exr`]) for whoever can store one.
 //!
 //! The stages, in the order in which data meets them:
 //! 1. [`Camera`]: a ray for every sample of the image, bent by the lens ([`Distortion`]);
@@ -37,6 +37,7 @@ mod colour;
 mod colour_map;
 mod cubic;
 mod edges;
+mod exr_file;
 mod field;
 mod font;
 mod frame;
@@ -77,6 +78,7 @@ pub use camera::{Camera, Projection, Ray, outward};
 pub use clear_view::{clearest_direction, clearest_of};
 pub use colour::{from_srgb8, to_srgb8};
 pub use colour_map::colour_map;
+pub use exr_file::to_exr;
 pub use field::Field;
 pub use frame::{Frame, Picture, Seen};
 pub use legend::Legend;

@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::Args;
+use paths::Pattern;
 use serde::Serialize;
 
 use super::dataset::{jobs, tell};
 use super::flags::{JOBS, LIMITS, RUNS, SEEDS};
 use super::item_flags::{GIGABYTES, SECONDS};
 use super::render::parse_size;
-use super::values::{number, whole};
+use super::values::{number, one_of, whole};
 use crate::console::Console;
 use crate::images::make::Task;
-use crate::images::pattern::Pattern;
 use crate::images::workpiece::Coated;
 use crate::images::{IMAGES_FORMAT, ImageRecipe, ImageSet};
 use crate::store::Occupied;
@@ -73,7 +73,13 @@ pub(super) struct ImagesArgs {
     )]
     placements: u32,
     /// Ways of the sanding pad [default: all].
-    #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',', help_heading = CONTENTS)]
+    #[arg(
+        long,
+        value_name = "NAME,...",
+        value_delimiter = ',',
+        value_parser = one_of(&Pattern::ALL, |pattern| [pattern.name(), pattern.about()]),
+        help_heading = CONTENTS
+    )]
     patterns: Vec<Pattern>,
     /// Equal parts of each way, with an image after each.
     #[arg(

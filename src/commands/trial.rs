@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use super::flags::{OutFlags, SEEDS};
 use super::model_flags::OwnFlags;
-use super::values::whole;
+use super::values::{one_of, whole};
 use crate::console::Console;
 use crate::wrong_use;
 use virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unseal, write_into};
@@ -84,8 +84,13 @@ struct SynthArgs {
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     size: SizeFlag,
     /// What is wrong with scanner, robot or tool besides what is hidden.
-    #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
-    instrument: InstrumentFlag,
+    #[arg(
+        long,
+        default_value = FrontEnd::default().word(),
+        value_parser = one_of(&FrontEnd::ALL, |front_end| [front_end.word(), front_end.about()]),
+        help_heading = "Measurements"
+    )]
+    instrument: FrontEnd,
     /// Same seed, same bytes [default: 0; sealed: one that no one knows].
     #[arg(long, value_name = "SEED", allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: Option<u64>,
@@ -122,39 +127,6 @@ enum SizeFlag {
     /// A bead of 100 to 140 mm, a panel of 120 by 90 mm.
     #[default]
     Full,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum InstrumentFlag {
-    /// A careful laboratory.
-    #[default]
-    Clean,
-    /// More of every error: drop-outs, spikes, shifts, noise.
-    Hard,
-    /// The robot's frame is off by 0.5 mm and 2 mrad.
-    Frame,
-    /// Logged places are 80 ms older than forces.
-    Clock,
-    /// The force swings by 10 %.
-    Ripple,
-    /// Grinding marks, coatings like orange peel.
-    Texture,
-    /// The tool worked before each trial.
-    Worn,
-}
-
-impl InstrumentFlag {
-    fn front_end(self) -> FrontEnd {
-        match self {
-            Self::Clean => FrontEnd::Clean,
-            Self::Hard => FrontEnd::Hard,
-            Self::Frame => FrontEnd::Frame,
-            Self::Clock => FrontEnd::Clock,
-            Self::Ripple => FrontEnd::Ripple,
-            Self::Texture => FrontEnd::Texture,
-            Self::Worn => FrontEnd::Worn,
-        }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -212,7 +184,7 @@ impl SynthArgs {
         let choice = if self.random { Choice::Drawn } else { Choice::These(self.effect.clone()) };
         let seed = self.seed()?;
         let base = Experiment::new(process, &self.own.library()?, seed)?;
-        Ok(Experiment { plan, trials, size, choice, ..base }.behind(self.instrument.front_end()))
+        Ok(Experiment { plan, trials, size, choice, ..base }.behind(self.instrument))
     }
 
     fn seed(&self) -> Result<u64> {

@@ -1,5 +1,20 @@
 //! How the values of flags are read: one message for all that a flag does not accept.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// Reads one of the values of a library's enumeration.
+///
+/// - `known`: name and meaning of each
+pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    known: impl Fn(T) -> [&'static str; 2] + Clone + Send + Sync + 'static,
+) -> impl TypedValueParser<Value = T> {
+    let values = all.iter().map(|&value| known(value)).map(|[name, about]| PossibleValue::new(name).help(about));
+    PossibleValuesParser::new(values.collect::<Vec<_>>()).map(move |name: String| {
+        all.iter().copied().find(|&value| known(value)[0] == name).expect("other names are refused")
+    })
+}
+
 /// Reads a whole number between bounds, both included.
 pub(super) fn whole<T: TryFrom<u64>>(
     [least, most]: [u64; 2],

@@ -1,12 +1,12 @@
 //! Annotations in the form of COCO (Lin et al. 2014): a mask for each class of each image, empty ones included.
 
 use anyhow::Result;
+use export::rle::{Extent, Rle};
 use serde::Serialize;
 
 use super::IMAGES_FOLDER;
 use super::label::{SANDED, UNSANDED};
 use super::record::{ImageRecord, file_path};
-use super::rle::{Extent, Rle};
 
 /// Classes by number and name.
 pub const CATEGORIES: [(u8, &str); 2] = [(SANDED, "sanded"), (UNSANDED, "unsanded")];

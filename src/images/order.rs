@@ -74,9 +74,9 @@ mod tests {
     use std::collections::{BTreeMap, BTreeSet};
 
     use super::*;
-    use crate::images::pattern::Pattern;
     use crate::images::plan::Treatment;
     use crate::images::plan::fixture::recipe_of;
+    use paths::Pattern;
 
     /// The strata that a limit must not miss, as names.
     fn strata(image: &Planned) -> [String; 6] {

@@ -1,8 +1,8 @@
 //! Which images a set has: names, seeds, splits.
 
+use paths::Pattern;
 use serde::{Deserialize, Serialize};
 
-use super::pattern::Pattern;
 use super::recipe::ImageRecipe;
 use crate::store::number_from;
 

@@ -1,9 +1,9 @@
 //! What decides the images of a set.
 
+use paths::Pattern;
 use serde::{Deserialize, Serialize};
 
 use super::FOLDERS;
-use super::pattern::Pattern;
 use super::workpiece::Coated;
 use crate::dataset::MARKER_FILE;
 use crate::store::Marker;

@@ -17,8 +17,6 @@ use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::{Deserialize, Serialize};
 use sim::{Pass, PassSettings, PathSample, TOOL_CELLS, run_pass};
 
-use super::patch::Patch;
-use super::pattern::{Pattern, Stroke};
 use super::plan::PlannedSanding;
 use super::{FIELDS_FOLDER, ImageSet};
 use crate::asset::{FileRecord, write_json};
@@ -26,6 +24,7 @@ use crate::store::remove;
 use files::folder::StagedFolder;
 use files::json_file::read_json;
 use files::sha256;
+use paths::{PadPatch, Pattern, Stroke};
 
 /// Name of the record in a simulation's folder.
 pub const SANDING_FILE: &str = "sanding.json";
@@ -88,7 +87,7 @@ pub fn sand(
     (pattern, stages): (Pattern, u32),
     mut done: impl FnMut(&BrickGrid, StageFigures) -> Result<()>,
 ) -> Result<Setting> {
-    let patch = Patch::find(part)?;
+    let patch = PadPatch::find(part)?;
     let library = Library::builtin();
     let model = CompiledModel::new(&Model::parse("sanding", MODEL, library)?, library, RowCounts::default())?;
     let setting = Setting::of(patch.radius, &model)?;
@@ -129,7 +128,7 @@ impl Setting {
 }
 
 /// A stroke at constant feed, the pad flat on what lies under it.
-fn path(stroke: &Stroke, patch: &Patch, feed: f64) -> Result<sim::Path> {
+fn path(stroke: &Stroke, patch: &PadPatch, feed: f64) -> Result<sim::Path> {
     let mut time = 0.0;
     let mut before = None;
     let samples = stroke.iter().map(|&at| {
@@ -237,7 +236,7 @@ mod tests {
     fn a_line_leaves_its_dose_in_the_middle_and_none_beside_the_pad() {
         let mut panel = Coated::named("panel", 1.0).unwrap().field(1).unwrap();
         let phi = panel.phi.clone();
-        let patch = Patch::find(&panel).unwrap();
+        let patch = PadPatch::find(&panel).unwrap();
         let mut last = 0.0;
         let setting = sand(&mut panel, (Pattern::AlongX, 5), |part, figures| {
             let dose: f64 = part.dose.iter().map(|&dose| f64::from(dose)).sum();

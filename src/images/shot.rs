@@ -147,10 +147,10 @@ fn sensor(scene: &Scene, exposure: f64) -> Sensor {
 mod tests {
     use super::*;
     use crate::images::label::{IGNORE, SANDED, UNSANDED, counts};
-    use crate::images::pattern::Pattern;
     use crate::images::plan::Treatment;
     use crate::images::workpiece::Coated;
     use crate::images::{IMAGES_FORMAT, ImageRecipe};
+    use paths::Pattern;
 
     #[test]
     fn half_a_panel_without_coating_is_labelled_as_half() {

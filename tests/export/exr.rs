@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
+use render::to_exr;
 use render::{Frame, Seen};
-use robofin::exr_file::to_exr;
 use serde_json::Value;
 
 use crate::outside::untested;

@@ -43,6 +43,19 @@ impl FrontEnd {
         }
     }
 
+    /// What is wrong, in a few words.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Clean => "A careful laboratory",
+            Self::Hard => "More of every error: drop-outs, spikes, shifts, noise",
+            Self::Frame => "The robot's frame is off by 0.5 mm and 2 mrad",
+            Self::Clock => "Logged places are 80 ms older than forces",
+            Self::Ripple => "The force swings by 10 %",
+            Self::Texture => "Grinding marks, coatings like orange peel",
+            Self::Worn => "The tool worked before each trial",
+        }
+    }
+
     /// The scanner.
     pub fn instrument(self) -> Instrument {
         match self {

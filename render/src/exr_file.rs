@@ -2,12 +2,13 @@
 
 use std::io::Cursor;
 
-use anyhow::{Context, Result};
+use exr::error::Result;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
 };
 use glam::Vec3;
-use render::Frame;
+
+use super::frame::Frame;
 
 /// Encodes a frame: one part without a name, 32-bit float channels without loss, one value a pixel.
 ///
@@ -40,20 +41,15 @@ pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
         AnyChannels::sort(channels),
     );
     let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut file)
-        .context("the frame cannot be written as EXR")?;
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut file)?;
     Ok(file.into_inner())
 }
 
 #[cfg(test)]
 mod tests {
-    use exr::prelude::*;
-    use render::Seen;
-
     use super::*;
+    use crate::frame::Seen;
+    use exr::prelude::*;
 
     #[test]
     fn every_buffer_comes_back_bit_by_bit() {

@@ -3,10 +3,10 @@
 //! At every place of a height map a plane is fitted to what lies under the pad. The pad can stand there if almost all of
 //! it lies near the plane and nothing stands up through it, not even just beside the pad.
 
-use anyhow::{Context, Result};
 use glam::{DMat3, DVec2, DVec3, IVec2};
 use sdf_bake::{BrickGrid, PixelGrid};
 use sim::Profilometer;
+use thiserror::Error;
 
 /// Radius of the pad, as a share of the top's shorter side.
 const PAD_SHARE: f64 = 0.13;
@@ -23,9 +23,23 @@ const FREE: f64 = 1.15;
 /// Least upward component of the plane's normal.
 const LEAST_UPWARD: f64 = 0.8;
 
+/// Why a pad has no patch.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum PatchError {
+    /// The field is all inside or all outside.
+    #[error("the field holds no surface")]
+    NoSurface,
+    /// The pad can lie nowhere.
+    #[error("a pad of {:.1} mm lies flat nowhere on its top", 1e3 * radius)]
+    NowhereFlat {
+        /// Radius of the pad [m].
+        radius: f64,
+    },
+}
+
 /// A rectangle for the pad's middle, with the surface as the pad lies on it.
 #[derive(Clone, Debug)]
-pub struct Patch {
+pub struct PadPatch {
     /// Radius of the pad [m].
     pub radius: f64,
     /// Least x, y of the middle [m].
@@ -45,20 +59,20 @@ struct Plane {
 
 /// How the pad lies at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rest {
+pub struct PadRest {
     /// The middle of its face [m].
     pub contact: DVec3,
     /// Its axis, unit, out of the part.
     pub approach: DVec3,
 }
 
-impl Patch {
+impl PadPatch {
     /// Finds the patch of a part's top.
     ///
     /// # Errors
-    /// When the pad can lie nowhere.
-    pub fn find(part: &BrickGrid) -> Result<Self> {
-        let (low, high) = part.surface_bounds().context("the field holds no surface")?;
+    /// When the field has no surface, or the pad can lie nowhere on it.
+    pub fn find(part: &BrickGrid) -> Result<Self, PatchError> {
+        let (low, high) = part.surface_bounds().ok_or(PatchError::NoSurface)?;
         let radius = PAD_SHARE * (high - low).truncate().min_element();
         // Pixels on the field's own lattice lines are read without interpolation.
         let stride = (radius / PIXELS_PER_RADIUS / part.voxel).round().max(1.0);
@@ -70,8 +84,7 @@ impl Patch {
         let top = Top { pixels, heights, radius };
         let planes: Vec<Option<Plane>> = (0..pixels.len()).map(|at| top.plane(at)).collect();
         let free: Vec<bool> = planes.iter().map(Option::is_some).collect();
-        let (from, to) = largest_rectangle(&free, pixels.nx)
-            .with_context(|| format!("a pad of {:.1} mm lies flat nowhere on its top", 1e3 * radius))?;
+        let (from, to) = largest_rectangle(&free, pixels.nx).ok_or(PatchError::NowhereFlat { radius })?;
         let place = |at: IVec2| pixels.position(at.x as usize, at.y as usize);
         Ok(Self { radius, low: place(from), high: place(to), pixels, planes })
     }
@@ -85,7 +98,7 @@ impl Patch {
     }
 
     /// How the pad lies with its middle at a place in the patch [m]; beyond it, as at its border.
-    pub fn rest(&self, at: DVec2) -> Rest {
+    pub fn rest(&self, at: DVec2) -> PadRest {
         let cell = (at.clamp(self.low, self.high) - self.pixels.origin) / self.pixels.pitch;
         let corner = cell.floor().min(DVec2::new(self.pixels.nx as f64, self.pixels.ny as f64) - 2.0);
         let share = cell - corner;
@@ -101,7 +114,7 @@ impl Patch {
             }
         }
         let (height, slope) = (height / weight, slope / weight);
-        Rest { contact: at.extend(height), approach: (-slope).extend(1.0).normalize() }
+        PadRest { contact: at.extend(height), approach: (-slope).extend(1.0).normalize() }
     }
 }
 
@@ -211,7 +224,7 @@ mod tests {
         };
         let part =
             BrickGrid::from_distance(DVec3::new(-0.05, -0.04, -0.02), DVec3::new(0.05, 0.04, 0.031), 1e-3, 3.0, plate);
-        let patch = Patch::find(&part).unwrap();
+        let patch = PadPatch::find(&part).unwrap();
         let radius = patch.radius;
         assert!((radius - PAD_SHARE * 0.08).abs() < 5e-4, "{radius}");
         assert!(patch.low.x > -0.04 + radius && patch.low.x < -0.04 + 1.4 * radius, "{patch:?}", patch = patch.low);
@@ -227,7 +240,7 @@ mod tests {
         let roof = |p: DVec3| (0.75f64.sqrt() * p.y.abs() + 0.5 * p.z - 0.01).max(-p.z).max(p.x.abs() - 0.02);
         let (low, high) = (DVec3::new(-0.02, -0.012, 0.0), DVec3::new(0.02, 0.012, 0.02));
         let roof = BrickGrid::from_distance(low, high, 2.5e-4, 3.0, roof);
-        let found = Patch::find(&roof).map(|patch| (patch.low, patch.high));
+        let found = PadPatch::find(&roof).map(|patch| (patch.low, patch.high));
         assert!(found.as_ref().is_err_and(|error| error.to_string().contains("lies flat nowhere")), "{found:?}");
     }
 }

@@ -3,7 +3,7 @@
 use glam::{DVec2, Vec2Swizzles};
 use serde::{Deserialize, Serialize};
 
-use super::patch::Patch;
+use super::pad_patch::PadPatch;
 
 /// Distance between neighbouring lines, at most [pad radii]: they overlap.
 const SPACING: f64 = 1.5;
@@ -15,7 +15,7 @@ const SPOT: f64 = 0.25;
 const STEP: f64 = 0.1;
 
 /// A way of the pad.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pattern {
     /// Lines along x, to and fro.
@@ -51,8 +51,20 @@ impl Pattern {
         }
     }
 
-    /// The way over a patch.
-    pub fn strokes(self, patch: &Patch) -> Vec<Stroke> {
+    /// What it is, in a few words.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::AlongX => "Lines along x, to and fro",
+            Self::AlongY => "Lines along y, to and fro",
+            Self::Diagonal => "Lines under 45°, to and fro",
+            Self::Spiral => "Round and round, from the border to the middle",
+            Self::Frame => "Once along the border",
+            Self::Spots => "Small circles on spots apart from each other",
+        }
+    }
+
+    /// The way over a patch [m].
+    pub fn strokes(self, patch: &PadPatch) -> Vec<Stroke> {
         let (low, size, radius) = (patch.low, patch.high - patch.low, patch.radius);
         let placed = |points: Vec<DVec2>| points.into_iter().map(|at| low + at).collect::<Stroke>();
         let strokes = match self {
@@ -67,7 +79,7 @@ impl Pattern {
     }
 
     /// The way in `stages` parts of one length each.
-    pub fn stages(self, patch: &Patch, stages: u32) -> Vec<Vec<Stroke>> {
+    pub fn stages(self, patch: &PadPatch, stages: u32) -> Vec<Vec<Stroke>> {
         let strokes = self.strokes(patch);
         let whole: f64 = strokes.iter().map(|stroke| length(stroke)).sum();
         let cut = |stage: u32| whole * f64::from(stage) / f64::from(stages);
@@ -170,8 +182,8 @@ fn between(strokes: &[Stroke], from: f64, to: f64) -> Vec<Stroke> {
 mod tests {
     use super::*;
 
-    fn patch() -> Patch {
-        Patch::rectangle(DVec2::new(0.01, -0.02), DVec2::new(0.07, 0.02), 0.01)
+    fn patch() -> PadPatch {
+        PadPatch::rectangle(DVec2::new(0.01, -0.02), DVec2::new(0.07, 0.02), 0.01)
     }
 
     #[test]
