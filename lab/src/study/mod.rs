@@ -15,6 +15,7 @@ mod report_from_diagnosis;
 mod residual_tests;
 mod row_covariates;
 mod scan_data;
+mod scan_figures;
 mod shapley;
 mod simulated;
 mod study_state;
@@ -24,7 +25,7 @@ mod unit_text;
 mod waterfall;
 
 pub use calibrated::{CalibrationReport, calibration_report};
-pub use comparison::{Asked, Comparison, ScanFigures, SectionFigures, compare_rows, compare_scans};
+pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
 pub use conclusion::{suggestion, summary};
 pub use data::{
     Compared, Correlations, Detectable, Digest, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport,
@@ -40,5 +41,6 @@ pub use scan_data::{
     Bin, ComparedPass, CovariatePlot, Direction, ExposureMaps, HeightMaps, Maps, Misfit, PassVolume, ScanComparison,
     ScanSection, Waterfall, WaterfallStep,
 };
+pub use scan_figures::{ScanFigures, SectionFigures};
 pub use study_state::StudyState;
 pub use unit_text::{superscript, with_raised_powers};

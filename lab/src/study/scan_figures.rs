@@ -1,0 +1,103 @@
+//! One scan in numbers: error, volume, plateau, exposed area, sections.
+
+use serde::Serialize;
+
+use super::maps::{name, pass_volume, role};
+use super::simulated::Simulated;
+use super::track::{Ground, exposure, line_of};
+use crate::study::Direction;
+use crate::{ScanData, ScanEvidence, ScanView};
+use trials::measure::Plateau;
+use trials::trial::Role;
+
+/// A section in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct SectionFigures {
+    /// Where, such as `x = 20 mm`.
+    pub place: String,
+    /// Root mean square of measured minus simulated along it [µm].
+    pub rms_um: f64,
+    /// Mean of measured minus simulated over its plateau [µm]; absent where the section has none.
+    pub plateau_height_error_um: Option<f64>,
+}
+
+/// One scan in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct ScanFigures {
+    /// Trial and pass.
+    pub pass: String,
+    /// What it may be used for.
+    pub role: Role,
+    /// Root mean square near the tool [µm]; when sanding, the mean distance of the borders.
+    pub rms_um: f64,
+    /// What noise alone would leave [µm].
+    pub noise_floor_um: f64,
+    /// Volume that the pass removed: measured, its standard uncertainty, simulated [mm³]; absent when sanding.
+    pub volume_mm3: Option<[f64; 3]>,
+    /// Mean of measured minus simulated height of the plateau, and its standard uncertainty [µm].
+    pub plateau_height_error_um: Option<[f64; 2]>,
+    /// Slope of the plateau across the path: measured, its standard uncertainty, simulated [mrad].
+    pub plateau_slope_mrad: Option<[f64; 3]>,
+    /// Exposed area, measured and simulated [mm²]; when sanding.
+    pub exposed_mm2: Option<[f64; 2]>,
+    /// Intersection over union of the exposed area.
+    pub intersection_over_union: Option<f64>,
+    /// Sections that were asked for.
+    pub sections: Vec<SectionFigures>,
+}
+
+/// A section in numbers.
+fn section(ground: &Ground, plateau: &Plateau, line: Direction) -> SectionFigures {
+    let pixels = line_of(ground.seen.pixels, line);
+    let left: Vec<f64> = pixels.iter().map(|&at| ground.left[at]).filter(|left| left.is_finite()).collect();
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+    let squares: Vec<f64> = left.iter().map(|left| left * left).collect();
+    let flat: Vec<f64> =
+        pixels.iter().filter(|&&at| plateau.holds(at)).map(|&at| ground.left[at]).filter(|l| l.is_finite()).collect();
+    let place = match line {
+        Direction::Across(x) => format!("x = {} mm", x * 1e3),
+        Direction::Along(y) => format!("y = {} mm", y * 1e3),
+        Direction::AlongCrest => "along the crest".to_owned(),
+    };
+    SectionFigures {
+        place,
+        rms_um: 1e6 * mean(&squares).sqrt(),
+        plateau_height_error_um: (!flat.is_empty()).then(|| 1e6 * mean(&flat)),
+    }
+}
+
+/// A scan in numbers.
+///
+/// - `lines`: sections that were asked for
+pub(super) fn figures(
+    evidence: &ScanEvidence,
+    view: &ScanView,
+    simulated: &Simulated,
+    lines: &[Direction],
+) -> ScanFigures {
+    let trial = evidence.simulation.trials[view.trial].trial;
+    let (before, noise) = (&trial.scans.before, evidence.noise[view.trial].rms);
+    let ground = Ground::new(evidence, view, simulated);
+    let plateau = ground.as_ref().map(|ground| ground.plateau(before, &trial.passes[view.pass], noise));
+    let on_plateau = ground.as_ref().zip(plateau.as_ref()).and_then(|(ground, plateau)| ground.figures(plateau));
+    let volume = pass_volume(evidence, view, &|view| Ground::new(evidence, view, simulated));
+    let exposed = exposure(view, simulated);
+    let [rms, floor] = match (&view.data, &ground) {
+        (ScanData::Heights(data), Some(ground)) => [ground.rms(), data.agreement(&ground.seen, before, noise)[1]],
+        (ScanData::Exposure(data), _) => [data.border_distance(&simulated.margin(view)), data.border_floor()],
+        (ScanData::Heights(_), None) => unreachable!("a simulated scan is like the real one"),
+    };
+    let section = |line: &Direction| Some(section(ground.as_ref()?, plateau.as_ref()?, *line));
+    ScanFigures {
+        pass: name(evidence, view),
+        role: role(view),
+        rms_um: 1e6 * rms,
+        noise_floor_um: 1e6 * floor,
+        volume_mm3: volume.map(|v| [v.measured, v.uncertainty, v.simulated].map(|volume| 1e9 * volume)),
+        plateau_height_error_um: on_plateau.map(|p| [p.height_error, p.height_uncertainty].map(|height| 1e6 * height)),
+        plateau_slope_mrad: on_plateau.map(|p| [p.slopes[0], p.slope_uncertainty, p.slopes[1]].map(|s| 1e3 * s)),
+        exposed_mm2: exposed.map(|exposed| exposed.areas.map(|area| 1e6 * area)),
+        intersection_over_union: exposed.map(|exposed| exposed.overlap),
+        sections: lines.iter().filter_map(section).collect(),
+    }
+}
