@@ -6,7 +6,7 @@ use glam::{DVec3, IVec3};
 
 use super::cell::edge_ends;
 use super::cells::{corner_values, level};
-use super::place::{Site, Vertex};
+use super::place::{Site, Vertex, onto_zero};
 use crate::grid::{BrickGrid, cell_corner, trilinear};
 use crate::halo::Halo;
 use crate::tangent::Tangent;
@@ -80,13 +80,23 @@ impl Around<'_> {
         tangents.extend((0..8).filter(|i| ends >> i & 1 != 0).filter_map(|i| self.tangent(cell_corner(i))));
         let all_clear = tangents.len() == ends.count_ones() as usize;
         let wider = || self.wider();
-        let above = |phi: f32| f64::from(phi - self.known.level) / self.known.grid.voxel;
-        let phi = corner_values(&self.known.halo, self.low).map(above);
+        let phi = self.heights_at_corners();
         let height = |at: DVec3| self.height(at);
         let centre = middle(&phi, edges);
         let inset = self.known.inset;
         let wider: Option<&dyn Fn() -> Vec<Tangent>> = if all_clear { None } else { Some(&wider) };
         Site { tangents, centre, phi, inset, height: &height, is_crossed: &is_crossed, wider }.vertex()
+    }
+
+    /// The point on φ = 0 next to a place in the cell [voxels from its lowest corner].
+    pub(super) fn onto_zero(&self, at: DVec3) -> DVec3 {
+        onto_zero(at, &self.heights_at_corners(), self.known.inset, |at| self.height(at))
+    }
+
+    /// φ at the cell's corners over the level below which they are inside [voxels].
+    fn heights_at_corners(&self) -> [f64; 8] {
+        let above = |phi: f32| f64::from(phi - self.known.level) / self.known.grid.voxel;
+        corner_values(&self.known.halo, self.low).map(above)
     }
 
     /// φ [voxels] at a place near the cell [voxels from its lowest corner], trilinear.

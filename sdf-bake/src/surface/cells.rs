@@ -231,14 +231,15 @@ fn cell_vertices(brick: &Brick, cell: &Cell, known: &Known, vertices: &mut Vec<C
     let low = voxel_at(IVec3::ZERO, usize::from(cell.offset));
     let voxel = brick.voxel(cell);
     let edges_of = |piece: u8| (0..12).filter(move |&edge| cell.pieces[edge] == piece);
+    let around = Around { known, low };
     let first = vertices.len();
     for piece in 0..cell.piece_count {
-        let vertex = Around { known, low }.vertex(edges_of(piece));
+        let vertex = around.vertex(edges_of(piece));
         let at = voxel.as_dvec3() + vertex.at;
         vertices.push(Corner { at, shape: vertex.shape, cell: voxel, home: vertex.home.as_vec3() });
     }
     if cell.piece_count > 1 {
         let middles: Vec<DVec3> = (0..cell.piece_count).map(|piece| middle_of_edges(edges_of(piece))).collect();
-        keep_apart(&mut vertices[first..], &middles, known.inset);
+        keep_apart(&mut vertices[first..], &middles, &around);
     }
 }

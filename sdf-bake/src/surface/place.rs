@@ -91,7 +91,7 @@ impl Site<'_> {
         let within = |at: DVec3| at.clamp(DVec3::splat(self.inset), DVec3::splat(1.0 - self.inset));
         let near = within(at);
         if (near - at).abs().max_element() <= self.inset {
-            return near;
+            return within(self.near_field(near));
         }
         let off = |at: DVec3| {
             let heights = self.tangents.iter().map(|t| t.normal.dot(at - t.foot));
@@ -151,22 +151,9 @@ impl Site<'_> {
         self.near_field(best.unwrap_or(on_face))
     }
 
-    /// A point of the cell, or where the field is farther from 0 there than on an edge, one on φ = 0 on the way to the
-    /// nearest corner on the other side.
+    /// A point of the cell, or where the field is farther from 0 there than on an edge, one on φ = 0.
     fn near_field(&self, at: DVec3) -> DVec3 {
-        if (self.height)(at).abs() <= OFF_EDGE {
-            return at;
-        }
-        let is_inside_at = |at: DVec3| (self.height)(at) < -self.inset;
-        let is_inside = is_inside_at(at);
-        let beyond = (0..8).filter(|&i| (self.phi[i] < 0.0) != is_inside).map(|i| cell_corner(i).as_dvec3());
-        let nearest = beyond.min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
-        let (mut near, mut far) = (at, nearest.expect("a crossed cell has corners on both sides"));
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (near + far);
-            if is_inside_at(middle) == is_inside { near = middle } else { far = middle }
-        }
-        near
+        if (self.height)(at).abs() <= OFF_EDGE { at } else { onto_zero(at, &self.phi, self.inset, self.height) }
     }
 
     /// The vertex where the planes meet, if that is no farther outside the cell than `margin` or not another cell's to show.
@@ -190,6 +177,21 @@ impl Site<'_> {
         }
         if outer <= inner { Shape::Outer } else { Shape::Inner }
     }
+}
+
+/// The point on φ = 0 on the way from a point of a cell to the nearest corner on the other side; `phi` at the corners,
+/// `inset` and `height` as in [`Site`].
+pub(super) fn onto_zero(at: DVec3, phi: &[f64; 8], inset: f64, height: impl Fn(DVec3) -> f64) -> DVec3 {
+    let is_inside_at = |at: DVec3| height(at) < -inset;
+    let is_inside = is_inside_at(at);
+    let beyond = (0..8).filter(|&i| (phi[i] < 0.0) != is_inside).map(|i| cell_corner(i).as_dvec3());
+    let nearest = beyond.min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
+    let (mut near, mut far) = (at, nearest.expect("a crossed cell has corners on both sides"));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (near + far);
+        if is_inside_at(middle) == is_inside { near = middle } else { far = middle }
+    }
+    near
 }
 
 /// Drops the planes that do not go through the point where the others meet, the farthest first; whether half of them

@@ -12,6 +12,7 @@ use std::collections::HashMap;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
+use super::around::Around;
 use super::cells::{CellMap, Corner};
 use super::triangles::{Quad, Split};
 use crate::grid::{BRICK_SIDE, BrickGrid, cell_corner};
@@ -145,28 +146,29 @@ impl Settling<'_> {
     }
 }
 
-/// Moves the homes of a cell's vertices towards the middles of their pieces until they are apart; `middles` are in voxels
-/// from the cell's lowest corner.
-pub(super) fn keep_apart(vertices: &mut [Corner], middles: &[DVec3], inset: f64) {
+/// Moves the homes of a cell's vertices apart where two are in one place: onto φ = 0, and from there towards the middles
+/// of their pieces, no farther than they must. Middles of two pieces are at least 0.3 voxels apart, so that two homes go
+/// less than 2 insets / 0.3 of that way.
+pub(super) fn keep_apart(vertices: &mut [Corner], middles: &[DVec3], around: &Around) {
+    let inset = around.known.inset;
     let are_apart = |homes: &[DVec3]| {
         (0..homes.len()).all(|i| homes[..i].iter().all(|home| (*home - homes[i]).abs().max_element() >= inset))
     };
-    let first: Vec<DVec3> = vertices.iter().map(|vertex| vertex.home.as_dvec3()).collect();
-    for step in 0..=STEPS_TO_MIDDLE {
-        let share = f64::from(step) / f64::from(STEPS_TO_MIDDLE);
-        let homes: Vec<DVec3> = first.iter().zip(middles).map(|(home, middle)| home.lerp(*middle, share)).collect();
-        if !are_apart(&homes) {
-            continue;
-        }
-        for (vertex, home) in vertices.iter_mut().zip(homes).filter(|_| step > 0) {
-            vertex.home = home.as_vec3();
-            if vertex.away() <= -0.5 * inset {
-                vertex.at = vertex.at_home();
-            }
-        }
+    let homes: Vec<DVec3> = vertices.iter().map(|vertex| vertex.home.as_dvec3()).collect();
+    if are_apart(&homes) {
         return;
     }
+    let within = |at: DVec3| at.clamp(DVec3::splat(inset), DVec3::splat(1.0 - inset));
+    let on_zero: Vec<DVec3> = homes.iter().map(|&home| within(around.onto_zero(home))).collect();
+    let towards =
+        |share: f64| on_zero.iter().zip(middles).map(move |(home, middle)| home.lerp(*middle, share)).collect();
+    let steps = (1.0 / inset).ceil() as u32;
+    let shares = (0..=steps).map(|step| f64::from(step) / f64::from(steps));
+    let apart = shares.map(towards).find(|homes: &Vec<DVec3>| are_apart(homes)).expect("middles of pieces are apart");
+    for (vertex, home) in vertices.iter_mut().zip(apart) {
+        vertex.home = home.as_vec3();
+        if vertex.away() <= -0.5 * inset {
+            vertex.at = vertex.at_home();
+        }
+    }
 }
-
-/// Steps in which a vertex goes to the middle of its piece.
-const STEPS_TO_MIDDLE: u32 = 16;
