@@ -60,15 +60,18 @@ fn of_values(program: &Command, words: &[OsString]) -> Vec<String> {
             continue;
         };
         let (name, value) = flag.split_once('=').map_or((flag, None), |(name, value)| (name, Some(value.to_owned())));
-        if !verb.get_opts().chain(program.get_opts()).any(|known| known.get_long() == Some(name)) {
+        let Some(known) = verb.get_opts().chain(program.get_opts()).find(|known| known.get_long() == Some(name)) else {
             continue;
-        }
+        };
         let value = value.or_else(|| words.next_if(|next| !next.starts_with("--")).map(Into::into));
         // A flag whose value is missing is no fault of a value.
         let Some(value) = value else { continue };
-        let alone = verbs.iter().map(|&verb| verb.to_owned()).chain([format!("--{name}={value}")]);
-        let parsed = program.clone().try_get_matches_from(alone);
-        faults.extend(parsed.err().and_then(|error| of_value(name, &error)));
+        let listed: Vec<&str> = known.get_value_delimiter().map_or(vec![&*value], |comma| value.split(comma).collect());
+        for value in listed {
+            let alone = verbs.iter().map(|&verb| verb.to_owned()).chain([format!("--{name}={value}")]);
+            let parsed = program.clone().try_get_matches_from(alone);
+            faults.extend(parsed.err().and_then(|error| of_value(name, &error)));
+        }
     }
     faults
 }

@@ -320,6 +320,8 @@ fn what_is_wrong_beside_the_values_is_told_with_them() {
         .is_refused_for_all(&[&["--voxel-mm"], &["--frobnicate"]]);
     run(&mut robofin(["press", "part.obj", "--tool", "pad:radius=0mm"]))
         .is_refused_for_all(&[&["--tool"], &["required"]]);
+    run(&mut robofin(["bench", "diagnose", "--out", "o", "--families", "X,N,Y"]))
+        .is_refused_for_all(&[&["--families X"], &["--families Y"]]);
     // What follows `--` is no flag.
     run(&mut robofin(["bake", "--band", "1", "--out", "o", "--", "--resolution=1"])).is_refused_for_all(&[&["--band"]]);
 }
