@@ -32,7 +32,7 @@ impl LoggedPass {
         let row = row_period(&poses);
         let taken_over = (handed_over(&poses, pass.force_setpoint) + ends.taken_over * row).max(0.0);
         let contact = contact(&poses);
-        let end = lifted_off(&poses, contact, ends.lifted * row).filter(|end| end.time > contact.end);
+        let end = lifted_off(&poses, contact, (ends.lifted, row)).filter(|end| end.time > contact.end);
         Self { poses, taken_over, end }
     }
 
@@ -98,16 +98,68 @@ fn come_down(logged: &ToolPath, time: f64) -> DVec3 {
     }
 }
 
-/// The pose in which the tool was lifted off, between the last row in contact and the first off the part: the line on which
-/// it rose begins there. `None` where a log ends in contact or shows no rise.
+/// The pose in which the tool was lifted off, after the last row in contact: where the line begins on which the rows after it
+/// rise, or else in the middle between two rows. `None` where no two rows are in contact.
 ///
-/// - `later`: by how much it rose later than on that line [s]
-fn lifted_off(logged: &ToolPath, contact: Contact, later: f64) -> Option<ToolPose> {
+/// - `later`: by how many rows it was lifted later than that, and the time between two rows [s]
+fn lifted_off(logged: &ToolPath, contact: Contact, (later, row): (f64, f64)) -> Option<ToolPose> {
     let off = logged.poses.partition_point(|pose| pose.time <= contact.end);
-    let [before, last, off, after] = logged.poses.get(off.checked_sub(2)?..off + 2)? else { return None };
+    let [before, last] = logged.poses.get(off.checked_sub(2)?..off)? else { return None };
     let along = (last.centre - before.centre) / (last.time - before.time);
+    let rise = match logged.poses.get(off..off + 2) {
+        Some([off, after]) => rise_began(last, [off, after]),
+        _ => None,
+    };
+    let time = rise.unwrap_or(last.time + 0.5 * row) + later * row;
+    Some(ToolPose { time, centre: last.centre + along * (time - last.time), ..*last })
+}
+
+/// When a tool began to rise [s], between the last row in contact and the first off the part; `None` if it did not.
+fn rise_began(last: &ToolPose, [off, after]: [&ToolPose; 2]) -> Option<f64> {
     let speed = (after.centre - off.centre).dot(last.approach) / (after.time - off.time);
     let rise = (off.centre - last.centre).dot(last.approach);
-    let time = later + (speed > 0.0).then(|| (off.time - rise / speed).clamp(last.time, off.time))?;
-    Some(ToolPose { time, centre: last.centre + along * (time - last.time), ..*last })
+    (speed > 0.0).then(|| (off.time - rise / speed).clamp(last.time, off.time))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tool that is fed along x at 10 mm/s, a row each 10 ms, and pressed on in the first `pressed` rows; then it rises at
+    /// 5 mm/s from `lifted` [s] on.
+    fn logged(rows: usize, pressed: usize, lifted: f64) -> LoggedPass {
+        let pose = |i: usize| {
+            let time = 0.01 * i as f64;
+            let height = 0.05 + 0.005 * f64::max(time - lifted, 0.0);
+            ToolPose {
+                time,
+                centre: DVec3::new(0.01 * time, 0.0, height),
+                approach: DVec3::Z,
+                axis: DVec3::Y,
+                force: if i < pressed { 10.0 } else { 0.0 },
+                spindle_speed: 600.0,
+            }
+        };
+        let contact = Contact { start: 0.0, end: 0.01 * (pressed - 1) as f64 };
+        let poses = (0..rows).map(pose).collect();
+        let poses = ToolPath { poses, contact: Some(contact), feed: 0.01, jumps: Vec::new() };
+        let end = lifted_off(&poses, contact, (0.0, row_period(&poses)));
+        LoggedPass { poses, taken_over: 0.0, end }
+    }
+
+    #[test]
+    fn a_pass_ends_where_the_line_begins_on_which_the_tool_rose() {
+        let end = logged(20, 12, 0.1137).end.unwrap();
+        assert!((end.time - 0.1137).abs() < 1e-12, "{end:?}");
+        assert!(end.centre.distance(DVec3::new(0.001_137, 0.0, 0.05)) < 1e-12, "{end:?}");
+    }
+
+    #[test]
+    fn a_pass_whose_log_ends_in_contact_ends_half_a_row_later() {
+        for rows in [12, 13] {
+            let end = logged(rows, 12, f64::INFINITY).end.unwrap();
+            assert!((end.time - 0.115).abs() < 1e-12, "{end:?}");
+            assert!(end.centre.distance(DVec3::new(0.001_15, 0.0, 0.05)) < 1e-12, "{end:?}");
+        }
+    }
 }
