@@ -59,17 +59,17 @@ impl Default for Plan {
     }
 }
 
-/// What grinds a weld.
+/// Wheel, passes and model for grinding a weld.
 pub struct Grinding {
     /// The wheel.
     pub wheel: Wheel,
     /// The passes.
     pub plan: Plan,
-    /// What the wheel does to the part.
+    /// Laws and effects of the grinding.
     pub model: CompiledModel,
 }
 
-/// Who runs passes, and who is told of them.
+/// Backend that runs passes, and the console to which it reports.
 #[derive(Clone, Copy)]
 pub struct Executor<'a> {
     /// The graphics processor; `None` for the CPU.
@@ -90,7 +90,7 @@ pub struct Ground {
     pub wheel: Wheel,
     /// The passes.
     pub plan: Plan,
-    /// What the wheel does to the part.
+    /// Laws and effects of the grinding.
     pub model: CompiledModel,
     /// The workpiece as welded.
     pub before: BrickGrid,

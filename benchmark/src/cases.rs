@@ -40,9 +40,9 @@ impl Family {
 pub struct Design {
     /// Grinding or sanding.
     pub process: Process,
-    /// How the passes differ.
+    /// Plan of the passes: what differs between them.
     pub plan: Plan,
-    /// How the measurements are taken.
+    /// Front end: errors of scanner, robot and tool besides the hidden effects.
     pub front: FrontEnd,
     /// Of workpieces, base law, noise and path.
     pub seed: u64,
@@ -67,7 +67,7 @@ pub struct Case {
     pub design: Design,
     /// Names of the hidden effects.
     pub hidden: Vec<String>,
-    /// How large they are over the visible size.
+    /// Size of the hidden effects over the visible size [1].
     pub rung: f64,
 }
 
@@ -77,7 +77,7 @@ impl Case {
         format!("{:?}{:02}", self.family, self.number)
     }
 
-    /// Whether the study must do without the hidden effect in its library.
+    /// True if the hidden effects are removed from the study's library.
     pub fn is_left_out(&self) -> bool {
         self.family == Family::L
     }
@@ -109,12 +109,12 @@ const PAIRS: [(Process, [&str; 2]); 6] = [
     (Process::Sanding, ["tool-tilt", "pad-loading"]),
     (Process::Grinding, ["entry-overshoot", "tool-tilt"]),
 ];
-/// What is hidden in two equal passes.
+/// Effects hidden in the cases of two equal passes, in turn.
 const EQUAL_PASSES: [&str; 4] = ["pressure-exponent", "break-in", "surface-layer", "tool-tilt"];
 /// Front ends that are not clean.
 const FRONTS: [FrontEnd; 6] =
     [FrontEnd::Frame, FrontEnd::Clock, FrontEnd::Ripple, FrontEnd::Texture, FrontEnd::Worn, FrontEnd::Hard];
-/// What is hidden behind them.
+/// Process and hidden effect of the cases with these front ends; `None` hides nothing.
 const BEHIND: [(Process, Option<&str>); 6] = [
     (Process::Grinding, None),
     (Process::Grinding, Some("grit-dulling")),
@@ -123,7 +123,7 @@ const BEHIND: [(Process, Option<&str>); 6] = [
     (Process::Sanding, Some("pad-loading")),
     (Process::Grinding, Some("speed-exponent")),
 ];
-/// What is hidden behind a worn tool: what it remembers.
+/// Process and hidden effect of the cases with a worn tool: effects of its history; `None` hides nothing.
 const BEHIND_WORN: [(Process, Option<&str>); 6] = [
     (Process::Grinding, Some("grit-dulling")),
     (Process::Sanding, Some("pad-loading")),
@@ -142,7 +142,7 @@ pub const POWER: [(Process, &str); 5] = [
 ];
 /// An effect of the library that describes each pass for itself and explains none.
 const NO_CAUSE: &str = "pass-gain";
-/// What every fit leaves free, or what is no cause by itself.
+/// Effects that no single-effect case hides: those that every fit leaves free, and [`NO_CAUSE`].
 const UNFIT: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", NO_CAUSE];
 /// Way from one effect to the next in the list: a prime, so that a round meets all of them.
 const STRIDE: usize = 7;
@@ -153,7 +153,7 @@ pub fn cases(families: &[Family], count: usize, seed: u64, library: &Library) ->
     families.iter().flat_map(family).collect()
 }
 
-/// What a case hides, the process and plan, the front end and the rung.
+/// Hidden effects, design and size of a case, before it gets family, number and seed.
 struct Draft<'a> {
     hidden: Vec<&'a str>,
     process: Process,

@@ -1,4 +1,4 @@
-//! How often 95 % intervals hold the truth.
+//! Coverage: the share of 95 % intervals that contain the true value.
 
 use std::collections::BTreeMap;
 
@@ -9,18 +9,18 @@ use virtual_lab::{Answer, Quantity};
 use super::rate::Rate;
 use lab::ParameterSummary;
 
-/// A parameter of a final model, beside the truth.
+/// A parameter of a final model, beside its true value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// `law.parameter` or `effect.parameter`.
     pub name: String,
-    /// Whether it is of the base law.
+    /// True if the parameter belongs to the base law.
     pub is_base: bool,
-    /// The truth in the parameter's unit.
+    /// True value, in the parameter's unit.
     pub truth: f64,
-    /// What was found.
+    /// Fitted value, in the parameter's unit.
     pub value: f64,
-    /// Its interval of 95 %; none where the data do not tell.
+    /// Ends of its 95 % interval; none where the data do not determine the parameter.
     pub ends: Option<[f64; 2]>,
 }
 
@@ -45,7 +45,7 @@ impl Interval {
         parameters.iter().filter_map(interval).collect()
     }
 
-    /// Whether it holds the truth; none where there is no interval.
+    /// True if the interval contains the true value; none without an interval.
     pub fn holds(&self) -> Option<bool> {
         self.ends.map(|[low, high]| (low..=high).contains(&self.truth))
     }
@@ -56,9 +56,9 @@ impl Interval {
 pub struct Coverage {
     /// The parameter; `effects` for those of the effects that were named and are there.
     pub name: String,
-    /// Intervals that hold the truth.
+    /// Share of the intervals that contain the true value.
     pub held: Rate,
-    /// Cases in which the data do not tell, without an interval.
+    /// Number of fitted values without an interval: the data do not determine them.
     pub without: usize,
     /// Median of the value over the truth; of parameters of the base law alone.
     pub ratio: Option<f64>,

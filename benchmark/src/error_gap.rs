@@ -1,4 +1,4 @@
-//! How much of the error of held-out passes a study explains, of all that could be explained.
+//! Share of the explainable error of held-out passes that a study explains.
 
 use serde::{Deserialize, Serialize};
 use trials::measure::median;
@@ -13,7 +13,7 @@ pub struct Errors {
     pub base: Option<f64>,
     /// Of the final model.
     pub found: Option<f64>,
-    /// What noise alone would leave.
+    /// Noise floor: the error that a perfect model would leave.
     pub floor: Option<f64>,
 }
 

@@ -15,15 +15,15 @@ const LEAST_STATED: f64 = 0.01;
 /// Probabilities that a first search states.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
-    /// Of each effect that was weighed.
+    /// Name and probability of each effect that was weighed.
     pub effects: Vec<(String, f64)>,
-    /// That it is none of the library.
+    /// Probability that the cause is no effect of the library.
     pub none: f64,
 }
 
 impl Forecast {
-    /// From a diagnosis as `diagnose --json` tells it. Where it does not state the probability of none, that is what the effects
-    /// leave.
+    /// Reads the answer of `diagnose --json`. Where it states no probability of none, that is 1 minus the sum over the
+    /// effects.
     pub fn of(diagnosis: &Value) -> Self {
         let suspects = diagnosis["suspects"].as_array().map_or(&[][..], Vec::as_slice);
         let first = suspects.iter().filter(|suspect| suspect["search"].as_u64().unwrap_or(1) == 1);
@@ -71,11 +71,11 @@ pub struct Bin {
     pub range: [f64; 2],
     /// Mean of the stated ones.
     pub stated: f64,
-    /// How many of them are true.
+    /// Share of these statements that are true.
     pub is_true: Rate,
 }
 
-/// Whether probabilities can be relied on.
+/// Agreement of stated probabilities with the share of statements that are true.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reliability {
     /// Ten bins of equal width; those without a statement are left out.

@@ -1,5 +1,5 @@
-//! How often a study is right: campaigns of the virtual laboratory with known answers, studied with the default settings
-//! and judged.
+//! Benchmark of the study: campaigns of the virtual laboratory with known answers are studied with default settings,
+//! and the answers are judged.
 //!
 //! 1. [`cases`] lists what is hidden, family by family; [`rung`] gives its size, a share of the visible one, whatever the
 //!    study calls detectable; [`sample`] takes a part of the list.

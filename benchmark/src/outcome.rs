@@ -41,15 +41,15 @@ pub struct Outcome {
     pub case: Case,
     /// What was hidden, with its values.
     pub truth: Vec<HiddenEffect>,
-    /// Why the study refused the measurements or failed; absent where it ended.
+    /// Error with which the study refused the measurements or failed; absent if it ran to its end.
     pub refused: Option<String>,
-    /// What the study said.
+    /// Verdict, named effects and hint of the study.
     pub said: Said,
-    /// What that is worth.
+    /// Judgement of this answer, by what is hidden.
     pub judgement: Judgement,
     /// Probabilities of its first search.
     pub forecast: Forecast,
-    /// What residual regression says.
+    /// Answer of residual regression, a baseline, from the same measurements.
     pub regression: Said,
     /// Parameters of the final model beside the truth.
     pub intervals: Vec<Interval>,
@@ -98,7 +98,7 @@ fn in_full(error: &dyn std::error::Error) -> String {
     causes.fold(error.to_string(), |text, cause| if text.contains(&cause[2..]) { text } else { text + &cause })
 }
 
-/// What a study gave.
+/// Results of a study, before they are judged.
 #[derive(Default)]
 struct Studied {
     said: Said,

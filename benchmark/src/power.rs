@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Shares of the cases that are asked for.
 const POWERS: [f64; 2] = [0.5, 0.9];
-/// Fewest cases from which a size is told.
+/// Least number of cases for which a size is reported.
 const LEAST_CASES: usize = 4;
 
 /// From which size on an effect is named.

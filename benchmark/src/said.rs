@@ -1,4 +1,4 @@
-//! What a study says of a case, and whether that is right.
+//! Answer of a study to a case, and its judgement.
 
 use lab::Verdict;
 use serde::{Deserialize, Serialize};
@@ -11,11 +11,11 @@ use super::cases::{Case, Family};
 pub struct Named {
     /// The effect.
     pub name: String,
-    /// What the data cannot tell from it.
+    /// Effects from which the data cannot distinguish it.
     pub alike: Vec<String>,
 }
 
-/// What was said of a case.
+/// Answer to a case, from a study or a guess.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Said {
     /// The verdict; none where the measurements were refused.
@@ -26,24 +26,24 @@ pub struct Said {
     pub hint: Option<String>,
 }
 
-/// What a case asks for.
+/// Kind of the right answer to a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// That nothing shows, because nothing is hidden, or nothing that can be told from base parameters and poses.
+    /// Nothing is missing: nothing is hidden, or only what base parameters and poses absorb.
     Nothing,
     /// The hidden effects.
     Names,
-    /// That something is missing which no effect of the library describes.
+    /// Something is missing that no effect of the library describes.
     Unknown,
 }
 
-/// What an answer is worth. Every case has exactly one.
+/// Judgement of an answer. Every case has exactly one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judgement {
     /// As asked: just the hidden effects named without doubt, nothing said to be missing, or unknown.
     Right,
-    /// With doubt: the hidden effect among those that cannot be told apart, a part with the word that more is missing, a hint.
+    /// Right but not certain: the hidden effect among indistinguishable ones, some of several with `partly`, or a hint.
     Class,
     /// Nothing false, but not what is hidden.
     Shy,
@@ -77,7 +77,7 @@ pub fn describing(front: FrontEnd) -> &'static [&'static str] {
 }
 
 impl Case {
-    /// What it asks for.
+    /// Kind of the right answer.
     pub fn asked(&self) -> Asked {
         match self.family {
             Family::L | Family::U => Asked::Unknown,
@@ -87,7 +87,7 @@ impl Case {
         }
     }
 
-    /// Whether an effect is one that may be named.
+    /// True if naming the effect is right: it is hidden, or describes what the front end does to the measurements.
     pub fn is_there(&self, name: &str) -> bool {
         let hidden = self.asked() == Asked::Names && self.hidden.iter().any(|hidden| hidden == name);
         hidden || describing(self.design.front).contains(&name)
@@ -106,7 +106,7 @@ impl Said {
         if self.verdict == Some(Verdict::Unknown) { &[] } else { &self.named }
     }
 
-    /// What it is worth.
+    /// Judgement of the answer to `case`.
     pub fn judged(&self, case: &Case) -> Judgement {
         let is_apt = |named: &Named| case.is_there(&named.name) || named.alike.iter().any(|name| case.is_there(name));
         let has_stray = !self.claimed().iter().all(is_apt);

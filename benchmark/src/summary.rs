@@ -16,7 +16,7 @@ use super::rate::Rate;
 use super::said::{Asked, Judgement, Said};
 use lab::Verdict;
 
-/// How answers were judged. Every case counts in exactly one of the first five.
+/// Shares of the answers by judgement. Every case counts in exactly one of the first five.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Scores {
     /// As asked.
@@ -77,7 +77,7 @@ pub struct Compared {
 /// Coverage of 95 % intervals in some of the cases.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CoverageOf {
-    /// Which cases.
+    /// Name of the group of cases, such as `right answers`.
     pub cases: &'static str,
     /// By parameter.
     pub parameters: Vec<Coverage>,
@@ -200,7 +200,7 @@ fn coverages(all: &[&Outcome], right: &[&Outcome]) -> Vec<CoverageOf> {
     vec![of("nothing hidden", &nothing), of("right answers", right), of("all cases", all)]
 }
 
-/// From which size on effects are named, where enough cases tell; all effects of the same family together as well.
+/// Sizes from which effects are named, for each effect with enough cases and for all of [`Family::S`] together.
 fn power(singles: &[&Outcome]) -> Vec<Power> {
     let named = |o: &&Outcome| (o.case.rung, matches!(o.judgement, Judgement::Right | Judgement::Class));
     let tried = |of: &[&Outcome]| of.iter().map(named).collect::<Vec<_>>();

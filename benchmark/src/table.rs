@@ -17,7 +17,7 @@ use virtual_lab::Size;
 const SCORES: &str = "| | right | class | too shy | false alarm | wrong name | unknown said | Brier |\n\
                       |---|---|---|---|---|---|---|---|\n";
 
-/// What a family asks for, for people.
+/// Description of a family, as the table prints it.
 fn about(family: Family) -> &'static str {
     match family {
         Family::N => "nothing hidden",
@@ -150,7 +150,7 @@ fn sizes(library: &Library, size: Size) -> String {
 }
 
 fn all_cases(outcomes: &[Outcome]) -> String {
-    let mut text = "\n## Every case\n\n| case | design | hidden | size | verdict | named (look-alikes) | none | held out: base, final, \
+    let mut text = "\n## Every case\n\n| case | design | hidden | size | verdict | named (indistinguishable) | none | held out: base, final, \
                     floor [µm] | judged |\n|---|---|---|---|---|---|---|---|---|\n"
         .to_owned();
     outcomes.iter().for_each(|outcome| text += &row(outcome));
@@ -188,7 +188,7 @@ impl Said {
         word.and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_else(|| "refused".to_owned())
     }
 
-    /// Effects that were named with their look-alikes, or the one of a hint.
+    /// Named effects, each with those it cannot be distinguished from in brackets, then the effect of a hint.
     pub fn names(&self) -> String {
         let named = self.named.iter().map(|named| match named.alike.is_empty() {
             true => named.name.clone(),

@@ -56,8 +56,8 @@ fn hats(share: f64, count: usize) -> Vec<f64> {
 }
 
 impl ScanEvidence<'_> {
-    /// What the closure can change of the whitened calibration data, shape [data, columns]: all of the removal by columns of
-    /// one value 1.
+    /// Change of the whitened calibration data per unit of each term of the closure, shape [data, columns]. One set of
+    /// terms covers the part and one each pass; a set of terms that are all 1 changes the removal by all of it.
     pub(super) fn closure_columns(&self) -> DMatrix<f64> {
         let views: Vec<&ScanView> = self.of(Split::Calibration).collect();
         let frame = Frame::of(views.iter().map(|view| view.data.tiles()));
@@ -75,7 +75,7 @@ impl ScanEvidence<'_> {
         matrix
     }
 
-    /// What was removed from each tile of a scan up to then [m]; of an exposure mask, how far its border may move.
+    /// Removed depth of each tile up to a scan [m]; of an exposure mask, the largest shift of its border that shows.
     fn removed(&self, view: &ScanView) -> Vec<f64> {
         match &view.data {
             ScanData::Heights(data) => {
@@ -131,7 +131,7 @@ fn columns(
     all
 }
 
-/// What a pass took off each tile of a scan [m]: nothing of scans before it or of other trials.
+/// Depth that a pass removed from each tile of a scan [m]; 0 for scans before it and for other trials.
 fn increment((views, removed): (&[&ScanView], &[Vec<f64>]), scan: usize, pass: usize) -> Vec<f64> {
     let (seen, own) = (views[scan], views[pass]);
     if seen.trial != own.trial || seen.pass < own.pass {

@@ -296,7 +296,7 @@ criteria! {
     NAMED_PROBABILITY: f64 = 0.9, "1", "chosen: nine to one";
     /// Most probability of an effect that cannot be named alone, whatever it fits.
     RESERVED_PROBABILITY: f64 = 0.5, "1", "chosen: even odds, for nothing tests it";
-    /// Share of what a model leaves beyond noise from which the effect that explains it is told as the nearest.
+    /// Share of what a model leaves beyond noise from which the effect that explains it is reported as the nearest.
     NEAREST_SHARE: f64 = 0.1, "1", "chosen";
     /// Odds that the value of an effect's parameter lies within what the library lists, and is the same in all passes.
     LISTED_ODDS: f64 = 19.0, "1", "chosen: the library's ranges hold 95 % of what is met";

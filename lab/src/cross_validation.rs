@@ -1,4 +1,4 @@
-//! How well a model predicts calibration data that its fit did not see, fold by fold, without a fit for each fold.
+//! Cross-validation: prediction of each fold of the calibration data from the others, without a fit for each fold.
 //!
 //! With whitened residuals `r`, derivatives `J` and prior precision `P`, a fit to all folds but `f` differs from the fit to
 //! all by `A_f⁻¹ J_fᵀ r_f`, where `A_f = JᵀJ + P − J_fᵀJ_f`. It predicts fold `f` with covariance
@@ -21,14 +21,14 @@ use super::evidence::Evidence;
 use super::fit::{Fit, weights};
 use crate::criteria::{CLOSURE_STRENGTH_LEAST, CLOSURE_STRENGTH_RATIO, CLOSURE_STRENGTHS, INTERVAL_SIGMAS};
 
-/// What a model and the closure beside it make of folds that they did not see.
+/// Prediction of each fold from the others, by a model with the closure beside it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prediction {
     /// Log density of each fold as the others predict it.
     pub densities: Vec<f64>,
     /// Standard deviation of the closure, as a share of the removal; 0 where the model predicts best alone.
     pub closure: f64,
-    /// What the closure takes off the whitened residuals; empty where it is 0.
+    /// Part of the whitened residuals that the closure explains, one value per datum; empty where the closure is 0.
     pub closed: Vec<f64>,
 }
 
@@ -47,7 +47,7 @@ impl Prediction {
 /// Calibration data cut into folds, and the closure for them.
 pub(super) struct CrossValidation {
     folds: Vec<usize>,
-    /// What the closure can change of the whitened residuals, shape [data, columns].
+    /// Change of the whitened residuals per unit of each term of the closure, shape [data, columns].
     closure: DMatrix<f64>,
     /// Standard deviation of whitened residuals that counts as noise.
     spread: f64,
@@ -67,7 +67,7 @@ impl CrossValidation {
         Self { spread: spread(&left), ..data }
     }
 
-    /// What a fit predicts, with the closure of the strength that predicts best.
+    /// Prediction of each fold by a fit, with the closure's strength that predicts best.
     pub(super) fn prediction(&self, fit: &Fit) -> Prediction {
         let weights = weights(&fit.residuals) / self.spread;
         let residuals = DVector::from_column_slice(&fit.residuals).component_mul(&weights);

@@ -14,7 +14,7 @@ use crate::criteria::{
 
 impl Fit {
     /// Broyden's update: the derivatives along the last step are those that were seen. A step that changes the data by no
-    /// more than the simulation's own unevenness tells nothing of them.
+    /// more than the simulation's own unevenness is ignored.
     pub(super) fn update_jacobian(&mut self, at: &[f64], residuals: &[f64]) {
         let way = DVector::from_iterator(at.len(), self.at.iter().zip(at).map(|(b, a)| b - a));
         let seen = DVector::from_iterator(residuals.len(), self.residuals.iter().zip(residuals).map(|(b, a)| b - a));

@@ -149,8 +149,8 @@ pub trait Evidence: Sync {
         self.blocks(Split::Calibration)
     }
 
-    /// What smooth relative changes of the removal, which stand for whatever no effect describes, add to the residuals of the
-    /// calibration data; shape [data, columns]. None of a table, for each of its columns has an effect.
+    /// Change of the calibration residuals per unit of each term of the closure, shape [data, columns]. A table has no
+    /// closure: each of its columns has an effect.
     fn closure(&self) -> DMatrix<f64> {
         DMatrix::zeros(self.folds().len(), 0)
     }

@@ -75,18 +75,18 @@ impl ExposureView {
         self.whitener.unwhiten(change)
     }
 
-    /// What the tiles may differ by without any physics.
+    /// Whitener of the tiles' distances: the noise of the border, and the part's shift between scans.
     pub(super) fn whitener(&self) -> &Whitener {
         &self.whitener
     }
 
-    /// How far the border may move before a tile says no more where it is [m]; 0 for tiles that do not say.
+    /// Shift of the border within which each tile still locates it [m]; 0 for tiles out of reach.
     pub(super) fn reached(&self) -> Vec<f64> {
         self.distances.iter().map(|distance| if distance.abs() < self.reach { self.reach } else { 0.0 }).collect()
     }
 
-    /// The distance [m] that pixels of this pitch tell apart: the border's scatter, and half a pixel, for one pixel says no more
-    /// about where the border is.
+    /// Least distance [m] that pixels of this pitch resolve: the border's scatter, but at least half a pixel, because a
+    /// pixel does not locate the border more closely.
     pub fn border_floor(&self) -> f64 {
         self.scatter.max(BORDER_FLOOR_LEAST * self.measured.pixels.pitch)
     }
@@ -140,8 +140,8 @@ fn seen(tiles: &Tiles, field: &[f64], border: &Border, reach: f64) -> Vec<Seen> 
     tiles.centres.iter().zip(above).map(|(centre, above)| border.seen_from(*centre, above > 0.5, reach)).collect()
 }
 
-/// How many tiles tell of one piece of the border as long as a tile, for each tile; of those out of reach, as many as there
-/// would be across a straight border.
+/// Number of tiles that locate the same stretch of the border, as long as a tile, for each tile; for tiles out of
+/// reach, the number across a straight border.
 fn sharing(seen: &[Seen], side: f64, reach: f64) -> Vec<f64> {
     let piece = |nearest: DVec2| ((nearest.x / side).floor() as i64, (nearest.y / side).floor() as i64);
     let mut tiles: BTreeMap<(i64, i64), f64> = BTreeMap::new();

@@ -26,23 +26,23 @@ pub struct Finding {
     pub calibration: Vec<Agreement>,
     /// Agreement with the held-out data, opened once the search has ended; empty of effects that were not found.
     pub evaluation: Vec<Agreement>,
-    /// What the model with it predicts of calibration data that its fit did not see.
+    /// Prediction of each fold of the calibration data by the model with the effect.
     pub prediction: Prediction,
     /// Root mean square of what the closure explains beside it, in the data's unit.
     pub closed: f64,
-    /// Whether it is large and sure enough to be named.
+    /// True if it is admissible: significant and large enough to be named.
     pub is_admissible: bool,
-    /// Why it cannot be named alone, however much better than the others it fits.
+    /// Reason why it cannot be named alone, even if it fits far better than all others.
     pub reserve: Option<Reserve>,
 }
 
-/// What effects are compared with: a base fit, and what noise and prediction say of the others.
+/// Reference for effects: the base fit, its agreement, draws of noise, and folds for prediction.
 pub(super) struct Against<'a> {
     /// The model without the effect.
     pub base: &'a Fit,
     /// Its agreement with the calibration data.
     pub calibration: &'a [Agreement],
-    /// What noise alone would give the luckiest effect.
+    /// Draws of noise with the largest Δχ² of any effect in each, for p-values.
     pub draws: &'a NullDraws,
     /// Calibration data in folds.
     pub folds: &'a CrossValidation,

@@ -48,7 +48,7 @@ pub struct HeightView {
     /// Height that each pixel gains where passes begin and end by a row of their logs otherwise [m]; empty until known.
     ends: [Vec<f64>; 2],
     whitener: Whitener,
-    /// What was removed from each tile up to this scan [m].
+    /// Removed depth of each tile up to this scan [m].
     pub(super) removed: Vec<f64>,
     /// Removed depth at which the noise of the scan before has fallen to 1/e [m].
     noise_depth: f64,

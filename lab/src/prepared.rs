@@ -18,7 +18,7 @@ pub(super) struct Prepared {
     pub(super) views: Vec<ScanView>,
     pub(super) noise: Vec<NoiseFloor>,
     pub(super) tile_noise: Vec<Option<FittedNoise>>,
-    /// What the repeated scan has above the scan before [m], by trial.
+    /// Height of the repeated scan above the scan before the first pass, after registration [m], by trial.
     pub(super) repeats: Vec<HeightMap>,
 }
 

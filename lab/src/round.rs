@@ -28,7 +28,7 @@ pub struct Round {
     pub calibration: Vec<Agreement>,
     /// Its agreement with the held-out data; empty until the search has ended.
     pub evaluation: Vec<Agreement>,
-    /// What it predicts of calibration data that its fit did not see.
+    /// Prediction of each fold of the calibration data by the base model.
     pub prediction: Prediction,
     /// Root mean square of what the closure explains beside it, in the data's unit.
     pub closed: f64,
@@ -40,7 +40,7 @@ pub struct Round {
     pub none: f64,
     /// Standard deviation of what the best model leaves, whitened.
     pub spread: f64,
-    /// Whether its best effect was found together with that of the next search: alone it need not be an adequate fit.
+    /// True if its best effect was found in a pair with that of the next search: alone it need not be an adequate fit.
     pub is_half: bool,
     /// Seed of all draws.
     pub(super) seed: u64,
@@ -183,7 +183,7 @@ impl Round {
         shown.into_iter().find(is_hint).map(|(finding, _)| finding)
     }
 
-    /// Whether odds of an effect against the best one are too near to decide.
+    /// True if the odds of the best effect against this one are at most nine to one: the two are indistinguishable.
     pub(super) fn is_near(&self, finding: &Finding) -> bool {
         let most = self.best().map_or(0.0, |best| best.probability);
         finding.probability * NAMED_PROBABILITY >= most * (1.0 - NAMED_PROBABILITY) && finding.probability > 0.0

@@ -86,7 +86,7 @@ pub struct ScanEvidence<'a> {
     pub noise: Vec<NoiseFloor>,
     /// Noise of one scan's tiles by trial, where surfaces are ground.
     pub tile_noise: Vec<Option<FittedNoise>>,
-    /// What the repeated scan has above the scan before [m], by trial.
+    /// Height of the repeated scan above the scan before the first pass, after registration [m], by trial.
     pub(super) repeats: Vec<HeightMap>,
     /// How simulated surfaces are seen; `None` where every model finds its own observation.
     pub observation: Option<Observation>,

@@ -33,7 +33,7 @@ pub(super) fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[Ef
             format!("The model lacks {}.", named.join(" and "))
         }
         Verdict::Ambiguous => format!(
-            "The model lacks {} or an effect that these data cannot tell from it{}{}.",
+            "The model lacks {} or an effect that these data cannot distinguish from it{}{}.",
             names.first().unwrap_or(&"an effect"),
             if alike.is_empty() { String::new() } else { format!(" ({alike})") },
             reserve.map_or(String::new(), |reserve| format!(": {}", reserve.words()))

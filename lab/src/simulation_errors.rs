@@ -32,7 +32,7 @@ const SHARE_SIGMA: f64 = 1.0 / 3.0;
 /// By how much the share may differ from one kind of ground to another, as the order of convergence does.
 pub const SHARE_SPREAD: f64 = SHARE_SIGMA;
 
-/// What the lattice, and the ends of passes, take off or add at each pixel of each scan.
+/// Errors of the simulation at each pixel of each scan: from its lattice, and from the unknown ends of passes.
 #[derive(Clone, Debug, Serialize)]
 pub struct SimulationErrors {
     /// Simulated scans on the usual lattice, by trial and pass.
@@ -49,7 +49,7 @@ pub struct SimulationErrors {
     identity: String,
 }
 
-/// What is known of the simulation of one scan.
+/// One simulated scan with its known errors, pixel by pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct ScanErrors<'a> {
     /// The scan as it is simulated on the usual lattice.
@@ -109,7 +109,7 @@ impl SimulationErrors {
         (&self.usual[trial][pass], &self.heights[trial][pass])
     }
 
-    /// What tells it from others.
+    /// SHA-256 of all errors: equal for equal ones.
     pub fn identity(&self) -> &str {
         &self.identity
     }
@@ -129,7 +129,7 @@ pub fn without_lattice_error(residuals: &[f64], field: &[f64]) -> Vec<f64> {
     change_without_lattice_error(&left, field)
 }
 
-/// What [`without_lattice_error`] makes of a change of residuals.
+/// Linear part of [`without_lattice_error`], for a change of residuals.
 pub fn change_without_lattice_error(change: &[f64], field: &[f64]) -> Vec<f64> {
     let square = dot(field, field);
     if square == 0.0 {

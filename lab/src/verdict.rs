@@ -16,7 +16,7 @@ use crate::criteria::{
 pub enum Verdict {
     /// Effects that nothing else can stand for.
     Identified,
-    /// One of a class of effects that these data cannot tell apart.
+    /// One of a class of effects that these data cannot distinguish.
     Ambiguous,
     /// Effects were found, and more is missing.
     Partly,
@@ -30,7 +30,7 @@ pub enum Verdict {
     NotTestable,
 }
 
-/// How a model stands to all data.
+/// Errors of a model over calibration and held-out data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Standing<'a> {
     /// Agreement with the calibration data.
@@ -99,13 +99,13 @@ pub(super) fn least_size(of: &[Agreement]) -> f64 {
 }
 
 impl Standing<'_> {
-    /// Whether more is left of the calibration data than noise explains, in size or in smooth structure.
+    /// True if the calibration residuals exceed noise, in size or in smooth structure.
     pub(super) fn is_open(&self) -> bool {
         self.closed > least_size(self.calibration)
             || exceeds(self.calibration, (UNEXPLAINED_REMOVAL, UNEXPLAINED_NOISE))
     }
 
-    /// Whether all is explained but for a share of the mean square that another model leaves unexplained.
+    /// True if the unexplained mean square is at most a share of what another model, `before`, leaves unexplained.
     fn leaves_at_most(&self, share: f64, before: &Self) -> bool {
         let left = |of: &Self| unexplained(of.calibration).max(of.closed).powi(2);
         left(self) <= share * left(before)

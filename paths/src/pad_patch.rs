@@ -23,7 +23,7 @@ const FREE: f64 = 1.15;
 /// Least upward component of the plane's normal.
 const LEAST_UPWARD: f64 = 0.8;
 
-/// Why a pad has no patch.
+/// Reason why a pad has no patch on a surface.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum PatchError {
     /// The field is all inside or all outside.

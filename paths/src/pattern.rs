@@ -51,7 +51,7 @@ impl Pattern {
         }
     }
 
-    /// What it is, in a few words.
+    /// Description in a few words, as help texts print it.
     pub fn about(self) -> &'static str {
         match self {
             Self::AlongX => "Lines along x, to and fro",

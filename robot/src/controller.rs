@@ -1,4 +1,4 @@
-//! Who decides how far the tool is lifted from its path.
+//! Controllers: the laws by which the tool is lifted from its path.
 
 use serde::{Deserialize, Serialize};
 

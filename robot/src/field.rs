@@ -25,7 +25,7 @@ pub struct FieldTool {
 }
 
 impl PartialEq for FieldTool {
-    /// Whether both are the same tool, baked once.
+    /// True if both share one baked field, not if two fields are equal.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.field, &other.field)
     }

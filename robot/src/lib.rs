@@ -1,4 +1,4 @@
-//! What a finishing robot holds, and how: the shapes of tools, and the controllers that press them on.
+//! The shapes of a finishing robot's tools, and the controllers that press them on the workpiece.
 //!
 //! Every tool is known by two functions of a point in its own frame (y across the feed, z away from the part, x = y × z): how
 //! deep the point lies below the working surface, and how far it lies within the working surface's border. Side

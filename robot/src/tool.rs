@@ -4,12 +4,12 @@ use glam::DVec3;
 
 use super::{FieldTool, Pad, Sphere, Wheel};
 
-/// What a shape knows of itself, in its own frame.
+/// Geometry of a tool in its own frame.
 pub trait Shape {
     /// Depth [m] of a point below the working surface, along that surface's normal.
     fn depth(&self, at: DVec3) -> f64;
 
-    /// How far [m] a point lies within the border of the working surface; negative beside it.
+    /// Distance [m] of a point from the border of the working surface; negative beside it, infinite without a border.
     #[inline]
     fn within(&self, _at: DVec3) -> f64 {
         f64::INFINITY
@@ -56,7 +56,7 @@ pub(crate) fn cap(radius: f64, sink: f64) -> f64 {
     (2.0 * radius * sink.min(radius)).sqrt().min(radius)
 }
 
-/// What presses on the workpiece.
+/// A tool of any of the known shapes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tool {
     /// A wheel that turns about the frame's y axis; its reference point is its centre.

@@ -58,7 +58,7 @@ impl Contact {
 pub struct Ground<'a> {
     /// The sheet.
     pub sheet: &'a Sheet,
-    /// Which of its lines.
+    /// Columns of it that are looked at.
     pub region: &'a Region,
 }
 

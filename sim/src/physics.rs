@@ -20,7 +20,7 @@ use sdf_bake::simd::in_wide_lanes;
 pub struct InContact<'a> {
     /// The sheet.
     pub sheet: &'a Sheet,
-    /// How deep its squares lie under the tool, where that was measured.
+    /// Depths and shares of its cells under the tool, where they were measured.
     pub squares: Option<&'a Squares>,
     /// Lines of the sheet.
     pub lines: &'a Lines,
@@ -130,7 +130,7 @@ impl<'a> Physics<'a> {
         self.model.process() == Process::Sanding
     }
 
-    /// Whether the part has to keep the depth removed: a hook of the contact or the scanner reads it.
+    /// True if the part has to store the removed depth: a hook of the contact or the scanner reads it.
     pub(crate) fn keeps_removed(&self) -> bool {
         self.wants(Variable::RemovedDepth) || self.model.needs(Hook::Height).contains(&Variable::RemovedDepth)
     }

@@ -1,4 +1,4 @@
-//! What a pass is made with, and how it is controlled, with defaults that suit a weld on steel.
+//! Inputs and settings of a pass, with defaults that suit a weld on steel.
 
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
@@ -26,7 +26,7 @@ const CLOCKED_STEP: f64 = 5e-3;
 /// Controller and numerics of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PassSettings {
-    /// Who holds the force. Default: ideal.
+    /// Controller of the force. Default: ideal.
     pub controller: Controller,
     /// Normal force the controller holds [N]. Default 15.
     pub force_setpoint: f64,
@@ -64,16 +64,16 @@ impl Default for PassSettings {
     }
 }
 
-/// What a pass is made with.
+/// Inputs of a pass: tool, path, settings, model, and its place in the trial.
 #[derive(Clone, Copy)]
 pub struct Pass<'a> {
-    /// What presses on the part.
+    /// The tool that presses on the part.
     pub tool: &'a Tool,
-    /// Where it goes.
+    /// Path of the tool.
     pub path: &'a Path,
-    /// How it is controlled.
+    /// Controller, setpoints and numerics.
     pub settings: &'a PassSettings,
-    /// What it does to the part.
+    /// Laws and effects that give pressure and removal.
     pub model: &'a CompiledModel,
     /// Number of the pass in its trial, from 1.
     pub number: usize,

@@ -166,7 +166,7 @@ fn a_pad_that_turns_a_corner_leaves_the_dose_of_its_slip() {
 }
 
 #[test]
-fn a_pad_that_only_sinks_in_is_measured_as_if_anew() {
+fn a_pad_that_only_sinks_in_is_measured_as_by_a_full_measurement() {
     let half = DVec3::new(0.016, 0.016, 2e-3);
     // A plate with a bead across it, and a hole beside that.
     let bead = |p: DVec3| (p - DVec3::new(0.002, 0.0, -0.003)).reject_from(DVec3::Y).length() - 0.004;
@@ -188,17 +188,17 @@ fn a_pad_that_only_sinks_in_is_measured_as_if_anew() {
                 steady.measure(&place(sunk), &ground, &[]);
                 assert_ne!(tilt, 0.0, "a level pad does not move across its axis");
             }
-            let mut anew = Squares::default();
-            anew.measure(&place(sunk), &ground, &[]);
-            assert_eq!(steady.wet, anew.wet, "{tilt} rad, {sunk} m");
-            for line in anew.wet.list().iter().map(|line| *line as usize) {
-                let off = |of: fn(&Squares) -> &[f64]| (of(&steady)[line] - of(&anew)[line]).abs();
+            let mut measured_again = Squares::default();
+            measured_again.measure(&place(sunk), &ground, &[]);
+            assert_eq!(steady.wet, measured_again.wet, "{tilt} rad, {sunk} m");
+            for line in measured_again.wet.list().iter().map(|line| *line as usize) {
+                let off = |of: fn(&Squares) -> &[f64]| (of(&steady)[line] - of(&measured_again)[line]).abs();
                 // A tilted pad may move across its axis by a thousandth of a voxel: so much less of a square is under it.
                 let (share, depth) = if tilt == 0.0 { (1e-10, 1e-14) } else { (2e-3, 2e-6) };
                 assert!(off(|squares| &squares.share) < share && off(|squares| &squares.area) < share);
                 assert!(off(|squares| &squares.mean_depth) < depth);
             }
-            wet.push(anew.wet.len());
+            wet.push(measured_again.wet.len());
         }
     }
     println!("squares in contact: {wet:?}");

@@ -1,4 +1,4 @@
-//! What is checked of an asset, and what the checks see.
+//! Results of an asset's checks, and the opened files that the checks read.
 
 use std::path::Path;
 
@@ -11,11 +11,11 @@ use super::{AssetFields, Manifest, Meshes, UsdMode, Welds};
 pub struct Check {
     /// File or files that were opened.
     pub file: String,
-    /// What must hold.
+    /// Condition that the file must meet, in words.
     pub rule: String,
-    /// Whether it holds.
+    /// True if the file meets the condition.
     pub passed: bool,
-    /// What was found.
+    /// Values found, in words.
     pub found: String,
 }
 
@@ -25,12 +25,12 @@ impl Check {
     }
 }
 
-/// What validation found, and what it could not look at.
+/// Results of a validation: checks that were made, and those that could not be made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Validation {
     /// Everything that was checked.
     pub checks: Vec<Check>,
-    /// What was not checked, and why; neither passed nor failed.
+    /// Checks that were not made, each with the reason; neither passed nor failed.
     pub not_checked: Vec<String>,
 }
 
@@ -46,6 +46,6 @@ pub struct Opened<'a> {
     pub fields: Option<AssetFields>,
     /// Its truth.
     pub truth: Option<Welds>,
-    /// Whether to open USD.
+    /// Mode of the check of USD: `Off` leaves it out.
     pub usd: UsdMode,
 }

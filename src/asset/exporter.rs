@@ -1,4 +1,4 @@
-//! What a file of an asset is: its name, how it is written, how it is checked.
+//! Exporters: the name of each file of an asset, its writer and its check.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub trait Exporter {
     /// When it cannot be made or written.
     fn write(content: &Content<'_>, place: &Path) -> Result<()>;
 
-    /// Holds the file of an asset against the others, beyond what [`crate::validate`] compares.
+    /// Compares the file of an asset with the others, beyond what [`crate::validate`] compares.
     ///
     /// # Errors
     /// When a program that the check needs cannot be had; a file that is wrong is a failed check.
@@ -33,15 +33,15 @@ pub trait Exporter {
     }
 }
 
-/// What an asset is made from.
+/// Inputs of the exporters of an asset.
 pub struct Content<'a> {
     /// The welded workpiece.
     pub workpiece: &'a Workpiece,
     /// The truth of its welds.
     pub truth: &'a Welds,
-    /// What is asked of picture and USD.
+    /// Settings of the picture and of USD.
     pub extras: Extras,
-    /// Who is told of what was left out.
+    /// Console that reports what was left out.
     pub console: &'a Console,
 }
 

@@ -51,7 +51,7 @@ fn base<'a>(content: &Content<'a>) -> GlbPart<'a> {
     GlbPart { name: "base", mesh: &content.workpiece.part.mesh, weld_id: 0, material: GlbMaterial::Base }
 }
 
-/// What the glTF files hold.
+/// Meshes of an asset, read from its glTF files.
 pub struct Meshes {
     /// The bare part.
     pub part: ReadPart,
@@ -79,7 +79,7 @@ impl Meshes {
             welded.len()
         );
         let surface = read(SURFACE_FILE).context(
-            "the welded surface; an asset of an earlier version lacks it and is made anew by `robofin weld`",
+            "the welded surface; an asset of an earlier version lacks it and is made again by `robofin weld`",
         )?;
         Ok(Self { part, welded, surface })
     }

@@ -71,7 +71,7 @@ impl Batch<'_> {
         let mut keys = BTreeMap::new();
         let mut in_order = InOrder::default();
         let make = |(mesh, fault): &Source, patience| work.outcome(mesh, fault.as_deref(), patience);
-        let told = self.cache.work_through(&meshes, self.jobs, make, |turn, made| {
+        let worked = self.cache.work_through(&meshes, self.jobs, make, |turn, made| {
             in_order.add(turn, made, |mut outcome| {
                 work.credit(&mut outcome);
                 let key = outcome.result.as_ref().ok().map(|entry| entry.key.clone());
@@ -80,7 +80,7 @@ impl Batch<'_> {
             })
         });
         self.cache.update_index(&keys)?;
-        told
+        worked
     }
 }
 

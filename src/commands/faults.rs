@@ -1,4 +1,4 @@
-//! What is wrong with a command line, all of it at once. The parser by itself stops at the first fault.
+//! Faults of a command line, all reported at once. The parser by itself stops at the first fault.
 
 use std::error::Error as _;
 use std::ffi::{OsStr, OsString};
@@ -21,22 +21,22 @@ pub(super) fn refuse(program: &Command, words: &[OsString], first: clap::Error) 
     }
     let faults = of_values(program, words);
     if faults.is_empty() {
-        tell(&first);
+        print_error(&first);
         std::process::exit(2)
     }
     faults.iter().for_each(|fault| eprintln!("error: {fault}"));
     let beside = with_any_values(program.clone()).try_get_matches_from(words).err();
     if let Some(beside) = beside.filter(clap::Error::use_stderr) {
-        tell(&beside);
+        print_error(&beside);
     }
     std::process::exit(2)
 }
 
 /// Prints an error of the parser; of missing words in one line.
-fn tell(error: &clap::Error) {
+fn print_error(error: &clap::Error) {
     match missing(error) {
         Some(needed) => eprintln!("error: required, and not given: {needed}; --help says more"),
-        // Nobody is left to be told that standard error is closed.
+        // Where standard error is closed, that cannot be reported.
         None => drop(error.print()),
     }
 }

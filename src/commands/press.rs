@@ -82,7 +82,7 @@ pub(super) struct PressArgs {
     model: ModelFlags,
 }
 
-/// How hard to press: one of the two.
+/// Goal of the press: either a depth or a force.
 #[derive(Clone, Debug, Args)]
 #[group(required = true, multiple = false)]
 struct GoalFlags {

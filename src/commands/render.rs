@@ -112,7 +112,7 @@ impl RenderArgs {
         self.out.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
     }
 
-    /// What of the flags does not fit together.
+    /// Flags that do not fit together, one sentence each.
     fn faults(&self) -> Vec<String> {
         let mut faults = Vec::from_iter(self.photo.sensor.fault());
         if self.is_drawing() {

@@ -60,7 +60,7 @@ impl SensorFlags {
         (*exposure, *blur, *read_noise) != (1.0, 0.0, 0.0) || full_well.is_some() || distortion.is_some()
     }
 
-    /// What of the flags does not fit together.
+    /// Flags that do not fit together, in a sentence; `None` if all do.
     pub(super) fn fault(&self) -> Option<String> {
         let noise = self.read_noise;
         (self.full_well.is_none() && noise != 0.0).then(|| {

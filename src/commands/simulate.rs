@@ -157,8 +157,8 @@ impl ProcessFlags {
             ("--threshold-mpa", self.threshold_mpa.is_some(), by_model),
         ];
         let given = flags.into_iter().filter(|(_, is_given, _)| *is_given);
-        let told = |(flag, _, why)| format!("{flag}: only for an asset; {} is a trial, and {why}", trial.display());
-        refuse_all(given.map(told).collect())
+        let fault = |(flag, _, why)| format!("{flag}: only for an asset; {} is a trial, and {why}", trial.display());
+        refuse_all(given.map(fault).collect())
     }
 
     /// The wheel asked for.
@@ -302,8 +302,8 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
         ("--batch", args.batch.is_some()),
     ];
     let given = of_trials.into_iter().filter(|(_, is_given)| *is_given);
-    let told = |(flag, _)| format!("{flag}: only a trial has it, and {} is none", args.folder.display());
-    refuse_all(given.map(told).collect())?;
+    let fault = |(flag, _)| format!("{flag}: only a trial has it, and {} is none", args.folder.display());
+    refuse_all(given.map(fault).collect())?;
     let (wheel, plan) = (args.process.wheel(), args.process.plan());
     let rows = RowCounts { passes: plan.passes as usize, scans: plan.passes as usize };
     let model = args.model.compile(Process::Grinding, &args.process.law(), rows)?;

@@ -83,7 +83,7 @@ struct SynthArgs {
     /// How large workpieces and scans are.
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     size: SizeFlag,
-    /// What is wrong with scanner, robot or tool besides what is hidden.
+    /// Errors of scanner, robot and tool besides the hidden effects.
     #[arg(
         long,
         default_value = FrontEnd::default().word(),

@@ -1,4 +1,4 @@
-//! How the values of flags are read: one message for all that a flag does not accept.
+//! Readers of the values of flags, with one message for all that a flag does not accept.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 

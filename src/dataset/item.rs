@@ -31,10 +31,10 @@ pub struct ItemWishes {
 /// Makes the item `id` of a source, or says why there is none; the folder is complete or it is not there.
 pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -> Ending {
     let there = || dataset.holds(id).then_some(());
-    Ending::of(id, dataset.fill(id, Patience::None, there, || make_anew(dataset, source, id, wishes)))
+    Ending::of(id, dataset.fill(id, Patience::None, there, || make_again(dataset, source, id, wishes)))
 }
 
-fn make_anew(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -> Result<(), Fault> {
+fn make_again(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -> Result<(), Fault> {
     let folder = place(dataset, id)?;
     let part = load(source, id, wishes.unit).map_err(|error| Stage::Part.fault(error))?;
     let options = WeldingOptions { seed: dataset.recipe.seed_of(id), ..wishes.options.clone() };

@@ -1,4 +1,4 @@
-//! Holding a set of images against itself: every file rehashed, every label read again, the catalogue made again.
+//! Check of a set of images: every file is rehashed, every label read again, the catalogue made again and compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,7 +27,7 @@ pub fn check(set: &ImageSet, jobs: usize, done: impl FnMut(&str, &[String]) -> R
     store::check::check(set, jobs, &tasks, |_, task| check_task(set, task), done)
 }
 
-/// What whole images say against each other, and what is no image of the set.
+/// Records that belong to no image of the set, and contradictions between whole images, one sentence each.
 pub(super) fn contradictions(set: &ImageSet) -> Result<Vec<String>> {
     Ok([strange_records(set)?, courses(set)?].concat())
 }

@@ -18,7 +18,7 @@ pub const CONTACT_FILE: &str = "contact-sheet.png";
 
 /// A kind of set that is described by files of its own.
 pub trait Described: Marker {
-    /// What its pieces are called, in messages.
+    /// Name of its pieces in messages, in the plural.
     const PIECES: &'static str;
 
     /// Describes what is there.
@@ -29,7 +29,7 @@ pub trait Described: Marker {
     where
         Self: Sized;
 
-    /// What is wrong with whole pieces as members of the set, one sentence each.
+    /// Contradictions between whole pieces of the set, one sentence each.
     ///
     /// # Errors
     /// As [`Described::describe`].
@@ -45,7 +45,7 @@ pub trait Described: Marker {
 pub struct Catalogue {
     /// Their contents.
     pub files: BTreeMap<&'static str, Vec<u8>>,
-    /// How many pieces it lists.
+    /// Number of pieces that it lists.
     pub pieces: usize,
 }
 

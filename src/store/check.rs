@@ -1,4 +1,4 @@
-//! Holding a set against itself: every piece looked at, the catalogue made again and compared.
+//! Check of a set: every piece is looked at, the catalogue is made again and compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,11 +16,11 @@ use files::job_queue::take_turns;
 pub struct Broken {
     /// Its name.
     pub id: String,
-    /// What is wrong, one sentence each.
+    /// Faults of the piece, one sentence each.
     pub faults: Vec<String>,
 }
 
-/// What was found in a set.
+/// Result of the check of a set.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SetValidation {
     /// Pieces that were checked.
@@ -29,12 +29,12 @@ pub struct SetValidation {
     pub checks: usize,
     /// Pieces that do not hold, by name.
     pub broken: Vec<Broken>,
-    /// What is wrong with the set's own files.
+    /// Faults of the set's own files, one sentence each.
     pub catalogue: Vec<String>,
 }
 
 impl SetValidation {
-    /// Whether everything holds.
+    /// True if no fault was found.
     pub fn holds(&self) -> bool {
         self.broken.is_empty() && self.catalogue.is_empty()
     }
@@ -74,7 +74,8 @@ pub fn check<M: Described, P: Sync>(
     Ok(found)
 }
 
-/// What is wrong with the files of the set itself; those that follow from the pieces need whole pieces.
+/// Faults of the set's own files, one sentence each. They follow from the pieces, so they are compared only if these
+/// hold.
 fn check_catalogue<M: Described>(set: &Store<M>, pieces_hold: bool) -> Result<Vec<String>> {
     if !pieces_hold {
         return Ok(vec![format!("not compared with the {}, some of which are broken", M::PIECES)]);
@@ -85,7 +86,7 @@ fn check_catalogue<M: Described>(set: &Store<M>, pieces_hold: bool) -> Result<Ve
     }
 }
 
-/// What differs between the files of a set's catalogue and what they should hold, and what is no part of the set.
+/// Files of a set's catalogue that differ from what they should hold, and names that are no part of the set.
 fn compare_files<M: Marker>(set: &Store<M>, files: &BTreeMap<&'static str, Vec<u8>>) -> Result<Vec<String>> {
     let found = |name: &str| input::read(&set.folder().join(name), MOST_TEXT_BYTES).ok();
     let mut faults: Vec<String> =

@@ -13,7 +13,7 @@ use files::json_file::read_json;
 /// Folder of the records of failures in a set.
 pub const FAILURES_FOLDER: &str = "failures";
 
-/// Where on the road a piece failed.
+/// Stage of the making at which a piece failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -53,24 +53,24 @@ impl Stage {
 pub struct Failure {
     /// Name of the piece; of a source that cannot be read, `source-` and a hash of its path.
     pub id: String,
-    /// What it is made from, as it was given.
+    /// Path of the source that it is made from, as it was given.
     pub source: String,
     /// Number among the pieces of the source.
     pub index: u32,
     /// Where it failed.
     pub stage: Stage,
-    /// Why.
+    /// Reason of the failure, with its causes.
     pub reason: String,
     /// The command line that makes this piece alone.
     pub command: String,
 }
 
-/// Why a piece could not be made. An error without a stage is of writing.
+/// Error that kept a piece from being made, with its stage: writing, unless another is stated.
 #[derive(Debug)]
 pub struct Fault {
     /// Where it failed.
     pub stage: Stage,
-    /// Why.
+    /// The error with its causes.
     pub error: anyhow::Error,
 }
 

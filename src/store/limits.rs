@@ -1,4 +1,4 @@
-//! What holds the process of one piece: a limit of memory, a limit of time, and the life of the one who asked for it.
+//! Limits of the process of one piece: its memory, its time, and the lifetime of its parent process.
 
 use std::io::Read;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,7 +13,7 @@ pub const TIME_IS_UP: i32 = 124;
 /// Exit code of a process whose parent is gone.
 const ORPHANED: i32 = 125;
 
-/// What one piece may use.
+/// Time and memory that the process of one piece may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Time by the clock [s].
@@ -27,7 +27,7 @@ pub struct Limits {
 pub struct Usage {
     /// Time on all processors [s].
     pub cpu_s: f64,
-    /// Largest resident memory [bytes]; 0 where the system does not tell.
+    /// Largest resident memory [bytes]; 0 where the system does not report it.
     pub peak_bytes: u64,
 }
 
@@ -84,7 +84,7 @@ fn cpu_s() -> f64 {
     0.0
 }
 
-/// Linux tells it in kibibytes, as `VmHWM: 12345 kB`.
+/// Linux reports it in kibibytes, as `VmHWM: 12345 kB`.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,12 +1,12 @@
-//! What a kind of store has in its marker file, and where its pieces lie.
+//! Marker of a kind of store: the contents of its marker file, and the folders of its pieces.
 
 use anyhow::Result;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// What decides every piece of a store, as its marker file holds it.
+/// Recipe from which every piece of a store follows, as the marker file holds it.
 pub trait Marker: Serialize + DeserializeOwned + Sync {
-    /// What the store is, with its article, in messages.
+    /// Name of the kind of store in messages, with its article.
     const WHAT: &'static str;
     /// Name of the marker file.
     const FILE: &'static str;
@@ -17,7 +17,7 @@ pub trait Marker: Serialize + DeserializeOwned + Sync {
     /// The flags that go on with a store that is there, and what they do.
     const CONTINUED: &'static str = "--resume to go on with it";
 
-    /// What was found under the `format` key.
+    /// Value of the `format` key in the marker file.
     fn format(&self) -> &str;
 
     /// The first thing in which two differ, in words; how the stores were started does not count.

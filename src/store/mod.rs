@@ -7,7 +7,7 @@
 //!
 //! A set is a store whose pieces are made by processes of their own: [`run`] starts them ([`process`], [`limits`]) and
 //! counts ([`progress`]), `failure` keeps what could not be made, [`catalogue`] describes what is there, and [`check`]
-//! holds it against itself.
+//! compares it with what it should be.
 
 pub mod catalogue;
 pub mod check;
@@ -35,7 +35,7 @@ use files::json_file::read_json;
 pub use failure::{FAILURES_FOLDER, Failure, Fault, Stage, command_line};
 pub use marker::Marker;
 
-/// What to do with a folder that is a store of the same kind already.
+/// Treatment of a folder that is a store of the same kind already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupied {
     /// Leave it alone and say so.
@@ -47,7 +47,7 @@ pub enum Occupied {
 }
 
 impl Occupied {
-    /// What `--resume` says, where nothing is replaced.
+    /// Treatment that follows from the flag `--resume`, where nothing is replaced.
     pub fn resumed(resume: bool) -> Self {
         if resume { Self::Resume } else { Self::Refuse }
     }
@@ -57,7 +57,7 @@ impl Occupied {
 #[derive(Clone, Debug)]
 pub struct Store<M> {
     folder: PathBuf,
-    /// What decides its pieces.
+    /// Recipe from which its pieces follow.
     pub recipe: M,
 }
 
@@ -233,7 +233,7 @@ fn stem<M: Marker>() -> &'static str {
     M::FILE.split('.').next().unwrap_or_default()
 }
 
-/// Whether a folder is absent, or holds at most what a run that was killed at its start leaves behind.
+/// True if a folder is absent, or holds at most what a run that was killed at its start leaves behind.
 fn is_unused<M: Marker>(folder: &Path) -> bool {
     let Ok(entries) = fs::read_dir(folder) else { return folder.symlink_metadata().is_err() };
     entries.flatten().all(|entry| {

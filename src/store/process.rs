@@ -14,7 +14,7 @@ const PANICKED: i32 = 101;
 /// What the allocator says before it gives up.
 const OUT_OF_MEMORY: &str = "memory allocation of";
 
-/// How a piece ended.
+/// Outcome of making a piece.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ending {
@@ -28,7 +28,7 @@ pub enum Ending {
     Failed {
         /// Where it failed.
         stage: Stage,
-        /// Why.
+        /// Reason of the failure, with its causes.
         reason: String,
     },
 }
@@ -50,17 +50,17 @@ impl Ending {
     }
 }
 
-/// What the process of a piece says on standard output, as one line of JSON.
+/// Report of the process of a piece: one line of JSON on standard output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// How the piece ended.
+    /// Outcome of making the piece.
     pub ending: Ending,
-    /// What it took.
+    /// Time and memory that the process used.
     pub usage: Usage,
 }
 
 /// Runs this program with the arguments that `words` adds, on one thread, as a process that binds itself to `limits`
-/// and says an [`Answer`].
+/// and prints an [`Answer`].
 ///
 /// # Errors
 /// When no process can be started.
@@ -79,26 +79,26 @@ pub fn run_apart(limits: Limits, words: impl FnOnce(&mut Command) -> &mut Comman
     Ok(answer(&output, limits))
 }
 
-/// What a process said, or what its end tells where it said nothing.
+/// Answer that a process printed, or one that follows from its exit status where it printed none.
 fn answer(output: &Output, limits: Limits) -> Answer {
     if let (true, Ok(answer)) = (output.status.success(), serde_json::from_slice(&output.stdout)) {
         return answer;
     }
-    let told = String::from_utf8_lossy(&output.stderr);
+    let errors = String::from_utf8_lossy(&output.stderr);
     let (stage, reason) = match output.status.code() {
         Some(TIME_IS_UP) => (Stage::Limit, format!("it took longer than --time-limit {}", limits.time)),
-        _ if told.contains(OUT_OF_MEMORY) => {
+        _ if errors.contains(OUT_OF_MEMORY) => {
             (Stage::Limit, format!("it needs more memory than --memory-limit {}", limits.memory as f64 * 1e-9))
         }
-        Some(PANICKED) => (Stage::Crash, format!("a bug in this program: {}", panic_text(&told))),
-        _ => (Stage::Crash, format!("its process ended with {}: {}", end(output.status), told.trim())),
+        Some(PANICKED) => (Stage::Crash, format!("a bug in this program: {}", panic_text(&errors))),
+        _ => (Stage::Crash, format!("its process ended with {}: {}", end(output.status), errors.trim())),
     };
     Answer { ending: Ending::Failed { stage, reason }, usage: Usage::default() }
 }
 
 /// Place and words of a panic, without the name of the thread and the hint that follows.
-fn panic_text(told: &str) -> String {
-    let lines = told.lines().skip_while(|line| !line.contains("panicked at "));
+fn panic_text(errors: &str) -> String {
+    let lines = errors.lines().skip_while(|line| !line.contains("panicked at "));
     let lines = lines.take_while(|line| !line.starts_with("note: ")).map(str::trim).filter(|line| !line.is_empty());
     let text = lines.collect::<Vec<_>>().join(" ");
     text.split_once("panicked at ").map_or(text.clone(), |(_, rest)| rest.to_owned())

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::process::Ending;
 use super::run::Outcome;
 
-/// Parts in the training data of the first model of this kind; how long they would take is told after a run.
+/// Parts in the training data of the first model of this kind; the time they would take is reported after a run.
 const KNOWN_SET: f64 = 8918.0;
 
 /// Counts items while they are made.

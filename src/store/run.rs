@@ -16,13 +16,13 @@ pub trait Piece<M>: Sync {
     /// Its name.
     fn id(&self) -> &str;
 
-    /// What it is made from, for people.
+    /// Path of what it is made from, for messages.
     fn source(&self, set: &Store<M>) -> PathBuf;
 
-    /// Whether it is there.
+    /// True if it is there already.
     fn is_there(&self, set: &Store<M>) -> bool;
 
-    /// How it fails without having been tried; for pieces that need others.
+    /// Failure without an attempt, for pieces that need others which failed; `None` if it can be tried.
     fn obstacle(&self, _set: &Store<M>) -> Option<Ending> {
         None
     }
@@ -34,26 +34,26 @@ pub trait Piece<M>: Sync {
     fn failure(&self, set: &Store<M>, stage: Stage, reason: String) -> Failure;
 }
 
-/// How the pieces of a set are made.
+/// A run that makes the pieces of a set.
 pub struct Run<'a, M> {
-    /// Where to.
+    /// The set to which they belong.
     pub set: &'a Store<M>,
-    /// What each piece may use.
+    /// Time and memory that each piece may use.
     pub limits: Limits,
     /// Pieces at once.
     pub jobs: usize,
 }
 
-/// What became of a piece.
+/// Outcome of a piece in a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Its name.
     pub id: String,
-    /// What it is made from.
+    /// Path of what it is made from.
     pub source: PathBuf,
-    /// How it ended; never [`Ending::Busy`].
+    /// Outcome of making it; never [`Ending::Busy`].
     pub ending: Ending,
-    /// What making it took.
+    /// Processor time and memory that making it took.
     pub usage: Usage,
     /// The same by the clock [s].
     pub seconds: f64,

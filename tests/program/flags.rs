@@ -130,11 +130,11 @@ fn a_voxel_larger_than_the_part_is_refused() {
     assert_eq!(names(folder.path()), Vec::<String>::new());
 }
 
-/// Words of a command line, and words of each fault that is told of it.
+/// Words of a command line, and words of each fault that its refusal reports.
 type Refusal<'a> = (&'a [&'a str], &'a [&'a [&'a str]]);
 
 #[test]
-fn all_wrong_flags_of_a_verb_are_told_at_once_with_value_and_range() {
+fn all_wrong_flags_of_a_verb_are_reported_at_once_with_value_and_range() {
     let refusals: [Refusal; 14] = [
         (
             &[
@@ -345,7 +345,7 @@ fn all_flags_that_do_not_fit_together_are_told_at_once() {
 #[test]
 fn a_value_of_many_characters_is_not_repeated_whole() {
     let value = "9".repeat(300);
-    let told =
+    let refusal =
         run(&mut robofin(["weld", "part.obj", "--out", "o", "--band", &value])).is_refused(2, &["--band 999", "…"]);
-    assert!(told.chars().count() < 150, "{told}");
+    assert!(refusal.chars().count() < 150, "{refusal}");
 }

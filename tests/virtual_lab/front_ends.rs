@@ -60,7 +60,7 @@ fn a_ripple_swings_the_true_force_and_the_log_shows_it() {
         assert!((mean / pass.force_setpoint - 1.0).abs() < 0.05 && (0.07..0.13).contains(&swing), "{mean}, {swing}");
     }
     let effect = &rippling.answer.effects[0];
-    assert!(effect.name == "force-ripple" && !effect.in_library, "the answer tells of it");
+    assert!(effect.name == "force-ripple" && !effect.in_library, "the answer names it");
     let change = heights(&rippling.trials[0], 1).heights.iter().zip(&heights(&clean().trials[0], 1).heights);
     assert!(rms(change.map(|(a, b)| a - b).filter(|d| d.is_finite() && d.abs() < 50e-6)) > 1e-6, "and the surface");
 }
@@ -98,7 +98,7 @@ fn a_worn_tool_has_a_past_only_for_what_it_remembers() {
     assert!(worn < 0.85 * fresh, "{worn} of {fresh} mm³");
     let nothing = made(FrontEnd::Worn, &[]);
     assert_eq!(volume(&nothing), volume(clean()));
-    assert!(nothing.trials[0].fresh, "the trial does not tell");
+    assert!(nothing.trials[0].fresh, "the trial calls its tool fresh");
 }
 
 #[test]

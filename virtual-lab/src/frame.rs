@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::robot::Robot;
 use random::Stream;
 
-/// How the robot's frame lies in that of the scans.
+/// Shift and turn of the robot's frame relative to that of the scans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     shift: DVec2,

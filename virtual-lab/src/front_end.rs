@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Experiment, Instrument, Robot};
 
-/// How the measurements are taken.
+/// Errors of scanner, robot and tool besides the hidden effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrontEnd {
@@ -43,7 +43,7 @@ impl FrontEnd {
         }
     }
 
-    /// What is wrong, in a few words.
+    /// Description in a few words, as help texts print it.
     pub fn about(self) -> &'static str {
         match self {
             Self::Clean => "A careful laboratory",

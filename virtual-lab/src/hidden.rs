@@ -228,8 +228,8 @@ fn values(
     (0..count).map(|_| rounded((value * stream.normal()).clamp(range[0], range[1]))).collect()
 }
 
-/// Value of an effect's parameter at which a campaign of this size shows the effect [SI]: as the laboratory hides it unless
-/// told otherwise.
+/// Value of an effect's parameter at which a campaign of this size shows the effect [SI]: the laboratory's default for
+/// an effect that it hides.
 pub fn visible_value(effect: &str, parameter: &Parameter, process: Process, size: Size) -> f64 {
     let find = |table: &[(&str, &str, f64, f64)]| {
         table.iter().find(|row| row.0 == effect && row.1 == parameter.name).map(|row| (row.2, row.3))

@@ -1,5 +1,5 @@
-//! The virtual robot: what it reports of a pass. It reports what it believes: the planned pose, the force as its
-//! controller read it, the speed as its drive was told.
+//! The virtual robot and its log of a pass. The log holds the planned pose, the force as the controller read it, and
+//! the commanded speed.
 
 use glam::{DVec2, DVec3};
 use sim::PassRecord;
@@ -31,13 +31,13 @@ pub struct Robot {
     pub speed_noise: f64,
     /// Noise of the logged place along x, y and z [m].
     pub pose_jitter: f64,
-    /// How far the tool truly is off the planned line, unseen by the log [m].
+    /// Distance of the tool from the planned line, absent from the log [m].
     pub wander: f64,
     /// Way over which it wanders [m].
     pub wander_length: f64,
-    /// How far the logged places are off in the scans' frame [m]; the direction is drawn for each campaign.
+    /// Offset of the logged places in the scans' frame [m]; its direction is drawn for each campaign.
     pub frame_shift: f64,
-    /// How far the robot's frame is turned about the scan's middle [rad]; the sense is drawn for each campaign.
+    /// Turn of the robot's frame about the scan's middle [rad]; its sense is drawn for each campaign.
     pub frame_turn: f64,
     /// Time by which a logged place is older than the force beside it [s].
     pub pose_delay: f64,
@@ -106,15 +106,15 @@ pub(super) struct Ran<'a> {
     pub(super) way: &'a Way,
     /// When the force reached the share of the setpoint at which the feed sets in [s].
     pub(super) touch: f64,
-    /// Who held the force.
+    /// Controller of the force.
     pub(super) controller: Controller,
-    /// What it held [N].
+    /// Force setpoint [N].
     pub(super) force_setpoint: f64,
-    /// What the spindle was told [rad/s].
+    /// Commanded spindle speed [rad/s].
     pub(super) spindle_speed: f64,
     /// The frame of its places.
     pub(super) frame: Frame,
-    /// How its force swings.
+    /// Swing of the force that the controller does not follow; `None` without one.
     pub(super) ripple: Option<Ripple>,
 }
 
@@ -135,13 +135,13 @@ impl Ran<'_> {
         a.position.z + (b.position.z - a.position.z) * t
     }
 
-    /// What the sensor says [N]: what it told the controller, with the swing that the controller does not follow.
+    /// Reading of the force sensor [N]: the force that the controller followed, with the swing that it did not follow.
     fn force_reading(&self, time: f64) -> f64 {
         self.followed(time) * self.ripple.as_ref().map_or(1.0, |ripple| 1.0 + ripple.at(time))
     }
 
-    /// What the sensor told the controller [N], the mean since the row before: from how the tool moved, by the
-    /// controller's own law `mass · z'' = (F - setpoint) - damping · z'`. Before the touch there is nothing to believe.
+    /// Force that the controller followed [N], the mean since the row before. It follows from the tool's motion by the
+    /// controller's law `mass · z'' = (F - setpoint) - damping · z'`; before the touch it is the simulated force.
     fn followed(&self, time: f64) -> f64 {
         let since = (time - PERIOD).max(self.touch);
         let Controller::Admittance { mass, damping, .. } = self.controller else {

@@ -1,7 +1,7 @@
 //! The table of dials: every number that may be asked of a weld, with its unit and what is accepted of it on any part.
 //!
-//! What a part or the other dials allow beyond that is checked by [`crate::WeldRequest::check`]. Flags, messages and checks
-//! read the same rows.
+//! Limits that follow from a part or from other dials are checked by [`crate::WeldRequest::check`]. Flags, messages and
+//! checks read the same rows.
 
 use crate::bead::{MOST_DEFECTS, MOST_HOLES};
 use crate::dial_fault::{shown, shown_mm};
@@ -62,7 +62,7 @@ pub const CURVATURE_MAX: Dial = number("curvature maximum", "curvature-max-per-m
 pub const CORRELATION: Dial = length("correlation length", "correlation-mm");
 /// Least exposure along the weld.
 pub const EXPOSURE: Dial = number("exposure", "exposure", Unit::One, SHARE);
-/// What lies farther hides nothing.
+/// Distance beyond which the part does not reduce the exposure of a point.
 pub const EXPOSURE_REACH: Dial = length("exposure reach", "exposure-reach-mm");
 /// Radius of the tool whose access is measured.
 pub const TOOL_RADIUS: Dial = length("tool radius", "access-radius-mm");
@@ -86,7 +86,7 @@ pub const TOE_RADIUS: Dial = length("toe radius", "toe-radius-mm");
 pub const RIPPLE_PITCH: Dial = length("ripple pitch", "ripple-pitch-mm");
 /// Height of ripples from trough to crest.
 pub const RIPPLE_HEIGHT: Dial = number("ripple height", "ripple-height", Unit::Heights, [0.0, 0.5]);
-/// How far ripples trail behind at the toes.
+/// Distance by which ripples trail behind at the toes.
 pub const RIPPLE_CHEVRON: Dial = number("ripple chevron", "ripple-chevron", Unit::Widths, [0.0, 1.0]);
 /// Depth of the end crater.
 pub const CRATER_DEPTH: Dial = number("crater depth", "crater", Unit::Heights, [0.0, 0.8]);
@@ -102,7 +102,7 @@ pub const WIDTH_VARIATION: Dial = number("width variation", "width-variation", U
 pub const HEIGHT_VARIATION: Dial = number("height variation", "height-variation", Unit::Heights, [0.0, 0.3]);
 /// Depth of a sag of the crown.
 pub const SAGGING: Dial = number("sagging", "sagging", Unit::Heights, [0.0, 0.7]);
-/// How far a lobe hangs over a toe.
+/// Distance by which a lobe hangs over a toe.
 pub const OVERLAP: Dial = number("overlap", "overlap", Unit::Widths, [0.0, 0.3]);
 /// Depth of a groove along a toe.
 pub const UNDERCUT: Dial = number("undercut", "undercut", Unit::Heights, [0.0, 0.5]);
@@ -153,7 +153,7 @@ impl Dial {
         DIALS.iter().find(|dial| dial.name == name)
     }
 
-    /// Whether a number is accepted; lengths in metres or millimetres.
+    /// True if a number is within the accepted range; lengths may be in metres or in millimetres.
     pub fn accepts(&self, value: f64) -> bool {
         let [least, most] = self.range;
         (least..=most).contains(&value)
@@ -164,7 +164,7 @@ impl Dial {
         if self.unit == Unit::Length { shown_mm(value) } else { shown(value) }
     }
 
-    /// What is accepted, in words.
+    /// Accepted range in words.
     pub(crate) fn accepted(&self) -> String {
         let [least, most] = self.range;
         match self.range {
@@ -175,7 +175,7 @@ impl Dial {
 }
 
 impl Unit {
-    /// What follows a number of it in messages; lengths are shown in millimetres by themselves.
+    /// Unit after a number in messages; empty for lengths, which are shown with their own unit, millimetres.
     pub(crate) fn suffix(self) -> &'static str {
         match self {
             Self::Length | Self::One => "",

@@ -196,7 +196,7 @@ pub(crate) struct Search<'a> {
     pub(crate) field: &'a ExposureField,
     /// Strata in which to start.
     pub(crate) starts: &'a [u32],
-    /// Whether to follow seams.
+    /// True if the welds follow seams.
     pub(crate) along_seams: bool,
 }
 

@@ -253,7 +253,7 @@ impl WeldRequest {
     }
 }
 
-/// What is asked of a weld and no user sets.
+/// Dials of a request that no user sets; rows for its checks alone.
 const SHARP_ANGLE: Dial = Dial { name: "sharp angle", key: "", unit: Unit::One, range: ABOVE_ZERO };
 const GAP: Dial = Dial { name: "gap", key: "", unit: Unit::Length, range: ABOVE_ZERO };
 const ATTEMPTS: Dial = Dial { name: "number of attempts", key: "", unit: Unit::One, range: ABOVE_ZERO };

@@ -6,7 +6,7 @@ use sim::settings::TOUCH;
 use sim::{Path, PathError, PathSample};
 use trials::trial::{Contact, HeldTool, Pass, ToolPath, ToolPose};
 
-/// Rows of a log that tell how fast the tool came down: so many that the jitter of one counts little.
+/// Rows of a log from which the speed of descent is taken: so many that the jitter of one counts little.
 const DESCENT_ROWS: usize = 8;
 
 /// By how many rows of its log a pass begins and ends later than assumed: each end lies between two rows.
@@ -18,7 +18,7 @@ pub struct PassEnds {
     pub lifted: f64,
 }
 
-/// What a log tells of a pass.
+/// A pass as its log states it: poses, the time at which the controller had taken over, and the pose at its end.
 pub(super) struct LoggedPass {
     poses: ToolPath,
     /// When the controller had taken over [s].
@@ -67,8 +67,8 @@ fn row_period(logged: &ToolPath) -> f64 {
     }
 }
 
-/// Time [s] from the end of a pass's path, `simulated` [s] after its first row, to the first row of the pass after it. A log
-/// whose clock starts again does not tell of the pause between them.
+/// Time [s] from the end of a pass's path, `simulated` [s] after its first row, to the first row of the pass after it.
+/// The pause between two logs counts as 0 where the clock of the second starts again.
 pub(super) fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
     let times =
         |pass: &Pass| pass.log.rows.first().zip(pass.log.rows.last()).map(|(first, last)| (first.time, last.time));

@@ -26,11 +26,11 @@ pub struct SectionFigures {
 pub struct ScanFigures {
     /// Trial and pass.
     pub pass: String,
-    /// What it may be used for.
+    /// Role of the pass: calibration or evaluation.
     pub role: Role,
     /// Root mean square near the tool [µm]; when sanding, the mean distance of the borders.
     pub rms_um: f64,
-    /// What noise alone would leave [µm].
+    /// Noise floor of `rms_um`: the error that a perfect model would leave [µm].
     pub noise_floor_um: f64,
     /// Volume that the pass removed: measured, its standard uncertainty, simulated [mm³]; absent when sanding.
     pub volume_mm3: Option<[f64; 3]>,

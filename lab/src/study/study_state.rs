@@ -305,7 +305,7 @@ impl<'a> StudyState<'a> {
     }
 }
 
-/// What a study says of effects that it has identified, with the values of its last calibration.
+/// Sentence that names the effects which a study has identified, with the values of its last calibration.
 fn identified(added: &[String], parameters: &[ParameterSummary]) -> String {
     let own = |name: &String| {
         let of_effect = parameters.iter().filter(|parameter| parameter.name.starts_with(&format!("{name}.")));

@@ -75,7 +75,7 @@ fn piece(
     }
 }
 
-/// What a trial is made with; where its arrays begin is the host's. And the pace of its tool.
+/// Settings of a trial for the device, and the pace of its tool. The host fills in where the trial's arrays begin.
 ///
 /// # Errors
 /// A setting out of range.

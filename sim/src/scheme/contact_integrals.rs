@@ -52,7 +52,7 @@ impl ApproachShare {
     }
 }
 
-/// What a step did to the squares in contact, one lane each.
+/// Result of a step for the cells in contact, one lane each.
 pub(crate) struct ContactStep<'a> {
     /// Lines of the sheet in contact.
     pub(crate) lines: &'a Lines,
@@ -61,7 +61,7 @@ pub(crate) struct ContactStep<'a> {
     pub(super) end: &'a Side,
     /// Surface of each lane's square that faces the approach axis [m²].
     pub(super) facing: &'a [f64],
-    /// How fast the tool came nearer, less recession [m/s].
+    /// Rate at which the depth grows by the tool's motion, without recession [m/s].
     pub(super) depth_rate: &'a [f64],
     /// Recession of the square's mean [m].
     pub(super) recession: &'a [f64],
@@ -73,7 +73,7 @@ pub(crate) struct ContactStep<'a> {
 }
 
 impl ContactStep<'_> {
-    /// What the tool met, as a mean over the step, but for the moment; and the force at its end, after what it took off [N].
+    /// Mean of the contact over the step, with the moment left at 0, and the force at its end after recession [N].
     pub(crate) fn contact(&self, sheet: &Sheet) -> (Contact, f64) {
         in_wide_lanes(
             #[inline(always)]
@@ -226,7 +226,7 @@ impl ContactStep<'_> {
         (x.range(), y.range())
     }
 
-    /// What the workpiece's cells see at the end of the step, lane by lane.
+    /// Variables of the workpiece's cells at the end of the step, one value per lane.
     pub(crate) fn means(&self) -> [(Variable, &[f64]); 5] {
         let End { depth, pressure, rate, dose_rate, .. } = &self.end.lanes;
         [

@@ -8,7 +8,7 @@ use sdf_bake::simd::in_wide_lanes;
 /// Dose of each lane in a step; filled again and again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dose {
-    /// What the square's mean takes up in the step [1].
+    /// Mean dose that each cell takes up in the step [1].
     pub(super) gain: Vec<f64>,
     /// Share of each lane's square from which the step takes the coating, times its surface per area of the lattice [1].
     bared: Vec<f64>,

@@ -25,12 +25,12 @@ use crate::sheet::{Sheet, Window};
 use effects::RunError;
 use robot::Tool;
 
-/// What a step does to each square in contact; buffers that are filled again and again.
+/// State of a step for each cell in contact; its buffers are reused by the next step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Grinding {
-    /// What is looked at.
+    /// Columns that are looked at.
     region: Region,
-    /// How much further away the tool is than its shape says, by line; empty if it is not.
+    /// Gap that effects add between tool and surface [m], by column; empty without any.
     gap: Vec<f64>,
     /// Lines of the sheet that are in contact at either end.
     lines: Lines,
@@ -38,18 +38,18 @@ pub(crate) struct Grinding {
     end: Side,
     /// The law at other depths than those of the ends.
     probe: End,
-    /// How fast the tool comes nearer, less recession [m/s].
+    /// Rate at which the depth grows by the tool's motion, without recession [m/s].
     depth_rate: Vec<f64>,
     /// By how much deeper a point lies in the middle of the step than the mean of both ends, without recession [m].
     bulge: f64,
-    /// What the step does to each lane.
+    /// Recession, loads and stiffness of each lane.
     relaxed: Relaxed,
     dose: Dose,
     /// Surface of each lane's square that faces the approach axis [m²].
     facing: Vec<f64>,
     /// Recession since the sheet's slopes were taken, at most [m].
     bent: f64,
-    /// Whether the step before was applied to this sheet and ends where the next begins.
+    /// True if the step before was applied to this sheet and ends where the next begins.
     goes_on: bool,
 }
 
@@ -228,7 +228,7 @@ impl Grinding {
         Ok(())
     }
 
-    /// Looks at the law again where the step ends after all, and puts right what is not on the straight line.
+    /// Evaluates the law again at the depth after recession, and corrects lanes in which it is not a straight line.
     fn look_again(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
         let Self { start, end: Side { lanes: end, .. }, probe, relaxed, .. } = self;
         probe.depth.clear();

@@ -1,7 +1,7 @@
-//! How the contact is integrated over a step: a scheme for work that recedes, and one for work that only loses coating.
+//! Integration of the contact over a step: a scheme for work that recedes, and one for work that only loses coating.
 //!
-//! Both measure the tool over the columns, let the model say what the pressure is, and try how far the tool is lifted until the
-//! controller has the force that it wants. They differ in where in the step they measure, and in what they take from the work.
+//! Both measure the tool over the columns, take the pressure from the model, and vary the tool's travel until the force
+//! meets the controller's law. They differ in where in the step they measure, and in what they take from the work.
 
 mod contact_integrals;
 mod contact_state;
@@ -31,16 +31,16 @@ use robot::Tool;
 
 /// A way to integrate the contact over steps. What follows is in the order in which a step asks for it.
 pub(crate) trait Scheme {
-    /// Whether the surface recedes: then what was read of it is written back, and read anew.
+    /// True if the surface recedes: then what was read of it is written back, and read again.
     fn recedes(&self) -> bool;
 
-    /// How far a tool may go, over voxels of a size [m].
+    /// Longest ways and steps of a pass's tool over voxels of a size [m].
     fn pace(&self, pass: &Pass, voxel: f64) -> Pace;
 
     /// The part of the surface to be read next, and its lowest corner [m up].
     fn next_window(&self, ahead: &Ahead) -> (Window, f64);
 
-    /// How far below the tool the surface is sought [m] while the tool is at work.
+    /// Distance below the tool down to which the surface is sought [m] while the tool is at work.
     fn below(&self, search_reach: f64, voxel: f64) -> f64;
 
     /// Looks at a region of the sheet from now on.
@@ -49,7 +49,7 @@ pub(crate) trait Scheme {
     /// Forgets the step before: its sheet is put aside.
     fn leave_sheet(&mut self);
 
-    /// Whether the step goes on with what the one before left, so that its start is in balance.
+    /// True if the step continues from the state that the one before left, so that its start is in balance.
     fn goes_on(&self) -> bool;
 
     /// Where in a step over some times [s] the tool is measured.
@@ -70,19 +70,19 @@ pub(crate) trait Scheme {
         dt: f64,
     ) -> Result<EndForce, RunError>;
 
-    /// Whether that force is the mean over the step, not the one at its end.
+    /// True if that force is the mean over the step, false if it is the one at its end.
     fn is_mean(&self) -> bool;
 
     /// Largest depth under the working surface there [m], negative: the gap.
     fn gap(&self, place: &Placement, sheet: &Sheet) -> f64;
 
-    /// Whether the patch may go on beyond the region.
+    /// True if the patch may extend beyond the region.
     fn reaches_border(&self, sheet: &Sheet) -> bool;
 
     /// Completes the step of `dt` [s] with the tool at `middle` on its way, once its force is the one that is sought.
     fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError>;
 
-    /// What the step does to the cells in contact.
+    /// Result of the step for the cells in contact.
     fn step(&self) -> ContactStep<'_>;
 
     /// Applies the step to a sheet and its `coating` [m].
@@ -94,7 +94,7 @@ pub(crate) fn scheme_of(physics: &Physics) -> Box<dyn Scheme> {
     if physics.grinds() { Box::<Grinding>::default() } else { Box::<Sanding>::default() }
 }
 
-/// How far a tool may go.
+/// Longest ways of a tool, and longest steps.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pace {
     /// In one step [m].
@@ -113,7 +113,7 @@ impl Pace {
     }
 }
 
-/// What a tool may meet on its way on.
+/// Tool, contact and times from which the next part of the surface to be read is chosen.
 pub(crate) struct Ahead<'a> {
     /// The tool.
     pub(crate) tool: &'a Tool,
@@ -121,7 +121,7 @@ pub(crate) struct Ahead<'a> {
     pub(crate) extent: Extent,
     /// Voxel of the field [m].
     pub(crate) voxel: f64,
-    /// How far the tool may go.
+    /// Longest ways of the tool.
     pub(crate) pace: &'a Pace,
     /// Time until the next sheet is written back [s].
     pub(crate) until_written: f64,
@@ -140,11 +140,11 @@ pub(crate) struct EndForce {
     pub(crate) stiffness: f64,
 }
 
-/// What a step took off.
+/// Removal by a step that was applied to a sheet.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Applied {
     /// Volumes removed from the part and from its coating.
     pub(crate) removal: Removal,
-    /// How far at most a column has receded since the sheet was read [m].
+    /// Largest recession of any column since the sheet was read [m].
     pub(crate) receded: f64,
 }

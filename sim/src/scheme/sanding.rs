@@ -35,12 +35,12 @@ const SHEET: f64 = 1.0;
 /// Lines of a sheet, unless the tool's next ways need more: some 40 MB.
 const MOST_LINES: usize = 1 << 18;
 
-/// What a step does to each square in contact; buffers that are filled again and again.
+/// State of a step for each cell in contact; its buffers are reused by the next step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sanding {
-    /// What is looked at.
+    /// Columns that are looked at.
     region: Region,
-    /// How much further away the tool is than its shape says, by line; empty if it is not.
+    /// Gap that effects add between tool and surface [m], by column; empty without any.
     gap: Vec<f64>,
     /// Lines of the sheet that are in contact.
     lines: Lines,
@@ -181,7 +181,7 @@ impl Scheme for Sanding {
 }
 
 impl Sanding {
-    /// Measures the squares; anew only where the tool has done more since it measured them than move along its axis.
+    /// Measures the cells: updates their depths if the tool has only moved along its axis, else measures all again.
     fn measure(&mut self, place: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError> {
         let Self { region, gap, middle: Side { centre, squares, .. }, .. } = self;
         *centre = place.pose.centre;

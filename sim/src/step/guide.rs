@@ -1,4 +1,4 @@
-//! What guides the tool: where it is on its path, and who decides how far the tool is lifted from there.
+//! Motion of the tool: its place on the path, and the controller that sets how far it is lifted from there.
 
 use shaders::constants::{APPROACH_STEP, FORCE_JUMP, INERTIA};
 
@@ -22,9 +22,9 @@ pub(super) struct Guide<'a> {
     /// Since the pass began [s].
     pub(super) time: f64,
     pub(super) motion: Motion,
-    /// Who leads: the path during the approach, then the controller.
+    /// Controller at this time: [`Controller::Replay`] during the approach, then that of the settings.
     pub(super) controller: Controller,
-    /// What the model's effects do to the tool's place.
+    /// Offset and tilt that the model's effects add to the tool's pose.
     pub(super) pose_change: PoseChange,
     /// Length of the next step [s], where the controller limits it.
     limit: f64,
@@ -33,7 +33,7 @@ pub(super) struct Guide<'a> {
     /// Force at the end of the last step, and of the one that is tried.
     pub(super) end: EndForce,
     pub(super) tried: EndForce,
-    /// Whether the tool touched and went as deep as it may without meeting the setpoint.
+    /// True if the tool touched and went as deep as it may without reaching the setpoint.
     pub(super) is_too_soft: bool,
 }
 
@@ -81,12 +81,12 @@ impl<'a> Guide<'a> {
         if speed > 0.0 { way / speed } else { 0.0 }
     }
 
-    /// Whether the tool is as far from the part as it may be.
+    /// True if an ideal controller has lifted the tool to the end of the search reach, away from the part.
     pub(super) fn is_in_air(&self) -> bool {
         self.controller == Controller::Ideal && self.motion.travel >= self.pass.settings.search_reach
     }
 
-    /// Whether the path still leads the tool to the part.
+    /// True during the approach, in which the tool follows its path down to the part.
     fn comes_down(&self) -> bool {
         self.pass.approach - self.time > CLOCK
     }
@@ -131,7 +131,7 @@ impl<'a> Guide<'a> {
         (dt > period && self.is_fast(motion, dt)).then(|| (0.25 * dt).max(period))
     }
 
-    /// Whether an admittance moves too fast for a step of `dt` [s] to follow it.
+    /// True if an admittance moves too fast for a step of `dt` [s] to follow it.
     fn is_fast(&self, motion: Motion, dt: f64) -> bool {
         let Controller::Admittance { mass, .. } = self.controller else { return false };
         let setpoint = self.pass.settings.force_setpoint;
@@ -167,7 +167,7 @@ impl<'a> Guide<'a> {
             Controller::Admittance { mass, damping, .. } => (damping, mass),
             Controller::Ideal | Controller::Replay => (0.0, 0.0),
         };
-        // A contact that has just begun tells nothing of how the force comes to rest.
+        // A contact that has just begun has no stiffness from which the course of the force could be found.
         let is_fitted = !is_mean && damping > 0.0 && self.end.stiffness > 0.0;
         let (start_force, weight) = if is_fitted {
             let weight = end_weight(dt * self.end.stiffness / (damping + mass / dt));
@@ -203,7 +203,7 @@ impl<'a> Guide<'a> {
         self.time += dt;
     }
 
-    /// What the log says now, under a force [N] and with the spindle at a speed [rad/s].
+    /// Row of the log at this time, under a force [N] and with the spindle at a speed [rad/s].
     pub(super) fn log_row(&self, force: f64, spindle_speed: f64) -> LogRow {
         let pose = self.nominal(self.time, self.motion.travel);
         LogRow { time: self.time, position: pose.centre, approach: pose.approach, force, spindle_speed }

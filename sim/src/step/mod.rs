@@ -22,7 +22,7 @@ use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
 use effects::{RunError, States, Variable};
 
-/// What a step did, as means over it.
+/// A step that was taken: its motion, the mean contact over it, and the removal.
 pub(crate) struct Taken {
     pub(crate) motion: Motion,
     /// Length of the step [s].

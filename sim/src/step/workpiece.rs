@@ -7,7 +7,7 @@ use crate::extent::{Extent, MARGIN};
 use crate::sheet::{Facing, Sheet, Window};
 use robot::Tool;
 
-/// How far a tool sinks in at first [voxels].
+/// Depth to which a tool may sink in at its first touch [voxels].
 const SINK: f64 = 2.0;
 
 /// A part under a tool.
@@ -38,7 +38,7 @@ impl<'a> Workpiece<'a> {
         self.sheet.as_mut().expect("a sheet was read")
     }
 
-    /// Whether the sheet holds a window.
+    /// True if the sheet has this facing and covers the window with a margin.
     pub(super) fn holds(&self, facing: Facing, window: &Window) -> bool {
         let holds = |sheet: &Sheet| sheet.facing == facing && sheet.window.holds(window, MARGIN);
         self.sheet.as_ref().is_some_and(holds)

@@ -133,7 +133,7 @@ pub struct Trial {
     pub fresh: bool,
     /// The workpiece before.
     pub scans: Scans,
-    /// What held the force; a replay of the logged z where the files name none.
+    /// Controller of the force; a replay of the logged z where the files name none.
     pub controller: Controller,
     /// Thickness of the coating [m].
     pub coating: Option<f64>,

@@ -36,7 +36,7 @@ pub(super) struct Followed {
     pub(super) crossings: usize,
 }
 
-/// How far a line may be followed.
+/// Limits on following a line: its length, its turns at edges, its crossings.
 pub(super) struct Bounds {
     /// Way [m].
     pub(super) reach: f64,
