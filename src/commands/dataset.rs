@@ -135,7 +135,7 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     let run = Run { dataset: &dataset, plan: &plan, flags: &flags, limits, jobs };
     let summary = make(&run, console)?;
     let catalogue = Catalogue::update(&dataset)?;
-    console.step("dataset", format!("{} items listed in {}", catalogue.pieces, out.display()));
+    console.step("dataset", format!("{} items listed in {}", catalogue.items, out.display()));
     console.step("done", summary.describe(jobs));
     if let Some(outlook) = summary.outlook() {
         console.step("", outlook);

@@ -21,7 +21,7 @@ use crate::store::Occupied;
 use crate::store::catalogue::Catalogue;
 use crate::store::limits::Limits;
 use crate::store::progress::Summary;
-use crate::store::run::{Piece, Run};
+use crate::store::run::{Run, SetItem};
 use crate::wrong_use;
 
 /// Placements or stages that are accepted; names of placements have two digits.
@@ -202,7 +202,7 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     let set = ImageSet::start(&args.out, recipe, Occupied::resumed(args.resume))?;
     let summaries = make(&Run { set: &set, limits, jobs }, &steps, console)?;
     let catalogue = Catalogue::update(&set)?;
-    console.step("dataset", format!("{} images listed in {}", catalogue.pieces, args.out.display()));
+    console.step("dataset", format!("{} images listed in {}", catalogue.items, args.out.display()));
     console.step("done", summaries[2].describe(jobs));
     let failed: usize = summaries.iter().map(|summary| summary.failed).sum();
     let [workpieces, sandings, images] = summaries;

@@ -19,7 +19,7 @@ pub const TABLE_FILE: &str = "manifest.csv";
 pub const CROISSANT_FILE: &str = "croissant.json";
 
 impl Described for Recipe {
-    const PIECES: &'static str = "items";
+    const ITEMS: &'static str = "items";
 
     fn describe(dataset: &Dataset) -> Result<Catalogue> {
         let items = dataset.ids()?.iter().map(|id| Seen::read(dataset, id)).collect::<Result<Vec<Seen>>>()?;
@@ -34,6 +34,6 @@ impl Described for Recipe {
         ]);
         let records = files.iter().map(|(&name, bytes)| (name, FileRecord::of_bytes(bytes))).collect();
         files.insert(CROISSANT_FILE, croissant::write(&dataset.recipe, &table, &records)?);
-        Ok(Catalogue { files, pieces: items.len() })
+        Ok(Catalogue { files, items: items.len() })
     }
 }

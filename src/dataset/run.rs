@@ -9,7 +9,7 @@ use super::plan::{Item, Plan, Unreadable};
 use super::{Dataset, Recipe};
 use crate::store::limits::{Limits, Usage};
 use crate::store::process::Ending;
-use crate::store::run::{self, Outcome, Piece};
+use crate::store::run::{self, Outcome, SetItem};
 use crate::store::{Failure, Stage, command_line};
 use files::sha256;
 
@@ -58,7 +58,7 @@ struct FlaggedItem<'a> {
     flags: &'a [String],
 }
 
-impl Piece<Recipe> for FlaggedItem<'_> {
+impl SetItem<Recipe> for FlaggedItem<'_> {
     fn id(&self) -> &str {
         &self.item.id
     }

@@ -28,7 +28,7 @@ const ANNOTATIONS: [(&str, [&str; 3]); 2] = [
 ];
 
 impl Described for ImageRecipe {
-    const PIECES: &'static str = "images";
+    const ITEMS: &'static str = "images";
 
     fn describe(set: &ImageSet) -> Result<Catalogue> {
         let there: Vec<Planned> = set.recipe.images().into_iter().filter(|image| set.holds_image(image)).collect();
@@ -45,7 +45,7 @@ impl Described for ImageRecipe {
                 files.insert(name, annotations(set, (folder, split), &records)?);
             }
         }
-        Ok(Catalogue { files, pieces: records.len() })
+        Ok(Catalogue { files, items: records.len() })
     }
 
     fn contradictions(set: &ImageSet) -> Result<Vec<String>> {

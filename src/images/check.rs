@@ -13,7 +13,7 @@ use super::{APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, ImageSet, RECORDS_FOL
 use crate::asset::FileRecord;
 use crate::in_full;
 use crate::store::check::{Broken, SetValidation};
-use crate::store::run::Piece;
+use crate::store::run::SetItem;
 use crate::store::{self, names, remove};
 use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 

@@ -13,7 +13,7 @@ use super::workpiece::Coated;
 use super::{ImageRecipe, ImageSet};
 use crate::store::limits::Limits;
 use crate::store::process::Ending;
-use crate::store::run::Piece;
+use crate::store::run::SetItem;
 use crate::store::{Failure, Stage, command_line};
 use files::file_lock::Patience;
 
@@ -83,7 +83,7 @@ impl Task {
     }
 }
 
-impl Piece<ImageRecipe> for Task {
+impl SetItem<ImageRecipe> for Task {
     fn id(&self) -> &str {
         match self {
             Self::Workpiece(coated) => &coated.name,

@@ -1,4 +1,4 @@
-//! The files that describe a set; each follows from the marker, the pieces and the failures.
+//! The files that describe a set; each follows from the marker, the items and the failures.
 
 use std::collections::BTreeMap;
 
@@ -13,23 +13,23 @@ use files::folder::write_file;
 pub const FAILURES_FILE: &str = "failures.jsonl";
 /// For people.
 pub const CARD_FILE: &str = "README.md";
-/// Pictures of some pieces.
+/// Pictures of some items.
 pub const CONTACT_FILE: &str = "contact-sheet.png";
 
 /// A kind of set that is described by files of its own.
 pub trait Described: Marker {
-    /// Name of its pieces in messages, in the plural.
-    const PIECES: &'static str;
+    /// Name of its items in messages, in the plural.
+    const ITEMS: &'static str;
 
     /// Describes what is there.
     ///
     /// # Errors
-    /// When a piece or the record of a failure cannot be read.
+    /// When an item or the record of a failure cannot be read.
     fn describe(set: &Store<Self>) -> Result<Catalogue>
     where
         Self: Sized;
 
-    /// Contradictions between whole pieces of the set, one sentence each.
+    /// Contradictions between whole items of the set, one sentence each.
     ///
     /// # Errors
     /// As [`Described::describe`].
@@ -45,8 +45,8 @@ pub trait Described: Marker {
 pub struct Catalogue {
     /// Their contents.
     pub files: BTreeMap<&'static str, Vec<u8>>,
-    /// Number of pieces that it lists.
-    pub pieces: usize,
+    /// Number of items that it lists.
+    pub items: usize,
 }
 
 impl Catalogue {

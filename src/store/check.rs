@@ -1,4 +1,4 @@
-//! Check of a set: every piece is looked at, the catalogue is made again and compared.
+//! Check of a set: every item is looked at, the catalogue is made again and compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,23 +11,23 @@ use super::{Marker, Store, names};
 use crate::in_full;
 use files::job_queue::take_turns;
 
-/// A piece that does not hold.
+/// An item that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Broken {
     /// Its name.
     pub id: String,
-    /// Faults of the piece, one sentence each.
+    /// Faults of the item, one sentence each.
     pub faults: Vec<String>,
 }
 
 /// Result of the check of a set.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SetValidation {
-    /// Pieces that were checked.
+    /// Items that were checked.
     pub items: usize,
     /// Checks that were made in them.
     pub checks: usize,
-    /// Pieces that do not hold, by name.
+    /// Items that do not hold, by name.
     pub broken: Vec<Broken>,
     /// Faults of the set's own files, one sentence each.
     pub catalogue: Vec<String>,
@@ -40,27 +40,27 @@ impl SetValidation {
     }
 }
 
-/// Checks pieces with `jobs` threads, then the catalogue; calls `done` with each piece's faults as they come in.
+/// Checks items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they come in.
 ///
-/// - `pieces`: their names, and what `look` needs of them
-/// - `look`: how many checks it made of a piece, and what they found
+/// - `items`: their names, and what `look` needs of them
+/// - `look`: how many checks it made of an item, and what they found
 ///
 /// # Errors
 /// When a folder cannot be read, or `done` fails.
-pub fn check<M: Described, P: Sync>(
+pub fn check<M: Described, I: Sync>(
     set: &Store<M>,
     jobs: usize,
-    pieces: &[(String, P)],
-    look: impl Fn(&str, &P) -> (usize, Vec<String>) + Sync,
+    items: &[(String, I)],
+    look: impl Fn(&str, &I) -> (usize, Vec<String>) + Sync,
     mut done: impl FnMut(&str, &[String]) -> Result<()>,
 ) -> Result<SetValidation> {
-    let mut found = SetValidation { items: pieces.len(), ..Default::default() };
+    let mut found = SetValidation { items: items.len(), ..Default::default() };
     take_turns(
-        pieces.len(),
+        items.len(),
         jobs,
-        |turn, _| Some(look(&pieces[turn].0, &pieces[turn].1)),
+        |turn, _| Some(look(&items[turn].0, &items[turn].1)),
         |turn, (checks, faults)| {
-            let id = &pieces[turn].0;
+            let id = &items[turn].0;
             done(id, &faults)?;
             found.checks += checks;
             if !faults.is_empty() {
@@ -74,11 +74,11 @@ pub fn check<M: Described, P: Sync>(
     Ok(found)
 }
 
-/// Faults of the set's own files, one sentence each. They follow from the pieces, so they are compared only if these
+/// Faults of the set's own files, one sentence each. They follow from the items, so they are compared only if these
 /// hold.
-fn check_catalogue<M: Described>(set: &Store<M>, pieces_hold: bool) -> Result<Vec<String>> {
-    if !pieces_hold {
-        return Ok(vec![format!("not compared with the {}, some of which are broken", M::PIECES)]);
+fn check_catalogue<M: Described>(set: &Store<M>, items_hold: bool) -> Result<Vec<String>> {
+    if !items_hold {
+        return Ok(vec![format!("not compared with the {}, some of which are broken", M::ITEMS)]);
     }
     match M::describe(set) {
         Err(error) => Ok(vec![in_full(&error)]),

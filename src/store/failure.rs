@@ -1,4 +1,4 @@
-//! Pieces that could not be made, each with its reason and the line that shows it again.
+//! Items that could not be made, each with its reason and the line that shows it again.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use files::json_file::read_json;
 /// Folder of the records of failures in a set.
 pub const FAILURES_FOLDER: &str = "failures";
 
-/// Stage of the making at which a piece failed.
+/// Stage of the making at which an item failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -48,24 +48,24 @@ impl Stage {
     }
 }
 
-/// A piece that could not be made.
+/// An item that could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Name of the piece; of a source that cannot be read, `source-` and a hash of its path.
+    /// Name of the item; of a source that cannot be read, `source-` and a hash of its path.
     pub id: String,
     /// Path of the source that it is made from, as it was given.
     pub source: String,
-    /// Number among the pieces of the source.
+    /// Number among the items of the source.
     pub index: u32,
     /// Where it failed.
     pub stage: Stage,
     /// Reason of the failure, with its causes.
     pub reason: String,
-    /// The command line that makes this piece alone.
+    /// The command line that makes this item alone.
     pub command: String,
 }
 
-/// Error that kept a piece from being made, with its stage: writing, unless another is stated.
+/// Error that kept an item from being made, with its stage: writing, unless another is stated.
 #[derive(Debug)]
 pub struct Fault {
     /// Where it failed.
@@ -117,7 +117,7 @@ impl<M: Marker> Store<M> {
         Ok(write_file(&self.failure_path(&failure.id), text.as_bytes())?)
     }
 
-    /// Forgets the failure of a piece or source that is well now.
+    /// Forgets the failure of an item or source that is well now.
     ///
     /// # Errors
     /// When the file system refuses.

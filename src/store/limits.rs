@@ -1,4 +1,4 @@
-//! Limits of the process of one piece: its memory, its time, and the lifetime of its parent process.
+//! Limits of the process of one item: its memory, its time, and the lifetime of its parent process.
 
 use std::io::Read;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,7 +13,7 @@ pub const TIME_IS_UP: i32 = 124;
 /// Exit code of a process whose parent is gone.
 const ORPHANED: i32 = 125;
 
-/// Time and memory that the process of one piece may use.
+/// Time and memory that the process of one item may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Time by the clock [s].

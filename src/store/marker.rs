@@ -1,10 +1,10 @@
-//! Marker of a kind of store: the contents of its marker file, and the folders of its pieces.
+//! Marker of a kind of store: the contents of its marker file, and the folders of its items.
 
 use anyhow::Result;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Recipe from which every piece of a store follows, as the marker file holds it.
+/// Recipe from which every item of a store follows, as the marker file holds it.
 pub trait Marker: Serialize + DeserializeOwned + Sync {
     /// Name of the kind of store in messages, with its article.
     const WHAT: &'static str;
@@ -12,7 +12,7 @@ pub trait Marker: Serialize + DeserializeOwned + Sync {
     const FILE: &'static str;
     /// Value of the `format` key.
     const FORMAT: &'static str;
-    /// Folders of the pieces, the one in which they are claimed first; `""` is the store's own.
+    /// Folders of the items, the one in which they are claimed first; `""` is the store's own.
     const FOLDERS: &'static [&'static str];
     /// The flags that go on with a store that is there, and what they do.
     const CONTINUED: &'static str = "--resume to go on with it";

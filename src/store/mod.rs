@@ -1,11 +1,11 @@
-//! Folders that are filled piece by piece and may be gone on with: caches, data sets, sets of images.
+//! Folders that are filled item by item and may be gone on with: caches, data sets, sets of images.
 //!
-//! A store has a [`Marker`] that decides every piece in it. A piece is made under a lock of the operating system and
+//! A store has a [`Marker`] that decides every item in it. An item is made under a lock of the operating system and
 //! appears by renaming, so it is whole or it is not there, whenever a run is killed; [`Store::fill`] finds it or makes it,
 //! and [`Store::work_through`] does so for many, beside other runs that do the same. Neither order nor jobs nor
 //! interruptions change a byte.
 //!
-//! A set is a store whose pieces are made by processes of their own: [`run`] starts them ([`process`], [`limits`]) and
+//! A set is a store whose items are made by processes of their own: [`run`] starts them ([`process`], [`limits`]) and
 //! counts ([`progress`]), `failure` keeps what could not be made, [`catalogue`] describes what is there, and [`check`]
 //! compares it with what it should be.
 
@@ -53,15 +53,15 @@ impl Occupied {
     }
 }
 
-/// A folder of pieces.
+/// A folder of items.
 #[derive(Clone, Debug)]
 pub struct Store<M> {
     folder: PathBuf,
-    /// Recipe from which its pieces follow.
+    /// Recipe from which its items follow.
     pub recipe: M,
 }
 
-/// A piece of a store.
+/// An item of a store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filled<T> {
     /// It was there.
@@ -152,7 +152,7 @@ impl<M: Marker> Store<M> {
         &self.folder
     }
 
-    /// The right to write a piece; `None` when another process has it and there is no patience.
+    /// The right to write an item; `None` when another process has it and there is no patience.
     ///
     /// # Errors
     /// When the file system refuses.
@@ -168,7 +168,7 @@ impl<M: Marker> Store<M> {
         Ok(FileLock::take(&self.folder.join(format!(".{}.lock", stem::<M>())), Patience::Endless)?)
     }
 
-    /// Finds a piece, or makes it under its claim; `None` when someone else is making it and there is no patience.
+    /// Finds an item, or makes it under its claim; `None` when someone else is making it and there is no patience.
     ///
     /// # Errors
     /// Those of `make`, and when the file system refuses.
@@ -193,25 +193,25 @@ impl<M: Marker> Store<M> {
         Ok(Some(Filled::Made(make()?)))
     }
 
-    /// Does `work` for each of `pieces` with `jobs` threads, then removes what killed runs left; `done` gets the position
+    /// Does `work` for each of `items` with `jobs` threads, then removes what killed runs left; `done` gets the position
     /// and what came of it, as it comes in. Where `work` gives `None`, it is asked again at the end, with patience.
     ///
     /// # Errors
     /// Those of `done`, and when the folder cannot be written.
-    pub fn work_through<P: Sync, T: Send>(
+    pub fn work_through<I: Sync, T: Send>(
         &self,
-        pieces: &[P],
+        items: &[I],
         jobs: usize,
-        work: impl Fn(&P, Patience) -> Option<T> + Sync,
+        work: impl Fn(&I, Patience) -> Option<T> + Sync,
         done: impl FnMut(usize, T) -> Result<()>,
     ) -> Result<()> {
-        take_turns(pieces.len(), jobs, |turn, patience| work(&pieces[turn], patience), done)?;
+        take_turns(items.len(), jobs, |turn, patience| work(&items[turn], patience), done)?;
         self.sweep()
     }
 
-    /// Removes what killed runs left of pieces that no one is writing.
+    /// Removes what killed runs left of items that no one is writing.
     fn sweep(&self) -> Result<()> {
-        // Who writes the store's own files may stage them in a folder of pieces.
+        // Who writes the store's own files may stage them in a folder of items.
         let _claim = self.claim_catalogue()?;
         remove_stale(&self.folder, stem::<M>())?;
         for folder in M::FOLDERS {
@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piece_is_made_once_and_what_killed_runs_left_of_it_goes() {
+    fn an_item_is_made_once_and_what_killed_runs_left_of_it_goes() {
         let place = tempfile::tempdir().unwrap();
         let store = start(place.path(), "English", Occupied::Refuse).unwrap();
         let at = |name: &str| place.path().join(name);

@@ -1,4 +1,4 @@
-//! Starting the process of a piece, and what its end means.
+//! Starting the process of an item, and what its end means.
 
 use std::process::{Command, ExitStatus, Output, Stdio};
 
@@ -14,7 +14,7 @@ const PANICKED: i32 = 101;
 /// What the allocator says before it gives up.
 const OUT_OF_MEMORY: &str = "memory allocation of";
 
-/// Outcome of making a piece.
+/// Outcome of making an item.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ending {
@@ -34,7 +34,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// The ending of the piece `id`, which this process made or not.
+    /// The ending of the item `id`, which this process made or not.
     pub fn of(id: &str, filled: Result<Option<Filled<()>>, Fault>) -> Self {
         match filled {
             Ok(None) => Self::Busy,
@@ -50,10 +50,10 @@ impl Ending {
     }
 }
 
-/// Report of the process of a piece: one line of JSON on standard output.
+/// Report of the process of an item: one line of JSON on standard output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// Outcome of making the piece.
+    /// Outcome of making the item.
     pub ending: Ending,
     /// Time and memory that the process used.
     pub usage: Usage,

@@ -114,7 +114,7 @@ impl Summary {
         let Self { made, there, failed, seconds, .. } = self;
         let mut text = format!("{made} made, {there} there, {failed} failed in {}", duration(*seconds));
         if let (Some(cpu_s), Some(peak_mb)) = (self.median_cpu_s, self.peak_mb) {
-            text += &format!("\na item takes {cpu_s:.2} s of processor in the median, and at most {peak_mb:.0} MB");
+            text += &format!("\nan item takes {cpu_s:.2} s of processor in the median, and at most {peak_mb:.0} MB");
         }
         if let Some(pace) = self.items_per_hour {
             text += &format!("\n{pace:.0} items an hour with {jobs} at once");

@@ -1,4 +1,4 @@
-//! Making the pieces of a set, several at once, each in a process of its own.
+//! Making the items of a set, several at once, each in a process of its own.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -11,8 +11,8 @@ use super::process::{Answer, Ending, run_apart};
 use super::{Failure, Marker, Stage, Store};
 use files::file_lock::Patience;
 
-/// A piece of a set of the kind `M`.
-pub trait Piece<M>: Sync {
+/// An item of a set of the kind `M`.
+pub trait SetItem<M>: Sync {
     /// Its name.
     fn id(&self) -> &str;
 
@@ -22,7 +22,7 @@ pub trait Piece<M>: Sync {
     /// True if it is there already.
     fn is_there(&self, set: &Store<M>) -> bool;
 
-    /// Failure without an attempt, for pieces that need others which failed; `None` if it can be tried.
+    /// Failure without an attempt, for items that need others which failed; `None` if it can be tried.
     fn obstacle(&self, _set: &Store<M>) -> Option<Ending> {
         None
     }
@@ -34,17 +34,17 @@ pub trait Piece<M>: Sync {
     fn failure(&self, set: &Store<M>, stage: Stage, reason: String) -> Failure;
 }
 
-/// A run that makes the pieces of a set.
+/// A run that makes the items of a set.
 pub struct Run<'a, M> {
     /// The set to which they belong.
     pub set: &'a Store<M>,
-    /// Time and memory that each piece may use.
+    /// Time and memory that each item may use.
     pub limits: Limits,
-    /// Pieces at once.
+    /// Items at once.
     pub jobs: usize,
 }
 
-/// Outcome of a piece in a run.
+/// Outcome of an item in a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Its name.
@@ -60,39 +60,39 @@ pub struct Outcome {
 }
 
 impl<M: Marker> Run<'_, M> {
-    /// Makes what is not there yet and calls `done` for each piece as it ends.
+    /// Makes what is not there yet and calls `done` for each item as it ends.
     ///
     /// # Errors
-    /// When the set cannot be written, or `done` fails; a piece that fails is an outcome.
-    pub fn run<P: Piece<M>>(&self, pieces: &[P], mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
-        let work = |piece: &P, patience| self.outcome(piece, patience).transpose();
-        self.set.work_through(pieces, self.jobs, work, |_, outcome| done(&outcome?))
+    /// When the set cannot be written, or `done` fails; an item that fails is an outcome.
+    pub fn run<I: SetItem<M>>(&self, items: &[I], mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
+        let work = |item: &I, patience| self.outcome(item, patience).transpose();
+        self.set.work_through(items, self.jobs, work, |_, outcome| done(&outcome?))
     }
 
-    /// Finds or makes one piece; `None` when someone else is making it and there is no patience.
-    fn outcome(&self, piece: &impl Piece<M>, patience: Patience) -> Result<Option<Outcome>> {
+    /// Finds or makes one item; `None` when someone else is making it and there is no patience.
+    fn outcome(&self, item: &impl SetItem<M>, patience: Patience) -> Result<Option<Outcome>> {
         let started = Instant::now();
         if patience == Patience::Endless {
             // Whoever makes it is done when the claim is free.
-            drop(self.set.claim(piece.id(), Patience::Endless)?);
+            drop(self.set.claim(item.id(), Patience::Endless)?);
         }
-        let Answer { ending, usage } = self.answer(piece)?;
+        let Answer { ending, usage } = self.answer(item)?;
         match &ending {
             Ending::Busy => return Ok(None),
             Ending::Failed { stage, reason } => {
-                self.set.keep_failure(&piece.failure(self.set, *stage, reason.clone()))?;
+                self.set.keep_failure(&item.failure(self.set, *stage, reason.clone()))?;
             }
-            Ending::Made | Ending::There => self.set.forget_failure(piece.id())?,
+            Ending::Made | Ending::There => self.set.forget_failure(item.id())?,
         }
-        let (id, source) = (piece.id().to_owned(), piece.source(self.set));
+        let (id, source) = (item.id().to_owned(), item.source(self.set));
         Ok(Some(Outcome { id, source, ending, usage, seconds: started.elapsed().as_secs_f64() }))
     }
 
-    fn answer(&self, piece: &impl Piece<M>) -> Result<Answer> {
-        let known = if piece.is_there(self.set) { Some(Ending::There) } else { piece.obstacle(self.set) };
+    fn answer(&self, item: &impl SetItem<M>) -> Result<Answer> {
+        let known = if item.is_there(self.set) { Some(Ending::There) } else { item.obstacle(self.set) };
         match known {
             Some(ending) => Ok(Answer { ending, usage: Usage::default() }),
-            None => run_apart(self.limits, |command| piece.words(command, self.set, self.limits)),
+            None => run_apart(self.limits, |command| item.words(command, self.set, self.limits)),
         }
     }
 }

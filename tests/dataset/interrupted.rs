@@ -44,7 +44,7 @@ fn two_runs_at_once_share_the_work_and_none_is_done_twice() {
         (work(), other.join().expect("no panic"))
     });
     let made = [one.succeeds(), two.succeeds()].map(|told| told.stdout.matches("\"ending\":\"made\"").count());
-    assert_eq!(made[0] + made[1], crate::set::PIECES, "{made:?}");
+    assert_eq!(made[0] + made[1], crate::set::ITEMS, "{made:?}");
     assert_same(&out, whole);
 }
 

@@ -14,13 +14,13 @@ use sdf_bake::read::UnitChoice;
 use serde_json::Value;
 
 use crate::program::{files, robofin, run};
-use crate::set::{PIECES, assert_same, dataset, items, lines, plates, undisturbed};
+use crate::set::{ITEMS, assert_same, dataset, items, lines, plates, undisturbed};
 
 #[test]
 fn the_manifest_says_of_each_item_what_its_folder_says() {
     let (parts, set) = undisturbed();
     let rows = lines(&set.join("manifest.jsonl"));
-    assert_eq!(rows.len(), PIECES);
+    assert_eq!(rows.len(), ITEMS);
     for row in &rows {
         let folder = set.join(row["folder"].as_str().expect("a folder"));
         let manifest = Manifest::read(&folder).expect("a manifest");
@@ -41,7 +41,7 @@ fn the_manifest_says_of_each_item_what_its_folder_says() {
         assert!(["easy", "medium", "hard"].contains(&row["difficulty"].as_str().expect("a class")));
     }
     let seeds: BTreeSet<u64> = rows.iter().filter_map(|row| row["seed"].as_u64()).collect();
-    assert_eq!(seeds.len(), PIECES, "each item has a seed of its own");
+    assert_eq!(seeds.len(), ITEMS, "each item has a seed of its own");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use crate::program::{robofin, run};
 
 /// Items of the small data set: two of each of three plates.
-pub(crate) const PIECES: usize = 6;
+pub(crate) const ITEMS: usize = 6;
 
 /// A plate in millimetres, as OBJ; each number gives another.
 fn plate(number: usize) -> String {

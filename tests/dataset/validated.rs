@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::program::{Outcome, robofin, run};
-use crate::set::{PIECES, assert_same, copy_of_set, items, tree, undisturbed};
+use crate::set::{ITEMS, assert_same, copy_of_set, items, tree, undisturbed};
 
 fn validate(set: &Path, more: &[&str]) -> Outcome {
     run(robofin(["validate"]).arg(set).args(more))
@@ -14,8 +14,8 @@ fn validate(set: &Path, more: &[&str]) -> Outcome {
 fn a_whole_set_holds() {
     let told = validate(undisturbed().1, &["--json"]).succeeds();
     let answer = told.answer();
-    assert_eq!((&answer["valid"], &answer["items"]), (&true.into(), &PIECES.into()));
-    assert!(answer["checks"].as_u64() > Some(20 * PIECES as u64), "{answer}");
+    assert_eq!((&answer["valid"], &answer["items"]), (&true.into(), &ITEMS.into()));
+    assert!(answer["checks"].as_u64() > Some(20 * ITEMS as u64), "{answer}");
 }
 
 #[test]
