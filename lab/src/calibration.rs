@@ -12,7 +12,7 @@ use super::calibrate::fit_law;
 use super::diagnose::spread;
 use super::error::{LabError, Result};
 use super::evidence::{Agreement, EvidenceError, Split};
-use super::fit::{Estimate, Fit, FitOptions, robust_sum};
+use super::fit::{Estimate, Fit, FitOptions};
 use super::staged::Staged;
 use super::summary::BASE_STEP;
 use super::totals::{Total, Totals};
@@ -76,37 +76,22 @@ impl Fitted {
     }
 
     /// A model that has one effect more than one that is fitted. The fit begins at the fitted values, with the effect once as
-    /// the file has it and once at its null, and once with all values of the file but the rate; it never ends worse than the
-    /// model before.
+    /// the file has it and once at its null, and once with all values of the file but the rate. The best of the three counts; it
+    /// never ends worse than the model before.
     fn grown(evidence: &dyn Totals, (before, own): (&Fit, &CompiledModel), name: String) -> Result<Self> {
         let effect = name.trim_start_matches(ADDED);
         let coordinates = evidence.coordinates(own);
         let beside = with_values_of(own, before);
         let null = at_null(&beside, effect);
-        let leaves = |model: &CompiledModel| {
-            let left = evidence.residuals(model, Split::Calibration).map(|left| robust_sum(&left));
-            left.unwrap_or(f64::INFINITY)
-        };
         let matched = with_matched_rate(evidence, own).unwrap_or_else(|_| own.clone());
-        let mut starts = [beside, matched, null.clone()].map(|model| (leaves(&model), model)).to_vec();
-        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<Fit> = None;
-        for (_, start) in starts.iter().filter(|(chi2, _)| chi2.is_finite()) {
-            let fit = Fit::new(evidence, start, coordinates.clone(), FitOptions::default())?;
-            let is_nested = fit.chi2 <= before.chi2;
-            let better = best.filter(|best| best.chi2 <= fit.chi2).unwrap_or(fit);
-            // A poor fit may have begun in the wrong valley, where the model before it went to make up for the effect.
-            let is_done = is_nested && !better.is_poor();
-            best = Some(better);
-            if is_done {
-                break;
-            }
-        }
+        let fit_from =
+            |start: &CompiledModel| Fit::new(evidence, start, coordinates.clone(), FitOptions::default()).ok();
+        let least = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+        // A fit that is good may still be in the wrong valley: an effect with the wrong sign drives a stiffness far away.
+        let mut best = least([beside, matched, null.clone()].par_iter().filter_map(fit_from).collect());
         if best.as_ref().is_some_and(Fit::is_poor) {
-            let again =
-                |start: &CompiledModel| Fit::new(evidence, start, coordinates.clone(), FitOptions::default()).ok();
-            let others: Vec<Fit> = other_starts(evidence, own).par_iter().filter_map(again).collect();
-            best = best.into_iter().chain(others).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+            let others: Vec<Fit> = other_starts(evidence, own).par_iter().filter_map(fit_from).collect();
+            best = least(best.into_iter().chain(others).collect());
         }
         let fit = match best.filter(|best| best.chi2 <= before.chi2) {
             Some(best) => best,

@@ -3,14 +3,18 @@
 
 use std::collections::BTreeMap;
 
+use effects::CompiledModel;
 use glam::DVec2;
 use nalgebra::DMatrix;
 
-use super::evidence::Split;
+use super::evidence::{Evidence, EvidenceError, Split};
 use super::scans::{ScanData, ScanEvidence, ScanView};
 use super::simulation_errors::change_without_lattice_error;
 use super::tiles::Tiles;
-use crate::criteria::{CLOSURE_PART_ACROSS, CLOSURE_PART_ALONG, CLOSURE_PASS_ACROSS, CLOSURE_PASS_ALONG, FOLDS_LEAST};
+use crate::criteria::{
+    CLOSURE_PART_ACROSS, CLOSURE_PART_ALONG, CLOSURE_PASS_ACROSS, CLOSURE_PASS_ALONG, FOLDS_LEAST, SMOOTH_ERROR_PASS,
+    SMOOTH_ERROR_REMOVAL,
+};
 
 /// The rectangle along the way in which the tiles of scans lie.
 struct Frame {
@@ -60,13 +64,48 @@ impl ScanEvidence<'_> {
     /// terms covers the part and one each pass; a set of terms that are all 1 changes the removal by all of it.
     pub(super) fn closure_columns(&self) -> DMatrix<f64> {
         let views: Vec<&ScanView> = self.of(Split::Calibration).collect();
-        let frame = Frame::of(views.iter().map(|view| view.data.tiles()));
         let removed: Vec<Vec<f64>> = views.iter().map(|view| self.removed(view)).collect();
-        let whole = |scan: usize, _: usize| removed[scan].clone();
-        let mut columns = columns((&views, &frame), [CLOSURE_PART_ALONG, CLOSURE_PART_ACROSS], &[0], &whole);
+        self.smooth_columns((&views, &removed), Vec::new())
+    }
+
+    /// As [`Self::closure_columns`], for the smooth error that the simulation of a model itself may have.
+    ///
+    /// # Errors
+    /// When the borders of what is exposed are needed and the model cannot be simulated.
+    pub(super) fn smooth_error_columns(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
+        let views: Vec<&ScanView> = self.of(Split::Calibration).collect();
+        let masks = views.iter().any(|view| matches!(view.data, ScanData::Exposure(_)));
+        let agreement = if masks { self.agreement(model, Split::Calibration)? } else { Vec::new() };
+        let error = |(scan, view): (usize, &&ScanView)| -> Vec<f64> {
+            let removed = self.removed(view).into_iter();
+            match &view.data {
+                ScanData::Heights(_) => removed.map(|removed| SMOOTH_ERROR_REMOVAL * removed).collect(),
+                ScanData::Exposure(_) => {
+                    let shift = agreement[scan].smooth_error;
+                    removed.map(|reach| if reach > 0.0 { shift } else { 0.0 }).collect()
+                }
+            }
+        };
+        let errors: Vec<Vec<f64>> = views.iter().enumerate().map(error).collect();
+        // A pass may also be off as a whole.
+        let own = |scan: usize, pass: usize| -> Vec<f64> {
+            increment((&views, &errors), scan, pass).into_iter().map(|error| SMOOTH_ERROR_PASS * error).collect()
+        };
         let passes: Vec<usize> = (0..views.len()).collect();
-        let own = |scan: usize, pass: usize| increment((&views, &removed), scan, pass);
-        columns.extend(self::columns((&views, &frame), [CLOSURE_PASS_ALONG, CLOSURE_PASS_ACROSS], &passes, &own));
+        let frame = Frame::of(views.iter().map(|view| view.data.tiles()));
+        let whole = columns((&views, &frame), [1, 1], &passes, &own);
+        Ok(self.smooth_columns((&views, &errors), whole))
+    }
+
+    /// Whitened hats over the part and over each pass, times what was removed from each tile of each scan; and `more` columns.
+    fn smooth_columns(&self, (views, removed): (&[&ScanView], &[Vec<f64>]), more: Vec<Vec<f64>>) -> DMatrix<f64> {
+        let frame = Frame::of(views.iter().map(|view| view.data.tiles()));
+        let whole = |scan: usize, _: usize| removed[scan].clone();
+        let mut columns = columns((views, &frame), [CLOSURE_PART_ALONG, CLOSURE_PART_ACROSS], &[0], &whole);
+        let passes: Vec<usize> = (0..views.len()).collect();
+        let own = |scan: usize, pass: usize| increment((views, removed), scan, pass);
+        columns.extend(self::columns((views, &frame), [CLOSURE_PASS_ALONG, CLOSURE_PASS_ACROSS], &passes, &own));
+        columns.extend(more);
         let field = self.lattice_field_of(Split::Calibration);
         let mut matrix = DMatrix::zeros(field.len(), columns.len());
         for (k, column) in columns.iter().enumerate() {

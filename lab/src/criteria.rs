@@ -309,9 +309,17 @@ criteria! {
     /// Relative distance from the end of its range up to which an amplitude hits its upper bound.
     FAR_END_RATIO: f64 = 1e-3, "1", "chosen";
     // Sizes and verdicts.
-    /// Least size of an effect that is named, over the mean removal.
-    EFFECT_SIZE_REMOVAL: f64 = 0.002, "1",
-        "measured: twice the smooth error that another laboratory's data show of the law that made them (docs/diagnosis.md, Limits)";
+    /// Smooth error of a simulated scan, over the mean removal.
+    SMOOTH_ERROR_REMOVAL: f64 = 0.001, "1",
+        "measured: another laboratory's scans show it of the law that made them (docs/diagnosis.md, Limits)";
+    /// Smooth error of a simulated border of what is exposed, over the way on which dose and coating may err.
+    SMOOTH_ERROR_EXPOSURE: f64 = 0.0025, "1",
+        "measured: another laboratory's masks show it of the law that made them (docs/diagnosis.md, Limits)";
+    /// Error of a simulated pass as a whole, over its smooth error.
+    SMOOTH_ERROR_PASS: f64 = 1.5, "1",
+        "measured: the removed volumes of two campaigns of another laboratory scatter by 0.15 % about the law that made them";
+    /// Least size of an effect that is named, over the smooth error.
+    EFFECT_SIZE_SMOOTH: f64 = 2.0, "1", "chosen: an effect is no smaller than what the simulation itself may err by";
     /// Least size of an effect that is named, over the noise floor.
     EFFECT_SIZE_FLOOR: f64 = 0.1, "1", "derived: less changes the error by under half a percent";
     /// Change of all whitened data together that is detected in four cases of five.

@@ -76,6 +76,9 @@ pub struct Agreement {
     pub noise: f64,
     /// Mean of what was removed, in the same unit; what small errors are small against.
     pub scale: f64,
+    /// Smooth error that the simulation itself may have, in the same unit.
+    #[serde(default)]
+    pub smooth_error: f64,
 }
 
 /// Data of a campaign, which can be predicted with a model again and again.
@@ -153,6 +156,15 @@ pub trait Evidence: Sync {
     /// closure: each of its columns has an effect.
     fn closure(&self) -> DMatrix<f64> {
         DMatrix::zeros(self.folds().len(), 0)
+    }
+
+    /// Change of the calibration residuals by each term of the smooth error that the simulation of a model itself may have, by
+    /// one standard deviation, shape [data, terms]. A table is not simulated.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn smooth_errors(&self, _model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
+        Ok(DMatrix::zeros(self.folds().len(), 0))
     }
 
     /// What the error of the simulation's lattice adds to the residuals of the calibration data before it is taken out of

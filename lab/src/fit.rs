@@ -154,7 +154,10 @@ impl Fit {
                 Step::None => known = false,
             }
         }
-        self.doubt = Some(Doubt::of(&self, &evidence.blocks(Split::Calibration), &evidence.lattice_field()));
+        // A model that was fitted can be simulated.
+        let smooth = evidence.smooth_errors(&self.model).unwrap_or_else(|_| DMatrix::zeros(self.residuals.len(), 0));
+        let errors = (&evidence.lattice_field()[..], &smooth);
+        self.doubt = Some(Doubt::of(&self, &evidence.blocks(Split::Calibration), errors));
         self
     }
 

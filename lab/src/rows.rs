@@ -11,7 +11,7 @@ use super::table_reads::silenced;
 use super::table_steps::Rows;
 use crate::criteria::{
     GROSS_RESIDUAL_SIGMAS, GROUP_GAIN_SIGMA, HUBER_CONSTANT, OUTLIER_SIGMAS, PREDICTION_LEAST_SHARE, ROW_BLOCK_LENGTH,
-    ROW_BLOCKS_LEAST, SAME_SETTING,
+    ROW_BLOCKS_LEAST, SAME_SETTING, SMOOTH_ERROR_REMOVAL,
 };
 use trials::measure::{centre_and_sigma, median};
 use trials::table::Table;
@@ -182,7 +182,8 @@ impl Evidence for RowEvidence<'_> {
         let rms = self.noise * (kept.iter().map(|r| r * r).sum::<f64>() / kept.len().max(1) as f64).sqrt();
         let about = self.table.name.clone();
         let noise = if split == Split::Calibration { self.noise_limit } else { self.noise };
-        let agreement = Agreement { about, rms, floor: self.noise, noise, scale: 1.0 };
+        let agreement =
+            Agreement { about, rms, floor: self.noise, noise, scale: 1.0, smooth_error: SMOOTH_ERROR_REMOVAL };
         Ok(if residuals.is_empty() { Vec::new() } else { vec![agreement] })
     }
 

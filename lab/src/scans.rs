@@ -23,7 +23,7 @@ use super::tiles::Tiles;
 use crate::campaign_simulation::CampaignSimulation;
 use crate::criteria::{
     COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO,
-    TILE_BLOCK_SIDE,
+    SMOOTH_ERROR_EXPOSURE, SMOOTH_ERROR_REMOVAL, TILE_BLOCK_SIDE,
 };
 use crate::simulation::SimulatedPass;
 use files::journal::Journal;
@@ -243,12 +243,14 @@ impl<'a> ScanEvidence<'a> {
                     let before = &self.simulation.trials[view.trial].trial.scans.before;
                     let [rms, floor, scale] =
                         data.agreement(&self.seen(view, simulated, observation), before, self.noise[view.trial].rms);
-                    Agreement { about, rms, floor, noise: floor, scale }
+                    let smooth_error = SMOOTH_ERROR_REMOVAL * scale;
+                    Agreement { about, rms, floor, noise: floor, scale, smooth_error }
                 }
                 (ScanData::Exposure(data), _, Some(margin)) => {
                     let (rms, floor) = (data.border_distance(&margin), data.border_floor());
                     let scale = COATING_ERROR_RATIO * data.border_width(&margin);
-                    Agreement { about, rms, floor, noise: data.border_noise(), scale }
+                    let smooth_error = SMOOTH_ERROR_EXPOSURE * scale;
+                    Agreement { about, rms, floor, noise: data.border_noise(), scale, smooth_error }
                 }
                 _ => unreachable!("a simulated scan is like the real one"),
             })
@@ -322,6 +324,10 @@ impl Evidence for ScanEvidence<'_> {
 
     fn closure(&self) -> DMatrix<f64> {
         self.closure_columns()
+    }
+
+    fn smooth_errors(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
+        self.smooth_error_columns(model)
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {

@@ -1,5 +1,5 @@
 //! How well a fit knows its parameters: by the noise that whitening assumes, by how much blocks of the data differ in
-//! what they ask for, and by what the simulation's lattice moves them.
+//! what they ask for, and by what the simulation's lattice and its smooth error move them.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -13,6 +13,8 @@ pub struct Doubt {
     scores: DMatrix<f64>,
     /// Change of the coordinates where the data hold more of the lattice's error by [`SHARE_SPREAD`] than the fit took out.
     lattice_shift: DVector<f64>,
+    /// Change of the coordinates by each term of the simulation's smooth error, shape [coordinates, terms].
+    smooth_shifts: DMatrix<f64>,
 }
 
 impl Doubt {
@@ -20,8 +22,13 @@ impl Doubt {
     ///
     /// - `blocks`: for each residual the number of its block
     /// - `lattice`: see [`Evidence::lattice_field`](super::evidence::Evidence::lattice_field)
-    pub(super) fn of(fit: &Fit, blocks: &[usize], lattice: &[f64]) -> Self {
-        Self { scores: scores(fit, blocks), lattice_shift: lattice_shift(&fit.jacobian, lattice) }
+    /// - `smooth`: see [`Evidence::smooth_errors`](super::evidence::Evidence::smooth_errors)
+    pub(super) fn of(fit: &Fit, blocks: &[usize], (lattice, smooth): (&[f64], &DMatrix<f64>)) -> Self {
+        Self {
+            scores: scores(fit, blocks),
+            lattice_shift: lattice_shift(&fit.jacobian, lattice),
+            smooth_shifts: smooth_shifts(&fit.jacobian, smooth),
+        }
     }
 }
 
@@ -55,16 +62,28 @@ fn lattice_shift(jacobian: &DMatrix<f64>, field: &[f64]) -> DVector<f64> {
         .map_or_else(|| DVector::zeros(jacobian.ncols()), |normal| normal.solve(&pull))
 }
 
+/// The step that a fit takes where the data hold a term of the smooth error, shape [coordinates, terms] (Kennedy and
+/// O'Hagan 2001: a model discrepancy of known covariance).
+fn smooth_shifts(jacobian: &DMatrix<f64>, smooth: &DMatrix<f64>) -> DMatrix<f64> {
+    if smooth.ncols() == 0 {
+        return DMatrix::zeros(jacobian.ncols(), 0);
+    }
+    let pull = jacobian.tr_mul(smooth);
+    Cholesky::new(jacobian.tr_mul(jacobian))
+        .map_or_else(|| DMatrix::zeros(pull.nrows(), 0), |normal| normal.solve(&pull))
+}
+
 impl Fit {
     /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
     /// others. Of the curvature's standard deviation, times `spread`, and that of the blocks' scores (Huber 1967; Liang and
-    /// Zeger 1986) the larger counts. What the lattice moves is added as a whole.
+    /// Zeger 1986) the larger counts. What the lattice moves is added as a whole, what the smooth error moves term by term.
     pub fn covariance(&self, spread: f64) -> Option<DMatrix<f64>> {
         let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
         let jacobian = self.jacobian.select_columns(&told);
         let inverse = Cholesky::new(jacobian.tr_mul(&jacobian))?.inverse();
         let mut widening = DVector::from_element(told.len(), spread);
         let mut shift = DVector::zeros(told.len());
+        let mut smooth = DMatrix::zeros(told.len(), told.len());
         if let Some(doubt) = &self.doubt {
             let scores = doubt.scores.select_columns(&told).select_rows(&told);
             let sandwich = &inverse * scores * &inverse;
@@ -72,11 +91,13 @@ impl Fit {
                 widening[k] = spread.max((sandwich[(k, k)] / inverse[(k, k)]).max(0.0).sqrt());
                 shift[k] = doubt.lattice_shift[place];
             }
+            let shifts = doubt.smooth_shifts.select_rows(&told);
+            smooth = &shifts * shifts.transpose();
         }
         let mut covariance = DMatrix::from_diagonal_element(self.at.len(), self.at.len(), f64::INFINITY);
         for (i, &a) in told.iter().enumerate() {
             for (j, &b) in told.iter().enumerate() {
-                covariance[(a, b)] = widening[i] * widening[j] * inverse[(i, j)] + shift[i] * shift[j];
+                covariance[(a, b)] = widening[i] * widening[j] * inverse[(i, j)] + shift[i] * shift[j] + smooth[(i, j)];
             }
         }
         Some(covariance)
@@ -97,6 +118,15 @@ mod tests {
         let shift = lattice_shift(&DMatrix::from_vec(40, 1, column), &field);
         // Measured minus simulated falls by what is added to the simulation, and so does the height that is fitted.
         assert!((shift[0] + 3.0 * SHARE_SPREAD).abs() < 1e-12, "{shift}");
+    }
+
+    #[test]
+    fn a_mean_is_as_uncertain_as_the_smooth_errors_of_its_data() {
+        // Forty heights in units of their noise; a smooth error of standard deviation 2 lifts half of them.
+        let smooth = DMatrix::from_fn(40, 1, |row, _| if row < 20 { 2.0 } else { 0.0 });
+        let shifts = smooth_shifts(&DMatrix::from_element(40, 1, 1.0), &smooth);
+        assert!((shifts[(0, 0)] - 1.0).abs() < 1e-12, "{shifts}");
+        assert_eq!(smooth_shifts(&DMatrix::from_element(40, 1, 1.0), &DMatrix::zeros(40, 0)).ncols(), 0);
     }
 
     #[test]

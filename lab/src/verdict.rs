@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::detectable::Detectable;
 use super::evidence::Agreement;
 use crate::criteria::{
-    ADEQUATE_NOISE, ADEQUATE_REMOVAL, EFFECT_SIZE_FLOOR, EFFECT_SIZE_REMOVAL, HELD_OUT_NOISE, HELD_OUT_REMOVAL,
+    ADEQUATE_NOISE, ADEQUATE_REMOVAL, EFFECT_SIZE_FLOOR, EFFECT_SIZE_SMOOTH, HELD_OUT_NOISE, HELD_OUT_REMOVAL,
     HELD_OUT_RISE_NOISE, HELD_OUT_RISE_REMOVAL, LEFT_CALIBRATION_SHARE, LEFT_HELD_OUT_SHARE, NAMED_PROBABILITY,
     TESTABLE_SHARE, UNEXPLAINED_NOISE, UNEXPLAINED_REMOVAL,
 };
@@ -95,7 +95,7 @@ fn exceeds(of: &[Agreement], shares: (f64, f64)) -> bool {
 
 /// The size from which a change of the calibration data matters, given how well a model describes them.
 pub(super) fn least_size(of: &[Agreement]) -> f64 {
-    (EFFECT_SIZE_REMOVAL * rms(of, |a| a.scale)).max(EFFECT_SIZE_FLOOR * rms(of, |a| a.floor))
+    (EFFECT_SIZE_SMOOTH * rms(of, |a| a.smooth_error)).max(EFFECT_SIZE_FLOOR * rms(of, |a| a.floor))
 }
 
 impl Standing<'_> {
@@ -185,7 +185,14 @@ mod tests {
 
     /// Errors of one scan with a floor of 3 µm and a removal of 100 µm.
     fn scan(rms_um: f64) -> Vec<Agreement> {
-        vec![Agreement { about: String::new(), rms: 1e-6 * rms_um, floor: 3e-6, noise: 3e-6, scale: 100e-6 }]
+        vec![Agreement {
+            about: String::new(),
+            rms: 1e-6 * rms_um,
+            floor: 3e-6,
+            noise: 3e-6,
+            scale: 100e-6,
+            smooth_error: 0.1e-6,
+        }]
     }
 
     fn standing([calibration, evaluation]: &[Vec<Agreement>; 2], closed: f64) -> Standing<'_> {

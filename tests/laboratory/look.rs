@@ -56,7 +56,14 @@ impl Evidence for Depths {
 
     fn agreement(&self, model: &CompiledModel, _: Split) -> Result<Vec<Agreement>, EvidenceError> {
         let rms = self.size(&self.left(model));
-        Ok(vec![Agreement { about: "by hand".to_owned(), rms, floor: 1e-6, noise: 1e-6, scale: DEPTH * 1e-6 }])
+        Ok(vec![Agreement {
+            about: "by hand".to_owned(),
+            rms,
+            floor: 1e-6,
+            noise: 1e-6,
+            scale: DEPTH * 1e-6,
+            smooth_error: 1e-3 * DEPTH * 1e-6,
+        }])
     }
 
     fn size(&self, change: &[f64]) -> f64 {

@@ -101,7 +101,14 @@ impl Evidence for ByHand {
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
         let rms = self.size(&self.left(model, split));
-        Ok(vec![Agreement { about: "by hand".to_owned(), rms, floor: 1e-6, noise: 1e-6, scale: 100e-6 }])
+        Ok(vec![Agreement {
+            about: "by hand".to_owned(),
+            rms,
+            floor: 1e-6,
+            noise: 1e-6,
+            scale: 100e-6,
+            smooth_error: 0.1e-6,
+        }])
     }
 
     fn size(&self, change: &[f64]) -> f64 {
