@@ -84,19 +84,17 @@ impl Fitted {
         let beside = with_values_of(own, before);
         let null = at_null(&beside, effect);
         let matched = with_matched_rate(evidence, own).unwrap_or_else(|_| own.clone());
-        let fit_from =
-            |start: &CompiledModel| Fit::new(evidence, start, coordinates.clone(), FitOptions::default()).ok();
-        let least = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+        let fit_from = |start: &CompiledModel| Fit::new(evidence, start, coordinates.clone(), FitOptions::default());
+        let lower = |a: Fit, b: Fit| if b.chi2 < a.chi2 { b } else { a };
         // A fit that is good may still be in the wrong valley: an effect with the wrong sign drives a stiffness far away.
-        let mut best = least([beside, matched, null.clone()].par_iter().filter_map(fit_from).collect());
-        if best.as_ref().is_some_and(Fit::is_poor) {
-            let others: Vec<Fit> = other_starts(evidence, own).par_iter().filter_map(fit_from).collect();
-            best = least(best.into_iter().chain(others).collect());
+        let others: Vec<_> = [beside, matched].par_iter().filter_map(|start| fit_from(start).ok()).collect();
+        let mut best = others.into_iter().fold(fit_from(&null)?, lower);
+        if best.is_poor() {
+            let others: Vec<_> =
+                other_starts(evidence, own).par_iter().filter_map(|start| fit_from(start).ok()).collect();
+            best = others.into_iter().fold(best, lower);
         }
-        let fit = match best.filter(|best| best.chi2 <= before.chi2) {
-            Some(best) => best,
-            None => Fit { model: null, ..before.clone() },
-        };
+        let fit = if best.chi2 <= before.chi2 { best } else { Fit { model: null, ..before.clone() } };
         Ok(Self { name, fit, staged: None })
     }
 
