@@ -17,7 +17,7 @@ use super::staged::Staged;
 use super::summary::BASE_STEP;
 use super::totals::{Total, Totals};
 use super::with_values;
-use crate::criteria::{RENEWED_FIT_DERIVATIVES, RENEWED_FIT_STEPS};
+use crate::criteria::{FIT_CONVERGED_DELTA_CHI2, RENEWED_FIT_DERIVATIVES, RENEWED_FIT_STEPS};
 
 /// What the name of a step begins with that adds an effect.
 const ADDED: &str = "+ ";
@@ -85,14 +85,16 @@ impl Fitted {
         let null = at_null(&beside, effect);
         let matched = with_matched_rate(evidence, own).unwrap_or_else(|_| own.clone());
         let fit_from = |start: &CompiledModel| Fit::new(evidence, start, coordinates.clone(), FitOptions::default());
-        let lower = |a: Fit, b: Fit| if b.chi2 < a.chi2 { b } else { a };
+        let ends = |starts: &[CompiledModel]| -> Vec<Fit> {
+            starts.par_iter().filter_map(|start| fit_from(start).ok()).collect()
+        };
+        // Fits that differ by less are one, and the first start counts.
+        let lower = |a: Fit, b: Fit| if b.chi2 < a.chi2 - FIT_CONVERGED_DELTA_CHI2 { b } else { a };
         // A fit that is good may still be in the wrong valley: an effect with the wrong sign drives a stiffness far away.
-        let others: Vec<_> = [beside, matched].par_iter().filter_map(|start| fit_from(start).ok()).collect();
-        let mut best = others.into_iter().fold(fit_from(&null)?, lower);
+        let best = ends(&[beside, matched, null.clone()]).into_iter().reduce(lower);
+        let mut best = best.map_or_else(|| fit_from(&null), Ok)?;
         if best.is_poor() {
-            let others: Vec<_> =
-                other_starts(evidence, own).par_iter().filter_map(|start| fit_from(start).ok()).collect();
-            best = others.into_iter().fold(best, lower);
+            best = ends(&other_starts(evidence, own)).into_iter().fold(best, lower);
         }
         let fit = if best.chi2 <= before.chi2 { best } else { Fit { model: null, ..before.clone() } };
         Ok(Self { name, fit, staged: None })
