@@ -179,11 +179,13 @@ impl HeightView {
         self.left_at(simulated, &self.whitener.degrees_of_freedom(&self.difference(simulated)).mean)
     }
 
-    /// As [`HeightView::left`], with height and tilt as the untouched surface says: a model that is far off does not pull
-    /// them.
+    /// As [`HeightView::left`], with height and tilt as the untouched surface says, and passes that begin and end as they were
+    /// simulated: a model that is far off does not pull them.
     pub fn left_held(&self, simulated: &HeightMap) -> Vec<f64> {
         let mut pose = self.whitener.degrees_of_freedom(&self.difference(simulated)).mean;
         pose.rows_mut(0, HELD).copy_from(&self.whitener.expected().mean.rows(0, HELD));
+        let ends = pose.len() - PLACE_FREEDOMS;
+        pose.rows_mut(PLACE_FREEDOMS, ends).fill(0.0);
         self.left_at(simulated, &pose)
     }
 
@@ -208,12 +210,12 @@ impl HeightView {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// Standard deviation of a weighted sum over the tiles' differences, from noise, from height and tilt as the untouched
-    /// surface leaves them, and from shifts as all data leave them.
+    /// Standard deviation of a weighted sum over the tiles' differences as [`HeightView::left_held`] has them, from noise,
+    /// from height and tilt as the untouched surface leaves them, and from shifts as all data leave them.
     pub fn held_sigma(&self, weights: &[f64]) -> f64 {
         let expected = &self.whitener.expected().covariance;
         let mut covariance = self.whitener.degrees_of_freedom(&vec![0.0; self.tiles.len()]).covariance;
-        for k in 0..HELD {
+        for k in (0..HELD).chain(PLACE_FREEDOMS..covariance.ncols()) {
             covariance.row_mut(k).fill(0.0);
             covariance.column_mut(k).fill(0.0);
         }

@@ -87,7 +87,7 @@ fn margin(pass: &SimulatedPass, model: &CompiledModel) -> Result<Vec<f64>, Evide
 /// Volumes under all tiles.
 fn volume(data: &HeightView, simulated: &HeightMap, before: &HeightMap) -> Total {
     let area = data.measured.pixels.pitch.powi(2);
-    let left = data.left(simulated);
+    let left = data.left_held(simulated);
     let (mut predicted, mut missing) = (0.0, 0.0);
     for (_, at) in data.tiles.pixels().filter(|(_, at)| left[*at].is_finite() && before.heights[*at].is_finite()) {
         predicted += area * (before.heights[at] - simulated.heights[at]);

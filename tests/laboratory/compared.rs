@@ -60,6 +60,20 @@ fn a_model_that_was_never_fitted_differs_and_is_said_where() {
 }
 
 #[test]
+fn measured_volumes_do_not_depend_on_the_model() {
+    let volumes = |rate: &str| -> Vec<[f64; 3]> {
+        let text = format!("process = \"grinding\"\n[law.preston-threshold]\ngrind_rate = \"{rate}\"\n");
+        let (comparison, _) = compared(&Model::parse("rate", &text, Library::builtin()).unwrap());
+        comparison.scans.iter().map(|scan| scan.volume_mm3.expect("a ground surface")).collect()
+    };
+    for (low, high) in volumes("0.6 mm/(MPa s)").into_iter().zip(volumes("1.3 mm/(MPa s)")) {
+        let ([measured, sigma, simulated], [again, _, more]) = (low, high);
+        println!("measured {measured:.2} and {again:.2} ± {sigma:.2} mm³, simulated {simulated:.2} and {more:.2} mm³");
+        assert!((measured - again).abs() < 2.0 * sigma && more > 1.2 * simulated, "{low:?}, {high:?}");
+    }
+}
+
+#[test]
 fn rows_are_compared_without_maps() {
     let folder = bundled("tables/belt-sanding");
     let table = Table::read(&folder).unwrap();

@@ -86,16 +86,20 @@ impl<'a> Ground<'a> {
         before.heights.iter().zip(&self.seen.heights).map(|(before, after)| before - after).collect()
     }
 
-    /// Volume removed since the scan before the first pass.
+    /// Volume removed since the scan before the first pass, under rims, too: which tiles are rims depends on the model. They
+    /// are as uncertain as the others.
     pub fn volume(&self, before: &HeightMap) -> Volume {
         let area = self.seen.pixels.pitch.powi(2);
         let removed = self.removed(before);
+        let (judged, fitted) = (&self.data.judged, &self.data.tiles);
         let sum = |of: &[f64]| {
-            let known = self.data.tiles.pixels().map(|(_, at)| of[at]).filter(|value| value.is_finite());
+            let known = judged.pixels().map(|(_, at)| of[at]).filter(|value| value.is_finite());
             area * known.sum::<f64>()
         };
         let simulated = sum(&removed);
-        Volume { measured: simulated - sum(&self.left), uncertainty: self.data.volume_sigma(), simulated }
+        let share = judged.pixels().count() as f64 / fitted.pixels().count().max(1) as f64;
+        let uncertainty = share * self.data.volume_sigma();
+        Volume { measured: simulated - sum(&self.left), uncertainty, simulated }
     }
 
     /// Mean depth that was measured since the scan before the first pass, near the tool [m].
