@@ -194,16 +194,16 @@ impl Fit {
 
     /// Places on both sides along the direction of which the data tell least.
     pub(super) fn both_sides(&self) -> Vec<Vec<f64>> {
-        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
-        if told.is_empty() {
+        let informed: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
+        if informed.is_empty() {
             return Vec::new();
         }
-        let jacobian = self.jacobian.select_columns(&told);
+        let jacobian = self.jacobian.select_columns(&informed);
         let directions = jacobian.tr_mul(&jacobian).symmetric_eigen();
         let way = directions.eigenvectors.column(directions.eigenvalues.imin());
         let beside = |side: f64| {
             let mut at = self.at.clone();
-            for (&k, way) in told.iter().zip(way.iter().map(|share| side * RESTART_DISTANCE * share / way.amax())) {
+            for (&k, way) in informed.iter().zip(way.iter().map(|share| side * RESTART_DISTANCE * share / way.amax())) {
                 at[k] = self.coordinates[k].clamped(at[k] + way);
             }
             at

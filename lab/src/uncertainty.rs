@@ -78,25 +78,25 @@ impl Fit {
     /// others. Of the curvature's standard deviation, times `spread`, and that of the blocks' scores (Huber 1967; Liang and
     /// Zeger 1986) the larger counts. What the lattice moves is added as a whole, what the smooth error moves term by term.
     pub fn covariance(&self, spread: f64) -> Option<DMatrix<f64>> {
-        let told: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
-        let jacobian = self.jacobian.select_columns(&told);
+        let informed: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
+        let jacobian = self.jacobian.select_columns(&informed);
         let inverse = Cholesky::new(jacobian.tr_mul(&jacobian))?.inverse();
-        let mut widening = DVector::from_element(told.len(), spread);
-        let mut shift = DVector::zeros(told.len());
-        let mut smooth = DMatrix::zeros(told.len(), told.len());
+        let mut widening = DVector::from_element(informed.len(), spread);
+        let mut shift = DVector::zeros(informed.len());
+        let mut smooth = DMatrix::zeros(informed.len(), informed.len());
         if let Some(doubt) = &self.doubt {
-            let scores = doubt.scores.select_columns(&told).select_rows(&told);
+            let scores = doubt.scores.select_columns(&informed).select_rows(&informed);
             let sandwich = &inverse * scores * &inverse;
-            for (k, &place) in told.iter().enumerate() {
+            for (k, &place) in informed.iter().enumerate() {
                 widening[k] = spread.max((sandwich[(k, k)] / inverse[(k, k)]).max(0.0).sqrt());
                 shift[k] = doubt.lattice_shift[place];
             }
-            let shifts = doubt.smooth_shifts.select_rows(&told);
+            let shifts = doubt.smooth_shifts.select_rows(&informed);
             smooth = &shifts * shifts.transpose();
         }
         let mut covariance = DMatrix::from_diagonal_element(self.at.len(), self.at.len(), f64::INFINITY);
-        for (i, &a) in told.iter().enumerate() {
-            for (j, &b) in told.iter().enumerate() {
+        for (i, &a) in informed.iter().enumerate() {
+            for (j, &b) in informed.iter().enumerate() {
                 covariance[(a, b)] = widening[i] * widening[j] * inverse[(i, j)] + shift[i] * shift[j] + smooth[(i, j)];
             }
         }

@@ -211,7 +211,7 @@ impl<M: Marker> Store<M> {
 
     /// Removes what killed runs left of items that no one is writing.
     fn sweep(&self) -> Result<()> {
-        // Who writes the store's own files may stage them in a folder of items.
+        // The writer of the store's own files may stage them in a folder of items.
         let _claim = self.claim_catalogue()?;
         remove_stale(&self.folder, stem::<M>())?;
         for folder in M::FOLDERS {
