@@ -87,8 +87,8 @@ impl Coordinate {
 
     /// The bound on which a coordinate lies.
     pub fn bound(&self, at: f64) -> Option<Bound> {
-        let [least, greatest] = self.bounds();
-        let near = BOUND_SHARE * (greatest - least);
+        let ([least, greatest], [low, high]) = (self.bounds(), self.listed());
+        let near = BOUND_SHARE * (high - low);
         if at <= least + near {
             return Some(Bound::Least);
         }

@@ -131,7 +131,7 @@ criteria! {
     /// Δχ², over χ² per datum where that is above one, below which a promised step ends a fit.
     FIT_CONVERGED_DELTA_CHI2: f64 = 0.05, "1", "derived: a fifth of a standard deviation";
     /// Times that the derivatives of a calibration are made.
-    FIT_DERIVATIVES: usize = 4, "1", "chosen";
+    FIT_DERIVATIVES: usize = 8, "1", "chosen";
     /// Most steps of a calibration.
     FIT_STEPS: usize = 25, "1", "chosen";
     /// Times that derivatives are made by a fit that only finds the place for the next.
@@ -139,7 +139,7 @@ criteria! {
     /// Most steps of a fit that only finds the place for the next.
     ROUGH_FIT_STEPS: usize = 8, "1", "chosen";
     /// Times that derivatives are made where a fit goes on after its data were seen better.
-    RENEWED_FIT_DERIVATIVES: usize = 1, "1", "chosen: along the principal directions";
+    RENEWED_FIT_DERIVATIVES: usize = 2, "1", "chosen: along the principal directions";
     /// Most steps of a fit that goes on after its data were seen better.
     RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
     /// χ² per datum above which a calibration starts again from both sides of its end.

@@ -6,23 +6,47 @@ use rayon::prelude::*;
 
 use super::coordinates::{Coordinate, moved};
 use super::evidence::{Evidence, Split};
-use super::fit::{Fit, robust_sum};
+use super::fit::{Fit, Place, weights};
 use crate::criteria::{
     DERIVATIVE_CHANGE_AIM, DERIVATIVE_CHANGE_LEAST, DERIVATIVE_CHANGE_MOST, DERIVATIVE_CHANGE_SHARE,
     DERIVATIVE_LONGEST_STEP,
 };
 
+/// Factor on a step's length from which the lowest place on its line is tried: at half or twice the best length a step
+/// gains three quarters of what it could, or nothing.
+const ABOUT_AS_FAR: f64 = 1.5;
+
 impl Fit {
-    /// Broyden's update: the derivatives along the last step are those that were seen. A step that changes the data by no
-    /// more than the simulation's own unevenness is ignored.
-    pub(super) fn update_jacobian(&mut self, at: &[f64], residuals: &[f64]) {
-        let way = DVector::from_iterator(at.len(), self.at.iter().zip(at).map(|(b, a)| b - a));
-        let seen = DVector::from_iterator(residuals.len(), self.residuals.iter().zip(residuals).map(|(b, a)| b - a));
-        if seen.norm() < DERIVATIVE_CHANGE_AIM {
+    /// Broyden's update: the derivatives along the way to a place that was tried are those that were seen. A way that changes
+    /// the data by no more than the simulation's own unevenness is ignored.
+    pub(super) fn update_jacobian(&mut self, tried: &Place) {
+        let difference = |b: &[f64], a: &[f64]| DVector::from_iterator(b.len(), b.iter().zip(a).map(|(b, a)| b - a));
+        let way = difference(&tried.at, &self.at);
+        let seen = difference(&tried.residuals, &self.residuals);
+        if seen.norm() < DERIVATIVE_CHANGE_LEAST {
             return;
         }
         let missing = (seen - &self.jacobian * &way) / way.norm_squared();
         self.jacobian += missing * way.transpose();
+    }
+
+    /// Where the sum of squares is lowest on the straight line from here through a place that was tried, by the residuals at
+    /// both, and not farther than derivatives are soundly taken over; `None` where that is about as far.
+    pub(super) fn along_line(&self, tried: &Place) -> Option<Vec<f64>> {
+        let weights = weights(&self.residuals);
+        let weighted = |residuals: &[f64]| DVector::from_column_slice(residuals).component_mul(&weights);
+        let from = weighted(&self.residuals);
+        let change = weighted(&tried.residuals) - &from;
+        let square = change.norm_squared().max(f64::MIN_POSITIVE);
+        let way: Vec<f64> = tried.at.iter().zip(&self.at).map(|(b, a)| b - a).collect();
+        let longest = DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()));
+        let sound = longest.min(DERIVATIVE_CHANGE_AIM / square.sqrt()).max(1.0);
+        let lowest = (-from.dot(&change) / square).min(sound);
+        let is_elsewhere = lowest > 0.0 && !(ABOUT_AS_FAR.recip()..ABOUT_AS_FAR).contains(&lowest);
+        is_elsewhere.then(|| {
+            let moved = self.at.iter().zip(&way).map(|(at, way)| at + lowest * way);
+            moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
+        })
     }
 
     /// Takes derivatives that are known from elsewhere as a start; the others are made here.
@@ -36,71 +60,66 @@ impl Fit {
     }
 
     /// Renews all derivatives: along the coordinates where none is known yet, else along the principal directions of what
-    /// is known, downhill, each as far as it takes to change the data soundly. So the soft directions of a valley are
-    /// as well known as the stiff ones (multisecant update; Eyert 1996).
+    /// is known, from one side to the other, each as far as it takes to change the data soundly. So the soft directions of a
+    /// valley are as well known as the stiff ones (multisecant update; Eyert 1996), and one that bends looks no stiffer
+    /// than it is.
     pub(super) fn renew_derivatives(&mut self, evidence: &dyn Evidence) {
         if self.jacobian.column_iter().any(|column| column.amax() == 0.0) {
             return self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
         }
-        let there =
-            |at: &Vec<f64>| evidence.residuals(&moved(&self.model, &self.coordinates, at), Split::Calibration).ok();
-        let step = |place: Vec<f64>| {
-            let seen = there(&place)?;
-            match self.farther(&place, &seen) {
-                Some(farther) => Some((2, farther.clone(), there(&farther)?)),
-                None => Some((1, place, seen)),
-            }
-        };
-        let steps: Vec<(usize, Vec<f64>, Vec<f64>)> = self.principal_steps().into_par_iter().filter_map(step).collect();
-        self.runs += steps.iter().map(|(runs, ..)| runs).sum::<usize>();
-        let pairs: Vec<(&Vec<f64>, &Vec<f64>)> = steps.iter().map(|(_, at, seen)| (at, seen)).collect();
-        let ways = DMatrix::from_fn(self.at.len(), pairs.len(), |k, i| pairs[i].0[k] - self.at[k]);
-        let changes = DMatrix::from_fn(self.residuals.len(), pairs.len(), |n, i| pairs[i].1[n] - self.residuals[n]);
+        let pairs: Vec<([Place; 2], usize)> =
+            self.principal_steps().into_par_iter().map(|way| self.pair(evidence, &way)).collect();
+        self.runs += pairs.iter().map(|(_, runs)| runs).sum::<usize>();
+        let between = |[a, b]: &[Place; 2], k: usize| b.at[k] - a.at[k];
+        let ways = DMatrix::from_fn(self.at.len(), pairs.len(), |k, i| between(&pairs[i].0, k));
+        let seen = |[a, b]: &[Place; 2], n: usize| b.residuals[n] - a.residuals[n];
+        let changes = DMatrix::from_fn(self.residuals.len(), pairs.len(), |n, i| seen(&pairs[i].0, n));
         let missing = changes - &self.jacobian * &ways;
         let least = 1e-6 * ways.amax();
         if let Ok(inverse) = ways.pseudo_inverse(least) {
             self.jacobian += missing * inverse;
         }
-        for (at, residuals) in pairs {
-            let chi2 = robust_sum(residuals);
-            if chi2 < self.chi2 {
-                (self.at, self.residuals, self.chi2) = (at.clone(), residuals.clone(), chi2);
-            }
+        let best = pairs.into_iter().flat_map(|(places, _)| places).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+        if let Some(best) = best.filter(|best| best.chi2 < self.chi2) {
+            self.go_to(best);
         }
-        self.model = moved(&self.model, &self.coordinates, &self.at);
     }
 
-    /// A place farther off than one that changes the residuals less than soundly: derivatives that are too large make
-    /// steps too short, on which the simulation's unevenness would keep them large.
-    fn farther(&self, place: &[f64], seen: &[f64]) -> Option<Vec<f64>> {
-        let change = seen.iter().zip(&self.residuals).map(|(b, a)| (b - a).powi(2)).sum::<f64>().sqrt();
-        let way: Vec<f64> = place.iter().zip(&self.at).map(|(b, a)| b - a).collect();
-        let longest = DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()));
+    /// Places on both sides along a way, and the simulations that they took; farther off where they differ by less than
+    /// soundly: derivatives that are too large make ways too short, on which the simulation's unevenness would keep them
+    /// large.
+    fn pair(&self, evidence: &dyn Evidence, way: &[f64]) -> ([Place; 2], usize) {
+        let near = self.both(evidence, way);
+        let change = near[0].distance(&near[1]);
+        let longest =
+            0.5 * DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()));
         let factor = (DERIVATIVE_CHANGE_AIM / change.max(1.0)).min(longest);
-        (change < DERIVATIVE_CHANGE_LEAST && factor > 1.0).then(|| {
-            let moved = self.at.iter().zip(&way).map(|(at, way)| at + factor * way);
-            moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
+        if change >= DERIVATIVE_CHANGE_LEAST || factor <= 1.0 {
+            return (near, 2);
+        }
+        let farther: Vec<f64> = way.iter().map(|way| factor * way).collect();
+        (self.both(evidence, &farther), 4)
+    }
+
+    /// Places at a way and its opposite, kept within the bounds; here instead of one that cannot be simulated.
+    fn both(&self, evidence: &dyn Evidence, way: &[f64]) -> [Place; 2] {
+        [-1.0, 1.0].map(|side| {
+            let moved = self.at.iter().zip(way).map(|(at, way)| at + side * way);
+            let at = moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect();
+            self.place(evidence, at).unwrap_or_else(|| self.here())
         })
     }
 
-    /// Places at a sound distance along each principal direction, kept within the bounds.
+    /// Half of a sound way along each principal direction.
     fn principal_steps(&self) -> Vec<Vec<f64>> {
         let directions = self.jacobian.tr_mul(&self.jacobian).symmetric_eigen();
-        let slope = self.jacobian.tr_mul(&DVector::from_column_slice(&self.residuals));
-        let place = |k: usize| -> Vec<f64> {
+        let way = |k: usize| -> Vec<f64> {
             let way = directions.eigenvectors.column(k);
-            let length = (DERIVATIVE_CHANGE_AIM / directions.eigenvalues[k].max(1e-12).sqrt())
-                .min(DERIVATIVE_LONGEST_STEP / way.amax());
-            let downhill = if way.dot(&slope) > 0.0 { -length } else { length };
-            let at = |length: f64| -> Vec<f64> {
-                let moved = self.at.iter().zip(way.iter()).map(|(at, way)| at + length * way);
-                moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
-            };
-            let moved = |place: &[f64]| place.iter().zip(&self.at).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            let (there, back) = (at(downhill), at(-downhill));
-            if moved(&there) >= 0.25 * moved(&back) { there } else { back }
+            let sound = 0.5 * DERIVATIVE_CHANGE_AIM / directions.eigenvalues[k].max(1e-12).sqrt();
+            let length = sound.min(0.5 * DERIVATIVE_LONGEST_STEP / way.amax());
+            way.iter().map(|way| length * way).collect()
         };
-        (0..self.at.len()).map(place).collect()
+        (0..self.at.len()).map(way).collect()
     }
 
     /// Renews the derivatives along some coordinates.

@@ -1,6 +1,8 @@
 //! Fits a model to data by Levenberg and Marquardt's method within bounds. Measurement degrees of freedom are part of the
 //! whitened data, so every fit is joint.
 
+use std::ops::Range;
+
 use effects::CompiledModel;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -13,6 +15,10 @@ use crate::criteria::{
 
 /// Damping: first, and factors after good and bad steps.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
+/// Least damping: below it a failed step would take many to be shortened.
+const LEAST_DAMPING: f64 = 1e-5;
+/// Share of what derivatives promised that a step keeps where they are right.
+const KEPT_OF_PROMISE: Range<f64> = 0.5..2.0;
 /// Longest step of one round [coordinates].
 const LONGEST_MOVE: f64 = 1.5;
 /// Lengths tried for one step.
@@ -56,6 +62,23 @@ pub struct Fit {
     pub(super) begun: Vec<f64>,
     /// What else its data say about the parameters; `None` before the first step.
     pub(super) doubt: Option<Doubt>,
+}
+
+/// A place in the space of the coordinates.
+pub(super) struct Place {
+    /// Coordinates.
+    pub(super) at: Vec<f64>,
+    /// Whitened residuals there.
+    pub(super) residuals: Vec<f64>,
+    /// Robust sum of squares.
+    pub(super) chi2: f64,
+}
+
+impl Place {
+    /// By how much the data differ from those at another place [σ].
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        self.residuals.iter().zip(&other.residuals).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
 }
 
 /// How an attempt to improve a fit ended.
@@ -140,12 +163,10 @@ impl Fit {
                 self.renew_derivatives(evidence);
                 (left, fresh) = (left - 1, true);
             }
-            let before = (self.at.clone(), self.residuals.clone(), self.chi2);
+            let before = self.chi2;
             match self.improve(evidence, &mut damping) {
                 Step::Better { promised } => {
-                    let kept = before.2 - self.chi2;
-                    self.update_jacobian(&before.0, &before.1);
-                    (known, fresh) = (kept > 0.1 * promised, false);
+                    (known, fresh) = (KEPT_OF_PROMISE.contains(&((before - self.chi2) / promised)), false);
                 }
                 Step::None if fresh => {
                     self.converged = true;
@@ -217,7 +238,7 @@ impl Fit {
         Some(self.jacobian.column(place).into_owned())
     }
 
-    /// Makes one step that lowers the sum of squares.
+    /// Makes one step that lowers the sum of squares. The derivatives learn from every place that is tried.
     fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
         let worth = FIT_CONVERGED_DELTA_CHI2 * (self.chi2 / self.residuals.len() as f64).max(1.0);
         for _ in 0..TRIES {
@@ -225,19 +246,44 @@ impl Fit {
             if promised < worth {
                 return Step::None;
             }
-            self.runs += 1;
-            let model = moved(&self.model, &self.coordinates, &at);
-            if let Ok(residuals) = evidence.residuals(&model, Split::Calibration) {
-                let chi2 = robust_sum(&residuals);
-                if chi2 < self.chi2 {
-                    *damping *= if self.chi2 - chi2 > 0.25 * promised { DAMPING.1 } else { 1.0 };
-                    (self.model, self.at, self.residuals, self.chi2) = (model, at, residuals, chi2);
+            if let Some(tried) = self.tried(evidence, at) {
+                let along = self.along_line(&tried).and_then(|place| self.tried(evidence, place));
+                let best = along.into_iter().fold(tried, |a, b| if b.chi2 < a.chi2 { b } else { a });
+                self.update_jacobian(&best);
+                if best.chi2 < self.chi2 {
+                    let kept = self.chi2 - best.chi2;
+                    *damping =
+                        if kept > 0.25 * promised { (DAMPING.1 * *damping).max(LEAST_DAMPING) } else { *damping };
+                    self.go_to(best);
                     return Step::Better { promised };
                 }
             }
             *damping *= DAMPING.2;
         }
         Step::None
+    }
+
+    /// As [`Fit::place`], counted.
+    fn tried(&mut self, evidence: &dyn Evidence, at: Vec<f64>) -> Option<Place> {
+        self.runs += 1;
+        self.place(evidence, at)
+    }
+
+    /// The data at another place, if the model can be simulated there.
+    pub(super) fn place(&self, evidence: &dyn Evidence, at: Vec<f64>) -> Option<Place> {
+        let residuals = evidence.residuals(&moved(&self.model, &self.coordinates, &at), Split::Calibration).ok()?;
+        Some(Place { chi2: robust_sum(&residuals), at, residuals })
+    }
+
+    /// Where the fit is.
+    pub(super) fn here(&self) -> Place {
+        Place { at: self.at.clone(), residuals: self.residuals.clone(), chi2: self.chi2 }
+    }
+
+    /// Goes to a place, with the derivatives as they are.
+    pub(super) fn go_to(&mut self, place: Place) {
+        self.model = moved(&self.model, &self.coordinates, &place.at);
+        (self.at, self.residuals, self.chi2) = (place.at, place.residuals, place.chi2);
     }
 
     /// How far the coordinates follow a change of the residuals to make up for it, and by how much its sum of squares falls.
@@ -308,3 +354,6 @@ impl Fit {
         self.coordinates.iter().enumerate().map(held).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,121 @@
+//! Fits of a law of which the data say one thing well and the rest hardly: rate and threshold under pressures that are
+//! nearly equal.
+
+use effects::{Effect, Library, Model, Process, RowCounts};
+
+use super::*;
+use crate::evidence::Agreement;
+use crate::pass_trend::PassTrend;
+
+/// Standard deviation of a depth, over one that a rate of one removes under a pressure of one.
+const NOISE: f64 = 0.01;
+
+/// Depths under pressures around 0.6, uneven as simulations are.
+struct Valley {
+    depths: Vec<f64>,
+    unevenness: f64,
+}
+
+impl Valley {
+    /// Rate [mm/(MPa s)], threshold [MPa] and stiffness [MPa/mm] that made the data.
+    const TRUTH: [f64; 3] = [1.5, 0.2, 30.0];
+
+    fn new(unevenness: f64) -> Self {
+        let mut valley = Self { depths: Vec::new(), unevenness: 0.0 };
+        valley.depths = valley.predicted(&model(Self::TRUTH));
+        Self { unevenness, ..valley }
+    }
+
+    fn predicted(&self, model: &CompiledModel) -> Vec<f64> {
+        let [rate, threshold, stiffness] = values(model);
+        let at = |i: usize| {
+            let pressure = 0.6 + 0.1 * (i as f64 / 400.0 - 0.5) + 0.02 * (stiffness / 30.0).ln() * (i % 7) as f64;
+            let ripple = self.unevenness * (1e3 * (rate + threshold * 7.0) + i as f64 * i as f64).sin();
+            rate * (pressure - threshold).max(0.0) + ripple * NOISE
+        };
+        (0..400).map(at).collect()
+    }
+}
+
+fn model([rate, threshold, stiffness]: [f64; 3]) -> CompiledModel {
+    let model = Model::new(Process::Grinding);
+    let mut compiled = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).unwrap();
+    for coordinate in Coordinate::of(&compiled.clone(), |_| true) {
+        let slot = &coordinate.slot;
+        let value = match slot.parameter.as_str() {
+            "grind_rate" => rate,
+            "threshold_pressure" => threshold,
+            _ => stiffness,
+        };
+        compiled.set(coordinate.index, slot.unit.to_si(value));
+    }
+    compiled
+}
+
+fn values(model: &CompiledModel) -> [f64; 3] {
+    let coordinates = Coordinate::of(model, |_| true);
+    ["grind_rate", "threshold_pressure", "stiffness"].map(|name| {
+        let own = coordinates.iter().find(|coordinate| coordinate.slot.parameter == name).unwrap();
+        own.slot.unit.from_si(model.value(own.index))
+    })
+}
+
+impl Evidence for Valley {
+    fn process(&self) -> Process {
+        Process::Grinding
+    }
+
+    fn rows(&self) -> RowCounts {
+        RowCounts::default()
+    }
+
+    fn residuals(&self, model: &CompiledModel, _: Split) -> Result<Vec<f64>, EvidenceError> {
+        let predicted = self.predicted(model);
+        // Noise of variance one that the seed of no generator moves.
+        let noise = |i: usize| 2.0_f64.sqrt() * (2.4 * (i * i % 397) as f64).sin();
+        Ok((0..400).map(|i| noise(i) + (self.depths[i] - predicted[i]) / NOISE).collect())
+    }
+
+    fn agreement(&self, _: &CompiledModel, _: Split) -> Result<Vec<Agreement>, EvidenceError> {
+        Ok(Vec::new())
+    }
+
+    fn size(&self, change: &[f64]) -> f64 {
+        change.iter().map(|c| c * c).sum::<f64>().sqrt()
+    }
+
+    fn trend(&self, _: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+        Ok(None)
+    }
+
+    fn is_blind_to(&self, _: &Effect) -> Option<String> {
+        None
+    }
+
+    fn blocks(&self, _: Split) -> Vec<usize> {
+        (0..400).map(|i| i / 16).collect()
+    }
+}
+
+/// Ways of a fit from other values to the truth [standard deviations], and how many simulations it took.
+fn ways(unevenness: f64, from: [f64; 3]) -> (Vec<f64>, usize) {
+    let valley = Valley::new(unevenness);
+    let start = model(from);
+    let fit = Fit::new(&valley, &start, valley.coordinates(&start), FitOptions::default()).unwrap();
+    let truth = Fit::new(&valley, &model(Valley::TRUTH), valley.coordinates(&start), FitOptions::default()).unwrap();
+    assert!(fit.converged, "χ² {} after {} simulations", fit.chi2, fit.runs);
+    let way =
+        |estimate: &Estimate, truth: &f64| (estimate.coordinate.from_value(estimate.value) - truth) / estimate.sigma;
+    let ways = fit.estimates(1.0).iter().zip(&truth.at).map(|(estimate, truth)| way(estimate, truth)).collect();
+    (ways, fit.runs)
+}
+
+#[test]
+fn a_fit_comes_to_the_end_of_a_valley_that_bends() {
+    for unevenness in [0.0, 0.1] {
+        for from in [[0.7, 0.0, 5.0], [3.0, 0.4, 100.0], [0.9, 0.02, 30.0]] {
+            let (ways, runs) = ways(unevenness, from);
+            assert!(ways.iter().all(|way| way.abs() < 0.5), "from {from:?}: {ways:?} σ off after {runs} simulations");
+        }
+    }
+}
