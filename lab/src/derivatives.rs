@@ -12,9 +12,14 @@ use crate::criteria::{
     DERIVATIVE_LONGEST_STEP,
 };
 
-/// Factor on a step's length from which the lowest place on its line is tried: at half or twice the best length a step
-/// gains three quarters of what it could, or nothing.
+/// Factor on a step's length from which the lowest place on its line is tried, too: at two thirds of the best length a step
+/// gains eight ninths of what it could.
 const ABOUT_AS_FAR: f64 = 1.5;
+
+/// Factor on a way that makes it as long as derivatives are taken over at most.
+fn longest_factor(way: &[f64]) -> f64 {
+    DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()))
+}
 
 impl Fit {
     /// Broyden's update: the derivatives along the way to a place that was tried are those that were seen. A way that changes
@@ -39,14 +44,16 @@ impl Fit {
         let change = weighted(&tried.residuals) - &from;
         let square = change.norm_squared().max(f64::MIN_POSITIVE);
         let way: Vec<f64> = tried.at.iter().zip(&self.at).map(|(b, a)| b - a).collect();
-        let longest = DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()));
-        let sound = longest.min(DERIVATIVE_CHANGE_AIM / square.sqrt()).max(1.0);
+        let sound = longest_factor(&way).min(DERIVATIVE_CHANGE_AIM / square.sqrt()).max(1.0);
         let lowest = (-from.dot(&change) / square).min(sound);
         let is_elsewhere = lowest > 0.0 && !(ABOUT_AS_FAR.recip()..ABOUT_AS_FAR).contains(&lowest);
-        is_elsewhere.then(|| {
-            let moved = self.at.iter().zip(&way).map(|(at, way)| at + lowest * way);
-            moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
-        })
+        is_elsewhere.then(|| self.along(&way, lowest))
+    }
+
+    /// Coordinates a factor of a way from here, kept within the bounds.
+    fn along(&self, way: &[f64], factor: f64) -> Vec<f64> {
+        let moved = self.at.iter().zip(way).map(|(at, way)| at + factor * way);
+        moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
     }
 
     /// Takes derivatives that are known from elsewhere as a start; the others are made here.
@@ -68,7 +75,7 @@ impl Fit {
             return self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
         }
         let pairs: Vec<([Place; 2], usize)> =
-            self.principal_steps().into_par_iter().map(|way| self.pair(evidence, &way)).collect();
+            self.principal_steps().into_par_iter().map(|way| self.sound_ends(evidence, &way)).collect();
         self.runs += pairs.iter().map(|(_, runs)| runs).sum::<usize>();
         let between = |[a, b]: &[Place; 2], k: usize| b.at[k] - a.at[k];
         let ways = DMatrix::from_fn(self.at.len(), pairs.len(), |k, i| between(&pairs[i].0, k));
@@ -88,26 +95,20 @@ impl Fit {
     /// Places on both sides along a way, and the simulations that they took; farther off where they differ by less than
     /// soundly: derivatives that are too large make ways too short, on which the simulation's unevenness would keep them
     /// large.
-    fn pair(&self, evidence: &dyn Evidence, way: &[f64]) -> ([Place; 2], usize) {
-        let near = self.both(evidence, way);
+    fn sound_ends(&self, evidence: &dyn Evidence, way: &[f64]) -> ([Place; 2], usize) {
+        let near = self.ends(evidence, way);
         let change = near[0].distance(&near[1]);
-        let longest =
-            0.5 * DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()));
-        let factor = (DERIVATIVE_CHANGE_AIM / change.max(1.0)).min(longest);
+        let factor = (DERIVATIVE_CHANGE_AIM / change.max(1.0)).min(0.5 * longest_factor(way));
         if change >= DERIVATIVE_CHANGE_LEAST || factor <= 1.0 {
             return (near, 2);
         }
         let farther: Vec<f64> = way.iter().map(|way| factor * way).collect();
-        (self.both(evidence, &farther), 4)
+        (self.ends(evidence, &farther), 4)
     }
 
-    /// Places at a way and its opposite, kept within the bounds; here instead of one that cannot be simulated.
-    fn both(&self, evidence: &dyn Evidence, way: &[f64]) -> [Place; 2] {
-        [-1.0, 1.0].map(|side| {
-            let moved = self.at.iter().zip(way).map(|(at, way)| at + side * way);
-            let at = moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect();
-            self.place(evidence, at).unwrap_or_else(|| self.here())
-        })
+    /// Places at a way and its opposite; here instead of one that cannot be simulated.
+    fn ends(&self, evidence: &dyn Evidence, way: &[f64]) -> [Place; 2] {
+        [-1.0, 1.0].map(|side| self.place(evidence, self.along(way, side)).unwrap_or_else(|| self.here()))
     }
 
     /// Half of a sound way along each principal direction.

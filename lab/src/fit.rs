@@ -17,7 +17,7 @@ use crate::criteria::{
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
 /// Least damping: below it a failed step would take many to be shortened.
 const LEAST_DAMPING: f64 = 1e-5;
-/// Share of what derivatives promised that a step keeps where they are right.
+/// Share of what derivatives promised that a step keeps where they are right enough not to be renewed.
 const KEPT_OF_PROMISE: Range<f64> = 0.5..2.0;
 /// Longest step of one round [coordinates].
 const LONGEST_MOVE: f64 = 1.5;
@@ -64,7 +64,7 @@ pub struct Fit {
     pub(super) doubt: Option<Doubt>,
 }
 
-/// A place in the space of the coordinates.
+/// Coordinates that were simulated, and how well they fit.
 pub(super) struct Place {
     /// Coordinates.
     pub(super) at: Vec<f64>,
@@ -238,7 +238,7 @@ impl Fit {
         Some(self.jacobian.column(place).into_owned())
     }
 
-    /// Makes one step that lowers the sum of squares. The derivatives learn from every place that is tried.
+    /// Makes one step that lowers the sum of squares. The derivatives learn from each try, failed ones too.
     fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
         let worth = FIT_CONVERGED_DELTA_CHI2 * (self.chi2 / self.residuals.len() as f64).max(1.0);
         for _ in 0..TRIES {

@@ -7,10 +7,10 @@ use super::*;
 use crate::evidence::Agreement;
 use crate::pass_trend::PassTrend;
 
-/// Standard deviation of a depth, over one that a rate of one removes under a pressure of one.
+/// Standard deviation of a depth [mm]; each place is ground for a second.
 const NOISE: f64 = 0.01;
 
-/// Depths under pressures around 0.6, uneven as simulations are.
+/// Depths [mm] under pressures around 0.6 MPa, uneven as simulations are.
 struct Valley {
     depths: Vec<f64>,
     unevenness: f64,
@@ -71,7 +71,7 @@ impl Evidence for Valley {
 
     fn residuals(&self, model: &CompiledModel, _: Split) -> Result<Vec<f64>, EvidenceError> {
         let predicted = self.predicted(model);
-        // Noise of variance one that the seed of no generator moves.
+        // Noise of variance one, made by a formula.
         let noise = |i: usize| 2.0_f64.sqrt() * (2.4 * (i * i % 397) as f64).sin();
         Ok((0..400).map(|i| noise(i) + (self.depths[i] - predicted[i]) / NOISE).collect())
     }
