@@ -10,8 +10,8 @@ use serde_json::Value;
 
 use files::json_file::read_json;
 use lab::Verdict;
-use lab::study::{StudyRecord, StudyState};
 use report::study::Sealed;
+use study::{StudyRecord, StudyState};
 use virtual_lab::write::{SEAL_FILE, unseal};
 
 /// Name of the bundled campaign.

@@ -8,7 +8,7 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Each folder with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 17] = [
+const MAY_USE: [(&str, &[&str]); 18] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
@@ -22,9 +22,10 @@ const MAY_USE: [(&str, &[&str]); 17] = [
     ("trials", &["effects", "files", "random", "robot", "sdf-bake"]),
     ("paths", &["robot", "sdf-bake", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "robot", "sdf-bake", "shaders", "sim", "trials"]),
+    ("study", &["effects", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
-    ("benchmark", &["effects", "lab", "random", "trials", "virtual-lab"]),
-    ("report", &["lab", "sdf-bake", "trials"]),
+    ("benchmark", &["effects", "lab", "random", "study", "trials", "virtual-lab"]),
+    ("report", &["lab", "sdf-bake", "study", "trials"]),
     (
         "",
         &[
@@ -41,6 +42,7 @@ const MAY_USE: [(&str, &[&str]); 17] = [
             "sdf-bake",
             "shaders",
             "sim",
+            "study",
             "trials",
             "virtual-lab",
             "weldgen",

@@ -15,8 +15,8 @@ use super::error_gap::Errors;
 use super::forecast::Forecast;
 use super::ladder::hidden;
 use super::said::{Judgement, Named, Said};
-use lab::study::{Measurements, StudyRecord, StudyState, inputs_sha256};
 use lab::{BASE_STEP, LabError, ParameterSummary, Verdict};
+use study::{Measurements, StudyRecord, StudyState, inputs_sha256};
 use virtual_lab::write::{WriteError, write};
 use virtual_lab::{Choice, Experiment, HiddenEffect, Made, MakeError, Size};
 
@@ -121,7 +121,7 @@ impl Studied {
         let mut studied = Self::default();
         let mut searches = 0;
         while state.step(&|_, _, _| {})?.is_some() {
-            let done = state.record.done.iter().filter(|done| done.action == lab::study::Action::Diagnose).count();
+            let done = state.record.done.iter().filter(|done| done.action == study::Action::Diagnose).count();
             if done > searches {
                 searches = done;
                 studied.note_search(&state);

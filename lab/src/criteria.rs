@@ -5,29 +5,22 @@
 //! The modules use these constants and keep no copies. [`CRITERIA`] lists them; every result holds their values
 //! ([`CriterionValues`]), and `docs/diagnosis.md` shows the list.
 
+#[macro_use]
+mod table;
 mod criterion;
+mod unlisted;
 
 pub use criterion::{Criterion, CriterionValues};
+pub use unlisted::*;
 
-macro_rules! criteria {
-    ($(#[doc = $meaning:literal] $name:ident: $kind:ty = $value:literal, $unit:literal, $source:literal;)+) => {
-        $(
-            #[doc = concat!($meaning, " Unit: ", $unit, ". Source: ", $source, ".")]
-            pub const $name: $kind = $value;
-        )+
-
-        /// All criteria, in the order of the method.
-        pub const CRITERIA: &[Criterion] = &[$(Criterion {
-            name: stringify!($name),
-            value: $name as f64,
-            unit: $unit,
-            meaning: $meaning.trim_ascii(),
-            source: $source,
-        }),+];
-    };
-}
+/// All criteria: in the order of the method, then those of unlisted effects.
+pub const CRITERIA: &[Criterion] = &table::joined::<{ OF_METHOD.len() + unlisted::OF_UNLISTED_EFFECTS.len() }>(
+    OF_METHOD,
+    unlisted::OF_UNLISTED_EFFECTS,
+);
 
 criteria! {
+    OF_METHOD;
     // Measurements as data.
     /// Fewest pixels along the side of a tile.
     TILE_LEAST_SIDE: usize = 3, "px", "chosen";

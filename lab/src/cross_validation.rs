@@ -58,7 +58,16 @@ impl CrossValidation {
     ///
     /// - `best`: the fit that leaves least; what it leaves beside the closure counts as noise
     pub(super) fn new(evidence: &dyn Evidence, best: &Fit) -> Self {
-        let data = Self { folds: evidence.folds(), closure: evidence.closure(), spread: 1.0 };
+        Self::in_folds(evidence, evidence.folds(), best)
+    }
+
+    /// As [`Self::new`], each fold a whole pass where there are several: what holds in one pass alone predicts no other.
+    pub(super) fn by_pass(evidence: &dyn Evidence, best: &Fit) -> Self {
+        Self::in_folds(evidence, evidence.pass_folds(), best)
+    }
+
+    fn in_folds(evidence: &dyn Evidence, folds: Vec<usize>, best: &Fit) -> Self {
+        let data = Self { folds, closure: evidence.closure(), spread: 1.0 };
         let closed = data.prediction(best).closed;
         let left: Vec<f64> = match closed.is_empty() {
             true => best.residuals.clone(),
@@ -69,32 +78,80 @@ impl CrossValidation {
 
     /// Prediction of each fold by a fit, with the closure's strength that predicts best.
     pub(super) fn prediction(&self, fit: &Fit) -> Prediction {
-        let weights = weights(&fit.residuals) / self.spread;
-        let residuals = DVector::from_column_slice(&fit.residuals).component_mul(&weights);
-        let (own, columns) = (fit.jacobian.ncols(), self.closure.ncols());
-        let mut slopes = DMatrix::zeros(residuals.len(), own + columns);
-        slopes.columns_mut(0, own).copy_from(&fit.jacobian);
-        slopes.columns_mut(own, columns).copy_from(&self.closure);
-        slopes.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
-        let prior = prior(&fit.coordinates);
-        let alone = Folds::new(&self.folds, &residuals, &slopes.columns(0, own).into_owned());
-        let densities = alone.densities(&DMatrix::from_diagonal(&prior), false).map(|(densities, _)| densities);
-        let densities = densities.unwrap_or_else(|| vec![f64::NEG_INFINITY; alone.0.len()]);
+        let none = DMatrix::zeros(self.folds.len(), 0);
+        let alone = self.beside(fit, &none).densities(&DMatrix::zeros(0, 0), false).map(|(densities, _)| densities);
+        let densities =
+            alone.unwrap_or_else(|| vec![f64::NEG_INFINITY; self.folds.iter().max().map_or(0, |most| most + 1)]);
         let mut best = Prediction { densities, closure: 0.0, closed: Vec::new() };
+        let columns = self.closure.ncols();
         if columns == 0 {
             return best;
         }
-        let joint = Folds::new(&self.folds, &residuals, &slopes);
+        let joint = self.beside(fit, &self.closure);
         for strength in (0..CLOSURE_STRENGTHS).map(|k| CLOSURE_STRENGTH_LEAST * CLOSURE_STRENGTH_RATIO.powi(k)) {
-            let precision = prior.iter().copied().chain(std::iter::repeat_n(strength.powi(-2), columns));
-            let prior = DMatrix::from_diagonal(&DVector::from_iterator(own + columns, precision));
-            let Some((densities, moved)) = joint.densities(&prior, true) else { continue };
+            let precision = DMatrix::from_diagonal_element(columns, columns, strength.powi(-2));
+            let Some((densities, moved)) = joint.densities(&precision, true) else { continue };
             if densities.iter().sum::<f64>() > best.total() {
-                let closed = -(&self.closure * moved.rows(own, columns));
+                let closed = -(&self.closure * moved.rows(joint.own.len(), columns));
                 best = Prediction { densities, closure: strength, closed: closed.as_slice().to_vec() };
             }
         }
         best
+    }
+
+    /// The products of all folds for a fit with more columns beside its own.
+    ///
+    /// - `columns`: change of the whitened residuals per unit of each, shape [data, columns]
+    pub(super) fn beside(&self, fit: &Fit, columns: &DMatrix<f64>) -> Beside {
+        let weights = weights(&fit.residuals) / self.spread;
+        let residuals = DVector::from_column_slice(&fit.residuals).component_mul(&weights);
+        let own = fit.jacobian.ncols();
+        let mut slopes = DMatrix::zeros(residuals.len(), own + columns.ncols());
+        slopes.columns_mut(0, own).copy_from(&fit.jacobian);
+        slopes.columns_mut(own, columns.ncols()).copy_from(columns);
+        slopes.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        Beside { folds: Folds::new(&self.folds, &residuals, &slopes), own: prior(&fit.coordinates) }
+    }
+}
+
+/// The products of all folds for a fit and columns beside it.
+pub(super) struct Beside {
+    folds: Folds,
+    /// Prior precision of the fit's own coordinates.
+    own: DVector<f64>,
+}
+
+impl Beside {
+    /// Log density of each fold, and the step of the fit's coordinates and of the columns to their optimum; `None` where
+    /// the data do not fix them.
+    ///
+    /// - `precision`: prior precision of the columns
+    /// - `is_open`: whether that step is still to be made; else the residuals are at the optimum
+    pub(super) fn densities(&self, precision: &DMatrix<f64>, is_open: bool) -> Option<(Vec<f64>, DVector<f64>)> {
+        self.folds.densities(&self.prior(precision), is_open)
+    }
+
+    /// Covariance of the fit's coordinates and of the columns, given the data; `None` as in [`Self::densities`].
+    pub(super) fn covariance(&self, precision: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let all = self.folds.0.iter().fold(self.prior(precision), |sum, Fold(square, ..)| sum + square);
+        Some(Cholesky::new(all)?.inverse())
+    }
+
+    /// The same with sums of the columns in their place, shape [columns, sums].
+    pub(super) fn summed(&self, sums: &DMatrix<f64>) -> Self {
+        let own = self.own.len();
+        let mut all = DMatrix::identity(own + sums.nrows(), own + sums.ncols());
+        all.view_mut((own, own), sums.shape()).copy_from(sums);
+        let fold = |Fold(square, pull, sum): &Fold| Fold(all.tr_mul(&(square * &all)), all.tr_mul(pull), *sum);
+        Self { folds: Folds(self.folds.0.iter().map(fold).collect()), own: self.own.clone() }
+    }
+
+    fn prior(&self, precision: &DMatrix<f64>) -> DMatrix<f64> {
+        let own = self.own.len();
+        let mut prior = DMatrix::zeros(own + precision.nrows(), own + precision.nrows());
+        prior.view_mut((0, 0), (own, own)).copy_from(&DMatrix::from_diagonal(&self.own));
+        prior.view_mut((own, own), precision.shape()).copy_from(precision);
+        prior
     }
 }
 

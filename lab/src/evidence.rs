@@ -5,8 +5,10 @@ use nalgebra::DMatrix;
 use thiserror::Error;
 
 use super::coordinates::Coordinate;
+use super::fit::Fit;
 use super::pass_trend::PassTrend;
 use super::summary::EffectSummary;
+use super::unlisted::Basis;
 use crate::campaign_simulation::CampaignError;
 
 /// Which data.
@@ -152,6 +154,11 @@ pub trait Evidence: Sync {
         self.blocks(Split::Calibration)
     }
 
+    /// As [`Self::folds`], each fold a whole pass where there are several.
+    fn pass_folds(&self) -> Vec<usize> {
+        self.folds()
+    }
+
     /// Change of the calibration residuals per unit of each term of the closure, shape [data, columns]. A table has no
     /// closure: each of its columns has an effect.
     fn closure(&self) -> DMatrix<f64> {
@@ -165,6 +172,14 @@ pub trait Evidence: Sync {
     /// When the model cannot be simulated.
     fn smooth_errors(&self, _model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
         Ok(DMatrix::zeros(self.folds().len(), 0))
+    }
+
+    /// What changes of the rate over each variable would change in the calibration data, beside a fitted model.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn bases(&self, _model: (&Model, &Fit), _library: &Library) -> Result<Vec<Basis>, EvidenceError> {
+        Ok(Vec::new())
     }
 
     /// What the error of the simulation's lattice adds to the residuals of the calibration data before it is taken out of

@@ -52,7 +52,7 @@ pub(super) struct Against<'a> {
 
 impl Finding {
     /// The model with it, as a link of a chain of searches.
-    pub(super) fn as_searched(&self) -> Searched {
+    pub fn as_searched(&self) -> Searched {
         Searched {
             calibration: self.calibration.clone(),
             evaluation: self.evaluation.clone(),

@@ -213,6 +213,16 @@ impl Fit {
         Self::new(evidence, &model, self.coordinates.clone(), options)
     }
 
+    /// This fit's place with the coordinates of a model that it grew from where that model's fit began.
+    pub(super) fn with_beginning_of(&self, base: &Self) -> Vec<f64> {
+        let begun = |(coordinate, at): (&Coordinate, &f64)| {
+            let name = coordinate.slot.name();
+            let place = base.coordinates.iter().position(|own| own.slot.name() == name);
+            place.map_or(*at, |place| base.begun[place])
+        };
+        self.coordinates.iter().zip(&self.at).map(begun).collect()
+    }
+
     /// Places on both sides along the direction of which the data tell least.
     pub(super) fn both_sides(&self) -> Vec<Vec<f64>> {
         let informed: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();

@@ -14,8 +14,8 @@
 //! 7. `screen` simulates every effect at a few sizes (`probe`) beside what the base parameters can change (`response`).
 //! 8. `suspect` fits the most promising effects, `pair` two together; `significance` gives the Δχ² that noise reaches.
 //! 9. `diagnose` runs the search to its `verdict`; `ruled_out` and `detectable` say why others are out and what would show;
-//!    `effect_templates` proposes a formula, `next_trial` and `next_row` an experiment.
-//! 10. [`study`] repeats it: compare, calibrate, diagnose, add.
+//!    `unlisted` finds a formula for what no effect describes, `next_trial` and `next_row` an experiment.
+//! 10. `calibrate_scans` and `diagnose` are repeated by the crate `study`: compare, calibrate, diagnose, add.
 //!
 //! The numbers that decide stand in one table, [`criteria`]. SI units inside; the same seed gives the same bytes on any
 //! number of threads.
@@ -36,7 +36,6 @@ mod cross_validation;
 mod derivatives;
 mod detectable;
 mod diagnose;
-mod effect_templates;
 mod error;
 mod evidence;
 mod exposure_view;
@@ -64,12 +63,12 @@ mod scans;
 mod screen;
 mod sentence;
 mod significance;
+mod simulated;
 pub mod simulation;
 mod simulation_errors;
 mod spline;
 mod staged;
 mod structure;
-pub mod study;
 mod summary;
 mod suspect;
 mod table_library;
@@ -83,6 +82,7 @@ mod tiles;
 mod totals;
 mod uncertainty;
 mod unfitted;
+mod unlisted;
 mod verdict;
 
 pub use blur::blurred;
@@ -96,7 +96,6 @@ pub use criteria::{CRITERIA, Criterion, CriterionValues};
 pub use cross_validation::Prediction;
 pub use detectable::{Detectable, Sides, detectable};
 pub use diagnose::{Diagnosis, OnProgress, with_values};
-pub use effect_templates::{Suggestion, suggest};
 pub use error::{LabError, Result};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
@@ -115,6 +114,7 @@ pub use round::Round;
 pub use rows::{Outlier, RowEvidence};
 pub use scans::{ScanData, ScanEvidence, ScanView};
 pub use screen::Screened;
+pub use simulated::Simulated;
 pub use simulation_errors::SimulationErrors;
 pub use spline::spline_columns;
 pub use staged::Staged;
@@ -127,4 +127,5 @@ pub use tile_noise::{FittedNoise, Kernel, TileNoise};
 pub use tiles::{TileGrid, Tiles};
 pub use totals::{Total, Totals};
 pub use unfitted::Unfitted;
+pub use unlisted::{Basis, CurvePoint, FittedForm, Proposal, ProposedForm, propose};
 pub use verdict::{Searched, Verdict, unexplained};

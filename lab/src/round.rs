@@ -139,7 +139,7 @@ impl Round {
     }
 
     /// The model searched from, as a link of a chain of searches.
-    pub(super) fn as_searched(&self) -> Searched {
+    pub fn as_searched(&self) -> Searched {
         let (calibration, evaluation) = (self.calibration.clone(), self.evaluation.clone());
         Searched { calibration, evaluation, closed: self.closed, probability: 1.0 }
     }

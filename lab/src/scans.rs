@@ -13,6 +13,7 @@ use super::diagnose::with_values;
 use super::error::LabError;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
+use super::fit::Fit;
 use super::height_view::HeightView;
 use super::observation::Observation;
 use super::pass_trend::{PassTrend, trend_of_scans};
@@ -20,6 +21,7 @@ use super::prepared::Prepared;
 use super::simulation_errors::SimulationErrors;
 use super::tile_noise::FittedNoise;
 use super::tiles::Tiles;
+use super::unlisted::{Basis, Exposures};
 use crate::campaign_simulation::CampaignSimulation;
 use crate::criteria::{
     COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO,
@@ -322,12 +324,24 @@ impl Evidence for ScanEvidence<'_> {
         self.stretches()
     }
 
+    fn pass_folds(&self) -> Vec<usize> {
+        let ranges = self.ranges(Split::Calibration);
+        if ranges.len() < 2 {
+            return self.folds();
+        }
+        ranges.into_iter().enumerate().flat_map(|(pass, range)| range.map(move |_| pass)).collect()
+    }
+
     fn closure(&self) -> DMatrix<f64> {
         self.closure_columns()
     }
 
     fn smooth_errors(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
         self.smooth_error_columns(model)
+    }
+
+    fn bases(&self, model: (&Model, &Fit), library: &Library) -> Result<Vec<Basis>, EvidenceError> {
+        Basis::all(self, &Exposures::new(self, model, library)?)
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {

@@ -14,6 +14,7 @@ use super::pass_trend::PassTrend;
 use super::round::Round;
 use super::sentence::sentence;
 use super::unfitted::Unfitted;
+use super::unlisted::Proposal;
 use super::verdict::Verdict;
 use crate::criteria::{CriterionValues, INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
 
@@ -135,8 +136,8 @@ pub struct DiagnosisSummary {
     pub unfitted: Vec<Unfitted>,
     /// The next trial; absent where no rivals are left.
     pub next_trial: Option<NextTrial>,
-    /// An effect file to begin with where something unknown is at work.
-    pub suggested_effect_file: Option<String>,
+    /// The effect that is proposed for what no effect of the library describes; absent where there is none.
+    pub proposal: Option<Proposal>,
     /// What each effect must be to be seen.
     pub detectable: Vec<Detectable>,
     /// Effects that were not tried, and why.
@@ -296,7 +297,7 @@ impl DiagnosisSummary {
             suspects,
             unfitted,
             next_trial: None,
-            suggested_effect_file: None,
+            proposal: None,
             detectable: diagnosis.detectable.clone(),
             blind: diagnosis.blind.clone(),
             criteria: CriterionValues,

@@ -106,12 +106,7 @@ impl Suspect {
     /// Its fit, or a better one that begins where that of the base model began: a base model that lacks the effect may have
     /// gone far astray to make up for it.
     fn or_from_beginning(self, evidence: &dyn Evidence, base: &Fit) -> Self {
-        let begun = |k: usize| {
-            let name = self.fit.coordinates[k].slot.name();
-            let place = base.coordinates.iter().position(|own| own.slot.name() == name);
-            place.map_or(self.fit.at[k], |place| base.begun[place])
-        };
-        let place: Vec<f64> = (0..self.fit.at.len()).map(begun).collect();
+        let place = self.fit.with_beginning_of(base);
         match self.fit.begun_at(evidence, &place, LAST_FIT) {
             Ok(fit) if fit.chi2 < self.fit.chi2 => Self { fit, ..self },
             _ => self,

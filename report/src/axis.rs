@@ -1,6 +1,6 @@
 //! Axes of drawings: ranges, round ticks, and their labels.
 
-use lab::study::superscript;
+use study::superscript;
 
 /// Linear map of a data range to a range of drawing units.
 #[derive(Clone, Copy, Debug)]

@@ -3,6 +3,8 @@
 //! Sums over the lattice lines along z of a rectangle, one value for each line, added up step by step from the squares in
 //! contact. Sheets that face another way are not counted.
 
+use std::collections::HashMap;
+
 use glam::{DVec2, DVec3};
 use sdf_bake::PixelGrid;
 
@@ -44,6 +46,8 @@ pub struct Covariates {
     pub dose: Vec<f64>,
     /// When the tool first touched the place, since the trial began [s]; NaN where it never did.
     pub first_contact: Vec<f64>,
+    /// Each state of the workpiece's cells as the pass left it [SI], in the order of the model; NaN where the tool never was.
+    pub states: Vec<Vec<f64>>,
 }
 
 impl Covariates {
@@ -66,7 +70,24 @@ impl Covariates {
             removed: zeros.clone(),
             dose: zeros.clone(),
             first_contact: vec![f64::NAN; nx * ny],
+            states: Vec::new(),
         }
+    }
+
+    /// Keeps the states of the workpiece's cells, `count` of them at each lattice line that the tool touched.
+    pub(crate) fn keep_states(&mut self, cells: &HashMap<(i32, i32), Vec<f64>>, count: usize) {
+        self.states = vec![vec![f64::NAN; self.pixels.len()]; count];
+        for (&place, values) in cells {
+            let Some(at) = self.line(place) else { continue };
+            self.states.iter_mut().zip(values).for_each(|(state, value)| state[at] = *value);
+        }
+    }
+
+    /// Number of the line at a place of the lattice [voxels]; `None` beyond the lines.
+    fn line(&self, (i, j): (i32, i32)) -> Option<usize> {
+        let (column, row) = (i64::from(i) - i64::from(self.first[0]), i64::from(j) - i64::from(self.first[1]));
+        let (nx, ny) = (self.pixels.nx as i64, self.pixels.ny as i64);
+        (column >= 0 && row >= 0 && column < nx && row < ny).then_some((row * nx + column) as usize)
     }
 
     /// Adds a step of `dt` [s] that began at `time` [s]. `slip_speed` is that of a point in the field's frame [m/s].
@@ -81,13 +102,7 @@ impl Covariates {
             return;
         }
         for square in squares {
-            let (i, j) = sheet.window.place(square.line);
-            let (column, row) = (i64::from(i) - i64::from(self.first[0]), i64::from(j) - i64::from(self.first[1]));
-            let (nx, ny) = (self.pixels.nx as i64, self.pixels.ny as i64);
-            if column < 0 || row < 0 || column >= nx || row >= ny {
-                continue;
-            }
-            let at = (row * nx + column) as usize;
+            let Some(at) = self.line(sheet.window.place(square.line)) else { continue };
             let contact = square.share * dt;
             self.pressure_time[at] += square.load * dt;
             self.peak_pressure[at] = self.peak_pressure[at].max(square.load);

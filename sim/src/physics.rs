@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::clock::{Clock, Phase};
 use crate::contact::{Contact, Ground, SheetFrame, Squares};
+use crate::covariates::Covariates;
 use crate::lines::{Lines, Run};
 use crate::pose::Placement;
 use crate::sheet::Sheet;
@@ -266,6 +267,11 @@ impl<'a> Physics<'a> {
             self.cells.insert(sheet.window.place(line as usize), values);
         }
         Ok(())
+    }
+
+    /// Hands over the states of the workpiece's cells.
+    pub(crate) fn hand_over_states(&self, covariates: &mut Covariates) {
+        covariates.keep_states(&self.cells, self.cell_lanes.len());
     }
 
     /// Spindle speed [rad/s] and feed in the tool's frame [m/s].

@@ -14,9 +14,9 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::study::{CalibrationReport, Data, Measurements, calibration_report};
 use lab::{Calibration, CalibrationSummary, Order};
 use report::study::page;
+use study::{CalibrationReport, Data, Measurements, calibration_report};
 use trials::trial::Finding;
 
 /// The file by which a result folder is known.

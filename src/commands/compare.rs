@@ -14,10 +14,10 @@ use crate::console::Console;
 use crate::wrong_use;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::study::{Asked, Comparison, compare_rows, compare_scans};
-use lab::study::{Direction, StudyReport};
 use lab::{Evidence, RowEvidence, ScanEvidence};
 use report::study::page;
+use study::{Asked, Comparison, compare_rows, compare_scans};
+use study::{Direction, StudyReport};
 use trials::table::{TABLE_FILE, Table};
 use trials::trial::Campaign;
 

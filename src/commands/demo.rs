@@ -25,8 +25,8 @@ use crate::snapshot::Keeping;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 use files::folder::StagedFolder;
 use files::output::{FolderKind, Out};
-use lab::study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
 use report::study::story;
+use study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
 use virtual_lab::write::CAMPAIGN_NAMES;
 
 /// Name of the figures file in a demo folder.
@@ -43,6 +43,7 @@ const DEMO: FolderKind = FolderKind {
         ("grind/", GROUND_NAMES),
         ("study/", &[STUDY_FILE, "story.svg", "first-look.key"]),
         ("study/", STUDY_NAMES),
+        ("study/effects/", &["*.toml"]),
         ("study/first-look/", CAMPAIGN_NAMES),
     ],
 };

@@ -8,13 +8,14 @@ use clap::Args;
 
 use super::flags::{OutFlags, SEEDS};
 use super::model_flags::ModelFlags;
+use super::proposal::{MODEL_WITH_PROPOSAL, write_proposal};
 use super::values::whole;
 use crate::console::Console;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::study::{Measurements, ReportInput, report, suggestion, summary};
 use lab::{Diagnosis, DiagnosisSummary, Order};
 use report::study::page;
+use study::{Measurements, ReportInput, proposal, report, summary};
 
 /// The file by which a result folder is known.
 const DIAGNOSIS_FILE: &str = "diagnosis.json";
@@ -22,7 +23,7 @@ const DIAGNOSIS_FILE: &str = "diagnosis.json";
 const DIAGNOSIS: FolderKind = FolderKind {
     marker: DIAGNOSIS_FILE,
     key: "verdict",
-    names: &[("", &["model.toml", "report.html", "suggested-*.toml"])],
+    names: &[("", &["model.toml", "report.html", MODEL_WITH_PROPOSAL]), ("effects/", &["*.toml"])],
 };
 
 #[derive(Debug, Args)]
@@ -58,13 +59,10 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let told = |what: &str, done: usize, all: usize| progress.tell(what, done, all);
     let diagnosis = Diagnosis::new(data.evidence(), (model, fit), &library, (args.seed, &told))?;
     drop(progress);
-    let suggestion = suggestion(&data, &diagnosis, &library, args.seed)?;
-    let mut summary = summary(&mut data, &diagnosis, &library)?;
-    if let Some(suggestion) = &suggestion {
-        let file = format!("{}.toml", suggestion.name);
-        write(&folder, &file, &suggestion.text)?;
-        console.step("suggested", format!("{}: {file}", suggestion.summary));
-        summary.suggested_effect_file = Some(args.out.out.join(file).display().to_string());
+    let proposal = proposal(&data, &diagnosis, &library, args.seed)?;
+    let summary = DiagnosisSummary { proposal, ..summary(&mut data, &diagnosis, &library)? };
+    if let Some(proposal) = &summary.proposal {
+        write_proposal(proposal, folder.path(), console)?;
     }
     describe(&summary, console);
     let input = ReportInput {
@@ -73,7 +71,6 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         folder: data.folder(),
         diagnosis: &diagnosis,
         summary: &summary,
-        suggestion: suggestion.as_ref(),
         seed: args.seed,
         notes: data.notes(),
         findings: data.findings(),

@@ -9,6 +9,7 @@ use effects::{Library, Model};
 
 use super::flags::{OutFlags, SEEDS};
 use super::model_flags::{ModelFlags, read_text};
+use super::proposal::{MODEL_WITH_PROPOSAL, write_proposal};
 use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
@@ -16,16 +17,20 @@ use files::folder::StagedFolder;
 use files::input::quoted_near;
 use files::json_file::read_json;
 use files::output::{FolderKind, Out};
-use lab::study::StudyReport;
-use lab::study::{Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState, inputs_sha256};
 use report::study::page;
+use study::StudyReport;
+use study::{Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState, inputs_sha256};
 
 /// The model's file in a study's folder.
 const MODEL_FILE: &str = "model.toml";
 /// Files of a study beside its record.
-pub(super) const STUDY_NAMES: &[&str] = &[MODEL_FILE, "report.html", "suggested-*.toml"];
+pub(super) const STUDY_NAMES: &[&str] = &[MODEL_FILE, "report.html", MODEL_WITH_PROPOSAL];
 /// The folder of a study.
-const STUDY: FolderKind = FolderKind { marker: STUDY_FILE, key: "measurements_sha256", names: &[("", STUDY_NAMES)] };
+const STUDY: FolderKind = FolderKind {
+    marker: STUDY_FILE,
+    key: "measurements_sha256",
+    names: &[("", STUDY_NAMES), ("effects/", &["*.toml"])],
+};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin study trials --out out/study\n  \
@@ -171,10 +176,8 @@ pub(super) fn write_files(
     let write = |name: &str, text: String| {
         std::fs::write(folder.join(name), text).with_context(|| format!("{name}: cannot be written"))
     };
-    if let Some(suggestion) = &course.suggestion {
-        let file = format!("{}.toml", suggestion.name);
-        console.step("suggested", format!("{}: {file}", suggestion.summary));
-        write(&file, suggestion.text.clone())?;
+    if let Some(proposal) = course.proposal() {
+        write_proposal(proposal, folder, console)?;
     }
     write(STUDY_FILE, serde_json::to_string_pretty(&course.record)?)?;
     write(MODEL_FILE, course.model.to_text(library))?;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use effects::{CompiledModel, Library, Model};
-use lab::study::{Asked, Comparison, compare_rows, compare_scans};
-use lab::study::{Direction, Maps, StudyReport};
 use lab::{Evidence, RowEvidence, ScanEvidence};
 use report::study::page;
+use study::{Asked, Comparison, compare_rows, compare_scans};
+use study::{Direction, Maps, StudyReport};
 use trials::table::Table;
 use trials::trial::{Campaign, Role};
 

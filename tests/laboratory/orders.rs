@@ -1,9 +1,9 @@
 //! The joint and the staged order of a calibration, on one trial of two passes.
 
 use effects::{Library, Model};
-use lab::study::Maps;
-use lab::study::{CalibrationReport, Data, calibration_report};
 use lab::{Calibration, CalibrationSummary, Evidence, Order, ScanEvidence, Split, Totals, uncalibrated};
+use study::Maps;
+use study::{CalibrationReport, Data, calibration_report};
 use trials::trial::{Campaign, PassScan, Role, Trial};
 
 use crate::unseen::bundled;

@@ -1,7 +1,7 @@
 //! What the library lacks gets a form; what data cannot tell apart gets a trial that can.
 
 use effects::{CompiledModel, Library, Model, Process, check_file};
-use lab::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, next_trial, suggest};
+use lab::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, next_trial, propose};
 use trials::trial::Trial;
 use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 
@@ -24,15 +24,41 @@ fn what_the_library_lacks_gets_a_form() {
     let mut evidence = ScanEvidence::new(&trials, None).unwrap();
     let model = Model::new(evidence.process());
     let fit = calibrate_scans(&mut evidence, &model, known).unwrap().last().fit.clone();
-    let form = suggest(&evidence, (&model, &fit), known, 1).unwrap().expect("a form better than chance");
-    println!("{}: {}, gain {:.0} of {:.0}", form.name, form.summary, form.delta_chi2, fit.chi2);
+    let proposal = propose(&evidence, (&model, &fit), known, 1).unwrap().expect("a form better than chance");
+    let form = &proposal.forms[0];
+    for other in form.fitted.iter().take(5) {
+        println!("{}: Δχ² {:.0}, predicts better by {:.1}", other.summary, other.delta_chi2, other.predicts_better_by);
+    }
+    println!(
+        "{}: {}, Δχ² {:.0} of {:.0}, {:?}",
+        form.name, form.summary, proposal.delta_chi2, fit.chi2, proposal.errors
+    );
     // At one feed the way and the time in contact are one.
-    let forms = [("suggested-path-position", 0.5), ("suggested-contact-time", 1.0)];
-    let (_, hidden) = forms.iter().find(|known| known.0 == form.name).expect("the way or the time");
-    let file = check_file("suggested.toml", &form.text).expect("a file that can be added");
-    let amount = file.parameters.iter().find(|parameter| parameter.name == "amount").unwrap();
-    let amount = amount.default.of(evidence.process());
-    assert!((amount / hidden - 1.0).abs() < 0.3, "{hidden} per reference is hidden, {amount} found");
+    let (mm_per_unit, alike) = match &form.variable {
+        [_, unit] if unit == "mm" => (1.0, "-of-path-position"),
+        _ => (1e3 * trials[0].passes[0].feed, "-of-contact-time"),
+    };
+    assert!(form.name.ends_with(alike), "{}", form.name);
+    for (file, text) in &proposal.files {
+        check_file(file, text).expect("a file that can be added");
+    }
+    let hidden = |at: f64| 1.0 + 0.5 * mm_per_unit * at / 50.0;
+    let (first, last) = (form.curve[0], form.curve[form.curve.len() - 1]);
+    let truth = hidden(last.at) / hidden(first.at);
+    let [curve, found] =
+        [(last.change, first.change), (last.form, first.form)].map(|(b, a)| (100.0 + b) / (100.0 + a) / truth);
+    println!("rise over the hidden rise: curve {curve:.3}, form {found:.3}");
+    assert!((found - 1.0).abs() < 0.03 && (curve - 1.0).abs() < 0.1, "{found} {curve}");
+}
+
+#[test]
+fn where_nothing_is_hidden_nothing_is_proposed() {
+    let trials = small(Library::builtin(), Plan::Varied, 3, Vec::new());
+    let mut evidence = ScanEvidence::new(&trials, None).unwrap();
+    let model = Model::new(evidence.process());
+    let fit = calibrate_scans(&mut evidence, &model, Library::builtin()).unwrap().last().fit.clone();
+    let form = propose(&evidence, (&model, &fit), Library::builtin(), 1).unwrap();
+    assert!(form.is_none(), "{form:?}");
 }
 
 #[test]

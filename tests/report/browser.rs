@@ -107,7 +107,7 @@ fn the_pointer_reads_the_value_of_its_pixel() {
     let output = open(program, &written("report-pointer.html", &html), &["--dump-dom"]);
     assert_eq!(console(&output), [""; 0]);
     let dom = String::from_utf8(output.stdout).expect("a document is text");
-    let lab::study::Maps::Heights(maps) = &report.scans[0].maps else { panic!("heights") };
+    let study::Maps::Heights(maps) = &report.scans[0].maps else { panic!("heights") };
     let value = maps.base[21 * 80 + 33] * 1e6;
     let says = format!("x 8.25 mm, y \u{2212}4.75 mm\nbase model: {value:.1} µm").replace(": -", ": \u{2212}");
     assert!(dom.contains(&says), "{says:?} in {:?}", dom.split("id=\"tip\"").nth(1));

@@ -1,8 +1,8 @@
 //! What a reader finds: every number, safe text, the full values behind rounded ones.
 
-use lab::study::{Maps, Stated, Verdict};
 use report::study::page;
 use serde_json::Value;
+use study::{Maps, Stated, Verdict};
 
 use crate::study::grinding;
 
@@ -165,7 +165,7 @@ fn without_rivals_the_page_says_what_another_trial_would_buy() {
         (Verdict::NotTestable, "other forces, feeds and spindle speeds"),
         (Verdict::Unknown, "on what the error that is left depends"),
     ] {
-        let text = next(lab::study::StudyReport { verdict, ..report.clone() });
+        let text = next(study::StudyReport { verdict, ..report.clone() });
         assert!(text.contains(words) && text.contains("grit-dulling.rate"), "{verdict:?}: {text}");
         assert!(!text.contains("Chance that it names"), "{text}");
     }

@@ -1,8 +1,8 @@
 //! Verdicts on tables: a column that matters is named, noise is not, and nothing is named where nothing is hidden.
 
 use effects::{Library, Model};
-use lab::study::{Asked, compare_rows};
 use lab::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate};
+use study::{Asked, compare_rows};
 use trials::table::Table;
 
 use crate::hidden::table;

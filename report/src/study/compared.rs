@@ -4,9 +4,9 @@ use super::number::{fixed_cell, percent, share_cell, significant};
 use super::waterfall::VOLUME;
 use super::words::{list, role};
 use crate::{Cell, Page, Table, escape, exact};
-use lab::study::with_raised_powers;
-use lab::study::{Compared, Stated, StudyReport, Verdict};
-use lab::study::{ComparedPass, PassVolume, Waterfall, WaterfallStep};
+use study::with_raised_powers;
+use study::{Compared, Stated, StudyReport, Verdict};
+use study::{ComparedPass, PassVolume, Waterfall, WaterfallStep};
 
 /// Turns in a minute of 1 rad/s.
 const RPM: f64 = std::f64::consts::TAU / 60.0;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::number::{p_value, percent, share_cell, significant};
 use crate::{Cell, Chart, Page, Series, Stroke, Table, escape};
-use lab::study::{Bin, CovariatePlot};
+use study::{Bin, CovariatePlot};
 
 const SIZE: (f64, f64) = (440.0, 240.0);
 const BASE: Stroke = Stroke { colour: "#d55e00", dashed: true };

@@ -10,7 +10,7 @@ use super::maps::{ALONE, BESIDE};
 use super::number::{fixed_cell, share_cell};
 use super::words::role;
 use crate::{Cell, Page, Table, escape};
-use lab::study::{ExposureMaps, Maps, ScanComparison};
+use study::{ExposureMaps, Maps, ScanComparison};
 
 /// What a pixel may be, and its colour.
 const WORDS: [&str; 5] =

@@ -8,7 +8,7 @@ use super::number::{fixed, fixed_cell, share_cell};
 use super::statistics::Statistics;
 use super::words::role;
 use crate::{Cell, Page, Table, escape, short};
-use lab::study::{HeightMaps, Maps, ScanComparison};
+use study::{HeightMaps, Maps, ScanComparison};
 
 /// Width of a map beside another, and alone [px].
 pub(super) const BESIDE: f64 = 480.0;

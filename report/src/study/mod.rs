@@ -12,6 +12,7 @@ mod maps;
 mod number;
 mod outlook;
 mod parameters;
+mod proposal;
 mod provenance;
 mod sections;
 mod statistics;
@@ -23,7 +24,7 @@ mod words;
 pub use story::{Sealed, story};
 
 use crate::Page;
-use lab::study::{StudyReport, Verdict};
+use study::{StudyReport, Verdict};
 
 /// The report as an HTML document that loads nothing. The same study gives the same bytes.
 ///
@@ -45,7 +46,9 @@ pub fn page(report: &StudyReport) -> String {
     }
     parameters::add(&mut page, &report.parameters, report.correlations.as_ref());
     outlook::add_detectable(&mut page, &report.detectable);
-    outlook::add_suggested(&mut page, report.suggested_effect.as_ref());
+    if let Some(proposal) = &report.proposal {
+        proposal::add(&mut page, proposal);
+    }
     if is_diagnosed {
         outlook::add_next(&mut page, report);
     }

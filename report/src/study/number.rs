@@ -1,6 +1,6 @@
 //! Numbers as people read them.
 
-use lab::study::superscript;
+use study::superscript;
 
 use crate::Cell;
 

@@ -2,8 +2,8 @@
 
 use super::number::{cell, percent};
 use super::words::list;
-use crate::{Cell, Page, Table, escape};
-use lab::study::{Detectable, ParameterEstimate, StudyReport, SuggestedEffect, Verdict};
+use crate::{Cell, Page, Table};
+use study::{Detectable, ParameterEstimate, StudyReport, Verdict};
 
 /// Appends the least sizes of effects that would have shown.
 pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
@@ -89,16 +89,4 @@ fn worth_of_another(report: &StudyReport) -> String {
         }
     };
     format!("{buys}{open}")
-}
-
-/// Appends the file of a suggested effect.
-pub(super) fn add_suggested(page: &mut Page, effect: Option<&SuggestedEffect>) {
-    let Some(effect) = effect else { return };
-    page.part("suggested", "A form for what no known effect explains");
-    page.paragraph(&effect.summary);
-    page.block(&format!(
-        "<p>The file <code>{}</code> holds it; name it, edit it, and add it to a model with <code>robofin effects add</code>.</p>\n<pre>{}</pre>\n",
-        escape(&effect.file),
-        escape(&effect.text)
-    ));
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::number::{cell, fixed};
 use crate::{Cell, Page, Table, escape, exact};
-use lab::study::{Correlations, ParameterEstimate};
+use study::{Correlations, ParameterEstimate};
 
 /// Size from which a correlation is stressed.
 const STRONG: f64 = 0.9;

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::{Cell, Page, Table};
-use lab::study::Provenance;
+use study::Provenance;
 
 /// Appends hashes, seed and versions.
 pub(super) fn add(page: &mut Page, provenance: &Provenance) {
@@ -15,7 +15,7 @@ pub(super) fn add(page: &mut Page, provenance: &Provenance) {
     page.facts(&facts);
     if !provenance.inputs.is_empty() {
         let mut table = Table::new("Files that were read", &["file", "SHA-256"]);
-        let row = |input: &lab::study::Digest| vec![Cell::text(&input.file), Cell::text(&input.sha256)];
+        let row = |input: &study::Digest| vec![Cell::text(&input.file), Cell::text(&input.sha256)];
         table.rows = provenance.inputs.iter().map(row).collect();
         page.block(&format!("<div class=\"digests\">{}</div>", table.to_html()));
     }

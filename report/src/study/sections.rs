@@ -4,7 +4,7 @@ use super::colour_scale::BAND_FLOORS;
 use super::number::fixed;
 use super::statistics::Statistics;
 use crate::{Chart, Page, Series, Stroke, stacked};
-use lab::study::{Direction, ScanSection};
+use study::{Direction, ScanSection};
 
 /// Width of the drawing, and heights of profile and difference [px].
 const WIDTH: f64 = 900.0;

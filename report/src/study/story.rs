@@ -7,8 +7,8 @@ use super::colour_scale::{ColourScale, css};
 use super::number::percent;
 use super::waterfall;
 use crate::escape;
-use lab::study::{HeightMaps, Maps, ScanComparison};
-use lab::study::{StudyReport, Suspect};
+use study::{HeightMaps, Maps, ScanComparison};
+use study::{StudyReport, Suspect};
 use trials::trial::Role;
 
 const WIDTH: f64 = 1000.0;

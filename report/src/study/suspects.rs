@@ -2,9 +2,9 @@
 
 use super::number::{cell, p_value, percent, significant};
 use crate::{Cell, Page, Table, escape};
-use lab::study::Misfit;
-use lab::study::with_raised_powers;
-use lab::study::{Suspect, TestOfMissing};
+use study::Misfit;
+use study::with_raised_powers;
+use study::{Suspect, TestOfMissing};
 
 /// Appends the tests of the base model's residual.
 pub(super) fn add_tests(page: &mut Page, tests: &[TestOfMissing]) {

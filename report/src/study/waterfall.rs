@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::number::{cell, percent, share_cell, significant};
 use super::words::list;
 use crate::{Cell, Page, Table, escape};
-use lab::study::{Waterfall, WaterfallStep};
+use study::{Waterfall, WaterfallStep};
 
 /// Width of the picture [px].
 pub(super) const WIDTH: f64 = 900.0;

@@ -1,6 +1,6 @@
 //! Words that several parts of the page use.
 
-use lab::study::with_raised_powers;
+use study::with_raised_powers;
 use trials::trial::Role;
 
 /// What a pass was used for.

@@ -194,12 +194,16 @@ impl<'a> Runner<'a> {
     /// [`PassError::TooSoft`] where the tool met the setpoint nowhere.
     pub(crate) fn finish(mut self) -> Result<PassRecord, PassError> {
         self.write_back();
-        let Self { pass: Pass { settings, path, .. }, workpiece, guide, scheme, mut record, .. } = self;
+        let Self { pass, workpiece, guide, scheme, physics, mut record, .. } = self;
+        let Pass { settings, path, covariates, .. } = pass;
         if guide.is_too_soft && record.contact_time == 0.0 {
             return Err(PassError::TooSoft { setpoint: settings.force_setpoint, reach: settings.search_reach });
         }
         if scheme.recedes() {
             workpiece.grid.release_uniform_bricks();
+        }
+        if let Some(covariates) = covariates {
+            physics.hand_over_states(&mut covariates.borrow_mut());
         }
         record.finish(path.duration());
         Ok(record)

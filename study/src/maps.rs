@@ -1,9 +1,9 @@
 //! Maps, sections and volumes of the report: every scan against the base model and the model with what was found.
 
-use super::simulated::Simulated;
 use super::track::{Ground, Volume, line_of};
-use crate::study::{Direction, ExposureMaps, HeightMaps, Maps, PassVolume, ScanComparison, ScanSection};
-use crate::{HeightView, ScanData, ScanEvidence, ScanView, Split};
+use crate::{Direction, ExposureMaps, HeightMaps, Maps, PassVolume, ScanComparison, ScanSection};
+use lab::Simulated;
+use lab::{HeightView, ScanData, ScanEvidence, ScanView, Split};
 use trials::trial::Role;
 
 /// Sections across where none are asked for, as shares of the map's length.

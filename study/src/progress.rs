@@ -5,8 +5,8 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use crate::error::Result;
 use files::input::{self, MOST_MESH_BYTES};
+use lab::Result;
 
 use super::measurements::Data;
 use super::record::{STUDY_FILE, StudyRecord};

@@ -1,9 +1,9 @@
 //! The tests of structure on what a model leaves of scans, or of a table's rows.
 
-use super::simulated::Simulated;
-use crate::criteria::SHARED_NOISE_MOST;
-use crate::study::TestOfMissing;
-use crate::{
+use crate::TestOfMissing;
+use lab::Simulated;
+use lab::criteria::SHARED_NOISE_MOST;
+use lab::{
     HeightView, ResidualGrid, ScanData, ScanEvidence, ScanView, SharedTiles, Split, StructureTest, holm,
     structure_tests,
 };

@@ -1,11 +1,11 @@
 //! What follows from a diagnosis: its numbers, a form for what is unknown, the trial that would tell rivals apart.
 
-use crate::error::Result;
 use effects::Library;
+use lab::Result;
 
 use super::measurements::Data;
-use crate::{
-    Diagnosis, DiagnosisSummary, Suggestion, Verdict, separating_row, separating_trial, suggest, testing_row,
+use lab::{
+    Diagnosis, DiagnosisSummary, Proposal, Verdict, propose, separating_row, separating_trial, testing_row,
     testing_trial,
 };
 
@@ -35,14 +35,14 @@ pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Res
     Ok(summary)
 }
 
-/// A form for what is missing and not in the library, where something is.
+/// A form of the rate for what is missing and not in the library, where something is.
 ///
 /// # Errors
 /// When a model cannot be simulated.
-pub fn suggestion(data: &Data, diagnosis: &Diagnosis, library: &Library, seed: u64) -> Result<Option<Suggestion>> {
+pub fn proposal(data: &Data, diagnosis: &Diagnosis, library: &Library, seed: u64) -> Result<Option<Proposal>> {
     match diagnosis.verdict {
         Verdict::Unknown | Verdict::Partly => {
-            Ok(suggest(data.evidence(), (&diagnosis.model, &diagnosis.fit), library, seed)?)
+            Ok(propose(data.evidence(), (&diagnosis.model, &diagnosis.fit), library, seed)?)
         }
         _ => Ok(None),
     }

@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::maps::{name, pass_volume, role};
-use super::simulated::Simulated;
 use super::track::{Ground, exposure, line_of};
-use crate::study::Direction;
-use crate::{ScanData, ScanEvidence, ScanView};
+use crate::Direction;
+use lab::Simulated;
+use lab::{ScanData, ScanEvidence, ScanView};
 use trials::measure::Plateau;
 use trials::trial::Role;
 

@@ -2,19 +2,19 @@
 
 use std::cell::Cell;
 
-use crate::criteria::{MOST_EFFECTS, NEAR_FLOOR_RATIO};
-use crate::error::{LabError, Result};
 use effects::{CompiledModel, Library, Model};
+use lab::criteria::{MOST_EFFECTS, NEAR_FLOOR_RATIO};
+use lab::{LabError, Result};
 
 use super::calibrated::{CalibrationReport, bare_report, calibration_report};
-use super::conclusion::{suggestion, summary};
+use super::conclusion::{proposal, summary};
 use super::measurements::Data;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
-use super::report_from_diagnosis::{detectable, next_trial, suggested, suspects, waterfall};
-use crate::study::StudyReport;
-use crate::{
+use super::report_from_diagnosis::{detectable, next_trial, suspects, waterfall};
+use crate::StudyReport;
+use lab::{
     BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, OnProgress, Order,
-    ParameterSummary, Searched, Suggestion, Totals, Unfitted, Verdict, beginning, parameter_summary,
+    ParameterSummary, Proposal, Searched, Totals, Unfitted, Verdict, beginning, parameter_summary,
 };
 
 /// A study under way: its record, and what this run of the program has in memory of it.
@@ -23,8 +23,6 @@ pub struct StudyState<'a> {
     pub record: StudyRecord,
     /// The model so far.
     pub model: Model,
-    /// A form for what the library lacks, where the last search ended with one.
-    pub suggestion: Option<Suggestion>,
     data: Data<'a>,
     library: &'a Library,
     calibration: Option<Calibration>,
@@ -46,7 +44,6 @@ impl<'a> StudyState<'a> {
         Ok(Self {
             record,
             model,
-            suggestion: None,
             data,
             library,
             calibration: None,
@@ -158,11 +155,11 @@ impl<'a> StudyState<'a> {
         let search = (self.record.seed, told);
         let mut diagnosis = Diagnosis::within(self.data.evidence(), (&self.model, fit), self.library, search, 1)?;
         let to_add = self.judged(&mut diagnosis);
-        if to_add.is_none() {
-            self.suggestion = suggestion(&self.data, &diagnosis, self.library, self.record.seed)?;
-        }
-        let summary = summary(&mut self.data, &diagnosis, self.library)?;
+        let mut summary = summary(&mut self.data, &diagnosis, self.library)?;
         self.data.free_observation();
+        if to_add.is_none() {
+            summary.proposal = proposal(&self.data, &diagnosis, self.library, self.record.seed)?;
+        }
         let record = &mut self.record;
         let sentence = record.sentence_with(diagnosis.verdict, to_add.as_deref(), &summary.sentence);
         let outcome = [vec![sentence.clone()], summary.suspects.iter().take(3).map(|s| s.shown()).collect()].concat();
@@ -228,6 +225,11 @@ impl<'a> StudyState<'a> {
         self.diagnosis.as_ref().map(|(diagnosis, _)| diagnosis)
     }
 
+    /// The effect that the last search proposed for what no effect of the library describes.
+    pub fn proposal(&self) -> Option<&Proposal> {
+        self.diagnosis.as_ref().and_then(|(_, summary)| summary.proposal.as_ref())
+    }
+
     /// The measurements as fits see them.
     pub fn evidence(&self) -> &dyn Totals {
         self.data.evidence()
@@ -278,7 +280,7 @@ impl<'a> StudyState<'a> {
             suspects: suspects(&self.suspects, &self.unfitted, found.error_unit),
             detectable: found.detectable.iter().map(detectable).collect(),
             next_trial: found.next_trial.as_ref().map(next_trial),
-            suggested_effect: self.suggestion.as_ref().map(suggested),
+            proposal: found.proposal.clone(),
             ..report
         })
     }

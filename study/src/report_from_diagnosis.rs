@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::error::Result;
 use effects::{CompiledModel, Model};
+use lab::Result;
 use serde::Serialize;
 
 use super::failures::{self, Failures};
@@ -11,12 +11,12 @@ use super::maps::{self, Seen};
 use super::provenance::provenance;
 use super::residual_tests;
 use super::shapley::overlap;
-use super::simulated::Simulated;
 use super::waterfall::{Scans, Step};
-use crate::study::{Compared, ComparedPass, Misfit, Stated, StudyReport, SuggestedEffect, Waterfall, WaterfallStep};
-use crate::{
+use crate::{Compared, ComparedPass, Misfit, Stated, StudyReport, Waterfall, WaterfallStep};
+use lab::Simulated;
+use lab::{
     BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterState, ParameterSummary,
-    RowEvidence, ScanEvidence, ScanView, Sides, Suggestion, Unfitted, Verdict,
+    RowEvidence, ScanEvidence, ScanView, Sides, Unfitted, Verdict,
 };
 use robot::Tool;
 use trials::measure::Registration;
@@ -42,8 +42,6 @@ pub struct ReportInput<'a> {
     pub diagnosis: &'a Diagnosis,
     /// The same in numbers.
     pub summary: &'a DiagnosisSummary,
-    /// A form for what the library lacks.
-    pub suggestion: Option<&'a Suggestion>,
     /// Seed of all draws.
     pub seed: u64,
     /// What the reader understood of the files.
@@ -95,7 +93,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         correlations: correlations(&diagnosis.fit),
         detectable: summary.detectable.iter().map(detectable).collect(),
         next_trial: summary.next_trial.as_ref().map(next_trial),
-        suggested_effect: input.suggestion.map(suggested),
+        proposal: input.summary.proposal.clone(),
         provenance: provenance(input.folder, input.seed)?,
         diagnosis: serde_json::to_value(Answer {
             notes: &input.notes,
@@ -186,12 +184,6 @@ pub(super) fn next_trial(next: &NextTrial) -> super::NextTrial {
     }
 }
 
-/// A form as the report shows it.
-pub(super) fn suggested(suggestion: &Suggestion) -> SuggestedEffect {
-    let Suggestion { name, summary, text, .. } = suggestion;
-    SuggestedEffect { file: format!("{name}.toml"), summary: summary.clone(), text: text.clone() }
-}
-
 pub(super) fn verdict(verdict: Verdict) -> super::Verdict {
     match verdict {
         Verdict::Identified => super::Verdict::Identified,
@@ -264,7 +256,7 @@ pub(super) fn compared_scans(
 /// The steps and the noise floors of calibration and evaluation passes below them. Steps before the base model have no share
 /// of its excess.
 pub(super) fn waterfall(
-    steps: &[crate::WaterfallStep],
+    steps: &[lab::WaterfallStep],
     (floor, held_out): (f64, Option<f64>),
     unit: ErrorUnit,
 ) -> Waterfall {
@@ -272,7 +264,7 @@ pub(super) fn waterfall(
     let excess = |rms: f64| (rms * rms - floor * floor).max(0.0);
     let base = steps.iter().position(|step| step.step == BASE_STEP).unwrap_or(0);
     let whole = steps.get(base).map_or(0.0, |step| excess(step.calibration_rms_um));
-    let step = |(k, step): (usize, &crate::WaterfallStep)| WaterfallStep {
+    let step = |(k, step): (usize, &lab::WaterfallStep)| WaterfallStep {
         name: step.step.clone(),
         calibration: Some(step.calibration_rms_um * one),
         evaluation: step.evaluation_rms_um.map(|rms| rms * one),
@@ -363,7 +355,7 @@ pub(super) fn correlations(fit: &Fit) -> Option<super::Correlations> {
     (count > 1).then(|| super::Correlations { names, values: (0..count * count).map(value).collect() })
 }
 
-pub(super) fn detectable(detectable: &crate::Detectable) -> super::Detectable {
+pub(super) fn detectable(detectable: &lab::Detectable) -> super::Detectable {
     super::Detectable {
         name: detectable.effect.clone(),
         parameter: detectable.parameter.clone(),

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use trials::trial::Finding;
 
-use crate::criteria::CriterionValues;
-use crate::{ErrorUnit, Searched, Verdict, WaterfallStep};
+use lab::criteria::CriterionValues;
+use lab::{ErrorUnit, Searched, Verdict, WaterfallStep};
 
 /// The file by which the folder of a study is known.
 pub const STUDY_FILE: &str = "study.json";

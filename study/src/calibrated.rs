@@ -1,17 +1,17 @@
 //! The report's text and tables from a calibration.
 
-use crate::error::Result;
 use effects::{CompiledModel, Model};
+use lab::Result;
 use serde_json::Value;
 
 use super::maps::Seen;
 use super::measurements::Data;
 use super::provenance::provenance;
 use super::report_from_diagnosis::{compared, correlations, parameter, verdict, waterfall};
-use super::simulated::Simulated;
 use super::{failures, residual_tests};
-use crate::study::{Compared, PassVolume, StudyReport, Waterfall};
-use crate::{BASE_STEP, Calibration, CalibrationSummary, Verdict, WaterfallStep};
+use crate::{Compared, PassVolume, StudyReport, Waterfall};
+use lab::Simulated;
+use lab::{BASE_STEP, Calibration, CalibrationSummary, Verdict, WaterfallStep};
 
 /// What the report of a calibration is made from.
 pub struct CalibrationReport<'a> {
@@ -77,7 +77,7 @@ pub(super) fn bare_report(
         correlations: None,
         detectable: Vec::new(),
         next_trial: None,
-        suggested_effect: None,
+        proposal: None,
         provenance: provenance(data.folder(), seed)?,
         diagnosis: Value::Null,
     })

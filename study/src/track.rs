@@ -2,10 +2,10 @@
 
 use sdf_bake::{HeightMap, PixelGrid};
 
-use super::simulated::Simulated;
-use crate::criteria::PLATEAU_REMOVAL_SIGMAS;
-use crate::study::Direction;
-use crate::{HeightView, ScanData, ScanEvidence, ScanView, Split};
+use crate::Direction;
+use lab::Simulated;
+use lab::criteria::PLATEAU_REMOVAL_SIGMAS;
+use lab::{HeightView, ScanData, ScanEvidence, ScanView, Split};
 use trials::measure::{
     Across, CLEARANCE, Freedom, Plateau, Registration, despiked, plateau_pixels, register, untouched,
 };

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{LabError, Result};
 use effects::{CompiledModel, Library, Model};
+use lab::{LabError, Result};
 
-use crate::{Calibration, Order, RowEvidence, ScanEvidence, Totals, uncalibrated};
+use lab::{Calibration, Order, RowEvidence, ScanEvidence, Totals, uncalibrated};
 use trials::table::{TABLE_FILE, Table};
 use trials::trial::{Campaign, Finding};
 

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::scan_data::{ComparedPass, CovariatePlot, PassVolume, ScanComparison, ScanSection, Waterfall};
 use super::unit_text::with_raised_powers;
+use lab::Proposal;
 
 /// Everything a report shows. What a study has not (maps of a table, sections of a sanding) stays empty, and the page
 /// leaves the section out or says that it is absent.
@@ -38,8 +39,8 @@ pub struct StudyReport {
     pub detectable: Vec<Detectable>,
     /// The next trial; `None` where none would help.
     pub next_trial: Option<NextTrial>,
-    /// A form for an effect that the library does not hold.
-    pub suggested_effect: Option<SuggestedEffect>,
+    /// The effect that is proposed for what no effect of the library describes.
+    pub proposal: Option<Proposal>,
     /// From what and by what the report was made.
     pub provenance: Provenance,
     /// The answer of `diagnose --json`; embedded as it is.
@@ -228,17 +229,6 @@ pub struct NextTrial {
     pub leaves_open: Vec<String>,
     /// Chance that it names the right one [1].
     pub probability_right: Option<f64>,
-}
-
-/// An effect file proposed for what no library effect explains.
-#[derive(Clone, Debug)]
-pub struct SuggestedEffect {
-    /// Name of the file.
-    pub file: String,
-    /// What it says, in words.
-    pub summary: String,
-    /// The file's text.
-    pub text: String,
 }
 
 /// From what and by what a report was made. No date and no machine unless the caller states them.

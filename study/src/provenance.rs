@@ -7,8 +7,8 @@ use files::output::holds_results;
 use files::sha256;
 use walkdir::{DirEntry, WalkDir};
 
-use crate::error::Result;
-use crate::study::{Digest, Provenance};
+use crate::{Digest, Provenance};
+use lab::Result;
 
 /// SHA-256 over the hashes of all files of a folder, results below it left out: whether measurements are the same.
 ///

@@ -3,11 +3,11 @@
 use sdf_bake::HeightMap;
 use sim::Covariates;
 
-use super::simulated::Simulated;
 use super::track::Ground;
-use crate::criteria::{TILE_BLOCK_SIDE, TRACK_REMOVAL_SHARE, TRACK_REMOVAL_SIGMAS};
-use crate::study::Stated;
-use crate::{
+use crate::Stated;
+use lab::Simulated;
+use lab::criteria::{TILE_BLOCK_SIDE, TRACK_REMOVAL_SHARE, TRACK_REMOVAL_SIGMAS};
+use lab::{
     CovariateField, CovariateStudy, ExposureView, HeightView, ScanData, ScanEvidence, ScanView, Split, Tiles,
     covariate_study,
 };

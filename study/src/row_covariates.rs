@@ -2,9 +2,9 @@
 
 use effects::CompiledModel;
 
-use crate::criteria::{GROSS_RESIDUAL_SIGMAS, ROW_BLOCK_LENGTH};
-use crate::study::Stated;
-use crate::{
+use crate::Stated;
+use lab::criteria::{GROSS_RESIDUAL_SIGMAS, ROW_BLOCK_LENGTH};
+use lab::{
     CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, StructureTest, covariate_study,
 };
 use trials::measure::centre_and_sigma;

@@ -1,13 +1,13 @@
 //! Where a model fails, in numbers: tests of structure, and what the error depends on.
 
-use crate::error::Result;
 use effects::CompiledModel;
+use lab::Result;
 use serde::Serialize;
 
-use super::simulated::Simulated;
 use super::{residual_tests, row_covariates, tile_covariates};
-use crate::study::{Bin, CovariatePlot, Stated};
-use crate::{CovariateBin, CovariateShare, CovariateStudy, Evidence, RowEvidence, ScanEvidence, Split, StructureTest};
+use crate::{Bin, CovariatePlot, Stated};
+use lab::Simulated;
+use lab::{CovariateBin, CovariateShare, CovariateStudy, Evidence, RowEvidence, ScanEvidence, Split, StructureTest};
 
 /// A covariate in numbers.
 #[derive(Clone, Debug, Serialize)]

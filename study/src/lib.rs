@@ -1,5 +1,19 @@
 //! A study: measurements compared with a model, the model calibrated, what it lacks found and added, step by step, and its
 //! report filled from what the laboratory found.
+//!
+//! 1. [`Measurements`] reads a campaign or a table, [`Data`] is either as the laboratory's evidence.
+//! 2. [`StudyState`] does one step after the other, and [`StudyRecord`] keeps what was done; [`Progress`] keeps predictions
+//!    of a run that was interrupted.
+//! 3. [`compare_scans`] and [`compare_rows`] compare without any fit, [`calibration_report`] and [`report()`] tell what a fit
+//!    and a search found.
+//! 4. [`StudyReport`] is what a page shows.
+//!
+//! ```
+//! use study::{Action, StudyRecord};
+//!
+//! let record = StudyRecord::new("hash of all files".to_owned(), 1);
+//! assert_eq!(record.next, Some(Action::Compare));
+//! ```
 
 mod calibrated;
 mod comparison;
@@ -17,7 +31,6 @@ mod row_covariates;
 mod scan_data;
 mod scan_figures;
 mod shapley;
-mod simulated;
 mod study_state;
 mod tile_covariates;
 mod track;
@@ -26,10 +39,10 @@ mod waterfall;
 
 pub use calibrated::{CalibrationReport, calibration_report};
 pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
-pub use conclusion::{suggestion, summary};
+pub use conclusion::{proposal, summary};
 pub use data::{
-    Compared, Correlations, Detectable, Digest, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport,
-    SuggestedEffect, Suspect, TestOfMissing, Verdict,
+    Compared, Correlations, Detectable, Digest, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport, Suspect,
+    TestOfMissing, Verdict,
 };
 pub use failures::{CovariateFigures, Failures};
 pub use measurements::{Data, Measurements};
@@ -44,3 +57,6 @@ pub use scan_data::{
 pub use scan_figures::{ScanFigures, SectionFigures};
 pub use study_state::StudyState;
 pub use unit_text::{superscript, with_raised_powers};
+
+#[cfg(test)]
+mod tests;

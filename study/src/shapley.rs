@@ -1,7 +1,7 @@
 //! How much of a fall each of two effects accounts for, whatever the order in which they are added.
 
-use crate::criteria::SHAPLEY_OVERLAP;
-use crate::{Diagnosis, DiagnosisSummary};
+use lab::criteria::SHAPLEY_OVERLAP;
+use lab::{Diagnosis, DiagnosisSummary};
 
 /// Shares of a fall of the sum of squares.
 #[derive(Clone, Copy, Debug, PartialEq)]

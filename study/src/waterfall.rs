@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
 use super::maps::{name, pass_volume};
-use super::simulated::Simulated;
 use super::track::{Ground, alignment, exposure};
-use crate::study::{Misfit, Waterfall, WaterfallStep};
-use crate::{ScanData, ScanEvidence, ScanView, Split};
+use crate::{Misfit, Waterfall, WaterfallStep};
+use lab::Simulated;
+use lab::{ScanData, ScanEvidence, ScanView, Split};
 use trials::measure::Registration;
 
 /// How measured heights lie on the simulated ones.

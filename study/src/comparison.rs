@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::criteria::{CriterionValues, NEAR_FLOOR_RATIO, SIGNIFICANCE_LEVEL};
-use crate::error::Result;
 use effects::CompiledModel;
+use lab::Result;
+use lab::criteria::{CriterionValues, NEAR_FLOOR_RATIO, SIGNIFICANCE_LEVEL};
 use serde::Serialize;
 
 use super::failures::{CovariateFigures, Failures, plots};
@@ -12,14 +12,12 @@ use super::maps::Seen;
 use super::provenance::provenance;
 use super::report_from_diagnosis::{compared_scans, folder_name};
 use super::scan_figures::{ScanFigures, figures};
-use super::simulated::Simulated;
 use super::track::deepest;
 use super::waterfall::{Scans, Step};
 use super::{residual_tests, row_covariates, tile_covariates};
-use crate::study::{
-    Compared, Direction, Misfit, ParameterEstimate, Stated, StudyReport, Verdict, Waterfall, WaterfallStep,
-};
-use crate::{
+use crate::{Compared, Direction, Misfit, ParameterEstimate, Stated, StudyReport, Verdict, Waterfall, WaterfallStep};
+use lab::Simulated;
+use lab::{
     CovariateStudy, ErrorUnit, Evidence, NoiseSummary, PassTrend, RowEvidence, ScanEvidence, Split, StructureTest,
     robust_sum,
 };
@@ -251,7 +249,7 @@ impl Found<'_> {
             correlations: None,
             detectable: Vec::new(),
             next_trial: None,
-            suggested_effect: None,
+            proposal: None,
             provenance: provenance(asked.folder, asked.seed)?,
             diagnosis: serde_json::to_value(comparison)?,
         })
@@ -280,7 +278,7 @@ fn parameters(model: &CompiledModel) -> Vec<ParameterEstimate> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::CovariateShare;
+    use lab::CovariateShare;
 
     /// What is found where a test says this and the error is so many noise floors.
     fn found(rejects: bool, floors: f64) -> Comparison {

@@ -1,0 +1,142 @@
+//! What each place met while something was removed from it: the mean of every variable over the removal, pass by pass.
+//!
+//! The simulator itself evaluates the formulas: each is a state of the workpiece's cells that grows by removal times value.
+//! With the contact as it is, a rate that changes by `g(v)` changes a surface by `∫ r g(v) dt`, about `g` of that mean times
+//! what was removed (the weak form; discrepancy in `docs/unlisted-effects.md`).
+
+use effects::{CompiledModel, Library, Model, Process};
+use glam::DVec2;
+use rayon::prelude::*;
+use sdf_bake::PixelGrid;
+
+use super::action::{ACTIONS, Action};
+use super::variables::{VARIABLES, Variable};
+use crate::diagnose::with_values;
+use crate::evidence::{Evidence, EvidenceError, Split};
+use crate::fit::Fit;
+use crate::scans::ScanEvidence;
+use crate::simulated::Simulated;
+use crate::simulation::SimulatedPass;
+
+/// Name of the effect that sums up and changes nothing.
+const WATCH: &str = "exposure-sums";
+
+/// A pass at the pixels of its trial's scan.
+pub(crate) struct PassExposure {
+    /// Depth [m], or dose, that each of [`ACTIONS`] removes by its typical size.
+    pub removed: Vec<Vec<f64>>,
+    /// Mean of each of [`VARIABLES`] over the removal [SI], NaN where nothing was removed.
+    pub means: Vec<Vec<f64>>,
+}
+
+/// All passes that fits may see, by trial.
+pub(crate) struct Exposures {
+    /// Passes of each trial.
+    pub passes: Vec<Vec<PassExposure>>,
+    /// The model's simulation.
+    pub simulated: Simulated,
+}
+
+impl Exposures {
+    /// Simulates a fitted model once, with all formulas watched.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub(crate) fn new(
+        evidence: &ScanEvidence,
+        (model, fit): (&Model, &Fit),
+        library: &Library,
+    ) -> Result<Self, EvidenceError> {
+        let file = (format!("{WATCH}.toml"), watch(evidence.process()));
+        let library = library.with(&[file]).expect("the sums are an effect");
+        let model = with_values(model, fit).with(WATCH);
+        let model = CompiledModel::new(&model, &library, evidence.rows()).expect("the model compiles with the sums");
+        let simulated = Simulated::all(evidence, &[&model])?.remove(0);
+        let trials = simulated.passes.par_iter().enumerate();
+        let passes = trials.map(|(trial, passes)| passes.iter().map(|pass| exposure(evidence, trial, pass)).collect());
+        Ok(Self { passes: passes.collect(), simulated })
+    }
+}
+
+/// What is summed up: the removal by each action's typical size, then the removal times each variable.
+fn sums(process: Process) -> Vec<String> {
+    let removal = Action::Rate.sensitivity(process).expect("the contact removes");
+    let actions = ACTIONS.iter().map(|action| action.sensitivity(process).unwrap_or_else(|| format!("0 * {removal}")));
+    actions.chain(VARIABLES.iter().map(|Variable { formula, .. }| format!("{removal} * ({formula})"))).collect()
+}
+
+/// The effect file of the sums.
+fn watch(process: Process) -> String {
+    let rate = Action::Rate.sensitivity(process).expect("the contact removes");
+    let sum = |(number, formula): (usize, &String)| {
+        format!("[state.sum_{number}]\nper = \"workpiece_cell\"\nrate = \"{formula}\"\n")
+    };
+    let states: String = VARIABLES.iter().map(|variable| variable.state).collect();
+    let sums: String = sums(process).iter().enumerate().map(sum).collect();
+    format!(
+        "name = \"{WATCH}\"\ntitle = \"Sums of what each place meets\"\nsource = \"none\"\nsignature = \"nothing\"\n\
+         confused_with = []\n\n[parameters.none]\nsymbol = \"n\"\nunit = \"1\"\nnull = 0.0\nrange = [0.0, 1.0]\n\
+         default = 0.0\nfree = false\nabout = \"nothing\"\n\n{states}{sums}\n[modify]\n{rate} = \"{rate} * (1 + none)\"\n"
+    )
+}
+
+fn exposure(evidence: &ScanEvidence, trial: usize, pass: &SimulatedPass) -> PassExposure {
+    let covariates = pass.covariates.as_ref().expect("the simulation is watched");
+    let pixels = &evidence.simulation.trials[trial].trial.scans.before.pixels;
+    let known = |value: &f64| if value.is_finite() { *value } else { 0.0 };
+    let summed = |sum: &Vec<f64>| -> Vec<f64> {
+        covariates.at(pixels, &sum.iter().map(known).collect::<Vec<f64>>()).iter().map(known).collect()
+    };
+    let first = covariates.states.len() - VARIABLES.len();
+    let mut removed: Vec<Vec<f64>> = covariates.states[first - ACTIONS.len()..first].iter().map(summed).collect();
+    let total = removed[0].clone();
+    let mean = |(sum, Variable { name, .. }): (&Vec<f64>, &Variable)| -> Vec<f64> {
+        let place = |at: usize| pixels.position(at % pixels.nx, at / pixels.nx);
+        match *name {
+            // A place is known where nothing was removed, too.
+            "place-along-x" => (0..pixels.len()).map(|at| place(at).x).collect(),
+            "place-along-y" => (0..pixels.len()).map(|at| place(at).y).collect(),
+            _ => summed(sum).iter().zip(&total).map(|(sum, total)| sum / total).collect(),
+        }
+    };
+    let means: Vec<Vec<f64>> = covariates.states[first..].iter().zip(VARIABLES).map(mean).collect();
+    for (action, removed) in ACTIONS.iter().zip(&mut removed) {
+        let (_, _, typical) = action.size();
+        match action {
+            Action::Offset => {
+                let across =
+                    VARIABLES.iter().position(|variable| variable.name == "place-on-tool").expect("a variable");
+                *removed = moved(&total, &means[across], pixels).iter().map(|change| typical * change).collect();
+            }
+            Action::Height => removed.fill(-typical),
+            _ => {}
+        }
+    }
+    PassExposure { removed, means }
+}
+
+/// Change of the removal at each pixel per way [m] of the tool along its y: the slope against the place on the tool.
+///
+/// - `across`: place along the tool's y at each pixel [m]
+fn moved(removed: &[f64], across: &[f64], pixels: &PixelGrid) -> Vec<f64> {
+    let slope = |of: &[f64], at: usize, step: usize| match (at.checked_sub(step), of.get(at + step)) {
+        (Some(low), Some(high)) => (high - of[low]) / (2.0 * pixels.pitch),
+        _ => 0.0,
+    };
+    let gradient = |of: &[f64], at: usize| DVec2::new(slope(of, at, 1), slope(of, at, pixels.nx));
+    let along = |at: &usize| Some(gradient(across, *at)).filter(|way| way.is_finite());
+    let axis = (0..pixels.len()).filter_map(|at| along(&at)).sum::<DVec2>().normalize_or_zero();
+    (0..pixels.len()).map(|at| -gradient(removed, at).dot(axis)).collect()
+}
+
+/// Values of a variable over what was removed in all passes of the calibration scans, with the removal, rising.
+pub(crate) fn distribution(evidence: &ScanEvidence, exposures: &Exposures, variable: usize) -> Vec<(f64, f64)> {
+    let mut all = Vec::new();
+    for view in evidence.of(Split::Calibration) {
+        let pass = &exposures.passes[view.trial][view.pass];
+        let pixels = view.data.tiles().pixels().map(|(_, at)| (pass.means[variable][at], pass.removed[0][at]));
+        all.extend(pixels.filter(|(value, removed)| value.is_finite() && *removed > 0.0));
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all
+}

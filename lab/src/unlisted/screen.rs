@@ -1,0 +1,76 @@
+//! A first look at all variables and forms without any simulation: what a curve over each would change, from one watched
+//! simulation of the model that lacks it.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::basis::Basis;
+use super::curve::Curve;
+use super::form::{Form, KINDS};
+use crate::criteria::FORM_SIZE_SIGMA;
+use crate::cross_validation::{Beside, CrossValidation};
+use crate::fit::Fit;
+
+/// A form as it is expected to fit.
+#[derive(Clone, Debug)]
+pub(crate) struct Expected {
+    /// The form.
+    pub form: Form,
+    /// Its sizes.
+    pub sizes: Vec<f64>,
+    /// How far the model's own coordinates follow it.
+    pub shift: Vec<f64>,
+    /// Log density of all folds, averaged over all shapes of its kind.
+    pub score: f64,
+    /// By how much that is less than with this shape.
+    pub choice: f64,
+}
+
+/// A variable, the curve over it, and forms of it, best first.
+pub(crate) struct Looked {
+    /// Hats over the variable.
+    pub basis: Basis,
+    /// The curve that predicts best.
+    pub curve: Curve,
+    /// Forms, one of each kind.
+    pub forms: Vec<Expected>,
+}
+
+/// Looks at all variables; those whose curve predicts best come first.
+pub(crate) fn look(folds: &CrossValidation, fit: &Fit, bases: Vec<Basis>) -> Vec<Looked> {
+    let one = |basis: Basis| -> Option<Looked> {
+        let beside = folds.beside(fit, &basis.columns);
+        let curve = Curve::best(&beside, basis.knots.len())?;
+        let best = |kind| {
+            best(Form::all(kind, &basis).into_iter().filter_map(|form| expected(&beside, &basis, form)).collect())
+        };
+        let mut forms: Vec<Expected> = KINDS.into_iter().filter_map(best).collect();
+        forms.sort_by(|a, b| b.score.total_cmp(&a.score));
+        Some(Looked { basis, curve, forms })
+    };
+    let mut looked: Vec<Looked> = bases.into_par_iter().filter_map(one).collect();
+    looked.sort_by(|a, b| b.curve.density.total_cmp(&a.curve.density));
+    looked
+}
+
+/// The form of a kind whose shape predicts best. All shapes are as likely beforehand, so the kind is as likely as they are
+/// on average: one that fits with one shape of many is less likely than one that has no shape to choose.
+fn best(forms: Vec<Expected>) -> Option<Expected> {
+    let most = forms.iter().map(|form| form.score).fold(f64::NEG_INFINITY, f64::max);
+    let mean = forms.iter().map(|form| (form.score - most).exp()).sum::<f64>() / forms.len() as f64;
+    let best = forms.into_iter().find(|form| form.score == most)?;
+    Some(Expected { score: most + mean.ln(), choice: mean.ln(), ..best })
+}
+
+/// A form's sizes that fit best.
+fn expected(beside: &Beside, basis: &Basis, form: Form) -> Option<Expected> {
+    let gains: Vec<Vec<f64>> = basis.knots.iter().map(|&value| form.gains(value)).collect();
+    let count = gains[0].len();
+    let sums = DMatrix::from_fn(basis.knots.len(), count, |knot, size| gains[knot][size]);
+    let prior = DMatrix::from_diagonal(&DVector::from_element(count, FORM_SIZE_SIGMA.powi(-2)));
+    let (densities, moved) = beside.summed(&sums).densities(&prior, true)?;
+    let own = moved.len() - count;
+    let score = densities.iter().sum::<f64>();
+    let of = |range: std::ops::Range<usize>| range.map(|k| moved[k]).collect::<Vec<f64>>();
+    Some(Expected { form, sizes: of(own..moved.len()), shift: of(0..own), score, choice: 0.0 })
+}

@@ -1,0 +1,108 @@
+//! The search for a form: look, fit the best, look again beside the best fit, and fit what is new.
+//!
+//! A model that lacks something has gone astray to make up for it, and what it leaves is distorted. The second look begins
+//! from a model that lacks little.
+
+use std::collections::BTreeSet;
+
+use effects::{Library, Model};
+use rayon::prelude::*;
+
+use super::action::Action;
+use super::basis::Basis;
+use super::form::Kind;
+use super::screen::{Expected, Looked, look};
+use super::trial_fit::Fitted;
+use crate::criteria::{FORMS_FITTED, FORMS_PER_VARIABLE, FORMS_REFINED};
+use crate::cross_validation::CrossValidation;
+use crate::evidence::{Evidence, EvidenceError};
+use crate::fit::Fit;
+
+/// All forms that were fitted, and both looks.
+pub(crate) struct Search {
+    /// Forms, the one with the least χ² first.
+    pub fitted: Vec<Fitted>,
+    /// Hats over all variables beside the model that lacks what is sought.
+    pub bases: Vec<Basis>,
+}
+
+impl Search {
+    /// Searches beside a fitted model.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub(crate) fn new(
+        evidence: &dyn Evidence,
+        (model, base): (&Model, &Fit),
+        library: &Library,
+    ) -> Result<Self, EvidenceError> {
+        let looked = look(&CrossValidation::by_pass(evidence, base), base, evidence.bases((model, base), library)?);
+        let mut first = chosen(&looked, None);
+        first.extend(lines(&looked, &first));
+        let mut fitted = fitted(evidence, (model, base), library, &first);
+        let bases = looked.into_iter().map(|looked| looked.basis).collect();
+        if let Some(best) = fitted.first() {
+            let (again, without) = again(evidence, best)?;
+            let known = best.form.name();
+            fitted.extend(self::fitted(evidence, (model, &without), library, &chosen(&again, Some(&known))));
+            sort(&mut fitted);
+            // Of a form that was fitted from both looks the better fit counts.
+            let mut names = BTreeSet::new();
+            fitted.retain(|fitted| names.insert(fitted.form.name()));
+        }
+        Ok(Self { fitted, bases })
+    }
+}
+
+/// A look beside a model with a form, as if it lacked the form; and the fit without it.
+///
+/// # Errors
+/// When the model cannot be simulated.
+pub(crate) fn again(evidence: &dyn Evidence, best: &Fitted) -> Result<(Vec<Looked>, Fit), EvidenceError> {
+    let (bases, without) = best.without_form(evidence)?;
+    Ok((look(&CrossValidation::by_pass(evidence, &best.fit), &without, bases), without))
+}
+
+/// Fits forms, the best to the end. The one with the least χ² comes first.
+fn fitted(
+    evidence: &dyn Evidence,
+    (model, base): (&Model, &Fit),
+    library: &Library,
+    chosen: &[(&Basis, &Expected)],
+) -> Vec<Fitted> {
+    let quick = chosen.par_iter().filter_map(|&expected| Fitted::new(evidence, (model, base), library, expected));
+    let mut fitted: Vec<Fitted> = quick.collect();
+    sort(&mut fitted);
+    let rest = fitted.split_off(FORMS_REFINED.min(fitted.len()));
+    let mut fitted: Vec<Fitted> = fitted.into_par_iter().map(|fitted| fitted.fitted_further(evidence, base)).collect();
+    fitted.extend(rest);
+    sort(&mut fitted);
+    fitted
+}
+
+fn sort(fitted: &mut [Fitted]) {
+    fitted.sort_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2).then_with(|| a.form.name().cmp(&b.form.name())));
+}
+
+/// A line of the rate over each variable that has no form among those chosen: what a first look sees of a model that has
+/// gone astray may be a ghost.
+fn lines<'a>(looked: &'a [Looked], chosen: &[(&Basis, &Expected)]) -> Vec<(&'a Basis, &'a Expected)> {
+    let is_new = |one: &&Looked| {
+        one.basis.action == Action::Rate && chosen.iter().all(|(basis, _)| basis.variable != one.basis.variable)
+    };
+    let line = |one: &'a Looked| Some((&one.basis, one.forms.iter().find(|form| form.form.kind == Kind::Line)?));
+    looked.iter().filter(is_new).filter_map(line).collect()
+}
+
+/// The forms that are expected to predict best, a few of each variable, without one that is known.
+fn chosen<'a>(looked: &'a [Looked], known: Option<&str>) -> Vec<(&'a Basis, &'a Expected)> {
+    let mut all: Vec<(&Basis, &Expected)> = Vec::new();
+    for one in looked {
+        let forms = one.forms.iter().take(FORMS_PER_VARIABLE);
+        all.extend(forms.map(|form| (&one.basis, form)));
+    }
+    all.sort_by(|a, b| b.1.score.total_cmp(&a.1.score));
+    all.truncate(FORMS_FITTED);
+    all.retain(|(_, expected)| known != Some(expected.form.name().as_str()));
+    all
+}

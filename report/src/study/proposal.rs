@@ -1,0 +1,80 @@
+//! The effect that is proposed for what no effect of the library describes: its curve, its file, and the other forms.
+
+use super::number::{p_value, significant};
+use crate::{Cell, Chart, Page, Series, Stroke, Table, escape};
+use lab::{FittedForm, Proposal, ProposedForm};
+
+/// Files of a form: its own, and its curve.
+const FILES_PER_FORM: usize = 2;
+const SIZE: (f64, f64) = (640.0, 300.0);
+const CURVE: Stroke = Stroke { colour: "#0072b2", dashed: false };
+const FORM: Stroke = Stroke { colour: "#d55e00", dashed: true };
+
+/// Appends the proposal.
+pub(super) fn add(page: &mut Page, proposal: &Proposal) {
+    page.part("proposed", "A form for what no known effect explains");
+    let summaries: Vec<&str> = proposal.forms.iter().map(|form| form.summary.as_str()).collect();
+    page.paragraph(&format!("From the data alone: {}. {}", summaries.join("; and "), fall(proposal)));
+    for (form, (file, text)) in proposal.forms.iter().zip(proposal.files.iter().step_by(FILES_PER_FORM)) {
+        page.block(&format!(
+            "<figure>{}<figcaption>A curve of no form with its 95 % band, and the form. Where the form leaves the band, another \
+             one fits better.</figcaption></figure>\n<p>The file <code>effects/{}</code> holds it.</p>\n<pre>{}</pre>\n{}",
+            drawing(form),
+            escape(file),
+            escape(text),
+            forms(&form.fitted)
+        ));
+    }
+    page.block(
+        "<p>Give it a name and a cause, and go on with <code>--model model-with-proposal.toml --effects effects</code>.</p>\n",
+    );
+}
+
+/// How the error falls, in words.
+fn fall(proposal: &Proposal) -> String {
+    let symbol = proposal.error_unit.symbol();
+    let all = |errors: Vec<f64>| errors.iter().map(|error| significant(*error, 3)).collect::<Vec<_>>().join(", then ");
+    let seen = all(proposal.errors.iter().map(|step| step.calibration_rms_um).collect());
+    let held_out: Option<Vec<f64>> = proposal.errors.iter().map(|step| step.evaluation_rms_um).collect();
+    let held_out =
+        held_out.map_or(String::new(), |errors| format!("; that of the evaluation passes {} {symbol}", all(errors)));
+    format!("The error of the calibration passes is {seen} {symbol}{held_out}.")
+}
+
+fn drawing(form: &ProposedForm) -> String {
+    let curve = Series {
+        stroke: Some(CURVE),
+        band: form.curve.iter().map(|point| (point.band[0], point.band[1])).collect(),
+        ..Series::new("curve", form.curve.iter().map(|point| (point.at, point.change)).collect())
+    };
+    let own = form.curve.iter().map(|point| (point.at, point.form)).collect();
+    let own = Series { stroke: Some(FORM), ..Series::new("form", own) };
+    let ([acts_on, change], [about, unit]) = (&form.acts_on, &form.variable);
+    let unit = if unit == "1" { String::new() } else { format!(" [{unit}]") };
+    Chart {
+        title: &format!("Change of the {acts_on} over the {about}"),
+        x_label: &format!("{about}{unit}"),
+        y_label: &format!("change of the {acts_on} [{change}]"),
+        series: &[curve, own],
+        size: SIZE,
+        from_zero: false,
+        band: None,
+    }
+    .to_svg()
+}
+
+/// All forms that were fitted.
+fn forms(forms: &[FittedForm]) -> String {
+    let mut table =
+        Table::new("Forms that were fitted", &["form", "what it says", "Δχ²", "predicts better by", "p-value"]);
+    for form in forms {
+        table.rows.push(vec![
+            Cell::text(&form.name),
+            Cell::text(&form.summary),
+            Cell::number(significant(form.delta_chi2, 4), form.delta_chi2),
+            Cell::number(significant(form.predicts_better_by, 4), form.predicts_better_by),
+            Cell::number(p_value(form.p_value), form.p_value),
+        ]);
+    }
+    table.to_html()
+}
