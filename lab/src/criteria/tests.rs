@@ -195,10 +195,10 @@ const AGREED: &[(&str, f64)] = &[
     ("FORM_RATIOS", 8.0),
     ("FORM_SIZE_SIGMA", 1.0),
     ("FORM_TERMS", 2.0),
-    ("FORMS_FITTED", 6.0),
+    ("FORMS_FITTED", 8.0),
     ("FORM_STARTS", 4.0),
     ("FORM_START_RATIO", 4.0),
-    ("FORMS_PER_VARIABLE", 3.0),
+    ("FORMS_PER_VARIABLE", 2.0),
     ("FORMS_REFINED", 2.0),
 ];
 
