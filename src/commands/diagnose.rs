@@ -8,14 +8,13 @@ use clap::Args;
 
 use super::flags::{OutFlags, SEEDS};
 use super::model_flags::ModelFlags;
-use super::proposal::{MODEL_WITH_PROPOSAL, write_proposal};
 use super::values::whole;
 use crate::console::Console;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
 use lab::{Diagnosis, DiagnosisSummary, Order};
 use report::study::page;
-use study::{Measurements, ReportInput, proposal, report, summary};
+use study::{MODEL_WITH_PROPOSAL, Measurements, ReportInput, proposal, report, summary, write_proposal};
 
 /// The file by which a result folder is known.
 const DIAGNOSIS_FILE: &str = "diagnosis.json";
@@ -62,7 +61,7 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let proposal = proposal(&data, &diagnosis, &library, args.seed)?;
     let summary = DiagnosisSummary { proposal, ..summary(&mut data, &diagnosis, &library)? };
     if let Some(proposal) = &summary.proposal {
-        write_proposal(proposal, folder.path(), console)?;
+        write_proposal(proposal, folder.path())?.into_iter().for_each(|(what, text)| console.step(what, text));
     }
     describe(&summary, console);
     let input = ReportInput {

@@ -22,7 +22,6 @@ mod man;
 mod model_flags;
 mod path;
 mod press;
-mod proposal;
 mod render;
 mod sensor_flags;
 mod simulate;

@@ -9,7 +9,6 @@ use effects::{Library, Model};
 
 use super::flags::{OutFlags, SEEDS};
 use super::model_flags::{ModelFlags, read_text};
-use super::proposal::{MODEL_WITH_PROPOSAL, write_proposal};
 use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
@@ -18,8 +17,8 @@ use files::input::quoted_near;
 use files::json_file::read_json;
 use files::output::{FolderKind, Out};
 use report::study::page;
-use study::StudyReport;
 use study::{Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState, inputs_sha256};
+use study::{MODEL_WITH_PROPOSAL, StudyReport, write_proposal};
 
 /// The model's file in a study's folder.
 const MODEL_FILE: &str = "model.toml";
@@ -177,7 +176,7 @@ pub(super) fn write_files(
         std::fs::write(folder.join(name), text).with_context(|| format!("{name}: cannot be written"))
     };
     if let Some(proposal) = course.proposal() {
-        write_proposal(proposal, folder, console)?;
+        write_proposal(proposal, folder)?.into_iter().for_each(|(what, text)| console.step(what, text));
     }
     write(STUDY_FILE, serde_json::to_string_pretty(&course.record)?)?;
     write(MODEL_FILE, course.model.to_text(library))?;

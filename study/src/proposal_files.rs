@@ -1,0 +1,43 @@
+//! Files of an effect that is proposed for what no effect of the library describes, in the folder of a study or a
+//! diagnosis.
+
+use std::path::Path;
+use std::{fs, io};
+
+use lab::{Proposal, WaterfallStep};
+
+/// Folder of the effect files.
+pub const PROPOSED_EFFECTS: &str = "effects";
+/// The model with the proposed effect.
+pub const MODEL_WITH_PROPOSAL: &str = "model-with-proposal.toml";
+
+/// Writes the effect files and the model with the effect; returns what they are, each as a word and a text.
+///
+/// # Errors
+/// A file that cannot be written, with its name.
+pub fn write_proposal(proposal: &Proposal, folder: &Path) -> io::Result<Vec<(&'static str, String)>> {
+    let write = |name: &str, text: &str| {
+        let named = |error: io::Error| io::Error::new(error.kind(), format!("{name}: cannot be written: {error}"));
+        fs::write(folder.join(name), text).map_err(named)
+    };
+    fs::create_dir_all(folder.join(PROPOSED_EFFECTS))?;
+    for (file, text) in &proposal.files {
+        write(&format!("{PROPOSED_EFFECTS}/{file}"), text)?;
+    }
+    write(MODEL_WITH_PROPOSAL, &proposal.model)?;
+    let form =
+        |form: &lab::ProposedForm| ("proposed", format!("{}: {PROPOSED_EFFECTS}/{}.toml", form.summary, form.name));
+    Ok(proposal.forms.iter().map(form).chain([("error", errors(proposal))]).collect())
+}
+
+/// How the error falls, and how to go on.
+fn errors(proposal: &Proposal) -> String {
+    let error = |step: &WaterfallStep| format!("{:.2}", step.evaluation_rms_um.unwrap_or(step.calibration_rms_um));
+    let which = if proposal.errors[0].evaluation_rms_um.is_some() { "held-out error" } else { "error" };
+    let errors: Vec<String> = proposal.errors.iter().map(error).collect();
+    format!(
+        "{which} {} {}; give it a name and a cause, and go on with --model {MODEL_WITH_PROPOSAL} --effects {PROPOSED_EFFECTS}",
+        errors.join(", then "),
+        proposal.error_unit.symbol()
+    )
+}
