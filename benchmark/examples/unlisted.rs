@@ -1,5 +1,5 @@
-//! What is proposed for effects that no library holds, on fresh virtual experiments: the eight outside the library, effects
-//! of the library that it lacks here, and nothing.
+//! Proposals for unlisted effects on fresh virtual experiments: the effects outside the library, effects of the library that
+//! are left out of it, and campaigns with nothing hidden.
 //! `cargo run --release -p robofin-benchmark --example unlisted -- [FIRST_SEED] [small|full] [WORD ...]`; with words, only
 //! cases whose name holds one of them.
 
@@ -74,13 +74,7 @@ fn main() -> Result<()> {
         println!(
             "| {hidden} ({}) | {before:.2} {unit} | {after:.2} | {floor:.2} | {} | {name}: {} | {:.0} |",
             process.name(),
-            if hidden.is_empty() {
-                "-"
-            } else if is_right {
-                "right"
-            } else {
-                "wrong"
-            },
+            judgement(hidden, is_right),
             summary(proposal.as_ref()),
             started.elapsed().as_secs_f64()
         );
@@ -89,7 +83,16 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// What all forms of a proposal say.
+/// Judgement of the first form's variable, in a word.
+fn judgement(hidden: &str, is_right: bool) -> &'static str {
+    match (hidden, is_right) {
+        ("", _) => "-",
+        (_, true) => "right",
+        (_, false) => "wrong",
+    }
+}
+
+/// All forms of a proposal in words.
 fn summary(proposal: Option<&Proposal>) -> String {
     let forms = proposal.iter().flat_map(|proposal| &proposal.forms);
     forms.map(|form| form.summary.as_str()).collect::<Vec<_>>().join("; and ")
@@ -102,7 +105,7 @@ fn made((hidden, process): (&str, Process), seed: u64, size: Size) -> Result<Mad
     Ok(Experiment { plan, trials: plan.usual_trials(), size, choice: Choice::These(hidden), ..new }.make()?)
 }
 
-/// What is proposed, and the held-out error of the base law with its floor.
+/// The proposal, and the held-out error of the base law with its noise floor and unit.
 fn proposed(made: &Made, hidden: &str) -> Result<(Option<Proposal>, f64, f64, &'static str)> {
     let library = Library::builtin().without(&[hidden]);
     let mut evidence = ScanEvidence::new(&made.trials, None)?;

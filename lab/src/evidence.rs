@@ -174,7 +174,8 @@ pub trait Evidence: Sync {
         Ok(DMatrix::zeros(self.folds().len(), 0))
     }
 
-    /// What changes of the rate over each variable would change in the calibration data, beside a fitted model.
+    /// Linear response of the calibration data to changes over each variable, at a fitted model; none where the evidence has no
+    /// such variables.
     ///
     /// # Errors
     /// When the model cannot be simulated.

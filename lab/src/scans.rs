@@ -341,7 +341,10 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn bases(&self, model: (&Model, &Fit), library: &Library) -> Result<Vec<Basis>, EvidenceError> {
-        Basis::all(self, &Exposures::new(self, model, library)?)
+        match Exposures::new(self, model, library)? {
+            Some(exposures) => Basis::all(self, &exposures),
+            None => Ok(Vec::new()),
+        }
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {

@@ -34,17 +34,10 @@ pub fn null_delta_chi2(
     seed: u64,
 ) -> NullDraws {
     let spaces: Vec<DMatrix<f64>> = screened.iter().filter_map(space).collect();
-    let most = blocks.iter().max().map_or(0, |most| most + 1);
-    let draw = |number: u64| {
-        let mut random = Pcg64Mcg::seed_from_u64(seed ^ (number.wrapping_mul(0x9e37_79b9_7f4a_7c15)));
-        let signs: Vec<f64> = (0..most).map(|_| if random.random::<bool>() { 1.0 } else { -1.0 }).collect();
-        let drawn: Vec<f64> = left.iter().zip(blocks).map(|(r, block)| r * signs[*block]).collect();
-        luckiest((screened, &spaces), &projector.project(&drawn))
-    };
-    let mut largest: Vec<f64> = (0..SIGN_FLIP_DRAWS).into_par_iter().map(draw).collect();
-    largest.sort_by(f64::total_cmp);
     let is_distinct = |one: &&Screened| one.responses.iter().flatten().any(Response::is_distinct);
-    NullDraws { largest, tried: screened.iter().filter(is_distinct).count().max(1) }
+    let tried = screened.iter().filter(is_distinct).count();
+    let search = |drawn: &[f64]| luckiest((screened, &spaces), &projector.project(drawn));
+    NullDraws::new((left, blocks), seed, tried, search)
 }
 
 /// All that an effect of several amplitudes can change at once, as an orthonormal basis.
@@ -67,6 +60,28 @@ fn luckiest((screened, spaces): (&[Screened], &[DMatrix<f64>]), residuals: &DVec
 }
 
 impl NullDraws {
+    /// Draws of noise, each searched once (Westfall and Young 1993).
+    ///
+    /// - `left`, `blocks`: as in [`null_delta_chi2`]
+    /// - `tried`: effects that each search tries
+    /// - `search`: largest Δχ² of these effects in whitened data
+    pub(super) fn new(
+        (left, blocks): (&[f64], &[usize]),
+        seed: u64,
+        tried: usize,
+        search: impl Fn(&[f64]) -> f64 + Sync,
+    ) -> Self {
+        let most = blocks.iter().max().map_or(0, |most| most + 1);
+        let draw = |number: u64| {
+            let mut random = Pcg64Mcg::seed_from_u64(seed ^ (number.wrapping_mul(0x9e37_79b9_7f4a_7c15)));
+            let signs: Vec<f64> = (0..most).map(|_| if random.random::<bool>() { 1.0 } else { -1.0 }).collect();
+            search(&left.iter().zip(blocks).map(|(r, block)| r * signs[*block]).collect::<Vec<f64>>())
+        };
+        let mut largest: Vec<f64> = (0..SIGN_FLIP_DRAWS).into_par_iter().map(draw).collect();
+        largest.sort_by(f64::total_cmp);
+        Self { largest, tried: tried.max(1) }
+    }
+
     /// p-value of a fit with an effect beside the fit without it: the share of draws that reach its Δχ², or that of an
     /// F test corrected for the number of effects (Šidák 1967), whichever is greater. The draws come from what the best
     /// fit leaves, of which few data leave too little; with many the F test is the lesser.

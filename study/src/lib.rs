@@ -48,7 +48,7 @@ pub use data::{
 pub use failures::{CovariateFigures, Failures};
 pub use measurements::{Data, Measurements};
 pub use progress::Progress;
-pub use proposal_files::{MODEL_WITH_PROPOSAL, write_proposal};
+pub use proposal_files::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, write_proposal};
 pub use provenance::inputs_sha256;
 pub use record::{Action, Done, STUDY_FILE, STUDY_FORMAT, StudyRecord};
 pub use report_from_diagnosis::{ReportInput, report};

@@ -1,5 +1,4 @@
-//! Files of an effect that is proposed for what no effect of the library describes, in the folder of a study or a
-//! diagnosis.
+//! Files of proposed effects, in the folder of a study or a diagnosis.
 
 use std::path::Path;
 use std::{fs, io};
@@ -11,7 +10,7 @@ pub const PROPOSED_EFFECTS: &str = "effects";
 /// The model with the proposed effect.
 pub const MODEL_WITH_PROPOSAL: &str = "model-with-proposal.toml";
 
-/// Writes the effect files and the model with the effect; returns what they are, each as a word and a text.
+/// Writes the effect files and the model with them; returns lines for the console, each with its label.
 ///
 /// # Errors
 /// A file that cannot be written, with its name.

@@ -3,4 +3,5 @@
 mod browser;
 mod content;
 mod form;
+mod proposal;
 mod study;

@@ -190,7 +190,6 @@ const AGREED: &[(&str, f64)] = &[
     ("CURVE_STRENGTH_RATIO", 2.5),
     ("CURVE_STRENGTHS", 7.0),
     ("FORM_KNOTS_LEAST", 8.0),
-    ("FORM_PLACES", 32.0),
     ("FORM_RATIO", 1.6),
     ("FORM_RATIOS", 8.0),
     ("FORM_SIZE_SIGMA", 1.0),

@@ -4,7 +4,7 @@ use super::Criterion;
 
 criteria! {
     OF_UNLISTED_EFFECTS;
-    /// Most knots of a curve over one variable.
+    /// Most knots of a curve over one variable, and places of a form that are tried over it.
     CURVE_KNOTS: usize = 32, "1", "chosen: a thirtieth of a way is the shortest feature";
     /// Step of a coating's dose behind the slope of the border's place, over the change of the dose.
     CURVE_MASK_STEP: f64 = 0.05, "1", "chosen: a twentieth moves a border by pixels";
@@ -22,8 +22,6 @@ criteria! {
     CURVE_STRENGTHS: i32 = 7, "1", "chosen: up to all of the rate";
     /// Fewest knots of a variable for forms that have a shape.
     FORM_KNOTS_LEAST: usize = 8, "1", "chosen: fewer values show no shape of three numbers";
-    /// Places of a form that are tried over the range of its variable.
-    FORM_PLACES: usize = 32, "1", "chosen: as many as knots";
     /// Ratio of a width of a form to the next.
     FORM_RATIO: f64 = 1.6, "1", "chosen";
     /// Widths of a form that are tried, from the whole range on.

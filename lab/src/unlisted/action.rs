@@ -1,9 +1,11 @@
-//! On what an effect that nobody has listed may act, and what a small change of it does to the removal with the contact as it
-//! is: the first order of the base laws.
+//! Quantities that an unlisted effect may change, and the first order of the base laws in each: the change of the removal with
+//! the contact frozen.
 
-use effects::Process;
+use effects::{Process, Unit};
 
-/// What a form changes.
+use super::variables::{Scope, Variable};
+
+/// A quantity that a form changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Action {
     /// The rate, or the dose, by a factor.
@@ -22,18 +24,6 @@ pub(crate) enum Action {
 
 pub(crate) const ACTIONS: [Action; 6] =
     [Action::Rate, Action::Pressure, Action::Roll, Action::Offset, Action::Gap, Action::Height];
-
-/// Variables that have one value for the whole tool at a time.
-const OF_TOOL: &[&str] = &[
-    "worked-volume",
-    "sliding-distance",
-    "warmth",
-    "slow-warmth",
-    "path-position",
-    "path-remaining",
-    "contact-time",
-    "trial-time",
-];
 
 impl Action {
     /// Name in files; the rate needs none.
@@ -60,37 +50,43 @@ impl Action {
         }
     }
 
-    /// Whether it is a factor that changes.
+    /// True where a form is a factor of it, false where it is added.
     pub(crate) fn is_factor(self) -> bool {
         matches!(self, Self::Rate | Self::Pressure)
     }
 
-    /// Unit of a size in files, a typical size in it, and the SI value of that.
-    pub(crate) fn size(self) -> (&'static str, f64, f64) {
+    /// Unit of a size in files, and a typical size in it.
+    pub(crate) fn size(self) -> (&'static str, f64) {
         match self {
-            Self::Rate | Self::Pressure => ("1", 1.0, 1.0),
-            Self::Roll => ("mrad", 20.0, 20e-3),
-            Self::Offset => ("mm", 2.0, 2e-3),
-            Self::Gap => ("um", 50.0, 50e-6),
-            Self::Height => ("um", 20.0, 20e-6),
+            Self::Rate | Self::Pressure => ("1", 1.0),
+            Self::Roll => ("mrad", 20.0),
+            Self::Offset => ("mm", 2.0),
+            Self::Gap => ("um", 50.0),
+            Self::Height => ("um", 20.0),
         }
+    }
+
+    /// A typical size [SI].
+    pub(crate) fn typical(self) -> f64 {
+        let (unit, typical) = self.size();
+        Unit::parse(unit).map_or(typical, |unit| unit.to_si(typical))
     }
 
     /// Unit in which people see a change, and how much of it a typical size is.
     pub(crate) fn shown(self) -> (&'static str, f64) {
         match self.size() {
             _ if self.is_factor() => ("%", 100.0),
-            (unit, typical, _) => (unit, typical),
+            size => size,
         }
     }
 
-    /// Whether it may be a function of a variable.
-    pub(crate) fn takes(self, process: Process, variable: &str) -> bool {
+    /// True if it may be a function of a variable.
+    pub(crate) fn takes(self, process: Process, variable: &Variable) -> bool {
         match self {
             Self::Rate => true,
-            Self::Pressure | Self::Roll | Self::Offset => OF_TOOL.contains(&variable),
-            Self::Gap => ["place-on-tool", "distance-from-tool-middle"].contains(&variable),
-            Self::Height => process == Process::Grinding && ["place-along-x", "place-along-y"].contains(&variable),
+            Self::Pressure | Self::Roll | Self::Offset => variable.scope == Scope::Tool,
+            Self::Gap => variable.scope == Scope::Face,
+            Self::Height => process == Process::Grinding && variable.scope == Scope::Part,
         }
     }
 
@@ -104,13 +100,13 @@ impl Action {
         match self {
             Self::Rate => Some(removal.to_owned()),
             Self::Pressure => Some(format!("{of_pressure} * (pressure - pressure_mean)")),
-            Self::Roll => Some(format!("-0.02 * {of_pressure} * stiffness * tool_y")),
-            Self::Gap => Some(format!("-5e-5 [m] * {of_pressure} * stiffness")),
+            Self::Roll => Some(format!("-{} * {of_pressure} * stiffness * tool_y", self.typical())),
+            Self::Gap => Some(format!("-{} [m] * {of_pressure} * stiffness", self.typical())),
             Self::Offset | Self::Height => None,
         }
     }
 
-    /// What the effect file modifies, where `gain` is the factor or what is added.
+    /// The `[modify]` lines of an effect file, in which `gain` is the factor or the summand.
     pub(crate) fn modification(self) -> &'static str {
         match self {
             Self::Rate => "rate = \"rate * gain\"\ndose_rate = \"dose_rate * gain\"\n",

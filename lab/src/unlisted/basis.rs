@@ -1,5 +1,5 @@
-//! What a change of the rate over one variable does to the data, for any form of it: hats over the variable, each with what
-//! it would change. A form is its values at their peaks.
+//! Linear response of the data to any change over one variable: hat functions over it, and the change of the whitened data by
+//! each. A form is its values at their peaks.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -15,12 +15,12 @@ use crate::simulation_errors::change_without_lattice_error;
 /// Least distance of two knots over the range of the variable.
 const APART: f64 = 2e-3;
 
-/// Hats over one variable.
+/// Hat functions over one variable.
 #[derive(Clone, Debug)]
 pub struct Basis {
-    /// What it acts on.
+    /// The quantity that changes.
     pub(crate) action: Action,
-    /// Which of the variables.
+    /// Place among all variables.
     pub(crate) variable: usize,
     /// Values of the variable at the peaks [SI], rising; about equal shares of the removal lie between them.
     pub(crate) knots: Vec<f64>,
@@ -29,7 +29,7 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// Those of all variables that vary and are not the same as one before.
+    /// Those of all actions over all variables that vary.
     ///
     /// # Errors
     /// When the scanner's formulas fail.
@@ -43,7 +43,7 @@ impl Basis {
             Ok(Some(Self { action: ACTIONS[action], variable, knots, columns }))
         };
         let process = evidence.process();
-        let takes = |&(action, variable): &(usize, usize)| ACTIONS[action].takes(process, VARIABLES[variable].name);
+        let takes = |&(action, variable): &(usize, usize)| ACTIONS[action].takes(process, &VARIABLES[variable]);
         let all = (0..ACTIONS.len()).flat_map(|action| (0..VARIABLES.len()).map(move |variable| (action, variable)));
         let pairs: Vec<(usize, usize)> = all.filter(takes).collect();
         let all: Result<Vec<Option<Self>>, EvidenceError> = pairs.into_par_iter().map(basis).collect();
@@ -61,7 +61,7 @@ impl Basis {
     }
 }
 
-/// Hats over a variable, for an action, both by their places among all.
+/// Hat functions over a variable, for an action, both by their places among all.
 struct Over<'a> {
     action: usize,
     variable: usize,
@@ -113,7 +113,7 @@ fn columns(evidence: &ScanEvidence, exposures: &Exposures, over: &Over) -> Resul
 
 /// The columns of one scan, shape [tiles, knots].
 fn scan_columns(exposures: &Exposures, view: &ScanView, over: &Over) -> Result<DMatrix<f64>, EvidenceError> {
-    // The scanner sees each surface anew; what is removed stays removed.
+    // An error of the scanner is in its own scan only; removed depth stays in all later ones.
     let first = if ACTIONS[over.action] == Action::Height { view.pass } else { 0 };
     let changes = changes(&exposures.passes[view.trial][first..=view.pass], over);
     let columns: Vec<Vec<f64>> = match &view.data {
@@ -134,7 +134,7 @@ fn scan_columns(exposures: &Exposures, view: &ScanView, over: &Over) -> Result<D
     Ok(DMatrix::from_fn(view.data.tiles().len(), over.knots.len(), |tile, knot| columns[knot][tile]))
 }
 
-/// What was removed of each pixel under each hat, summed over passes.
+/// Depth removed from each pixel times each hat function, summed over passes, shape [knots, pixels].
 fn changes(passes: &[PassExposure], &Over { action, variable, knots }: &Over) -> Vec<Vec<f64>> {
     let pixels = passes.first().map_or(0, |pass| pass.removed[action].len());
     let mut changes = vec![vec![0.0; pixels]; knots.len()];

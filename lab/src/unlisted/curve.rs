@@ -3,16 +3,15 @@
 
 use nalgebra::{Cholesky, DMatrix};
 
+use super::form::LEFT_LEAST;
 use crate::criteria::{
     CURVE_LENGTH_GREATEST, CURVE_LENGTH_RATIO, CURVE_LENGTHS, CURVE_STRENGTH_LEAST, CURVE_STRENGTH_RATIO,
     CURVE_STRENGTHS,
 };
 use crate::cross_validation::Beside;
 
-/// What makes a covariance of close knots positive definite, over its size.
+/// Share of the variance that is added to the diagonal, so that the covariance of close knots is positive definite.
 const JITTER: f64 = 1e-6;
-/// Least share of a rate that a curve may leave where it is turned upside down.
-const LEFT_LEAST: f64 = 0.05;
 
 /// A curve, by the relative change of the rate at each knot.
 #[derive(Clone, Debug)]
@@ -44,9 +43,7 @@ impl Curve {
         let sigma = (own..moved.len()).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
         Some(Self { density, change: moved.rows(own, knots).iter().copied().collect(), sigma })
     }
-}
 
-impl Curve {
     /// A curve over the rate of a model that has a form already, as one over the rate of the model without it: where the
     /// curve stands in for a form of gain `g`, its change is `g / (1 + g)`.
     pub(crate) fn without_form(mut self) -> Self {

@@ -1,6 +1,7 @@
 //! A curve as an effect file: straight between points, with one size.
 
 use super::action::Action;
+use super::form::LEFT_LEAST;
 use super::form_text::number;
 use super::proposal::CurvePoint;
 use super::variables::Variable;
@@ -10,7 +11,7 @@ const MOST_POINTS: usize = 13;
 
 /// Name and text of the file.
 ///
-/// - `source`: what is known of it, in words
+/// - `source`: its `source` line
 pub(crate) fn curve_file(
     (action, variable): (Action, &Variable),
     curve: &[CurvePoint],
@@ -29,7 +30,7 @@ pub(crate) fn curve_file(
     let pieces: String = points.windows(2).map(piece).collect();
     let file = format!("closure-{}{name}", action.name());
     let gain = match action.shown() {
-        _ if action.is_factor() => "max(1 + amount * change / 100, 0.05)".to_owned(),
+        _ if action.is_factor() => format!("max(1 + amount * change / 100, {LEFT_LEAST})"),
         (unit, _) => format!("amount * change * 1 [{unit}]"),
     };
     let text = format!(

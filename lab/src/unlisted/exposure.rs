@@ -1,8 +1,8 @@
-//! What each place met while something was removed from it: the mean of every variable over the removal, pass by pass.
+//! Exposure of each place: the mean of every variable, weighted with the removal, pass by pass.
 //!
 //! The simulator itself evaluates the formulas: each is a state of the workpiece's cells that grows by removal times value.
 //! With the contact as it is, a rate that changes by `g(v)` changes a surface by `∫ r g(v) dt`, about `g` of that mean times
-//! what was removed (the weak form; discrepancy in `docs/unlisted-effects.md`).
+//! the removed depth (the weak form; equations in `docs/unlisted-effects.md`).
 
 use effects::{CompiledModel, Library, Model, Process};
 use glam::DVec2;
@@ -29,7 +29,7 @@ pub(crate) struct PassExposure {
     pub means: Vec<Vec<f64>>,
 }
 
-/// All passes that fits may see, by trial.
+/// All passes of a campaign, by trial.
 pub(crate) struct Exposures {
     /// Passes of each trial.
     pub passes: Vec<Vec<PassExposure>>,
@@ -40,25 +40,27 @@ pub(crate) struct Exposures {
 impl Exposures {
     /// Simulates a fitted model once, with all formulas watched.
     ///
+    /// `None` for a model whose laws are not the library's, or that is too large for the sums beside its own states.
+    ///
     /// # Errors
     /// When it cannot be simulated.
     pub(crate) fn new(
         evidence: &ScanEvidence,
         (model, fit): (&Model, &Fit),
         library: &Library,
-    ) -> Result<Self, EvidenceError> {
+    ) -> Result<Option<Self>, EvidenceError> {
         let file = (format!("{WATCH}.toml"), watch(evidence.process()));
-        let library = library.with(&[file]).expect("the sums are an effect");
+        let Ok(library) = library.with(&[file]) else { return Ok(None) };
         let model = with_values(model, fit).with(WATCH);
-        let model = CompiledModel::new(&model, &library, evidence.rows()).expect("the model compiles with the sums");
+        let Ok(model) = CompiledModel::new(&model, &library, evidence.rows()) else { return Ok(None) };
         let simulated = Simulated::all(evidence, &[&model])?.remove(0);
         let trials = simulated.passes.par_iter().enumerate();
         let passes = trials.map(|(trial, passes)| passes.iter().map(|pass| exposure(evidence, trial, pass)).collect());
-        Ok(Self { passes: passes.collect(), simulated })
+        Ok(Some(Self { passes: passes.collect(), simulated }))
     }
 }
 
-/// What is summed up: the removal by each action's typical size, then the removal times each variable.
+/// Formulas that are summed up: the removal by each action's typical size, then the removal times each variable.
 fn sums(process: Process) -> Vec<String> {
     let removal = Action::Rate.sensitivity(process).expect("the contact removes");
     let actions = ACTIONS.iter().map(|action| action.sensitivity(process).unwrap_or_else(|| format!("0 * {removal}")));
@@ -90,22 +92,21 @@ fn exposure(evidence: &ScanEvidence, trial: usize, pass: &SimulatedPass) -> Pass
     let first = covariates.states.len() - VARIABLES.len();
     let mut removed: Vec<Vec<f64>> = covariates.states[first - ACTIONS.len()..first].iter().map(summed).collect();
     let total = removed[0].clone();
-    let mean = |(sum, Variable { name, .. }): (&Vec<f64>, &Variable)| -> Vec<f64> {
+    let mean = |(sum, Variable { formula, .. }): (&Vec<f64>, &Variable)| -> Vec<f64> {
         let place = |at: usize| pixels.position(at % pixels.nx, at / pixels.nx);
-        match *name {
-            // A place is known where nothing was removed, too.
-            "place-along-x" => (0..pixels.len()).map(|at| place(at).x).collect(),
-            "place-along-y" => (0..pixels.len()).map(|at| place(at).y).collect(),
+        match *formula {
+            // The place is known without removal, too.
+            "x" => (0..pixels.len()).map(|at| place(at).x).collect(),
+            "y" => (0..pixels.len()).map(|at| place(at).y).collect(),
             _ => summed(sum).iter().zip(&total).map(|(sum, total)| sum / total).collect(),
         }
     };
     let means: Vec<Vec<f64>> = covariates.states[first..].iter().zip(VARIABLES).map(mean).collect();
     for (action, removed) in ACTIONS.iter().zip(&mut removed) {
-        let (_, _, typical) = action.size();
+        let typical = action.typical();
         match action {
             Action::Offset => {
-                let across =
-                    VARIABLES.iter().position(|variable| variable.name == "place-on-tool").expect("a variable");
+                let across = VARIABLES.iter().position(|variable| variable.formula == "tool_y").expect("a variable");
                 *removed = moved(&total, &means[across], pixels).iter().map(|change| typical * change).collect();
             }
             Action::Height => removed.fill(-typical),
@@ -129,7 +130,7 @@ fn moved(removed: &[f64], across: &[f64], pixels: &PixelGrid) -> Vec<f64> {
     (0..pixels.len()).map(|at| -gradient(removed, at).dot(axis)).collect()
 }
 
-/// Values of a variable over what was removed in all passes of the calibration scans, with the removal, rising.
+/// Values of a variable in all passes of the calibration scans with the depth removed there, in rising order.
 pub(crate) fn distribution(evidence: &ScanEvidence, exposures: &Exposures, variable: usize) -> Vec<(f64, f64)> {
     let mut all = Vec::new();
     for view in evidence.of(Split::Calibration) {

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use super::action::Action;
 use super::basis::Basis;
 use super::variables::{VARIABLES, Variable};
-use crate::criteria::{FORM_KNOTS_LEAST, FORM_PLACES, FORM_RATIO, FORM_RATIOS};
+use crate::criteria::{CURVE_KNOTS, FORM_KNOTS_LEAST, FORM_RATIO, FORM_RATIOS};
 use effects::CompiledModel;
+use nalgebra::{DMatrix, RowDVector};
 
 /// Largest size that a form's file lists [typical sizes].
 pub(crate) const SIZE_MOST: f64 = 3.0;
@@ -63,7 +64,7 @@ pub(crate) enum Shape {
 /// A form over a variable, its size still open.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Form {
-    /// What it acts on.
+    /// The quantity that it changes.
     pub action: Action,
     /// Its kind.
     pub kind: Kind,
@@ -141,8 +142,8 @@ impl Form {
         }
     }
 
-    /// Relative change of a factor, or what is added [typical sizes], per unit of each size, at a value of the variable [SI]; of an exponential and a power its
-    /// first order.
+    /// Relative change of a factor, or the amount that is added [typical sizes], per unit of each size, at a value of the
+    /// variable [SI]; of an exponential and a power their first order.
     pub(crate) fn gains(&self, value: f64) -> Vec<f64> {
         let [low, high] = self.ends;
         let span = high - low;
@@ -164,7 +165,13 @@ impl Form {
         }
     }
 
-    /// Relative change of a factor, or what is added [typical sizes], at a value of the variable [SI].
+    /// [`Self::gains`] at all knots, shape [knots, sizes].
+    pub(crate) fn gains_at(&self, knots: &[f64]) -> DMatrix<f64> {
+        let rows: Vec<RowDVector<f64>> = knots.iter().map(|&value| RowDVector::from_vec(self.gains(value))).collect();
+        DMatrix::from_rows(&rows)
+    }
+
+    /// Relative change of a factor, or the amount that is added [typical sizes], at a value of the variable [SI].
     pub(crate) fn change(&self, value: f64, sizes: &[f64]) -> f64 {
         let sum: f64 = self.gains(value).iter().zip(sizes).map(|(gain, size)| gain * size).sum();
         match self.kind {
@@ -174,7 +181,7 @@ impl Form {
         }
     }
 
-    /// Whether a basis is one of what it acts on and of its variable.
+    /// True of the basis of its action and its variable.
     pub(crate) fn is_over(&self, basis: &Basis) -> bool {
         (self.action, self.variable) == (basis.action, basis.variable)
     }
@@ -183,7 +190,7 @@ impl Form {
     pub(crate) fn read(&mut self, model: &CompiledModel) -> Vec<f64> {
         let name = self.name();
         let value = |own: &str| model.value(model.index(&format!("{name}.{own}")).expect("the form's own parameter"));
-        let (_, _, typical) = self.action.size();
+        let typical = self.action.typical();
         self.shape = self.kind.shape().iter().map(|(own, _)| value(own)).collect();
         self.kind.sizes().iter().map(|own| value(own) / typical).collect()
     }
@@ -208,10 +215,10 @@ fn widths([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
 /// Places on a range.
 fn places(basis: &Basis) -> impl Iterator<Item = f64> + use<> {
     let [low, high] = basis.ends();
-    (0..FORM_PLACES).map(move |k| low + (high - low) * (k as f64 + 0.5) / FORM_PLACES as f64)
+    (0..CURVE_KNOTS).map(move |k| low + (high - low) * (k as f64 + 0.5) / CURVE_KNOTS as f64)
 }
 
 /// Wavelengths on a range: even steps of the number of waves on it, as many as a basis can show.
 fn waves([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
-    (2..FORM_PLACES).map(move |k| (high - low) / (0.5 * k as f64))
+    (2..CURVE_KNOTS).map(move |k| (high - low) / (0.5 * k as f64))
 }

@@ -7,7 +7,7 @@ use super::variables::Variable;
 use crate::summary::significant;
 
 impl Kind {
-    /// Factor, or what is added, in the effect language, for a variable's formula. `low`, `middle`, `span` are its least value,
+    /// Factor, or summand, in the effect language, for a variable's formula. `low`, `middle`, `span` are its least value,
     /// the middle and the width of its range, as quantities.
     fn gain(self, is_factor: bool, v: &str, [low, middle, span]: [&str; 3]) -> String {
         let change = match self {
@@ -29,9 +29,9 @@ impl Kind {
 }
 
 impl Form {
-    /// What it says, in words.
+    /// The form in a sentence.
     pub(crate) fn words(&self, sizes: &[f64]) -> String {
-        let Variable { unit, si, about, .. } = self.variable();
+        let (Variable { unit, about, .. }, si) = (self.variable(), self.variable().si());
         let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
         let shown = |value: f64| format!("{}{unit}", significant(value / si));
         let ([low, high], what) = (self.ends, self.action.about());
@@ -82,17 +82,15 @@ impl Form {
 
     /// Some typical sizes, with their unit.
     fn amount(&self, sizes: f64) -> String {
-        match self.action.size() {
-            _ if self.action.is_factor() => format!("{} %", significant(100.0 * sizes)),
-            (unit, typical, _) => format!("{} {unit}", significant(sizes * typical)),
-        }
+        let (unit, scale) = self.action.shown();
+        format!("{} {unit}", significant(scale * sizes))
     }
 
     /// The effect file, with sizes and shape as they are known.
     ///
-    /// - `source`: what is known of it, in words
+    /// - `source`: its `source` line
     pub(crate) fn file(&self, sizes: &[f64], source: &str) -> String {
-        let Variable { formula, unit, si, about, .. } = self.variable();
+        let (Variable { formula, unit, about, .. }, si) = (self.variable(), self.variable().si());
         let quantity = |value: f64| format!("{} [{unit}]", number(value / si));
         let [low, high] = self.ends;
         let [low, middle, span] = [low, 0.5 * (low + high), high - low].map(quantity);
@@ -115,7 +113,7 @@ impl Form {
 
     /// A parameter that is a size, given in typical sizes.
     fn size_text(&self, name: &str, value: f64) -> String {
-        let (unit, typical, _) = self.action.size();
+        let (unit, typical) = self.action.size();
         let [least, greatest, value] =
             [-SIZE_MOST, SIZE_MOST, value.clamp(-SIZE_MOST, SIZE_MOST)].map(|sizes| number(sizes * typical));
         let (acts_on, about) = (self.action.about(), self.variable().about);
@@ -126,7 +124,7 @@ impl Form {
     }
 
     fn shape_text(&self, (name, shape): (&str, Shape), value: f64) -> String {
-        let Variable { unit, si, about, .. } = self.variable();
+        let (Variable { unit, about, .. }, si) = (self.variable(), self.variable().si());
         let [low, high] = self.ends;
         let span = high - low;
         let (range, scale) = match shape {
@@ -146,4 +144,81 @@ impl Form {
 pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:.5e}");
     format!("{:?}", text.parse::<f64>().unwrap_or(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use effects::{
+        CompiledModel, Hook, Lanes, Library, Model, Process, RowCounts, States, StepValues, Variable as Input,
+        check_file,
+    };
+    use nalgebra::DMatrix;
+
+    use super::super::action::{ACTIONS, Action};
+    use super::super::basis::Basis;
+    use super::super::form::{Form, KINDS};
+    use super::super::variables::VARIABLES;
+
+    /// A basis over 10 to 50 of the variable's unit.
+    fn basis(action: Action, variable: usize) -> Basis {
+        let si = VARIABLES[variable].si();
+        let knots = (0..32).map(|k| si * (10.0 + 40.0 * f64::from(k) / 31.0)).collect();
+        Basis { action, variable, knots, columns: DMatrix::zeros(1, 32) }
+    }
+
+    /// A form of each kind that the action has, with a shape from the middle of its grid.
+    fn forms(action: Action, variable: usize) -> Vec<Form> {
+        let basis = basis(action, variable);
+        KINDS
+            .into_iter()
+            .filter_map(|kind| {
+                Form::all(kind, &basis).into_iter().nth_back(5).or_else(|| Form::all(kind, &basis).into_iter().next())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_form_is_an_effect_file_that_can_be_added() {
+        let mut checked = 0;
+        for action in ACTIONS {
+            let takes = |&variable: &usize| action.takes(Process::Grinding, &VARIABLES[variable]);
+            for form in (0..VARIABLES.len()).filter(takes).flat_map(|variable| forms(action, variable)) {
+                let sizes = vec![0.3; form.kind.sizes().len()];
+                let text = form.file(&sizes, "a test");
+                check_file(&form.name(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+                checked += 1;
+            }
+        }
+        assert!(checked > 400, "{checked}");
+    }
+
+    #[test]
+    fn the_formula_of_a_file_changes_the_rate_as_the_search_assumes() {
+        let x = VARIABLES.iter().position(|variable| variable.formula == "x").unwrap();
+        let places: Vec<f64> = (0..9).map(|k| 1e-3 * (10.0 + 5.0 * f64::from(k))).collect();
+        let forms = forms(Action::Rate, x);
+        assert_eq!(forms.len(), KINDS.len());
+        for form in forms {
+            let sizes = [-0.4, 0.3][..form.kind.sizes().len()].to_vec();
+            let file = (format!("{}.toml", form.name()), form.file(&sizes, "a test"));
+            let library = Library::builtin().with(&[file]).unwrap();
+            let model = Model::new(Process::Grinding).with(&form.name());
+            let model = CompiledModel::new(&model, &library, RowCounts::default()).unwrap();
+            let (step, states) = (StepValues::new(), States::new(&model, 1));
+            let pressure = vec![1e6; places.len()];
+            let lanes = Lanes::new(places.len()).with(Input::Pressure, &pressure).with(Input::X, &places);
+            let mut rate = vec![0.0; places.len()];
+            model.at(Hook::Rate, &step, &states).run(&lanes, &mut rate).unwrap();
+            let base = model.law_value("grind_rate").unwrap() * (1e6 - model.law_value("threshold_pressure").unwrap());
+            for (place, rate) in places.iter().zip(&rate) {
+                let expected = 1.0 + form.change(*place, &sizes);
+                assert!(
+                    (rate / base - expected).abs() < 1e-4,
+                    "{} at {place}: {} {expected}",
+                    form.name(),
+                    rate / base
+                );
+            }
+        }
+    }
 }

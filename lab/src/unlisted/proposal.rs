@@ -1,11 +1,11 @@
-//! The effect file that is proposed for what no effect of the library describes.
+//! The effect files that are proposed where no effect of the library describes the data.
 
 use effects::{Library, Model};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::chance::Chance;
 use super::curve_file::curve_file;
+use super::null_forms::null_forms;
 use super::search::{Search, again};
 use super::trial_fit::Fitted;
 use crate::criteria::{FORM_TERMS, INTERVAL_SIGMAS, SIGNIFICANCE_LEVEL};
@@ -21,7 +21,7 @@ use crate::verdict::{Standing, least_size, rms, unexplained};
 pub struct CurvePoint {
     /// Value of the variable, in its unit.
     pub at: f64,
-    /// Change of what the form acts on, in [`ProposedForm::acts_on`]'s unit.
+    /// Change of the form's quantity, in [`ProposedForm::acts_on`]'s unit.
     pub change: f64,
     /// Its 95 % band.
     pub band: [f64; 2],
@@ -34,7 +34,7 @@ pub struct CurvePoint {
 pub struct FittedForm {
     /// Name of its effect: `form-band-of-place-along-x`.
     pub name: String,
-    /// What it says, in words.
+    /// The form in a sentence.
     pub summary: String,
     /// Fall of the sum of squares.
     pub delta_chi2: f64,
@@ -49,9 +49,9 @@ pub struct FittedForm {
 pub struct ProposedForm {
     /// Name of its effect.
     pub name: String,
-    /// What it says, in words.
+    /// The form in a sentence.
     pub summary: String,
-    /// What it changes, in words, and the unit of a change.
+    /// The quantity that it changes, in words, and the unit of a change.
     pub acts_on: [String; 2],
     /// The variable, in words, and its unit.
     pub variable: [String; 2],
@@ -82,7 +82,7 @@ pub struct Proposal {
     pub delta_chi2: f64,
 }
 
-/// A form that was fitted, and what it predicts.
+/// A fitted form with its predictions.
 struct Weighed {
     fitted: Fitted,
     prediction: Prediction,
@@ -96,12 +96,12 @@ struct Term {
     all: Vec<FittedForm>,
     /// Agreement with the calibration and the held-out data.
     agreement: [Vec<Agreement>; 2],
-    /// Whether something is left beside it.
+    /// True if the residual beside it exceeds noise.
     is_open: bool,
 }
 
-/// The forms that describe best what a fitted model leaves; `None` where none does so better than chance, or the best
-/// makes the held-out data worse.
+/// The forms that describe best the residual of a fitted model; `None` where the best is not significant, too small to be
+/// named as an effect, or raises the error of the held-out data.
 ///
 /// # Errors
 /// When the model cannot be simulated.
@@ -165,11 +165,11 @@ fn weighed(evidence: &dyn Evidence, fit: &Fit, search: Search, seed: u64) -> (Ve
     let Search { fitted, bases } = search;
     let Some(best) = fitted.first() else { return (Vec::new(), 0.0) };
     let left = (&best.fit.residuals[..], &evidence.blocks(Split::Calibration)[..]);
-    let chance = Chance::new(&Projector::new(fit), &bases, left, seed);
+    let draws = null_forms(&Projector::new(fit), &bases, left, seed);
     let folds = CrossValidation::by_pass(evidence, &best.fit);
     let weighed = |fitted: Fitted| Weighed {
         prediction: folds.prediction(&fitted.fit),
-        p_value: chance.p_value(fit.chi2 - fitted.fit.chi2),
+        p_value: draws.p_value(fit, &fitted.fit),
         fitted,
     };
     let without = folds.prediction(fit).total();
@@ -195,7 +195,7 @@ impl Weighed {
     }
 }
 
-/// All that is said of the terms, with the values of the last fit.
+/// The proposal of all terms, with the values of the last fit.
 fn proposal(evidence: &dyn Evidence, base: &Fit, terms: Vec<Term>, errors: Vec<WaterfallStep>) -> Proposal {
     let last = &terms[terms.len() - 1].fitted;
     let (fit, model) = (last.fit.clone(), last.model().to_text(&last.library));
@@ -256,7 +256,7 @@ fn points(evidence: &dyn Evidence, fitted: &Fitted) -> Result<Vec<CurvePoint>, E
         return Ok(Vec::new());
     };
     let curve = if fitted.form.action.is_factor() { own.curve.without_form() } else { own.curve };
-    let (si, (_, scale)) = (fitted.form.variable().si, fitted.form.action.shown());
+    let (si, (_, scale)) = (fitted.form.variable().si(), fitted.form.action.shown());
     let point = |((knot, change), sigma): ((&f64, &f64), &f64)| CurvePoint {
         at: knot / si,
         change: scale * change,

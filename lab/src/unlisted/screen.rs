@@ -1,5 +1,4 @@
-//! A first look at all variables and forms without any simulation: what a curve over each would change, from one watched
-//! simulation of the model that lacks it.
+//! A first look at all variables and forms: curves and forms fitted to the linearised data, without a simulation of any.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -28,7 +27,7 @@ pub(crate) struct Expected {
 
 /// A variable, the curve over it, and forms of it, best first.
 pub(crate) struct Looked {
-    /// Hats over the variable.
+    /// Hat functions over the variable.
     pub basis: Basis,
     /// The curve that predicts best.
     pub curve: Curve,
@@ -64,9 +63,8 @@ fn best(forms: Vec<Expected>) -> Option<Expected> {
 
 /// A form's sizes that fit best.
 fn expected(beside: &Beside, basis: &Basis, form: Form) -> Option<Expected> {
-    let gains: Vec<Vec<f64>> = basis.knots.iter().map(|&value| form.gains(value)).collect();
-    let count = gains[0].len();
-    let sums = DMatrix::from_fn(basis.knots.len(), count, |knot, size| gains[knot][size]);
+    let sums = form.gains_at(&basis.knots);
+    let count = sums.ncols();
     let prior = DMatrix::from_diagonal(&DVector::from_element(count, FORM_SIZE_SIGMA.powi(-2)));
     let (densities, moved) = beside.summed(&sums).densities(&prior, true)?;
     let own = moved.len() - count;

@@ -1,7 +1,7 @@
 //! The search for a form: look, fit the best, look again beside the best fit, and fit what is new.
 //!
-//! A model that lacks something has gone astray to make up for it, and what it leaves is distorted. The second look begins
-//! from a model that lacks little.
+//! The base parameters are biased by the missing effect, which distorts the residuals. The second look linearises at a model
+//! that lacks little.
 
 use std::collections::BTreeSet;
 
@@ -18,11 +18,11 @@ use crate::cross_validation::CrossValidation;
 use crate::evidence::{Evidence, EvidenceError};
 use crate::fit::Fit;
 
-/// All forms that were fitted, and both looks.
+/// All forms that were fitted, and the basis of the first look.
 pub(crate) struct Search {
     /// Forms, the one with the least χ² first.
     pub fitted: Vec<Fitted>,
-    /// Hats over all variables beside the model that lacks what is sought.
+    /// Hat functions over all variables, linearised at the base fit.
     pub bases: Vec<Basis>,
 }
 
@@ -84,8 +84,8 @@ fn sort(fitted: &mut [Fitted]) {
     fitted.sort_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2).then_with(|| a.form.name().cmp(&b.form.name())));
 }
 
-/// A line of the rate over each variable that has no form among those chosen: what a first look sees of a model that has
-/// gone astray may be a ghost.
+/// A line of the rate over each variable that has no form among those chosen: beside biased base parameters the first look
+/// may rank the true variable low.
 fn lines<'a>(looked: &'a [Looked], chosen: &[(&Basis, &Expected)]) -> Vec<(&'a Basis, &'a Expected)> {
     let is_new = |one: &&Looked| {
         one.basis.action == Action::Rate && chosen.iter().all(|(basis, _)| basis.variable != one.basis.variable)

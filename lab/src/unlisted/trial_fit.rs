@@ -29,7 +29,7 @@ pub(crate) struct Fitted {
     pub sizes: Vec<f64>,
     /// The fit of model and form.
     pub fit: Fit,
-    /// What the choice of its shape takes off its log density.
+    /// Log density that the choice of its shape costs; negative or 0.
     pub choice: f64,
     /// The model with the form.
     model: Model,
@@ -76,8 +76,8 @@ impl Fitted {
         )
     }
 
-    /// Taken to the end; from where the base model's fit began, too, where much is left: a model that lacks something may
-    /// have gone far astray.
+    /// The fit continued, and restarted from the base fit's starting values where it stays poor: the base parameters may be far
+    /// off.
     pub(crate) fn fitted_further(self, evidence: &dyn Evidence, base: &Fit) -> Self {
         let end = FitOptions { derivatives: REFINED_FIT_DERIVATIVES, steps: REFINED_FIT_STEPS };
         let fitted = self.refined(evidence, end);
@@ -91,8 +91,8 @@ impl Fitted {
         }
     }
 
-    /// Hats over all variables beside this model, and its fit as it were without the form: residuals and derivatives where the
-    /// base parameters no longer make up for what they lacked.
+    /// Hat functions over all variables beside this model, and its fit as if it lacked the form: residuals and derivatives at
+    /// base parameters that no longer compensate for the form.
     ///
     /// # Errors
     /// When the model cannot be simulated.
@@ -131,14 +131,14 @@ impl Fitted {
     }
 }
 
-/// Models from which a fit may begin: the form as large as expected and larger, for a model that has gone astray shows less
-/// of it; each where that model is and where its fit began.
+/// Starting values of a fit: the form at its expected size and at multiples of it, because a biased base fit hides most of
+/// it; each at the base fit's optimum and at its starting values.
 fn starts(model: &CompiledModel, base: &Fit, expected: &Expected) -> Vec<CompiledModel> {
     let moved = shifted(model.clone(), base, &expected.shift);
     let back: Vec<f64> = base.begun.iter().zip(&base.at).map(|(begun, at)| begun - at).collect();
     let places = [moved, shifted(model.clone(), base, &back)];
     let name = expected.form.name();
-    let (_, _, typical) = expected.form.action.size();
+    let typical = expected.form.action.typical();
     let largest = expected.sizes.iter().fold(0.0f64, |most, size| most.max(size.abs()));
     let scales = (0..FORM_STARTS)
         .map(|k| FORM_START_RATIO.powi(k))
@@ -154,14 +154,14 @@ fn starts(model: &CompiledModel, base: &Fit, expected: &Expected) -> Vec<Compile
     scales.flat_map(|scale| places.each_ref().map(|place| scaled(scale, place))).collect()
 }
 
-/// Derivative of the whitened residuals along a coordinate of a form, from the hats over its variable; `None` for a
-/// parameter that is none of it.
+/// Derivative of the whitened residuals along a coordinate of a form, from the hat functions over its variable; `None` for a
+/// parameter of another owner.
 fn slope((basis, expected): (&Basis, &Expected), coordinate: &Coordinate, value: f64) -> Option<DVector<f64>> {
     let (form, name) = (&expected.form, &coordinate.slot.parameter);
     let at = coordinate.clamped(coordinate.from_value(value));
     if let Some(size) = form.kind.sizes().iter().position(|own| own == name) {
         let per_coordinate = (coordinate.value(at + SHAPE_STEP) - coordinate.value(at)) / SHAPE_STEP;
-        let (_, _, typical) = form.action.size();
+        let typical = form.action.typical();
         return Some(basis.column(|value| form.gains(value)[size] * per_coordinate / typical));
     }
     let place = form.kind.shape().iter().position(|(own, _)| own == name)?;

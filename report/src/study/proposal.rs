@@ -1,8 +1,9 @@
-//! The effect that is proposed for what no effect of the library describes: its curve, its file, and the other forms.
+//! Proposed effects: curve, file, and the other forms that were fitted.
 
 use super::number::{p_value, significant};
 use crate::{Cell, Chart, Page, Series, Stroke, Table, escape};
 use lab::{FittedForm, Proposal, ProposedForm};
+use study::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS};
 
 /// Files of a form: its own, and its curve.
 const FILES_PER_FORM: usize = 2;
@@ -18,16 +19,16 @@ pub(super) fn add(page: &mut Page, proposal: &Proposal) {
     for (form, (file, text)) in proposal.forms.iter().zip(proposal.files.iter().step_by(FILES_PER_FORM)) {
         page.block(&format!(
             "<figure>{}<figcaption>A curve of no form with its 95 % band, and the form. Where the form leaves the band, another \
-             one fits better.</figcaption></figure>\n<p>The file <code>effects/{}</code> holds it.</p>\n<pre>{}</pre>\n{}",
+             one fits better.</figcaption></figure>\n<p>The file <code>{PROPOSED_EFFECTS}/{}</code> holds it.</p>\n<pre>{}</pre>\n{}",
             drawing(form),
             escape(file),
             escape(text),
             forms(&form.fitted)
         ));
     }
-    page.block(
-        "<p>Give it a name and a cause, and go on with <code>--model model-with-proposal.toml --effects effects</code>.</p>\n",
-    );
+    page.block(&format!(
+        "<p>Give it a name and a cause, and go on with <code>--model {MODEL_WITH_PROPOSAL} --effects {PROPOSED_EFFECTS}</code>.</p>\n",
+    ));
 }
 
 /// How the error falls, in words.
@@ -65,8 +66,7 @@ fn drawing(form: &ProposedForm) -> String {
 
 /// All forms that were fitted.
 fn forms(forms: &[FittedForm]) -> String {
-    let mut table =
-        Table::new("Forms that were fitted", &["form", "what it says", "Δχ²", "predicts better by", "p-value"]);
+    let mut table = Table::new("Forms that were fitted", &["form", "in words", "Δχ²", "predicts better by", "p-value"]);
     for form in forms {
         table.rows.push(vec![
             Cell::text(&form.name),
