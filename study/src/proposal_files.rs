@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::{fs, io};
 
+use super::unit_text::with_raised_powers;
 use lab::{Proposal, WaterfallStep};
 
 /// Folder of the effect files.
@@ -24,8 +25,9 @@ pub fn write_proposal(proposal: &Proposal, folder: &Path) -> io::Result<Vec<(&'s
         write(&format!("{PROPOSED_EFFECTS}/{file}"), text)?;
     }
     write(MODEL_WITH_PROPOSAL, &proposal.model)?;
-    let form =
-        |form: &lab::ProposedForm| ("proposed", format!("{}: {PROPOSED_EFFECTS}/{}.toml", form.summary, form.name));
+    let form = |form: &lab::ProposedForm| {
+        ("proposed", format!("{}: {PROPOSED_EFFECTS}/{}.toml", with_raised_powers(&form.summary), form.name))
+    };
     Ok(proposal.forms.iter().map(form).chain([("error", errors(proposal))]).collect())
 }
 

@@ -61,8 +61,8 @@ impl Action {
             Self::Rate | Self::Pressure => ("1", 1.0),
             Self::Roll => ("mrad", 20.0),
             Self::Offset => ("mm", 2.0),
-            Self::Gap => ("um", 50.0),
-            Self::Height => ("um", 20.0),
+            Self::Gap => ("µm", 50.0),
+            Self::Height => ("µm", 20.0),
         }
     }
 

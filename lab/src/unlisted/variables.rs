@@ -93,7 +93,7 @@ pub(crate) const VARIABLES: &[Variable] = &[
     variable("place-on-tool", "tool_y", ("mm", Scope::Face), "place across the tool"),
     variable("distance-from-tool-middle", "abs(tool_y)", ("mm", Scope::Face), "distance from the middle of the tool"),
     variable("pressure", "pressure", ("MPa", Scope::Other), "pressure"),
-    variable("removed-depth", "removed_depth", ("um", Scope::Other), "depth below the original surface"),
+    variable("removed-depth", "removed_depth", ("µm", Scope::Other), "depth below the original surface"),
     variable("slope", "slope", ("1", Scope::Other), "slope between surface and tool"),
     variable("edge-distance", "edge_distance", ("mm", Scope::Other), "distance from the workpiece's edge"),
     variable("weld-metal", "label", ("1", Scope::Other), "material: 0 base metal, 1 weld metal, 2 heat-affected zone"),

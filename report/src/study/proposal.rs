@@ -3,7 +3,7 @@
 use super::number::{p_value, significant};
 use crate::{Cell, Chart, Page, Series, Stroke, Table, escape};
 use lab::{FittedForm, Proposal, ProposedForm};
-use study::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS};
+use study::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, with_raised_powers};
 
 /// Files of a form: its own, and its curve.
 const FILES_PER_FORM: usize = 2;
@@ -14,7 +14,7 @@ const FORM: Stroke = Stroke { colour: "#d55e00", dashed: true };
 /// Appends the proposal.
 pub(super) fn add(page: &mut Page, proposal: &Proposal) {
     page.part("proposed", "A form for what no known effect explains");
-    let summaries: Vec<&str> = proposal.forms.iter().map(|form| form.summary.as_str()).collect();
+    let summaries: Vec<String> = proposal.forms.iter().map(|form| with_raised_powers(&form.summary)).collect();
     page.paragraph(&format!("From the data alone: {}. {}", summaries.join("; and "), fall(proposal)));
     for (form, (file, text)) in proposal.forms.iter().zip(proposal.files.iter().step_by(FILES_PER_FORM)) {
         page.block(&format!(
@@ -51,7 +51,7 @@ fn drawing(form: &ProposedForm) -> String {
     let own = form.curve.iter().map(|point| (point.at, point.form)).collect();
     let own = Series { stroke: Some(FORM), ..Series::new("form", own) };
     let ([acts_on, change], [about, unit]) = (&form.acts_on, &form.variable);
-    let unit = if unit == "1" { String::new() } else { format!(" [{unit}]") };
+    let unit = if unit == "1" { String::new() } else { format!(" [{}]", with_raised_powers(unit)) };
     Chart {
         title: &format!("Change of the {acts_on} over the {about}"),
         x_label: &format!("{about}{unit}"),
@@ -70,7 +70,7 @@ fn forms(forms: &[FittedForm]) -> String {
     for form in forms {
         table.rows.push(vec![
             Cell::text(&form.name),
-            Cell::text(&form.summary),
+            Cell::text(&with_raised_powers(&form.summary)),
             Cell::number(significant(form.delta_chi2, 4), form.delta_chi2),
             Cell::number(significant(form.predicts_better_by, 4), form.predicts_better_by),
             Cell::number(p_value(form.p_value), form.p_value),
