@@ -94,7 +94,7 @@ impl Form {
         let quantity = |value: f64| format!("{} [{unit}]", number(value / si));
         let [low, high] = self.ends;
         let [low, middle, span] = [low, 0.5 * (low + high), high - low].map(quantity);
-        let gain = self.kind.gain(self.action.is_factor(), &format!("({formula})"), [&low, &middle, &span]);
+        let gain = self.kind.gain(self.action.is_factor(), formula, [&low, &middle, &span]);
         let size = |(name, value): (&&str, &f64)| self.size_text(name, *value);
         let shape = |(&(name, shape), value): (&(&str, Shape), &f64)| self.shape_text((name, shape), *value);
         let sizes: String = self.kind.sizes().iter().zip(sizes).map(size).collect();

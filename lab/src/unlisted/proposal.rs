@@ -244,8 +244,8 @@ fn told(evidence: &dyn Evidence, errors: &[WaterfallStep]) -> String {
     let symbol = evidence.unit().symbol();
     let (before, after) = (&errors[0], &errors[errors.len() - 1]);
     match (before.evaluation_rms_um, after.evaluation_rms_um) {
-        (Some(before), Some(after)) => format!("held out {before:.2}, with it {after:.2} {symbol}"),
-        _ => format!("{:.2}, with it {:.2} {symbol}", before.calibration_rms_um, after.calibration_rms_um),
+        (Some(before), Some(after)) => format!("held out {before:.2}, then {after:.2} {symbol}"),
+        _ => format!("error {:.2}, then {:.2} {symbol}", before.calibration_rms_um, after.calibration_rms_um),
     }
 }
 
