@@ -70,7 +70,7 @@ fn forms(forms: &[FittedForm]) -> String {
     for form in forms {
         table.rows.push(vec![
             Cell::text(&form.name),
-            Cell::text(&with_raised_powers(&form.summary)),
+            Cell::text(with_raised_powers(&form.summary)),
             Cell::number(significant(form.delta_chi2, 4), form.delta_chi2),
             Cell::number(significant(form.predicts_better_by, 4), form.predicts_better_by),
             Cell::number(p_value(form.p_value), form.p_value),
