@@ -108,7 +108,7 @@ impl Fitted {
 }
 
 /// A model with the values that a fit of a smaller one has.
-fn with_values_of(model: &CompiledModel, fit: &Fit) -> CompiledModel {
+pub(super) fn with_values_of(model: &CompiledModel, fit: &Fit) -> CompiledModel {
     let mut model = model.clone();
     let known: BTreeMap<String, f64> =
         fit.model.parameters().iter().map(|slot| slot.name()).zip(fit.model.values().iter().copied()).collect();
@@ -119,7 +119,7 @@ fn with_values_of(model: &CompiledModel, fit: &Fit) -> CompiledModel {
 }
 
 /// A model with the sizes of an effect at their null.
-fn at_null(model: &CompiledModel, effect: &str) -> CompiledModel {
+pub(super) fn at_null(model: &CompiledModel, effect: &str) -> CompiledModel {
     let mut model = model.clone();
     let own: Vec<(usize, f64)> = (model.parameters().iter().enumerate())
         .filter_map(|(k, slot)| Some((k, slot.null.filter(|_| slot.owner == effect && slot.free)?)))

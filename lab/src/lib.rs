@@ -20,6 +20,7 @@
 //! The numbers that decide stand in one table, [`criteria`]. SI units inside; the same seed gives the same bytes on any
 //! number of threads.
 
+mod attempt;
 mod begin;
 mod blur;
 mod border;
@@ -28,6 +29,7 @@ mod calibration;
 mod calibration_summary;
 pub mod campaign_simulation;
 mod closure;
+mod coarse_scans;
 mod coordinates;
 mod covariance;
 mod covariate_share;
@@ -39,6 +41,7 @@ mod diagnose;
 mod error;
 mod evidence;
 mod exposure_view;
+mod extents;
 mod finding;
 mod fit;
 mod height_view;
@@ -49,6 +52,7 @@ mod next_trial;
 mod noise_summary;
 mod observation;
 mod pair;
+mod paired;
 mod pass_trend;
 mod prepared;
 mod probe;
@@ -85,6 +89,7 @@ mod unfitted;
 mod unlisted;
 mod verdict;
 
+pub use attempt::{Attempt, Tried};
 pub use blur::blurred;
 pub use calibrate::{calibrate, calibrate_scans};
 pub use calibration::{Calibration, Fitted, Judged, Order, uncalibrated};
@@ -99,6 +104,7 @@ pub use diagnose::{Diagnosis, OnProgress, with_values};
 pub use error::{LabError, Result};
 pub use evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 pub use exposure_view::ExposureView;
+pub use extents::{Extents, Reaches};
 pub use finding::Finding;
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
 pub use height_view::HeightView;
@@ -107,6 +113,7 @@ pub use next_row::{next_row, separating_row, testing_row};
 pub use next_trial::{NextTrial, next_trial, separating_trial, testing_trial};
 pub use noise_summary::NoiseSummary;
 pub use observation::Observation;
+pub use paired::{Better, Paired, PairedSplit};
 pub use pass_trend::{PassTrend, trend_of_rows, trend_of_scans};
 pub use probe::{Candidate, Probe};
 pub use response::{Look, Projector, Response};

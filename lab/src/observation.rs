@@ -97,13 +97,23 @@ impl ScanEvidence<'_> {
     /// # Errors
     /// When a formula of the scanner gives no finite number.
     pub(super) fn seen_residuals(&self, simulated: Simulated, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        let left = self.whitened(simulated, split, self.blur_of(simulated)?)?;
+        self.residuals_through(simulated, split, self.blur_of(simulated)?)
+    }
+
+    /// As [`Self::seen_residuals`], through an instrument whose blur [m] is known.
+    pub(super) fn residuals_through(
+        &self,
+        simulated: Simulated,
+        split: Split,
+        blur: f64,
+    ) -> Result<Vec<f64>, EvidenceError> {
+        let left = self.whitened(simulated, split, blur)?;
         Ok(without_lattice_error(&left, &self.lattice_field_of(split)))
     }
 
     /// The instrument's blur [m]: the one with which the simulated rims of what the tool cut are like those of the
     /// calibration scans. A stiff contact and a sharp instrument leave like rims.
-    fn blur_of(&self, simulated: Simulated) -> Result<f64, EvidenceError> {
+    pub(super) fn blur_of(&self, simulated: Simulated) -> Result<f64, EvidenceError> {
         if let Some(observation) = self.observation {
             return Ok(observation.blur);
         }

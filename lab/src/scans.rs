@@ -136,7 +136,7 @@ impl<'a> ScanEvidence<'a> {
     }
 
     /// Passes of each trial that must be simulated to predict a split.
-    fn needed(&self, split: Split) -> Vec<usize> {
+    pub(super) fn needed(&self, split: Split) -> Vec<usize> {
         let trials = &self.simulation.trials;
         let mut needed = vec![0; trials.len()];
         for view in self.of(split) {

@@ -22,7 +22,7 @@ use crate::criteria::{CriterionValues, INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
 pub const BASE_STEP: &str = "base model";
 
 /// A parameter with its interval, in the library's unit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ParameterSummary {
     /// `effect.parameter`.
     pub name: String,
@@ -40,7 +40,7 @@ pub struct ParameterSummary {
 }
 
 /// How far data determine a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ParameterState {
     /// Its interval is narrower than half of its range.

@@ -6,6 +6,7 @@ use sdf_bake::HeightMap;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::height_view::HeightView;
+use super::observation::Observation;
 use super::rows::RowEvidence;
 use super::scans::{ScanData, ScanEvidence, ScanView};
 use crate::simulation::SimulatedPass;
@@ -52,6 +53,30 @@ impl Totals for ScanEvidence<'_> {
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError> {
         let passes = self.simulate(model, split)?;
         let observation = self.observation_of((&passes, model))?;
+        self.totals_of((&passes, model), split, observation)
+    }
+
+    fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
+        let passes = self.simulate(model, split)?;
+        let observation = self.observation_of((&passes, model))?;
+        let rms = |view: &ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
+            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
+                Some(data.raw_rms(&self.seen(view, simulated, observation)))
+            }
+            _ => None,
+        };
+        Ok(self.of(split).filter_map(rms).collect())
+    }
+}
+
+impl ScanEvidence<'_> {
+    /// As [`Totals::totals`], of passes that were simulated already.
+    pub(super) fn totals_of(
+        &self,
+        (passes, model): (&[Vec<SimulatedPass>], &CompiledModel),
+        split: Split,
+        observation: Observation,
+    ) -> Result<Vec<Total>, EvidenceError> {
         let total = |view: &ScanView| {
             let pass = &passes[view.trial][view.pass];
             let about = format!("{}, pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
@@ -65,18 +90,6 @@ impl Totals for ScanEvidence<'_> {
             })
         };
         self.of(split).map(total).collect()
-    }
-
-    fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        let passes = self.simulate(model, split)?;
-        let observation = self.observation_of((&passes, model))?;
-        let rms = |view: &ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                Some(data.raw_rms(&self.seen(view, simulated, observation)))
-            }
-            _ => None,
-        };
-        Ok(self.of(split).filter_map(rms).collect())
     }
 }
 

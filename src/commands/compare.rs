@@ -1,14 +1,15 @@
 //! `robofin compare`: where a model fails, without fitting its physics.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
 use effects::CompiledModel;
 use sdf_bake::PixelGrid;
 
+use super::compare_pair;
 use super::flags::{OutFlags, SEEDS};
-use super::model_flags::ModelFlags;
+use super::model_flags::{ModelFlags, OwnFlags};
 use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
@@ -30,17 +31,22 @@ const TOLD: usize = 5;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin compare trials --model model.toml --out out/comparison\n  \
+                  robofin compare trials --model one.toml --model other.toml --out out/pair\n  \
                   robofin compare trials --model model.toml --section x=20mm --section x=70mm --section x=120mm --out out/comparison --json")]
 pub(super) struct CompareArgs {
     /// Folder of trial folders, one trial folder, or a folder with a table.toml.
-    campaign: PathBuf,
+    pub(super) campaign: PathBuf,
     #[command(flatten)]
-    out: OutFlags,
+    pub(super) out: OutFlags,
+    /// Model file: base law, effects and their parameters [default: the base law of the process]. Two compare both with the
+    /// same data, block by block.
+    #[arg(long = "model", value_name = "FILE")]
+    models: Vec<PathBuf>,
     #[command(flatten)]
-    model: ModelFlags,
+    pub(super) own: OwnFlags,
     /// Section through all scans: across the bead at an x, such as x=20mm, or along it at a y; may be repeated.
     #[arg(long = "section", value_name = "x=MM", value_parser = parse_section)]
-    sections: Vec<Direction>,
+    pub(super) sections: Vec<Direction>,
     /// Seed of the draws that tell structure from chance.
     #[arg(
         long,
@@ -52,9 +58,30 @@ pub(super) struct CompareArgs {
     seed: u64,
 }
 
+impl CompareArgs {
+    /// The only model, and where a user's own effects are.
+    fn model(&self) -> ModelFlags {
+        ModelFlags { model: self.models.first().cloned(), own: self.own.clone() }
+    }
+
+    /// What is read.
+    pub(super) fn inputs(&self) -> Vec<&Path> {
+        let own = self.own.effects.iter().chain(&self.models).map(PathBuf::as_path);
+        std::iter::once(self.campaign.as_path()).chain(own).collect()
+    }
+}
+
 /// Runs the verb.
 pub(super) fn run(args: &CompareArgs, console: &Console) -> Result<()> {
-    let folder = StagedFolder::new(&args.out.beside(&args.model.inputs(&args.campaign)), &COMPARISON)?;
+    match &args.models[..] {
+        [] | [_] => run_one(args, console),
+        [first, second] => compare_pair::run(args, [first, second], console),
+        _ => Err(wrong_use(format!("--model: {} are given, and one or two are accepted", args.models.len()))),
+    }
+}
+
+fn run_one(args: &CompareArgs, console: &Console) -> Result<()> {
+    let folder = StagedFolder::new(&args.out.beside(&args.inputs()), &COMPARISON)?;
     let asked = Asked { folder: &args.campaign, lines: &args.sections, seed: args.seed };
     let is_table = args.campaign.join(TABLE_FILE).is_file();
     let (comparison, report) =
@@ -71,7 +98,7 @@ pub(super) fn run(args: &CompareArgs, console: &Console) -> Result<()> {
 }
 
 fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comparison, StudyReport)> {
-    let library = args.model.own.library()?;
+    let library = args.own.library()?;
     let campaign = Campaign::read(&args.campaign)?;
     let maps = campaign.trials.iter().map(|trial| &trial.scans.before.pixels);
     for pixels in maps {
@@ -80,7 +107,7 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
     let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
     console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
     campaign.notes().iter().for_each(|note| console.step("note", note));
-    let model = args.model.model(evidence.process(), &library)?;
+    let model = args.model().model(evidence.process(), &library)?;
     let model = CompiledModel::new(&model, &library, evidence.rows())?;
     evidence.measure_simulation_errors(&model)?;
     Ok(compare_scans((&campaign, &evidence), &model, asked)?)
@@ -92,9 +119,9 @@ fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comp
     }
     let table = Table::read(&args.campaign)?;
     let evidence = RowEvidence::new(&table)?;
-    let library = evidence.library(&args.model.own.library()?).map_err(anyhow::Error::msg)?;
+    let library = evidence.library(&args.own.library()?).map_err(anyhow::Error::msg)?;
     table.notes.iter().chain(&evidence.notes).for_each(|note| console.step("note", note));
-    let model = args.model.model(evidence.process(), &library)?;
+    let model = args.model().model(evidence.process(), &library)?;
     let model = evidence.scaled(model, &library).map_err(anyhow::Error::msg)?;
     Ok(compare_rows(&evidence, &CompiledModel::new(&model, &library, evidence.rows())?, asked)?)
 }

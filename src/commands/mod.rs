@@ -7,6 +7,7 @@ mod bead_flags;
 mod bench;
 mod calibrate;
 mod compare;
+mod compare_pair;
 mod completions;
 mod dataset;
 mod dataset_image;
@@ -18,6 +19,7 @@ mod effects;
 mod faults;
 mod flags;
 mod item_flags;
+mod ledger;
 mod man;
 mod model_flags;
 mod path;
@@ -28,6 +30,7 @@ mod simulate;
 mod study;
 mod tool_flag;
 mod trial;
+mod try_effect;
 mod validate;
 mod validate_images;
 mod validate_set;
@@ -108,6 +111,10 @@ enum Verb {
     Compare(compare::CompareArgs),
     /// Find out which effect a model lacks, from the scans of a campaign.
     Diagnose(diagnose::DiagnoseArgs),
+    /// Try one hypothesis, a formula or an effect, beside the current model of a campaign, and keep a ledger of it.
+    Try(Box<try_effect::TryArgs>),
+    /// Show what was tried on a campaign; go back to an earlier model.
+    Ledger(ledger::LedgerArgs),
     /// Compare, calibrate, diagnose, add what is missing and calibrate again, until nothing more can be found.
     Study(study::StudyArgs),
     /// Count how often a diagnosis is right, on synthetic campaigns with known answers.
@@ -186,6 +193,8 @@ fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
         Verb::Compare(args) => compare::run(&args, console),
         Verb::Diagnose(args) => diagnose::run(&args, console),
         Verb::Study(args) => study::run(&args, console),
+        Verb::Try(args) => try_effect::run(&args, console),
+        Verb::Ledger(args) => ledger::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),
         Verb::Completions(args) => completions::run(&args, Cli::command(), console),

@@ -94,6 +94,10 @@ pub enum Verdict {
     Agrees,
     /// A model that was only compared leaves more than noise.
     Differs,
+    /// Of two models the second is better.
+    Better,
+    /// Of two models the second is no better.
+    NotBetter,
 }
 
 impl Verdict {
@@ -110,6 +114,8 @@ impl Verdict {
             Self::Calibrated => "calibrated",
             Self::Agrees => "agrees",
             Self::Differs => "differs",
+            Self::Better => "better",
+            Self::NotBetter => "not-better",
         }
     }
 }

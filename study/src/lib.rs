@@ -15,11 +15,13 @@
 //! assert_eq!(record.next, Some(Action::Compare));
 //! ```
 
+mod attempt_report;
 mod calibrated;
 mod comparison;
 mod conclusion;
 mod data;
 mod failures;
+mod ledger;
 mod maps;
 mod measurements;
 mod progress;
@@ -38,6 +40,7 @@ mod track;
 mod unit_text;
 mod waterfall;
 
+pub use attempt_report::{attempt_report, pair_report};
 pub use calibrated::{CalibrationReport, calibration_report};
 pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
 pub use conclusion::{proposal, summary};
@@ -46,6 +49,9 @@ pub use data::{
     TestOfMissing, Verdict,
 };
 pub use failures::{CovariateFigures, Failures};
+pub use ledger::{
+    AttemptTexts, Entry, LEDGER_FILE, Ledger, LedgerLine, Standing, TRIED_EFFECTS, errors_in_words, is_fitted,
+};
 pub use measurements::{Data, Measurements};
 pub use progress::Progress;
 pub use proposal_files::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, write_proposal};

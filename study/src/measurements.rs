@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use effects::{CompiledModel, Library, Model};
-use lab::{LabError, Result};
+use lab::{LabError, Reaches, Result, Tried};
 
 use lab::{Calibration, Order, RowEvidence, ScanEvidence, Totals, uncalibrated};
 use trials::table::{TABLE_FILE, Table};
@@ -53,6 +53,22 @@ impl Measurements {
 impl<'a> Data<'a> {
     /// For fits.
     pub fn evidence(&self) -> &dyn Totals {
+        match self {
+            Self::Scans(_, evidence) => evidence.as_ref(),
+            Self::Rows(_, evidence) => evidence.as_ref(),
+        }
+    }
+
+    /// For an effect that is tried.
+    pub fn tried(&mut self) -> &mut dyn Tried {
+        match self {
+            Self::Scans(_, evidence) => evidence.as_mut(),
+            Self::Rows(_, evidence) => evidence.as_mut(),
+        }
+    }
+
+    /// For how large what a formula reads becomes.
+    pub fn reaches(&self) -> &dyn Reaches {
         match self {
             Self::Scans(_, evidence) => evidence.as_ref(),
             Self::Rows(_, evidence) => evidence.as_ref(),

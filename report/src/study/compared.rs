@@ -33,6 +33,8 @@ fn meaning(verdict: Verdict) -> &'static str {
         }
         Verdict::NotTestable => "These passes cannot show what was asked.",
         Verdict::Calibrated => "Whether anything is missing, and what, a diagnosis says.",
+        Verdict::Better => "One of two models is better, by the difference of their errors, block by block.",
+        Verdict::NotBetter => "The difference of the two models' errors, block by block, does not favour the second.",
         Verdict::Agrees => "The model was compared as it is; nothing was fitted.",
         Verdict::Differs => {
             "The model was compared as it is; see below where it fails, and <code>robofin diagnose</code> for why."

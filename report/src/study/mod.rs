@@ -40,7 +40,10 @@ pub fn page(report: &StudyReport) -> String {
     waterfall::add(&mut page, &report.waterfall);
     compared::add_volumes(&mut page, &report.volumes);
     add_residuals(&mut page, report);
-    let is_diagnosed = !matches!(report.verdict, Verdict::Calibrated | Verdict::Agrees | Verdict::Differs);
+    let is_diagnosed = !matches!(
+        report.verdict,
+        Verdict::Calibrated | Verdict::Agrees | Verdict::Differs | Verdict::Better | Verdict::NotBetter
+    );
     if is_diagnosed {
         suspects::add(&mut page, &report.suspects, &report.waterfall.misfit);
     }

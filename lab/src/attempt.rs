@@ -1,0 +1,239 @@
+//! One effect tried beside a model: both fitted to the same data, and compared block by block.
+//!
+//! Scans are fitted on a coarser lattice whose residuals are mapped onto those of the fine one at the end of each round
+//! ([`CoarseScans`]), so that an attempt takes seconds. The method is that of a calibration: the same coordinates, the same
+//! sum of squares.
+
+use effects::{CompiledModel, Library, Model, Scale};
+use rayon::prelude::*;
+
+use super::begin::with_matched_rate;
+use super::calibration::{at_null, with_values_of};
+use super::coarse_scans::CoarseScans;
+use super::coordinates::{Coordinate, moved};
+use super::cross_validation::CrossValidation;
+use super::diagnose::{spread, with_values};
+use super::evidence::{Evidence, EvidenceError};
+use super::fit::{Fit, FitOptions};
+use super::paired::{Better, Paired};
+use super::rows::RowEvidence;
+use super::scans::ScanEvidence;
+use super::totals::Totals;
+use crate::criteria::{
+    ATTEMPT_FITS, ATTEMPT_ROUNDS, ATTEMPT_STARTS, FIT_CONVERGED_DELTA_CHI2, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
+    REFINED_FIT_DERIVATIVES, REFINED_FIT_STEPS,
+};
+
+/// Cost of a fit that goes to the end of its valley, and of one whose derivatives are known.
+const REFINED: FitOptions = FitOptions { derivatives: REFINED_FIT_DERIVATIVES, steps: REFINED_FIT_STEPS };
+const LAST: FitOptions = FitOptions { derivatives: 1, steps: REFINED_FIT_STEPS };
+const CARRIED: FitOptions = FitOptions { derivatives: QUICK_FIT_DERIVATIVES, steps: QUICK_FIT_STEPS };
+/// Values of a parameter from which a fit begins, over its usual one: of a ratio, and of a size with a null.
+const RATIOS: [f64; 3] = [1.0, 0.2, 5.0];
+const SIZES: [f64; 4] = [1.0, -1.0, 3.0, -3.0];
+
+/// A model and the same with one effect more, both fitted.
+pub struct Attempt {
+    /// The fit of the model as it was.
+    pub before: Fit,
+    /// The fit with the effect.
+    pub with: Fit,
+    /// Models with the values of the fits.
+    pub models: [Model; 2],
+    /// Both against the same data.
+    pub paired: Paired,
+    /// Log density of whole passes left out, as the others predict them, above that of the model without the effect [nats].
+    pub predicts_better_by: f64,
+}
+
+impl Attempt {
+    /// Which model is better: by the data that no fit saw where there are any, and the model with the effect only if it also
+    /// predicts whole passes left out of the fit better.
+    pub fn better(&self) -> Better {
+        match self.paired.deciding().better() {
+            Better::Second if self.predicts_better_by <= 0.0 => Better::Neither,
+            better => better,
+        }
+    }
+
+    /// Standard deviation of what the model with the effect leaves, in noises; at least one.
+    pub fn spread(&self) -> f64 {
+        spread(&self.with.residuals)
+    }
+}
+
+/// A model, the same with one effect more, and how they are to be fitted.
+pub struct Rivals<'a> {
+    /// The model.
+    pub model: &'a CompiledModel,
+    /// Whether its values come from a fit to the same data.
+    pub is_known: bool,
+    /// The model with the effect.
+    pub larger: &'a CompiledModel,
+    /// Name of the effect.
+    pub effect: &'a str,
+}
+
+/// Data with which an effect can be tried.
+pub trait Tried: Totals {
+    /// Fits of a model without and with an effect.
+    ///
+    /// # Errors
+    /// When one cannot be simulated.
+    fn fits(&mut self, rivals: &Rivals) -> Result<[Fit; 2], EvidenceError>;
+}
+
+impl Attempt {
+    /// Tries an effect of a library beside a model.
+    ///
+    /// - `is_known`: whether the model's values come from a fit to these data
+    ///
+    /// # Errors
+    /// When a model cannot be simulated.
+    pub fn new(
+        evidence: &mut dyn Tried,
+        (model, is_known): (&Model, bool),
+        library: &Library,
+        effect: &str,
+    ) -> Result<Self, super::LabError> {
+        let mut larger = model.clone().with(effect);
+        if let Some(free) = &mut larger.free {
+            let own = library.find(effect).into_iter().flat_map(|effect| &effect.parameters);
+            let own = own.filter(|parameter| parameter.free.of(larger.process));
+            free.extend(own.map(|parameter| format!("{effect}.{}", parameter.name)));
+        }
+        let larger = evidence.adapted(larger, library);
+        let compiled = |model: &Model| CompiledModel::new(model, library, evidence.rows());
+        let (small, large) = (compiled(model)?, compiled(&larger)?);
+        let [before, with] = evidence.fits(&Rivals { model: &small, is_known, larger: &large, effect })?;
+        let folds = CrossValidation::by_pass(&*evidence, &with);
+        let [without, beside] = [&before, &with].map(|fit| folds.prediction(fit).total());
+        let paired = Paired::new(&*evidence, [&before.model, &with.model])?;
+        let models = [with_values(model, &before), with_values(&larger, &with)];
+        Ok(Self { before, with, models, paired, predicts_better_by: beside - without })
+    }
+}
+
+impl Tried for RowEvidence<'_> {
+    fn fits(&mut self, rivals: &Rivals) -> Result<[Fit; 2], EvidenceError> {
+        rivals.fits(self)
+    }
+}
+
+impl Tried for ScanEvidence<'_> {
+    fn fits(&mut self, rivals: &Rivals) -> Result<[Fit; 2], EvidenceError> {
+        self.limit_steps(rivals.model)?;
+        let simulation = self.coarser()?;
+        let mut coarse = CoarseScans::new(self, &simulation);
+        coarse.correct_at(&rivals.start(&coarse)?)?;
+        let [before, with] = rivals.fits(&coarse)?;
+        self.measure_simulation_errors(&with.model)?;
+        let end = |fit: Fit| -> Result<Fit, EvidenceError> {
+            let mut coarse = CoarseScans::new(self, &simulation);
+            coarse.correct_at(&fit.model)?;
+            let fit = fit.seen_anew(&coarse)?.refined(&coarse, CARRIED);
+            Ok(carried(&mut coarse, fit)?.refined(self, LAST))
+        };
+        let [before, with] = [end(before)?, end(with)?];
+        if with.chi2 <= before.chi2 {
+            return Ok([before, with]);
+        }
+        let null = at_null(&with_values_of(rivals.larger, &before), rivals.effect);
+        let with = Fit::unfitted(self, &null, self.coordinates(&null))?;
+        Ok([before, with.refined(self, LAST)])
+    }
+}
+
+impl Rivals<'_> {
+    /// Where the fit of the model begins: at its own values, or where it removes what was removed.
+    fn start(&self, evidence: &dyn Totals) -> Result<CompiledModel, EvidenceError> {
+        if self.is_known { Ok(self.model.clone()) } else { with_matched_rate(evidence, self.model) }
+    }
+
+    /// Both fits to data, each from where the other says that it may begin.
+    fn fits(&self, evidence: &dyn Totals) -> Result<[Fit; 2], EvidenceError> {
+        let start = self.start(evidence)?;
+        let before = to_the_end(evidence, Fit::new(evidence, &start, evidence.coordinates(&start), REFINED)?)?;
+        let with = self.grown(evidence, &before)?;
+        let again = begun(evidence, &with_values_of(self.model, &with), &with)?;
+        Ok([lower(before, again), with])
+    }
+
+    /// The larger model, fitted from several sizes of the effect, with the other parameters where they are and where they
+    /// began: a model that lacks the effect may have gone astray.
+    fn grown(&self, evidence: &dyn Totals, before: &Fit) -> Result<Fit, EvidenceError> {
+        let coordinates = evidence.coordinates(self.larger);
+        let beginning = moved(&before.model, &before.coordinates, &before.begun);
+        let beginning = with_values_of(self.larger, &Fit { model: beginning, ..before.clone() });
+        let beside = with_values_of(self.larger, before);
+        let null = at_null(&beside, self.effect);
+        let starts = [beside, beginning].into_iter().flat_map(|place| sized(&place, &coordinates, self.effect));
+        let unfitted = |start: &CompiledModel| Fit::unfitted(evidence, start, coordinates.clone()).ok();
+        let mut fits: Vec<Fit> = starts.collect::<Vec<_>>().par_iter().filter_map(unfitted).collect();
+        fits.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
+        let best: Vec<CompiledModel> = fits.into_iter().take(ATTEMPT_FITS).map(|fit| fit.model).chain([null]).collect();
+        let fits: Vec<Fit> = best.par_iter().filter_map(|start| begun(evidence, start, before).ok()).collect();
+        match fits.into_iter().reduce(lower) {
+            Some(best) => to_the_end(evidence, best.refined(evidence, REFINED)),
+            None => Fit::unfitted(evidence, &best[best.len() - 1], coordinates),
+        }
+    }
+}
+
+/// A model with the derivatives that another fit has, refined.
+fn begun(evidence: &dyn Totals, start: &CompiledModel, like: &Fit) -> Result<Fit, EvidenceError> {
+    let mut fit = Fit::unfitted(evidence, start, evidence.coordinates(start))?;
+    fit.borrow_derivatives(evidence, |coordinate| like.column(coordinate));
+    Ok(fit.refined(evidence, CARRIED))
+}
+
+/// A fit begun anew from where it ended until that gains nothing: on an uneven lattice a step may fail that new derivatives
+/// make.
+fn to_the_end(evidence: &dyn Totals, mut fit: Fit) -> Result<Fit, EvidenceError> {
+    for _ in 0..ATTEMPT_ROUNDS {
+        let again = Fit::new(evidence, &fit.model, fit.coordinates.clone(), REFINED)?;
+        let gained = fit.chi2 - again.chi2;
+        fit = Fit { begun: fit.begun, ..again };
+        if gained < FIT_CONVERGED_DELTA_CHI2 * (fit.chi2 / fit.residuals.len() as f64).max(1.0) {
+            break;
+        }
+    }
+    Ok(fit)
+}
+
+fn lower(a: Fit, b: Fit) -> Fit {
+    if b.chi2 < a.chi2 { b } else { a }
+}
+
+/// A model with an effect at several of its sizes: all of one parameter, then those of the next beside its usual value.
+fn sized(model: &CompiledModel, coordinates: &[Coordinate], effect: &str) -> Vec<CompiledModel> {
+    let own = coordinates.iter().filter(|coordinate| coordinate.slot.owner == effect);
+    let mut starts = vec![model.clone()];
+    for coordinate in own {
+        let usual = model.value(coordinate.index);
+        let factors: &[f64] = if coordinate.slot.scale == Scale::Log { &RATIOS } else { &SIZES };
+        let set = |start: &CompiledModel, factor: f64| {
+            let mut start = start.clone();
+            start.set(coordinate.index, coordinate.value(coordinate.clamped(coordinate.from_value(factor * usual))));
+            start
+        };
+        starts = starts.iter().flat_map(|start| factors.iter().map(move |factor| set(start, *factor))).collect();
+        starts.truncate(ATTEMPT_STARTS);
+    }
+    starts
+}
+
+/// A fit on the coarser lattice taken to where the fine one has its optimum: corrected there, and fitted again from there,
+/// until that changes nothing.
+fn carried(coarse: &mut CoarseScans, mut fit: Fit) -> Result<Fit, EvidenceError> {
+    for _ in 0..ATTEMPT_ROUNDS {
+        fit.seen_as(coarse.correct_at(&fit.model)?);
+        let before = fit.chi2;
+        fit = fit.refined(coarse, CARRIED);
+        if before - fit.chi2 < FIT_CONVERGED_DELTA_CHI2 {
+            break;
+        }
+    }
+    fit.seen_as(coarse.correct_at(&fit.model)?);
+    Ok(fit)
+}

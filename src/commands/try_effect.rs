@@ -1,0 +1,197 @@
+//! `robofin try`: one hypothesis beside the current model of a campaign, from a formula, a file or the library.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Result;
+use clap::Args;
+use effects::{Extent, Library, Model, NamedState, OneLine, Unit, check_file, hint};
+use serde::Serialize;
+
+use super::ledger::LedgerFlag;
+use super::model_flags::{ModelFlags, read_text};
+use crate::console::Console;
+use crate::wrong_use;
+use lab::Attempt;
+use report::study::page;
+use study::{AttemptTexts, Data, Entry, Ledger, Measurements, attempt_report, inputs_sha256, is_fitted};
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  robofin try trials \"rate * exp(-ground_volume / a)\"\n  \
+                        robofin try trials \"gap + c * tool_y^2\" --set \"c=2 1/m\" --keep\n  \
+                        robofin try trials my-effect.toml\n  robofin try trials --effect grit-dulling --json")]
+pub(super) struct TryArgs {
+    /// Folder of trial folders, one trial folder, or a folder with a table.toml.
+    campaign: PathBuf,
+    /// A formula of a value that an effect may change, whose unknown names are fitted; or an effect file (*.toml).
+    #[arg(value_name = "FORMULA|FILE", required_unless_present = "effect", conflicts_with = "effect")]
+    tried: Option<String>,
+    /// An effect of the library instead.
+    #[arg(long, value_name = "NAME")]
+    effect: Option<String>,
+    /// Value with which a parameter of the formula begins, with its unit; may be given several times.
+    #[arg(long, value_name = "PARAMETER=VALUE", value_parser = parse_setting)]
+    set: Vec<(String, f64)>,
+    /// Make the model with it the current one, beside which the next is tried.
+    #[arg(long)]
+    keep: bool,
+    #[command(flatten)]
+    ledger: LedgerFlag,
+    #[command(flatten)]
+    model: ModelFlags,
+}
+
+/// What is tried: a name of the library that has it, and the file of a formula that was typed.
+struct Hypothesis {
+    library: Library,
+    name: String,
+    shown: String,
+    file: Option<String>,
+}
+
+/// The answer of `try --json`.
+#[derive(Serialize)]
+struct TryAnswer<'a> {
+    #[serde(flatten)]
+    entry: &'a Entry,
+    ledger: &'a Path,
+    model: PathBuf,
+    report: PathBuf,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &TryArgs, console: &Console) -> Result<()> {
+    let started = Instant::now();
+    let measurements = Measurements::read(&args.campaign)?;
+    let mut data = measurements.data()?;
+    console.step("read", data.describe());
+    let mut ledger = Ledger::open(&args.ledger.of(&args.campaign))?;
+    let measured = inputs_sha256(&args.campaign)?;
+    ledger.check_campaign(&measured)?;
+    let library = ledger.library(&data.library(args.model.own.library()?)?)?;
+    let (beside, model, is_known) = current(args, &ledger, &data, &library)?;
+    let hypothesis = hypothesis(args, (&data, &model), library, ledger.next_number())?;
+    let words = if is_known { "its values are known from a fit" } else { "it is fitted first" };
+    console.step("beside", format!("model {beside}: {}; {words}", model_words(&model)));
+    let attempt = Attempt::new(data.tried(), (&model, is_known), &hypothesis.library, &hypothesis.name)?;
+    let unit = data.evidence().unit();
+    let entry = Entry::new(&attempt, &hypothesis.shown, &hypothesis.name, unit).numbered(&ledger, beside, args.keep);
+    let models = attempt.models.each_ref().map(|model| model.to_text(&hypothesis.library));
+    let entry = entry.of(&measured, &models[1]);
+    let page = page(&attempt_report(&data, &attempt, &entry)?);
+    describe(&entry, console);
+    ledger.keep(entry.clone(), &AttemptTexts { effect: hypothesis.file, models, page })?;
+    let own = ledger.folder().join(entry.number.to_string());
+    let seconds = started.elapsed().as_secs_f64();
+    console.step("written", format!("{}; open report.html there, after {seconds:.0} s", own.display()));
+    console.answer(&TryAnswer {
+        entry: &entry,
+        ledger: ledger.folder(),
+        model: own.join("model.toml"),
+        report: own.join("report.html"),
+    })
+}
+
+/// The current model: of the ledger, or that of the flags where the ledger is empty; its number, and whether its values come
+/// from a fit.
+fn current(args: &TryArgs, ledger: &Ledger, data: &Data, library: &Library) -> Result<(usize, Model, bool)> {
+    let process = data.evidence().process();
+    let Some(standing) = ledger.current() else {
+        let model = data.fitting(args.model.model(process, library)?, library)?;
+        let is_known = args.model.model.is_some() && is_fitted(&model, library);
+        return Ok((0, model, is_known));
+    };
+    if args.model.model.is_some() {
+        return Err(wrong_use(format!(
+            "--model: this ledger has a current model, {}; go to another with `robofin ledger {} --to N`, or begin another \
+             with --ledger",
+            standing.model.display(),
+            ledger.folder().display()
+        )));
+    }
+    let model = Model::parse(&standing.model.display().to_string(), &read_text(&standing.model)?, library)?;
+    Ok((standing.number, model, true))
+}
+
+/// What was asked for, with a library that has it.
+fn hypothesis(args: &TryArgs, data: (&Data, &Model), library: Library, number: usize) -> Result<Hypothesis> {
+    if let Some(name) = &args.effect {
+        let Some(effect) = library.effects().iter().find(|effect| effect.name == *name) else {
+            let known: Vec<&str> = library.effects().iter().map(|effect| effect.name.as_str()).collect();
+            return Err(wrong_use(format!("--effect {name}: no effect is called so; {}", hint(name, &known))));
+        };
+        let shown = format!("{name} ({})", effect.title);
+        return Ok(Hypothesis { name: name.clone(), shown, library, file: None });
+    }
+    let tried = args.tried.as_deref().unwrap_or_default();
+    let is_file = Path::new(tried).extension().is_some_and(|end| end == "toml");
+    let (file, shown, text) = if is_file {
+        (tried.to_owned(), tried.to_owned(), read_text(Path::new(tried))?)
+    } else {
+        let name = format!("try-{number}");
+        (format!("{name}.toml"), tried.to_owned(), typed(args, data, &library, (tried, &name))?)
+    };
+    let name = check_file(&file, &text)?.name;
+    let library = library.with(&[(file, text.clone())])?;
+    Ok(Hypothesis { library, name, shown, file: Some(text) })
+}
+
+/// The effect file of a formula that was typed.
+fn typed(
+    args: &TryArgs,
+    (data, model): (&Data, &Model),
+    library: &Library,
+    (line, name): (&str, &str),
+) -> Result<String> {
+    let states = [data.reaches().measured_states(), NamedState::of_library(library)].concat();
+    let read = OneLine::parse(line, model.process, &states, library).map_err(|error| wrong_use(error.to_string()))?;
+    for (parameter, _) in &args.set {
+        if read.unknowns.iter().all(|unknown| unknown.name != *parameter) {
+            let known: Vec<&str> = read.unknowns.iter().map(|unknown| unknown.name.as_str()).collect();
+            return Err(wrong_use(format!(
+                "--set {parameter}: no parameter of the formula; {}",
+                hint(parameter, &known)
+            )));
+        }
+    }
+    let extents = data.reaches().extents(&read, model, library)?;
+    let extent = |name: &str| -> Option<Extent> { Some(extents.iter().find(|(own, _)| own == name)?.1) };
+    read.file(name, &extent, &args.set).map_err(|error| wrong_use(error.to_string()))
+}
+
+/// `a=350 mm^3`, as a name and an SI value.
+fn parse_setting(text: &str) -> Result<(String, f64), String> {
+    let bad = || "PARAMETER=VALUE UNIT is expected, such as a=350 mm^3".to_owned();
+    let (name, value) = text.split_once('=').ok_or_else(bad)?;
+    let value = value.trim();
+    let end = value.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(value.len());
+    let number: f64 = value[..end].parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(bad)?;
+    let unit = value[end..].trim();
+    let unit = if unit.is_empty() { Unit::ONE } else { Unit::parse(unit).map_err(|error| error.to_string())? };
+    Ok((name.trim().to_owned(), unit.to_si(number)))
+}
+
+fn model_words(model: &Model) -> String {
+    let names: Vec<&str> = model.laws.iter().chain(&model.effects).map(|part| part.name.as_str()).collect();
+    names.join(", ")
+}
+
+fn describe(entry: &Entry, console: &Console) {
+    let unit = entry.error_unit.symbol();
+    for (about, k) in [("without", 0), ("with", 1)] {
+        let held_out = entry.paired.held_out.as_ref();
+        let held_out = held_out.map_or(String::new(), |split| format!(", {:.2} {unit} held out", split.rms[k]));
+        console.step(about, format!("{:.2} {unit}{held_out}", entry.paired.calibration.rms[k]));
+    }
+    entry.parameters.iter().for_each(|parameter| console.step("parameter", parameter.shown()));
+    console.step(
+        "fit",
+        format!(
+            "Δχ² {:.0} for {} parameters; whole passes left out: predicted better by {:.0} nats",
+            entry.delta_chi2, entry.added_parameters, entry.predicts_better_by
+        ),
+    );
+    console.step("verdict", entry.sentence());
+    let kept = if entry.kept { "it is the current model now" } else { "the current model stays" };
+    console.step("ledger", format!("attempt {}: {kept}", entry.number));
+}
