@@ -128,13 +128,13 @@ impl Tried for ScanEvidence<'_> {
         coarse.correct_at(&rivals.start(&coarse)?)?;
         let [before, with] = rivals.fits(&coarse)?;
         self.measure_simulation_errors(&with.model)?;
-        let end = |fit: Fit| -> Result<Fit, EvidenceError> {
+        let end = |fit: Fit, options: FitOptions| -> Result<Fit, EvidenceError> {
             let mut coarse = CoarseScans::new(self, &simulation);
             coarse.correct_at(&fit.model)?;
             let fit = fit.seen_anew(&coarse)?.refined(&coarse, CARRIED);
-            Ok(carried(&mut coarse, fit)?.refined(self, LAST))
+            Ok(carried(&mut coarse, fit)?.refined(self, options))
         };
-        let [before, with] = [end(before)?, end(with)?];
+        let [before, with] = [end(before, CARRIED)?, end(with, LAST)?];
         if with.chi2 <= before.chi2 {
             return Ok([before, with]);
         }

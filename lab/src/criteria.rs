@@ -253,7 +253,7 @@ criteria! {
     /// Best of them that are fitted, beside one from no effect.
     ATTEMPT_FITS: usize = 1, "1", "chosen";
     /// Most rounds in which a fit on the coarse lattice is carried to the fine one.
-    ATTEMPT_ROUNDS: usize = 3, "1", "chosen";
+    ATTEMPT_ROUNDS: usize = 2, "1", "chosen";
     /// Most promising pairs of effects that are fitted.
     PAIRS_FITTED: usize = 9, "1", "chosen";
     /// Best pairs that are fitted until they converge.

@@ -26,6 +26,7 @@ mod maps;
 mod measurements;
 mod progress;
 mod proposal_files;
+mod proposal_step;
 mod provenance;
 mod record;
 mod report_from_diagnosis;

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::failures::{self, Failures};
 use super::maps::{self, Seen};
+use super::proposal_step::add_proposal;
 use super::provenance::provenance;
 use super::residual_tests;
 use super::shapley::overlap;
@@ -78,6 +79,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
     let mut waterfall =
         filled.waterfall.unwrap_or_else(|| self::waterfall(&summary.waterfall, floors, summary.error_unit));
     waterfall.notes.extend(overlap(diagnosis, summary));
+    summary.proposal.iter().for_each(|proposal| add_proposal(&mut waterfall, proposal));
     Ok(StudyReport {
         compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),
         verdict: verdict(summary.verdict),

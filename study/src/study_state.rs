@@ -9,6 +9,7 @@ use lab::{LabError, Result};
 use super::calibrated::{CalibrationReport, bare_report, calibration_report};
 use super::conclusion::{proposal, summary};
 use super::measurements::Data;
+use super::proposal_step::add_proposal;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
 use super::report_from_diagnosis::{detectable, next_trial, suspects, waterfall};
 use crate::StudyReport;
@@ -264,7 +265,7 @@ impl<'a> StudyState<'a> {
             let bare = bare_report(&self.data, models, falls, (0, record.seed))?;
             return Ok(StudyReport { sentence, diagnosis: answer, ..bare });
         };
-        let report = calibration_report(&CalibrationReport {
+        let mut report = calibration_report(&CalibrationReport {
             data: &self.data,
             calibration,
             summary,
@@ -276,6 +277,7 @@ impl<'a> StudyState<'a> {
             answer,
         })?;
         let Some((_, found)) = &self.diagnosis else { return Ok(report) };
+        found.proposal.iter().for_each(|proposal| add_proposal(&mut report.waterfall, proposal));
         Ok(StudyReport {
             suspects: suspects(&self.suspects, &self.unfitted, found.error_unit),
             detectable: found.detectable.iter().map(detectable).collect(),

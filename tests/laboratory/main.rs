@@ -1,6 +1,7 @@
 //! The laboratory: data that are whitened, evaluation that stays unseen, hidden effects that come out, and the verbs that take
 //! it step by step.
 
+mod attempts;
 mod blurred;
 mod campaigns;
 mod compared;

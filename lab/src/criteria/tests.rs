@@ -118,7 +118,7 @@ const AGREED: &[(&str, f64)] = &[
     ("COARSE_VOXEL_RATIO", 2.0),
     ("ATTEMPT_STARTS", 12.0),
     ("ATTEMPT_FITS", 1.0),
-    ("ATTEMPT_ROUNDS", 3.0),
+    ("ATTEMPT_ROUNDS", 2.0),
     ("PAIRS_FITTED", 9.0),
     ("PAIRS_REFINED", 2.0),
     ("PAIRS_PER_LEAD", 3.0),
