@@ -1,8 +1,7 @@
 //! One effect tried beside a model: both fitted to the same data, and compared block by block.
 //!
-//! Scans are fitted on a coarser lattice whose residuals are mapped onto those of the fine one at the end of each round
-//! ([`CoarseScans`]), so that an attempt takes seconds. The method is that of a calibration: the same coordinates, the same
-//! sum of squares.
+//! Scans are fitted on a coarser lattice first ([`CoarseScans`]), so that an attempt takes seconds; both fits end on the usual
+//! one. The method is that of a calibration: the same coordinates, the same sum of squares.
 
 use effects::{CompiledModel, Library, Model, Scale};
 use rayon::prelude::*;
@@ -124,15 +123,12 @@ impl Tried for ScanEvidence<'_> {
     fn fits(&mut self, rivals: &Rivals) -> Result<[Fit; 2], EvidenceError> {
         self.limit_steps(rivals.model)?;
         let simulation = self.coarser()?;
-        let mut coarse = CoarseScans::new(self, &simulation);
+        let mut coarse = CoarseScans::new(self, simulation.clone());
         coarse.correct_at(&rivals.start(&coarse)?)?;
         let [before, with] = rivals.fits(&coarse)?;
         self.measure_simulation_errors(&with.model)?;
         let end = |fit: Fit, options: FitOptions| -> Result<Fit, EvidenceError> {
-            let mut coarse = CoarseScans::new(self, &simulation);
-            coarse.correct_at(&fit.model)?;
-            let fit = fit.seen_anew(&coarse)?.refined(&coarse, CARRIED);
-            Ok(carried(&mut coarse, fit)?.refined(self, options))
+            Ok(fit.seen_anew(self)?.refined(self, options))
         };
         let [before, with] = [end(before, CARRIED)?, end(with, LAST)?];
         if with.chi2 <= before.chi2 {
@@ -221,19 +217,4 @@ fn sized(model: &CompiledModel, coordinates: &[Coordinate], effect: &str) -> Vec
         starts.truncate(ATTEMPT_STARTS);
     }
     starts
-}
-
-/// A fit on the coarser lattice taken to where the fine one has its optimum: corrected there, and fitted again from there,
-/// until that changes nothing.
-fn carried(coarse: &mut CoarseScans, mut fit: Fit) -> Result<Fit, EvidenceError> {
-    for _ in 0..ATTEMPT_ROUNDS {
-        fit.seen_as(coarse.correct_at(&fit.model)?);
-        let before = fit.chi2;
-        fit = fit.refined(coarse, CARRIED);
-        if before - fit.chi2 < FIT_CONVERGED_DELTA_CHI2 {
-            break;
-        }
-    }
-    fit.seen_as(coarse.correct_at(&fit.model)?);
-    Ok(fit)
 }

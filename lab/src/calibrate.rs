@@ -17,7 +17,8 @@ const ROUGH: FitOptions = FitOptions { derivatives: ROUGH_FIT_DERIVATIVES, steps
 
 /// Fits the free parameters of a base law to the calibration data. The fit begins where as much is removed in all as was
 /// measured. A model that lacks something may leave a landscape of several valleys: where much is left, it is begun again
-/// from both sides of where it ended and at ratios of other orders, and the best is taken.
+/// from both sides of where it ended and at ratios of other orders, on a coarser lattice where there is one, and the best is
+/// fitted to the end.
 ///
 /// # Errors
 /// When it cannot be simulated.
@@ -28,12 +29,18 @@ pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::resu
     if !first.is_poor() {
         return Ok(first);
     }
-    let again = |place: &Vec<f64>| first.begun_at(evidence, place, FitOptions::default()).ok();
+    let quicker = evidence.quicker(&first.model)?;
+    let quick: &dyn Totals = quicker.as_deref().unwrap_or(evidence);
+    let again = |place: &Vec<f64>| first.begun_at(quick, place, FitOptions::default()).ok();
     let beside: Vec<Fit> = first.both_sides().par_iter().filter_map(again).collect();
-    let others: Vec<Fit> = other_starts(evidence, model).par_iter().filter_map(|start| fitted(start).ok()).collect();
-    let begun = first.begun.clone();
+    let start = |start: &CompiledModel| Fit::new(quick, start, coordinates.clone(), FitOptions::default()).ok();
+    let others: Vec<Fit> = other_starts(quick, model).par_iter().filter_map(start).collect();
     let better = |best: Fit, other: Fit| if other.chi2 < best.chi2 { other } else { best };
-    Ok(Fit { begun, ..beside.into_iter().chain(others).fold(first, better) })
+    let Some(best) = beside.into_iter().chain(others).reduce(better).filter(|best| best.chi2 < first.chi2) else {
+        return Ok(first);
+    };
+    let best = if quicker.is_some() { fitted(&best.model)? } else { best };
+    Ok(Fit { begun: first.begun.clone(), ..better(first, best) })
 }
 
 /// A few steps of a fit, for what must be known near the best values before these can be found.

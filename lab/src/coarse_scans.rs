@@ -2,6 +2,8 @@
 //! additive output mapping). Twice the voxel takes a third to an eighth of the time; near the model of the correction the
 //! residuals and their derivatives are those of the fine lattice.
 
+use std::sync::Arc;
+
 use effects::{CompiledModel, Effect, Process, RowCounts};
 
 use super::coordinates::Coordinate;
@@ -17,7 +19,7 @@ use crate::simulation::SimulatedPass;
 /// Scans as data for fits, predicted on a coarser lattice.
 pub(super) struct CoarseScans<'e, 't> {
     fine: &'e ScanEvidence<'t>,
-    simulation: &'e CampaignSimulation<'t>,
+    simulation: Arc<CampaignSimulation<'t>>,
     /// What the calibration residuals on the fine lattice have above those on this one.
     correction: Vec<f64>,
 }
@@ -27,32 +29,32 @@ impl<'t> ScanEvidence<'t> {
     ///
     /// # Errors
     /// The first trial that cannot be simulated there.
-    pub(super) fn coarser(&self) -> Result<CampaignSimulation<'t>, EvidenceError> {
+    pub(super) fn coarser(&self) -> Result<Arc<CampaignSimulation<'t>>, EvidenceError> {
         let mut simulation = self.simulation.on_voxels(COARSE_VOXEL_RATIO)?;
         for trial in &mut simulation.trials {
             trial.change_settings(|settings| settings.most_steps = self.most_steps);
         }
-        Ok(simulation)
+        Ok(Arc::new(simulation))
     }
 }
 
 impl<'e, 't> CoarseScans<'e, 't> {
     /// The same scans, with nothing taken off.
-    pub(super) fn new(fine: &'e ScanEvidence<'t>, simulation: &'e CampaignSimulation<'t>) -> Self {
+    pub(super) fn new(fine: &'e ScanEvidence<'t>, simulation: Arc<CampaignSimulation<'t>>) -> Self {
         Self { fine, simulation, correction: Vec::new() }
     }
 
-    /// Makes the residuals of both lattices agree at a model; returns those of the fine one.
+    /// Makes the residuals of both lattices agree at a model.
     ///
     /// # Errors
     /// When the model cannot be simulated on one of the lattices.
-    pub(super) fn correct_at(&mut self, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
+    pub(super) fn correct_at(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         let split = Split::Calibration;
         let fine = self.fine.residuals(model, split)?;
         self.correction.clear();
         let coarse = self.residuals(model, split)?;
         self.correction = fine.iter().zip(coarse).map(|(fine, coarse)| fine - coarse).collect();
-        Ok(fine)
+        Ok(())
     }
 
     fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {

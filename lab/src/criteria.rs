@@ -246,13 +246,15 @@ criteria! {
     PARTNER_FIT_DERIVATIVES: usize = 1, "1", "chosen";
     /// Most steps of the fit of an effect beside a certain one.
     PARTNER_FIT_STEPS: usize = 8, "1", "chosen";
+    /// Effects that the first answer of a study names.
+    FIRST_LOOK_EFFECTS: usize = 5, "1", "chosen";
     /// Voxel of the lattice on which an effect is tried, over that of the simulation.
     COARSE_VOXEL_RATIO: f64 = 2.0, "1", "chosen: a third of the time; what it errs by is taken off";
     /// Sizes of an effect from which an attempt may begin.
     ATTEMPT_STARTS: usize = 12, "1", "chosen";
     /// Best of them that are fitted, beside one from no effect.
     ATTEMPT_FITS: usize = 1, "1", "chosen";
-    /// Most rounds in which a fit on the coarse lattice is carried to the fine one.
+    /// Most times that a fit on the coarse lattice is begun anew from where it ended.
     ATTEMPT_ROUNDS: usize = 2, "1", "chosen";
     /// Most promising pairs of effects that are fitted.
     PAIRS_FITTED: usize = 9, "1", "chosen";

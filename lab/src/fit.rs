@@ -194,12 +194,6 @@ impl Fit {
         Ok(self)
     }
 
-    /// Takes residuals of the same model that were predicted otherwise; derivatives stay.
-    pub(super) fn seen_as(&mut self, residuals: Vec<f64>) {
-        self.chi2 = robust_sum(&residuals);
-        self.residuals = residuals;
-    }
-
     /// Whether so much is left that the landscape may have several valleys.
     pub(super) fn is_poor(&self) -> bool {
         self.chi2 > RESTART_CHI2_PER_DATUM * self.residuals.len() as f64

@@ -17,7 +17,10 @@ use files::input::quoted_near;
 use files::json_file::read_json;
 use files::output::{FolderKind, Out};
 use report::study::page;
-use study::{Data, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState, inputs_sha256};
+use study::{
+    Action, Data, EXPECTED_SIMULATIONS, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState,
+    inputs_sha256,
+};
 use study::{MODEL_WITH_PROPOSAL, StudyReport, write_proposal};
 
 /// The model's file in a study's folder.
@@ -137,12 +140,29 @@ pub(super) fn advance(
             let seconds = started.elapsed().as_secs_f64();
             console.step(done.action.word(), format!("{}\nin {seconds:.1} s", done.outcome));
         }
+        if next == Action::Compare && !one {
+            first_answer(course, console)?;
+        }
         note(&course.record)?;
         if one {
             break;
         }
     }
     describe_end(&course.record, console);
+    Ok(())
+}
+
+/// Says within a minute what can be said so soon, and how long the rest will take.
+fn first_answer(course: &mut StudyState, console: &Console) -> Result<()> {
+    let started = Instant::now();
+    course.simulate_once()?;
+    let minutes = |count: f64| (started.elapsed().as_secs_f64() * count / 60.0).ceil();
+    let [least, most] = EXPECTED_SIMULATIONS.map(minutes);
+    console.step("time", format!("the study will take about {least:.0} to {most:.0} min"));
+    let answer = course.first_answer()?;
+    let record = &mut course.record;
+    console.step("first look", answer.words(record.noise_floor_um, record.error_unit.symbol()));
+    record.first_answer = Some(answer);
     Ok(())
 }
 

@@ -21,6 +21,7 @@ mod comparison;
 mod conclusion;
 mod data;
 mod failures;
+mod first_look;
 mod ledger;
 mod maps;
 mod measurements;
@@ -50,6 +51,7 @@ pub use data::{
     TestOfMissing, Verdict,
 };
 pub use failures::{CovariateFigures, Failures};
+pub use first_look::{EXPECTED_SIMULATIONS, FirstAnswer};
 pub use ledger::{
     AttemptTexts, Entry, LEDGER_FILE, Ledger, LedgerLine, Standing, TRIED_EFFECTS, errors_in_words, is_fitted,
 };

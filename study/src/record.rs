@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use trials::trial::Finding;
 
+use super::first_look::FirstAnswer;
 use lab::criteria::CriterionValues;
 use lab::{ErrorUnit, Searched, Verdict, WaterfallStep};
 
@@ -94,6 +95,9 @@ pub struct StudyRecord {
     /// What the checks of scans and logs against each other found, for machines.
     #[serde(default)]
     pub findings: Vec<Finding>,
+    /// The first answer, before anything was fitted to the end; absent where it was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_answer: Option<FirstAnswer>,
     /// How the error fell so far.
     pub waterfall: Vec<WaterfallStep>,
     /// The effect to add, while that is the next step, and the text of the model with it as the search fitted it.
@@ -124,6 +128,7 @@ impl StudyRecord {
             evaluation_noise_floor_um: None,
             notes: Vec::new(),
             findings: Vec::new(),
+            first_answer: None,
             waterfall: Vec::new(),
             to_add: None,
             diagnosis: None,

@@ -24,8 +24,8 @@ pub struct StudyState<'a> {
     pub record: StudyRecord,
     /// The model so far.
     pub model: Model,
-    data: Data<'a>,
-    library: &'a Library,
+    pub(super) data: Data<'a>,
+    pub(super) library: &'a Library,
     calibration: Option<Calibration>,
     diagnosis: Option<(Diagnosis, DiagnosisSummary)>,
     /// Effects that the searches of this run fitted, those of the last search first.
@@ -84,7 +84,7 @@ impl<'a> StudyState<'a> {
     }
 
     /// The base law before any fit.
-    fn start(&self) -> Result<CompiledModel> {
+    pub(super) fn start(&self) -> Result<CompiledModel> {
         let start = self.data.start(&self.model, self.library)?;
         Ok(CompiledModel::new(&start, self.library, self.data.evidence().rows())?)
     }

@@ -115,6 +115,7 @@ const AGREED: &[(&str, f64)] = &[
     ("LAST_FIT_STEPS", 18.0),
     ("PARTNER_FIT_DERIVATIVES", 1.0),
     ("PARTNER_FIT_STEPS", 8.0),
+    ("FIRST_LOOK_EFFECTS", 5.0),
     ("COARSE_VOXEL_RATIO", 2.0),
     ("ATTEMPT_STARTS", 12.0),
     ("ATTEMPT_FITS", 1.0),

@@ -1,0 +1,74 @@
+//! What can be said of a model within a minute: a fit of its law on a coarser lattice, and what the first look at every
+//! effect promises beside it. Nothing here is a verdict: no effect is fitted, and nothing is held against chance.
+
+use effects::{CompiledModel, Library, Model, candidates};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::begin::with_matched_rate;
+use super::diagnose::with_values;
+use super::error::Result;
+use super::evidence::Split;
+use super::fit::{Fit, FitOptions};
+use super::probe::Candidate;
+use super::response::{Look, Projector};
+use super::screen::Screened;
+use super::suspect::by_promise;
+use super::totals::Totals;
+use super::verdict::rms;
+use crate::criteria::{FIRST_LOOK_EFFECTS, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
+
+/// Cost of the fit.
+const ROUGH: FitOptions = FitOptions { derivatives: ROUGH_FIT_DERIVATIVES, steps: ROUGH_FIT_STEPS };
+
+/// An effect and what the first look promises of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Promise {
+    /// Name in the library.
+    pub name: String,
+    /// Expected fall of the sum of squares, over that of the law.
+    pub share: f64,
+}
+
+/// What the first look says.
+#[derive(Clone)]
+pub struct FirstLook {
+    /// The law as it was fitted.
+    pub law: CompiledModel,
+    /// What it leaves of the calibration data, in the unit of errors.
+    pub rms: f64,
+    /// The most promising effects.
+    pub promises: Vec<Promise>,
+}
+
+impl FirstLook {
+    /// Fits the law of a model roughly and looks at every effect of a library beside it.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn new(evidence: &dyn Totals, model: &Model, library: &Library) -> Result<Self> {
+        let compiled = CompiledModel::new(model, library, evidence.rows())?;
+        let start = with_matched_rate(evidence, &compiled)?;
+        let quicker = evidence.quicker(&start)?;
+        let quick: &dyn Totals = quicker.as_deref().unwrap_or(evidence);
+        let base = Fit::new(quick, &start, quick.coordinates(&start), ROUGH)?;
+        let model = with_values(model, &base);
+        let projector = Projector::new(&base);
+        let look = Look { evidence: quick, base: &base, projector: &projector };
+        let effects = candidates(&model, library).into_iter().filter(|effect| quick.is_blind_to(effect).is_none());
+        let tried: Vec<Candidate> =
+            effects.filter_map(|effect| Candidate::new(quick, &model, effect, library).ok()).collect();
+        let screened: Vec<Screened> = tried.into_par_iter().map(|candidate| Screened::new(&look, candidate)).collect();
+        let promise = |screened: &Screened| Promise {
+            name: screened.candidate.name.clone(),
+            share: screened.delta_chi2 / base.chi2,
+        };
+        let promises = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > 0.0));
+        let left = evidence.agreement(&base.model, Split::Calibration)?;
+        Ok(Self {
+            rms: evidence.unit().per_one() * rms(&left, |scan| scan.rms),
+            promises: promises.into_iter().take(FIRST_LOOK_EFFECTS).map(promise).collect(),
+            law: base.model,
+        })
+    }
+}
