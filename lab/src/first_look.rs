@@ -12,8 +12,6 @@ use super::evidence::Split;
 use super::fit::{Fit, FitOptions};
 use super::probe::Candidate;
 use super::response::{Look, Projector};
-use super::screen::Screened;
-use super::suspect::by_promise;
 use super::totals::Totals;
 use super::verdict::rms;
 use crate::criteria::{FIRST_LOOK_EFFECTS, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
@@ -58,17 +56,23 @@ impl FirstLook {
         let effects = candidates(&model, library).into_iter().filter(|effect| quick.is_blind_to(effect).is_none());
         let tried: Vec<Candidate> =
             effects.filter_map(|effect| Candidate::new(quick, &model, effect, library).ok()).collect();
-        let screened: Vec<Screened> = tried.into_par_iter().map(|candidate| Screened::new(&look, candidate)).collect();
-        let promise = |screened: &Screened| Promise {
-            name: screened.candidate.name.clone(),
-            share: screened.delta_chi2 / base.chi2,
+        let promised = |candidate: Candidate| {
+            let share = promised(&look, &candidate) / base.chi2;
+            Promise { name: candidate.name, share }
         };
-        let promises = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > 0.0));
+        let mut promises: Vec<Promise> = tried.into_par_iter().map(promised).collect();
+        promises.retain(|promise| promise.share > 0.0);
+        promises.sort_by(|a, b| b.share.total_cmp(&a.share));
+        promises.truncate(FIRST_LOOK_EFFECTS);
         let left = evidence.agreement(&base.model, Split::Calibration)?;
-        Ok(Self {
-            rms: evidence.unit().per_one() * rms(&left, |scan| scan.rms),
-            promises: promises.into_iter().take(FIRST_LOOK_EFFECTS).map(promise).collect(),
-            law: base.model,
-        })
+        Ok(Self { rms: evidence.unit().per_one() * rms(&left, |scan| scan.rms), promises, law: base.model })
     }
+}
+
+/// Expected fall of the sum of squares by an effect: each of its sizes at one middle value, its shape as the library has it.
+fn promised(look: &Look, candidate: &Candidate) -> f64 {
+    let amplitudes = candidate.coordinates.iter().filter(|coordinate| coordinate.slot.null.is_some()).count();
+    let middle = candidate.probes.iter().take(amplitudes).filter_map(|group| group.get(group.len() / 2));
+    let responses = middle.filter_map(|probe| look.at(candidate, probe));
+    responses.map(|response| response.optimum(&look.projector.residuals).1).fold(0.0, f64::max)
 }

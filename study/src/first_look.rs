@@ -27,7 +27,11 @@ impl StudyState<'_> {
     ///
     /// # Errors
     /// When the model cannot be simulated.
-    pub fn first_answer(&self) -> Result<FirstAnswer> {
+    pub fn first_answer(&mut self) -> Result<FirstAnswer> {
+        let start = self.start()?;
+        if let Data::Scans(_, evidence) = &mut self.data {
+            evidence.limit_steps(&start)?;
+        }
         let model = self.data.fitting(self.model.clone(), self.library)?;
         let FirstLook { law, rms, promises } = FirstLook::new(self.data.evidence(), &model, self.library)?;
         let seed = self.record.seed;
