@@ -27,7 +27,7 @@ use super::scans::ScanEvidence;
 use crate::criteria::{NAMED_PROBABILITY, NEXT_TRIAL_RUNNERS_UP};
 use design::Design;
 use pass_plan::without_scans;
-use prediction::{Predictor, TEMPLATE};
+use prediction::{Outline, Predictor, TEMPLATE};
 use score::{Belief, Predicted, Score};
 use trials::trial::{Pass, RPM, Trial};
 
@@ -102,6 +102,13 @@ pub struct MenuLine {
     pub worth: Worth,
 }
 
+/// A trial of the menu with a bound on what is expected of it.
+struct Outlined<'a> {
+    design: Design,
+    outline: Outline<'a>,
+    bound: Score,
+}
+
 /// A trial of the menu with what is expected of it.
 struct Rated {
     design: Design,
@@ -153,13 +160,14 @@ pub fn next_trial(
     let sum: f64 = hypotheses.iter().map(|hypothesis| hypothesis.probability).sum();
     let beliefs: Vec<Belief> = hypotheses.iter().map(|hypothesis| hypothesis.belief(sum, spread)).collect();
     let predictor = Predictor::new(evidence, hypotheses, spread)?;
-    let rated = |design: Design| {
-        let predicted = predictor.predicted(&design).ok()?;
-        Some(Rated { score: Score::new(&beliefs, &predicted), design, predicted })
-    };
     let designs = menu::menu(evidence.simulation.trials[TEMPLATE].trial);
-    let mut all: Vec<Rated> = designs.into_par_iter().filter_map(rated).collect();
-    all.sort_by(Rated::better_first);
+    let outlined = |design: Design| {
+        let outline = predictor.outline(&design).ok()?;
+        Some(Outlined { bound: Score::bound(&beliefs, &outline.data), design, outline })
+    };
+    let menu: Vec<Outlined> = designs.into_par_iter().filter_map(outlined).collect();
+    let count = menu.len();
+    let all = rated(&predictor, &beliefs, menu);
     let Some(best) = all.first() else { return Ok(None) };
     let mut trial = stated(evidence, hypotheses, best);
     let runners_up = all.iter().skip(1).take(NEXT_TRIAL_RUNNERS_UP).map(Rated::line).collect();
@@ -167,13 +175,40 @@ pub fn next_trial(
         worth: best.worth(),
         discrimination_nats: best.score.discrimination,
         entropy_nats: beliefs.iter().map(|belief| -belief.probability * belief.probability.ln()).sum(),
-        menu: all.len(),
+        menu: count,
         runners_up,
         then: if best.score.probability_right < NAMED_PROBABILITY { after(&beliefs, &all) } else { None },
         scans_per_surface: best.design.scans,
         plan: plan(evidence, &best.design),
     });
     Ok(Some(trial))
+}
+
+/// The best trials of a menu, the best first. Derivatives cost most of the time, so they are made only of trials that may be
+/// among the best: those whose bounds are the highest, until no other bound is above what the last of the reported ones tells.
+fn rated(predictor: &Predictor, beliefs: &[Belief], mut menu: Vec<Outlined>) -> Vec<Rated> {
+    menu.sort_by(|a, b| b.most().total_cmp(&a.most()));
+    let mut all: Vec<Rated> = Vec::new();
+    for batch in menu.chunks(1 + NEXT_TRIAL_RUNNERS_UP) {
+        let last = all.get(NEXT_TRIAL_RUNNERS_UP).map(|last| last.worth().nats_per_minute);
+        if last.is_some_and(|last| last >= batch[0].most()) {
+            break;
+        }
+        let rated = |Outlined { design, outline, .. }: &Outlined| {
+            let predicted = predictor.predicted(design, outline).ok()?;
+            Some(Rated { score: Score::new(beliefs, &predicted), design: design.clone(), predicted })
+        };
+        all.par_extend(batch.par_iter().filter_map(rated));
+        all.sort_by(Rated::better_first);
+    }
+    all
+}
+
+impl Outlined<'_> {
+    /// The most that it can tell in a minute.
+    fn most(&self) -> f64 {
+        self.bound.information / self.design.minutes()
+    }
 }
 
 impl Rated {
@@ -185,7 +220,7 @@ impl Rated {
         MenuLine { summary: self.design.what.clone(), worth: self.worth() }
     }
 
-    /// What tells most in a minute first; of equals the one earlier on the menu.
+    /// What tells most in a minute first; of equals the one that was rated first.
     fn better_first(&self, other: &Self) -> Ordering {
         other.worth().nats_per_minute.total_cmp(&self.worth().nats_per_minute)
     }

@@ -55,6 +55,16 @@ enum Sight<'a> {
     Exposure(&'a ExposureView),
 }
 
+/// A trial as all hypotheses predict it at their best values.
+pub(super) struct Outline<'a> {
+    /// By pass.
+    sights: Vec<Sight<'a>>,
+    /// Factor on whitened data: more scans have less noise.
+    scale: f64,
+    /// By hypothesis.
+    pub(super) data: Vec<DVector<f64>>,
+}
+
 /// By pass: heights of the pixels [m], or doses beyond the one from which substrate shows.
 type Surfaces = Vec<Vec<f64>>;
 
@@ -79,30 +89,43 @@ impl<'a> Predictor<'a> {
         Ok(Self { evidence, hypotheses, spread, tiles, voxel })
     }
 
-    /// The predictions of all hypotheses.
+    /// The predictions of all hypotheses at their best values.
     ///
     /// # Errors
     /// When a hypothesis cannot be simulated on the trial.
-    pub(super) fn predicted(&self, design: &Design) -> Result<Vec<Predicted>, EvidenceError> {
+    pub(super) fn outline(&self, design: &Design) -> Result<Outline<'_>, EvidenceError> {
         let rows = self.evidence.simulation.rows().passes;
         if design.passes().count() > rows && self.hypotheses.iter().any(|one| one.has_rows) {
             return Err(EvidenceError::NoData("more passes than the model has parameters for".to_owned()));
         }
-        let stages: Vec<Simulation> =
-            design.stages.iter().map(|stage| self.prepared(stage)).collect::<Result<_, _>>()?;
-        let runs = |one: &Simulated| -> Result<Vec<Surfaces>, EvidenceError> {
-            let run = |(model, worn)| self.surfaces(&stages, model, worn);
-            one.models.par_iter().zip(&one.worn).map(run).collect()
-        };
-        let runs: Vec<Vec<Surfaces>> = self.hypotheses.iter().map(runs).collect::<Result<_, _>>()?;
-        let sights = self.sights(&stages, &runs)?;
+        let stages = self.prepared(design)?;
+        let best = |one: &Simulated| self.surfaces(&stages, &one.models[0], &one.worn[0]);
+        let best: Vec<Surfaces> = self.hypotheses.par_iter().map(best).collect::<Result<_, _>>()?;
+        let sights = self.sights(&stages, &best)?;
         let scale = (design.scans as f64).sqrt() / self.spread;
-        let all = self.hypotheses.iter().zip(runs);
-        Ok(all.map(|(one, runs)| one.predicted(&runs, &sights, scale)).collect())
+        let outline = Outline { sights, scale, data: Vec::new() };
+        Ok(Outline { data: best.iter().map(|surfaces| outline.seen(surfaces)).collect(), ..outline })
     }
 
-    fn prepared<'t>(&self, stage: &'t Trial) -> Result<Simulation<'t>, EvidenceError> {
-        Simulation::new(stage, self.voxel, false).map_err(|error| failed(stage, error))
+    /// The same predictions with their derivatives.
+    ///
+    /// # Errors
+    /// As [`Self::outline`].
+    pub(super) fn predicted(&self, design: &Design, outline: &Outline) -> Result<Vec<Predicted>, EvidenceError> {
+        let stages = self.prepared(design)?;
+        let predicted = |(one, best): (&Simulated, &DVector<f64>)| {
+            let moved = |(model, worn)| -> Result<DVector<f64>, EvidenceError> {
+                Ok(outline.seen(&self.surfaces(&stages, model, worn)?))
+            };
+            let moved = one.models[1..].par_iter().zip(&one.worn[1..]).map(moved).collect::<Result<Vec<_>, _>>()?;
+            Ok(Predicted { data: best.clone(), jacobian: one.jacobian(best, &moved) })
+        };
+        self.hypotheses.iter().zip(&outline.data).map(predicted).collect()
+    }
+
+    fn prepared<'t>(&self, design: &'t Design) -> Result<Vec<Simulation<'t>>, EvidenceError> {
+        let stage = |stage| Simulation::new(stage, self.voxel, false).map_err(|error| failed(stage, error));
+        design.stages.iter().map(stage).collect()
     }
 
     /// What a model leaves after each pass of a trial.
@@ -122,19 +145,19 @@ impl<'a> Predictor<'a> {
         Ok(surfaces)
     }
 
-    /// How the scans after all passes are seen, given what each hypothesis and each of its models leaves.
-    fn sights(&self, stages: &[Simulation], runs: &[Vec<Surfaces>]) -> Result<Vec<Sight<'_>>, EvidenceError> {
+    /// How the scans after all passes are seen, given what each hypothesis leaves.
+    fn sights(&self, stages: &[Simulation], best: &[Surfaces]) -> Result<Vec<Sight<'_>>, EvidenceError> {
         let views: Vec<&ScanView> = self.evidence.views.iter().filter(|view| view.trial == TEMPLATE).collect();
         let before = self.unground(&stages[0], &self.hypotheses[0].models[0])?;
         let sight = |pass: usize| match &views[pass.min(views.len() - 1)].data {
             ScanData::Exposure(view) => Ok(Sight::Exposure(view)),
             ScanData::Heights(view) => {
-                let after: Vec<&[f64]> = runs.iter().map(|run| &run[0][pass][..]).collect();
+                let after: Vec<&[f64]> = best.iter().map(|surfaces| &surfaces[pass][..]).collect();
                 let (tiles, whitener) = self.cut(view, &before, &after).ok_or_else(|| nothing(pass))?;
                 Ok(Sight::Heights(tiles, Box::new(whitener)))
             }
         };
-        (0..runs[0][0].len()).map(sight).collect()
+        (0..best[0].len()).map(sight).collect()
     }
 
     /// The scan before the first pass, as a simulation that removes nothing would leave it.
@@ -162,20 +185,21 @@ impl<'a> Predictor<'a> {
     }
 }
 
+impl Outline<'_> {
+    /// What is left after each pass as data.
+    fn seen(&self, surfaces: &Surfaces) -> DVector<f64> {
+        let scan = |(sight, surface): (&Sight, &Vec<f64>)| sight.data(surface);
+        DVector::from_vec(self.sights.iter().zip(surfaces).flat_map(scan).collect()) * self.scale
+    }
+}
+
 impl Simulated {
-    /// Data and derivatives, from what each model leaves.
-    fn predicted(&self, runs: &[Surfaces], sights: &[Sight], scale: f64) -> Predicted {
-        let data = |surfaces: &Surfaces| {
-            let scan = |(sight, surface): (&Sight, &Vec<f64>)| sight.data(surface);
-            DVector::from_vec(sights.iter().zip(surfaces).flat_map(scan).collect()) * scale
+    /// Derivatives from the data at the best values and where each coordinate is moved.
+    fn jacobian(&self, best: &DVector<f64>, moved: &[DVector<f64>]) -> DMatrix<f64> {
+        let slope = |row: usize, k: usize| {
+            if self.ways[k] == 0.0 { 0.0 } else { (moved[k][row] - best[row]) / self.ways[k] }
         };
-        let best = data(&runs[0]);
-        let column = |(moved, way): (&Surfaces, &f64)| {
-            if *way == 0.0 { DVector::zeros(best.len()) } else { (data(moved) - &best) / *way }
-        };
-        let columns: Vec<DVector<f64>> = runs[1..].iter().zip(&self.ways).map(column).collect();
-        let jacobian = if columns.is_empty() { DMatrix::zeros(best.len(), 0) } else { DMatrix::from_columns(&columns) };
-        Predicted { data: best, jacobian }
+        DMatrix::from_fn(best.len(), moved.len(), slope)
     }
 }
 

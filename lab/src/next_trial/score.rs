@@ -70,6 +70,18 @@ impl Score {
             let least = difference([&beliefs[i], &beliefs[j]], [&predicted[i], &predicted[j]]);
             (differences[(i, j)], differences[(j, i)]) = (least, least);
         }
+        Self::of(beliefs, differences)
+    }
+
+    /// An upper bound: as if no parameter could follow a difference.
+    ///
+    /// - `data`: whitened data as each hypothesis predicts them
+    pub(super) fn bound(beliefs: &[Belief], data: &[DVector<f64>]) -> Self {
+        let differences = DMatrix::from_fn(data.len(), data.len(), |i, j| (&data[i] - &data[j]).norm_squared());
+        Self::of(beliefs, differences)
+    }
+
+    fn of(beliefs: &[Belief], differences: DMatrix<f64>) -> Self {
         let weights: Vec<f64> = beliefs.iter().map(|belief| belief.probability).collect();
         Self {
             discrimination: discrimination(&weights, &differences),
