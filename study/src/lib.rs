@@ -22,6 +22,8 @@ mod data;
 mod failures;
 mod maps;
 mod measurements;
+mod next_trial_files;
+mod next_trial_report;
 mod progress;
 mod proposal_files;
 mod provenance;
@@ -42,11 +44,12 @@ pub use calibrated::{CalibrationReport, calibration_report};
 pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
 pub use conclusion::{proposal, summary};
 pub use data::{
-    Compared, Correlations, Detectable, Digest, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport, Suspect,
-    TestOfMissing, Verdict,
+    Compared, Correlations, Detectable, Digest, MenuRow, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport,
+    Suspect, TestOfMissing, Verdict,
 };
 pub use failures::{CovariateFigures, Failures};
 pub use measurements::{Data, Measurements};
+pub use next_trial_files::{NEXT_TRIAL, NEXT_TRIAL_NAMES, write_next_trial};
 pub use progress::Progress;
 pub use proposal_files::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, write_proposal};
 pub use provenance::inputs_sha256;
