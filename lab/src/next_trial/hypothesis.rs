@@ -73,8 +73,10 @@ impl Round {
         let mut all = vec![Hypothesis::of(best)];
         all.extend(self.look_alikes().into_iter().map(Hypothesis::of));
         all.truncate(NEXT_TRIAL_HYPOTHESES);
-        if self.none * NAMED_PROBABILITY >= best.probability * (1.0 - NAMED_PROBABILITY) {
-            all.push(Hypothesis { name: NONE, probability: self.none, fit: &self.base });
+        // What an effect may not have because nothing tests it is left to none of them, too.
+        let none = 1.0 - self.findings.iter().map(|finding| finding.probability).sum::<f64>();
+        if none * NAMED_PROBABILITY >= best.probability * (1.0 - NAMED_PROBABILITY) {
+            all.push(Hypothesis { name: NONE, probability: none, fit: &self.base });
         }
         if all.len() > 1 { all } else { Vec::new() }
     }
