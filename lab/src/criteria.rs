@@ -353,6 +353,21 @@ criteria! {
     ADEQUATE_NOISE: f64 = 3.0, "1", "chosen";
     /// Error over its noise floor up to which it is near the noise, and a study ends.
     NEAR_FLOOR_RATIO: f64 = 1.1, "1", "chosen";
+    // The next trial.
+    /// Most effects that a next trial distinguishes, beside none of them.
+    NEXT_TRIAL_HYPOTHESES: usize = 4, "1", "chosen: each costs a simulation of every trial on the menu";
+    /// Best trials of the menu that are reported beside the one proposed.
+    NEXT_TRIAL_RUNNERS_UP: usize = 5, "1", "chosen";
+    /// Voxel of simulated trials of the menu when grinding, over that of fits.
+    NEXT_TRIAL_VOXEL_RATIO: f64 = 2.0, "1", "chosen: errors of the lattice cancel in differences of hypotheses";
+    /// Most tiles of a scan that is only predicted.
+    NEXT_TRIAL_TILES: usize = 300, "1", "chosen: hypotheses differ smoothly";
+    /// Time to fetch, clamp and locate a workpiece.
+    TRIAL_SETUP_MINUTES: f64 = 15.0, "min", "chosen: an assumption about a laboratory";
+    /// Time of a scan.
+    TRIAL_SCAN_MINUTES: f64 = 4.0, "min", "chosen: an assumption about a profilometer";
+    /// Time to dress a wheel or to change a sheet.
+    TRIAL_DRESSING_MINUTES: f64 = 5.0, "min", "chosen: an assumption about a laboratory";
     // Comparison.
     /// Draws of noise behind the p-value of a residual test.
     RESIDUAL_TEST_DRAWS: usize = 999, "1", "convention: a thousand with the data";

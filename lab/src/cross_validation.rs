@@ -198,7 +198,7 @@ fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
 }
 
 /// Prior precision of coordinates: what the library lists holds 95 % of what is met.
-fn prior(coordinates: &[Coordinate]) -> DVector<f64> {
+pub(super) fn prior(coordinates: &[Coordinate]) -> DVector<f64> {
     let precision = |coordinate: &Coordinate| {
         let [least, greatest] = coordinate.listed();
         (2.0 * INTERVAL_SIGMAS / (greatest - least)).powi(2)

@@ -174,6 +174,23 @@ impl HeightView {
         &self.whitener
     }
 
+    /// Whitener of tiles of another scan of such a workpiece, whose pose would be known as well as that of this one.
+    ///
+    /// - `scan`, `change`: heights of that scan, and above the scan before [m]
+    ///
+    /// `None` where the covariance is not positive definite.
+    pub(super) fn whitener_of(
+        &self,
+        (scan, change): (&HeightMap, &HeightMap),
+        tiles: &Tiles,
+        noise: &TileNoise,
+    ) -> Option<Whitener> {
+        let columns = place_columns(tiles, [&slopes(scan), &slopes(change)]);
+        let removed: Vec<f64> = tiles.means(|at| -change.heights[at]).into_iter().map(|depth| depth.max(0.0)).collect();
+        let covariance = noise.covariance(tiles, &shares(&removed, self.noise_depth));
+        Whitener::new(covariance, Freedom { columns, ..self.place.clone() })
+    }
+
     /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
     pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
         self.left_at(simulated, &self.whitener.degrees_of_freedom(&self.difference(simulated)).mean)

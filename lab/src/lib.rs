@@ -112,7 +112,7 @@ pub use fit::{Estimate, Fit, FitOptions, robust_sum};
 pub use height_view::HeightView;
 pub use model_origin::{Origin, identity, model_origin};
 pub use next_row::{next_row, separating_row, testing_row};
-pub use next_trial::{NextTrial, next_trial, separating_trial, testing_trial};
+pub use next_trial::{Hypothesis, MenuChoice, MenuLine, NextTrial, Worth, next_trial, separating_trial, testing_trial};
 pub use noise_summary::NoiseSummary;
 pub use observation::Observation;
 pub use paired::{Better, Paired, PairedSplit};

@@ -129,7 +129,8 @@ fn separation(evidence: &RowEvidence, rows: &[Row], first: &Fit, second: &Fit) -
         let moved = of(&moved(&second.model, &second.coordinates, &at))?;
         columns.push(if step == 0.0 { DVector::zeros(b.len()) } else { (moved - &b) / step });
     }
-    Ok(left_after_refit(&difference, &DMatrix::from_columns(&columns), second))
+    let precision = second.jacobian.tr_mul(&second.jacobian);
+    Ok(left_after_refit(&difference, &DMatrix::from_columns(&columns), &precision))
 }
 
 fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], delta_chi2: f64) -> NextTrial {
@@ -157,5 +158,6 @@ fn stated(table: &Table, rows: &[Row], change: Change, separates: [&str; 2], del
         separates: separates.map(str::to_owned).to_vec(),
         expected_delta_chi2: delta_chi2,
         probability_right: Normal::standard().cdf(0.5 * delta_chi2.sqrt()),
+        choice: None,
     }
 }

@@ -27,6 +27,7 @@ use files::folder::StagedFolder;
 use files::output::{FolderKind, Out};
 use report::study::story;
 use study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
+use trials::trial::PLAN_NAMES;
 use virtual_lab::write::CAMPAIGN_NAMES;
 
 /// Name of the figures file in a demo folder.
@@ -44,6 +45,9 @@ const DEMO: FolderKind = FolderKind {
         ("study/", &[STUDY_FILE, "story.svg", "first-look.key"]),
         ("study/", STUDY_NAMES),
         ("study/effects/", &["*.toml"]),
+        ("study/next-trial/", PLAN_NAMES),
+        ("study/next-trial/part-1/", PLAN_NAMES),
+        ("study/next-trial/part-2/", PLAN_NAMES),
         ("study/first-look/", CAMPAIGN_NAMES),
     ],
 };

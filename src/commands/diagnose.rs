@@ -14,7 +14,8 @@ use files::folder::StagedFolder;
 use files::output::FolderKind;
 use lab::{Diagnosis, DiagnosisSummary, Order};
 use report::study::page;
-use study::{MODEL_WITH_PROPOSAL, Measurements, ReportInput, proposal, report, summary, write_proposal};
+use study::{MODEL_WITH_PROPOSAL, Measurements, NEXT_TRIAL_NAMES as NEXT, ReportInput};
+use study::{proposal, report, summary, write_next_trial, write_proposal};
 
 /// The file by which a result folder is known.
 const DIAGNOSIS_FILE: &str = "diagnosis.json";
@@ -22,7 +23,13 @@ const DIAGNOSIS_FILE: &str = "diagnosis.json";
 const DIAGNOSIS: FolderKind = FolderKind {
     marker: DIAGNOSIS_FILE,
     key: "verdict",
-    names: &[("", &["model.toml", "report.html", MODEL_WITH_PROPOSAL]), ("effects/", &["*.toml"])],
+    names: &[
+        ("", &["model.toml", "report.html", MODEL_WITH_PROPOSAL]),
+        ("effects/", &["*.toml"]),
+        NEXT[0],
+        NEXT[1],
+        NEXT[2],
+    ],
 };
 
 #[derive(Debug, Args)]
@@ -62,6 +69,9 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let summary = DiagnosisSummary { proposal, ..summary(&mut data, &diagnosis, &library)? };
     if let Some(proposal) = &summary.proposal {
         write_proposal(proposal, folder.path())?.into_iter().for_each(|(what, text)| console.step(what, text));
+    }
+    if let Some(next) = &summary.next_trial {
+        write_next_trial(next, folder.path())?.into_iter().for_each(|(what, text)| console.step(what, text));
     }
     describe(&summary, console);
     let input = ReportInput {

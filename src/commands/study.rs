@@ -21,7 +21,7 @@ use study::{
     Action, Data, EXPECTED_SIMULATIONS, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState,
     inputs_sha256,
 };
-use study::{MODEL_WITH_PROPOSAL, StudyReport, write_proposal};
+use study::{MODEL_WITH_PROPOSAL, NEXT_TRIAL_NAMES as NEXT, StudyReport, write_next_trial, write_proposal};
 
 /// The model's file in a study's folder.
 const MODEL_FILE: &str = "model.toml";
@@ -31,7 +31,7 @@ pub(super) const STUDY_NAMES: &[&str] = &[MODEL_FILE, "report.html", MODEL_WITH_
 const STUDY: FolderKind = FolderKind {
     marker: STUDY_FILE,
     key: "measurements_sha256",
-    names: &[("", STUDY_NAMES), ("effects/", &["*.toml"])],
+    names: &[("", STUDY_NAMES), ("effects/", &["*.toml"]), NEXT[0], NEXT[1], NEXT[2]],
 };
 
 #[derive(Debug, Args)]
@@ -197,6 +197,9 @@ pub(super) fn write_files(
     };
     if let Some(proposal) = course.proposal() {
         write_proposal(proposal, folder)?.into_iter().for_each(|(what, text)| console.step(what, text));
+    }
+    if let Some(next) = course.next_trial() {
+        write_next_trial(next, folder)?.into_iter().for_each(|(what, text)| console.step(what, text));
     }
     write(STUDY_FILE, serde_json::to_string_pretty(&course.record)?)?;
     write(MODEL_FILE, course.model.to_text(library))?;

@@ -9,7 +9,7 @@ use lab::{
     testing_trial,
 };
 
-/// Sums up a diagnosis. Where two effects are still in play it has the trial that would separate them. Where none is beside
+/// Sums up a diagnosis. Where several hypotheses are still in play it has the trial that says most about them. Where none is beside
 /// the one that was found, but equal passes go on as the base law cannot, it has the trial that would test that one. The
 /// instrument's blur stays at what the diagnosed model finds.
 ///
@@ -24,10 +24,9 @@ pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Res
     if is_identified && !is_beyond_the_law {
         return Ok(summary);
     }
-    let has_rivals = diagnosis.rivals().is_some();
     summary.next_trial = match (data.scans(), data.rows()) {
-        (Some((_, evidence)), _) if has_rivals => separating_trial(evidence, diagnosis)?,
-        (None, Some(rows)) if has_rivals => separating_row(rows, diagnosis)?,
+        (Some((_, evidence)), _) if diagnosis.live_hypotheses().is_some() => separating_trial(evidence, diagnosis)?,
+        (None, Some(rows)) if diagnosis.rivals().is_some() => separating_row(rows, diagnosis)?,
         (Some((_, evidence)), _) if is_beyond_the_law => testing_trial(evidence, diagnosis)?,
         (None, Some(rows)) if is_beyond_the_law => testing_row(rows, diagnosis)?,
         _ => None,

@@ -233,8 +233,27 @@ pub struct NextTrial {
     pub settles: Vec<String>,
     /// What it would leave open, one sentence each.
     pub leaves_open: Vec<String>,
-    /// Chance that it names the right one [1].
+    /// Probability that it names the right one [1].
     pub probability_right: Option<f64>,
+    /// The trial itself, the next best ones and what would come after it; empty for tables.
+    pub menu: Vec<MenuRow>,
+}
+
+/// A trial that could be made.
+#[derive(Clone, Debug)]
+pub struct MenuRow {
+    /// Its place among all that were simulated, from 1.
+    pub place: String,
+    /// What to do.
+    pub summary: String,
+    /// Expected time [min].
+    pub minutes: f64,
+    /// New workpieces.
+    pub workpieces: usize,
+    /// Least expected information [nat].
+    pub information: f64,
+    /// The same for each minute [nat/min].
+    pub information_per_minute: f64,
 }
 
 /// From what and by what a report was made. No date and no machine unless the caller states them.

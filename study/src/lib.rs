@@ -25,6 +25,8 @@ mod first_look;
 mod ledger;
 mod maps;
 mod measurements;
+mod next_trial_files;
+mod next_trial_report;
 mod progress;
 mod proposal_files;
 mod proposal_step;
@@ -47,8 +49,8 @@ pub use calibrated::{CalibrationReport, calibration_report};
 pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
 pub use conclusion::{proposal, summary};
 pub use data::{
-    Compared, Correlations, Detectable, Digest, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport, Suspect,
-    TestOfMissing, Verdict,
+    Compared, Correlations, Detectable, Digest, MenuRow, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport,
+    Suspect, TestOfMissing, Verdict,
 };
 pub use failures::{CovariateFigures, Failures};
 pub use first_look::{EXPECTED_SIMULATIONS, FirstAnswer};
@@ -56,6 +58,7 @@ pub use ledger::{
     AttemptTexts, Entry, LEDGER_FILE, Ledger, LedgerLine, Standing, TRIED_EFFECTS, errors_in_words, is_fitted,
 };
 pub use measurements::{Data, Measurements};
+pub use next_trial_files::{NEXT_TRIAL, NEXT_TRIAL_NAMES, write_next_trial};
 pub use progress::Progress;
 pub use proposal_files::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, write_proposal};
 pub use provenance::inputs_sha256;

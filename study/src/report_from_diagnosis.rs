@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::failures::{self, Failures};
 use super::maps::{self, Seen};
+use super::next_trial_report::next_trial;
 use super::proposal_step::add_proposal;
 use super::provenance::provenance;
 use super::residual_tests;
@@ -16,7 +17,7 @@ use super::waterfall::{Scans, Step};
 use crate::{Compared, ComparedPass, Misfit, Stated, StudyReport, Waterfall, WaterfallStep};
 use lab::Simulated;
 use lab::{
-    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, NextTrial, ParameterState, ParameterSummary,
+    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, ParameterState, ParameterSummary,
     RowEvidence, ScanEvidence, ScanView, Sides, Unfitted, Verdict,
 };
 use robot::Tool;
@@ -160,30 +161,6 @@ fn start_of(base: &CompiledModel) -> CompiledModel {
         start.set(index, slot.default);
     }
     start
-}
-
-pub(super) fn next_trial(next: &NextTrial) -> super::NextTrial {
-    let list = |values: &[f64]| {
-        values
-            .iter()
-            .map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let steps =
-        [("force", &next.force_n, "N"), ("feed", &next.feed_mm_s, "mm/s"), ("spindle speed", &next.spindle_rpm, "rpm")];
-    let steps = steps.iter().filter(|(_, values, _)| !values.is_empty());
-    let (question, probability_right) = match &next.separates[..] {
-        [one, other] => (format!("Whether it is {one} or {other}."), Some(next.probability_right)),
-        tested => (format!("Whether {} predicts passes that no fit has seen.", tested.join(" and ")), None),
-    };
-    super::NextTrial {
-        summary: next.summary.clone(),
-        steps: steps.map(|(name, values, unit)| ((*name).to_owned(), format!("{} {unit}", list(values)))).collect(),
-        settles: vec![question],
-        leaves_open: Vec::new(),
-        probability_right,
-    }
 }
 
 pub(super) fn verdict(verdict: Verdict) -> super::Verdict {

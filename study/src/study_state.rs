@@ -9,13 +9,14 @@ use lab::{LabError, Result};
 use super::calibrated::{CalibrationReport, bare_report, calibration_report};
 use super::conclusion::{proposal, summary};
 use super::measurements::Data;
+use super::next_trial_report::next_trial;
 use super::proposal_step::add_proposal;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
-use super::report_from_diagnosis::{detectable, next_trial, suspects, waterfall};
+use super::report_from_diagnosis::{detectable, suspects, waterfall};
 use crate::StudyReport;
 use lab::{
-    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, OnProgress, Order,
-    ParameterSummary, Proposal, Searched, Totals, Unfitted, Verdict, beginning, parameter_summary,
+    BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, NextTrial,
+    OnProgress, Order, ParameterSummary, Proposal, Searched, Totals, Unfitted, Verdict, beginning, parameter_summary,
 };
 
 /// A study under way: its record, and what this run of the program has in memory of it.
@@ -229,6 +230,11 @@ impl<'a> StudyState<'a> {
     /// The effect that the last search proposed for what no effect of the library describes.
     pub fn proposal(&self) -> Option<&Proposal> {
         self.diagnosis.as_ref().and_then(|(_, summary)| summary.proposal.as_ref())
+    }
+
+    /// The trial that the last search proposed.
+    pub fn next_trial(&self) -> Option<&NextTrial> {
+        self.diagnosis.as_ref().and_then(|(_, summary)| summary.next_trial.as_ref())
     }
 
     /// The measurements as fits see them.

@@ -1,7 +1,7 @@
 //! What the library lacks gets a form; what data cannot tell apart gets a trial that can.
 
 use effects::{CompiledModel, Library, Model, Process, check_file};
-use lab::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, next_trial, propose};
+use lab::{Evidence, Fit, FitOptions, Hypothesis, ScanEvidence, calibrate, calibrate_scans, next_trial, propose};
 use trials::trial::Trial;
 use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 
@@ -73,13 +73,22 @@ fn rivals_get_a_trial_that_tells_them_apart() {
             .unwrap()
     };
     let (one, other) = (fit("break-in"), fit("thermal-softening"));
-    let trial = next_trial(&evidence, (("break-in", &one), ("thermal-softening", &other))).unwrap().expect("a trial");
+    let hypothesis = |name, fit| Hypothesis { name, probability: 0.4, fit };
+    let rivals = [hypothesis("break-in", &one), hypothesis("thermal-softening", &other)];
+    let trial = next_trial(&evidence, &rivals, 1.0).unwrap().expect("a trial");
     println!("{trial:?}");
     assert_eq!(trial.separates, ["break-in", "thermal-softening"]);
     assert!(trial.expected_delta_chi2 > 0.0 && (0.5..=1.0).contains(&trial.probability_right));
-    assert_eq!(trial.force_n.len(), trials[0].passes.len());
+    let choice = trial.choice.as_ref().expect("a trial of a menu");
+    let planned: usize = choice.plan.iter().map(|stage| stage.passes.len()).sum();
+    assert_eq!(trial.force_n.len(), planned);
+    assert!(choice.menu >= 40 && choice.runners_up.len() == 5, "{}", choice.menu);
+    let best = choice.worth.nats_per_minute;
+    assert!(choice.runners_up.iter().all(|runner| runner.worth.nats_per_minute <= best));
+    assert!((choice.entropy_nats - 2f64.ln()).abs() < 1e-12 && choice.worth.expected_information_nats <= 2f64.ln());
     let unchanged = calibrate(&evidence, &base, Library::builtin()).unwrap().last().fit.clone();
-    let same = next_trial(&evidence, (("base", &unchanged), ("base", &unchanged))).unwrap().expect("a trial");
+    let same = [hypothesis("base", &unchanged), hypothesis("base", &unchanged)];
+    let same = next_trial(&evidence, &same, 1.0).unwrap().expect("a trial");
     assert!(
         same.expected_delta_chi2 < 1e-6 && trial.expected_delta_chi2 > 1.0,
         "a model is not told from itself: {same:?}"

@@ -37,6 +37,8 @@ fn full_values_stand_behind_the_cells() {
     values.extend(report.detectable.iter().filter_map(|d| d.size));
     values.extend(report.tests.iter().map(|t| t.statistic));
     values.extend(report.next_trial.iter().filter_map(|next| next.probability_right));
+    let menu = report.next_trial.iter().flat_map(|next| &next.menu);
+    values.extend(menu.flat_map(|row| [row.minutes, row.information, 60.0 * row.information_per_minute]));
     assert!(values.len() > 40, "{}", values.len());
     for value in values {
         let json = serde_json::to_string(&value).expect("a number");

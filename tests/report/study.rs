@@ -295,6 +295,18 @@ fn next_trial() -> NextTrial {
         settles: vec!["grit-dulling against wheel-loading".into()],
         leaves_open: vec!["the speed exponent".into()],
         probability_right: Some(0.973),
+        menu: vec![menu_row("1", 31.4, 0.41), menu_row("2", 36.25, 0.43)],
+    }
+}
+
+fn menu_row(place: &str, minutes: f64, information: f64) -> MenuRow {
+    MenuRow {
+        place: place.into(),
+        summary: "the same passes at 2 times the force".into(),
+        minutes,
+        workpieces: 1,
+        information,
+        information_per_minute: information / minutes,
     }
 }
 

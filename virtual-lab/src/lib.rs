@@ -23,11 +23,13 @@ mod motion;
 mod noise;
 pub mod outside;
 mod plan;
+mod planned;
 mod ripple;
 mod robot;
 mod seal;
 mod surface;
 mod truth;
+mod truth_error;
 pub mod write;
 
 use std::collections::BTreeMap;
@@ -48,7 +50,7 @@ pub use hidden::{Choice, Hidden, visible_value};
 pub use instrument::Instrument;
 pub use plan::{Plan, Size};
 pub use seal::{Key, SEAL_FORMAT, Seal, SealError};
-pub use truth::TruthError;
+pub use truth_error::TruthError;
 
 /// A virtual experiment.
 #[derive(Clone, Debug)]
@@ -69,6 +71,8 @@ pub struct Experiment {
     pub robot: Robot,
     /// Passes that the tool did on another workpiece before each trial; the trial counts it as fresh.
     pub earlier_passes: usize,
+    /// Trials that follow those of the plan, each on a workpiece of its own: as they were planned, stage by stage.
+    pub then: Vec<Vec<Trial>>,
     /// Laws and effects that are known to the laboratory.
     pub library: Library,
     /// Same seed, same bytes.
@@ -113,6 +117,7 @@ impl Experiment {
             instrument: Instrument::clean(),
             robot: Robot::clean(),
             earlier_passes: 0,
+            then: Vec::new(),
             library: outside::with_outside(library)?,
             seed,
         })
@@ -139,14 +144,16 @@ impl Experiment {
         // A state that outlasts the tool binds the trials to their order.
         let groups: Vec<&[usize]> = if lasting { vec![&all] } else { all.chunks(1).collect() };
         let ran: Vec<Vec<_>> = groups.into_par_iter().map(run).collect::<Result<_, _>>()?;
-        let (trials, truths): (Vec<Trial>, Vec<TrueTrial>) = ran.into_iter().flatten().unzip();
+        let then = self.make_planned(&model, done)?;
+        let (trials, truths): (Vec<Trial>, Vec<TrueTrial>) = ran.into_iter().flatten().chain(then).unzip();
         let truths: BTreeMap<_, _> = trials.iter().map(|trial| trial.name.clone()).zip(truths).collect();
         Ok(Made { trials, answer: Answer::of(&model, self.seed, truths) })
     }
 
     /// Passes of all trials.
     pub fn passes(&self) -> usize {
-        self.plan.settings(self.trials).iter().map(Vec::len).sum()
+        let then = self.then.iter().flatten().map(|stage| stage.passes.len());
+        self.plan.settings(self.trials).iter().map(Vec::len).chain(then).sum()
     }
 
     /// Names of the effects that are at work, in the order in which they act.
@@ -177,10 +184,17 @@ impl Experiment {
         done: &(dyn Fn() + Sync),
     ) -> Result<Vec<(Trial, TrueTrial)>, TruthError> {
         let mut states = States::new(model, TOOL_CELLS);
-        let run = |&trial: &usize| {
-            let row = settings[..trial].iter().map(Vec::len).sum();
-            Bout::new(self, model, trial)?.run((&settings[trial], &mut states, row), done)
-        };
-        trials.iter().map(run).collect()
+        trials.iter().map(|&trial| self.run_one(model, (settings, trial), &mut states, done)).collect()
+    }
+
+    fn run_one(
+        &self,
+        model: &CompiledModel,
+        (settings, trial): (&[Vec<Setting>], usize),
+        states: &mut States,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<(Trial, TrueTrial), TruthError> {
+        let row = settings[..trial].iter().map(Vec::len).sum();
+        Bout::new(self, model, trial)?.run((&settings[trial], states, row), done)
     }
 }

@@ -19,6 +19,9 @@ const LINE_SPACING: f64 = 0.65;
 /// Way from a panel's border to the pad's edge [m].
 const PANEL_BORDER: f64 = 3e-3;
 
+/// Way from a row of a log to the next that counts [m]: far longer than the robot's jitter.
+const SAME_PLACE: f64 = 1e-3;
+
 /// A straight stretch at one feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stretch {
@@ -57,6 +60,27 @@ impl Way {
             done += length;
         }
         Self(stretches)
+    }
+
+    /// The way of a log.
+    ///
+    /// - `places`: time [s] and place [m] of each row; rows nearer to each other than [`SAME_PLACE`] are one
+    pub(super) fn logged(places: &[(f64, DVec2)]) -> Self {
+        let mut stretches = Vec::new();
+        let (mut from, end) = (places[0], places[places.len() - 1]);
+        let is_far = |from: &(f64, DVec2), to: &(f64, DVec2)| from.1.distance(to.1) >= SAME_PLACE;
+        for &to in &places[1..] {
+            if is_far(&from, &to) && is_far(&to, &end) || to == end {
+                stretches.push(Stretch { from: from.1, to: to.1, feed: from.1.distance(to.1) / (to.0 - from.0) });
+                from = to;
+            }
+        }
+        Self(stretches)
+    }
+
+    /// The way at the height of the workpiece frame, as a path's samples.
+    pub(super) fn samples(&self, tool: &Tool) -> Vec<PathSample> {
+        [0.0, self.duration()].map(|time| sample(time, self.at(time).extend(0.0), tool)).to_vec()
     }
 
     /// Time of the whole way [s].

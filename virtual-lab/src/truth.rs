@@ -6,8 +6,7 @@ use sdf_bake::channels::Scalar;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use sim::settings::TOUCH;
-use sim::{PassError, PassRecord, PathError, Profilometer, run_pass};
-use thiserror::Error;
+use sim::{PassRecord, Path, Profilometer, run_pass};
 
 use super::Experiment;
 use super::answer::TrueTrial;
@@ -18,9 +17,10 @@ use super::plan::{Bench, Plan, Setting, role};
 use super::ripple::Ripple;
 use super::robot::{Ran, Robot, touching};
 use super::surface::Workpiece;
+use super::truth_error::TruthError;
 use random::Stream;
 use robot::Controller;
-use trials::trial::{HeldTool, LabelMap, Pass, PassScan, RPM, Scans, Trial};
+use trials::trial::{HeldTool, LabelMap, Pass, PassScan, RPM, Role, Scans, Trial};
 
 /// Voxel of the true part [scan pitches]: finer than half a pixel, and no whole share of it, so that lattice lines and
 /// pixels fall apart.
@@ -36,59 +36,6 @@ const GRINDING_CONTROLLER: (f64, f64, f64) = (2.0, 1500.0, 2e-3);
 const SANDING_CONTROLLER: (f64, f64, f64) = (1.0, 400.0, 5e-3);
 /// Coating [m].
 const COATING: f64 = 60e-6;
-
-/// Why an experiment cannot be made.
-#[derive(Debug, Error)]
-pub enum TruthError {
-    /// The surface makes no part.
-    #[error("{trial}: the true surface: {error}")]
-    Part {
-        /// Name of the trial.
-        trial: String,
-        /// Why.
-        error: HeightsError,
-    },
-    /// The way of the tool makes no path.
-    #[error("{trial}, pass {pass}: {error}")]
-    Path {
-        /// Name of the trial.
-        trial: String,
-        /// From 1.
-        pass: usize,
-        /// Why.
-        error: PathError,
-    },
-    /// The tool comes down and meets nothing.
-    #[error(
-        "{trial}, pass {pass}: the tool does not meet the part: an effect holds it more than half a millimetre off"
-    )]
-    NoTouch {
-        /// Name of the trial.
-        trial: String,
-        /// From 1.
-        pass: usize,
-    },
-    /// A pass failed.
-    #[error("{trial}, pass {pass}: {error}")]
-    Pass {
-        /// Name of the trial.
-        trial: String,
-        /// From 1.
-        pass: usize,
-        /// Why.
-        error: PassError,
-    },
-    /// A formula of the scanner.
-    #[error("{trial}, scan after pass {pass}: {error}")]
-    Scan {
-        /// Name of the trial.
-        trial: String,
-        /// From 1; 0 for the scan before.
-        pass: usize,
-        /// Which formula.
-        error: RunError,
-    },
-}
 
 /// One trial in the making.
 pub(super) struct Bout<'a> {
@@ -106,6 +53,17 @@ pub(super) struct Bout<'a> {
     controller: Controller,
     part: BrickGrid,
     trial_time: f64,
+    /// Whether a pass was made on the workpiece.
+    is_worked: bool,
+}
+
+/// A pass as it is commanded.
+pub(super) struct Order {
+    pub(super) way: Way,
+    /// [N].
+    pub(super) force_setpoint: f64,
+    /// [rad/s].
+    pub(super) spindle_speed: f64,
 }
 
 impl<'a> Bout<'a> {
@@ -149,6 +107,7 @@ impl<'a> Bout<'a> {
             controller,
             part,
             trial_time: 0.0,
+            is_worked: false,
         })
     }
 
@@ -171,28 +130,46 @@ impl<'a> Bout<'a> {
         let (mut passes, mut truth) = (Vec::new(), TrueTrial::default());
         for (pass, setting) in settings.iter().enumerate() {
             let at = (pass + 1, row + pass);
-            let (record, way, touch) = self.pass(setting, states, at)?;
+            let (made, removed) = self.made(&self.order(setting), states, at)?;
             match self.experiment.process {
-                Process::Grinding => truth.removed_by_law_mm3.push(record.removed_volume * 1e9),
+                Process::Grinding => truth.removed_by_law_mm3.push(removed * 1e9),
                 Process::Sanding => truth.exposed_share.push(self.exposed_share()),
             }
-            let (force_setpoint, spindle_speed) = self.told(setting);
-            let controller = self.controller;
-            let (frame, ripple) = (self.frame(), Ripple::of(self.model, at.1));
-            let record = &record;
-            let ran = Ran { record, way: &way, touch, controller, force_setpoint, spindle_speed, frame, ripple };
-            passes.push(Pass {
-                log: self.experiment.robot.log(&ran, &mut self.stream(&format!("pass-{}/log", pass + 1))),
-                scan: self.scan_after(at)?,
-                role: role((self.number, self.experiment.trials), (pass, settings.len())),
-                force_setpoint,
-                feed: way.mean_feed(),
-                spindle_speed,
-                direction: way.direction(),
-            });
+            passes.push(Pass { role: role((self.number, self.experiment.trials), (pass, settings.len())), ..made });
             done();
         }
-        Ok((self.into_trial(scans, passes), truth))
+        Ok((self.trial(scans, passes), truth))
+    }
+
+    /// Runs a pass and scans what it leaves. Returns the pass and the removed volume [m³].
+    pub(super) fn made(
+        &mut self,
+        order: &Order,
+        states: &mut States,
+        at: (usize, usize),
+    ) -> Result<(Pass, f64), TruthError> {
+        let (record, touch) = self.pass(order, states, at)?;
+        let Order { way, force_setpoint, spindle_speed } = order;
+        let (controller, frame, ripple) = (self.controller, self.frame(), Ripple::of(self.model, at.1));
+        let (force_setpoint, spindle_speed) = (*force_setpoint, *spindle_speed);
+        let ran = Ran { record: &record, way, touch, controller, force_setpoint, spindle_speed, frame, ripple };
+        let pass = Pass {
+            log: self.experiment.robot.log(&ran, &mut self.stream(&format!("pass-{}/log", at.0))),
+            scan: self.scan_after(at)?,
+            role: Role::Calibration,
+            force_setpoint,
+            feed: way.mean_feed(),
+            spindle_speed,
+            direction: way.direction(),
+        };
+        Ok((pass, record.removed_volume))
+    }
+
+    /// A pass of the plan as it is commanded.
+    fn order(&self, setting: &Setting) -> Order {
+        let (force_setpoint, spindle_speed) = self.told(setting);
+        let way = Way::of(self.experiment.process, &self.bench, self.ends, setting);
+        Order { way, force_setpoint, spindle_speed }
     }
 
     /// Lets the tool work on another workpiece before the trial.
@@ -203,7 +180,7 @@ impl<'a> Bout<'a> {
         let mut other = Self::named(self.experiment, self.model, self.number, &format!("{}/earlier", self.name))?;
         let usual = Plan::Paper.settings(1);
         for (pass, setting) in usual[0].iter().cycle().take(self.experiment.earlier_passes).enumerate() {
-            other.pass(setting, states, (pass + 1, row))?;
+            other.pass(&other.order(setting), states, (pass + 1, row))?;
         }
         Ok(())
     }
@@ -214,11 +191,11 @@ impl<'a> Bout<'a> {
         Frame::of(&self.experiment.robot, self.experiment.seed, 0.5 * (self.pixels.origin + end))
     }
 
-    fn into_trial(self, scans: Scans, passes: Vec<Pass>) -> Trial {
+    pub(super) fn trial(&self, scans: Scans, passes: Vec<Pass>) -> Trial {
         let sands = self.experiment.process == Process::Sanding;
         Trial {
             folder: self.name.clone().into(),
-            name: self.name,
+            name: self.name.clone(),
             process: self.experiment.process,
             tool: self.tool.clone(),
             fresh: true,
@@ -235,6 +212,32 @@ impl<'a> Bout<'a> {
         Stream::of(self.experiment.seed, &format!("{}/{purpose}", self.name))
     }
 
+    /// The model that is at work.
+    pub(super) fn model(&self) -> &'a CompiledModel {
+        self.model
+    }
+
+    /// The same workpiece in another trial, with the name under which all of that is drawn.
+    pub(super) fn goes_on_as(&mut self, name: String) {
+        (self.name, self.trial_time) = (name, 0.0);
+    }
+
+    /// Lets the tool stand in the air before a pass [s].
+    pub(super) fn pause(
+        &mut self,
+        (order, pause): (&Order, f64),
+        states: &mut States,
+        (number, row): (usize, usize),
+    ) -> Result<(), TruthError> {
+        self.trial_time += pause;
+        let path = Path::from_samples(order.way.samples(&self.tool.shape));
+        let path = path.map_err(|error| TruthError::Path { trial: self.name.clone(), pass: number, error })?;
+        let settings = self.settings(order);
+        let first = sim::Pass::first(&self.tool.shape, &path, &settings, self.model);
+        let pass = sim::Pass { number, row, trial_time: self.trial_time, ..first };
+        sim::rest(&pass, states, pause).map_err(|error| self.scan_error(number, error))
+    }
+
     /// Force setpoint [N] and spindle speed [rad/s] of a pass, as people set them.
     fn told(&self, setting: &Setting) -> (f64, f64) {
         let force = (setting.force * self.bench.force * 10.0).round() / 10.0;
@@ -242,7 +245,7 @@ impl<'a> Bout<'a> {
     }
 
     /// The scan before and its repetition, by a scanner without faults.
-    fn scans(&self) -> Result<Scans, TruthError> {
+    pub(super) fn scans(&self) -> Result<Scans, TruthError> {
         let scan = |purpose: &str| {
             let scanned = self.experiment.instrument.heights(&self.part, self.pixels, None, &mut self.stream(purpose));
             scanned.map_err(|error| self.scan_error(0, error))
@@ -282,16 +285,16 @@ impl<'a> Bout<'a> {
         doses.iter().filter(|dose| **dose >= 1.0).count() as f64 / doses.len() as f64
     }
 
-    /// Runs a pass on the part. Returns what happened, where the tool was told to go, and when it touched.
+    /// Runs a pass on the part. Returns what happened, and when the tool touched.
     fn pass(
         &mut self,
-        setting: &Setting,
+        order: &Order,
         states: &mut States,
         (number, row): (usize, usize),
-    ) -> Result<(PassRecord, Way, f64), TruthError> {
+    ) -> Result<(PassRecord, f64), TruthError> {
         let tool = self.tool.shape.clone();
-        let way = Way::of(self.experiment.process, &self.bench, self.ends, setting);
-        let settings = self.settings(setting);
+        let way = &order.way;
+        let settings = self.settings(order);
         let trial = || self.name.clone();
         let no_path = |error| TruthError::Path { trial: trial(), pass: number, error };
         let failed = |error| TruthError::Pass { trial: trial(), pass: number, error };
@@ -299,7 +302,7 @@ impl<'a> Bout<'a> {
         let level = touching(&tool, way.at(0.0), self.part.voxel, surface);
         let (reach, speed) = Robot::descent();
         // What is there now may lie far below the first surface.
-        let deep = if number > 1 { self.ground_below(&way, surface) } else { 0.0 };
+        let deep = if self.is_worked { self.ground_below(way, surface) } else { 0.0 };
         let levels = [level + reach[0] - deep, level + reach[1] - deep];
         let descent = way.descent(levels, speed, &tool).map_err(no_path)?;
         let base = sim::Pass {
@@ -320,7 +323,8 @@ impl<'a> Bout<'a> {
         let pass = sim::Pass { path: &path, approach: touch, ..base };
         let record = run_pass(&mut self.part, pass, states, &mut |_| {}).map_err(failed)?;
         self.trial_time += path.duration();
-        Ok((record, way, touch))
+        self.is_worked = true;
+        Ok((record, touch))
     }
 
     /// Depth of the present surface below the first one where the way begins [m].
@@ -330,12 +334,11 @@ impl<'a> Bout<'a> {
         (first(place) - Profilometer::sharp(pixel).heights(&self.part).heights[0]).max(0.0)
     }
 
-    fn settings(&self, setting: &Setting) -> sim::PassSettings {
-        let (force_setpoint, spindle_speed) = self.told(setting);
+    fn settings(&self, order: &Order) -> sim::PassSettings {
         sim::PassSettings {
             controller: self.controller,
-            force_setpoint,
-            spindle_speed,
+            force_setpoint: order.force_setpoint,
+            spindle_speed: order.spindle_speed,
             step_voxels: STEP_VOXELS,
             quasi_static: false,
             coating: COATING,

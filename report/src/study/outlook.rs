@@ -1,9 +1,9 @@
 //! What these passes could have shown, what to do next, and a form for what the library lacks.
 
-use super::number::{cell, percent};
+use super::number::{cell, percent, significant};
 use super::words::list;
 use crate::{Cell, Page, Table};
-use study::{Detectable, ParameterEstimate, StudyReport, Verdict};
+use study::{Detectable, MenuRow, ParameterEstimate, StudyReport, Verdict};
 
 /// Appends the least sizes of effects that would have shown.
 pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
@@ -53,11 +53,37 @@ pub(super) fn add_next(page: &mut Page, report: &StudyReport) {
         );
         page.block(&html);
     }
+    add_menu(page, &next.menu);
     for (heading, items) in [("It would settle", &next.settles), ("It would leave open", &next.leaves_open)] {
         if !items.is_empty() {
             page.block(&format!("<h3>{heading}</h3>\n{}", list(items)));
         }
     }
+}
+
+/// The best trials of the menu, with what each costs and is expected to tell.
+fn add_menu(page: &mut Page, menu: &[MenuRow]) {
+    if menu.is_empty() {
+        return;
+    }
+    let headings = ["place", "trial", "time [min]", "workpieces", "information [nat]", "per hour [nat]"];
+    let mut table = Table::new("The best trials of the menu", &headings);
+    for row in menu {
+        let number = |value: f64, digits: usize| Cell::number(significant(value, digits), value);
+        table.rows.push(vec![
+            Cell::text(&row.place),
+            Cell::text(&row.summary),
+            number(row.minutes, 3),
+            Cell::number(row.workpieces.to_string(), row.workpieces as f64),
+            number(row.information, 3),
+            number(60.0 * row.information_per_minute, 3),
+        ]);
+    }
+    page.block(&table.to_html());
+    page.paragraph(
+        "Time counts set-up, scans, dressing and passes, by the assumptions that the documents list. Information is the least \
+         expected fall of the entropy of the probabilities.",
+    );
 }
 
 /// What another trial would buy where no two effects are in play.

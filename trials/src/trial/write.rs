@@ -61,8 +61,8 @@ pub fn labels_csv(map: &LabelMap) -> String {
     })
 }
 
-/// A log with all its columns; times and forces to a millionth, lengths to a nanometre.
-pub fn log_csv(log: &Log) -> String {
+/// First line of a log: the names of all its columns.
+pub(super) fn log_header(log: &Log) -> String {
     let mut header: Vec<&str> = REQUIRED_COLUMNS.to_vec();
     if log.has_approach {
         header.extend(APPROACH_COLUMNS);
@@ -71,8 +71,12 @@ pub fn log_csv(log: &Log) -> String {
         header.push(TEMPERATURE_COLUMN);
     }
     header.extend(log.covariates.iter().map(|covariate| covariate.name.as_str()));
-    let mut text = header.join(",");
-    text.push('\n');
+    header.join(",") + "\n"
+}
+
+/// A log with all its columns; times and forces to a millionth, lengths to a nanometre.
+pub fn log_csv(log: &Log) -> String {
+    let mut text = log_header(log);
     for (k, row) in log.rows.iter().enumerate() {
         let p = row.position * 1e3;
         let mut values = vec![row.time, p.x, p.y, p.z, row.force, row.spindle_speed / RPM];
@@ -131,7 +135,7 @@ fn millimetres(length: f64) -> Spanned<f64> {
     plain(number(length * 1e3))
 }
 
-fn manifest_of(trial: &Trial) -> Manifest {
+pub(super) fn manifest_of(trial: &Trial) -> Manifest {
     let pixels = &trial.scans.before.pixels;
     let repeat = |k: usize| match k {
         0 => "before_repeat.csv".into(),

@@ -1,0 +1,282 @@
+//! What hypotheses predict of a trial that was not made: each simulated, and seen as its scans would be.
+
+use effects::{CompiledModel, States};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use sdf_bake::{HeightMap, PixelGrid};
+
+use super::design::Design;
+use super::hypothesis::Hypothesis;
+use super::score::Predicted;
+use crate::campaign_simulation::CampaignError;
+use crate::covariance::Whitener;
+use crate::criteria::{CHANGED_HEIGHT, NEXT_TRIAL_TILES, NEXT_TRIAL_VOXEL_RATIO};
+use crate::evidence::EvidenceError;
+use crate::exposure_view::ExposureView;
+use crate::height_view::HeightView;
+use crate::scanner::SeenSurface;
+use crate::scans::{ScanData, ScanEvidence, ScanView};
+use crate::simulation::{SimulatedPass, Simulation, SimulationError};
+use crate::tile_noise::TileNoise;
+use crate::tiles::{TileGrid, Tiles};
+use trials::trial::{PassScan, Trial};
+
+/// Number of the trial that variants are made of.
+pub(super) const TEMPLATE: usize = 0;
+
+/// Hypotheses as they are simulated on each trial.
+pub(super) struct Predictor<'a> {
+    evidence: &'a ScanEvidence<'a>,
+    hypotheses: Vec<Simulated>,
+    /// Standard deviation of whitened data that counts as noise.
+    spread: f64,
+    /// Side of a tile [pixels] and the noise of its mean; `None` where nothing is ground.
+    tiles: Option<(usize, TileNoise)>,
+    /// Of the simulation [m].
+    voxel: f64,
+}
+
+/// A hypothesis with the models of its derivatives.
+struct Simulated {
+    /// Best values first, then one for each coordinate.
+    models: Vec<CompiledModel>,
+    /// By how far each coordinate is moved there.
+    ways: DVector<f64>,
+    /// The tool as the campaign leaves it, by model.
+    worn: Vec<States>,
+    has_rows: bool,
+}
+
+/// How the scan after a pass is seen.
+enum Sight<'a> {
+    /// Tiles of a ground surface.
+    Heights(Tiles, Box<Whitener>),
+    /// Border of what is exposed.
+    Exposure(&'a ExposureView),
+}
+
+/// A trial as all hypotheses predict it at their best values.
+pub(super) struct Outline<'a> {
+    /// By pass.
+    sights: Vec<Sight<'a>>,
+    /// Factor on whitened data: more scans have less noise.
+    scale: f64,
+    /// By hypothesis.
+    pub(super) data: Vec<DVector<f64>>,
+}
+
+/// By pass: heights of the pixels [m], or doses beyond the one from which substrate shows.
+type Surfaces = Vec<Vec<f64>>;
+
+impl<'a> Predictor<'a> {
+    /// # Errors
+    /// When the last trial cannot be simulated with a hypothesis.
+    pub(super) fn new(
+        evidence: &'a ScanEvidence<'a>,
+        hypotheses: &[Hypothesis],
+        spread: f64,
+    ) -> Result<Self, EvidenceError> {
+        let own = evidence.simulation.trials[TEMPLATE].part.voxel;
+        let tiles = tiles(evidence);
+        let voxel = if tiles.is_some() { NEXT_TRIAL_VOXEL_RATIO * own } else { own };
+        let last = last_group(evidence, voxel)?;
+        let simulated = |hypothesis: &Hypothesis| {
+            let (models, ways) = hypothesis.models();
+            let worn = models.par_iter().map(|model| worn(&last, model)).collect::<Result<_, EvidenceError>>()?;
+            Ok(Simulated { models, ways, worn, has_rows: hypothesis.has_rows() })
+        };
+        let hypotheses = hypotheses.iter().map(simulated).collect::<Result<_, EvidenceError>>()?;
+        Ok(Self { evidence, hypotheses, spread, tiles, voxel })
+    }
+
+    /// The predictions of all hypotheses at their best values.
+    ///
+    /// # Errors
+    /// When a hypothesis cannot be simulated on the trial.
+    pub(super) fn outline(&self, design: &Design) -> Result<Outline<'_>, EvidenceError> {
+        let rows = self.evidence.simulation.rows().passes;
+        if design.passes().count() > rows && self.hypotheses.iter().any(|one| one.has_rows) {
+            return Err(EvidenceError::NoData("more passes than the model has parameters for".to_owned()));
+        }
+        let stages = self.prepared(design)?;
+        let best = |one: &Simulated| self.surfaces(&stages, &one.models[0], &one.worn[0]);
+        let best: Vec<Surfaces> = self.hypotheses.par_iter().map(best).collect::<Result<_, _>>()?;
+        let sights = self.sights(&stages, &best)?;
+        let scale = (design.scans as f64).sqrt() / self.spread;
+        let outline = Outline { sights, scale, data: Vec::new() };
+        Ok(Outline { data: best.iter().map(|surfaces| outline.seen(surfaces)).collect(), ..outline })
+    }
+
+    /// The same predictions with their derivatives.
+    ///
+    /// # Errors
+    /// As [`Self::outline`].
+    pub(super) fn predicted(&self, design: &Design, outline: &Outline) -> Result<Vec<Predicted>, EvidenceError> {
+        let stages = self.prepared(design)?;
+        let predicted = |(one, best): (&Simulated, &DVector<f64>)| {
+            let moved = |(model, worn)| -> Result<DVector<f64>, EvidenceError> {
+                Ok(outline.seen(&self.surfaces(&stages, model, worn)?))
+            };
+            let moved = one.models[1..].par_iter().zip(&one.worn[1..]).map(moved).collect::<Result<Vec<_>, _>>()?;
+            Ok(Predicted { data: best.clone(), jacobian: one.jacobian(best, &moved) })
+        };
+        self.hypotheses.iter().zip(&outline.data).map(predicted).collect()
+    }
+
+    fn prepared<'t>(&self, design: &'t Design) -> Result<Vec<Simulation<'t>>, EvidenceError> {
+        let stage = |stage| Simulation::new(stage, self.voxel, false).map_err(|error| failed(stage, error));
+        design.stages.iter().map(stage).collect()
+    }
+
+    /// What a model leaves after each pass of a trial.
+    fn surfaces(&self, stages: &[Simulation], model: &CompiledModel, worn: &States) -> Result<Surfaces, EvidenceError> {
+        let (mut tool, mut row, mut part) = (worn.clone(), 0, None);
+        let mut surfaces = Vec::new();
+        for simulation in stages {
+            let mut state = simulation.start(model, tool, row);
+            state.part = part.take().unwrap_or(state.part);
+            for _ in &simulation.trial.passes {
+                let pass = simulation.run_pass(model, &mut state, &mut |_| {});
+                surfaces.push(surface(pass.map_err(|error| failed(simulation.trial, error))?, model)?);
+            }
+            row += simulation.trial.passes.len();
+            (tool, part) = (state.tool, Some(state.part));
+        }
+        Ok(surfaces)
+    }
+
+    /// How the scans after all passes are seen, given what each hypothesis leaves.
+    fn sights(&self, stages: &[Simulation], best: &[Surfaces]) -> Result<Vec<Sight<'_>>, EvidenceError> {
+        let views: Vec<&ScanView> = self.evidence.views.iter().filter(|view| view.trial == TEMPLATE).collect();
+        let before = self.unground(&stages[0], &self.hypotheses[0].models[0])?;
+        let sight = |pass: usize| match &views[pass.min(views.len() - 1)].data {
+            ScanData::Exposure(view) => Ok(Sight::Exposure(view)),
+            ScanData::Heights(view) => {
+                let after: Vec<&[f64]> = best.iter().map(|surfaces| &surfaces[pass][..]).collect();
+                let (tiles, whitener) = self.cut(view, &before, &after).ok_or_else(|| nothing(pass))?;
+                Ok(Sight::Heights(tiles, Box::new(whitener)))
+            }
+        };
+        (0..best[0].len()).map(sight).collect()
+    }
+
+    /// The scan before the first pass, as a simulation that removes nothing would leave it.
+    fn unground(&self, simulation: &Simulation, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
+        let like = &simulation.trial.passes[0].scan;
+        let seen = SeenSurface::of(&simulation.part, (pixels_of(simulation.trial), like), model, (1, 0));
+        Ok(match seen.reported(model)? {
+            PassScan::Heights(map) => map.heights,
+            PassScan::Exposure(_) => Vec::new(),
+        })
+    }
+
+    /// Tiles within what any hypothesis cuts, with the noise of a scan that shows what the first one leaves. Rims are no data.
+    fn cut(&self, view: &HeightView, before: &[f64], after: &[&[f64]]) -> Option<(Tiles, Whitener)> {
+        let (side, noise) = self.tiles.as_ref()?;
+        let pixels = view.measured.pixels;
+        let is_cut = |at: usize| after.iter().any(|after| (before[at] - after[at]).abs() > CHANGED_HEIGHT);
+        let cut: Vec<bool> = (0..pixels.len()).map(is_cut).collect();
+        let is_inside = |at: usize| cut[at] && beside(pixels, at, *side).all(|beside| cut[beside]);
+        let tiles = TileGrid { pixels, side: *side }.tiles(is_inside);
+        let change = before.iter().zip(after[0]).map(|(before, after)| after - before).collect();
+        let scan = HeightMap { pixels, heights: after[0].to_vec() };
+        let whitener = view.whitener_of((&scan, &HeightMap { pixels, heights: change }), &tiles, noise)?;
+        (!tiles.is_empty()).then_some((tiles, whitener))
+    }
+}
+
+impl Outline<'_> {
+    /// What is left after each pass as data.
+    fn seen(&self, surfaces: &Surfaces) -> DVector<f64> {
+        let scan = |(sight, surface): (&Sight, &Vec<f64>)| sight.data(surface);
+        DVector::from_vec(self.sights.iter().zip(surfaces).flat_map(scan).collect()) * self.scale
+    }
+}
+
+impl Simulated {
+    /// Derivatives from the data at the best values and where each coordinate is moved.
+    fn jacobian(&self, best: &DVector<f64>, moved: &[DVector<f64>]) -> DMatrix<f64> {
+        let slope = |row: usize, k: usize| {
+            if self.ways[k] == 0.0 { 0.0 } else { (moved[k][row] - best[row]) / self.ways[k] }
+        };
+        DMatrix::from_fn(best.len(), moved.len(), slope)
+    }
+}
+
+impl Sight<'_> {
+    /// What is left after a pass as whitened data.
+    fn data(&self, surface: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Heights(tiles, whitener) => whitener.whitened_field(&tiles.means(|at| surface[at])),
+            Self::Exposure(view) => view.whitened(surface),
+        }
+    }
+}
+
+/// Pixels one tile away from a pixel.
+fn beside(pixels: PixelGrid, at: usize, side: usize) -> impl Iterator<Item = usize> {
+    let (i, j, side) = ((at % pixels.nx) as i64, (at / pixels.nx) as i64, side as i64);
+    let places = [(i - side, j), (i + side, j), (i, j - side), (i, j + side)];
+    let is_on = move |(i, j): &(i64, i64)| (0..pixels.nx as i64).contains(i) && (0..pixels.ny as i64).contains(j);
+    places.into_iter().filter(is_on).map(move |(i, j)| pixels.at(i as usize, j as usize))
+}
+
+fn pixels_of(trial: &Trial) -> PixelGrid {
+    trial.scans.before.pixels
+}
+
+fn surface(pass: SimulatedPass, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
+    let margin = pass.surface.dose_margin(model)?;
+    Ok(match (margin, pass.scan) {
+        (None, PassScan::Heights(map)) => map.heights,
+        (margin, _) => margin.unwrap_or_default(),
+    })
+}
+
+/// Tiles of ground scans: at most [`NEXT_TRIAL_TILES`] on what the first trial's last scan shows, and the noise of a tile's
+/// mean as the repeated scans of all trials show it.
+fn tiles(evidence: &ScanEvidence) -> Option<(usize, TileNoise)> {
+    let view = evidence.views.iter().rfind(|view| view.trial == TEMPLATE)?;
+    let ScanData::Heights(data) = &view.data else { return None };
+    let own = data.tiles.grid.side;
+    let ratio = (data.tiles.len() as f64 / NEXT_TRIAL_TILES as f64).sqrt().max(1.0);
+    let side = (own as f64 * ratio).ceil() as usize;
+    let coarse = |map: &HeightMap| TileGrid { pixels: map.pixels, side }.coarsened(&map.heights);
+    let maps: Vec<HeightMap> = evidence.repeats.iter().map(coarse).collect();
+    match TileNoise::fitted(&maps).swap_remove(TEMPLATE) {
+        Some(fitted) => Some((side, fitted.noise)),
+        None => Some((own, data.noise)),
+    }
+}
+
+/// The last trial, and those before it since the tool was fresh.
+fn last_group<'t>(evidence: &'t ScanEvidence, voxel: f64) -> Result<Vec<(Simulation<'t>, usize)>, EvidenceError> {
+    let all = &evidence.simulation.trials;
+    let start = all.iter().rposition(|own| own.trial.fresh).unwrap_or(0);
+    let mut row = all[..start].iter().map(|own| own.trial.passes.len()).sum();
+    let mut group = Vec::new();
+    for own in &all[start..] {
+        let simulation = Simulation::new(own.trial, voxel, own.replay).map_err(|error| failed(own.trial, error))?;
+        group.push((simulation, row));
+        row += own.trial.passes.len();
+    }
+    Ok(group)
+}
+
+/// The tool as trials leave it.
+fn worn(trials: &[(Simulation, usize)], model: &CompiledModel) -> Result<States, EvidenceError> {
+    let mut tool = Simulation::fresh_states(model);
+    for (simulation, row) in trials {
+        let ran = simulation.run(model, &mut tool, *row, &mut |_, _| {});
+        ran.map_err(|error| failed(simulation.trial, error))?;
+    }
+    Ok(tool)
+}
+
+fn failed(trial: &Trial, error: SimulationError) -> EvidenceError {
+    CampaignError { trial: trial.name.clone(), error }.into()
+}
+
+fn nothing(pass: usize) -> EvidenceError {
+    EvidenceError::NoData(format!("pass {} of this trial would cut nothing", pass + 1))
+}
