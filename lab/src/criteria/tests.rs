@@ -181,6 +181,7 @@ const AGREED: &[(&str, f64)] = &[
     ("TREND_REMOVAL_SHARE", 0.01),
     ("TREND_SIGMAS", 3.0),
     ("SHAPLEY_OVERLAP", 0.2),
+    ("COLUMN_VARIABLES_MOST", 8.0),
     ("CURVE_KNOTS", 32.0),
     ("CURVE_MASK_STEP", 0.05),
     ("CURVE_LENGTH_GREATEST", 0.5),
