@@ -7,17 +7,21 @@
 
 #[macro_use]
 mod table;
+mod columns;
 mod criterion;
 mod unlisted;
 
+pub use columns::*;
 pub use criterion::{Criterion, CriterionValues};
 pub use unlisted::*;
 
-/// All criteria: in the order of the method, then those of unlisted effects.
-pub const CRITERIA: &[Criterion] = &table::joined::<{ OF_METHOD.len() + unlisted::OF_UNLISTED_EFFECTS.len() }>(
-    OF_METHOD,
-    unlisted::OF_UNLISTED_EFFECTS,
-);
+use columns::OF_COLUMNS;
+use unlisted::OF_UNLISTED_EFFECTS;
+
+/// All criteria: in the order of the method, then those of columns and of unlisted effects.
+pub const CRITERIA: &[Criterion] =
+    &table::joined::<{ BEFORE_UNLISTED.len() + OF_UNLISTED_EFFECTS.len() }>(BEFORE_UNLISTED, OF_UNLISTED_EFFECTS);
+const BEFORE_UNLISTED: &[Criterion] = &table::joined::<{ OF_METHOD.len() + OF_COLUMNS.len() }>(OF_METHOD, OF_COLUMNS);
 
 criteria! {
     OF_METHOD;

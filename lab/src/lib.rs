@@ -28,6 +28,7 @@ mod calibration;
 mod calibration_summary;
 pub mod campaign_simulation;
 mod closure;
+mod column_form;
 mod coordinates;
 mod covariance;
 mod covariate_share;

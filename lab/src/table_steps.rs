@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use effects::{CompiledModel, Dimension, Holder, Hook, Lanes, Process, Reset, RunError, States, StepValues, Variable};
 
-use super::table_library::{COLUMN_STATE, column_effect};
+use super::table_library::{COLUMN_STATE, column_of};
 use trials::table::{Removed, Row, Table, Usage};
 
 /// Area of the contact where the table does not give it [m²].
@@ -82,7 +82,7 @@ pub(super) fn measuring(table: &Table, effect: &str, state: &effects::State) -> 
         return None;
     }
     if state.name == COLUMN_STATE
-        && let Some(own) = (0..table.usage.len()).find(|&usage| column_effect(table, usage) == effect)
+        && let Some((own, _)) = column_of(table, effect)
     {
         return Some(own);
     }

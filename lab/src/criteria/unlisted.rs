@@ -4,8 +4,6 @@ use super::Criterion;
 
 criteria! {
     OF_UNLISTED_EFFECTS;
-    /// Most columns of logs and trials that are variables of a search.
-    COLUMN_VARIABLES_MOST: usize = 8, "1", "chosen: the sums of all variables fit into one model";
     /// Most knots of a curve over one variable, and places of a form that are tried over it.
     CURVE_KNOTS: usize = 32, "1", "chosen: a thirtieth of a way is the shortest feature";
     /// Step of a coating's dose behind the slope of the border's place, over the change of the dose.
