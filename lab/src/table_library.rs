@@ -67,11 +67,11 @@ impl RowEvidence<'_> {
         Ok(extended.without(&needless.iter().map(String::as_str).collect::<Vec<_>>()))
     }
 
-    /// Whether an effect other than the column's own reads a column and changes the rows in proportion to it.
+    /// Whether an effect other than the forms of the column reads a column and changes the rows in proportion to it.
     fn is_read_alike(&self, usage: usize, own: &Effect, library: &Library) -> bool {
         let reads = |effect: &&Effect| {
             let states = effect.states.iter();
-            effect.name != own.name
+            column_of(self.table, &effect.name).is_none()
                 && effect.acts_in(self.table.process)
                 && states.into_iter().any(|state| measuring(self.table, &effect.name, state) == Some(usage))
         };

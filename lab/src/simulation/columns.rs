@@ -4,7 +4,7 @@ use effects::{CompiledModel, Effect, State};
 use sim::Measured;
 use trials::trial::{Pass, Place, TRIAL_FILE, Trial, TrialColumn, TrialError};
 
-/// All quantities of a trial along one of its passes.
+/// All quantities of a trial along one of its passes in which they have a value.
 pub(super) fn measured(trial: &Trial, pass: &Pass) -> Vec<Measured> {
     let rows = &pass.log.rows;
     let start = rows.first().map_or(0.0, |row| row.time);
@@ -15,7 +15,7 @@ pub(super) fn measured(trial: &Trial, pass: &Pass) -> Vec<Measured> {
         let (times, values) = known.unzip();
         Measured { name: column.name.clone(), dimension: column.dimension, times, values }
     };
-    trial.columns.iter().map(along).collect()
+    trial.columns.iter().map(along).filter(|measured| !measured.values.is_empty()).collect()
 }
 
 /// The first state of an effect that a column must measure and none of a trial does, with the reason.
