@@ -52,7 +52,7 @@ pub enum SimulationError {
     },
     /// A state of an effect that no column of the trial measures.
     #[error(transparent)]
-    Column(#[from] TrialError),
+    Column(#[from] Box<TrialError>),
     /// A pass failed.
     #[error("pass {pass}: {error}")]
     Pass {

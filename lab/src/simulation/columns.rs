@@ -28,8 +28,8 @@ pub(crate) fn lacking<'e>(trial: &Trial, effect: &'e Effect) -> Option<(&'e Stat
 ///
 /// # Errors
 /// [`TrialError`] with the place, what was found and what would be accepted.
-pub(super) fn check(trial: &Trial, model: &CompiledModel) -> Result<(), TrialError> {
-    model.effects().find_map(|effect| lacking(trial, effect)).map_or(Ok(()), |(_, error)| Err(error))
+pub(super) fn check(trial: &Trial, model: &CompiledModel) -> Result<(), Box<TrialError>> {
+    model.effects().find_map(|effect| lacking(trial, effect)).map_or(Ok(()), |(_, error)| Err(Box::new(error)))
 }
 
 /// Why a state cannot be read from a trial.
