@@ -1,8 +1,8 @@
 //! What the library lacks gets a form; what data cannot tell apart gets a trial that can.
 
 use effects::{CompiledModel, Library, Model, Process, check_file};
-use lab::{Evidence, Fit, FitOptions, ScanEvidence, Split, calibrate, calibrate_scans, next_trial, propose};
-use trials::trial::{Campaign, Covariate, Trial, write_trial};
+use lab::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, next_trial, propose};
+use trials::trial::Trial;
 use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 
 /// An effect that no library holds: the rate rises along the path.
@@ -49,63 +49,6 @@ fn what_the_library_lacks_gets_a_form() {
         [(last.change, first.change), (last.form, first.form)].map(|(b, a)| (100.0 + b) / (100.0 + a) / truth);
     println!("rise over the hidden rise: curve {curve:.3}, form {found:.3}");
     assert!((found - 1.0).abs() < 0.03 && (curve - 1.0).abs() < 0.1, "{found} {curve}");
-}
-
-/// The rate follows a humidity that no library knows of, by the clock of each trial.
-const DAMP: &str = "name = \"damp\"\ntitle = \"Damp\"\nsource = \"a test\"\nsignature = \"less when damp\"\nconfused_with = []\n\n\
-    [parameters.amount]\nsymbol = \"a\"\nunit = \"1\"\nnull = 0.0\nrange = [-9.0, 9.0]\ndefault = 1.0\nabout = \"fall\"\n\n\
-    [modify]\nrate = \"rate * (1 - amount * 0.15 * (sin(trial_time / 0.5 s) + sin(trial_time / 1.3 s)))\"\n";
-
-/// The humidity [%] of which [`DAMP`] makes the rate fall by 1.5 % per 1 %.
-fn humidity(time: f64) -> f64 {
-    50.0 + 10.0 * ((time / 0.5).sin() + (time / 1.3).sin())
-}
-
-/// The trials with that humidity in their logs, written and read.
-fn with_humidity(mut trials: Vec<Trial>) -> Vec<Trial> {
-    let folder = tempfile::tempdir().unwrap();
-    for trial in &mut trials {
-        let start = trial.passes[0].log.rows[0].time;
-        for pass in &mut trial.passes {
-            let values = pass.log.rows.iter().map(|row| humidity(row.time - start)).collect();
-            pass.log.covariates.push(Covariate { name: "humidity_pct".to_owned(), values, hole: None });
-        }
-        let place = folder.path().join(&trial.name);
-        std::fs::create_dir(&place).unwrap();
-        write_trial(trial, &place).unwrap();
-    }
-    Campaign::read(folder.path()).unwrap().trials
-}
-
-#[test]
-fn a_column_of_the_log_that_scales_the_rate_is_found_again() {
-    let library = Library::builtin().with(&[("damp.toml".to_owned(), DAMP.to_owned())]).unwrap();
-    let trials = with_humidity(small(&library, Plan::Reversed, 2, vec![Hidden::effect("damp")]));
-    let known = Library::builtin();
-    let mut evidence = ScanEvidence::new(&trials, None).unwrap();
-    let model = Model::new(evidence.process());
-    let fit = calibrate_scans(&mut evidence, &model, known).unwrap().last().fit.clone();
-    let proposal = propose(&evidence, (&model, &fit), known, 1).unwrap().expect("a form better than chance");
-    let form = &proposal.forms[0];
-    for other in form.fitted.iter().take(5) {
-        println!("{}: Δχ² {:.0}, predicts better by {:.1}", other.summary, other.delta_chi2, other.predicts_better_by);
-    }
-    println!("{}: {}, {:?}", form.name, form.summary, proposal.errors);
-    assert!(form.name.ends_with("-of-column-humidity") && form.variable[1] == "%", "{}", form.name);
-    let (first, last) = (form.curve[0], form.curve[form.curve.len() - 1]);
-    let truth = (1.0 - 0.015 * (last.at - 50.0)) / (1.0 - 0.015 * (first.at - 50.0));
-    let found = (100.0 + last.form) / (100.0 + first.form);
-    println!("found {found:.3}, hidden {truth:.3} from {:.1} to {:.1} %", first.at, last.at);
-    assert!((found / truth - 1.0).abs() < 0.1, "{found} {truth}");
-    // The file reads the column by a state of its name, and the campaign gives it.
-    let with = known.with(&proposal.files[..1]).unwrap();
-    let model = CompiledModel::new(&Model::new(Process::Grinding).with(&form.name), &with, evidence.rows()).unwrap();
-    assert!(evidence.residuals(&model, Split::Calibration).is_ok());
-    // An effect of a column that no trial gives is not tried.
-    let lost = proposal.files[0].1.replace("humidity", "dampness");
-    let lost = Library::builtin().with(&[("lost.toml".to_owned(), lost)]).unwrap();
-    let effect = lost.effects().iter().find(|effect| effect.name.contains("dampness")).unwrap();
-    assert!(evidence.is_blind_to(effect).unwrap().contains("column dampness"));
 }
 
 #[test]
