@@ -23,9 +23,9 @@ use crate::console::Console;
 use crate::grinding_page::grinding_page;
 use crate::part::{Source, sha256};
 use crate::picture::{grinding, to_png};
-use crate::snapshot::{Keeping, STATE_NAMES};
 use files::folder::StagedFolder;
 use files::output::FolderKind;
+use lab::snapshot::{Keeping, STATE_NAMES};
 use lab::{Origin, identity, model_origin};
 use passes::{Done, run_passes};
 

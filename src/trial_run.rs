@@ -13,12 +13,12 @@ use sdf_bake::nvdb::{self, Codec};
 use serde::Serialize;
 
 use crate::console::Console;
-use crate::covariate_maps;
 use crate::finishing::{log_csv, model_facts};
-use crate::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
 use files::folder::StagedFolder;
 use files::json_file::write_json;
 use files::output::FolderKind;
+use lab::covariate_maps;
+use lab::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
 
 use lab::simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
 use lab::{Origin, identity, model_origin};
@@ -138,7 +138,7 @@ impl TrialRun {
         let TrialState { part, tool, passes, trial_time, .. } = self.state.clone();
         let record = self.passes[passes - 1].record.clone();
         let state = Snapshot { part, tool, trial_time, record };
-        snapshot::write(folder, passes, &state, origin(simulation, model, passes))
+        Ok(snapshot::write(folder, passes, &state, origin(simulation, model, passes))?)
     }
 
     /// Passes that were done.

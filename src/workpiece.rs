@@ -11,8 +11,8 @@ use weldgen::bead::{BeadShape, FormRequest};
 use weldgen::{Difficulty, PlaceError, Placement, Stitch, Surface, Weld, WeldRequest, place_welds_on};
 
 use crate::console::Console;
-use crate::memory_budget;
 use crate::part::Part;
+use sdf_bake::memory_budget;
 
 /// Weld id of the first weld.
 pub const FIRST_WELD: u16 = 1;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::call::Call;
 use super::check::check_in_model;
-use super::definition::{Effect, Holder, Process, Reset};
+use super::definition::{Effect, Holder, Process, Reset, State};
 use super::error::RunError;
 use super::graph::Id;
 use super::inputs::{Lanes, StepValues};
@@ -142,6 +142,15 @@ impl CompiledModel {
     pub fn effects(&self) -> impl Iterator<Item = &Effect> {
         let Structure { law_parts, effect_parts, .. } = &*self.structure;
         law_parts.iter().chain(effect_parts).map(|part| &part.effect)
+    }
+
+    /// States of the whole tool with their effects, in the order of [`States::values`](super::States::values).
+    pub fn tool_states(&self) -> impl Iterator<Item = (&Effect, &State)> {
+        let states = |&(part, state): &(usize, usize)| {
+            let effect = &self.structure.part(part).effect;
+            (effect, &effect.states[state])
+        };
+        self.structure.states.of(Holder::Tool).iter().map(states)
     }
 
     /// Whether an effect acts at a hook. Where none does, only the base law is at work, or nothing.

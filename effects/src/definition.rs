@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::accepted::Accepted;
-use super::syntax::Expr;
+use super::syntax::{Expr, Node};
 use super::unit::Unit;
 use super::variable::{Hook, Variable};
 
@@ -248,6 +248,14 @@ pub struct State {
     pub bounds: [f64; 2],
     /// Line in the file.
     pub line: usize,
+}
+
+impl State {
+    /// True of a state of the whole tool whose rate is the number 0: only a measurement changes it.
+    pub fn is_held(&self) -> bool {
+        let is_zero = |rate: &Formula| matches!(rate.tree.node, Node::Number(value, _) if value == 0.0);
+        self.per == Holder::Tool && matches!(&self.motion, Motion::Rate(rate) if is_zero(rate))
+    }
 }
 
 /// A formula that gives or modifies a value at a hook.

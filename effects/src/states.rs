@@ -41,6 +41,18 @@ impl States {
         (&self.tool, &self.tool_cells)
     }
 
+    /// Sets a state of the tool to what was measured [SI], within the state's bounds.
+    ///
+    /// - `index`: its place among those of [`States::values`]
+    ///
+    /// # Panics
+    /// Where there is no such state.
+    pub fn measure(&mut self, model: &CompiledModel, index: usize, value: f64) {
+        let (part, state) = model.structure.states.of(Holder::Tool)[index];
+        let [least, greatest] = model.structure.part(part).effect.states[state].bounds;
+        self.tool[index] = value.max(least).min(greatest);
+    }
+
     /// Returns the states to their initial values that an event resets. A new trial is also a new pass; dressing the
     /// tool is neither.
     pub fn reset(&mut self, model: &CompiledModel, event: Reset) {

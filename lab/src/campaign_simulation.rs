@@ -91,7 +91,10 @@ impl<'a> CampaignSimulation<'a> {
     /// # Errors
     /// The first trial that fails.
     pub fn run_first(&self, model: &CompiledModel, passes: &[usize]) -> Result<Vec<Vec<SimulatedPass>>, CampaignError> {
-        let lasting = model.effects().flat_map(|effect| &effect.states).any(|state| state.reset == Reset::Never);
+        let lasting = model
+            .effects()
+            .flat_map(|effect| &effect.states)
+            .any(|state| state.reset == Reset::Never && !state.is_held());
         let begins = |&k: &usize| k == 0 || (self.trials[k].trial.fresh && !lasting);
         let starts: Vec<usize> = (0..self.trials.len()).filter(begins).collect();
         let ends = starts.iter().skip(1).copied().chain([self.trials.len()]);

@@ -7,17 +7,23 @@
 
 #[macro_use]
 mod table;
+mod columns;
 mod criterion;
+mod experiments;
 mod unlisted;
 
+pub use columns::*;
 pub use criterion::{Criterion, CriterionValues};
+pub use experiments::*;
 pub use unlisted::*;
 
-/// All criteria: in the order of the method, then those of unlisted effects.
-pub const CRITERIA: &[Criterion] = &table::joined::<{ OF_METHOD.len() + unlisted::OF_UNLISTED_EFFECTS.len() }>(
-    OF_METHOD,
-    unlisted::OF_UNLISTED_EFFECTS,
-);
+use {columns::OF_COLUMNS, experiments::OF_EXPERIMENTS, unlisted::OF_UNLISTED_EFFECTS};
+
+/// All criteria.
+pub const CRITERIA: &[Criterion] = &table::joined::<{ FIRST.len() + LAST.len() }>(FIRST, LAST);
+const FIRST: &[Criterion] = &table::joined::<{ OF_METHOD.len() + OF_COLUMNS.len() }>(OF_METHOD, OF_COLUMNS);
+const LAST: &[Criterion] =
+    &table::joined::<{ OF_UNLISTED_EFFECTS.len() + OF_EXPERIMENTS.len() }>(OF_UNLISTED_EFFECTS, OF_EXPERIMENTS);
 
 criteria! {
     OF_METHOD;
@@ -246,16 +252,6 @@ criteria! {
     PARTNER_FIT_DERIVATIVES: usize = 1, "1", "chosen";
     /// Most steps of the fit of an effect beside a certain one.
     PARTNER_FIT_STEPS: usize = 8, "1", "chosen";
-    /// Effects that the first answer of a study names.
-    FIRST_LOOK_EFFECTS: usize = 5, "1", "chosen";
-    /// Voxel of the lattice on which an effect is tried, over that of the simulation.
-    COARSE_VOXEL_RATIO: f64 = 2.0, "1", "chosen: a third of the time; what it errs by is taken off";
-    /// Sizes of an effect from which an attempt may begin.
-    ATTEMPT_STARTS: usize = 12, "1", "chosen";
-    /// Best of them that are fitted, beside one from no effect.
-    ATTEMPT_FITS: usize = 1, "1", "chosen";
-    /// Most times that a fit on the coarse lattice is begun anew from where it ended.
-    ATTEMPT_ROUNDS: usize = 2, "1", "chosen";
     /// Most promising pairs of effects that are fitted.
     PAIRS_FITTED: usize = 9, "1", "chosen";
     /// Best pairs that are fitted until they converge.
@@ -354,20 +350,6 @@ criteria! {
     /// Error over its noise floor up to which it is near the noise, and a study ends.
     NEAR_FLOOR_RATIO: f64 = 1.1, "1", "chosen";
     // The next trial.
-    /// Most effects that a next trial distinguishes, beside none of them.
-    NEXT_TRIAL_HYPOTHESES: usize = 4, "1", "chosen: each costs a simulation of every trial on the menu";
-    /// Best trials of the menu that are reported beside the one proposed.
-    NEXT_TRIAL_RUNNERS_UP: usize = 5, "1", "chosen";
-    /// Voxel of simulated trials of the menu when grinding, over that of fits.
-    NEXT_TRIAL_VOXEL_RATIO: f64 = 2.0, "1", "chosen: errors of the lattice cancel in differences of hypotheses";
-    /// Most tiles of a scan that is only predicted.
-    NEXT_TRIAL_TILES: usize = 300, "1", "chosen: hypotheses differ smoothly";
-    /// Time to fetch, clamp and locate a workpiece.
-    TRIAL_SETUP_MINUTES: f64 = 15.0, "min", "chosen: an assumption about a laboratory";
-    /// Time of a scan.
-    TRIAL_SCAN_MINUTES: f64 = 4.0, "min", "chosen: an assumption about a profilometer";
-    /// Time to dress a wheel or to change a sheet.
-    TRIAL_DRESSING_MINUTES: f64 = 5.0, "min", "chosen: an assumption about a laboratory";
     // Comparison.
     /// Draws of noise behind the p-value of a residual test.
     RESIDUAL_TEST_DRAWS: usize = 999, "1", "convention: a thousand with the data";

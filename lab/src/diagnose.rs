@@ -190,7 +190,8 @@ fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
     let needed = (round.spread, round.least_size());
     let projector = Projector::new(&round.base);
     let look = Look { evidence, base: &round.base, projector: &projector };
-    round.screened.par_iter().flat_map_iter(|screened| detectable(&look, screened, needed)).collect()
+    let first = round.screened.par_iter().filter(|screened| screened.candidate.name == screened.candidate.family);
+    first.flat_map_iter(|screened| detectable(&look, screened, needed)).collect()
 }
 
 /// Effects that were not weighed, and why.

@@ -141,6 +141,12 @@ pub trait Evidence: Sync {
         Ok(usize::MAX)
     }
 
+    /// Name of the family of an effect: forms of one dependence have one, by the name of its first form. Only one form of a
+    /// family is part of a model.
+    fn family(&self, effect: &str) -> String {
+        effect.to_owned()
+    }
+
     /// What an effect that was found says of these data, where its name does not; one sentence.
     fn words(&self, _effect: &EffectSummary) -> Option<String> {
         None

@@ -30,6 +30,9 @@ pub struct Finding {
     pub prediction: Prediction,
     /// Root mean square of what the closure explains beside it, in the data's unit.
     pub closed: f64,
+    /// Share of its prior odds in those of its family: all forms of a dependence are as likely beforehand, and the one that
+    /// predicts best stands for them. 0 of a form that another one stands for.
+    pub share: f64,
     /// True if it is admissible: significant and large enough to be named.
     pub is_admissible: bool,
     /// Reason why it cannot be named alone, even if it fits far better than all others.
@@ -51,6 +54,11 @@ pub(super) struct Against<'a> {
 }
 
 impl Finding {
+    /// Name of its family.
+    pub(super) fn family(&self) -> &str {
+        &self.suspect.screened.candidate.family
+    }
+
     /// The model with it, as a link of a chain of searches.
     pub fn as_searched(&self) -> Searched {
         Searched {
@@ -83,6 +91,7 @@ impl Finding {
             evaluation: Vec::new(),
             closed: prediction.closed_size(evidence),
             prediction,
+            share: 1.0,
             is_admissible: is_real && size > least_size(before),
             reserve: if is_real { Reserve::of(&suspect, *spread, conditions) } else { None },
             suspect,

@@ -194,7 +194,8 @@ fn beside_surest(
         told(&format!("{} and {}", lead.name(), both.name()), PAIRS_FITTED, PAIRS_FITTED);
         Some(Joint { lead: lead.at_its_fit(), both: both.refined(evidence, PARTNER_FIT) })
     };
-    let others = first.findings.par_iter().map(|finding| &finding.suspect);
+    let standing = first.findings.par_iter().filter(|finding| finding.share > 0.0);
+    let others = standing.map(|finding| &finding.suspect);
     let joints = others.filter(|other| other.name() != lead.name()).filter_map(fit).collect();
     to_the_end(evidence, joints, PARTNERS_REFINED)
 }
@@ -230,7 +231,7 @@ fn beside_fitted(first: &Round) -> Vec<Promise> {
     let with = |finding: &Finding| {
         let lead = &finding.suspect;
         let projector = Projector::new(&lead.fit);
-        let others = first.screened.iter().filter(|other| other.candidate.name != lead.name());
+        let others = first.screened.iter().filter(|other| other.candidate.name != lead.name() && first.stands(other));
         let beside = others.filter_map(|other| {
             let other = other.clone().beside(&projector);
             let left = lead.fit.chi2 - other.delta_chi2;
@@ -238,7 +239,7 @@ fn beside_fitted(first: &Round) -> Vec<Promise> {
         });
         beside.collect::<Vec<_>>()
     };
-    first.findings.par_iter().flat_map(with).collect()
+    first.findings.par_iter().filter(|finding| finding.share > 0.0).flat_map(with).collect()
 }
 
 /// All pairs at the shares of their probes that are best together beside the base model, the one that leaves less alone in the lead.
@@ -247,8 +248,9 @@ fn beside_base(first: &Round) -> Vec<Promise> {
     let alone =
         |effect: &Screened| known(first, effect).map_or(first.base.chi2 - effect.delta_chi2, |alone| alone.fit.chi2);
     let mut promises = Vec::new();
-    for (at, a) in first.screened.iter().enumerate() {
-        for b in &first.screened[at + 1..] {
+    let standing: Vec<&Screened> = first.screened.iter().filter(|screened| first.stands(screened)).collect();
+    for (at, &a) in standing.iter().enumerate() {
+        for &b in &standing[at + 1..] {
             let effects = if alone(a) <= alone(b) { [a, b] } else { [b, a] };
             let shares = couples(effects).filter_map(|couple| together(residuals, couple));
             promises.extend(shares.max_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2)).map(|best| (effects, best)));

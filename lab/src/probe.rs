@@ -14,6 +14,8 @@ use crate::criteria::{
 pub struct Candidate {
     /// Name of the effect.
     pub name: String,
+    /// Name of its family: of the forms of one dependence, the first.
+    pub family: String,
     /// The model with it, all amplitudes at null.
     pub model: CompiledModel,
     /// The effect's free parameters.
@@ -61,7 +63,7 @@ impl Candidate {
         };
         let pairs = shapes.iter().flat_map(|shape| amplitudes.iter().map(move |amplitude| (shape, amplitude)));
         let probes = pairs.map(group).collect();
-        Ok(Self { name: effect.name.clone(), model, coordinates, probes })
+        Ok(Self { name: effect.name.clone(), family: evidence.family(&effect.name), model, coordinates, probes })
     }
 
     /// The model with the effect at these values [SI].

@@ -19,6 +19,24 @@ use super::suspect::suspects;
 use super::verdict::{Searched, Standing, least_size};
 use crate::criteria::{NAMED_PROBABILITY, NONE_MOST, RESERVED_PROBABILITY};
 
+/// Of the forms of each dependence, lets the one that predicts best stand for all: it is as likely as they are on average.
+/// A form that is admissible goes before one that is not.
+pub(super) fn share_odds(findings: &mut [Finding]) {
+    let rank =
+        |finding: &Finding| (finding.is_admissible && !finding.suspect.is_on_bound(), finding.prediction.total());
+    let ranks: Vec<(bool, f64)> = findings.iter().map(rank).collect();
+    let families: Vec<String> = findings.iter().map(|finding| finding.family().to_owned()).collect();
+    for (k, finding) in findings.iter_mut().enumerate() {
+        let forms: Vec<usize> = (0..families.len()).filter(|&j| families[j] == families[k]).collect();
+        let is_better =
+            |a: usize, b: usize| ranks[a].0.cmp(&ranks[b].0).then(ranks[a].1.total_cmp(&ranks[b].1)).is_gt();
+        let best =
+            forms.iter().copied().fold(forms[0], |best, other| if is_better(other, best) { other } else { best });
+        let mean = forms.iter().map(|&j| (ranks[j].1 - ranks[best].1).min(0.0).exp()).sum::<f64>() / forms.len() as f64;
+        finding.share = if best == k { mean } else { 0.0 };
+    }
+}
+
 /// One search for a missing effect.
 #[derive(Clone)]
 pub struct Round {
@@ -59,6 +77,8 @@ impl Round {
         let look = Look { evidence, base: &base, projector: &projector };
         let model = with_values(model, &base);
         let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
+        let known: Vec<String> = model.effects.iter().map(|part| evidence.family(&part.name)).collect();
+        let tried = tried.filter(|effect| !known.contains(&evidence.family(&effect.name)));
         let tried: Vec<Candidate> =
             tried.filter_map(|effect| Candidate::new(evidence, &model, effect, library).ok()).collect();
         let (count, done) = (tried.len(), AtomicUsize::new(0));
@@ -77,7 +97,8 @@ impl Round {
         let folds = CrossValidation::new(evidence, best);
         let against = Against { base: &base, calibration: &calibration, draws: &draws, folds: &folds, spread };
         let finding = |suspect| Finding::new(evidence, suspect, &against);
-        let findings = fitted.into_par_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
+        let mut findings = fitted.into_par_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
+        share_odds(&mut findings);
         let (prediction, seed) = (folds.prediction(&base), seed);
         Ok(Self { screened, ..Self::weighed(evidence, (base, calibration, prediction), (findings, spread), seed) })
     }
@@ -133,8 +154,9 @@ impl Round {
         };
         let densities: Vec<Vec<f64>> =
             std::iter::once(self.prediction.densities.clone()).chain(self.findings.iter().map(densities)).collect();
-        let priors: Vec<f64> =
-            std::iter::once(1.0).chain(self.findings.iter().map(|finding| finding.suspect.prior())).collect();
+        let priors: Vec<f64> = std::iter::once(1.0)
+            .chain(self.findings.iter().map(|finding| finding.share * finding.suspect.prior()))
+            .collect();
         probabilities(&densities, &priors, self.seed)
     }
 
@@ -194,6 +216,13 @@ impl Round {
         let Some(best) = self.best() else { return Vec::new() };
         let is_other = |finding: &&Finding| finding.suspect.name() != best.suspect.name();
         self.findings.iter().filter(is_other).filter(|finding| self.is_near(finding)).collect()
+    }
+
+    /// True of an effect that may be part of a pair: of the forms of a dependence, the one that stands for them.
+    pub(super) fn stands(&self, screened: &Screened) -> bool {
+        let Candidate { name, family, .. } = &screened.candidate;
+        let form = self.findings.iter().find(|finding| finding.family() == family && finding.share > 0.0);
+        form.map_or(name == family, |form| form.suspect.name() == name)
     }
 
     /// The size from which an effect beside this model is named, in the data's unit.

@@ -6,6 +6,7 @@ use super::coordinates::Coordinate;
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::pass_trend::{PassTrend, trend_of_rows};
 use super::summary::EffectSummary;
+use super::table_library::{column_effect, column_of};
 use super::table_noise::{RowNoise, row_noise};
 use super::table_reads::silenced;
 use super::table_steps::Rows;
@@ -197,6 +198,10 @@ impl Evidence for RowEvidence<'_> {
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
         self.acts(effect).err()
+    }
+
+    fn family(&self, effect: &str) -> String {
+        column_of(self.table, effect).map_or(effect.to_owned(), |(usage, _)| column_effect(self.table, usage))
     }
 
     fn unit(&self) -> ErrorUnit {

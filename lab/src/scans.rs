@@ -28,6 +28,7 @@ use crate::criteria::{
     SMOOTH_ERROR_EXPOSURE, SMOOTH_ERROR_REMOVAL, TILE_BLOCK_SIDE,
 };
 use crate::simulation::SimulatedPass;
+use crate::simulation::columns::lacking;
 use files::journal::Journal;
 use trials::measure::NoiseFloor;
 use trials::trial::{PassScan, Trial};
@@ -260,6 +261,14 @@ impl<'a> ScanEvidence<'a> {
         self.of(split).map(agreement).collect()
     }
 
+    /// Why an effect reads what the files do not give.
+    fn lacks_column(&self, effect: &Effect) -> Option<String> {
+        let trials = self.simulation.trials.iter().map(|simulation| simulation.trial);
+        let mut lacking = trials.filter_map(|trial| Some((trial, lacking(trial, effect)?)));
+        let (trial, (state, _)) = lacking.next()?;
+        Some(format!("reads column {}, which {} does not give in each row and in its unit", state.name, trial.name))
+    }
+
     /// Ranges of the residuals of each scan of a split.
     pub fn ranges(&self, split: Split) -> Vec<Range<usize>> {
         let mut start = 0;
@@ -311,7 +320,7 @@ impl Evidence for ScanEvidence<'_> {
         let why = match effect.name.as_str() {
             "scan-tilt" | "scan-shift" => "every fit leaves each scan's pose free",
             "lateral-blur" => "every fit finds the instrument's blur",
-            _ => return None,
+            _ => return self.lacks_column(effect),
         };
         Some(why.to_owned())
     }

@@ -1,6 +1,7 @@
 //! A trial simulated: its part made from the scan before, its passes along the logged paths, its scans as the same
 //! instrument would see them.
 
+pub(crate) mod columns;
 mod logged;
 mod models;
 
@@ -13,12 +14,12 @@ use effects::{CompiledModel, Reset, States};
 use robot::Controller;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap};
-use sim::{Covariates, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS, run_pass};
+use sim::{Covariates, Measured, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS, run_pass};
 use thiserror::Error;
 
 use crate::scanner::SeenSurface;
 use logged::{LoggedPass, rest};
-use trials::trial::{ExposureMask, Pass, PassScan, Trial};
+use trials::trial::{ExposureMask, Pass, PassScan, Trial, TrialError};
 
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
@@ -49,6 +50,9 @@ pub enum SimulationError {
         /// Steps, about.
         steps: f64,
     },
+    /// A state of an effect that no column of the trial measures.
+    #[error(transparent)]
+    Column(#[from] Box<TrialError>),
     /// A pass failed.
     #[error("pass {pass}: {error}")]
     Pass {
@@ -113,6 +117,8 @@ pub struct Simulation<'a> {
 struct Planned {
     path: Path,
     settings: PassSettings,
+    /// Quantities that formulas may read.
+    measured: Vec<Measured>,
     /// Time at which the logged tool touched the part [s].
     approach: f64,
     /// Time in the air since the end of the path before [s].
@@ -191,7 +197,7 @@ impl<'a> Simulation<'a> {
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             let settings = settings(pass, trial, controller);
             settings.check(&part, tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
-            passes.push(Planned { path, settings, approach, rest });
+            passes.push(Planned { path, settings, measured: columns::measured(trial, pass), approach, rest });
         }
         let steps: f64 = passes.iter().map(|planned| planned.settings.expected_steps(&planned.path, voxel)).sum();
         if steps > MOST_STEPS {
@@ -275,6 +281,7 @@ impl<'a> Simulation<'a> {
         let pixels = &self.trial.scans.before.pixels;
         let covariates = self.covariates.then(|| RefCell::new(Covariates::over(pixels, state.part.voxel)));
         let pass = sim::Pass { covariates: covariates.as_ref(), ..self.next_pass(model, state) };
+        columns::check(self.trial, model)?;
         self.rest(&pass, &mut state.tool)?;
         let number = pass.number;
         let record = match self.device {
@@ -290,12 +297,13 @@ impl<'a> Simulation<'a> {
 
     /// The pass that a state is before.
     fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &TrialState) -> sim::Pass<'p> {
-        let Planned { path, settings, approach, rest } = &self.passes[state.passes];
+        let Planned { path, settings, measured, approach, rest } = &self.passes[state.passes];
         sim::Pass {
             number: state.passes + 1,
             row: state.first_row + state.passes,
             trial_time: state.trial_time + rest,
             approach: *approach,
+            measured,
             clock: self.clock,
             ..sim::Pass::first(&self.trial.tool.shape, path, settings, model)
         }

@@ -134,7 +134,8 @@ pub fn suspects(
     told: &(dyn Fn(&str) + Sync),
 ) -> Vec<Suspect> {
     let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > FITTED_DELTA_CHI2));
-    order.truncate(EFFECTS_FITTED);
+    let mut families = Vec::new();
+    order.retain(|screened| is_among(&mut families, &screened.candidate.family, EFFECTS_FITTED));
     let residuals = Projector::new(base).residuals;
     let quick = |screened: &&Screened| {
         let starts = screened.starts(&residuals).into_par_iter().take(STARTS_PER_EFFECT);
@@ -146,7 +147,12 @@ pub fn suspects(
     sort(&mut suspects);
     let delta_chi2 = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
     let worth = suspects.first().map_or(0.0, |best| REFINED_GAIN_SHARE * delta_chi2(best));
-    let promising = suspects.iter().take(EFFECTS_REFINED).take_while(|suspect| delta_chi2(suspect) >= worth).count();
+    let mut families = Vec::new();
+    let mut is_among_first = |family: &str| is_among(&mut families, family, EFFECTS_REFINED);
+    let promising = suspects
+        .iter()
+        .take_while(|suspect| delta_chi2(suspect) >= worth && is_among_first(&suspect.screened.candidate.family))
+        .count();
     let rest = suspects.split_off(promising);
     let thorough = |suspect: Suspect| {
         let suspect = suspect.refined(evidence, REFINED_FIT);
@@ -168,6 +174,16 @@ pub fn suspects(
     suspects.retain(|suspect| delta_chi2(suspect) > 0.0);
     sort(&mut suspects);
     suspects
+}
+
+/// True of the first families, so many at most; a new one is added to them.
+fn is_among(families: &mut Vec<String>, family: &str, most: usize) -> bool {
+    let is_known = families.iter().any(|known| known == family);
+    if !is_known && families.len() < most {
+        families.push(family.to_owned());
+        return true;
+    }
+    is_known
 }
 
 /// Effects by what the first look promises of them, the most first.

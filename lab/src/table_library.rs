@@ -1,19 +1,18 @@
 //! The effects that a table can show beside those of the library: a power law of running in, and for each column that
-//! the table declares as a state the dependence of the rate on it.
+//! the table declares as a state the forms that the dependence of the rate on it may have.
 
 use effects::{Effect, Library};
 
+use super::column_form::{ColumnForm, Written};
 use super::evidence::Split;
 use super::rows::RowEvidence;
-use super::summary::{EffectSummary, significant};
+use super::summary::EffectSummary;
 use super::table_steps::{KELVIN, ROOM, measuring};
-use crate::criteria::{COLUMN_CHANGE_MOST, COLUMN_CHANGE_TYPICAL, SAME_RESPONSE};
+use crate::criteria::SAME_RESPONSE;
 use trials::table::{Table, Usage};
 
 /// Running in: rows of different lengths show it, scans of equal passes do not.
 const RUNNING_IN: (&str, &str) = ("running-in.toml", include_str!("table_effects/running-in.toml"));
-/// Dependence on a column, with its names and numbers left open.
-const COLUMN: &str = include_str!("table_effects/column.toml");
 /// State of such an effect.
 pub(super) const COLUMN_STATE: &str = "value";
 /// Longest name of a column in an effect.
@@ -33,6 +32,16 @@ pub(super) fn column_effect(table: &Table, usage: usize) -> String {
     if is_taken || own.ends_with('-') { format!("column-{}-{own}", usage + 1) } else { own }
 }
 
+/// The column of an effect, by its place among [`Table::usage`], and its form; `None` of any other effect.
+pub(super) fn column_of(table: &Table, effect: &str) -> Option<(usize, ColumnForm)> {
+    let is_own = |name: &str, form: &ColumnForm| form.name(name) == effect;
+    let of = |usage: usize| {
+        let name = column_effect(table, usage);
+        Some((usage, ColumnForm::ALL.into_iter().find(|form| is_own(&name, form))?))
+    };
+    (0..table.usage.len()).find_map(of)
+}
+
 impl RowEvidence<'_> {
     /// A library with the effects of this table. A column that an effect of the library reads in the same way needs
     /// none of its own.
@@ -40,7 +49,7 @@ impl RowEvidence<'_> {
     /// # Errors
     /// An effect that cannot be evaluated on these rows.
     pub fn library(&self, library: &Library) -> Result<Library, String> {
-        let columns = (0..self.table.usage.len()).filter_map(|usage| self.column_file(usage));
+        let columns = (0..self.table.usage.len()).flat_map(|usage| self.column_files(usage));
         let files: Vec<(String, String)> =
             std::iter::once((RUNNING_IN.0.to_owned(), RUNNING_IN.1.to_owned())).chain(columns).collect();
         let is_new = |(file, _): &(String, String)| library.find(file.trim_end_matches(".toml")).is_none();
@@ -52,17 +61,17 @@ impl RowEvidence<'_> {
             if let Some(own) = extended.find(&name).filter(|_| library.find(&name).is_none())
                 && self.is_read_alike(usage, own, &extended)
             {
-                needless.push(name);
+                needless.extend(ColumnForm::ALL.map(|form| form.name(&name)));
             }
         }
         Ok(extended.without(&needless.iter().map(String::as_str).collect::<Vec<_>>()))
     }
 
-    /// Whether an effect other than the column's own reads a column and changes the rows in proportion to it.
+    /// Whether an effect other than the forms of the column reads a column and changes the rows in proportion to it.
     fn is_read_alike(&self, usage: usize, own: &Effect, library: &Library) -> bool {
         let reads = |effect: &&Effect| {
             let states = effect.states.iter();
-            effect.name != own.name
+            column_of(self.table, &effect.name).is_none()
                 && effect.acts_in(self.table.process)
                 && states.into_iter().any(|state| measuring(self.table, &effect.name, state) == Some(usage))
         };
@@ -75,55 +84,23 @@ impl RowEvidence<'_> {
 
     /// What an effect of a column says, in words; `None` of any other effect.
     pub(super) fn column_words(&self, effect: &EffectSummary) -> Option<String> {
-        let usage = (0..self.table.usage.len()).find(|&usage| column_effect(self.table, usage) == effect.name)?;
-        let change = effect.parameters.get("change")?;
-        let shown = |value: f64| significant(100.0 * value);
-        let per = if change.unit == "1" { "one".to_owned() } else { change.unit.trim_start_matches("1/").to_owned() };
-        let interval = change
-            .interval
-            .map_or(String::new(), |[low, high]| format!(" (95 % from {} to {} %)", shown(low), shown(high)));
-        let name = &self.table.usage[usage].name;
-        Some(format!("The rate changes by {} % per {per} of column {name:?}{interval}.", shown(change.value)))
+        let (usage, form) = column_of(self.table, &effect.name)?;
+        form.words(effect, &self.table.usage[usage].name)
     }
 
-    /// The effect file of a column; `None` of one that never changes.
-    fn column_file(&self, usage: usize) -> Option<(String, String)> {
+    /// The effect files of a column, one for each form that its values can show.
+    fn column_files(&self, usage: usize) -> Vec<(String, String)> {
         let column = &self.table.usage[usage];
         let zero = if column.dimension == KELVIN { ROOM } else { column.scale.1 };
         let value = |&at: &usize| (self.table.rows[at].usage[usage] - zero) / column.scale.0;
         let mut values: Vec<f64> = self.of(Split::Calibration).iter().map(value).collect();
         values.sort_by(f64::total_cmp);
-        let (least, greatest) = (*values.first()?, *values.last()?);
-        let width = greatest - least;
-        if width <= 0.0 || !width.is_finite() {
-            return None;
-        }
         let is_shown = |c: &char| !c.is_control() && !['"', '\\'].contains(c);
         let shown: String = column.name.chars().filter(is_shown).take(LONGEST_NAME).collect();
         let unit = if column.dimension == KELVIN { "K" } else { &column.unit };
+        let written = Written { shown: &shown, unit, dimension: column.dimension, values: &values };
         let name = column_effect(self.table, usage);
-        let mut text = COLUMN.to_owned();
-        for (place, number) in [
-            ("MOST", COLUMN_CHANGE_MOST / width),
-            ("TYPICAL", COLUMN_CHANGE_TYPICAL / width),
-            ("LEAST", least - width),
-            ("GREATEST", greatest + width),
-            ("MIDDLE", values[values.len() / 2]),
-        ] {
-            text = text.replace(place, &format!("{number:?}"));
-        }
-        text =
-            text.replace("PER_UNIT", &per(unit)).replace("UNIT", unit).replace("NAME", &name).replace("COLUMN", &shown);
-        Some((format!("{name}.toml"), text))
-    }
-}
-
-/// One over a unit.
-fn per(unit: &str) -> String {
-    match unit {
-        "1" => unit.to_owned(),
-        _ if unit.contains([' ', '/', '*', '^', '(']) => format!("1/({unit})"),
-        _ => format!("1/{unit}"),
+        ColumnForm::ALL.into_iter().filter_map(|form| form.file(&form.name(&name), &written)).collect()
     }
 }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use effects::{CompiledModel, Dimension, Holder, Hook, Lanes, Process, Reset, RunError, States, StepValues, Variable};
 
-use super::table_library::{COLUMN_STATE, column_effect};
+use super::table_library::{COLUMN_STATE, column_of};
 use trials::table::{Removed, Row, Table, Usage};
 
 /// Area of the contact where the table does not give it [m²].
@@ -82,7 +82,7 @@ pub(super) fn measuring(table: &Table, effect: &str, state: &effects::State) -> 
         return None;
     }
     if state.name == COLUMN_STATE
-        && let Some(own) = (0..table.usage.len()).find(|&usage| column_effect(table, usage) == effect)
+        && let Some((own, _)) = column_of(table, effect)
     {
         return Some(own);
     }
@@ -103,9 +103,7 @@ pub(super) fn temperature(table: &Table) -> Option<usize> {
 
 impl<'a> Rows<'a> {
     pub(super) fn new(table: &'a Table, model: &'a CompiledModel) -> Self {
-        let states = model.effects().flat_map(|effect| effect.states.iter().map(move |state| (effect, state)));
-        let tool = states.filter(|(_, state)| state.per == Holder::Tool).enumerate();
-        let measured = tool.filter_map(|(number, (effect, state))| {
+        let measured = model.tool_states().enumerate().filter_map(|(number, (effect, state))| {
             let usage = measuring(table, &effect.name, state)?;
             let zero = if table.usage[usage].dimension == KELVIN { ROOM } else { 0.0 };
             Some(Measured { state: number, usage, zero })
@@ -182,15 +180,9 @@ impl<'a> Rows<'a> {
 
     /// Sets the states that columns measure.
     fn read_in(&self, row: &Row, states: &mut States) {
-        if self.measured.is_empty() {
-            return;
-        }
-        let (tool, cells) = states.values();
-        let (mut tool, cells) = (tool.to_vec(), cells.to_vec());
         for measured in &self.measured {
-            tool[measured.state] = row.usage[measured.usage] - measured.zero;
+            states.measure(self.model, measured.state, row.usage[measured.usage] - measured.zero);
         }
-        *states = States::restored(self.model, (tool, cells)).expect("the states are the model's own");
     }
 
     /// What the tool does at an instant.

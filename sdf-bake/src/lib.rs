@@ -37,6 +37,7 @@ pub mod heights;
 mod implicit;
 pub mod index;
 mod measures;
+pub mod memory_budget;
 pub mod mesh;
 pub mod nvdb;
 mod project;

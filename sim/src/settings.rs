@@ -8,6 +8,7 @@ use std::cell::RefCell;
 
 use crate::clock::Clock;
 use crate::covariates::Covariates;
+use crate::measured::Measured;
 use crate::path::Path;
 use effects::{CompiledModel, Hook, RunError, Variable};
 use robot::Controller;
@@ -84,6 +85,8 @@ pub struct Pass<'a> {
     /// Until then the tool keeps to its path, unless the force exceeds [`TOUCH`] of the setpoint before [s]; then the
     /// controller takes over.
     pub approach: f64,
+    /// Quantities that were measured along the pass, for formulas.
+    pub measured: &'a [Measured],
     /// Where to add up what each place of the surface goes through; `None` costs nothing.
     pub covariates: Option<&'a RefCell<Covariates>>,
     /// Where to sum up the time that each phase of the work takes; `None` costs nothing.
@@ -102,6 +105,7 @@ impl<'a> Pass<'a> {
             row: 0,
             trial_time: 0.0,
             approach: 0.0,
+            measured: &[],
             covariates: None,
             clock: None,
         }

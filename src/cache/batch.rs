@@ -13,10 +13,10 @@ use super::room::Room;
 use super::sources::Sources;
 use super::{Cache, Recipe, Record};
 use crate::baking::{FieldWishes, bake_part};
-use crate::memory_budget;
 use crate::part::Part;
 use crate::store::Filled;
 use files::file_lock::Patience;
+use sdf_bake::memory_budget;
 
 /// Meshes to bake into a cache.
 pub struct Batch<'a> {

@@ -13,10 +13,10 @@ use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Outcome, find_meshes};
 use crate::console::Console;
 use crate::in_full;
-use crate::memory_budget;
 use crate::part::Part;
 use crate::store::Occupied;
 use files::folder::StagedFile;
+use sdf_bake::memory_budget;
 
 #[derive(Debug, Args)]
 #[command(

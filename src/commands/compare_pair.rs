@@ -14,7 +14,7 @@ use files::folder::StagedFolder;
 use files::output::FolderKind;
 use lab::{Better, ErrorUnit, Paired};
 use report::study::page;
-use study::{Data, Measurements, StudyReport, Verdict, errors_in_words, pair_report};
+use study::{Data, Measurements, StudyReport, Verdict, pair_in_words, pair_report};
 
 /// The file by which a result folder is known.
 const PAIR_FILE: &str = "pair.json";
@@ -57,7 +57,8 @@ pub(super) fn run(args: &CompareArgs, files: [&PathBuf; 2], console: &Console) -
     let models = [&first.1, &second.1];
     let paired = Paired::new(data.evidence(), models)?;
     let (better, error_unit) = (paired.deciding().better(), data.evidence().unit());
-    let sentence = sentence(files, better, &errors_in_words(&paired, error_unit));
+    let shown = files.map(|file| file.display().to_string());
+    let sentence = pair_in_words(&shown, &paired, error_unit);
     let names = ["first model", "second model"];
     let report = pair_report(&data, &second.0, (models, names), &paired)?;
     let answer = PairAnswer { models: files, better, sentence, error_unit, paired };
@@ -73,13 +74,4 @@ pub(super) fn run(args: &CompareArgs, files: [&PathBuf; 2], console: &Console) -
     let place = folder.commit()?;
     console.step("written", place.display().to_string());
     console.answer(&answer)
-}
-
-fn sentence([first, second]: [&PathBuf; 2], better: Better, errors: &str) -> String {
-    let (first, second) = (first.display(), second.display());
-    match better {
-        Better::First => format!("{first} is better than {second}: {errors}."),
-        Better::Second => format!("{second} is better than {first}: {errors}."),
-        Better::Neither => format!("Neither {first} nor {second} is better: {errors}."),
-    }
 }

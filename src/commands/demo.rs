@@ -21,10 +21,10 @@ use crate::finishing::{
 };
 use crate::part::Part;
 use crate::sealed_example::{EXAMPLE_NAME, Opened, open, unpack};
-use crate::snapshot::Keeping;
 use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
 use files::folder::StagedFolder;
 use files::output::{FolderKind, Out};
+use lab::snapshot::Keeping;
 use report::study::story;
 use study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
 use trials::trial::PLAN_NAMES;

@@ -10,7 +10,6 @@ use serde::Serialize;
 use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
-use lab::Better;
 use study::{Entry, LEDGER_FILE, Ledger, Standing};
 
 /// What the name of a ledger ends with that stands beside no other folder.
@@ -64,26 +63,11 @@ pub(super) fn run(args: &LedgerArgs, console: &Console) -> Result<()> {
         ledger.return_to(number)?;
     }
     for entry in ledger.entries() {
-        console.result(&entry.number.to_string(), line(entry))?;
+        console.result(&entry.number.to_string(), entry.line())?;
     }
     let current = ledger.current();
     if let Some(standing) = &current {
         console.result("current", format!("{}: {}", standing.number, standing.model.display()))?;
     }
     console.answer(&LedgerAnswer { current, attempts: ledger.entries().collect() })
-}
-
-/// An attempt in a line.
-fn line(entry: &Entry) -> String {
-    let (split, unit) = (entry.paired.deciding(), entry.error_unit.symbol());
-    let verdict = match entry.better {
-        Better::Second => "better",
-        Better::First => "worse",
-        Better::Neither => "no better",
-    };
-    let kept = if entry.kept { ", kept" } else { "" };
-    format!(
-        "beside {}: {verdict}{kept}, {:.2} to {:.2} {unit}, Δχ² {:.0}: {}",
-        entry.beside, split.rms[0], split.rms[1], split.delta_chi2, entry.tried
-    )
 }

@@ -22,10 +22,10 @@ use super::tool_flag::ToolFlag;
 use super::values::{number, positive};
 use crate::asset::{AssetFields, Manifest};
 use crate::console::Console;
-use crate::memory_budget;
 use crate::part::Part;
 use crate::workpiece::{DEFAULT_BAND, needs_solid};
 use crate::wrong_use;
+use sdf_bake::memory_budget;
 
 /// Heading of the help for the laws of the contact.
 const MODEL: &str = "Model";

@@ -19,9 +19,9 @@ use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
 use crate::photo::{Darkroom, PHOTOGRAPHS, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
 use crate::picture::{DRAWING, Horizon, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
-use crate::snapshot::kept_fields;
 use crate::wrong_use;
 use files::folder::{StagedFile, StagedFolder};
+use lab::snapshot::kept_fields;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin render out/bracket --out out/bracket.png\n  \

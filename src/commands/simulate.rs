@@ -17,10 +17,10 @@ use super::values::{number, whole};
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
 use crate::finishing::{self, Executor, GROUND, GrindSummary, Grinding, Plan, grind_asset};
-use crate::snapshot::{Keeping, Resume, kept};
 use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
 use files::folder::StagedFolder;
 use lab::simulation::Simulation;
+use lab::snapshot::{Keeping, Resume, kept};
 use trials::trial::Trial;
 
 /// Passes that are accepted; each takes seconds.

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
-use effects::{Extent, Library, Model, NamedState, OneLine, Unit, check_file, hint};
+use effects::{Library, Model, Unit};
 use serde::Serialize;
 
 use super::ledger::LedgerFlag;
@@ -14,7 +14,7 @@ use crate::console::Console;
 use crate::wrong_use;
 use lab::Attempt;
 use report::study::page;
-use study::{AttemptTexts, Data, Entry, Ledger, Measurements, attempt_report, inputs_sha256, is_fitted};
+use study::{AttemptTexts, Data, Entry, Hypothesis, Ledger, Measurements, attempt_report, inputs_sha256, is_fitted};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin try trials \"rate * exp(-ground_volume / a)\"\n  \
@@ -41,14 +41,6 @@ pub(super) struct TryArgs {
     model: ModelFlags,
 }
 
-/// What is tried: a name of the library that has it, and the file of a formula that was typed.
-struct Hypothesis {
-    library: Library,
-    name: String,
-    shown: String,
-    file: Option<String>,
-}
-
 /// The answer of `try --json`.
 #[derive(Serialize)]
 struct TryAnswer<'a> {
@@ -70,7 +62,16 @@ pub(super) fn run(args: &TryArgs, console: &Console) -> Result<()> {
     ledger.check_campaign(&measured)?;
     let library = ledger.library(&data.library(args.model.own.library()?)?)?;
     let (beside, model, is_known) = current(args, &ledger, &data, &library)?;
-    let hypothesis = hypothesis(args, (&data, &model), library, ledger.next_number())?;
+    let hypothesis = match (&args.effect, args.tried.as_deref()) {
+        (Some(name), _) => Hypothesis::listed(library, name)?,
+        (None, Some(file)) if file.ends_with(".toml") => {
+            Hypothesis::of_file(library, file, read_text(Path::new(file))?)?
+        }
+        (None, line) => {
+            let line = (line.unwrap_or_default(), ledger.next_number());
+            Hypothesis::typed((&data, &model), library, line, &args.set)?
+        }
+    };
     let words = if is_known { "its values are known from a fit" } else { "it is fitted first" };
     console.step("beside", format!("model {beside}: {}; {words}", model_words(&model)));
     let attempt = Attempt::new(data.tried(), (&model, is_known), &hypothesis.library, &hypothesis.name)?;
@@ -79,7 +80,7 @@ pub(super) fn run(args: &TryArgs, console: &Console) -> Result<()> {
     let models = attempt.models.each_ref().map(|model| model.to_text(&hypothesis.library));
     let entry = entry.of(&measured, &models[1]);
     let page = page(&attempt_report(&data, &attempt, &entry)?);
-    describe(&entry, console);
+    entry.described().into_iter().for_each(|(about, text)| console.step(about, text));
     ledger.keep(entry.clone(), &AttemptTexts { effect: hypothesis.file, models, page })?;
     let own = ledger.folder().join(entry.number.to_string());
     let seconds = started.elapsed().as_secs_f64();
@@ -113,52 +114,6 @@ fn current(args: &TryArgs, ledger: &Ledger, data: &Data, library: &Library) -> R
     Ok((standing.number, model, true))
 }
 
-/// What was asked for, with a library that has it.
-fn hypothesis(args: &TryArgs, data: (&Data, &Model), library: Library, number: usize) -> Result<Hypothesis> {
-    if let Some(name) = &args.effect {
-        let Some(effect) = library.effects().iter().find(|effect| effect.name == *name) else {
-            let known: Vec<&str> = library.effects().iter().map(|effect| effect.name.as_str()).collect();
-            return Err(wrong_use(format!("--effect {name}: no effect is called so; {}", hint(name, &known))));
-        };
-        let shown = format!("{name} ({})", effect.title);
-        return Ok(Hypothesis { name: name.clone(), shown, library, file: None });
-    }
-    let tried = args.tried.as_deref().unwrap_or_default();
-    let is_file = Path::new(tried).extension().is_some_and(|end| end == "toml");
-    let (file, shown, text) = if is_file {
-        (tried.to_owned(), tried.to_owned(), read_text(Path::new(tried))?)
-    } else {
-        let name = format!("try-{number}");
-        (format!("{name}.toml"), tried.to_owned(), typed(args, data, &library, (tried, &name))?)
-    };
-    let name = check_file(&file, &text)?.name;
-    let library = library.with(&[(file, text.clone())])?;
-    Ok(Hypothesis { library, name, shown, file: Some(text) })
-}
-
-/// The effect file of a formula that was typed.
-fn typed(
-    args: &TryArgs,
-    (data, model): (&Data, &Model),
-    library: &Library,
-    (line, name): (&str, &str),
-) -> Result<String> {
-    let states = [data.reaches().measured_states(), NamedState::of_library(library)].concat();
-    let read = OneLine::parse(line, model.process, &states, library).map_err(|error| wrong_use(error.to_string()))?;
-    for (parameter, _) in &args.set {
-        if read.unknowns.iter().all(|unknown| unknown.name != *parameter) {
-            let known: Vec<&str> = read.unknowns.iter().map(|unknown| unknown.name.as_str()).collect();
-            return Err(wrong_use(format!(
-                "--set {parameter}: no parameter of the formula; {}",
-                hint(parameter, &known)
-            )));
-        }
-    }
-    let extents = data.reaches().extents(&read, model, library)?;
-    let extent = |name: &str| -> Option<Extent> { Some(extents.iter().find(|(own, _)| own == name)?.1) };
-    read.file(name, &extent, &args.set).map_err(|error| wrong_use(error.to_string()))
-}
-
 /// `a=350 mm^3`, as a name and an SI value.
 fn parse_setting(text: &str) -> Result<(String, f64), String> {
     let bad = || "PARAMETER=VALUE UNIT is expected, such as a=350 mm^3".to_owned();
@@ -174,24 +129,4 @@ fn parse_setting(text: &str) -> Result<(String, f64), String> {
 fn model_words(model: &Model) -> String {
     let names: Vec<&str> = model.laws.iter().chain(&model.effects).map(|part| part.name.as_str()).collect();
     names.join(", ")
-}
-
-fn describe(entry: &Entry, console: &Console) {
-    let unit = entry.error_unit.symbol();
-    for (about, k) in [("without", 0), ("with", 1)] {
-        let held_out = entry.paired.held_out.as_ref();
-        let held_out = held_out.map_or(String::new(), |split| format!(", {:.2} {unit} held out", split.rms[k]));
-        console.step(about, format!("{:.2} {unit}{held_out}", entry.paired.calibration.rms[k]));
-    }
-    entry.parameters.iter().for_each(|parameter| console.step("parameter", parameter.shown()));
-    console.step(
-        "fit",
-        format!(
-            "Δχ² {:.0} for {} parameters; whole passes left out: predicted better by {:.0} nats",
-            entry.delta_chi2, entry.added_parameters, entry.predicts_better_by
-        ),
-    );
-    console.step("verdict", entry.sentence());
-    let kept = if entry.kept { "it is the current model now" } else { "the current model stays" };
-    console.step("ledger", format!("attempt {}: {kept}", entry.number));
 }

@@ -10,8 +10,8 @@ use sim::{CurvePoint, Pass, PassRecord, PassSettings, TOOL_CELLS, gpu, run_pass}
 
 use super::{Executor, Grinding};
 use crate::asset::WeldTruth;
-use crate::snapshot::{self, Resume, Snapshot};
 use lab::Origin;
+use lab::snapshot::{self, Resume, Snapshot};
 
 /// Steps that a pass may take; a step takes less than a millisecond.
 const MOST_STEPS: f64 = 2e5;

@@ -268,6 +268,41 @@ impl Entry {
         Self { measurements_sha256: measurements_sha256.to_owned(), model_sha256: sha256(model.as_bytes()), ..self }
     }
 
+    /// Lines for people, each with what it is about.
+    pub fn described(&self) -> Vec<(&'static str, String)> {
+        let unit = self.error_unit.symbol();
+        let error = |k: usize| {
+            let held_out = self.paired.held_out.as_ref();
+            let held_out = held_out.map_or(String::new(), |split| format!(", {:.2} {unit} held out", split.rms[k]));
+            format!("{:.2} {unit}{held_out}", self.paired.calibration.rms[k])
+        };
+        let fit = format!(
+            "Δχ² {:.0} for {} parameters; whole passes left out: predicted better by {:.0} nats",
+            self.delta_chi2, self.added_parameters, self.predicts_better_by
+        );
+        let kept = if self.kept { "it is the current model now" } else { "the current model stays" };
+        let mut lines = vec![("without", error(0)), ("with", error(1))];
+        lines.extend(self.parameters.iter().map(|parameter| ("parameter", parameter.shown())));
+        let verdict = ("verdict", self.sentence());
+        lines.extend([("fit", fit), verdict, ("ledger", format!("attempt {}: {kept}", self.number))]);
+        lines
+    }
+
+    /// The attempt in a line.
+    pub fn line(&self) -> String {
+        let (split, unit) = (self.paired.deciding(), self.error_unit.symbol());
+        let verdict = match self.better {
+            Better::Second => "better",
+            Better::First => "worse",
+            Better::Neither => "no better",
+        };
+        let kept = if self.kept { ", kept" } else { "" };
+        format!(
+            "beside {}: {verdict}{kept}, {:.2} to {:.2} {unit}, Δχ² {:.0}: {}",
+            self.beside, split.rms[0], split.rms[1], split.delta_chi2, self.tried
+        )
+    }
+
     /// The verdict in a sentence.
     pub fn sentence(&self) -> String {
         let errors = errors_in_words(&self.paired, self.error_unit);
@@ -279,8 +314,18 @@ impl Entry {
     }
 }
 
+/// Which of two models is better, in a sentence.
+pub fn pair_in_words([first, second]: &[String; 2], paired: &Paired, error_unit: ErrorUnit) -> String {
+    let errors = errors_in_words(paired, error_unit);
+    match paired.deciding().better() {
+        Better::First => format!("{first} is better than {second}: {errors}."),
+        Better::Second => format!("{second} is better than {first}: {errors}."),
+        Better::Neither => format!("Neither {first} nor {second} is better: {errors}."),
+    }
+}
+
 /// Errors of two models in the data that decide, in words.
-pub fn errors_in_words(paired: &Paired, error_unit: ErrorUnit) -> String {
+fn errors_in_words(paired: &Paired, error_unit: ErrorUnit) -> String {
     let (split, unit) = (paired.deciding(), error_unit.symbol());
     let which = if paired.held_out.is_some() { "held out" } else { "in the data that were fitted" };
     let ([before, after], floor) = (split.rms, split.noise_floor);
@@ -289,6 +334,11 @@ pub fn errors_in_words(paired: &Paired, error_unit: ErrorUnit) -> String {
         "{before:.2}, then {after:.2} {unit} {which}, noise {floor:.2} {unit}; Δχ² {:.0}{sigma}, better in {} of {} blocks",
         split.delta_chi2, split.blocks[1], split.blocks[0]
     )
+}
+
+/// Names of the laws and effects of a model.
+pub fn model_in_words(model: &Model) -> String {
+    model.laws.iter().chain(&model.effects).map(|part| part.name.as_str()).collect::<Vec<_>>().join(", ")
 }
 
 /// The free parameters of a model file all have values: it comes from a fit.

@@ -22,6 +22,7 @@ mod conclusion;
 mod data;
 mod failures;
 mod first_look;
+mod hypothesis;
 mod ledger;
 mod maps;
 mod measurements;
@@ -54,6 +55,7 @@ pub use data::{
 };
 pub use failures::{CovariateFigures, Failures};
 pub use first_look::{EXPECTED_SIMULATIONS, FirstAnswer};
+pub use hypothesis::Hypothesis;
 pub use ledger::{
     AttemptTexts, Entry, LEDGER_FILE, Ledger, LedgerLine, Standing, TRIED_EFFECTS, errors_in_words, is_fitted,
 };

@@ -65,6 +65,7 @@ pub(crate) fn trial() -> (TempDir, PathBuf) {
         controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
         coating: None,
         passes: vec![pass(false), pass(true)],
+        columns: Vec::new(),
         notes: Vec::new(),
         findings: Vec::new(),
     };

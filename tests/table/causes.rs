@@ -9,7 +9,7 @@ use crate::hidden::table;
 use crate::synthetic::{Hidden, MANIFEST, NOISE, Work, csv, folder, work};
 
 /// A diagnosis as the program makes it.
-fn diagnosed(table: &Table) -> DiagnosisSummary {
+pub(crate) fn diagnosed(table: &Table) -> DiagnosisSummary {
     let evidence = RowEvidence::new(table).unwrap();
     let library = evidence.library(Library::builtin()).unwrap();
     let model = evidence.scaled(Model::new(evidence.process()), &library).unwrap();

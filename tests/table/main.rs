@@ -1,6 +1,7 @@
 //! Tables as users bring them: read, damaged, predicted and fitted.
 
 mod causes;
+mod columns;
 mod evaluation;
 mod hidden;
 mod hostile;

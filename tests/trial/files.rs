@@ -49,8 +49,11 @@ fn log() -> Log {
         }
     };
     let rows: Vec<LogRow> = (0..121).map(row).collect();
-    let covariates =
-        vec![Covariate { name: "current_a".into(), values: (0..121).map(|k| f64::from(k) * 0.5).collect() }];
+    let covariates = vec![Covariate {
+        name: "current_a".into(),
+        values: (0..121).map(|k| f64::from(k) * 0.5).collect(),
+        hole: None,
+    }];
     Log { temperature: vec![f64::NAN; rows.len()], rows, has_approach: true, covariates }
 }
 
@@ -79,6 +82,7 @@ pub(crate) fn grinding() -> Trial {
         controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
         coating: None,
         passes: vec![pass],
+        columns: Vec::new(),
         notes: Vec::new(),
         findings: Vec::new(),
     }

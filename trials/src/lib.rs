@@ -6,6 +6,7 @@
 //!
 //! SI units inside. This crate writes only what it is asked to, and never simulates.
 
+mod column_unit;
 pub mod measure;
 pub mod table;
 pub mod trial;

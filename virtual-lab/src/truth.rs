@@ -203,6 +203,7 @@ impl<'a> Bout<'a> {
             controller: self.controller,
             coating: sands.then_some(COATING),
             passes,
+            columns: Vec::new(),
             notes: Vec::new(),
             findings: Vec::new(),
         }

@@ -46,6 +46,7 @@ fn trial(passes: usize) -> Trial {
         scans: Scans { before: map.clone(), repeats: vec![map], material: None },
         controller: Controller::Replay,
         coating: None,
+        columns: Vec::new(),
         passes: vec![pass; passes],
         notes: Vec::new(),
         findings: Vec::new(),

@@ -3,7 +3,7 @@
 use effects::CompiledModel;
 use rayon::prelude::*;
 
-use super::{SimulatedPass, Simulation, SimulationError, TrialState};
+use super::{SimulatedPass, Simulation, SimulationError, TrialState, columns};
 
 /// A trial under one model.
 #[derive(Debug, Default)]
@@ -48,6 +48,9 @@ impl Simulation<'_> {
         let mut states: Vec<TrialState> =
             models.iter().map(|model| self.start(model, Self::fresh_states(model), 0)).collect();
         let mut runs: Vec<ModelRun> = models.iter().map(|_| ModelRun::default()).collect();
+        for (run, model) in runs.iter_mut().zip(models) {
+            run.stopped = columns::check(self.trial, model).err().map(SimulationError::from);
+        }
         for number in 1..=self.passes.len() {
             for ((run, state), model) in runs.iter_mut().zip(&mut states).zip(models) {
                 if run.stopped.is_none() {

@@ -1,12 +1,14 @@
 //! Linear response of the data to any change over one variable: hat functions over it, and the change of the whitened data by
 //! each. A form is its values at their peaks.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::action::{ACTIONS, Action};
 use super::exposure::{Exposures, PassExposure, distribution};
-use super::variables::VARIABLES;
+use super::variables::Variable;
 use crate::criteria::{CURVE_KNOTS, CURVE_MASK_STEP};
 use crate::evidence::{Evidence, EvidenceError, Split};
 use crate::scans::{ScanData, ScanEvidence, ScanView};
@@ -20,8 +22,8 @@ const APART: f64 = 2e-3;
 pub struct Basis {
     /// The quantity that changes.
     pub(crate) action: Action,
-    /// Place among all variables.
-    pub(crate) variable: usize,
+    /// The variable.
+    pub(crate) variable: Arc<Variable>,
     /// Values of the variable at the peaks [SI], rising; about equal shares of the removal lie between them.
     pub(crate) knots: Vec<f64>,
     /// Change of the whitened calibration residuals by a typical size at a peak, shape [data, knots].
@@ -34,17 +36,18 @@ impl Basis {
     /// # Errors
     /// When the scanner's formulas fail.
     pub(crate) fn all(evidence: &ScanEvidence, exposures: &Exposures) -> Result<Vec<Self>, EvidenceError> {
+        let variables = &exposures.variables;
         let basis = |(action, variable): (usize, usize)| -> Result<Option<Self>, EvidenceError> {
             let knots = knots(&distribution(evidence, exposures, variable));
             if knots.len() < 2 {
                 return Ok(None);
             }
             let columns = columns(evidence, exposures, &Over { action, variable, knots: &knots })?;
-            Ok(Some(Self { action: ACTIONS[action], variable, knots, columns }))
+            Ok(Some(Self { action: ACTIONS[action], variable: variables[variable].clone(), knots, columns }))
         };
         let process = evidence.process();
-        let takes = |&(action, variable): &(usize, usize)| ACTIONS[action].takes(process, &VARIABLES[variable]);
-        let all = (0..ACTIONS.len()).flat_map(|action| (0..VARIABLES.len()).map(move |variable| (action, variable)));
+        let takes = |&(action, variable): &(usize, usize)| ACTIONS[action].takes(process, &variables[variable]);
+        let all = (0..ACTIONS.len()).flat_map(|action| (0..variables.len()).map(move |variable| (action, variable)));
         let pairs: Vec<(usize, usize)> = all.filter(takes).collect();
         let all: Result<Vec<Option<Self>>, EvidenceError> = pairs.into_par_iter().map(basis).collect();
         Ok(all?.into_iter().flatten().collect())

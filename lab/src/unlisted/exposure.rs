@@ -4,13 +4,17 @@
 //! With the contact as it is, a rate that changes by `g(v)` changes a surface by `∫ r g(v) dt`, about `g` of that mean times
 //! the removed depth (the weak form; equations in `docs/unlisted-effects.md`).
 
-use effects::{CompiledModel, Library, Model, Process};
+use std::sync::Arc;
+
+use effects::{CompiledModel, Library, Model, Process, check_file};
 use glam::DVec2;
 use rayon::prelude::*;
 use sdf_bake::PixelGrid;
 
 use super::action::{ACTIONS, Action};
-use super::variables::{VARIABLES, Variable};
+use super::columns::columns;
+use super::variables::{Variable, known};
+use crate::criteria::COLUMN_VARIABLES_MOST;
 use crate::diagnose::with_values;
 use crate::evidence::{Evidence, EvidenceError, Split};
 use crate::fit::Fit;
@@ -25,7 +29,7 @@ const WATCH: &str = "exposure-sums";
 pub(crate) struct PassExposure {
     /// Depth [m], or dose, that each of [`ACTIONS`] removes by its typical size.
     pub removed: Vec<Vec<f64>>,
-    /// Mean of each of [`VARIABLES`] over the removal [SI], NaN where nothing was removed.
+    /// Mean of each of [`Exposures::variables`] over the removal [SI], NaN where nothing was removed.
     pub means: Vec<Vec<f64>>,
 }
 
@@ -33,6 +37,8 @@ pub(crate) struct PassExposure {
 pub(crate) struct Exposures {
     /// Passes of each trial.
     pub passes: Vec<Vec<PassExposure>>,
+    /// All variables: those of every campaign, and the columns of this one.
+    pub variables: Vec<Arc<Variable>>,
     /// The model's simulation.
     pub simulated: Simulated,
 }
@@ -49,32 +55,44 @@ impl Exposures {
         (model, fit): (&Model, &Fit),
         library: &Library,
     ) -> Result<Option<Self>, EvidenceError> {
-        let file = (format!("{WATCH}.toml"), watch(evidence.process()));
+        let variables = variables(evidence);
+        let file = (format!("{WATCH}.toml"), watch(evidence.process(), &variables));
         let Ok(library) = library.with(&[file]) else { return Ok(None) };
         let model = with_values(model, fit).with(WATCH);
         let Ok(model) = CompiledModel::new(&model, &library, evidence.rows()) else { return Ok(None) };
         let simulated = Simulated::all(evidence, &[&model])?.remove(0);
         let trials = simulated.passes.par_iter().enumerate();
-        let passes = trials.map(|(trial, passes)| passes.iter().map(|pass| exposure(evidence, trial, pass)).collect());
-        Ok(Some(Self { passes: passes.collect(), simulated }))
+        let passes = trials
+            .map(|(trial, passes)| passes.iter().map(|pass| exposure((evidence, trial), pass, &variables)).collect());
+        Ok(Some(Self { passes: passes.collect(), variables: variables.clone(), simulated }))
     }
 }
 
+/// Variables of every campaign, and the columns of this one, as far as all of them can be watched together.
+fn variables(evidence: &ScanEvidence) -> Vec<Arc<Variable>> {
+    let is_readable = |column: &Variable| {
+        let text = watch(evidence.process(), &[Arc::new(column.clone())]);
+        check_file(&format!("{WATCH}.toml"), &text).is_ok()
+    };
+    let columns = columns(evidence).into_iter().filter(is_readable).take(COLUMN_VARIABLES_MOST);
+    known().into_iter().chain(columns.map(Arc::new)).collect()
+}
+
 /// Formulas that are summed up: the removal by each action's typical size, then the removal times each variable.
-fn sums(process: Process) -> Vec<String> {
+fn sums(process: Process, variables: &[Arc<Variable>]) -> Vec<String> {
     let removal = Action::Rate.sensitivity(process).expect("the contact removes");
     let actions = ACTIONS.iter().map(|action| action.sensitivity(process).unwrap_or_else(|| format!("0 * {removal}")));
-    actions.chain(VARIABLES.iter().map(|Variable { formula, .. }| format!("{removal} * ({formula})"))).collect()
+    actions.chain(variables.iter().map(|variable| format!("{removal} * ({})", variable.formula))).collect()
 }
 
 /// The effect file of the sums.
-fn watch(process: Process) -> String {
+fn watch(process: Process, variables: &[Arc<Variable>]) -> String {
     let rate = Action::Rate.sensitivity(process).expect("the contact removes");
     let sum = |(number, formula): (usize, &String)| {
         format!("[state.sum_{number}]\nper = \"workpiece_cell\"\nrate = \"{formula}\"\n")
     };
-    let states: String = VARIABLES.iter().map(|variable| variable.state).collect();
-    let sums: String = sums(process).iter().enumerate().map(sum).collect();
+    let states: String = variables.iter().map(|variable| &*variable.state).collect();
+    let sums: String = sums(process, variables).iter().enumerate().map(sum).collect();
     format!(
         "name = \"{WATCH}\"\ntitle = \"Sums of what each place meets\"\nsource = \"none\"\nsignature = \"nothing\"\n\
          confused_with = []\n\n[parameters.none]\nsymbol = \"n\"\nunit = \"1\"\nnull = 0.0\nrange = [0.0, 1.0]\n\
@@ -82,31 +100,35 @@ fn watch(process: Process) -> String {
     )
 }
 
-fn exposure(evidence: &ScanEvidence, trial: usize, pass: &SimulatedPass) -> PassExposure {
+fn exposure(
+    (evidence, trial): (&ScanEvidence, usize),
+    pass: &SimulatedPass,
+    variables: &[Arc<Variable>],
+) -> PassExposure {
     let covariates = pass.covariates.as_ref().expect("the simulation is watched");
     let pixels = &evidence.simulation.trials[trial].trial.scans.before.pixels;
     let known = |value: &f64| if value.is_finite() { *value } else { 0.0 };
     let summed = |sum: &Vec<f64>| -> Vec<f64> {
         covariates.at(pixels, &sum.iter().map(known).collect::<Vec<f64>>()).iter().map(known).collect()
     };
-    let first = covariates.states.len() - VARIABLES.len();
+    let first = covariates.states.len() - variables.len();
     let mut removed: Vec<Vec<f64>> = covariates.states[first - ACTIONS.len()..first].iter().map(summed).collect();
     let total = removed[0].clone();
-    let mean = |(sum, Variable { formula, .. }): (&Vec<f64>, &Variable)| -> Vec<f64> {
+    let mean = |(sum, variable): (&Vec<f64>, &Arc<Variable>)| -> Vec<f64> {
         let place = |at: usize| pixels.position(at % pixels.nx, at / pixels.nx);
-        match *formula {
+        match &*variable.formula {
             // The place is known without removal, too.
             "x" => (0..pixels.len()).map(|at| place(at).x).collect(),
             "y" => (0..pixels.len()).map(|at| place(at).y).collect(),
             _ => summed(sum).iter().zip(&total).map(|(sum, total)| sum / total).collect(),
         }
     };
-    let means: Vec<Vec<f64>> = covariates.states[first..].iter().zip(VARIABLES).map(mean).collect();
+    let means: Vec<Vec<f64>> = covariates.states[first..].iter().zip(variables).map(mean).collect();
     for (action, removed) in ACTIONS.iter().zip(&mut removed) {
         let typical = action.typical();
         match action {
             Action::Offset => {
-                let across = VARIABLES.iter().position(|variable| variable.formula == "tool_y").expect("a variable");
+                let across = variables.iter().position(|variable| variable.formula == "tool_y").expect("a variable");
                 *removed = moved(&total, &means[across], pixels).iter().map(|change| typical * change).collect();
             }
             Action::Height => removed.fill(-typical),

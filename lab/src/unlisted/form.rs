@@ -1,10 +1,11 @@
 //! Forms that a curve may have: few numbers each, and a formula that an engineer can read.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::action::Action;
 use super::basis::Basis;
-use super::variables::{VARIABLES, Variable};
+use super::variables::Variable;
 use crate::criteria::{CURVE_KNOTS, FORM_KNOTS_LEAST, FORM_RATIO, FORM_RATIOS};
 use effects::CompiledModel;
 use nalgebra::{DMatrix, RowDVector};
@@ -68,8 +69,8 @@ pub(crate) struct Form {
     pub action: Action,
     /// Its kind.
     pub kind: Kind,
-    /// Which of [`VARIABLES`].
-    pub variable: usize,
+    /// The thing that it is a function of.
+    pub variable: Arc<Variable>,
     /// Values of its shape [SI], as [`Kind::shape`] names them.
     pub shape: Vec<f64>,
     /// Least and greatest value of the variable in the data [SI].
@@ -122,8 +123,14 @@ impl Form {
     /// All forms of a kind over a basis, on a grid of shapes. What a variable of few values cannot show is left out.
     pub(crate) fn all(kind: Kind, basis: &Basis) -> Vec<Self> {
         let ends = basis.ends();
-        let form =
-            |shape: Vec<f64>| Self { action: basis.action, kind, variable: basis.variable, shape, ends, number: 1 };
+        let form = |shape: Vec<f64>| Self {
+            action: basis.action,
+            kind,
+            variable: basis.variable.clone(),
+            shape,
+            ends,
+            number: 1,
+        };
         let is_far_from_zero = ends[0] > 0.05 * ends[1];
         let has_few = basis.knots.len() < FORM_KNOTS_LEAST;
         match kind {
@@ -183,7 +190,7 @@ impl Form {
 
     /// True of the basis of its action and its variable.
     pub(crate) fn is_over(&self, basis: &Basis) -> bool {
-        (self.action, self.variable) == (basis.action, basis.variable)
+        self.action == basis.action && self.variable == basis.variable
     }
 
     /// Takes its shape from a model that has it; returns its sizes [typical sizes].
@@ -195,15 +202,10 @@ impl Form {
         self.kind.sizes().iter().map(|own| value(own) / typical).collect()
     }
 
-    /// The thing that it is a function of.
-    pub(crate) fn variable(&self) -> &'static Variable {
-        &VARIABLES[self.variable]
-    }
-
     /// Name of the effect: `form-band-of-place-along-x`.
     pub(crate) fn name(&self) -> String {
         let again = if self.number > 1 { format!("-{}", self.number) } else { String::new() };
-        format!("form-{}{}-of-{}{again}", self.action.name(), self.kind.name(), self.variable().name)
+        format!("form-{}{}-of-{}{again}", self.action.name(), self.kind.name(), self.variable.name)
     }
 }
 

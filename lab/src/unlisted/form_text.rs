@@ -31,8 +31,8 @@ impl Kind {
 impl Form {
     /// The form in a sentence.
     pub(crate) fn words(&self, sizes: &[f64]) -> String {
-        let (Variable { unit, about, .. }, si) = (self.variable(), self.variable().si());
-        let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
+        let (Variable { unit, about, .. }, si) = (&*self.variable, self.variable.si());
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         let shown = |value: f64| format!("{}{unit}", significant(value / si));
         let ([low, high], what) = (self.ends, self.action.about());
         let (size, at) = (sizes[0], |k: usize| shown(self.shape[k]));
@@ -90,7 +90,7 @@ impl Form {
     ///
     /// - `source`: its `source` line
     pub(crate) fn file(&self, sizes: &[f64], source: &str) -> String {
-        let (Variable { formula, unit, about, .. }, si) = (self.variable(), self.variable().si());
+        let (Variable { formula, unit, about, .. }, si) = (&*self.variable, self.variable.si());
         let quantity = |value: f64| format!("{} [{unit}]", number(value / si));
         let [low, high] = self.ends;
         let [low, middle, span] = [low, 0.5 * (low + high), high - low].map(quantity);
@@ -107,7 +107,7 @@ impl Form {
             kind = self.kind.name(),
             acts_on = self.action.about(),
             modification = self.action.modification(),
-            state = self.variable().state,
+            state = self.variable.state,
         )
     }
 
@@ -116,7 +116,7 @@ impl Form {
         let (unit, typical) = self.action.size();
         let [least, greatest, value] =
             [-SIZE_MOST, SIZE_MOST, value.clamp(-SIZE_MOST, SIZE_MOST)].map(|sizes| number(sizes * typical));
-        let (acts_on, about) = (self.action.about(), self.variable().about);
+        let (acts_on, about) = (self.action.about(), &self.variable.about);
         format!(
             "[parameters.{name}]\nsymbol = \"{name}\"\nunit = \"{unit}\"\nnull = 0.0\nrange = [{least}, {greatest}]\n\
              default = {value}\nabout = \"{name} of the change of the {acts_on} over the {about}\"\n\n"
@@ -124,7 +124,7 @@ impl Form {
     }
 
     fn shape_text(&self, (name, shape): (&str, Shape), value: f64) -> String {
-        let (Variable { unit, about, .. }, si) = (self.variable(), self.variable().si());
+        let (Variable { unit, about, .. }, si) = (&*self.variable, self.variable.si());
         let [low, high] = self.ends;
         let span = high - low;
         let (range, scale) = match shape {
@@ -148,6 +148,8 @@ pub(crate) fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use effects::{
         CompiledModel, Hook, Lanes, Library, Model, Process, RowCounts, States, StepValues, Variable as Input,
         check_file,
@@ -157,17 +159,17 @@ mod tests {
     use super::super::action::{ACTIONS, Action};
     use super::super::basis::Basis;
     use super::super::form::{Form, KINDS};
-    use super::super::variables::VARIABLES;
+    use super::super::variables::{Variable, known};
 
     /// A basis over 10 to 50 of the variable's unit.
-    fn basis(action: Action, variable: usize) -> Basis {
-        let si = VARIABLES[variable].si();
+    fn basis(action: Action, variable: &Arc<Variable>) -> Basis {
+        let si = variable.si();
         let knots = (0..32).map(|k| si * (10.0 + 40.0 * f64::from(k) / 31.0)).collect();
-        Basis { action, variable, knots, columns: DMatrix::zeros(1, 32) }
+        Basis { action, variable: variable.clone(), knots, columns: DMatrix::zeros(1, 32) }
     }
 
     /// A form of each kind that the action has, with a shape from the middle of its grid.
-    fn forms(action: Action, variable: usize) -> Vec<Form> {
+    fn forms(action: Action, variable: &Arc<Variable>) -> Vec<Form> {
         let basis = basis(action, variable);
         KINDS
             .into_iter()
@@ -181,8 +183,8 @@ mod tests {
     fn every_form_is_an_effect_file_that_can_be_added() {
         let mut checked = 0;
         for action in ACTIONS {
-            let takes = |&variable: &usize| action.takes(Process::Grinding, &VARIABLES[variable]);
-            for form in (0..VARIABLES.len()).filter(takes).flat_map(|variable| forms(action, variable)) {
+            let takes = |variable: &&Arc<Variable>| action.takes(Process::Grinding, variable);
+            for form in known().iter().filter(takes).flat_map(|variable| forms(action, variable)) {
                 let sizes = vec![0.3; form.kind.sizes().len()];
                 let text = form.file(&sizes, "a test");
                 check_file(&form.name(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -194,9 +196,9 @@ mod tests {
 
     #[test]
     fn the_formula_of_a_file_changes_the_rate_as_the_search_assumes() {
-        let x = VARIABLES.iter().position(|variable| variable.formula == "x").unwrap();
+        let x = known().into_iter().find(|variable| variable.formula == "x").unwrap();
         let places: Vec<f64> = (0..9).map(|k| 1e-3 * (10.0 + 5.0 * f64::from(k))).collect();
-        let forms = forms(Action::Rate, x);
+        let forms = forms(Action::Rate, &x);
         assert_eq!(forms.len(), KINDS.len());
         for form in forms {
             let sizes = [-0.4, 0.3][..form.kind.sizes().len()].to_vec();

@@ -2,7 +2,7 @@
 //! and written as an effect file.
 //!
 //! 1. `variables`: covariates of the rate, each a formula of the effect language. `action`: the quantities that may change
-//!    with them: rate, pressure, the tool's place, the scanner's height.
+//!    with them: rate, pressure, the tool's place, the scanner's height. `columns`: variables that the files measure.
 //! 2. `exposure`: one simulation of the fitted model, in which every variable is summed up where something is removed.
 //! 3. `basis`: hat functions over each variable, and the change of the whitened data by each, with the contact frozen.
 //! 4. `curve`: a smooth curve over each variable, scored by cross-validation, without a simulation.
@@ -14,6 +14,7 @@
 
 mod action;
 mod basis;
+mod columns;
 mod curve;
 mod curve_file;
 mod exposure;

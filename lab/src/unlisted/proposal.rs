@@ -204,16 +204,16 @@ fn proposal(evidence: &dyn Evidence, base: &Fit, terms: Vec<Term>, errors: Vec<W
     for Term { fitted, curve, all, .. } in terms {
         let mut form = fitted.form;
         let sizes = form.read(&fit.model);
-        let (name, summary, variable) = (form.name(), form.words(&sizes), form.variable());
+        let (name, summary, variable) = (form.name(), form.words(&sizes), form.variable.clone());
         let source = format!("found in data: {summary}; {known}. Give it a name and a cause");
         files.push((format!("{name}.toml"), form.file(&sizes, &source)));
-        files.push(curve_file((form.action, variable), &curve, &source));
+        files.push(curve_file((form.action, &variable), &curve, &source));
         let (unit, _) = form.action.shown();
         forms.push(ProposedForm {
             name,
             summary,
             acts_on: [form.action.about(), unit].map(str::to_owned),
-            variable: [variable.about, variable.unit].map(str::to_owned),
+            variable: [&variable.about, &variable.unit].map(|text| text.to_string()),
             curve,
             fitted: all,
         });
@@ -256,7 +256,7 @@ fn points(evidence: &dyn Evidence, fitted: &Fitted) -> Result<Vec<CurvePoint>, E
         return Ok(Vec::new());
     };
     let curve = if fitted.form.action.is_factor() { own.curve.without_form() } else { own.curve };
-    let (si, (_, scale)) = (fitted.form.variable().si(), fitted.form.action.shown());
+    let (si, (_, scale)) = (fitted.form.variable.si(), fitted.form.action.shown());
     let point = |((knot, change), sigma): ((&f64, &f64), &f64)| CurvePoint {
         at: knot / si,
         change: scale * change,

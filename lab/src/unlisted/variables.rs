@@ -1,23 +1,26 @@
 //! Variables on which an unlisted effect may depend: formulas of the effect language, so that the search and the effect file
 //! mean the same.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use effects::Unit;
 
-/// Something that the simulator knows of a place while it is worked on.
-#[derive(Debug)]
+/// Something that the simulator knows of a place while it is worked on, or that a column of the files measures.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Variable {
     /// Name in files.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Its formula.
-    pub formula: &'static str,
+    pub formula: Cow<'static, str>,
     /// State of the tool that the formula reads, as text of an effect file; empty where there is none.
-    pub state: &'static str,
+    pub state: Cow<'static, str>,
     /// Its unit in files.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Where it has one value.
     pub scope: Scope,
     /// For people, after "the".
-    pub about: &'static str,
+    pub about: Cow<'static, str>,
 }
 
 /// Where a variable has one value at a time.
@@ -36,7 +39,7 @@ pub(crate) enum Scope {
 impl Variable {
     /// SI value of its unit.
     pub(crate) fn si(&self) -> f64 {
-        Unit::parse(self.unit).map_or(1.0, |unit| unit.to_si(1.0))
+        Unit::parse(&self.unit).map_or(1.0, |unit| unit.to_si(1.0))
     }
 }
 
@@ -46,7 +49,14 @@ const fn variable(
     (unit, scope): (&'static str, Scope),
     about: &'static str,
 ) -> Variable {
-    Variable { name, formula, state: "", unit, scope, about }
+    Variable {
+        name: Cow::Borrowed(name),
+        formula: Cow::Borrowed(formula),
+        state: Cow::Borrowed(""),
+        unit: Cow::Borrowed(unit),
+        scope,
+        about: Cow::Borrowed(about),
+    }
 }
 
 const fn memory(
@@ -55,7 +65,14 @@ const fn memory(
     unit: &'static str,
     about: &'static str,
 ) -> Variable {
-    Variable { name, formula, state, unit, scope: Scope::Tool, about }
+    Variable {
+        name: Cow::Borrowed(name),
+        formula: Cow::Borrowed(formula),
+        state: Cow::Borrowed(state),
+        unit: Cow::Borrowed(unit),
+        scope: Scope::Tool,
+        about: Cow::Borrowed(about),
+    }
 }
 
 const WORKED_VOLUME: &str = "[state.worked_volume]\nper = \"tool\"\nunit = \"mm^3\"\n\
@@ -67,8 +84,12 @@ const WARMTH: &str = "[state.warmth]\nper = \"tool\"\nunit = \"W\"\ntarget = \"f
 const SLOW_WARMTH: &str = "[state.slow_warmth]\nper = \"tool\"\nunit = \"W\"\ntarget = \"force * sliding_speed\"\n\
     time = \"20 s\"\nreset = \"fresh_tool\"\n";
 
-/// All of them.
-pub(crate) const VARIABLES: &[Variable] = &[
+/// Those that the simulator knows in every campaign.
+pub(crate) fn known() -> Vec<Arc<Variable>> {
+    VARIABLES.iter().cloned().map(Arc::new).collect()
+}
+
+const VARIABLES: &[Variable] = &[
     memory("worked-volume", ("worked_volume", WORKED_VOLUME), "mm^3", "volume removed since the tool was fresh"),
     memory("sliding-distance", ("sliding_distance", SLIDING_DISTANCE), "m", "distance slid since the tool was fresh"),
     memory(

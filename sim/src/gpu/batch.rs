@@ -15,6 +15,7 @@ use shaders::simulate::{Batch, Remains, Rooms, Running, SimulateError, Simulator
 
 use super::setup::time_of;
 use super::{GpuError, readback, refusal, setup};
+use crate::measured::Readings;
 use crate::pass::Progress;
 use crate::physics::Physics;
 use crate::record::PassRecord;
@@ -140,6 +141,7 @@ impl<'a> Ready<'a> {
         let model = DeviceModel::new(pass.model, tool_cells::COUNT).expect("a model that is not refused");
         let mut states = tool.clone();
         states.reset(pass.model, Reset::Pass);
+        Readings::new(pass.model, pass.measured).set_states(pass.model, 0.0, &mut states);
         let physics = Physics::new(pass.model, &mut states, pass.settings.coating);
         let (setup, pace) = setup::setup(part, &pass, &physics, scheme_of(&physics).as_ref())?;
         let (sands, keeps_removed) = (physics.sands(), physics.keeps_removed());

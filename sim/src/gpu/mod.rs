@@ -10,6 +10,7 @@ mod setup;
 
 pub use batch::{Outcome, Settings, Trial, run_batch, run_pass};
 
+use crate::measured::Readings;
 use crate::settings::{Pass, PassError};
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, Hook};
@@ -46,6 +47,9 @@ pub enum GpuError {
 pub fn refusal(pass: &Pass) -> Option<String> {
     if pass.covariates.is_some() {
         return Some("maps of what each place goes through".to_owned());
+    }
+    if let Some(measured) = Readings::new(pass.model, pass.measured).changing() {
+        return Some(format!("the column {}, which changes in the course of a pass", measured.name));
     }
     refusal_of(pass.tool, pass.model)
 }

@@ -9,6 +9,7 @@ use shaders::constants::{
 };
 use shaders::layout::{PathPiece, TrialSetup, TrialState};
 
+use crate::measured::Readings;
 use crate::path::PathSample;
 use crate::physics::Physics;
 use crate::scheme::{Pace, Scheme};
@@ -181,6 +182,7 @@ pub(super) fn values(pass: &Pass, states: &States, model: &DeviceModel) -> Vec<f
         .set(Variable::ToolRadius, pass.tool.rim_radius())
         .set(Variable::ToolWidth, pass.tool.width())
         .set(Variable::ToolFaceArea, face_area);
+    Readings::new(pass.model, pass.measured).set_step(0.0, &mut step);
     let mut values = vec![0.0; model.values + PARTIALS as usize];
     for variable in Variable::ALL.iter().filter(|variable| variable.row().per == effects::Per::Step) {
         values[*variable as usize] = step.get(*variable) as f32;

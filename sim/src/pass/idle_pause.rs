@@ -1,5 +1,6 @@
 //! The pause before a pass: what the tool remembers goes on while it stands in the air.
 
+use crate::measured::Readings;
 use crate::settings::{LONGEST_STEP, Pass};
 use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
@@ -18,6 +19,9 @@ pub fn rest(pass: &Pass, states: &mut States, duration: f64) -> Result<(), RunEr
     let mut step = StepValues::new();
     Moment::new(pass).enter(pass, pass.path.at(0.0).pose(pass.tool), 0.0, &mut step);
     let mut step = step.at_rest();
+    let readings = Readings::new(pass.model, pass.measured);
+    readings.set_states(pass.model, 0.0, states);
+    readings.set_step(0.0, &mut step);
     let (cells, nothing) = (ToolCells::of(pass.tool), CellSums::default());
     let count = (duration / LONGEST_STEP).ceil();
     for number in 0..count as usize {

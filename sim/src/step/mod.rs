@@ -13,6 +13,7 @@ use self::workpiece::Workpiece;
 use crate::clock::Phase;
 use crate::contact::Contact;
 use crate::control::Motion;
+use crate::measured::Readings;
 use crate::physics::Physics;
 use crate::pose::Placement;
 use crate::record::PassRecord;
@@ -40,6 +41,7 @@ pub(crate) struct Runner<'a> {
     guide: Guide<'a>,
     physics: Physics<'a>,
     moment: Moment,
+    readings: Readings<'a>,
     scheme: Box<dyn Scheme>,
     pace: Pace,
     record: PassRecord,
@@ -65,6 +67,7 @@ impl<'a> Runner<'a> {
             workpiece: Workpiece::new(grid, pass.tool),
             guide: Guide::new(pass, longest_step),
             moment: Moment::new(&pass),
+            readings: Readings::new(pass.model, pass.measured),
             record: PassRecord::default(),
             pass,
             physics,
@@ -108,9 +111,11 @@ impl<'a> Runner<'a> {
 
     /// Sets what formulas may read before a step. Returns the longest step that may be taken [s].
     fn enter(&mut self) -> Result<f64, RunError> {
-        let Self { pass, guide, physics, moment, pace, .. } = self;
+        let Self { pass, guide, physics, moment, readings, pace, .. } = self;
         guide.take_over(physics.step.get(Variable::Force));
         moment.enter(pass, guide.nominal(guide.time, 0.0), guide.time, &mut physics.step);
+        readings.set_states(physics.model, guide.time, physics.states);
+        readings.set_step(guide.time, &mut physics.step);
         let spindle = physics.model.spindle_speed(&physics.step, physics.states)?;
         moment.set_spindle(spindle, &mut physics.step);
         guide.pose_change = physics.pose_change()?;

@@ -2,12 +2,12 @@
 
 use crate::common::{fresh, line};
 use crate::device;
-use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
+use effects::{CompiledModel, Dimension, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use robot::{Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
-use sim::{Pass, PassSettings, Path, gpu, run_pass};
+use sim::{Measured, Pass, PassSettings, Path, gpu, run_pass};
 
 fn slab() -> BrickGrid {
     let half = DVec3::new(0.010, 0.006, 0.003);
@@ -22,10 +22,16 @@ fn compiled(settings: Kind, effects: &[&str]) -> CompiledModel {
 /// Fields and tools after a pass of a model, relative to what the pass changes.
 #[track_caller]
 fn agree(model: &CompiledModel, tool: &Tool) {
+    agree_beside(model, tool, &[]);
+}
+
+/// The same with quantities that were measured.
+#[track_caller]
+fn agree_beside(model: &CompiledModel, tool: &Tool, measured: &[Measured]) {
     let Some(device) = device() else { return };
     let path = Path::along(&line(-2e-3, 2e-3, 0.13e-3), 5e-3).unwrap();
     let settings = PassSettings { force_setpoint: 5.0, ..PassSettings::default() };
-    let pass = Pass::first(tool, &path, &settings, model);
+    let pass = Pass { measured, ..Pass::first(tool, &path, &settings, model) };
     let (mut cpu, mut cpu_tool) = (slab(), fresh(model));
     let record = run_pass(&mut cpu, pass, &mut cpu_tool, &mut |_| {}).unwrap();
     let (mut part, mut tool_states) = (slab(), fresh(model));
@@ -60,6 +66,27 @@ fn one_effect_of_every_hook_acts_on_the_device_as_on_the_cpu() {
         "wheel-wear",
     ];
     agree(&compiled(Kind::Grinding, &effects), &Tool::from(Wheel::cylinder(0.02, 0.004)));
+}
+
+/// Reads a column and the logged temperature.
+const READS: &str = "name = \"reads\"\n[parameters.change]\nunit = \"1\"\nnull = 0.0\nrange = [-2.0, 2.0]\ndefault = 0.8\n\
+    [state.humidity]\nper = \"tool\"\nunit = \"%\"\nrate = \"0\"\nreset = \"never\"\n\
+    [modify]\nrate = \"rate * (1 + change * (humidity + (temperature_logged - 293.15 [K]) / 100 [K]))\"\n";
+
+#[test]
+fn a_column_that_is_constant_in_the_pass_acts_on_the_device_as_on_the_cpu() {
+    let library = Library::builtin().with(&[("reads.toml".to_owned(), READS.to_owned())]).expect("an effect");
+    let model = Model::new(Kind::Grinding).with("reads");
+    let model = CompiledModel::new(&model, &library, RowCounts::default()).expect("a model that compiles");
+    let measured = |name: &str, dimension: Dimension, value: f64| Measured {
+        name: name.to_owned(),
+        dimension,
+        times: vec![0.0],
+        values: vec![value],
+    };
+    let kelvin = Dimension::whole([0, 0, 0, 1]);
+    let measured = [measured("humidity", Dimension::NONE, 0.7), measured("temperature", kelvin, 313.15)];
+    agree_beside(&model, &Tool::from(Wheel::cylinder(0.02, 0.004)), &measured);
 }
 
 #[test]

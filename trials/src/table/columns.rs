@@ -3,7 +3,8 @@
 use effects::Dimension;
 
 use super::Removed;
-use super::manifest::{Column, ColumnUnit, Manifest};
+use super::manifest::{Column, Manifest};
+use crate::column_unit::ColumnUnit;
 use crate::trial::{TextRow, TrialError, nearest};
 use files::input::{quoted_names, quoted_near};
 

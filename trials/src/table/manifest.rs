@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use effects::{Dimension, Process, Unit};
+use effects::{Dimension, Process};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::column_unit::{ColumnUnit, quantity};
 use crate::trial::{Source, TrialError, nearest};
 use files::input::{quoted_near, without_content};
 
@@ -26,42 +27,8 @@ const TEXTS: [&str; 4] = ["group", "role", "tool", "fresh"];
 const NUMBERS: [&str; 6] = ["force", "pressure", "speed", "spindle_rpm", "duration", "removed"];
 /// Letters by which a mistyped key differs from one that is meant.
 const SLIPS: usize = 1;
-/// Zero of the Celsius scale [K].
-const CELSIUS: f64 = 273.15;
-
 /// A constant by its key [SI].
 type Constant = (&'static str, f64);
-
-/// A unit of a column.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ColumnUnit {
-    unit: Unit,
-    /// Value [SI] of zero in the file.
-    zero: f64,
-}
-
-impl ColumnUnit {
-    fn parse(text: &str) -> Result<Self, String> {
-        if ["°C", "degC", "C"].contains(&text) {
-            return Ok(Self { unit: Unit::si(Dimension::whole([0, 0, 0, 1])), zero: CELSIUS });
-        }
-        Unit::parse(text).map(|unit| Self { unit, zero: 0.0 }).map_err(|error| without_content(&error.to_string()))
-    }
-
-    pub(super) fn dimension(self) -> Dimension {
-        self.unit.dimension
-    }
-
-    /// A value in the file [SI].
-    pub(super) fn to_si(self, value: f64) -> f64 {
-        self.unit.to_si(value) + self.zero
-    }
-
-    /// SI value of one unit, and of zero in the file.
-    pub(super) fn scale(self) -> (f64, f64) {
-        (self.unit.to_si(1.0), self.zero)
-    }
-}
 
 /// One entry below `columns`.
 #[derive(Clone, Debug)]
@@ -211,7 +178,7 @@ impl<'a> Section<'a> {
             DeValue::Integer(number) => number.as_str().parse().ok(),
             DeValue::Float(number) => number.as_str().parse().ok(),
             DeValue::String(text) => {
-                quantity(text).filter(|(_, unit)| unit.dimension.is_none()).map(|(v, u)| u.to_si(v))
+                quantity(text).filter(|(_, unit)| unit.dimension().is_none()).map(|(v, u)| u.to_si(v))
             }
             _ => None,
         };
@@ -312,15 +279,6 @@ impl<'a> Section<'a> {
         let unit_text = unit.get_ref().clone();
         Ok(Column { key: key.to_owned(), name, unit: Some(Spanned::new(unit.span(), parsed)), unit_text })
     }
-}
-
-/// A number and its unit, such as `5 %`.
-fn quantity(text: &str) -> Option<(f64, Unit)> {
-    let (number, unit) = text.trim().split_once(char::is_whitespace).or_else(|| {
-        let text = text.trim();
-        Some((text.strip_suffix('%')?, "%"))
-    })?;
-    Some((number.trim().parse().ok()?, Unit::parse(unit.trim()).ok()?))
 }
 
 impl Column {

@@ -256,7 +256,7 @@ impl<'a> Reading<'a> {
             if *text {
                 notes.push(format!("column {name:?} holds text and is left out"));
             } else {
-                covariates.push(Covariate { name: name.clone(), values });
+                covariates.push(Covariate { name: name.clone(), values, hole: None });
             }
         }
         if !covariates.is_empty() {

@@ -44,6 +44,9 @@ pub struct Covariate {
     pub name: String,
     /// One value per row, NaN where the cell is empty.
     pub values: Vec<f64>,
+    /// Line of the first row without a finite number, from 1.
+    #[serde(skip)]
+    pub hole: Option<u64>,
 }
 
 /// A whole log; times increase strictly.
@@ -72,7 +75,7 @@ struct Columns {
 struct Reading {
     columns: Columns,
     log: Log,
-    others: Vec<Vec<f64>>,
+    others: Vec<Covariate>,
     /// Columns in which text was found.
     text: Vec<bool>,
     repeated: usize,
@@ -138,7 +141,8 @@ impl Columns {
 
 impl Reading {
     fn of(columns: Columns) -> Self {
-        let others = vec![Vec::new(); columns.others.len()];
+        let covariate = |(_, name): &(usize, String)| Covariate { name: name.clone(), values: Vec::new(), hole: None };
+        let others = columns.others.iter().map(covariate).collect();
         let text = vec![false; columns.others.len()];
         let log = Log { has_approach: columns.approach.is_some(), ..Log::default() };
         Self { columns, log, others, text, repeated: 0, cut: None }
@@ -191,7 +195,11 @@ impl Reading {
         for (k, (column, _)) in self.columns.others.iter().enumerate() {
             let value = row.number(*column);
             self.text[k] |= value.is_err();
-            self.others[k].push(value.ok().flatten().unwrap_or(f64::NAN));
+            let value = value.ok().flatten().unwrap_or(f64::NAN);
+            if !value.is_finite() {
+                self.others[k].hole.get_or_insert(row.line);
+            }
+            self.others[k].values.push(value);
         }
         Ok(())
     }
@@ -220,11 +228,11 @@ impl Reading {
         if self.repeated > 0 {
             notes.push(format!("{} rows repeat the time of the row before and are left out", self.repeated));
         }
-        for ((values, (_, name)), text) in self.others.drain(..).zip(&self.columns.others).zip(&self.text) {
+        for (covariate, text) in self.others.drain(..).zip(&self.text) {
             if *text {
-                notes.push(format!("column {name:?} holds text and is left out"));
+                notes.push(format!("column {:?} holds text and is left out", covariate.name));
             } else {
-                self.log.covariates.push(Covariate { name: name.clone(), values });
+                self.log.covariates.push(covariate);
             }
         }
         if !self.log.covariates.is_empty() {

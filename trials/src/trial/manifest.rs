@@ -1,5 +1,6 @@
 //! `trial.toml` as it stands in the file, in its units.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -18,9 +19,11 @@ pub const TRIAL_FORMAT: &str = "finishing-trial/1";
 /// Name of the file that makes a folder a trial.
 pub const TRIAL_FILE: &str = "trial.toml";
 
-/// Known keys of each table.
+/// The table whose keys are names of the user's own.
+const COLUMNS: &str = "columns";
+/// Known keys of each other table.
 const KEYS: [(&str, &[&str]); 6] = [
-    ("", &["format", "name", "process", "tool", "scan", "controller", "coating", "pass"]),
+    ("", &["format", "name", "process", "tool", "scan", "controller", "coating", "columns", "pass"]),
     ("tool", &["kind", "radius_mm", "width_mm", "axis", "fresh"]),
     ("scan", &["pitch_mm", "origin_mm", "before", "repeat", "material"]),
     ("controller", &["kind", "mass_kg", "damping_ns_m", "period_s"]),
@@ -64,8 +67,18 @@ pub(super) struct Manifest {
     pub(super) controller: Option<Spanned<ControllerTable>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) coating: Option<CoatingTable>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) columns: BTreeMap<String, Spanned<ColumnEntry>>,
     #[serde(default)]
     pub(super) pass: Vec<PassTable>,
+}
+
+/// An entry of `[columns]`: the unit of a column of the logs, or a value of the whole trial.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a unit, or a value with its unit, in quotes is expected")]
+pub(super) enum ColumnEntry {
+    Text(String),
+    Number(f64),
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -203,6 +216,9 @@ impl Source {
     }
 
     fn check_table(&self, name: &str, table: &DeTable) -> Result<(), TrialError> {
+        if name == COLUMNS {
+            return Ok(());
+        }
         let known = KEYS.iter().find(|(table, _)| *table == name).map_or(&[][..], |(_, keys)| keys);
         for (key, _) in table {
             if known.contains(&key.get_ref().as_ref()) {

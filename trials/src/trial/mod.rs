@@ -1,10 +1,12 @@
 //! Trials: workpieces that were scanned, finished in passes, and scanned after each pass (`finishing-trial/1`).
 //!
 //! The road of the data: [`Campaign::read`] finds the trial folders, [`Trial::read`] reads `trial.toml` (`manifest`),
-//! each scan by its content (`scan`, `height_csv`, `keyence`, `x3p`, `mesh_scan`) and each log (`log`), and checks that
+//! each scan by its content (`scan`, `height_csv`, `keyence`, `x3p`, `mesh_scan`) and each log (`log`), finds the
+//! quantities that formulas may read (`columns`), and checks that
 //! they fit each other (`plausible`). All is SI here; millimetres stay in the files.
 
 mod campaign;
+mod columns;
 mod error;
 mod finding;
 mod height_csv;
@@ -31,6 +33,7 @@ use sdf_bake::HeightMap;
 use crate::measure::{despiked, unlike_repeat};
 
 pub use campaign::Campaign;
+pub use columns::{Given, TrialColumn};
 pub use error::{Place, TrialError};
 pub use finding::{Finding, Severity};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
@@ -141,6 +144,8 @@ pub struct Trial {
     pub coating: Option<f64>,
     /// Passes in order of time.
     pub passes: Vec<Pass>,
+    /// Quantities that formulas may read beside pose, force and speed.
+    pub columns: Vec<TrialColumn>,
     /// What was understood of the files where it was not the plain case, one sentence each.
     pub notes: Vec<String>,
     /// Those of the notes that checks of the files against each other made, for machines.

@@ -85,6 +85,7 @@ mod tests {
             scans: Scans { before: scan(1, 0.0), repeats: vec![scan(2, 0.0)], material: None },
             controller: Controller::Ideal,
             coating: None,
+            columns: Vec::new(),
             passes: vec![pass],
             notes: Vec::new(),
             findings: Vec::new(),

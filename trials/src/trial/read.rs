@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use sdf_bake::PixelGrid;
 use toml::Spanned;
 
+use super::columns::{Found, Logs, TrialColumn};
 use super::error::{Place, TrialError};
 use super::log::{RPM, read_log};
 use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Source, TRIAL_FILE, ToolKind, ToolTable};
@@ -58,6 +59,7 @@ impl Reader<'_> {
         self.check_size(manifest, &scans.before.pixels)?;
         let passes = manifest.pass.iter().map(|table| self.pass(table, manifest.process, &scans.before.pixels, frame));
         let passes = passes.collect::<Result<Vec<_>, _>>()?;
+        let columns = self.columns(manifest, &passes)?;
         let coating =
             manifest.coating.as_ref().map(|table| self.within("thickness_mm", &table.thickness_mm, COATING_MM));
         Ok(Trial {
@@ -70,9 +72,18 @@ impl Reader<'_> {
             controller: manifest.controller.as_ref().map_or(Ok(Controller::Replay), |table| self.controller(table))?,
             coating: coating.transpose()?.map(|thickness| thickness * 1e-3),
             passes,
+            columns,
             notes: std::mem::take(&mut self.notes),
             findings: Vec::new(),
         })
+    }
+
+    /// What formulas may read beside pose, force and speed.
+    fn columns(&mut self, manifest: &Manifest, passes: &[Pass]) -> Result<Vec<TrialColumn>, TrialError> {
+        let files = manifest.pass.iter().map(|table| self.folder.join(table.log.get_ref())).collect();
+        let found = Found::new(self.source, manifest, &Logs { passes, files })?;
+        self.notes.extend(found.notes);
+        Ok(found.columns)
     }
 
     /// Refuses more passes, or more pixels in all their scans, than a computer can hold.

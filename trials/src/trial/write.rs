@@ -10,10 +10,11 @@ use toml::Spanned;
 
 use super::log::{APPROACH_COLUMNS, Log, REQUIRED_COLUMNS, RPM, TEMPERATURE_COLUMN};
 use super::manifest::{
-    CoatingTable, ControllerKind, ControllerTable, Manifest, PassTable, ScanTable, TRIAL_FILE, TRIAL_FORMAT, ToolKind,
-    ToolTable,
+    CoatingTable, ColumnEntry, ControllerKind, ControllerTable, Manifest, PassTable, ScanTable, TRIAL_FILE,
+    TRIAL_FORMAT, ToolKind, ToolTable,
 };
-use super::{ExposureMask, HeldTool, LabelMap, Pass, PassScan, Trial};
+use super::{ExposureMask, Given, HeldTool, LabelMap, Pass, PassScan, Trial, TrialColumn};
+use crate::column_unit::named_unit;
 use robot::{Controller, Tool};
 
 /// A number with as many decimals as it needs, up to the sixth.
@@ -156,8 +157,23 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
         },
         controller: controller_table(trial.controller).map(plain),
         coating: trial.coating.map(|thickness| CoatingTable { thickness_mm: millimetres(thickness) }),
+        columns: trial.columns.iter().filter_map(column_entry).collect(),
         pass: trial.passes.iter().enumerate().map(|(k, pass)| pass_table(k + 1, pass)).collect(),
     }
+}
+
+/// What `[columns]` says of a quantity; nothing where its name in the logs says it all.
+fn column_entry(column: &TrialColumn) -> Option<(String, Spanned<ColumnEntry>)> {
+    let (name, text) = match &column.given {
+        Given::Temperature => return None,
+        Given::Logs(header) if named_unit(header).1 == column.unit => return None,
+        Given::Logs(header) => (header, column.unit.clone()),
+        Given::Trial(value) => {
+            let (unit, zero) = column.scale;
+            (&column.name, format!("{} {}", number((value - zero) / unit), column.unit))
+        }
+    };
+    Some((name.clone(), plain(ColumnEntry::Text(text))))
 }
 
 fn tool_table(trial: &Trial) -> ToolTable {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use files::FileError;
 use sdf_bake::PixelGrid;
 use sim::Covariates;
 
@@ -12,7 +12,7 @@ use sim::Covariates;
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(folder: &Path, pass: usize, covariates: &Covariates, pixels: &PixelGrid) -> Result<()> {
+pub fn write(folder: &Path, pass: usize, covariates: &Covariates, pixels: &PixelGrid) -> Result<(), FileError> {
     for (name, values, scale) in [
         ("pressure_time_mpa_s", &covariates.pressure_time, 1e-6),
         ("mean_pressure_mpa", &covariates.mean_pressure(), 1e-6),
@@ -26,7 +26,7 @@ pub fn write(folder: &Path, pass: usize, covariates: &Covariates, pixels: &Pixel
     ] {
         let file = folder.join(format!("pass{pass}_{name}.csv"));
         let text = map_csv(pixels.nx, &covariates.at(pixels, values), scale);
-        fs::write(&file, text).with_context(|| format!("{}: cannot write this file", file.display()))?;
+        fs::write(&file, text).map_err(FileError::at(&file, "cannot write this file"))?;
     }
     Ok(())
 }

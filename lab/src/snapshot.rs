@@ -6,7 +6,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
 use effects::{CompiledModel, States};
 use files::input::{self, MOST_MESH_BYTES, quoted_near};
 use sdf_bake::BrickGrid;
@@ -14,11 +13,11 @@ use sdf_bake::nvdb::{self, Codec};
 use serde::{Deserialize, Serialize};
 use sim::PassRecord;
 
-use crate::wrong_use;
+use super::error::{LabError, Result};
+use super::model_origin::Origin;
 use files::json_file::read_json;
 use files::json_file::write_json;
-use files::sha256;
-use lab::Origin;
+use files::{FileError, WrongUse, sha256};
 
 /// Value of the `format` key.
 const STATE_FORMAT: &str = "robofin-state/2";
@@ -110,7 +109,7 @@ impl Keeping {
         for (pass, extension) in (1..=resume.passes).flat_map(|pass| [(pass, "nvdb"), (pass, "json")]) {
             let source = place(&resume.folder, pass, extension);
             let copied = fs::write(place(folder, pass, extension), input::read(&source, MOST_MESH_BYTES)?);
-            copied.with_context(|| format!("{}: cannot copy this state", source.display()))?;
+            copied.map_err(FileError::at(&source, "cannot copy this state"))?;
         }
         Ok(())
     }
@@ -135,7 +134,9 @@ fn place(folder: &Path, pass: usize, extension: &str) -> PathBuf {
 pub fn kept_fields(folder: &Path) -> Result<Vec<PathBuf>> {
     let fields: Vec<PathBuf> =
         (1..).map(|pass| place(folder, pass, "nvdb")).take_while(|field| field.is_file()).collect();
-    ensure!(!fields.is_empty(), "{}: no state-1.nvdb; `simulate --snapshot` keeps states", folder.display());
+    if fields.is_empty() {
+        return Err(refused(format!("{}: no state-1.nvdb; `simulate --snapshot` keeps states", folder.display())));
+    }
     Ok(fields)
 }
 
@@ -144,9 +145,9 @@ pub fn kept_fields(folder: &Path) -> Result<Vec<PathBuf>> {
 /// # Errors
 /// When a file cannot be written.
 pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Result<()> {
-    let field = nvdb::write_field(&state.part, Codec::Zip)?;
     let file = place(folder, pass, "nvdb");
-    fs::write(&file, &field).with_context(|| format!("{}: cannot write this file", file.display()))?;
+    let field = nvdb::write_field(&state.part, Codec::Zip).map_err(FileError::encoding(&file))?;
+    fs::write(&file, &field).map_err(FileError::at(&file, "cannot write this file"))?;
     let (tool, tool_cells) = state.tool.values();
     Ok(write_json(
         &place(folder, pass, "json"),
@@ -172,25 +173,27 @@ pub fn read(folder: &Path, pass: usize, model: &CompiledModel, origin: &Origin) 
     let (json, nvdb) = (place(folder, pass, "json"), place(folder, pass, "nvdb"));
     let state: StateFile = read_json(&json, "a state")?;
     let shown = json.display();
-    ensure!(
-        state.format == STATE_FORMAT,
-        "{shown}: format {}; {STATE_FORMAT} is expected",
-        quoted_near(&state.format, [STATE_FORMAT])
-    );
-    ensure!(state.passes == pass, "{shown}: the state after pass {}; pass {pass} is expected", state.passes);
+    let check = |holds: bool, why: &dyn Fn() -> String| if holds { Ok(()) } else { Err(refused(why())) };
+    check(state.format == STATE_FORMAT, &|| {
+        format!("{shown}: format {}; {STATE_FORMAT} is expected", quoted_near(&state.format, [STATE_FORMAT]))
+    })?;
+    check(state.passes == pass, &|| {
+        format!("{shown}: the state after pass {}; pass {pass} is expected", state.passes)
+    })?;
     let differing = differences(&state.origin, origin);
-    ensure!(
-        differing.is_empty(),
-        "{shown}: this state cannot be continued here, because these differ: {}",
-        differing.join("; ")
-    );
+    check(differing.is_empty(), &|| {
+        format!("{shown}: this state cannot be continued here, because these differ: {}", differing.join("; "))
+    })?;
     let bytes = input::read(&nvdb, MOST_MESH_BYTES)?;
-    ensure!(sha256(&bytes) == state.field_sha256, "{}: not the field that {shown} was written with", nvdb.display());
-    let field = || -> Result<BrickGrid> { Ok(nvdb::read(&bytes)?.to_field()?) };
+    check(sha256(&bytes) == state.field_sha256, &|| {
+        format!("{}: not the field that {shown} was written with", nvdb.display())
+    })?;
+    let unreadable = |error: &dyn std::fmt::Display| refused(format!("{}: {error}", nvdb.display()));
+    let field = nvdb::read(&bytes).map_err(|error| unreadable(&error))?;
     let tool = States::restored(model, (state.tool, state.tool_cells));
     Ok(Snapshot {
-        part: field().with_context(|| nvdb.display().to_string())?,
-        tool: tool.with_context(|| format!("{shown}: another number of tool states than the model has"))?,
+        part: field.to_field().map_err(|error| unreadable(&error))?,
+        tool: tool.ok_or_else(|| refused(format!("{shown}: another number of tool states than the model has")))?,
         trial_time: state.trial_time_s,
         record: state.record,
     })
@@ -210,4 +213,12 @@ fn differences(then: &Origin, now: &Origin) -> Vec<String> {
         (a, b) => format!("{name} (then {}, now {})", shown(a), shown(b)),
     };
     names.into_iter().filter(differs).map(tell).collect()
+}
+
+fn refused(why: String) -> LabError {
+    LabError::Refused(why)
+}
+
+fn wrong_use(why: String) -> LabError {
+    LabError::File(WrongUse(why).into())
 }
