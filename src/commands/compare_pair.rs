@@ -59,8 +59,7 @@ pub(super) fn run(args: &CompareArgs, files: [&PathBuf; 2], console: &Console) -
     let (better, error_unit) = (paired.deciding().better(), data.evidence().unit());
     let shown = files.map(|file| file.display().to_string());
     let sentence = pair_in_words(&shown, &paired, error_unit);
-    let names = ["first model", "second model"];
-    let report = pair_report(&data, &second.0, (models, names), &paired)?;
+    let report = pair_report(&data, &second.0, (models, ["first model", "second model"]), &paired)?;
     let answer = PairAnswer { models: files, better, sentence, error_unit, paired };
     let verdict = if better == Better::Second { Verdict::Better } else { Verdict::NotBetter };
     let report =

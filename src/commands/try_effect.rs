@@ -14,7 +14,10 @@ use crate::console::Console;
 use crate::wrong_use;
 use lab::Attempt;
 use report::study::page;
-use study::{AttemptTexts, Data, Entry, Hypothesis, Ledger, Measurements, attempt_report, inputs_sha256, is_fitted};
+use study::{
+    AttemptTexts, Data, Entry, Hypothesis, Ledger, Measurements, attempt_report, inputs_sha256, is_fitted,
+    model_in_words,
+};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin try trials \"rate * exp(-ground_volume / a)\"\n  \
@@ -73,7 +76,7 @@ pub(super) fn run(args: &TryArgs, console: &Console) -> Result<()> {
         }
     };
     let words = if is_known { "its values are known from a fit" } else { "it is fitted first" };
-    console.step("beside", format!("model {beside}: {}; {words}", model_words(&model)));
+    console.step("beside", format!("model {beside}: {}; {words}", model_in_words(&model)));
     let attempt = Attempt::new(data.tried(), (&model, is_known), &hypothesis.library, &hypothesis.name)?;
     let unit = data.evidence().unit();
     let entry = Entry::new(&attempt, &hypothesis.shown, &hypothesis.name, unit).numbered(&ledger, beside, args.keep);
@@ -124,9 +127,4 @@ fn parse_setting(text: &str) -> Result<(String, f64), String> {
     let unit = value[end..].trim();
     let unit = if unit.is_empty() { Unit::ONE } else { Unit::parse(unit).map_err(|error| error.to_string())? };
     Ok((name.trim().to_owned(), unit.to_si(number)))
-}
-
-fn model_words(model: &Model) -> String {
-    let names: Vec<&str> = model.laws.iter().chain(&model.effects).map(|part| part.name.as_str()).collect();
-    names.join(", ")
 }

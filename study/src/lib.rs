@@ -57,7 +57,8 @@ pub use failures::{CovariateFigures, Failures};
 pub use first_look::{EXPECTED_SIMULATIONS, FirstAnswer};
 pub use hypothesis::Hypothesis;
 pub use ledger::{
-    AttemptTexts, Entry, LEDGER_FILE, Ledger, LedgerLine, Standing, TRIED_EFFECTS, errors_in_words, is_fitted,
+    AttemptTexts, Entry, LEDGER_FILE, Ledger, LedgerLine, Standing, TRIED_EFFECTS, is_fitted, model_in_words,
+    pair_in_words,
 };
 pub use measurements::{Data, Measurements};
 pub use next_trial_files::{NEXT_TRIAL, NEXT_TRIAL_NAMES, write_next_trial};
