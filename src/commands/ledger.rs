@@ -66,7 +66,7 @@ pub(super) fn run(args: &LedgerArgs, console: &Console) -> Result<()> {
         console.result(&entry.number.to_string(), entry.line())?;
     }
     let current = ledger.current();
-    for standing in &current {
+    if let Some(standing) = &current {
         console.result("current", format!("{}: {}", standing.number, standing.model.display()))?;
     }
     console.answer(&LedgerAnswer { current, attempts: ledger.entries().collect() })
