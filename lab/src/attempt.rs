@@ -130,7 +130,8 @@ impl Tried for ScanEvidence<'_> {
         let end = |fit: Fit, options: FitOptions| -> Result<Fit, EvidenceError> {
             Ok(fit.seen_anew(self)?.refined(self, options))
         };
-        let [before, with] = [end(before, CARRIED)?, end(with, LAST)?];
+        let (before, with) = rayon::join(|| end(before, CARRIED), || end(with, LAST));
+        let (before, with) = (before?, with?);
         if with.chi2 <= before.chi2 {
             return Ok([before, with]);
         }

@@ -2,6 +2,7 @@
 //! count once. What both miss alike cancels, so that a difference shows that neither error shows alone.
 
 use effects::CompiledModel;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
@@ -66,8 +67,9 @@ impl Paired {
 
 impl PairedSplit {
     fn new(evidence: &dyn Evidence, models: [&CompiledModel; 2], split: Split) -> Result<Self, EvidenceError> {
-        let residuals = [evidence.residuals(models[0], split)?, evidence.residuals(models[1], split)?];
-        let agreement = [evidence.agreement(models[0], split)?, evidence.agreement(models[1], split)?];
+        let residuals: Result<Vec<_>, _> = models.par_iter().map(|model| evidence.residuals(model, split)).collect();
+        let agreement: Result<Vec<_>, _> = models.par_iter().map(|model| evidence.agreement(model, split)).collect();
+        let (residuals, agreement) = (residuals?, agreement?);
         let unit = evidence.unit().per_one();
         let error = |of: &[Agreement]| unit * rms(of, |scan| scan.rms);
         let (delta_chi2, sigma, blocks) = difference([&residuals[0], &residuals[1]], &evidence.blocks(split));
