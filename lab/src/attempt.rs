@@ -184,7 +184,7 @@ fn begun(evidence: &dyn Totals, start: &CompiledModel, like: &Fit) -> Result<Fit
     Ok(fit.refined(evidence, CARRIED))
 }
 
-/// A fit begun anew from where it ended until that gains nothing: on an uneven lattice a step may fail that new derivatives
+/// A fit begun again from where it ended until that gains nothing: on an uneven lattice a step may fail that new derivatives
 /// make.
 fn to_the_end(evidence: &dyn Totals, mut fit: Fit) -> Result<Fit, EvidenceError> {
     for _ in 0..ATTEMPT_ROUNDS {

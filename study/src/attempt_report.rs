@@ -23,7 +23,7 @@ pub fn attempt_report(data: &Data, attempt: &Attempt, entry: &Entry) -> Result<S
     let report = pair_report(data, &attempt.models[1], (models, NAMES), &entry.paired)?;
     Ok(StudyReport {
         verdict: if entry.better == Better::Second { Verdict::Better } else { Verdict::NotBetter },
-        sentence: format!("{} {}", entry.tried, entry.sentence()),
+        sentence: format!("{}: {}", entry.tried, entry.sentence()),
         parameters: entry.parameters.iter().map(parameter).collect(),
         correlations: correlations(&attempt.with),
         diagnosis: serde_json::to_value(entry)?,
@@ -86,7 +86,12 @@ fn waterfall(data: &Data, names: [&str; 2], paired: &Paired) -> Waterfall {
         ..WaterfallStep::default()
     };
     let held_out = paired.held_out.as_ref();
-    let model = |k: usize| step(names[k], paired.calibration.rms[k], held_out.map(|split| split.rms[k]));
+    let excess = |rms: f64| (rms.powi(2) - paired.calibration.noise_floor.powi(2)).max(0.0);
+    let whole = excess(paired.calibration.rms[0]);
+    let model = |k: usize| WaterfallStep {
+        unexplained: (whole > 0.0).then(|| excess(paired.calibration.rms[k]) / whole),
+        ..step(names[k], paired.calibration.rms[k], held_out.map(|split| split.rms[k]))
+    };
     let floor = step("noise floor", paired.calibration.noise_floor, held_out.map(|split| split.noise_floor));
     Waterfall { misfit, passes: Vec::new(), steps: vec![model(0), model(1), floor], notes: Vec::new() }
 }

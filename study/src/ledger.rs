@@ -61,7 +61,7 @@ pub struct Entry {
     pub delta_chi2: f64,
     /// Parameters that the effect adds.
     pub added_parameters: usize,
-    /// In what the errors are told.
+    /// In what the errors are given.
     pub error_unit: ErrorUnit,
     /// Both models against the same data.
     #[serde(flatten)]

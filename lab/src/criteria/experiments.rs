@@ -12,7 +12,7 @@ criteria! {
     ATTEMPT_STARTS: usize = 12, "1", "chosen";
     /// Best of them that are fitted, beside one from no effect.
     ATTEMPT_FITS: usize = 1, "1", "chosen";
-    /// Most times that a fit on the coarse lattice is begun anew from where it ended.
+    /// Most times that a fit on the coarse lattice is begun again from where it ended.
     ATTEMPT_ROUNDS: usize = 2, "1", "chosen";
     /// Most effects that a next trial distinguishes, beside none of them.
     NEXT_TRIAL_HYPOTHESES: usize = 4, "1", "chosen: each costs a simulation of every trial on the menu";
