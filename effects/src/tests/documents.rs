@@ -20,6 +20,8 @@ fn the_examples_are_accepted() {
     let mut blocks = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let effect = check_file("spark-heat.toml", blocks.next().unwrap()).unwrap();
     assert_eq!(effect.name, "spark-heat");
+    let of_a_column = check_file("damp-abrasive.toml", blocks.next().unwrap()).unwrap();
+    assert_eq!(of_a_column.name, "damp-abrasive");
     let model = Model::parse("model.toml", blocks.next().unwrap(), Library::builtin()).unwrap();
     assert_eq!(model.values("grit-dulling", "dulling_volume"), [350e-9]);
     assert_eq!(blocks.next(), None);
