@@ -88,13 +88,17 @@ impl Attempt {
     /// - `is_known`: whether the model's values come from a fit to these data
     ///
     /// # Errors
-    /// When a model cannot be simulated.
+    /// When the data cannot show the effect, or a model cannot be simulated.
     pub fn new(
         evidence: &mut dyn Tried,
         (model, is_known): (&Model, bool),
         library: &Library,
         effect: &str,
     ) -> Result<Self, super::LabError> {
+        let refused = |why: &str| super::LabError::Refused(format!("{effect}: these data cannot show it: {why}"));
+        if let Some(why) = library.find(effect).and_then(|effect| evidence.is_blind_to(effect)) {
+            return Err(refused(&why));
+        }
         let mut larger = model.clone().with(effect);
         if let Some(free) = &mut larger.free {
             let own = library.find(effect).into_iter().flat_map(|effect| &effect.parameters);
@@ -104,6 +108,9 @@ impl Attempt {
         let larger = evidence.adapted(larger, library);
         let compiled = |model: &Model| CompiledModel::new(model, library, evidence.rows());
         let (small, large) = (compiled(model)?, compiled(&larger)?);
+        if evidence.coordinates(&large).len() == evidence.coordinates(&small).len() {
+            return Err(refused("none of its parameters can be fitted"));
+        }
         let [before, with] = evidence.fits(&Rivals { model: &small, is_known, larger: &large, effect })?;
         let folds = CrossValidation::by_pass(&*evidence, &with);
         let [without, beside] = [&before, &with].map(|fit| folds.prediction(fit).total());

@@ -101,6 +101,11 @@ fn what_cannot_be_tried_is_refused_and_nothing_is_written() {
         let told = refused(folder, &[&["try", campaign], &words[..]].concat());
         assert!(told.contains(said), "{words:?}: {told}");
     }
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tables/belt-sanding");
+    let output = robofin(folder, &["try", table.to_str().expect("a path"), "--effect", "tool-tilt"]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("tool-tilt: these data cannot show it: acts only across the surface"), "{told}");
     let told = refused(folder, &["ledger", "nowhere"]);
     assert!(told.contains("no ledger"), "{told}");
     fs::create_dir(folder.join("mine")).expect("a folder");
