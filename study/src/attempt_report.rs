@@ -1,17 +1,16 @@
 //! The page of an effect that was tried: how the error fell, and every scan without and with it.
 
 use effects::Model;
-use serde_json::Value;
 
+use super::calibrated::plain_report;
 use super::ledger::Entry;
 use super::maps::Seen;
 use super::measurements::Data;
-use super::provenance::provenance;
-use super::report_from_diagnosis::{compared, correlations, parameter};
+use super::report_from_diagnosis::{correlations, parameter};
 use crate::{Misfit, Stated, StudyReport, Verdict, Waterfall, WaterfallStep};
 use lab::{Attempt, Better, ErrorUnit, Paired, Result, Simulated};
 
-/// What the two models are called.
+/// Names of the two models on the page.
 const NAMES: [&str; 2] = ["without it", "with it"];
 
 /// Fills the report of an attempt.
@@ -44,32 +43,9 @@ pub fn pair_report(
     paired: &Paired,
 ) -> Result<StudyReport> {
     let simulated = data.scans().map(|(_, evidence)| Simulated::all(evidence, &models)).transpose()?;
-    let seen = data.scans().zip(simulated.as_deref()).map(|((_, evidence), simulated)| Seen {
-        evidence,
-        base: &simulated[0],
-        found: simulated.get(1),
-        lines: &[],
-    });
-    let seen = seen.as_ref();
-    Ok(StudyReport {
-        compared: compared((model, data.scans()), data.folder(), &data.notes(), &[]),
-        verdict: Verdict::NotBetter,
-        sentence: String::new(),
-        tests: Vec::new(),
-        waterfall: waterfall(data, names, paired),
-        volumes: seen.map(Seen::volumes).unwrap_or_default(),
-        scans: seen.map(Seen::scans).unwrap_or_default(),
-        sections: seen.map(Seen::sections).unwrap_or_default(),
-        covariates: Vec::new(),
-        suspects: Vec::new(),
-        parameters: Vec::new(),
-        correlations: None,
-        detectable: Vec::new(),
-        next_trial: None,
-        proposal: None,
-        provenance: provenance(data.folder(), 0)?,
-        diagnosis: Value::Null,
-    })
+    let seen = Seen::of(data, simulated.as_deref());
+    let report = plain_report(data, model, seen.as_ref(), (waterfall(data, names, paired), 0))?;
+    Ok(StudyReport { verdict: Verdict::NotBetter, ..report })
 }
 
 /// The errors of both models, and the floor.

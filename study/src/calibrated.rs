@@ -50,28 +50,36 @@ pub(super) fn bare_report(
 ) -> Result<StudyReport> {
     let models: Vec<&CompiledModel> = [base].into_iter().chain(with_effects).collect();
     let simulated = data.scans().map(|(_, evidence)| Simulated::all(evidence, &models)).transpose()?;
-    let seen = data.scans().zip(simulated.as_deref()).map(|((_, evidence), simulated)| Seen {
-        evidence,
-        base: &simulated[0],
-        found: simulated.get(1),
-        lines: &[],
-    });
-    let seen = seen.as_ref();
-    let (failures, covariates) = match (seen, data.rows()) {
+    let seen = Seen::of(data, simulated.as_deref());
+    let (failures, covariates) = match (&seen, data.rows()) {
         (Some(seen), _) => failures::of_scans(seen.evidence, (seen.base, seen.found), (degrees_of_freedom, seed)),
         (None, Some(rows)) => failures::of_rows(rows, (base, with_effects), (degrees_of_freedom, seed))?,
         (None, None) => Default::default(),
     };
+    let tests = residual_tests::reported(&failures.tests);
+    Ok(StudyReport { tests, covariates, ..plain_report(data, model, seen.as_ref(), (waterfall, seed))? })
+}
+
+/// A report with what was compared, a waterfall, maps, sections and volumes, and nothing tested, fitted or found.
+///
+/// # Errors
+/// When an input file cannot be read again for its hash.
+pub(super) fn plain_report(
+    data: &Data,
+    model: &Model,
+    seen: Option<&Seen>,
+    (waterfall, seed): (Waterfall, u64),
+) -> Result<StudyReport> {
     Ok(StudyReport {
         compared: compared((model, data.scans()), data.folder(), &data.notes(), &[]),
         verdict: super::Verdict::Calibrated,
         sentence: String::new(),
-        tests: residual_tests::reported(&failures.tests),
+        tests: Vec::new(),
         waterfall,
         volumes: seen.map(Seen::volumes).unwrap_or_default(),
         scans: seen.map(Seen::scans).unwrap_or_default(),
         sections: seen.map(Seen::sections).unwrap_or_default(),
-        covariates,
+        covariates: Vec::new(),
         suspects: Vec::new(),
         parameters: Vec::new(),
         correlations: None,

@@ -1,5 +1,6 @@
 //! Maps, sections and volumes of the report: every scan against the base model and the model with what was found.
 
+use super::measurements::Data;
 use super::track::{Ground, Volume, line_of};
 use crate::{Direction, ExposureMaps, HeightMaps, Maps, PassVolume, ScanComparison, ScanSection};
 use lab::Simulated;
@@ -54,6 +55,14 @@ pub fn pass_volume<'a>(
         uncertainty: all.uncertainty.hypot(earlier.uncertainty),
         simulated: all.simulated - earlier.simulated,
     })
+}
+
+impl<'a> Seen<'a> {
+    /// Scans with what a base model, and the model with what was found, make of them; `None` of a table.
+    pub fn of(data: &'a Data, simulated: Option<&'a [Simulated]>) -> Option<Self> {
+        let ((_, evidence), simulated) = data.scans().zip(simulated)?;
+        Some(Self { evidence, base: &simulated[0], found: simulated.get(1), lines: &[] })
+    }
 }
 
 impl Seen<'_> {
