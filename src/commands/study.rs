@@ -158,7 +158,7 @@ fn first_answer(course: &mut StudyState, console: &Console) -> Result<()> {
     course.simulate_once()?;
     let minutes = |count: f64| (started.elapsed().as_secs_f64() * count / 60.0).ceil();
     let [least, most] = EXPECTED_SIMULATIONS.map(minutes);
-    console.step("time", format!("the study will take about {least:.0} to {most:.0} min"));
+    console.step("time", format!("the study may take {least:.0} to {most:.0} min"));
     let answer = course.first_answer()?;
     let record = &mut course.record;
     console.step("first look", answer.words(record.noise_floor_um, record.error_unit.symbol()));

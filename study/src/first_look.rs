@@ -7,13 +7,13 @@ use lab::criteria::SIGNIFICANCE_LEVEL;
 use lab::{CovariateStudy, FirstLook, Promise, Result, Simulated, Split};
 use serde::{Deserialize, Serialize};
 
-/// Simulations of the calibration data that a study takes: with one search, and with three and a search for forms.
+/// Simulations of the calibration data that a study is assumed to take, at least and at most: a guess, not calibrated [1].
 pub const EXPECTED_SIMULATIONS: [f64; 2] = [600.0, 3000.0];
 
 /// The first answer.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FirstAnswer {
-    /// What the law leaves, roughly fitted, in the unit of errors.
+    /// Root mean square residual of the roughly fitted law, in the unit of errors.
     pub rms: f64,
     /// On what its error depends most, and the share of the excess that this explains alone; absent where nothing explains
     /// it beyond chance.
