@@ -1,4 +1,4 @@
-//! Whether proposed trials find an effect in fewer trials than a fixed plan does.
+//! Number of trials until an effect is found: proposed trials against a fixed plan.
 //!
 //! A virtual laboratory hides an effect and makes one trial of two equal passes. Then it makes one trial after the other: those
 //! that the diagnosis proposes, or the same one again and again. After each the table says what the diagnosis finds.
@@ -11,14 +11,14 @@ use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// What is hidden unless it is stated: as in campaign open-b, whose bead is four times as long.
+/// Default hidden effect: as in campaign open-b, whose bead is four times as long.
 const HIDDEN: &str = "grit-dulling:dulling_volume=350 mm^3";
 /// Trials that are added at most.
 const ADDED: usize = 3;
 /// Probability from which the question is settled, as a diagnosis has it.
 const SETTLED: f64 = lab::criteria::NAMED_PROBABILITY;
 
-/// What a diagnosis finds.
+/// Result of a diagnosis.
 #[derive(Clone)]
 struct Found {
     /// Probability of the hidden effect.

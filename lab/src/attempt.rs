@@ -65,7 +65,7 @@ impl Attempt {
 pub struct Rivals<'a> {
     /// The model.
     pub model: &'a CompiledModel,
-    /// Whether its values come from a fit to the same data.
+    /// True if its values come from a fit to the same data.
     pub is_known: bool,
     /// The model with the effect.
     pub larger: &'a CompiledModel,

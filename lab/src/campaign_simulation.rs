@@ -15,7 +15,7 @@ use trials::trial::Trial;
 pub struct CampaignError {
     /// Name of the trial.
     pub trial: String,
-    /// What is wrong with it.
+    /// The fault, with a hint.
     pub error: SimulationError,
 }
 

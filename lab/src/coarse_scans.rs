@@ -20,7 +20,7 @@ use crate::simulation::SimulatedPass;
 pub(super) struct CoarseScans<'e, 't> {
     fine: &'e ScanEvidence<'t>,
     simulation: Arc<CampaignSimulation<'t>>,
-    /// What the calibration residuals on the fine lattice have above those on this one.
+    /// Whitened calibration residuals on the fine lattice minus those on this one [1].
     correction: Vec<f64>,
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Written<'a> {
     pub(super) shown: &'a str,
     /// Unit of its values.
     pub(super) unit: &'a str,
-    /// What it is measured in.
+    /// Its unit.
     pub(super) dimension: Dimension,
     /// Values of calibration rows in that unit, rising.
     pub(super) values: &'a [f64],
@@ -96,7 +96,7 @@ impl ColumnForm {
         Some((format!("{name}.toml"), text.replace("NAME", name).replace("COLUMN", column.shown)))
     }
 
-    /// What an effect of this form says of a column, in words; `None` without a value of its size.
+    /// Sentence on an effect of this form of a column; `None` without a value of its size.
     pub(super) fn words(self, effect: &EffectSummary, column: &str) -> Option<String> {
         let size = |name: &str| effect.parameters.get(name);
         let percent = |of: &ParameterSummary| (significant(100.0 * of.value), interval(of, 100.0, " %"));

@@ -20,7 +20,7 @@ pub trait Reaches {
     /// States that formulas may read by their names beside those of a library.
     fn measured_states(&self) -> Vec<NamedState>;
 
-    /// What the data hold of each variable and state that a line reads; names of which they say nothing are left out.
+    /// Extent in the data of each variable and state that a line reads [SI]; names without one are left out.
     ///
     /// # Errors
     /// When the model cannot be simulated.

@@ -1,4 +1,4 @@
-//! What can be said of a model within a minute: a fit of its law on a coarser lattice, and what the first look at every
+//! The first answer on a model, within a minute: a fit of its law on a coarser lattice, and what the first look at every
 //! effect promises beside it. Nothing here is a verdict: no effect is fitted, and nothing is held against chance.
 
 use effects::{CompiledModel, Library, Model, candidates};
@@ -28,12 +28,12 @@ pub struct Promise {
     pub share: f64,
 }
 
-/// What the first look says.
+/// Result of the first look.
 #[derive(Clone)]
 pub struct FirstLook {
     /// The law as it was fitted.
     pub law: CompiledModel,
-    /// What it leaves of the calibration data, in the unit of errors.
+    /// Root mean square residual of the calibration data, in the unit of errors.
     pub rms: f64,
     /// The most promising effects.
     pub promises: Vec<Promise>,

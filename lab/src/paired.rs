@@ -15,7 +15,7 @@ use crate::criteria::INTERVAL_SIGMAS;
 pub struct PairedSplit {
     /// Errors of the two [unit of the data's errors].
     pub rms: [f64; 2],
-    /// What noise alone leaves, in the same unit.
+    /// Noise floor, in the same unit.
     pub noise_floor: f64,
     /// Robust sum of squares of the first above that of the second.
     pub delta_chi2: f64,

@@ -38,7 +38,7 @@ pub enum SimulationError {
     Path {
         /// From 1.
         pass: usize,
-        /// What is wrong with it.
+        /// The fault, with a hint.
         error: PathError,
     },
     /// More steps than end in a time that anyone waits.

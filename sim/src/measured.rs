@@ -11,7 +11,7 @@ const TEMPERATURE: &str = "temperature";
 pub struct Measured {
     /// Its name in formulas.
     pub name: String,
-    /// What it is measured in.
+    /// Its unit.
     pub dimension: Dimension,
     /// Times since the pass began [s], rising.
     pub times: Vec<f64>,

@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::wrong_use;
 use study::{Entry, LEDGER_FILE, Ledger, Standing};
 
-/// What the name of a ledger ends with that stands beside no other folder.
+/// Suffix of a ledger's default name.
 const SUFFIX: &str = "-ledger";
 
 /// Where a ledger is.

@@ -1,4 +1,4 @@
-//! What is tried beside a model: an effect of the library, a file, or a formula on one line.
+//! The hypothesis of an attempt: an effect of the library, a file, or a formula on one line.
 
 use effects::{Extent, Library, Model, NamedState, OneLine, check_file, hint};
 use files::{FileError, WrongUse};

@@ -45,13 +45,13 @@ pub enum LedgerLine {
 pub struct Entry {
     /// Number of the attempt, from 1.
     pub number: usize,
-    /// What was tried, as it was typed.
+    /// The hypothesis as it was typed.
     pub tried: String,
     /// Name of the effect.
     pub effect: String,
     /// Number of the model beside which it was tried.
     pub beside: usize,
-    /// Whether the model with it became the current one.
+    /// True if the model with it became the current one.
     pub kept: bool,
     /// Which model is better, by the data that no fit saw where there are any.
     pub better: Better,
@@ -114,7 +114,7 @@ impl Ledger {
         &self.folder
     }
 
-    /// What was tried, in order.
+    /// All attempts, in order.
     pub fn entries(&self) -> impl Iterator<Item = &Entry> {
         self.lines.iter().filter_map(|line| match line {
             LedgerLine::Try(entry) => Some(entry.as_ref()),

@@ -40,7 +40,7 @@ pub struct ReportInput<'a> {
     pub rows: Option<&'a RowEvidence<'a>>,
     /// Where it was read.
     pub folder: &'a Path,
-    /// What was found.
+    /// The value found.
     pub diagnosis: &'a Diagnosis,
     /// The same in numbers.
     pub summary: &'a DiagnosisSummary,

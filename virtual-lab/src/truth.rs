@@ -53,7 +53,7 @@ pub(super) struct Bout<'a> {
     controller: Controller,
     part: BrickGrid,
     trial_time: f64,
-    /// Whether a pass was made on the workpiece.
+    /// True if a pass was made on the workpiece.
     is_worked: bool,
 }
 

@@ -16,7 +16,7 @@ struct Open {
     powers: Vec<f64>,
 }
 
-/// What is known of the unknowns so far.
+/// The linear equations between dimensions that were solved so far.
 pub(super) struct Dimensions<'a> {
     text: &'a str,
     unknowns: &'a [String],

@@ -27,9 +27,9 @@ pub enum OneLineError {
         line: String,
         /// Character, from 1.
         at: usize,
-        /// What stands there.
+        /// The text found there.
         found: String,
-        /// What would be accepted.
+        /// The accepted text.
         expected: String,
     },
     /// It names no value that an effect may change, or several.
@@ -39,7 +39,7 @@ pub enum OneLineError {
     Value {
         /// The line.
         line: String,
-        /// What was found.
+        /// The value found.
         found: String,
         /// Values of the process.
         accepted: String,
@@ -49,7 +49,7 @@ pub enum OneLineError {
     Name {
         /// The name.
         name: String,
-        /// What is wrong with it.
+        /// The fault, with a hint.
         why: String,
     },
     /// Two parts that have other dimensions.
@@ -234,7 +234,7 @@ impl OneLine {
     }
 }
 
-/// What stands before a single `=`, and the formula.
+/// The text before a single `=`, and the formula.
 fn sides(line: &str) -> (Option<&str>, &str) {
     match line.split_once('=') {
         Some((name, formula)) if is_name(name.trim()) && !formula.starts_with('=') => {

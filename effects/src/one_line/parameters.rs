@@ -31,7 +31,7 @@ impl Extent {
     }
 }
 
-/// What is known of a parameter before any fit [its unit].
+/// Range and start of a parameter before any fit [SI].
 struct Guess {
     range: [f64; 2],
     default: f64,

@@ -1,4 +1,4 @@
-//! What may be the cause: the effects that are still in play, and none of them.
+//! The hypotheses: effects that are still in play, and none of them.
 
 use effects::CompiledModel;
 use nalgebra::{DMatrix, DVector};
@@ -60,7 +60,7 @@ impl<'a> Hypothesis<'a> {
         (models, ways)
     }
 
-    /// Whether the model has a parameter of its own for each pass or scan.
+    /// True if the model has a parameter of its own for each pass or scan.
     pub(super) fn has_rows(&self) -> bool {
         self.fit.model.parameters().iter().any(|slot| slot.row.is_some())
     }

@@ -220,7 +220,7 @@ impl Rated {
         MenuLine { summary: self.design.what.clone(), worth: self.worth() }
     }
 
-    /// What tells most in a minute first; of equals the one that was rated first.
+    /// Most information per minute first; of equals the one that was rated first.
     fn better_first(&self, other: &Self) -> Ordering {
         other.worth().nats_per_minute.total_cmp(&self.worth().nats_per_minute)
     }

@@ -1,4 +1,4 @@
-//! What hypotheses predict of a trial that was not made: each simulated, and seen as its scans would be.
+//! Predictions of a trial that was not made: each hypothesis simulated, and seen as its scans would be.
 
 use effects::{CompiledModel, States};
 use nalgebra::{DMatrix, DVector};

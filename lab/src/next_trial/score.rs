@@ -1,4 +1,4 @@
-//! What a trial is expected to say about hypotheses, before it is made.
+//! Expected information of a trial about hypotheses, before it is made.
 //!
 //! Near its best values the prediction of hypothesis `i` is normal: mean `f_i`, covariance `C_i = 1 + J_i A_i⁻¹ J_iᵀ` of
 //! whitened data, with the precision `A_i` of its parameters from all earlier data. Two hypotheses differ by
@@ -27,7 +27,7 @@ pub(super) struct Predicted {
     pub(super) jacobian: DMatrix<f64>,
 }
 
-/// What is known of a hypothesis.
+/// A hypothesis with its probability and fit.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Belief {
     /// Probability among all of them.
@@ -36,7 +36,7 @@ pub(super) struct Belief {
     pub(super) precision: DMatrix<f64>,
 }
 
-/// What a trial, or several together, are expected to say.
+/// Expected information of a trial, or of several together.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Score {
     /// Differences of each two hypotheses, symmetric.

@@ -18,7 +18,7 @@ use crate::column_unit::{ColumnUnit, named_unit, split};
 const MOST_COLUMNS: usize = 200;
 /// Name of the temperature in formulas.
 const TEMPERATURE: &str = "temperature";
-/// What an entry of `[columns]` may be.
+/// Accepted forms of an entry of `[columns]`.
 const ENTRY: &str = "the unit of a column, such as \"%\", or a value with its unit, such as \"45 %\", is expected";
 
 /// A quantity that formulas may read: a state of the tool of its name that never moves of its own follows it.
@@ -28,7 +28,7 @@ pub struct TrialColumn {
     pub name: String,
     /// Unit as the files write it, `1` of a plain number.
     pub unit: String,
-    /// What it is measured in.
+    /// Its unit.
     pub dimension: Dimension,
     /// SI value of one such unit, and of zero in the file.
     pub scale: (f64, f64),
