@@ -8,7 +8,7 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Each folder with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 18] = [
+const MAY_USE: [(&str, &[&str]); 19] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
@@ -19,7 +19,8 @@ const MAY_USE: [(&str, &[&str]); 18] = [
     ("sim", &["effects", "robot", "sdf-bake", "shaders"]),
     ("render", &["sdf-bake", "shaders"]),
     ("export", &["sdf-bake"]),
-    ("trials", &["effects", "files", "random", "robot", "sdf-bake"]),
+    ("instruments", &["files", "sdf-bake"]),
+    ("trials", &["effects", "files", "instruments", "random", "robot", "sdf-bake"]),
     ("paths", &["robot", "sdf-bake", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "robot", "sdf-bake", "shaders", "sim", "trials"]),
     ("study", &["effects", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),

@@ -34,8 +34,10 @@ impl Reading<'_> {
         let cells: Vec<&str> = self.order.iter().map(String::as_str).collect();
         let order = Order::of(&cells).map_err(|at| {
             let found = format!("{} is no number, and no date as in the rows before", quoted(&self.order[at]));
-            Place::cell(file, self.rows[at].line, column + 1)
-                .bad(found, "numbers, or dates such as 2024-03-31, 2024-03-31 14:05 or 31.03.2024, are expected")
+            Place::cell(file, self.rows[at].line, column + 1).bad::<TrialError>(
+                found,
+                "numbers, or dates such as 2024-03-31, 2024-03-31 14:05 or 31.03.2024, are expected",
+            )
         })?;
         let (keys, how) = match &order {
             Order::Numbers(keys) => (keys, "by number".to_owned()),

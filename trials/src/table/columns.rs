@@ -5,7 +5,9 @@ use effects::Dimension;
 use super::Removed;
 use super::manifest::{Column, Manifest};
 use crate::column_unit::ColumnUnit;
-use crate::trial::{TextRow, TrialError, nearest};
+use instruments::text_table::TextRow;
+
+use crate::trial::{TrialError, nearest};
 use files::input::{quoted_names, quoted_near};
 
 const LENGTH: Dimension = Dimension::whole([0, 1, 0, 0]);

@@ -1,6 +1,8 @@
 //! Numbers that stand for a missing value, such as -9999.
 
-use crate::trial::{TextTable, TrialError};
+use instruments::text_table::TextTable;
+
+use crate::trial::TrialError;
 
 /// Numbers that loggers and spreadsheets write for a missing value.
 const MARKS: [f64; 10] = [-99.0, -999.0, -9999.0, -99_999.0, 999.0, 9999.0, 99_999.0, -32_768.0, 1e30, -1e30];
@@ -19,7 +21,7 @@ impl Marks {
         text.rows(|row| {
             if std::mem::take(&mut is_header) {
                 columns = vec![Vec::new(); row.len()];
-                return Ok(true);
+                return Ok::<_, TrialError>(true);
             }
             for (at, values) in columns.iter_mut().enumerate().take(row.len()) {
                 values.extend(row.number(at).ok().flatten().filter(|value| value.is_finite()));

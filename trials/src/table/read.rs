@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
+use instruments::text_table::{TextRow, TextTable};
+
 use super::columns::{Columns, Load, Motion, Numbers};
 use super::manifest::Manifest;
 use super::missing::Marks;
 use super::{Row, Table, Usage, plausible};
-use crate::trial::{Covariate, Place, Role, TextRow, TextTable, TrialError};
+use crate::trial::{Covariate, Place, Role, TrialError};
 
 /// Rows with a removal that calibrate, at least.
 pub(super) const LEAST_ROWS: usize = 4;
@@ -44,9 +46,10 @@ pub(super) fn read(folder: &Path) -> Result<Table, TrialError> {
             None => reading = Some(Reading::new(&manifest, row, marks.take().expect("one header"))?),
             Some(reading) => reading.push(row)?,
         }
-        Ok(true)
+        Ok::<_, TrialError>(true)
     })?;
-    let reading = reading.ok_or_else(|| Place::file(&file).bad("no row", "a header and rows are expected"))?;
+    let reading =
+        reading.ok_or_else(|| Place::file(&file).bad::<TrialError>("no row", "a header and rows are expected"))?;
     reading.finish(folder, &text)
 }
 

@@ -1,24 +1,15 @@
 //! Why a trial cannot be read, and where in which file.
 
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use files::input::InputError;
+use instruments::Misread;
 use thiserror::Error;
+
+pub use instruments::Place;
 
 /// The check that a file's content alone fails.
 const CONTENT: &str = "content";
-
-/// A place in a file.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Place {
-    /// The file.
-    pub file: PathBuf,
-    /// Line, from 1.
-    pub line: Option<u64>,
-    /// Column, from 1: of cells in a table, of characters elsewhere.
-    pub column: Option<u64>,
-}
 
 /// Why a file of a trial cannot be used.
 #[derive(Debug, Error)]
@@ -48,38 +39,12 @@ pub enum TrialError {
     },
 }
 
-impl Place {
-    /// A whole file.
-    pub fn file(file: &Path) -> Self {
-        Self { file: file.to_owned(), ..Self::default() }
-    }
-
-    /// A line of a file, from 1.
-    pub fn line(file: &Path, line: u64) -> Self {
-        Self { line: Some(line), ..Self::file(file) }
-    }
-
-    /// A column of a line, both from 1.
-    pub fn cell(file: &Path, line: u64, column: usize) -> Self {
-        Self { column: Some(column as u64), ..Self::line(file, line) }
-    }
-
-    /// The place of a byte of a file's text.
-    pub fn of_byte(file: &Path, text: &str, byte: usize) -> Self {
-        let before = &text.as_bytes()[..byte.min(text.len())];
-        let line = 1 + before.iter().filter(|&&c| c == b'\n').count();
-        let start = before.iter().rposition(|&c| c == b'\n').map_or(0, |at| at + 1);
-        Self::cell(file, line as u64, 1 + String::from_utf8_lossy(&before[start..]).chars().count())
-    }
-
-    /// The same file at another line.
-    pub fn at_line(self, line: u64) -> Self {
-        Self { line: Some(line), column: None, ..self }
-    }
-
-    /// The error that something else was expected here.
-    pub fn bad(self, found: impl Into<String>, accepted: impl Into<String>) -> TrialError {
-        TrialError::Bad { check: CONTENT, place: self, found: found.into(), accepted: accepted.into() }
+impl From<Misread> for TrialError {
+    fn from(error: Misread) -> Self {
+        match error {
+            Misread::Input(error) => Self::Input(error),
+            Misread::Bad { place, found, accepted } => Self::Bad { check: CONTENT, place, found, accepted },
+        }
     }
 }
 
@@ -90,18 +55,5 @@ impl TrialError {
             Self::Bad { place, found, accepted, .. } => Self::Bad { check: name, place, found, accepted },
             other => other,
         }
-    }
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
-        if let Some(line) = self.line {
-            write!(f, ", line {line}")?;
-        }
-        if let Some(column) = self.column {
-            write!(f, ", column {column}")?;
-        }
-        Ok(())
     }
 }

@@ -4,11 +4,11 @@ use files::input::quoted_names;
 use std::path::Path;
 
 use glam::DVec3;
+use instruments::text_table::{TextRow, TextTable};
 use serde::Serialize;
 
 use super::error::{Place, TrialError};
 use super::scan::Read;
-use super::table::{Row, Table};
 
 /// Columns that every log has.
 pub const REQUIRED_COLUMNS: [&str; 6] = ["t_s", "x_mm", "y_mm", "z_mm", "force_n", "spindle_rpm"];
@@ -87,21 +87,22 @@ struct Reading {
 /// # Errors
 /// [`TrialError`] with line and column: a missing column, a cell that is no number, a clock that runs backwards.
 pub fn read_log(file: &Path) -> Result<Read<Log>, TrialError> {
-    let table = Table::read(file)?;
+    let table = TextTable::read(file)?;
     let mut reading: Option<Reading> = None;
     table.rows(|row| {
         match &mut reading {
             None => reading = Some(Reading::of(Columns::of(row)?)),
             Some(reading) => reading.push(row)?,
         }
-        Ok(true)
+        Ok::<_, TrialError>(true)
     })?;
-    let reading = reading.ok_or_else(|| Place::file(file).bad("no row", "a header and rows are expected"))?;
+    let reading =
+        reading.ok_or_else(|| Place::file(file).bad::<TrialError>("no row", "a header and rows are expected"))?;
     reading.finish(&table)
 }
 
 /// The finite number in a cell.
-fn finite(row: &Row, column: usize) -> Result<f64, TrialError> {
+fn finite(row: &TextRow, column: usize) -> Result<f64, TrialError> {
     match row.number(column)? {
         Some(value) if value.is_finite() => Ok(value),
         _ => Err(row.place(column).bad(row.shown(column), "a finite number is expected")),
@@ -109,7 +110,7 @@ fn finite(row: &Row, column: usize) -> Result<f64, TrialError> {
 }
 
 impl Columns {
-    fn of(header: &Row) -> Result<Self, TrialError> {
+    fn of(header: &TextRow) -> Result<Self, TrialError> {
         let names: Vec<String> = (0..header.len()).map(|k| header.text(k).trim_matches('"').to_owned()).collect();
         let find = |wanted: &str| names.iter().position(|name| name.eq_ignore_ascii_case(wanted));
         let need = |wanted: &str| {
@@ -117,7 +118,9 @@ impl Columns {
                 let near = super::manifest::nearest(wanted, names.iter().map(String::as_str));
                 let hint = near.map_or(String::new(), |near| format!(" ({near:?} is near, but not it)"));
                 let found = format!("no column {wanted}{hint} in the header {}", quoted_names(&names, KNOWN_COLUMNS));
-                header.place(0).bad(found, format!("the columns {} are expected", REQUIRED_COLUMNS.join(",")))
+                header
+                    .place(0)
+                    .bad::<TrialError>(found, format!("the columns {} are expected", REQUIRED_COLUMNS.join(",")))
             })
         };
         let mut required = [0; 6];
@@ -148,7 +151,7 @@ impl Reading {
         Self { columns, log, others, text, repeated: 0, cut: None }
     }
 
-    fn push(&mut self, row: &Row) -> Result<(), TrialError> {
+    fn push(&mut self, row: &TextRow) -> Result<(), TrialError> {
         if let Some((line, found)) = self.cut {
             return Err(self.wrong_count(row.place(0).at_line(line), found));
         }
@@ -178,7 +181,7 @@ impl Reading {
         self.push_others(row)
     }
 
-    fn approach(&self, row: &Row) -> Result<DVec3, TrialError> {
+    fn approach(&self, row: &TextRow) -> Result<DVec3, TrialError> {
         let Some([x, y, z]) = self.columns.approach else { return Ok(DVec3::Z) };
         let axis = DVec3::new(finite(row, x)?, finite(row, y)?, finite(row, z)?);
         // A tenth is far beyond rounding: these columns then hold something else.
@@ -188,7 +191,7 @@ impl Reading {
         Ok(axis.normalize())
     }
 
-    fn push_others(&mut self, row: &Row) -> Result<(), TrialError> {
+    fn push_others(&mut self, row: &TextRow) -> Result<(), TrialError> {
         if let Some(column) = self.columns.temperature {
             self.log.temperature.push(row.number(column)?.unwrap_or(f64::NAN));
         }
@@ -213,7 +216,7 @@ impl Reading {
         )
     }
 
-    fn finish(mut self, table: &Table) -> Result<Read<Log>, TrialError> {
+    fn finish(mut self, table: &TextTable) -> Result<Read<Log>, TrialError> {
         let mut notes = table.notes.clone();
         if let Some((line, found)) = self.cut {
             if !table.ends_within_a_line() {

@@ -150,8 +150,10 @@ impl Source {
     pub(crate) fn read(file: PathBuf) -> Result<Self, TrialError> {
         let bytes = input::read(&file, MOST_TEXT_BYTES)?;
         let text = String::from_utf8(bytes).map_err(|error| {
-            Place::file(&file)
-                .bad(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()), "UTF-8 text is expected")
+            Place::file(&file).bad::<TrialError>(
+                format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()),
+                "UTF-8 text is expected",
+            )
         })?;
         let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
         Ok(Self { file, text })

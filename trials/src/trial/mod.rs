@@ -1,7 +1,7 @@
 //! Trials: workpieces that were scanned, finished in passes, and scanned after each pass (`finishing-trial/1`).
 //!
 //! The road of the data: [`Campaign::read`] finds the trial folders, [`Trial::read`] reads `trial.toml` (`manifest`),
-//! each scan by its content (`scan`, `height_csv`, `keyence`, `x3p`, `mesh_scan`) and each log (`log`), finds the
+//! each scan by its content (`scan`) and each log (`log`), finds the
 //! quantities that formulas may read (`columns`), and checks that
 //! they fit each other (`plausible`). All is SI here; millimetres stay in the files.
 
@@ -9,19 +9,14 @@ mod campaign;
 mod columns;
 mod error;
 mod finding;
-mod height_csv;
-mod keyence;
 mod log;
 mod manifest;
-mod mesh_scan;
 mod plan;
 mod plausible;
 mod poses;
 mod read;
 mod scan;
-mod table;
 mod write;
-mod x3p;
 
 use std::path::PathBuf;
 
@@ -43,7 +38,6 @@ pub use plan::{PLAN_NAMES, write_plan};
 pub use plausible::least_gap;
 pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
 pub use scan::{ExposureMask, LabelMap, Read, ScanFrame, read_exposure, read_heights, read_labels};
-pub(crate) use table::{Row as TextRow, Table as TextTable};
 pub use write::{exposure_csv, heights_csv, labels_csv, log_csv, write_trial};
 
 /// A tool as the robot holds it.

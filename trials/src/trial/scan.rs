@@ -4,13 +4,13 @@ use std::path::Path;
 
 use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec2;
+use instruments::surface::plain_grid::Grid;
+use instruments::surface::{self, Source, Window};
+use instruments::text_table::TextTable;
 use sdf_bake::{HeightMap, PixelGrid};
 use serde::Serialize;
 
 use super::error::{Place, TrialError};
-use super::height_csv::Grid;
-use super::table::Table;
-use super::{keyence, mesh_scan, x3p};
 use crate::measure::median;
 
 /// Slope between neighbouring pixels that most of no surface has [1].
@@ -19,9 +19,9 @@ const MOST_SLOPE: f64 = 2.0;
 const NOISE: f64 = 4e-6;
 /// Relative difference of two pitches that is worth a word.
 const PITCH_NOTE: f64 = 1e-3;
+/// Relative difference of the two pitches of a map that is rounding.
+const SQUARE: f64 = 1e-6;
 
-/// Numbers that stand for a missing height: of ESRI grids, of 16-bit integers, of Surfer. No scan is metres deep.
-const MISSING_WORDS: [f64; 6] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0, 1.70141e38];
 /// Height between the lowest and the highest pixel that a scan of a weld may have [m].
 const MOST_SPAN: f64 = 1.0;
 
@@ -70,24 +70,21 @@ pub struct Read<T> {
     pub notes: Vec<String>,
 }
 
-/// Reads a height map: a plain grid in millimetres, a Keyence VR export, an X3P file, or an STL or PLY surface.
+/// Reads a height map in any format of [`instruments::surface`].
 ///
 /// # Errors
 /// [`TrialError`] with the place in the file.
 pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
     let bytes = input::read(file, MOST_MESH_BYTES)?;
-    if let Some(format) = mesh_scan::format(file, &bytes) {
-        let read = mesh_scan::read(file, &bytes, format, frame)?;
-        check_heights(file, &read.content)?;
-        return Ok(read);
+    let window = Window { origin: Some(frame.origin), pitch: Some(frame.pitch), shape: frame.shape };
+    let surface = surface::read(&Source { file, bytes: &bytes, window })?;
+    let mut notes = surface.notes;
+    let pitch = surface.pitch.unwrap_or(DVec2::splat(frame.pitch));
+    if (pitch.y / pitch.x - 1.0).abs() > SQUARE {
+        let found = format!("pixels of {} x {} mm", pitch.x * 1e3, pitch.y * 1e3);
+        return Err(Place::file(file).bad(found, "square pixels are expected"));
     }
-    let (pitch, grid) = if bytes.starts_with(x3p::MAGIC) {
-        let matrix = x3p::read(file, &bytes)?;
-        (matrix.pitch, matrix.grid)
-    } else {
-        heights_of_text(Table::parse(file, bytes)?, frame)?
-    };
-    let mut notes = grid.notes;
+    let pitch = pitch.x;
     if (pitch / frame.pitch - 1.0).abs() > PITCH_NOTE {
         notes.push(format!(
             "the file's pitch of {} mm is used, not pitch_mm = {} of trial.toml",
@@ -95,33 +92,10 @@ pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, Tr
             frame.pitch * 1e3
         ));
     }
-    let pixels = PixelGrid { origin: frame.origin, pitch, nx: grid.nx, ny: grid.ny };
-    let map = HeightMap { pixels, heights: grid.values };
+    let pixels = PixelGrid { origin: frame.origin, pitch, nx: surface.nx, ny: surface.ny };
+    let map = HeightMap { pixels, heights: surface.heights };
     check_heights(file, &map)?;
     Ok(Read { content: map, notes })
-}
-
-/// Pitch and heights [m] of a text: an export with its own pitch, or a plain grid in millimetres.
-fn heights_of_text(table: Table, frame: ScanFrame) -> Result<(f64, Grid), TrialError> {
-    if keyence::is_export(&table)? {
-        let export = keyence::read(&table)?;
-        return Ok((export.pitch, export.grid));
-    }
-    let mut grid = Grid::read(&table)?;
-    read_missing(&mut grid);
-    grid.values.iter_mut().for_each(|height| *height *= 1e-3);
-    Ok((frame.pitch, grid))
-}
-
-/// Takes the numbers that instruments write where they saw nothing as missing, and says so.
-fn read_missing(grid: &mut Grid) {
-    for word in MISSING_WORDS {
-        let cells = grid.values.iter_mut().filter(|height| **height == word);
-        let count = cells.map(|height| *height = f64::NAN).count();
-        if count > 0 {
-            grid.notes.push(format!("{count} cells say {word:?}: read as missing"));
-        }
-    }
 }
 
 /// Refuses maps without heights, and those whose unit cannot be the one assumed.
@@ -190,7 +164,7 @@ pub fn read_labels(file: &Path, frame: ScanFrame) -> Result<Read<LabelMap>, Tria
 }
 
 fn read_integers(file: &Path, frame: ScanFrame, most: f64, accepted: &str) -> Result<(PixelGrid, Grid), TrialError> {
-    let grid = Grid::read(&Table::read(file)?)?;
+    let grid = Grid::read(&TextTable::read(file)?)?;
     let good = |value: f64| value.is_nan() || ((0.0..=most).contains(&value) && value.fract() == 0.0);
     if let Some(at) = grid.values.iter().position(|&value| !good(value)) {
         let place = Place::cell(file, (at / grid.nx + 1) as u64, at % grid.nx + 1);

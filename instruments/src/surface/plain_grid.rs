@@ -1,16 +1,43 @@
 //! Height maps and masks as plain grids: one row per y, one cell per x, an empty cell where nothing was seen.
 
-use super::error::{Place, TrialError};
-use super::table::Table;
+use super::{Format, Source, Surface};
+use crate::misread::{Misread, Place};
+use crate::text_table::{TextRow, TextTable};
+
+/// Numbers that stand for a missing height: of ESRI grids, of 16-bit integers, of Surfer. No scan is metres deep.
+const MISSING_WORDS: [f64; 6] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0, 1.70141e38];
+
+/// A table whose cells are heights in millimetres.
+pub(super) struct PlainGrid;
+
+impl Format for PlainGrid {
+    fn name(&self) -> &'static str {
+        "plain grid"
+    }
+
+    fn recognises(&self, source: &Source) -> bool {
+        TextTable::parse(source.file, source.bytes.into()).is_ok()
+    }
+
+    fn read(&self, source: &Source) -> Result<Surface, Misread> {
+        let mut grid = Grid::read(&TextTable::parse(source.file, source.bytes.into())?)?;
+        grid.clear_missing();
+        let heights = grid.values.iter().map(|height| height * 1e-3).collect();
+        let Grid { nx, ny, notes, .. } = grid;
+        Ok(Surface { format: self.name(), nx, ny, pitch: None, origin: None, heights, notes })
+    }
+}
 
 /// A grid of numbers, NaN where a cell is empty.
-pub(super) struct Grid {
-    pub(super) nx: usize,
-    pub(super) ny: usize,
+pub struct Grid {
+    /// Cells in a row.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
     /// Shape `[ny, nx]`.
-    pub(super) values: Vec<f64>,
+    pub values: Vec<f64>,
     /// What was odd, in sentences.
-    pub(super) notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 /// Collects the rows of a grid and remembers what was odd.
@@ -26,16 +53,30 @@ pub(super) struct GridRows {
 
 impl Grid {
     /// Reads a whole table as a grid.
-    pub(super) fn read(table: &Table) -> Result<Self, TrialError> {
+    ///
+    /// # Errors
+    /// [`Misread`] where rows differ in length or a cell is no number.
+    pub fn read(table: &TextTable) -> Result<Self, Misread> {
         let mut rows = GridRows::default();
         table.rows(|row| rows.push(row).map(|()| true))?;
         rows.finish(table)
+    }
+
+    /// Takes the numbers that instruments write where they saw nothing as missing, and says so.
+    fn clear_missing(&mut self) {
+        for word in MISSING_WORDS {
+            let cells = self.values.iter_mut().filter(|height| **height == word);
+            let count = cells.map(|height| *height = f64::NAN).count();
+            if count > 0 {
+                self.notes.push(format!("{count} cells say {word:?}: read as missing"));
+            }
+        }
     }
 }
 
 impl GridRows {
     /// Adds a row; a shorter one must be the last.
-    pub(super) fn push(&mut self, row: &super::table::Row) -> Result<(), TrialError> {
+    pub(super) fn push(&mut self, row: &TextRow) -> Result<(), Misread> {
         let nx = *self.nx.get_or_insert(row.len());
         if let Some((line, found)) = self.cut_row {
             return Err(row.place(0).at_line(line).bad(
@@ -62,7 +103,7 @@ impl GridRows {
         Ok(())
     }
 
-    fn push_cell(&mut self, row: &super::table::Row, column: usize) -> Result<(), TrialError> {
+    fn push_cell(&mut self, row: &TextRow, column: usize) -> Result<(), Misread> {
         let cell = row.cell(column);
         self.fractions += usize::from(cell.contains(&b'.') || cell.contains(&b','));
         self.leading_zeros += usize::from(cell.len() > 1 && cell[0] == b'0' && cell[1].is_ascii_digit());
@@ -79,7 +120,7 @@ impl GridRows {
     }
 
     /// The grid, if the rows make one.
-    pub(super) fn finish(self, table: &Table) -> Result<Grid, TrialError> {
+    pub(super) fn finish(self, table: &TextTable) -> Result<Grid, Misread> {
         let nx = self.nx.unwrap_or(0);
         let ny = self.values.len().checked_div(nx).unwrap_or(0);
         let place = || Place::file(table.file());

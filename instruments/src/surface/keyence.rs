@@ -3,9 +3,12 @@
 //! The keys are localised, so that pitch and unit are found by their form: the first key whose value is a length with
 //! its unit is the pixel pitch, the key whose value is a unit alone is the unit of the heights.
 
-use super::error::{Place, TrialError};
-use super::height_csv::{Grid, GridRows};
-use super::table::{Row, Table};
+use glam::DVec2;
+
+use super::plain_grid::{Grid, GridRows};
+use super::{Format, Source, Surface};
+use crate::misread::{Misread, Place};
+use crate::text_table::{TextRow, TextTable};
 
 /// Most lines of keys before the heights.
 const MOST_KEYS: usize = 60;
@@ -24,28 +27,46 @@ struct Keys {
     counts: Vec<usize>,
 }
 
-/// A height map with its own pitch and unit.
-pub(super) struct Export {
-    /// Pixel pitch [m].
-    pub(super) pitch: f64,
-    /// Heights [m].
-    pub(super) grid: Grid,
+/// Exports as text of Keyence's VR series.
+pub(super) struct KeyenceExport;
+
+impl Format for KeyenceExport {
+    fn name(&self) -> &'static str {
+        "Keyence export"
+    }
+
+    fn recognises(&self, source: &Source) -> bool {
+        TextTable::parse(source.file, source.bytes.into()).is_ok_and(|table| is_export(&table).unwrap_or(false))
+    }
+
+    fn read(&self, source: &Source) -> Result<Surface, Misread> {
+        let (pitch, grid) = read(&TextTable::parse(source.file, source.bytes.into())?)?;
+        Ok(Surface {
+            format: self.name(),
+            nx: grid.nx,
+            ny: grid.ny,
+            pitch: Some(DVec2::splat(pitch)),
+            origin: None,
+            heights: grid.values,
+            notes: grid.notes,
+        })
+    }
 }
 
 /// Whether a table begins with key lines as such an export does.
-pub(super) fn is_export(table: &Table) -> Result<bool, TrialError> {
+fn is_export(table: &TextTable) -> Result<bool, Misread> {
     let (mut lines, mut key_lines) = (0, 0);
     table.rows(|row| {
         lines += 1;
         let is_key = row.len() <= KEY_CELLS && !row.cell(0).is_empty() && row.number(0).is_err();
         key_lines += usize::from(is_key);
-        Ok(lines < 5)
+        Ok::<_, Misread>(lines < 5)
     })?;
     Ok(key_lines >= 4)
 }
 
-/// Reads an export.
-pub(super) fn read(table: &Table) -> Result<Export, TrialError> {
+/// Pixel pitch [m] and heights [m] of an export.
+fn read(table: &TextTable) -> Result<(f64, Grid), Misread> {
     let mut keys = Keys::default();
     let mut rows = GridRows::default();
     table.rows(|row| {
@@ -54,7 +75,7 @@ pub(super) fn read(table: &Table) -> Result<Export, TrialError> {
         } else {
             rows.push(row)?;
         }
-        Ok(true)
+        Ok::<_, Misread>(true)
     })?;
     let place = || Place::file(table.file());
     const ACCEPTED: &str = "a height export with its pixel pitch (\"XY Calibration\") and \"Unit\" is expected";
@@ -79,12 +100,12 @@ pub(super) fn read(table: &Table) -> Result<Export, TrialError> {
         pitch * 1e6,
         unit_name(unit)
     ));
-    Ok(Export { pitch, grid })
+    Ok((pitch, grid))
 }
 
 impl Keys {
     /// Takes in one line before the heights.
-    fn read(&mut self, row: &Row) -> Result<(), TrialError> {
+    fn read(&mut self, row: &TextRow) -> Result<(), Misread> {
         self.lines += 1;
         if self.lines > MOST_KEYS {
             return Err(row.place(0).bad(

@@ -1,41 +1,47 @@
 //! X3P files (ISO 25178-72): `main.xml` and binary heights in a zip.
 
-use files::input::{quoted, quoted_near};
 use std::io::{Cursor, Read};
 use std::path::Path;
 
+use files::input::{quoted, quoted_near};
+use glam::DVec2;
 use roxmltree::{Document, Node};
 use zip::ZipArchive;
 
-use super::error::{Place, TrialError};
-use super::height_csv::Grid;
+use super::{Format, MOST_PIXELS, Source, Surface};
+use crate::misread::{Misread, Place};
 
 /// First bytes of a zip.
-pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
+const MAGIC: &[u8] = b"PK\x03\x04";
 /// Description of the file.
 const MAIN: &str = "main.xml";
 /// Bytes that a description may have.
 const MOST_XML: u64 = 16 << 20;
-/// Pixels that a map may have.
-const MOST_PIXELS: usize = 1 << 28;
-/// Relative difference of the two pitches that is rounding.
-const SQUARE: f64 = 1e-6;
 
 const ACCEPTED: &str = "an X3P file (ISO 25178-72) with one matrix of heights is expected";
 
-/// A height map with its own pitch.
-pub(super) struct Matrix {
-    /// Pixel pitch [m].
-    pub(super) pitch: f64,
-    /// Heights [m].
-    pub(super) grid: Grid,
+/// X3P files.
+pub(super) struct X3p;
+
+impl Format for X3p {
+    fn name(&self) -> &'static str {
+        "X3P"
+    }
+
+    fn recognises(&self, source: &Source) -> bool {
+        source.bytes.starts_with(MAGIC)
+    }
+
+    fn read(&self, source: &Source) -> Result<Surface, Misread> {
+        read(source.file, source.bytes)
+    }
 }
 
 /// What `main.xml` says of the matrix.
 struct Description {
     nx: usize,
     ny: usize,
-    pitch: f64,
+    pitch: DVec2,
     /// Metres in a step of z, and height of step zero [m].
     scale: (f64, f64),
     kind: Kind,
@@ -53,7 +59,7 @@ enum Kind {
 }
 
 /// Reads the bytes of a file.
-pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Matrix, TrialError> {
+fn read(file: &Path, bytes: &[u8]) -> Result<Surface, Misread> {
     let bad = |found: String| Place::file(file).bad(found, ACCEPTED);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| bad(format!("no readable zip: {error}")))?;
     let xml = member(&mut archive, MAIN, MOST_XML).map_err(&bad)?;
@@ -100,9 +106,9 @@ impl Description {
             return Err(format!("a matrix of {nx} x {ny} x {layers}"));
         }
         let axis = |name: &'static str, key: &'static str| ["Record1", "Axes", name, key];
-        let (pitch, pitch_y) = (number(&axis("CX", "Increment"))?, number(&axis("CY", "Increment"))?);
-        if !(pitch > 0.0 && pitch.is_finite() && (pitch_y / pitch - 1.0).abs() < SQUARE) {
-            return Err(format!("pixels of {pitch} x {pitch_y} m, and square ones are needed"));
+        let pitch = DVec2::new(number(&axis("CX", "Increment"))?, number(&axis("CY", "Increment"))?);
+        if !(pitch.cmpgt(DVec2::ZERO).all() && pitch.is_finite()) {
+            return Err(format!("pixels of {} x {} m", pitch.x, pitch.y));
         }
         let kind = match text(&axis("CZ", "DataType")).as_deref() {
             Some("I") => Kind::I16,
@@ -117,16 +123,23 @@ impl Description {
         Ok(Self { nx, ny, pitch, scale, kind, members: (heights, link("ValidPointsLink")) })
     }
 
-    fn decoded(&self, bytes: &[u8], valid: Option<&[u8]>) -> Matrix {
+    fn decoded(&self, bytes: &[u8], valid: Option<&[u8]>) -> Surface {
         let is_valid =
             |at: usize| valid.is_none_or(|bits| bits.get(at / 8).is_some_and(|byte| byte >> (at % 8) & 1 == 1));
         let heights = bytes.chunks_exact(self.kind.size()).enumerate().map(|(at, chunk)| {
             let height = self.kind.value(chunk) * self.scale.0 + self.scale.1;
             if is_valid(at) && height.is_finite() { height } else { f64::NAN }
         });
-        let note = format!("X3P file: {} x {} pixels, pitch {} µm", self.nx, self.ny, self.pitch * 1e6);
-        let grid = Grid { nx: self.nx, ny: self.ny, values: heights.collect(), notes: vec![note] };
-        Matrix { pitch: self.pitch, grid }
+        let note = format!("X3P file: {} x {} pixels, pitch {} µm", self.nx, self.ny, self.pitch.x * 1e6);
+        Surface {
+            format: X3p.name(),
+            nx: self.nx,
+            ny: self.ny,
+            pitch: Some(self.pitch),
+            origin: None,
+            heights: heights.collect(),
+            notes: vec![note],
+        }
     }
 }
 

@@ -1,47 +1,58 @@
 //! Text tables as programs and people write them: the separator, the decimal mark and the line ends are sniffed.
 
-use files::input::{self, MOST_TABLE_BYTES, quoted};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use super::error::{Place, TrialError};
+use files::input::{self, MOST_TABLE_BYTES, quoted};
+
+use crate::misread::{Misread, Place};
 
 /// Lines looked at to tell what separates cells.
 const SNIFFED_LINES: usize = 50;
 
 /// A table's text and what was understood of it.
-pub(crate) struct Table {
+pub struct TextTable<'a> {
     file: PathBuf,
-    text: Vec<u8>,
+    text: Cow<'a, [u8]>,
     separator: u8,
     decimal_comma: bool,
     /// What was understood, in sentences, where it is not the plain case.
-    pub(crate) notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 /// One row of cells.
-pub(crate) struct Row<'a> {
-    table: &'a Table,
+pub struct TextRow<'a> {
+    table: &'a TextTable<'a>,
     record: &'a csv::ByteRecord,
     /// Line in the file, from 1.
-    pub(crate) line: u64,
+    pub line: u64,
 }
 
-impl Table {
+impl TextTable<'static> {
     /// Reads a file that must hold text.
-    pub(crate) fn read(file: &Path) -> Result<Self, TrialError> {
-        let bytes = input::read(file, MOST_TABLE_BYTES)?;
-        Self::parse(file, bytes)
-    }
+    ///
+    /// # Errors
+    /// [`Misread`] where it is no text.
 
+    pub fn read(file: &Path) -> Result<Self, Misread> {
+        let bytes = input::read(file, MOST_TABLE_BYTES)?;
+        Self::parse(file, bytes.into())
+    }
+}
+
+impl<'a> TextTable<'a> {
     /// Understands the bytes of a file.
-    pub(crate) fn parse(file: &Path, mut text: Vec<u8>) -> Result<Self, TrialError> {
+    ///
+    /// # Errors
+    /// [`Misread`] where they are no text.
+    pub fn parse(file: &Path, mut text: Cow<'a, [u8]>) -> Result<Self, Misread> {
         const ACCEPTED: &str = "a table in UTF-8 or ASCII is expected";
         if text.starts_with(&[0xff, 0xfe]) || text.starts_with(&[0xfe, 0xff]) {
             return Err(Place::file(file).bad("the text is UTF-16", ACCEPTED));
         }
         let mut notes = Vec::new();
         if text.starts_with(&[0xef, 0xbb, 0xbf]) {
-            text.drain(..3);
+            text = without_mark(text);
         }
         if text.trim_ascii().is_empty() {
             return Err(Place::file(file).bad("the file is empty", ACCEPTED));
@@ -62,44 +73,58 @@ impl Table {
     }
 
     /// The file it came from.
-    pub(crate) fn file(&self) -> &Path {
+    pub fn file(&self) -> &Path {
         &self.file
     }
 
     /// Whether the last line is not ended, as where writing was cut short.
-    pub(crate) fn ends_within_a_line(&self) -> bool {
+    pub fn ends_within_a_line(&self) -> bool {
         !self.text.ends_with(b"\n") && !self.text.ends_with(b"\r")
     }
 
     /// Calls `each` with every row that is not empty, in order, until it answers false.
-    pub(crate) fn rows(&self, mut each: impl FnMut(&Row) -> Result<bool, TrialError>) -> Result<(), TrialError> {
+    ///
+    /// # Errors
+    /// [`Misread`] where the text makes no rows, and those of `each`.
+    pub fn rows<E: From<Misread>>(&self, mut each: impl FnMut(&TextRow) -> Result<bool, E>) -> Result<(), E> {
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(self.separator)
             .has_headers(false)
             .flexible(true)
-            .from_reader(self.text.as_slice());
+            .from_reader(&*self.text);
         let mut record = csv::ByteRecord::new();
         loop {
             let more = reader
                 .read_byte_record(&mut record)
-                .map_err(|error| Place::file(&self.file).bad(error.to_string(), "a table of cells is expected"))?;
+                .map_err(|error| Place::file(&self.file).bad::<E>(error.to_string(), "a table of cells is expected"))?;
             if !more {
                 return Ok(());
             }
             let line = record.position().map_or(0, |position| self.line_of(position));
-            if !each(&Row { table: self, record: &record, line })? {
+            if !each(&TextRow { table: self, record: &record, line })? {
                 return Ok(());
             }
         }
     }
 }
 
-impl Table {
+impl TextTable<'_> {
     /// The line of a row: a reader that was left between CR and LF stands before the ends of lines that come first.
     fn line_of(&self, position: &csv::Position) -> u64 {
         let rest = &self.text[(position.byte() as usize).min(self.text.len())..];
         let ends = rest.iter().take_while(|c| b"\r\n".contains(c)).filter(|&&c| c == b'\n').count();
         position.line() + ends as u64
+    }
+}
+
+/// The text behind the mark of UTF-8.
+fn without_mark(text: Cow<[u8]>) -> Cow<[u8]> {
+    match text {
+        Cow::Borrowed(text) => Cow::Borrowed(&text[3..]),
+        Cow::Owned(mut text) => {
+            text.drain(..3);
+            Cow::Owned(text)
+        }
     }
 }
 
@@ -127,29 +152,29 @@ fn sniff(text: &[u8]) -> (u8, bool) {
     (separator, separator != b',' && lines().any(comma_between_digits))
 }
 
-impl Row<'_> {
+impl TextRow<'_> {
     /// Number of cells.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.record.len()
     }
 
     /// A cell's bytes without blanks around them; empty beyond the row.
-    pub(crate) fn cell(&self, column: usize) -> &[u8] {
+    pub fn cell(&self, column: usize) -> &[u8] {
         self.record.get(column).unwrap_or_default().trim_ascii()
     }
 
     /// A cell as text for people, shortened.
-    pub(crate) fn text(&self, column: usize) -> String {
+    pub fn text(&self, column: usize) -> String {
         String::from_utf8_lossy(self.cell(column)).chars().take(40).collect()
     }
 
     /// As much of a cell as an error may repeat.
-    pub(crate) fn shown(&self, column: usize) -> String {
+    pub fn shown(&self, column: usize) -> String {
         quoted(&String::from_utf8_lossy(self.cell(column)))
     }
 
     /// The number in a cell, `None` if the cell is empty. Words for "not a number" give NaN.
-    pub(crate) fn number(&self, column: usize) -> Result<Option<f64>, TrialError> {
+    pub fn number(&self, column: usize) -> Result<Option<f64>, Misread> {
         let cell = self.cell(column);
         if cell.is_empty() {
             return Ok(None);
@@ -166,7 +191,7 @@ impl Row<'_> {
     }
 
     /// Place of a cell.
-    pub(crate) fn place(&self, column: usize) -> Place {
+    pub fn place(&self, column: usize) -> Place {
         Place::cell(&self.table.file, self.line, column + 1)
     }
 }

@@ -1,0 +1,100 @@
+//! Height maps as instruments and people write them.
+//!
+//! [`read`] asks the formats of `FORMATS` in turn whether a file is theirs, by its content and, where that has no mark,
+//! its name. A format is a file of this folder with one type behind [`Format`]; adding one is a file and a line here.
+//!
+//! Maps are right-handed, seen from above: pixel (i, j) of `[ny, nx]` lies at `origin + (i, j) · pitch`.
+
+mod keyence;
+mod mesh;
+pub mod plain_grid;
+mod window;
+mod x3p;
+
+use std::path::Path;
+
+use glam::DVec2;
+use sdf_bake::{HeightMap, PixelGrid};
+
+use crate::misread::Misread;
+
+/// Pixels that a map may have.
+const MOST_PIXELS: usize = 1 << 28;
+
+/// The formats in the order in which they are asked; a plain grid, which any table may be, comes last.
+const FORMATS: [&dyn Format; 4] = [&x3p::X3p, &mesh::Mesh, &keyence::KeyenceExport, &plain_grid::PlainGrid];
+
+/// A file format of height maps.
+trait Format: Sync {
+    /// Name for people.
+    fn name(&self) -> &'static str;
+
+    /// Whether a file is of this format.
+    fn recognises(&self, source: &Source) -> bool;
+
+    /// Reads a file of this format.
+    fn read(&self, source: &Source) -> Result<Surface, Misread>;
+}
+
+/// A file that is to be read, and where pixels are wanted if it has none of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// Its name.
+    pub file: &'a Path,
+    /// Its content.
+    pub bytes: &'a [u8],
+    /// Pixels for formats without pixels, as meshes and clouds.
+    pub window: Window,
+}
+
+/// The pixels at which a surface without pixels is looked at; what is `None` follows from the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Window {
+    /// x, y of the first pixel [m].
+    pub origin: Option<DVec2>,
+    /// Distance between pixels [m].
+    pub pitch: Option<f64>,
+    /// Pixels along x and y.
+    pub shape: Option<(usize, usize)>,
+}
+
+/// A height map of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Name of the file's format.
+    pub format: &'static str,
+    /// Pixels along x.
+    pub nx: usize,
+    /// Pixels along y.
+    pub ny: usize,
+    /// Distance between pixels along x and along y [m]; `None` where the file does not tell.
+    pub pitch: Option<DVec2>,
+    /// x, y of the first pixel [m]; `None` where the file does not tell.
+    pub origin: Option<DVec2>,
+    /// Heights [m], NaN where missing, shape `[ny, nx]`.
+    pub heights: Vec<f64>,
+    /// What was understood, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl Surface {
+    /// A map on square pixels.
+    fn on(format: &'static str, map: HeightMap, notes: Vec<String>) -> Self {
+        let PixelGrid { origin, pitch, nx, ny } = map.pixels;
+        Self { format, nx, ny, pitch: Some(DVec2::splat(pitch)), origin: Some(origin), heights: map.heights, notes }
+    }
+}
+
+/// Reads a height map.
+///
+/// # Errors
+/// [`Misread`] with the place in the file.
+pub fn read(source: &Source) -> Result<Surface, Misread> {
+    let plain: &dyn Format = &plain_grid::PlainGrid;
+    FORMATS.into_iter().find(|format| format.recognises(source)).unwrap_or(plain).read(source)
+}
+
+/// Names of the formats that are read.
+pub fn formats() -> impl Iterator<Item = &'static str> {
+    FORMATS.into_iter().map(|format| format.name())
+}
