@@ -10,16 +10,14 @@ use super::scans::{ScanData, ScanView};
 use super::tile_noise::{FittedNoise, TileNoise};
 use super::tiles::TileGrid;
 use crate::criteria::{BORDER_REACH, TILE_LEAST_SIDE, TILES_PER_SCAN};
-use trials::measure::{CLEARANCE, NoiseFloor, despiked, noise_floor, untouched};
-use trials::trial::{PassScan, Role, TRIAL_FILE, ToolPath, Trial, least_gap};
+use trials::measure::{CLEARANCE, NoiseSource, ScanNoise, despiked, roughness, untouched};
+use trials::trial::{PassScan, Role, ToolPath, Trial, least_gap};
 
 /// The scans of a campaign as data, and the noise of one scan by trial.
 pub(super) struct Prepared {
     pub(super) views: Vec<ScanView>,
-    pub(super) noise: Vec<NoiseFloor>,
+    pub(super) noise: Vec<ScanNoise>,
     pub(super) tile_noise: Vec<Option<FittedNoise>>,
-    /// Height of the repeated scan above the scan before the first pass, after registration [m], by trial.
-    pub(super) repeats: Vec<HeightMap>,
 }
 
 /// A trial's scans before the first pass, and where its passes went.
@@ -27,9 +25,7 @@ struct Surface<'a> {
     trial: &'a Trial,
     /// Without spikes.
     before: HeightMap,
-    /// What is left of the repeated scan after laying it on the first.
-    left: HeightMap,
-    floor: NoiseFloor,
+    noise: ScanNoise,
     passes: Vec<Touched>,
 }
 
@@ -49,9 +45,11 @@ impl Prepared {
     /// Prepares all scans.
     ///
     /// # Errors
-    /// The first trial without a repeated scan, or with a pass that shows nothing.
+    /// The first trial whose noise is not known, or with a pass that shows nothing.
     pub(super) fn new(trials: &[Trial]) -> Result<Self, EvidenceError> {
-        let surfaces: Vec<Surface> = trials.par_iter().map(Surface::new).collect::<Result<_, _>>()?;
+        let noise = ScanNoise::of_campaign(trials).map_err(|error| EvidenceError::NoData(error.to_string()))?;
+        let surfaces: Vec<Surface> =
+            trials.par_iter().zip(noise).map(|(trial, noise)| Surface::new(trial, noise)).collect();
         let mut sides: Vec<usize> = surfaces
             .iter()
             .flat_map(|surface| &surface.passes)
@@ -71,20 +69,14 @@ impl Prepared {
             noises.iter().find(|noise| noise.0 == side)?.1[k].clone()
         });
         let tile_noise = tile_noise.collect();
-        let (noise, repeats) = surfaces.into_iter().map(|surface| (surface.floor, surface.left)).unzip();
-        Ok(Self { views: views.into_iter().flatten().collect(), noise, tile_noise, repeats })
+        let noise = surfaces.into_iter().map(|surface| surface.noise).collect();
+        Ok(Self { views: views.into_iter().flatten().collect(), noise, tile_noise })
     }
 }
 
 impl<'a> Surface<'a> {
-    fn new(trial: &'a Trial) -> Result<Self, EvidenceError> {
+    fn new(trial: &'a Trial, noise: ScanNoise) -> Self {
         let before = trial.scans.clean_before();
-        let repeat = trial.scans.repeats.first().ok_or_else(|| EvidenceError::NoData(no_repeat(trial)))?;
-        let (repeat, _) = despiked(repeat);
-        let floor = noise_floor(&before, &repeat).map_err(|error| bad(trial, format!("the repeated scan: {error}")))?;
-        let left = HeightMap { heights: floor.registration.left(&repeat, &before), ..before.clone() };
-        // A spike on a steep rim shows only in the difference.
-        let (left, _) = despiked(&left);
         let mut free = vec![true; before.heights.len()];
         let mut touched = |pass: &trials::trial::Pass| {
             let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
@@ -93,7 +85,7 @@ impl<'a> Surface<'a> {
             Touched { path, side: tile_side(&free, &before), free: free.clone() }
         };
         let passes = trial.passes.iter().map(&mut touched).collect();
-        Ok(Self { trial, before, left, floor, passes })
+        Self { trial, before, noise, passes }
     }
 
     fn is_ground(&self) -> bool {
@@ -135,7 +127,7 @@ impl<'a> Surface<'a> {
 
     /// Why the noise of tiles of a side [pixels] is not known.
     fn no_noise(&self, side: usize) -> String {
-        let (nx, ny) = TileGrid { pixels: self.left.pixels, side }.shape();
+        let (nx, ny) = TileGrid { pixels: self.noise.left.pixels, side }.shape();
         format!(
             "the repeated scan shares too few pixels with the scan before: {nx} by {ny} tiles with holes give no noise"
         )
@@ -146,20 +138,22 @@ fn bad(trial: &Trial, what: String) -> EvidenceError {
     EvidenceError::NoData(format!("{}: {what}", trial.name))
 }
 
-/// Noise of the means of tiles of a side [pixels] by trial, from what is left of two scans of one surface. One instrument scans
-/// all trials: its noise has one shape, and a size for each trial.
+/// Noise of the means of tiles of a side [pixels] by trial, from what is left of two scans of one surface, or else from the
+/// roughness of one. One instrument scans all trials: its noise has one shape, and a size for each trial.
 fn noise_of_tiles(surfaces: &[Surface], side: usize) -> Vec<Option<FittedNoise>> {
-    let coarse = |surface: &Surface| TileGrid { pixels: surface.left.pixels, side }.coarsened(&surface.left.heights);
-    TileNoise::fitted(&surfaces.iter().map(coarse).collect::<Vec<_>>())
-}
-
-/// Why a trial without a repeated scan is no data, and what to do.
-fn no_repeat(trial: &Trial) -> String {
-    format!(
-        "{}: [scan] has no repeat, and without a second scan of the surface before the first pass the noise is unknown: add \
-         repeat = [\"before_repeat.csv\"]; only `simulate` needs none",
-        trial.folder.join(TRIAL_FILE).display()
-    )
+    let coarse = |map: &HeightMap| TileGrid { pixels: map.pixels, side }.coarsened(&map.heights);
+    let pairs = |surface: &&Surface| surface.noise.source != NoiseSource::OneScan;
+    let differences: Vec<HeightMap> =
+        surfaces.iter().filter(pairs).map(|surface| coarse(&surface.noise.left)).collect();
+    let mut fitted = TileNoise::fitted(&differences).into_iter();
+    let alone = |surface: &Surface| roughness(&coarse(&surface.before)).map(FittedNoise::alone);
+    let of = |surface: &Surface| match pairs(&surface) {
+        true => {
+            fitted.next().flatten().or_else(|| alone(surface).filter(|_| surface.noise.source != NoiseSource::Repeat))
+        }
+        false => alone(surface),
+    };
+    surfaces.iter().map(of).collect()
 }
 
 /// Why a pass shows nothing.

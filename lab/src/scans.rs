@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use nalgebra::DMatrix;
-use sdf_bake::HeightMap;
 
 use super::calibrate::fit_roughly;
 use super::calibration::{Calibration, Order};
@@ -27,10 +26,10 @@ use crate::criteria::{
     COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO,
     SMOOTH_ERROR_EXPOSURE, SMOOTH_ERROR_REMOVAL, TILE_BLOCK_SIDE,
 };
-use crate::simulation::SimulatedPass;
 use crate::simulation::columns::lacking;
+use crate::simulation::{SimulatedPass, Simulation};
 use files::journal::Journal;
-use trials::measure::NoiseFloor;
+use trials::measure::ScanNoise;
 use trials::trial::{PassScan, Trial};
 
 /// One scan and where it belongs.
@@ -85,12 +84,10 @@ pub struct ScanEvidence<'a> {
     pub simulation: CampaignSimulation<'a>,
     /// Scans in order of time.
     pub views: Vec<ScanView>,
-    /// Noise of one scan by trial.
-    pub noise: Vec<NoiseFloor>,
+    /// Noise of one scan by trial, and where it is seen.
+    pub noise: Vec<ScanNoise>,
     /// Noise of one scan's tiles by trial, where surfaces are ground.
     pub tile_noise: Vec<Option<FittedNoise>>,
-    /// Height of the repeated scan above the scan before the first pass, after registration [m], by trial.
-    pub(super) repeats: Vec<HeightMap>,
     /// How simulated surfaces are seen; `None` where every model finds its own observation.
     pub observation: Option<Observation>,
     /// Steps of a pass beyond which a simulation is given up.
@@ -117,18 +114,26 @@ impl<'a> ScanEvidence<'a> {
             across.clamp(pitch(&trials[0]), SANDING_VOXEL_PIXELS * pitch(&trials[0]))
         };
         let simulation = CampaignSimulation::new(trials, voxel.or_else(|| sands.then(coarse)), false)?;
-        let Prepared { views, noise, tile_noise, repeats } = Prepared::new(trials)?;
+        let Prepared { views, noise, tile_noise } = Prepared::new(trials)?;
         Ok(Self {
             simulation,
             views,
             noise,
             tile_noise,
-            repeats,
             observation: None,
             most_steps: None,
             simulation_errors: None,
             journal: None,
         })
+    }
+
+    /// Where the noise of trials without a repeated scan comes from, a sentence each.
+    pub fn noise_notes(&self) -> Vec<String> {
+        let trials = self.simulation.trials.iter().zip(&self.noise);
+        let words = |(simulation, noise): (&Simulation, &ScanNoise)| {
+            Some(format!("{}: {}", simulation.trial.name, noise.source.words()?))
+        };
+        trials.filter_map(words).collect()
     }
 
     /// The scans of a split.
@@ -244,8 +249,11 @@ impl<'a> ScanEvidence<'a> {
             Ok(match (&view.data, &pass.scan, pass.surface.dose_margin(model)?) {
                 (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
                     let before = &self.simulation.trials[view.trial].trial.scans.before;
-                    let [rms, floor, scale] =
-                        data.agreement(&self.seen(view, simulated, observation), before, self.noise[view.trial].rms);
+                    let [rms, floor, scale] = data.agreement(
+                        &self.seen(view, simulated, observation),
+                        before,
+                        self.noise[view.trial].floor.rms,
+                    );
                     let smooth_error = SMOOTH_ERROR_REMOVAL * scale;
                     Agreement { about, rms, floor, noise: floor, scale, smooth_error }
                 }

@@ -14,7 +14,10 @@ use effects::{CompiledModel, Reset, States};
 use robot::Controller;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap};
-use sim::{Covariates, Measured, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS, run_pass};
+use sim::{
+    Covariates, ForceCourse, Measured, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS,
+    run_pass,
+};
 use thiserror::Error;
 
 use crate::scanner::SeenSurface;
@@ -119,6 +122,8 @@ struct Planned {
     settings: PassSettings,
     /// Quantities that formulas may read.
     measured: Vec<Measured>,
+    /// Logged force, where it leads the controller.
+    force: Option<ForceCourse>,
     /// Time at which the logged tool touched the part [s].
     approach: f64,
     /// Time in the air since the end of the path before [s].
@@ -197,7 +202,8 @@ impl<'a> Simulation<'a> {
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             let settings = settings(pass, trial, controller);
             settings.check(&part, tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
-            passes.push(Planned { path, settings, measured: columns::measured(trial, pass), approach, rest });
+            let (measured, force) = (columns::measured(trial, pass), logged::force(pass, trial));
+            passes.push(Planned { path, settings, measured, force, approach, rest });
         }
         let steps: f64 = passes.iter().map(|planned| planned.settings.expected_steps(&planned.path, voxel)).sum();
         if steps > MOST_STEPS {
@@ -297,13 +303,14 @@ impl<'a> Simulation<'a> {
 
     /// The pass that a state is before.
     fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &TrialState) -> sim::Pass<'p> {
-        let Planned { path, settings, measured, approach, rest } = &self.passes[state.passes];
+        let Planned { path, settings, measured, force, approach, rest } = &self.passes[state.passes];
         sim::Pass {
             number: state.passes + 1,
             row: state.first_row + state.passes,
             trial_time: state.trial_time + rest,
             approach: *approach,
             measured,
+            force: force.as_ref(),
             clock: self.clock,
             ..sim::Pass::first(&self.trial.tool.shape, path, settings, model)
         }

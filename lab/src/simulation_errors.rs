@@ -16,6 +16,7 @@ use super::evidence::EvidenceError;
 use super::model_origin::identity;
 use super::scans::{ScanData, ScanEvidence};
 use crate::simulation::{PassEnds, SimulatedPass, Variation};
+use trials::measure::ScanNoise;
 use trials::trial::PassScan;
 
 /// Voxels of the finer lattice over those of the usual one: every pixel stays on a lattice line.
@@ -75,8 +76,8 @@ impl SimulationErrors {
             usual.varied(move |_| Variation { ends, before: None })
         };
         let (begun, ended) = (ends(-1.0, 0.0)?, ends(0.0, 1.0)?);
-        let again =
-            usual.varied(|trial| Variation { before: Some(&evidence.repeats[trial]), ..Variation::default() })?;
+        let repeats: Vec<HeightMap> = evidence.noise.iter().map(ScanNoise::without_gaps).collect();
+        let again = usual.varied(|trial| Variation { before: Some(&repeats[trial]), ..Variation::default() })?;
         let runs: Result<Vec<_>, _> =
             [usual, &finer, &begun, &ended, &again].into_par_iter().map(|simulation| simulation.run(model)).collect();
         let runs = runs?;
@@ -88,7 +89,7 @@ impl SimulationErrors {
         let ends: Vec<Vec<[Vec<f64>; 2]>> = (beside(2).into_iter().zip(beside(3)))
             .map(|(begun, ended)| begun.into_iter().zip(ended).map(|(begun, ended)| [begun, ended]).collect())
             .collect();
-        let noise_depth = noise_depth(evidence, &beside(4));
+        let noise_depth = noise_depth(evidence, &repeats, &beside(4));
         let identity = identity(&(&heights, &ends, noise_depth));
         let scans = |passes: &Vec<SimulatedPass>| passes.iter().filter_map(|pass| heights_of(&pass.scan)).collect();
         Ok(Self { usual: runs[0].iter().map(scans).collect(), heights, ends, noise_depth, identity })
@@ -177,12 +178,12 @@ fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
 ///
 /// A bump of height h under a spring of stiffness K wears at the rate k K h, and the ground at k (p − p_c): the depth is
 /// about (p − p_c) / K.
-fn noise_depth(evidence: &ScanEvidence, simulated: &[Vec<Vec<f64>>]) -> f64 {
+fn noise_depth(evidence: &ScanEvidence, repeats: &[HeightMap], simulated: &[Vec<Vec<f64>>]) -> f64 {
     let mut tiles: Vec<[f64; 3]> = Vec::new();
     for view in &evidence.views {
         let ScanData::Heights(data) = &view.data else { continue };
         let of = |heights: &[f64]| data.tiles.means(|at| if heights[at].is_finite() { heights[at] } else { 0.0 });
-        let (before, after) = (of(&evidence.repeats[view.trial].heights), of(&simulated[view.trial][view.pass]));
+        let (before, after) = (of(&repeats[view.trial].heights), of(&simulated[view.trial][view.pass]));
         tiles.extend((0..data.tiles.len()).map(|k| [data.removed[k], before[k], after[k]]));
     }
     let cost = |depth: &f64| -> f64 {

@@ -107,6 +107,14 @@ struct Candidate {
     variances: Vec<f64>,
 }
 
+impl FittedNoise {
+    /// Noise of a standard deviation [m] that each tile has alone, fitted to no difference of scans.
+    pub fn alone(sigma: f64) -> Self {
+        let noise = TileNoise { alone: sigma, shared: 0.0, length: 0.0, kernel: Kernel::default() };
+        Self { noise, whitened: Vec::new(), side: 0 }
+    }
+}
+
 impl TileNoise {
     /// Standard deviation of a tile's mean [m].
     pub fn sigma(&self) -> f64 {

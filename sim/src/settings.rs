@@ -5,9 +5,11 @@ use sdf_bake::redistance::KEPT_VOXELS;
 use serde::{Deserialize, Serialize};
 pub use shaders::constants::{LONGEST_STEP, TOUCH};
 use std::cell::RefCell;
+use std::ops::Range;
 
 use crate::clock::Clock;
 use crate::covariates::Covariates;
+use crate::force_course::ForceCourse;
 use crate::measured::Measured;
 use crate::path::Path;
 use effects::{CompiledModel, Hook, RunError, Variable};
@@ -87,6 +89,8 @@ pub struct Pass<'a> {
     pub approach: f64,
     /// Quantities that were measured along the pass, for formulas.
     pub measured: &'a [Measured],
+    /// Force that the controller holds where it changes along the pass; otherwise that of the settings.
+    pub force: Option<&'a ForceCourse>,
     /// Where to add up what each place of the surface goes through; `None` costs nothing.
     pub covariates: Option<&'a RefCell<Covariates>>,
     /// Where to sum up the time that each phase of the work takes; `None` costs nothing.
@@ -94,6 +98,11 @@ pub struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
+    /// Force that the controller holds, the mean over some times since the pass began [N].
+    pub(crate) fn force_setpoint(&self, times: Range<f64>) -> f64 {
+        self.force.map_or(self.settings.force_setpoint, |course| course.mean(times))
+    }
+
     /// The first pass of a trial.
     pub fn first(tool: &'a Tool, path: &'a Path, settings: &'a PassSettings, model: &'a CompiledModel) -> Self {
         Self {
@@ -106,6 +115,7 @@ impl<'a> Pass<'a> {
             trial_time: 0.0,
             approach: 0.0,
             measured: &[],
+            force: None,
             covariates: None,
             clock: None,
         }

@@ -63,7 +63,7 @@ impl Moment {
             (Variable::FeedAlong, along),
             (Variable::FeedAcross, feed.dot(nominal.frame.y)),
             (Variable::CuttingDirection, cutting),
-            (Variable::ForceSetpoint, pass.settings.force_setpoint),
+            (Variable::ForceSetpoint, pass.force_setpoint(time..time)),
             (Variable::SpindleSetpoint, spindle),
             (Variable::SpindleSpeed, spindle),
             (Variable::ToolRadius, self.rim_radius),

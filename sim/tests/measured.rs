@@ -5,7 +5,7 @@ mod common;
 use common::{fresh, line, plate};
 use effects::{CompiledModel, Dimension, Library, Model, Process, RowCounts};
 use robot::{Tool, Wheel};
-use sim::{Measured, Pass, PassSettings, Path, rest, run_pass};
+use sim::{ForceCourse, Measured, Pass, PassSettings, Path, rest, run_pass};
 
 const FORCE: f64 = 15.0;
 const REFERENCE: f64 = 0.5;
@@ -101,6 +101,30 @@ fn the_logged_temperature_is_what_the_log_says() {
     let (plain, _) = removed(&model, &[]);
     let (warm, _) = removed(&model, &[measured("temperature", kelvin, &[0.0, 1.6], &[303.15, 313.15])]);
     assert!((warm / plain / (1.0 + 0.02 * 15.0) - 1.0).abs() < 0.01, "{warm} {plain}");
+}
+
+#[test]
+fn the_removal_follows_a_force_along_the_pass() {
+    let model = model("humid", HUMID);
+    let (tool, settings) = (Tool::from(Wheel::cylinder(0.05, 0.006)), PassSettings::default());
+    let path = Path::along(&line(-0.004, 0.004, 0.0), 5e-3).expect("a path");
+    let duration = path.duration();
+    // A ramp from 5 N to 25 N with a ripple of 10 % and 12 Hz, which no step is short enough to follow.
+    let force = |time: f64| 5.0 + 20.0 * time / duration + 1.5 * (std::f64::consts::TAU * 12.0 * time).sin();
+    let times = (0..=1600).map(|k| k as f64 / 1600.0 * duration);
+    let course = ForceCourse::new(times.map(|time| (time, force(time))), 0.0);
+    let (mut grid, mut states) = (plate(0.5e-3, 0.0), fresh(&model));
+    let pass = Pass { force: Some(&course), ..Pass::first(&tool, &path, &settings, &model) };
+    let record = run_pass(&mut grid, pass, &mut states, &mut |_| {}).expect("a pass");
+    // V = k ∫ F dt for p_c = 0.
+    let expected = model.law_value("grind_rate").expect("a law") * course.mean(0.0..duration) * duration;
+    println!(
+        "{:.5} of the closed form, force off by {:.3} N",
+        record.removed_volume / expected,
+        record.force_rms_error
+    );
+    assert!((record.removed_volume / expected - 1.0).abs() < 0.002);
+    assert_eq!(sim::gpu::refusal(&pass).as_deref(), Some("a force setpoint that changes in the course of a pass"));
 }
 
 #[test]

@@ -106,7 +106,7 @@ fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Com
     }
     let mut evidence = ScanEvidence::new(&campaign.trials, None)?;
     console.step("read", format!("{} trials, {} scans", campaign.trials.len(), evidence.views.len()));
-    campaign.notes().iter().for_each(|note| console.step("note", note));
+    campaign.notes().iter().chain(&evidence.noise_notes()).for_each(|note| console.step("note", note));
     let model = args.model().model(evidence.process(), &library)?;
     let model = CompiledModel::new(&model, &library, evidence.rows())?;
     evidence.measure_simulation_errors(&model)?;

@@ -93,7 +93,7 @@ impl Seen<'_> {
             with_effect: self.found.and_then(left),
             judged,
             judged_as: "near the tool".to_owned(),
-            noise_floor: self.evidence.noise[view.trial].rms,
+            noise_floor: self.evidence.noise[view.trial].floor.rms,
         })
     }
 
@@ -122,7 +122,7 @@ impl Seen<'_> {
                 measured: of(&levelled),
                 base: of(&ground.seen.heights),
                 with_effect: found.as_ref().map(|found| of(&found.heights)),
-                noise_floor: self.evidence.noise[view.trial].rms,
+                noise_floor: self.evidence.noise[view.trial].floor.rms,
             }
         };
         let across = |share: &f64| Direction::Across(pixels.origin.x + share * pixels.pitch * (pixels.nx - 1) as f64);

@@ -112,7 +112,7 @@ impl<'a> Data<'a> {
     /// What the reader understood of the files where it was not the plain case, and what was assumed; one sentence each.
     pub fn notes(&self) -> Vec<String> {
         match self {
-            Self::Scans(campaign, _) => campaign.notes(),
+            Self::Scans(campaign, evidence) => campaign.notes().into_iter().chain(evidence.noise_notes()).collect(),
             Self::Rows(_, evidence) => evidence.table.notes.iter().chain(&evidence.notes).cloned().collect(),
         }
     }

@@ -27,7 +27,8 @@ use trials::trial::{Campaign, Finding, PassScan};
 /// How scans are laid and judged, a sentence each.
 const METHOD: [&str; 3] = [
     "Each scan is laid on the surface that the tool left alone; its height, tilt and shift stay free in every fit.",
-    "The scan noise is the root mean square of one pixel's error, from the repeated scan before the first pass.",
+    "The scan noise is the root mean square of one pixel's error, from the repeated scan before the first pass, or \
+     else as the notes say.",
     "The noise floor is what the noise of the scan, and that of the scan before the first pass where the tool left it alone, \
      leaves of an error near the tool. Calibration and evaluation passes each have their own.",
 ];
@@ -217,7 +218,7 @@ pub(super) fn compared_scans(
             force: Some(pass.force_setpoint),
             feed: Some(pass.feed),
             spindle_speed: Some(pass.spindle_speed),
-            noise_floor: matches!(pass.scan, PassScan::Heights(_)).then_some(evidence.noise[view.trial].rms),
+            noise_floor: matches!(pass.scan, PassScan::Heights(_)).then_some(evidence.noise[view.trial].floor.rms),
             alignment: alignments.get(k).copied().flatten(),
         }
     };

@@ -76,7 +76,7 @@ pub(super) fn figures(
     lines: &[Direction],
 ) -> ScanFigures {
     let trial = evidence.simulation.trials[view.trial].trial;
-    let (before, noise) = (&trial.scans.before, evidence.noise[view.trial].rms);
+    let (before, noise) = (&trial.scans.before, evidence.noise[view.trial].floor.rms);
     let ground = Ground::new(evidence, view, simulated);
     let plateau = ground.as_ref().map(|ground| ground.plateau(before, &trial.passes[view.pass], noise));
     let on_plateau = ground.as_ref().zip(plateau.as_ref()).and_then(|(ground, plateau)| ground.figures(plateau));

@@ -106,7 +106,7 @@ impl<'a> Scans<'a> {
             ScanData::Heights(data) if self.free && pose == Pose::Held => {
                 let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
                 let seen = simulated.heights(self.evidence, view)?;
-                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].rms)[0])
+                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].floor.rms)[0])
             }
             ScanData::Heights(_) => Some(self.ground(view, simulated, pose)?.rms()),
             ScanData::Exposure(data) => Some(data.border_distance(&simulated.margin(view))),
@@ -138,7 +138,7 @@ impl<'a> Scans<'a> {
             ScanData::Heights(data) => {
                 let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
                 let seen = simulated.heights(self.evidence, view)?;
-                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].rms)[1])
+                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].floor.rms)[1])
             }
             ScanData::Exposure(data) => Some(data.border_floor()),
         };
@@ -161,7 +161,7 @@ impl<'a> Scans<'a> {
         let trial = self.evidence.simulation.trials[view.trial].trial;
         let ground = self.ground(view, simulated, pose)?;
         let plateau =
-            ground.plateau(&trial.scans.before, &trial.passes[view.pass], self.evidence.noise[view.trial].rms);
+            ground.plateau(&trial.scans.before, &trial.passes[view.pass], self.evidence.noise[view.trial].floor.rms);
         ground.figures(&plateau)
     }
 

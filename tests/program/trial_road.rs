@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use robot::Controller;
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
-use trials::trial::{HeldTool, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial, write_trial};
+use trials::trial::{ForceInput, HeldTool, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial, write_trial};
 
 use crate::program::{asset, files, names, robofin, run};
 
@@ -63,6 +63,7 @@ pub(crate) fn trial() -> (TempDir, PathBuf) {
         fresh: true,
         scans: Scans { before: scan.clone(), repeats: Vec::new(), material: None },
         controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
+        force_input: ForceInput::Setpoint,
         coating: None,
         passes: vec![pass(false), pass(true)],
         columns: Vec::new(),

@@ -20,7 +20,7 @@ use super::surface::Workpiece;
 use super::truth_error::TruthError;
 use random::Stream;
 use robot::Controller;
-use trials::trial::{HeldTool, LabelMap, Pass, PassScan, RPM, Role, Scans, Trial};
+use trials::trial::{ForceInput, HeldTool, LabelMap, Pass, PassScan, RPM, Role, Scans, Trial};
 
 /// Voxel of the true part [scan pitches]: finer than half a pixel, and no whole share of it, so that lattice lines and
 /// pixels fall apart.
@@ -201,6 +201,7 @@ impl<'a> Bout<'a> {
             fresh: true,
             scans,
             controller: self.controller,
+            force_input: ForceInput::Setpoint,
             coating: sands.then_some(COATING),
             passes,
             columns: Vec::new(),

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use effects::Process;
 use robot::Controller;
-use trials::trial::Trial;
+use trials::trial::{ForceInput, Trial};
 
 use super::design::Design;
 use super::pass_plan::PassPlan;
@@ -72,14 +72,17 @@ impl Menu<'_> {
         }
     }
 
-    /// Nothing holds the force of a log that is replayed: a plan for it is one of the forces that are wanted.
+    /// Nothing holds the force of a log that is replayed, or follows one that was logged: a plan for it is one of the forces
+    /// that are wanted.
     fn stage(&self, passes: Vec<PassPlan>, fresh: bool) -> Trial {
         let controller = match self.template.controller {
             Controller::Replay => Controller::Ideal,
             controller => controller,
         };
         let passes = passes.into_iter().map(PassPlan::into_pass).collect();
-        Trial { passes, fresh, controller, notes: Vec::new(), findings: Vec::new(), ..self.template.clone() }
+        let notes = Vec::new();
+        let force_input = ForceInput::Setpoint;
+        Trial { passes, fresh, controller, force_input, notes, findings: Vec::new(), ..self.template.clone() }
     }
 
     /// Each pass changed.

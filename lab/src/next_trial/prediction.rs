@@ -242,7 +242,7 @@ fn tiles(evidence: &ScanEvidence) -> Option<(usize, TileNoise)> {
     let ratio = (data.tiles.len() as f64 / NEXT_TRIAL_TILES as f64).sqrt().max(1.0);
     let side = (own as f64 * ratio).ceil() as usize;
     let coarse = |map: &HeightMap| TileGrid { pixels: map.pixels, side }.coarsened(&map.heights);
-    let maps: Vec<HeightMap> = evidence.repeats.iter().map(coarse).collect();
+    let maps: Vec<HeightMap> = evidence.noise.iter().map(|noise| coarse(&noise.without_gaps())).collect();
     match TileNoise::fitted(&maps).swap_remove(TEMPLATE) {
         Some(fitted) => Some((side, fitted.noise)),
         None => Some((own, data.noise)),

@@ -11,7 +11,7 @@ use super::pass_plan::PassPlan;
 use super::score::{Belief, Predicted, Score};
 use super::*;
 use crate::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
-use trials::trial::{HeldTool, Log, LogRow, PassScan, Role, Scans, ToolPath};
+use trials::trial::{ForceInput, HeldTool, Log, LogRow, PassScan, Role, Scans, ToolPath};
 
 /// A wheel that comes down on a plate of 40 by 20 mm for 0.5 s, is fed for 20 mm in 2 s and rises for 0.5 s.
 fn trial(passes: usize) -> Trial {
@@ -45,6 +45,7 @@ fn trial(passes: usize) -> Trial {
         fresh: true,
         scans: Scans { before: map.clone(), repeats: vec![map], material: None },
         controller: Controller::Replay,
+        force_input: ForceInput::Setpoint,
         coating: None,
         columns: Vec::new(),
         passes: vec![pass; passes],

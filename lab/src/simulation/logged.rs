@@ -3,11 +3,13 @@
 use glam::DVec3;
 use robot::{Controller, Tool};
 use sim::settings::TOUCH;
-use sim::{Path, PathError, PathSample};
-use trials::trial::{Contact, HeldTool, Pass, ToolPath, ToolPose};
+use sim::{ForceCourse, Path, PathError, PathSample};
+use trials::trial::{Contact, ForceInput, HeldTool, Pass, ToolPath, ToolPose, Trial};
 
 /// Rows of a log from which the speed of descent is taken: so many that the jitter of one counts little.
 const DESCENT_ROWS: usize = 8;
+/// Share of the setpoint below which no logged force leads the controller: less is the sensor's noise.
+const LEAST_FORCE: f64 = 1e-3;
 
 /// By how many rows of its log a pass begins and ends later than assumed: each end lies between two rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,6 +55,15 @@ impl LoggedPass {
         });
         Path::from_samples(samples.collect())
     }
+}
+
+/// The force that leads the controller along a pass where the trial says that the log does; at least [`LEAST_FORCE`] of
+/// the setpoint.
+pub(super) fn force(pass: &Pass, trial: &Trial) -> Option<ForceCourse> {
+    let start = pass.log.rows.first()?.time;
+    let rows = pass.log.rows.iter().map(|row| (row.time - start, row.force));
+    let leads = trial.force_input == ForceInput::Log;
+    leads.then(|| ForceCourse::new(rows, LEAST_FORCE * pass.force_setpoint))
 }
 
 fn contact(logged: &ToolPath) -> Contact {

@@ -51,6 +51,9 @@ pub fn refusal(pass: &Pass) -> Option<String> {
     if let Some(measured) = Readings::new(pass.model, pass.measured).changing() {
         return Some(format!("the column {}, which changes in the course of a pass", measured.name));
     }
+    if pass.force.is_some() {
+        return Some("a force setpoint that changes in the course of a pass".to_owned());
+    }
     refusal_of(pass.tool, pass.model)
 }
 

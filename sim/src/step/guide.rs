@@ -153,7 +153,7 @@ impl<'a> Guide<'a> {
             Controller::Replay => Ok(Some(Motion::default())),
             Controller::Admittance { mass, damping, period } if dt <= period * (1.0 + 1e-9) => {
                 let reading = physics.force_reading(self.end.force)?;
-                let setpoint = self.pass.settings.force_setpoint;
+                let setpoint = self.pass.force_setpoint(self.time..self.time + dt);
                 Ok(Some(admittance_sample(self.motion, reading, setpoint, (mass, damping), dt)))
             }
             _ => Ok(None),
@@ -177,7 +177,7 @@ impl<'a> Guide<'a> {
         };
         Ok(Balance {
             from: self.motion,
-            setpoint: settings.force_setpoint,
+            setpoint: self.pass.force_setpoint(self.time..self.time + dt),
             damping,
             mass,
             dt,

@@ -161,8 +161,9 @@ impl<'a> Runner<'a> {
         let Taken { motion, dt, contact, end_force, applied } = taken;
         let way = self.guide.follow(*motion, *dt);
         self.workpiece.travelled += way;
+        let setpoint = self.pass.force_setpoint(self.guide.time..self.guide.time);
         let row = self.guide.log_row(*end_force, self.physics.step.get(Variable::SpindleSpeed));
-        self.record.push(row, (contact, &applied.removal), *dt, self.pass.settings.force_setpoint);
+        self.record.push(row, (contact, &applied.removal), *dt, setpoint);
         self.physics.lap(Phase::Apply);
         // Half a step of slack: steps of equal ways would end on the limit itself, on a side that rounding decides.
         let is_far = self.workpiece.travelled + 0.5 * way > self.pace.sheet_way;

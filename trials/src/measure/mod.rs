@@ -8,6 +8,7 @@ mod noise;
 mod plateau;
 mod register;
 mod robust;
+mod scan_noise;
 mod untouched;
 
 use sdf_bake::HeightMap;
@@ -17,6 +18,7 @@ pub use plateau::{Across, Plateau, plateau_pixels};
 pub(crate) use register::has_slope;
 pub use register::{Freedom, Registration, RegistrationError, register};
 pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
+pub use scan_noise::{NoiseSource, ScanNoise, ScanNoiseError, roughness};
 pub use untouched::{CLEARANCE, untouched};
 
 /// What is left between two maps over a mask.

@@ -39,9 +39,22 @@ pub struct NoiseFloor {
 /// # Errors
 /// [`RegistrationError`] when the scans cannot be laid on each other.
 pub fn noise_floor(first: &HeightMap, second: &HeightMap) -> Result<NoiseFloor, RegistrationError> {
-    let registration = register(second, first, Freedom::PlaneAndShift, |_| true)?;
+    noise_floor_where(first, second, |_| true)
+}
+
+/// The same over the pixels that `takes` says.
+///
+/// # Errors
+/// As [`noise_floor`].
+pub fn noise_floor_where(
+    first: &HeightMap,
+    second: &HeightMap,
+    takes: impl Fn(usize) -> bool,
+) -> Result<NoiseFloor, RegistrationError> {
+    let registration = register(second, first, Freedom::PlaneAndShift, &takes)?;
     let left = registration.left(second, first).into_iter().enumerate();
-    let difference: Vec<f64> = left.map(|(at, left)| if has_slope(first, at) { left } else { f64::NAN }).collect();
+    let known = |at: usize| takes(at) && has_slope(first, at);
+    let difference: Vec<f64> = left.map(|(at, left)| if known(at) { left } else { f64::NAN }).collect();
     let known: Vec<f64> = difference.iter().copied().filter(|d| d.is_finite()).collect();
     let Some((_, spread)) = centre_and_sigma(&known) else {
         return Err(RegistrationError::TooFewPixels { found: 0 });

@@ -50,10 +50,11 @@ pub(super) enum ToolKind {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum ControllerKind {
     Admittance,
     Ideal,
+    LoggedForce,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -130,7 +131,8 @@ pub(super) struct PassTable {
     pub(super) scan: Spanned<PathBuf>,
     #[serde(default)]
     pub(super) role: Role,
-    pub(super) force_setpoint_n: Spanned<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) force_setpoint_n: Option<Spanned<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) feed_mm_s: Option<Spanned<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -117,6 +117,16 @@ pub struct Pass {
     pub direction: DVec3,
 }
 
+/// The force that a trial's controller holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ForceInput {
+    /// The setpoint of each pass.
+    #[default]
+    Setpoint,
+    /// The logged force.
+    Log,
+}
+
 /// A trial with all its data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
@@ -134,6 +144,8 @@ pub struct Trial {
     pub scans: Scans,
     /// Controller of the force; a replay of the logged z where the files name none.
     pub controller: Controller,
+    /// The force that the controller holds.
+    pub force_input: ForceInput,
     /// Thickness of the coating [m].
     pub coating: Option<f64>,
     /// Passes in order of time.

@@ -38,7 +38,7 @@ pub fn write_plan(trial: &Trial, remarks: &[String], folder: &Path) -> Result<()
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Pass, PassScan, Scans, log_csv, write_trial};
+    use super::super::{ForceInput, Pass, PassScan, Scans, log_csv, write_trial};
     use super::*;
     use crate::trial::{HeldTool, Log, LogRow, Role};
     use effects::Process;
@@ -84,6 +84,7 @@ mod tests {
             fresh: false,
             scans: Scans { before: scan(1, 0.0), repeats: vec![scan(2, 0.0)], material: None },
             controller: Controller::Ideal,
+            force_input: ForceInput::Setpoint,
             coating: None,
             columns: Vec::new(),
             passes: vec![pass],

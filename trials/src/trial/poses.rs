@@ -74,6 +74,8 @@ pub(super) struct Motion {
     pub(super) direction: DVec3,
     /// Median spindle speed [rad/s].
     pub(super) spindle_speed: f64,
+    /// Median force while the tool presses [N]: of the rows above half of what one in twenty exceeds.
+    pub(super) force: f64,
 }
 
 impl Pass {
@@ -156,16 +158,20 @@ impl Motion {
             let way = (pair[1].position - pair[0].position).reject_from_normalized(pair[1].approach);
             way.length() / (pair[1].time - pair[0].time)
         };
-        let mut speeds: Vec<f64> = log.rows.windows(2).map(speed).collect();
-        speeds.sort_by(f64::total_cmp);
-        let fast = speeds.get(speeds.len() * 19 / 20).copied().unwrap_or(0.0);
-        let moving = &speeds[speeds.partition_point(|&speed| speed < 0.5 * fast)..];
         let ends = log.rows.first().zip(log.rows.last());
         let way = ends.map_or(DVec3::ZERO, |(a, b)| (b.position - a.position).reject_from_normalized(a.approach));
         Self {
-            feed: median(moving.to_vec()).unwrap_or(0.0),
+            feed: usual(log.rows.windows(2).map(speed).collect()),
             direction: way.try_normalize().unwrap_or(DVec3::X),
             spindle_speed: median(log.rows.iter().map(|row| row.spindle_speed).collect()).unwrap_or(0.0),
+            force: usual(log.rows.iter().map(|row| row.force).collect()),
         }
     }
+}
+
+/// Median of the values above half of what one in twenty exceeds: of a speed while moving, of a force while pressing.
+fn usual(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let high = values.get(values.len() * 19 / 20).copied().unwrap_or(0.0);
+    median(values[values.partition_point(|&value| value < 0.5 * high)..].to_vec()).unwrap_or(0.0)
 }

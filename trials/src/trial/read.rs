@@ -12,7 +12,7 @@ use super::error::{Place, TrialError};
 use super::log::{RPM, read_log};
 use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Source, TRIAL_FILE, ToolKind, ToolTable};
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{HeldTool, Pass, PassScan, Scans, Trial, plausible};
+use super::{ForceInput, HeldTool, Pass, PassScan, Scans, Trial, plausible};
 use effects::Process;
 use robot::Controller;
 
@@ -42,6 +42,14 @@ const MOST_PASSES: usize = 1000;
 /// Pixels of all scans of a trial that are accepted: 4 GB.
 const MOST_PIXELS: f64 = 5e8;
 
+/// The force that the controller of a manifest holds.
+fn force_input(manifest: &Manifest) -> ForceInput {
+    match manifest.controller.as_ref().map(|table| table.get_ref().kind) {
+        Some(ControllerKind::LoggedForce) => ForceInput::Log,
+        _ => ForceInput::Setpoint,
+    }
+}
+
 struct Reader<'a> {
     folder: &'a Path,
     source: &'a Source,
@@ -70,6 +78,7 @@ impl Reader<'_> {
             fresh: manifest.tool.fresh,
             scans,
             controller: manifest.controller.as_ref().map_or(Ok(Controller::Replay), |table| self.controller(table))?,
+            force_input: force_input(manifest),
             coating: coating.transpose()?.map(|thickness| thickness * 1e-3),
             passes,
             columns,
@@ -133,8 +142,8 @@ impl Reader<'_> {
 
     fn controller(&self, table: &Spanned<ControllerTable>) -> Result<Controller, TrialError> {
         let ControllerTable { kind, mass_kg, damping_ns_m, period_s } = table.get_ref();
-        if *kind == ControllerKind::Ideal {
-            return Ok(Controller::Ideal);
+        if *kind != ControllerKind::Admittance {
+            return self.without_inertia(table);
         }
         let need = |key: &str, value: &Option<Spanned<f64>>| match value {
             Some(value) => self.positive(key, value),
@@ -154,6 +163,18 @@ impl Reader<'_> {
                 None => need("period_s", period_s)?,
             },
         })
+    }
+
+    /// A controller that holds its force at every time; keys of a mass and a damping are not its own.
+    fn without_inertia(&self, table: &Spanned<ControllerTable>) -> Result<Controller, TrialError> {
+        let ControllerTable { mass_kg, damping_ns_m, period_s, .. } = table.get_ref();
+        let given = [("mass_kg", mass_kg), ("damping_ns_m", damping_ns_m), ("period_s", period_s)];
+        match given.into_iter().find_map(|(key, value)| Some((key, value.as_ref()?))) {
+            Some((key, value)) => {
+                Err(self.source.bad(value.span(), key, "only kind = \"admittance\" has mass, damping and period"))
+            }
+            None => Ok(Controller::Ideal),
+        }
     }
 
     fn scans(&mut self, manifest: &Manifest, frame: ScanFrame) -> Result<Scans, TrialError> {
@@ -214,7 +235,7 @@ impl Reader<'_> {
         Ok(Pass {
             scan,
             role: table.role,
-            force_setpoint: self.positive("force_setpoint_n", &table.force_setpoint_n)?,
+            force_setpoint: self.force_setpoint(table, motion.force)?,
             feed,
             spindle_speed,
             direction: direction.unwrap_or(motion.direction),
@@ -222,9 +243,23 @@ impl Reader<'_> {
         })
     }
 
+    /// The force that a pass holds [N]: as it is given, or as the log has it while the tool presses.
+    fn force_setpoint(&self, table: &PassTable, logged: f64) -> Result<f64, TrialError> {
+        match &table.force_setpoint_n {
+            Some(given) => self.positive("force_setpoint_n", given),
+            None if logged > 0.0 => Ok(logged),
+            None => Err(self.source.bad(
+                table.log.span(),
+                "a log whose force is never above zero",
+                "force_setpoint_n is needed, or a log of the force with which the tool presses",
+            )),
+        }
+    }
+
     /// Says which numbers of a pass are taken from its log.
     fn note_missing(&mut self, table: &PassTable) {
         for (key, is_given) in [
+            ("force_setpoint_n", table.force_setpoint_n.is_some()),
             ("feed_mm_s", table.feed_mm_s.is_some()),
             ("spindle_rpm", table.spindle_rpm.is_some()),
             ("direction", table.direction.is_some()),

@@ -13,7 +13,7 @@ use super::manifest::{
     CoatingTable, ColumnEntry, ControllerKind, ControllerTable, Manifest, PassTable, ScanTable, TRIAL_FILE,
     TRIAL_FORMAT, ToolKind, ToolTable,
 };
-use super::{ExposureMask, Given, HeldTool, LabelMap, Pass, PassScan, Trial, TrialColumn};
+use super::{ExposureMask, ForceInput, Given, HeldTool, LabelMap, Pass, PassScan, Trial, TrialColumn};
 use crate::column_unit::named_unit;
 use robot::{Controller, Tool};
 
@@ -155,7 +155,7 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
             repeat: (0..trial.scans.repeats.len()).map(|k| plain(repeat(k))).collect(),
             material: trial.scans.material.as_ref().map(|_| plain("material.csv".into())),
         },
-        controller: controller_table(trial.controller).map(plain),
+        controller: controller_table(trial).map(plain),
         coating: trial.coating.map(|thickness| CoatingTable { thickness_mm: millimetres(thickness) }),
         columns: trial.columns.iter().filter_map(column_entry).collect(),
         pass: trial.passes.iter().enumerate().map(|(k, pass)| pass_table(k + 1, pass)).collect(),
@@ -188,11 +188,15 @@ fn tool_table(trial: &Trial) -> ToolTable {
     }
 }
 
-/// The table of a controller; none where the log is replayed.
-fn controller_table(controller: Controller) -> Option<ControllerTable> {
-    match controller {
+/// The table of a trial's controller; none where the log is replayed.
+fn controller_table(trial: &Trial) -> Option<ControllerTable> {
+    match trial.controller {
         Controller::Ideal => {
-            Some(ControllerTable { kind: ControllerKind::Ideal, mass_kg: None, damping_ns_m: None, period_s: None })
+            let kind = match trial.force_input {
+                ForceInput::Setpoint => ControllerKind::Ideal,
+                ForceInput::Log => ControllerKind::LoggedForce,
+            };
+            Some(ControllerTable { kind, mass_kg: None, damping_ns_m: None, period_s: None })
         }
         Controller::Admittance { mass, damping, period } => Some(ControllerTable {
             kind: ControllerKind::Admittance,
@@ -213,7 +217,7 @@ fn pass_table(number_of_pass: usize, pass: &Pass) -> PassTable {
             PassScan::Exposure(_) => "exposed",
         }),
         role: pass.role,
-        force_setpoint_n: plain(pass.force_setpoint),
+        force_setpoint_n: Some(plain(pass.force_setpoint)),
         feed_mm_s: Some(plain(number(pass.feed * 1e3))),
         spindle_rpm: Some(plain(number(pass.spindle_speed / RPM))),
         direction: Some(plain(pass.direction.to_array())),

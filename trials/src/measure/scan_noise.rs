@@ -1,0 +1,254 @@
+//! The noise of each trial's scans: from its repeated scan, or from what else shows it.
+
+use rayon::prelude::*;
+use sdf_bake::{HeightMap, PixelGrid};
+use serde::Serialize;
+
+use super::noise::{NoiseFloor, noise_floor, noise_floor_where};
+use super::{CLEARANCE, RegistrationError, centre_and_sigma, despiked, untouched};
+use crate::trial::{PassScan, ToolPath, Trial};
+
+/// Pixels that no tool touched with which a robust spread is within a tenth: of 2,000 pixels in patches of 4 x 4 that noise
+/// shares, 125 are independent, and the spread of so many is known to 1.17 / √(2 · 125) (Rousseeuw and Croux 1993).
+const LEAST_UNTOUCHED: usize = 2000;
+/// Relative difference of two pitches that is rounding.
+const SAME_PITCH: f64 = 1e-6;
+
+/// Where the noise of a trial's scans is seen.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind", content = "trial")]
+pub enum NoiseSource {
+    /// In its repeated scan.
+    #[default]
+    Repeat,
+    /// In the repeated scan of another trial.
+    OtherTrial(String),
+    /// Where no tool came between the scan before and that after the first pass.
+    Untouched,
+    /// In the roughness of the scan before alone.
+    OneScan,
+}
+
+/// Two scans of one surface, or what stands for them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanNoise {
+    /// Where it comes from.
+    pub source: NoiseSource,
+    /// One scan above the other after registration [m], on the trial's pixels; NaN where it is not known.
+    pub left: HeightMap,
+    /// The noise in numbers.
+    pub floor: NoiseFloor,
+}
+
+/// Why the noise of a trial is not known.
+#[derive(Debug, thiserror::Error)]
+#[error("{trial}: {what}: {error}")]
+pub struct ScanNoiseError {
+    trial: String,
+    what: &'static str,
+    error: RegistrationError,
+}
+
+impl NoiseSource {
+    /// True if the scans may have more noise than is seen.
+    pub fn is_lower_bound(&self) -> bool {
+        matches!(self, Self::Untouched | Self::OneScan)
+    }
+
+    /// For people, after the name of the trial; `None` for a repeated scan.
+    pub fn words(&self) -> Option<String> {
+        Some(match self {
+            Self::Repeat => return None,
+            Self::OtherTrial(name) => format!("no repeated scan: its noise is taken from the one of {name}"),
+            Self::Untouched => {
+                "no repeated scan: its noise is taken from where no tool came between the scan before and \
+                                that after the first pass, a lower bound"
+                    .to_owned()
+            }
+            Self::OneScan => {
+                "no repeated scan: its noise is taken from the roughness of the scan before alone, a lower bound \
+                              without what neighbouring pixels share; p-values and intervals are not valid"
+                    .to_owned()
+            }
+        })
+    }
+}
+
+impl ScanNoise {
+    /// The noise of each trial.
+    ///
+    /// # Errors
+    /// A repeated scan that cannot be laid on the scan before, or a scan without enough pixels.
+    pub fn of_campaign(trials: &[Trial]) -> Result<Vec<Self>, ScanNoiseError> {
+        let own: Vec<Option<Self>> = trials.par_iter().map(Self::repeated).collect::<Result<_, _>>()?;
+        let known: Vec<(&Trial, &Self)> =
+            trials.iter().zip(&own).filter_map(|(trial, noise)| Some((trial, noise.as_ref()?))).collect();
+        let others = |trial: &Trial| {
+            let pitch = trial.scans.before.pixels.pitch;
+            let alike = |(_, noise): &&(&Trial, &Self)| (noise.left.pixels.pitch / pitch - 1.0).abs() < SAME_PITCH;
+            known.iter().find(alike).map(|(donor, noise)| noise.lent_to(trial, &donor.name))
+        };
+        let one = |(trial, own): (&Trial, &Option<Self>)| match own.clone().or_else(|| others(trial)) {
+            Some(noise) => Ok(noise),
+            None => Self::untouched(trial).map_or_else(|| Self::one_scan(trial), Ok),
+        };
+        trials.par_iter().zip(&own).map(one).collect()
+    }
+
+    /// The difference with its gaps closed by the mirror image of what is beside them: noise like the noise there.
+    pub fn without_gaps(&self) -> HeightMap {
+        HeightMap { heights: mirrored_into_gaps(&self.left), ..self.left.clone() }
+    }
+
+    /// From a trial's repeated scan, if it has one.
+    fn repeated(trial: &Trial) -> Result<Option<Self>, ScanNoiseError> {
+        let Some(repeat) = trial.scans.repeats.first() else { return Ok(None) };
+        let (before, repeat) = (trial.scans.clean_before(), despiked(repeat).0);
+        let what = "the repeated scan";
+        let floor = noise_floor(&before, &repeat);
+        let floor = floor.map_err(|error| ScanNoiseError { trial: trial.name.clone(), what, error })?;
+        let left = HeightMap { heights: floor.registration.left(&repeat, &before), ..before };
+        // A spike on a steep rim shows only in the difference.
+        Ok(Some(Self { source: NoiseSource::Repeat, left: despiked(&left).0, floor }))
+    }
+
+    /// The same noise on the pixels of another trial, mirrored at the borders.
+    fn lent_to(&self, trial: &Trial, name: &str) -> Self {
+        let PixelGrid { nx, ny, .. } = self.left.pixels;
+        let pixels = trial.scans.before.pixels;
+        let at = |k: usize| self.left.height(mirrored(k % pixels.nx, nx), mirrored(k / pixels.nx, ny));
+        let left = HeightMap { pixels, heights: (0..pixels.len()).map(at).collect() };
+        Self { source: NoiseSource::OtherTrial(name.to_owned()), left, floor: self.floor.clone() }
+    }
+
+    /// From where no tool came between the scan before and that after the first pass; `None` where that is too small.
+    fn untouched(trial: &Trial) -> Option<Self> {
+        let pass = trial.passes.first()?;
+        let PassScan::Heights(after) = &pass.scan else { return None };
+        let (before, after) = (trial.scans.clean_before(), despiked(after).0);
+        let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
+        let free = untouched(&before, &path, &trial.tool, CLEARANCE);
+        let floor = noise_floor_where(&before, &after, |at| free[at]).ok()?;
+        let mut left = HeightMap { heights: floor.registration.left(&after, &before), ..before };
+        left.heights.iter_mut().zip(&free).filter(|(_, free)| !**free).for_each(|(left, _)| *left = f64::NAN);
+        let left = despiked(&left).0;
+        (floor.pixels >= LEAST_UNTOUCHED).then_some(Self { source: NoiseSource::Untouched, left, floor })
+    }
+
+    /// From the roughness of the scan before alone.
+    ///
+    /// In a cross difference `h(i, j) − h(i+1, j) − h(i, j+1) + h(i+1, j+1)`, which has four times the variance of a pixel, all
+    /// shapes cancel that are a function of x plus one of y: planes, straight beads, cylinders.
+    fn one_scan(trial: &Trial) -> Result<Self, ScanNoiseError> {
+        let before = trial.scans.clean_before();
+        let crosses = cross_differences(&before);
+        let known: Vec<f64> = crosses.iter().copied().filter(|cross| cross.is_finite()).collect();
+        let bad = |error| ScanNoiseError { trial: trial.name.clone(), what: "the scan before", error };
+        let (_, spread) =
+            centre_and_sigma(&known).ok_or_else(|| bad(RegistrationError::TooFewPixels { found: known.len() }))?;
+        let sigma = 0.5 * spread;
+        let floor = NoiseFloor {
+            sigma,
+            rms: sigma,
+            white: sigma,
+            correlated: 0.0,
+            correlation_length: 0.0,
+            pixels: known.len(),
+            registration: Default::default(),
+        };
+        // A difference of two scans has twice the variance of one.
+        let heights = crosses.iter().map(|cross| cross / 2f64.sqrt()).collect();
+        Ok(Self { source: NoiseSource::OneScan, left: HeightMap { heights, ..before }, floor })
+    }
+}
+
+/// Robust standard deviation of one value of a map by its cross differences; `None` of too few.
+pub fn roughness(map: &HeightMap) -> Option<f64> {
+    let known: Vec<f64> = cross_differences(map).into_iter().filter(|cross| cross.is_finite()).collect();
+    centre_and_sigma(&known).map(|(_, spread)| 0.5 * spread)
+}
+
+/// The cross difference of each pixel with its neighbours to higher x and y; NaN at the border and beside missing ones.
+fn cross_differences(map: &HeightMap) -> Vec<f64> {
+    let PixelGrid { nx, ny, .. } = map.pixels;
+    let cross = |k: usize| {
+        let (i, j) = (k % nx, k / nx);
+        let inside = i + 1 < nx && j + 1 < ny;
+        if inside {
+            map.height(i, j) - map.height(i + 1, j) - map.height(i, j + 1) + map.height(i + 1, j + 1)
+        } else {
+            f64::NAN
+        }
+    };
+    (0..map.heights.len()).map(cross).collect()
+}
+
+/// An index beyond a row of `count`, mirrored at its ends.
+fn mirrored(at: usize, count: usize) -> usize {
+    let within = at % (2 * count);
+    if within < count { within } else { 2 * count - 1 - within }
+}
+
+/// Heights of a map whose gaps show, along y, the mirror image of what is beside them.
+fn mirrored_into_gaps(map: &HeightMap) -> Vec<f64> {
+    let PixelGrid { nx, ny, .. } = map.pixels;
+    let mut filled = map.heights.clone();
+    for i in 0..nx {
+        let known: Vec<usize> = (0..ny).filter(|&j| map.height(i, j).is_finite()).collect();
+        for j in (0..ny).filter(|_| !known.is_empty()) {
+            let after = known.partition_point(|&own| own < j);
+            if known.get(after) == Some(&j) {
+                continue;
+            }
+            let below = after.checked_sub(1).map(|k| (j - known[k], after - 1));
+            let above = known.get(after).map(|own| (own - j, after));
+            let nearest = below.into_iter().chain(above).min();
+            let (distance, edge) = nearest.expect("some are known");
+            // Counted in known pixels, so that a gap as wide as what is beside it is filled too.
+            let source = if Some((distance, edge)) == below {
+                edge.saturating_sub(distance - 1)
+            } else {
+                (edge + distance - 1).min(known.len() - 1)
+            };
+            filled[map.pixels.at(i, j)] = map.height(i, known[source]);
+        }
+    }
+    filled
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    fn map(nx: usize, ny: usize, height: impl Fn(f64, f64) -> f64) -> HeightMap {
+        let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 1.0, nx, ny };
+        HeightMap::from_function(pixels, |place| height(place.x, place.y))
+    }
+
+    #[test]
+    fn shapes_along_x_and_y_leave_no_roughness() {
+        let smooth = map(40, 30, |x, y| 2e-3 * (0.1 * x).sin() + 1e-3 * (1.0 - (y / 15.0 - 1.0).powi(2)));
+        assert!(roughness(&smooth).unwrap() < 1e-15);
+        // Heights of ± 1 µm in the pattern of a chessboard have cross differences of 4 µm.
+        let rough = map(40, 30, |x, y| if (x + y) % 2.0 == 0.0 { 1e-6 } else { -1e-6 });
+        assert!((roughness(&rough).unwrap() / (0.5 * 1.4826 * 4e-6) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn gaps_show_the_mirror_image_of_what_is_beside_them() {
+        let mut striped = map(1, 8, |_, y| y);
+        for j in [2, 3, 4, 5] {
+            striped.heights[j] = f64::NAN;
+        }
+        assert_eq!(mirrored_into_gaps(&striped), [0.0, 1.0, 1.0, 0.0, 7.0, 6.0, 6.0, 7.0]);
+        let lost = HeightMap { heights: vec![f64::NAN; 8], ..striped };
+        assert!(mirrored_into_gaps(&lost).iter().all(|height| height.is_nan()));
+    }
+
+    #[test]
+    fn indices_beyond_a_row_are_mirrored() {
+        assert_eq!([0, 2, 3, 5, 6, 11].map(|at| mirrored(at, 3)), [0, 2, 2, 0, 0, 0]);
+    }
+}
