@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::plain_grid::{Grid, GridRows};
-use super::{Format, Source, Surface};
+use super::{Format, Source, Surface, unit};
 use crate::misread::{Misread, Place};
 use crate::text_table::{TextRow, TextTable};
 
@@ -33,6 +33,10 @@ pub(super) struct KeyenceExport;
 impl Format for KeyenceExport {
     fn name(&self) -> &'static str {
         "Keyence export"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv"]
     }
 
     fn recognises(&self, source: &Source) -> bool {
@@ -98,7 +102,7 @@ fn read(table: &TextTable) -> Result<(f64, Grid), Misread> {
         grid.nx,
         grid.ny,
         pitch * 1e6,
-        unit_name(unit)
+        unit::name(unit)
     ));
     Ok((pitch, grid))
 }
@@ -122,7 +126,7 @@ impl Keys {
         let names_output = ["output", "ausgabe", "bild"].iter().any(|word| key.contains(word));
         self.optical |= names_output && value.to_lowercase().contains("opti");
         let (number, attached) = number_and_unit(&value);
-        let unit = unit_of(if attached.is_empty() { &third } else { attached });
+        let unit = unit::metres(if attached.is_empty() { &third } else { attached });
         match (number, unit) {
             (Some(number), Some(unit)) if self.pitch.is_none() && number > 0.0 => self.pitch = Some(number * unit),
             (None, Some(unit)) if self.unit.is_none() => self.unit = Some(unit),
@@ -145,20 +149,4 @@ impl Keys {
 fn number_and_unit(text: &str) -> (Option<f64>, &str) {
     let end = text.find(|c: char| !(c.is_ascii_digit() || ".,+-".contains(c))).unwrap_or(text.len());
     (text[..end].replace(',', ".").parse().ok(), text[end..].trim())
-}
-
-/// Metres in a unit of length.
-fn unit_of(text: &str) -> Option<f64> {
-    match text {
-        "m" => Some(1.0),
-        "mm" => Some(1e-3),
-        // The last is the sign of micro in an encoding other than UTF-8.
-        "um" | "µm" | "μm" | "\u{fffd}m" => Some(1e-6),
-        "nm" => Some(1e-9),
-        _ => None,
-    }
-}
-
-fn unit_name(unit: f64) -> &'static str {
-    ["m", "mm", "µm", "nm"].into_iter().find(|name| unit_of(name) == Some(unit)).unwrap_or("m")
 }

@@ -1,4 +1,4 @@
-//! STL and PLY surfaces as scans: looked at from above at the trial's pixels.
+//! STL, PLY and OBJ surfaces as scans: looked at from above at the trial's pixels.
 
 use glam::{DVec2, DVec3};
 use sdf_bake::HeightMap;
@@ -10,15 +10,21 @@ use crate::misread::{Misread, Place};
 
 /// First bytes of a PLY file.
 const PLY: &[u8] = b"ply";
+/// Bytes in which a text of STL names its first facet.
+const HEAD: usize = 1000;
 /// Rounding that leaves a point on an edge inside [share of a triangle].
 const ON_EDGE: f64 = 1e-9;
 
-/// STL and PLY surfaces.
+/// STL, PLY and OBJ surfaces.
 pub(super) struct Mesh;
 
 impl Format for Mesh {
     fn name(&self) -> &'static str {
         "mesh"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["stl", "ply", "obj"]
     }
 
     fn recognises(&self, source: &Source) -> bool {
@@ -30,20 +36,31 @@ impl Format for Mesh {
     }
 }
 
-/// The format of a surface, by its content and, as binary STL has no mark, its name; `None` for anything else.
+/// The format of a surface, by its content and, as binary STL and OBJ have no mark, its name; `None` for anything else.
 fn mesh_format(source: &Source) -> Option<MeshFormat> {
     let named = |extension: &str| source.file.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
     if source.bytes.starts_with(PLY) || named("ply") {
         return Some(MeshFormat::Ply);
     }
-    named("stl").then_some(MeshFormat::Stl)
+    if named("obj") || source.bytes.starts_with(b"mtllib ") || source.bytes.starts_with(b"v ") {
+        return Some(MeshFormat::Obj);
+    }
+    let is_text =
+        source.bytes.starts_with(b"solid ") && source.bytes.windows(5).take(HEAD).any(|word| word == b"facet");
+    (named("stl") || is_text || has_length_of_stl(source.bytes)).then_some(MeshFormat::Stl)
+}
+
+/// Whether a file is as long as its number of triangles in binary STL says.
+fn has_length_of_stl(bytes: &[u8]) -> bool {
+    let count = bytes.get(80..84).and_then(|count| count.first_chunk()).map(|count| u32::from_le_bytes(*count));
+    count.is_some_and(|count| count > 0 && bytes.len() as u64 == 84 + 50 * u64::from(count))
 }
 
 /// Heights of a surface in millimetres at the pixels of the window: the topmost point above each, missing where there
 /// is none.
 fn read(source: &Source, format: MeshFormat) -> Result<Surface, Misread> {
     let place = || Place::file(source.file);
-    let accepted = "an STL or PLY surface in mm is expected";
+    let accepted = "an STL, PLY or OBJ surface in mm is expected";
     let found = parse_mesh(source.bytes, format, UnitChoice::Millimetre, &source.file.to_string_lossy());
     let found = found.map_err(|error| place().bad::<Misread>(error.to_string(), accepted))?;
     let positions = &found.mesh.positions;

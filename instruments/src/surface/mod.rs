@@ -5,11 +5,41 @@
 //!
 //! Maps are right-handed, seen from above: pixel (i, j) of `[ny, nx]` lies at `origin + (i, j) · pitch`.
 
+mod archive;
+mod axis;
+mod bytes;
+mod cloud;
+mod e57;
+mod element;
+mod esri;
+mod gwy;
+mod gwy_object;
+mod gwy_text;
 mod keyence;
+mod keyence_vk;
+mod lzf;
 mod mesh;
+mod missing;
+mod npy;
+mod numbers;
+mod pcd;
 pub mod plain_grid;
+mod plux;
+mod ply_points;
+mod records;
+mod sdf;
+mod shape;
+mod sur;
+mod tiff;
+mod tiff_scale;
+mod unit;
 mod window;
+mod write;
 mod x3p;
+mod x3p_write;
+mod xyz;
+mod xyz_layout;
+mod zon;
 
 use std::path::Path;
 
@@ -17,17 +47,41 @@ use glam::DVec2;
 use sdf_bake::{HeightMap, PixelGrid};
 
 use crate::misread::Misread;
+pub use write::{Unwritable, write};
 
 /// Pixels that a map may have.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// The formats in the order in which they are asked; a plain grid, which any table may be, comes last.
-const FORMATS: [&dyn Format; 4] = [&x3p::X3p, &mesh::Mesh, &keyence::KeyenceExport, &plain_grid::PlainGrid];
+/// The formats in the order in which they are asked. Those with a mark come first. Of the zips, X3P takes what the others
+/// leave. Of the texts, those with key lines come before lists, and a plain grid, which any table may be, comes last.
+const FORMATS: [&dyn Format; 18] = [
+    &sur::DigitalSurf,
+    &sdf::SurfaceData,
+    &gwy::Gwyddion,
+    &keyence_vk::KeyenceVk,
+    &zon::KeyenceZon,
+    &npy::NumpyArray,
+    &plux::Plux,
+    &x3p::X3p,
+    &tiff::Tiff,
+    &e57::E57,
+    &pcd::PointCloudData,
+    &ply_points::PlyPoints,
+    &mesh::Mesh,
+    &esri::EsriGrid,
+    &gwy_text::GwyddionText,
+    &xyz::PointList,
+    &keyence::KeyenceExport,
+    &plain_grid::PlainGrid,
+];
 
 /// A file format of height maps.
 trait Format: Sync {
     /// Name for people.
     fn name(&self) -> &'static str;
+
+    /// Extensions of its files, in small letters, without the dot.
+    fn extensions(&self) -> &'static [&'static str];
 
     /// Whether a file is of this format.
     fn recognises(&self, source: &Source) -> bool;
@@ -97,4 +151,9 @@ pub fn read(source: &Source) -> Result<Surface, Misread> {
 /// Names of the formats that are read.
 pub fn formats() -> impl Iterator<Item = &'static str> {
     FORMATS.into_iter().map(|format| format.name())
+}
+
+/// Names of the formats that are read, with the extensions that their files have: small letters, without the dot.
+pub fn extensions() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
+    FORMATS.into_iter().map(|format| (format.name(), format.extensions()))
 }

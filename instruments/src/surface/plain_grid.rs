@@ -1,11 +1,8 @@
 //! Height maps and masks as plain grids: one row per y, one cell per x, an empty cell where nothing was seen.
 
-use super::{Format, Source, Surface};
+use super::{Format, Source, Surface, missing};
 use crate::misread::{Misread, Place};
 use crate::text_table::{TextRow, TextTable};
-
-/// Numbers that stand for a missing height: of ESRI grids, of 16-bit integers, of Surfer. No scan is metres deep.
-const MISSING_WORDS: [f64; 6] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0, 1.70141e38];
 
 /// A table whose cells are heights in millimetres.
 pub(super) struct PlainGrid;
@@ -15,13 +12,17 @@ impl Format for PlainGrid {
         "plain grid"
     }
 
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv", "txt", "dat", "tsv"]
+    }
+
     fn recognises(&self, source: &Source) -> bool {
         TextTable::parse(source.file, source.bytes.into()).is_ok()
     }
 
     fn read(&self, source: &Source) -> Result<Surface, Misread> {
         let mut grid = Grid::read(&TextTable::parse(source.file, source.bytes.into())?)?;
-        grid.clear_missing();
+        grid.notes.extend(missing::clear(&mut grid.values, None));
         let heights = grid.values.iter().map(|height| height * 1e-3).collect();
         let Grid { nx, ny, notes, .. } = grid;
         Ok(Surface { format: self.name(), nx, ny, pitch: None, origin: None, heights, notes })
@@ -60,17 +61,6 @@ impl Grid {
         let mut rows = GridRows::default();
         table.rows(|row| rows.push(row).map(|()| true))?;
         rows.finish(table)
-    }
-
-    /// Takes the numbers that instruments write where they saw nothing as missing, and says so.
-    fn clear_missing(&mut self) {
-        for word in MISSING_WORDS {
-            let cells = self.values.iter_mut().filter(|height| **height == word);
-            let count = cells.map(|height| *height = f64::NAN).count();
-            if count > 0 {
-                self.notes.push(format!("{count} cells say {word:?}: read as missing"));
-            }
-        }
     }
 }
 

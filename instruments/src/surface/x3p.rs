@@ -1,22 +1,20 @@
 //! X3P files (ISO 25178-72): `main.xml` and binary heights in a zip.
 
-use std::io::{Cursor, Read};
 use std::path::Path;
 
-use files::input::{quoted, quoted_near};
+use files::input::quoted;
 use glam::DVec2;
 use roxmltree::{Document, Node};
-use zip::ZipArchive;
 
+use super::archive::{Archive, MAGIC};
+use super::element::{Element, Order};
 use super::{Format, MOST_PIXELS, Source, Surface};
 use crate::misread::{Misread, Place};
 
-/// First bytes of a zip.
-const MAGIC: &[u8] = b"PK\x03\x04";
 /// Description of the file.
 const MAIN: &str = "main.xml";
-/// Bytes that a description may have.
-const MOST_XML: u64 = 16 << 20;
+/// Names of members that errors may repeat.
+const MEMBERS: &[&str] = &[MAIN, "bindata/data.bin", "bindata/valid.bin"];
 
 const ACCEPTED: &str = "an X3P file (ISO 25178-72) with one matrix of heights is expected";
 
@@ -26,6 +24,10 @@ pub(super) struct X3p;
 impl Format for X3p {
     fn name(&self) -> &'static str {
         "X3P"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["x3p"]
     }
 
     fn recognises(&self, source: &Source) -> bool {
@@ -44,52 +46,32 @@ struct Description {
     pitch: DVec2,
     /// Metres in a step of z, and height of step zero [m].
     scale: (f64, f64),
-    kind: Kind,
+    kind: Element,
     /// Member with the heights, and one with a bit for each valid pixel.
     members: (String, Option<String>),
-}
-
-/// Type of the stored heights.
-#[derive(Clone, Copy)]
-enum Kind {
-    I16,
-    I32,
-    F32,
-    F64,
 }
 
 /// Reads the bytes of a file.
 fn read(file: &Path, bytes: &[u8]) -> Result<Surface, Misread> {
     let bad = |found: String| Place::file(file).bad(found, ACCEPTED);
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| bad(format!("no readable zip: {error}")))?;
-    let xml = member(&mut archive, MAIN, MOST_XML).map_err(&bad)?;
-    let text = String::from_utf8(xml).map_err(|_| bad(format!("{MAIN} is not UTF-8")))?;
+    let mut archive = Archive::open(bytes, MEMBERS).map_err(&bad)?;
+    let text = archive.text(MAIN).map_err(&bad)?;
     let document = Document::parse(&text).map_err(|error| bad(format!("{MAIN}, line {}: no XML", error.pos().row)))?;
     let matrix = Description::of(document.root_element()).map_err(&bad)?;
     let count = matrix.nx * matrix.ny;
-    let heights = member(&mut archive, &matrix.members.0, (count * matrix.kind.size()) as u64).map_err(&bad)?;
+    let heights = archive.member(&matrix.members.0, (count * matrix.kind.size()) as u64).map_err(&bad)?;
     if heights.len() != count * matrix.kind.size() {
         let (found, expected) = (heights.len(), count * matrix.kind.size());
-        return Err(bad(format!("{} has {found} bytes where the matrix needs {expected}", shown(&matrix.members.0))));
+        return Err(bad(format!(
+            "{} has {found} bytes where the matrix needs {expected}",
+            archive.shown(&matrix.members.0)
+        )));
     }
     let valid = match &matrix.members.1 {
-        Some(name) => Some(member(&mut archive, name, count.div_ceil(8) as u64).map_err(&bad)?),
+        Some(name) => Some(archive.member(name, count.div_ceil(8) as u64).map_err(&bad)?),
         None => None,
     };
     Ok(matrix.decoded(&heights, valid.as_deref()))
-}
-
-/// A member's name as an error may repeat it.
-fn shown(name: &str) -> String {
-    quoted_near(name, [MAIN, "bindata/data.bin", "bindata/valid.bin"]).trim_matches('"').to_owned()
-}
-
-/// The bytes of a member, at most one more than `most`.
-fn member(archive: &mut ZipArchive<Cursor<&[u8]>>, name: &str, most: u64) -> Result<Vec<u8>, String> {
-    let file = archive.by_name(name).map_err(|error| format!("member {}: {error}", shown(name)))?;
-    let mut bytes = Vec::new();
-    file.take(most + 1).read_to_end(&mut bytes).map_err(|error| format!("member {}: {error}", shown(name)))?;
-    Ok(bytes)
 }
 
 impl Description {
@@ -111,10 +93,10 @@ impl Description {
             return Err(format!("pixels of {} x {} m", pitch.x, pitch.y));
         }
         let kind = match text(&axis("CZ", "DataType")).as_deref() {
-            Some("I") => Kind::I16,
-            Some("L") => Kind::I32,
-            Some("F") => Kind::F32,
-            Some("D") => Kind::F64,
+            Some("I") => Element::I16,
+            Some("L") => Element::I32,
+            Some("F") => Element::F32,
+            Some("D") => Element::F64,
             other => return Err(format!("{MAIN}: heights of type {}", quoted(other.unwrap_or_default()))),
         };
         let scale = (optional(&axis("CZ", "Increment"), 1.0)?, optional(&axis("CZ", "Offset"), 0.0)?);
@@ -126,10 +108,11 @@ impl Description {
     fn decoded(&self, bytes: &[u8], valid: Option<&[u8]>) -> Surface {
         let is_valid =
             |at: usize| valid.is_none_or(|bits| bits.get(at / 8).is_some_and(|byte| byte >> (at % 8) & 1 == 1));
-        let heights = bytes.chunks_exact(self.kind.size()).enumerate().map(|(at, chunk)| {
-            let height = self.kind.value(chunk) * self.scale.0 + self.scale.1;
-            if is_valid(at) && height.is_finite() { height } else { f64::NAN }
-        });
+        let mut heights = self.kind.values(bytes, Order::Little);
+        for (at, height) in heights.iter_mut().enumerate() {
+            let scaled = *height * self.scale.0 + self.scale.1;
+            *height = if is_valid(at) && scaled.is_finite() { scaled } else { f64::NAN };
+        }
         let note = format!("X3P file: {} x {} pixels, pitch {} µm", self.nx, self.ny, self.pitch.x * 1e6);
         Surface {
             format: X3p.name(),
@@ -137,28 +120,8 @@ impl Description {
             ny: self.ny,
             pitch: Some(self.pitch),
             origin: None,
-            heights: heights.collect(),
+            heights,
             notes: vec![note],
-        }
-    }
-}
-
-impl Kind {
-    fn size(self) -> usize {
-        match self {
-            Self::I16 => 2,
-            Self::I32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-
-    /// The number in a chunk of [`Kind::size`] bytes; little-endian, as the machines that this runs on.
-    fn value(self, chunk: &[u8]) -> f64 {
-        match self {
-            Self::I16 => f64::from(bytemuck::pod_read_unaligned::<i16>(chunk)),
-            Self::I32 => f64::from(bytemuck::pod_read_unaligned::<i32>(chunk)),
-            Self::F32 => f64::from(bytemuck::pod_read_unaligned::<f32>(chunk)),
-            Self::F64 => bytemuck::pod_read_unaligned::<f64>(chunk),
         }
     }
 }

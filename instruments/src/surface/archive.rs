@@ -1,0 +1,69 @@
+//! Members of zip files, read no farther than they may be long.
+
+use std::io::{Cursor, Read};
+
+use files::input::quoted_near;
+use zip::ZipArchive;
+
+/// First bytes of a zip.
+pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
+/// Bytes that a description in XML may have.
+pub(super) const MOST_XML: u64 = 16 << 20;
+
+/// A zip in memory.
+pub(super) struct Archive<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    /// Names of members that errors may repeat.
+    known: &'static [&'static str],
+}
+
+impl<'a> Archive<'a> {
+    /// Opens a zip, which may stand behind other bytes.
+    ///
+    /// # Errors
+    /// What was found.
+    pub(super) fn open(bytes: &'a [u8], known: &'static [&'static str]) -> Result<Self, String> {
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| format!("no readable zip: {error}"))?;
+        Ok(Self { zip, known })
+    }
+
+    /// Names of the members, where they are UTF-8.
+    pub(super) fn names(&self) -> impl Iterator<Item = String> {
+        self.zip.file_names().filter_map(|name| Some(name.ok()?.into_owned()))
+    }
+
+    /// Whether there is a member of that name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.zip.index_for_name(name).is_some()
+    }
+
+    /// A member's name as an error may repeat it.
+    pub(super) fn shown(&self, name: &str) -> String {
+        quoted_near(name, self.known.iter().copied()).trim_matches('"').to_owned()
+    }
+
+    /// The bytes of a member, at most one more than `most`.
+    ///
+    /// # Errors
+    /// What was found.
+    pub(super) fn member(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
+        let shown = self.shown(name);
+        let bad = |error: String| format!("member {shown}: {error}");
+        let file = self.zip.by_name(name).map_err(|error| bad(error.to_string()))?;
+        let mut bytes = Vec::new();
+        file.take(most + 1).read_to_end(&mut bytes).map_err(|error| bad(error.to_string()))?;
+        Ok(bytes)
+    }
+
+    /// A member that must be text in UTF-8.
+    ///
+    /// # Errors
+    /// What was found.
+    pub(super) fn text(&mut self, name: &str) -> Result<String, String> {
+        let mut bytes = self.member(name, MOST_XML)?;
+        if bytes.starts_with(&[0xef, 0xbb, 0xbf]) {
+            bytes.drain(..3);
+        }
+        String::from_utf8(bytes).map_err(|_| format!("{} is not UTF-8", self.shown(name)))
+    }
+}

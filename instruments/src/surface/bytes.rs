@@ -1,0 +1,92 @@
+//! Bytes of a file, read one after the other and never beyond their end.
+
+/// A place in the bytes of a file, from which is read on. Errors say the byte and what is missing there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bytes<'a> {
+    all: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Bytes<'a> {
+    /// Reading from the first byte on.
+    pub(super) fn new(all: &'a [u8]) -> Self {
+        Self { all, at: 0 }
+    }
+
+    /// Goes to a byte of the file.
+    pub(super) fn seek(&mut self, byte: usize) -> Result<(), String> {
+        if byte > self.all.len() {
+            return Err(format!("a place at byte {byte} of {}", self.all.len()));
+        }
+        self.at = byte;
+        Ok(())
+    }
+
+    /// Byte at which is read next.
+    pub(super) fn position(&self) -> usize {
+        self.at
+    }
+
+    /// What is left.
+    pub(super) fn rest(&self) -> &'a [u8] {
+        &self.all[self.at..]
+    }
+
+    /// The next bytes.
+    pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
+        let taken = self.rest().get(..count).ok_or_else(|| {
+            format!("byte {}: {count} bytes are needed and {} are left", self.at, self.all.len() - self.at)
+        })?;
+        self.at += count;
+        Ok(taken)
+    }
+
+    /// Bytes up to a zero, which is left out.
+    pub(super) fn until_zero(&mut self) -> Result<&'a [u8], String> {
+        let end = self.rest().iter().position(|&c| c == 0);
+        let end = end.ok_or_else(|| format!("byte {}: text without an end", self.at))?;
+        let text = self.take(end)?;
+        self.at += 1;
+        Ok(text)
+    }
+
+    /// Text of a fixed length in Latin-1, filled up with zeros or blanks.
+    pub(super) fn text(&mut self, count: usize) -> Result<String, String> {
+        let bytes = self.take(count)?;
+        let end = bytes.iter().position(|&c| c == 0).unwrap_or(count);
+        Ok(bytes[..end].iter().map(|&c| char::from(c)).collect::<String>().trim().to_owned())
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let bytes = self.take(N)?;
+        Ok(*bytes.first_chunk().unwrap_or(&[0; N]))
+    }
+
+    pub(super) fn u8(&mut self) -> Result<u8, String> {
+        Ok(self.array::<1>()?[0])
+    }
+
+    pub(super) fn i16(&mut self) -> Result<i16, String> {
+        self.array().map(i16::from_le_bytes)
+    }
+
+    pub(super) fn u16(&mut self) -> Result<u16, String> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    pub(super) fn i32(&mut self) -> Result<i32, String> {
+        self.array().map(i32::from_le_bytes)
+    }
+
+    pub(super) fn u32(&mut self) -> Result<u32, String> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    pub(super) fn f32(&mut self) -> Result<f32, String> {
+        self.array().map(f32::from_le_bytes)
+    }
+
+    pub(super) fn f64(&mut self) -> Result<f64, String> {
+        self.array().map(f64::from_le_bytes)
+    }
+}

@@ -1,0 +1,37 @@
+//! Shapes of maps: how many pixels a file may claim, and which row is at the top.
+
+use super::MOST_PIXELS;
+
+/// A shape that a file states.
+///
+/// # Errors
+/// What was found, where a side is zero or there are too many pixels.
+pub(super) fn checked(nx: u64, ny: u64) -> Result<(usize, usize), String> {
+    let count = nx.checked_mul(ny).filter(|count| (1..=MOST_PIXELS as u64).contains(count));
+    match count {
+        Some(_) => Ok((nx as usize, ny as usize)),
+        None => Err(format!("a map of {nx} x {ny} pixels, where 1 to {MOST_PIXELS} pixels may be")),
+    }
+}
+
+/// A pitch that a file states [m].
+///
+/// # Errors
+/// What was found, where it is not positive and finite.
+pub(super) fn pitch(x: f64, y: f64) -> Result<glam::DVec2, String> {
+    let pitch = glam::DVec2::new(x, y);
+    if pitch.is_finite() && pitch.cmpgt(glam::DVec2::ZERO).all() {
+        return Ok(pitch);
+    }
+    Err(format!("pixels of {x} x {y} m"))
+}
+
+/// The rows in opposite order: those of an image run downwards, y of a map runs upwards.
+pub(super) fn turned(mut heights: Vec<f64>, nx: usize) -> Vec<f64> {
+    let ny = heights.len().checked_div(nx).unwrap_or(0);
+    for row in 0..ny / 2 {
+        let (low, high) = heights.split_at_mut((ny - 1 - row) * nx);
+        low[row * nx..][..nx].swap_with_slice(&mut high[..nx]);
+    }
+    heights
+}

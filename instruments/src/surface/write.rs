@@ -1,0 +1,66 @@
+//! Height maps as files that MountainsMap, Gwyddion and others open.
+
+use std::path::Path;
+
+use glam::DVec2;
+use thiserror::Error;
+
+use super::{Surface, esri, sur, x3p_write};
+
+/// Why a map is not written.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum Unwritable {
+    /// The extension is of no format that is written.
+    #[error("{name}: no height map is written with this extension; .sur, .x3p and .asc are")]
+    Extension {
+        /// The file name.
+        name: String,
+    },
+    /// The pixels have no size.
+    #[error("the map states no pitch; a distance between pixels is needed")]
+    NoPitch,
+    /// Nothing was measured.
+    #[error("every pixel is missing; at least one height is needed")]
+    NoHeight,
+    /// Shape and number of heights differ.
+    #[error("a map of {nx} x {ny} pixels with {heights} heights; one height for each pixel is needed")]
+    Shape {
+        /// Pixels along x.
+        nx: usize,
+        /// Pixels along y.
+        ny: usize,
+        /// Number of heights.
+        heights: usize,
+    },
+    /// The zip could not be made.
+    #[error("the zip cannot be made: {0}")]
+    Zip(String),
+}
+
+/// The bytes of a file with a map, in the format of the file's extension: `.sur`, `.x3p` or `.asc`.
+///
+/// X3P keeps each height bit by bit. ESRI's ASC holds millimetres, so that a height may change by a rounding. SUR has
+/// whole steps of a power of two micrometres, at most 2⁻²⁹ of the largest height, and pitches of 32 bits.
+///
+/// # Errors
+/// [`Unwritable`]
+pub fn write(file: &Path, surface: &Surface) -> Result<Vec<u8>, Unwritable> {
+    let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let write = match extension.as_deref() {
+        Some("sur") => sur::write,
+        Some("x3p") => x3p_write::write,
+        Some("asc") => esri::write,
+        _ => return Err(Unwritable::Extension { name: file.display().to_string() }),
+    };
+    let Surface { nx, ny, .. } = *surface;
+    let heights = surface.heights.len();
+    if nx.checked_mul(ny) != Some(heights) || heights == 0 || nx.max(ny) > i32::MAX as usize {
+        return Err(Unwritable::Shape { nx, ny, heights });
+    }
+    write(surface)
+}
+
+/// The pitch of a map [m].
+pub(super) fn pitch_of(surface: &Surface) -> Result<DVec2, Unwritable> {
+    surface.pitch.filter(|pitch| pitch.is_finite() && pitch.cmpgt(DVec2::ZERO).all()).ok_or(Unwritable::NoPitch)
+}
