@@ -1,10 +1,12 @@
 //! Files as scanners and robots write them: what stands in them, in SI, before anybody says what it means.
 //!
 //! 1. [`surface`] reads and writes height maps: exports of instruments, grids, meshes.
-//! 2. [`text_table`] reads rows of cells whatever separates them.
+//! 2. [`log`] reads what robots and sensors reported row by row, and guesses which channel is what.
+//! 3. [`text_table`] reads rows of cells whatever separates them.
 //!
 //! A [`Misread`] tells the place in the file, what was found, and what would be accepted.
 
+pub mod log;
 mod misread;
 pub mod surface;
 pub mod text_table;

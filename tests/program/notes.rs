@@ -67,13 +67,14 @@ fn notes_on_measurements_are_in_the_answers_of_all_verbs_that_read_them() {
 }
 
 #[test]
-fn a_trial_without_a_repeated_scan_is_refused_with_file_key_and_remedy() {
+fn a_trial_without_a_repeated_scan_is_compared_and_the_source_of_its_noise_is_said() {
     let (folder, place) = trial();
-    let words = ["trial.toml", "[scan] has no repeat", "before_repeat.csv", "`simulate`"];
-    for verb in ["compare", "calibrate", "diagnose", "study"] {
-        let mut command = robofin([verb]);
-        run(command.arg(&place).arg("--out").arg(folder.path().join(verb))).is_refused(1, &words);
-    }
+    let mut command = robofin(["compare", "--json"]);
+    let outcome = run(command.arg(&place).arg("--out").arg(folder.path().join("out"))).succeeds();
+    let notes = notes(&outcome, "note");
+    assert!(notes.iter().any(|note| note.contains("no repeated scan: its noise is taken from")), "{notes:?}");
+    let source = &outcome.answer()["noise"][0]["source"]["kind"];
+    assert!(["untouched", "one-scan"].iter().any(|kind| source == kind), "{source}");
 }
 
 #[test]

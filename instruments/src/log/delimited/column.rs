@@ -1,0 +1,254 @@
+//! One column of a table: what its cells hold, and its values.
+
+use std::path::Path;
+
+use super::cells::{Cell, Separator};
+use super::layout::Layout;
+use super::stamp::{self, DAY, SECOND, Stamp};
+use crate::log::{Channels, unit};
+use crate::misread::{Misread, Place};
+
+/// What the cells of a column hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Number,
+    /// `true` and `false`.
+    Flag,
+    Text,
+    Stamp(Stamp),
+    /// Whole numbers of this part of a second since 1970.
+    Epoch(i128),
+}
+
+/// One column.
+#[derive(Debug)]
+pub(super) struct Column {
+    name: String,
+    /// Whether the header has an empty cell for it.
+    is_nameless: bool,
+    unit: Option<String>,
+    kind: Kind,
+    values: Vec<f64>,
+    /// Moment of the first stamp, and of the last one [ns, or parts of a second].
+    span: Option<(i128, i128)>,
+    midnights: usize,
+    /// Dates whose clock is the next column.
+    is_day_of_next: bool,
+    /// Clock whose dates are the column before.
+    has_day: bool,
+    /// First rows with a decimal comma and with a decimal point.
+    marks: [Option<usize>; 2],
+}
+
+/// What was found in a cell, and what would do.
+type Refusal = (String, &'static str);
+
+impl Column {
+    /// The columns of a table, without rows.
+    pub(super) fn all(layout: &Layout) -> Vec<Self> {
+        let mut sample: Vec<Vec<&str>> = vec![Vec::new(); layout.count];
+        let mut cells = Vec::new();
+        for line in &layout.sample {
+            layout.separator.split(line.text, &mut cells);
+            for (column, cell) in sample.iter_mut().zip(cells.iter().filter(|_| cells.len() == layout.count)) {
+                column.push(*cell);
+            }
+        }
+        let mut columns: Vec<Self> = sample.iter().enumerate().map(|(k, cells)| Self::of(layout, k, cells)).collect();
+        for k in 1..columns.len() {
+            let is_day = matches!(columns[k - 1].kind, Kind::Stamp(Stamp::Day(_)));
+            if is_day && matches!(columns[k].kind, Kind::Stamp(stamp) if stamp.is_clock()) {
+                columns[k - 1].is_day_of_next = true;
+                columns[k].has_day = true;
+            }
+        }
+        columns
+    }
+
+    fn of(layout: &Layout, k: usize, cells: &[&str]) -> Self {
+        let named = layout.header.names.get(k).filter(|name| !name.is_empty());
+        let name = named.cloned().unwrap_or_else(|| format!("column_{}", k + 1));
+        let own = layout.header.units.get(k).cloned().flatten();
+        let unit = own.or_else(|| unit::split(&name).1);
+        let kind = Kind::of(layout.separator, cells).or_epoch(&name, k == 0, cells);
+        Self {
+            name,
+            is_nameless: named.is_none() && !layout.header.names.is_empty(),
+            unit,
+            kind,
+            values: Vec::new(),
+            span: None,
+            midnights: 0,
+            is_day_of_next: false,
+            has_day: false,
+            marks: [None; 2],
+        }
+    }
+
+    /// Adds a row.
+    pub(super) fn push(&mut self, cell: &str, separator: Separator) -> Result<(), Refusal> {
+        let refuse = |accepted| Err((format!("{} is none", files::input::quoted(cell)), accepted));
+        let value = match (self.kind, separator.cell(cell)) {
+            (Kind::Text, _) => return Ok(()),
+            (_, Cell::Empty) => f64::NAN,
+            (Kind::Number, Cell::Number(number)) => {
+                self.note_mark(cell);
+                number
+            }
+            (Kind::Number, _) => return refuse("a number, or an empty cell where nothing was measured, is expected"),
+            (Kind::Flag, _) => match flag(cell) {
+                Some(flag) => f64::from(u8::from(flag)),
+                None => return refuse("true or false, as in the rows above, is expected"),
+            },
+            (Kind::Stamp(stamp), _) => match stamp.read(cell) {
+                Some(moment) => self.since_first(moment, stamp.is_clock()) as f64 / SECOND as f64,
+                None => return refuse("a time written as in the rows above is expected"),
+            },
+            (Kind::Epoch(parts), _) => match whole_and_fraction(cell) {
+                Some((whole, fraction)) => (self.since_first(whole, false) as f64 + fraction) / parts as f64,
+                None => return refuse("a time since 1970 as in the rows above is expected"),
+            },
+        };
+        self.values.push(value);
+        Ok(())
+    }
+
+    /// The time since the first stamp; a clock that goes back by half a day passed midnight.
+    fn since_first(&mut self, moment: i128, is_clock: bool) -> i128 {
+        let (first, last) = self.span.unwrap_or((moment, moment));
+        if is_clock && !self.has_day && last - moment > DAY / 2 {
+            self.midnights += 1;
+        }
+        self.span = Some((first, moment));
+        moment - first + self.midnights as i128 * DAY
+    }
+
+    fn note_mark(&mut self, cell: &str) {
+        let row = self.values.len();
+        for (mark, first) in [',', '.'].into_iter().zip(&mut self.marks) {
+            if first.is_none() && cell.contains(mark) {
+                *first = Some(row);
+            }
+        }
+    }
+
+    /// Adds the column to a log; `days` are the seconds of the dates beside a clock.
+    fn finish(mut self, days: Option<Self>, channels: &mut Channels) {
+        // Separators that close the lines leave a column of nothing.
+        if self.is_nameless && self.kind == Kind::Number && self.values.iter().all(|value| value.is_nan()) {
+            return;
+        }
+        if let Some(days) = days {
+            self.values.iter_mut().zip(days.values).for_each(|(value, day)| *value += day);
+            channels.notes.push(format!("the columns {:?} and {:?} are read as one time", days.name, self.name));
+        }
+        let since = match self.kind {
+            Kind::Text => {
+                channels.notes.push(format!("column {:?} holds text and is left out", self.name));
+                channels.text.push(self.name);
+                return;
+            }
+            Kind::Stamp(stamp) => Some(stamp.name()),
+            Kind::Epoch(1) => Some("seconds since 1970"),
+            Kind::Epoch(1_000) => Some("milliseconds since 1970"),
+            Kind::Epoch(1_000_000) => Some("microseconds since 1970"),
+            Kind::Epoch(_) => Some("nanoseconds since 1970"),
+            Kind::Number | Kind::Flag => None,
+        };
+        if let Some(written) = since {
+            let midnights = if self.midnights > 0 {
+                format!("; midnight is passed {} times", self.midnights)
+            } else {
+                String::new()
+            };
+            channels.notes.push(format!(
+                "column {:?} holds {written} and is read as seconds from the first row{midnights}",
+                self.name
+            ));
+            self.unit = Some("s".to_owned());
+        }
+        channels.push(&self.name, self.unit, self.values);
+    }
+}
+
+/// Adds the columns to a log.
+pub(super) fn finish(columns: Vec<Column>, channels: &mut Channels) {
+    let mut days = None;
+    for column in columns {
+        if column.is_day_of_next {
+            days = Some(column);
+        } else {
+            column.finish(days.take(), channels);
+        }
+    }
+}
+
+/// Refuses a table in which decimals are written with commas here and with points there.
+pub(super) fn check_marks(place: (&Path, &[u64]), columns: &[Column], notes: &mut Vec<String>) -> Result<(), Misread> {
+    let (file, lines) = place;
+    let first = |mark: usize| columns.iter().enumerate().find_map(|(k, column)| column.marks[mark].map(|row| (row, k)));
+    match (first(0), first(1)) {
+        (Some(comma), Some(point)) => {
+            let (row, column) = comma.max(point);
+            let line = lines.get(row).copied().unwrap_or_default();
+            let found = "decimals are written with commas in some cells and with points in others";
+            return Err(Place::cell(file, line, column + 1).bad(found, "one decimal mark is expected"));
+        }
+        (Some(_), None) => notes.push("decimals are written with commas".to_owned()),
+        _ => {}
+    }
+    Ok(())
+}
+
+impl Kind {
+    fn of(separator: Separator, cells: &[&str]) -> Self {
+        let filled: Vec<&str> = cells.iter().copied().filter(|cell| separator.cell(cell) != Cell::Empty).collect();
+        let numbers = filled.iter().filter(|cell| matches!(separator.cell(cell), Cell::Number(_))).count();
+        // A few damaged cells do not make a column of text.
+        if 10 * numbers >= 9 * filled.len() {
+            return Self::Number;
+        }
+        if filled.iter().all(|cell| flag(cell).is_some()) {
+            return Self::Flag;
+        }
+        let stamps: Vec<&str> = filled.iter().copied().filter(|cell| stamp::may_be(cell)).collect();
+        match stamp::of_column(&stamps) {
+            Some(stamp) if 10 * stamps.len() >= 9 * filled.len() => Self::Stamp(stamp),
+            _ => Self::Text,
+        }
+    }
+
+    /// Times since 1970, where numbers are so large and their name or place is that of a time.
+    fn or_epoch(self, name: &str, is_first: bool, cells: &[&str]) -> Self {
+        let name = name.to_lowercase();
+        let is_time = is_first || ["time", "stamp", "zeit", "epoch", "sec"].iter().any(|word| name.contains(word));
+        let wholes: Option<Vec<i128>> = cells.iter().map(|cell| Some(whole_and_fraction(cell)?.0)).collect();
+        let Some(wholes) = wholes.filter(|wholes| self == Self::Number && is_time && !wholes.is_empty()) else {
+            return self;
+        };
+        // The years 2001 to 2100.
+        let parts = [1, 1_000, 1_000_000, 1_000_000_000];
+        let within =
+            |parts: i128| wholes.iter().all(|&whole| (1_000_000_000..4_102_444_800).contains(&(whole / parts)));
+        parts.into_iter().find(|&parts| within(parts)).map_or(self, Self::Epoch)
+    }
+}
+
+fn flag(cell: &str) -> Option<bool> {
+    match cell.to_ascii_lowercase().as_str() {
+        "true" => Some(true),
+        "false" => Some(false),
+        _ => None,
+    }
+}
+
+/// A number without sign and exponent as its whole part and the rest.
+fn whole_and_fraction(cell: &str) -> Option<(i128, f64)> {
+    let (whole, fraction) = cell.split_once(['.', ',']).unwrap_or((cell, ""));
+    let is_digits = |text: &str| text.len() <= 25 && text.bytes().all(|byte| byte.is_ascii_digit());
+    if !is_digits(whole) || !is_digits(fraction) {
+        return None;
+    }
+    let rest = if fraction.is_empty() { 0.0 } else { format!("0.{fraction}").parse().ok()? };
+    Some((whole.parse().ok()?, rest))
+}

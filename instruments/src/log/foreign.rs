@@ -1,0 +1,24 @@
+//! Files that are no log that is read, known by their first bytes: the error says how to convert them.
+
+use std::path::Path;
+
+use crate::misread::{Misread, Place};
+
+/// First bytes, name of the format, and what to do with it.
+const FOREIGN: [(&[u8], &str, &str); 7] = [
+    (b"#ROSBAG V", "a bag of ROS 1", "a bag of ROS 2 is expected; `rosbags-convert` makes one"),
+    (b"PK\x03\x04", "a ZIP archive or a workbook of a spreadsheet", "the sheet saved as CSV is expected"),
+    (b"\xd0\xcf\x11\xe0", "a workbook of a spreadsheet", "the sheet saved as CSV is expected"),
+    (b"\x89HDF", "an HDF5 or MATLAB 7.3 file", "the table saved as CSV is expected"),
+    (b"MATLAB 5.0", "a MATLAB file", "the table saved as CSV is expected"),
+    (b"\x1f\x8b", "a gzip archive", "the file unpacked is expected"),
+    (b"TDSm", "a TDMS file", "the table saved as CSV is expected"),
+];
+
+/// Refuses a file of a format that is known and not read.
+pub(super) fn refuse(file: &Path, bytes: &[u8]) -> Result<(), Misread> {
+    match FOREIGN.into_iter().find(|(start, ..)| bytes.starts_with(start)) {
+        Some((_, found, accepted)) => Err(Place::file(file).bad(format!("the file is {found}"), accepted)),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,200 @@
+//! Which channel of a log may be which quantity of a pass, in which unit, and why.
+//!
+//! Names decide first, in the conventions that `names` lists; values decide signs and units that no header gives.
+//! Nothing is certain here: every candidate carries a sentence for the person who checks it.
+
+mod names;
+mod table;
+mod values;
+
+use super::{Channels, unit};
+
+/// Candidates of a role that are reported.
+const MOST_CANDIDATES: usize = 3;
+/// Scores that differ by less leave a doubt.
+const CLOSE: f64 = 2.5;
+/// Scores from which a name alone is enough.
+const GOOD: f64 = 8.0;
+
+/// A quantity that a log of a pass has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Time.
+    Time,
+    /// x of the tool.
+    X,
+    /// y of the tool.
+    Y,
+    /// z of the tool.
+    Z,
+    /// Normal force, positive where the tool is pressed on.
+    Force,
+    /// Spindle speed.
+    Spindle,
+    /// x of the approach axis.
+    Nx,
+    /// y of the approach axis.
+    Ny,
+    /// z of the approach axis.
+    Nz,
+    /// Temperature of a pyrometer.
+    Temperature,
+}
+
+/// How far a guess is to be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Confidence {
+    /// Another candidate or another unit is nearly as good.
+    Doubtful,
+    /// The name fits, and the unit follows from the values.
+    Likely,
+    /// Name and unit stand in the file.
+    Clear,
+}
+
+/// A channel that may have a role.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Index in [`Channels::names`].
+    pub channel: usize,
+    /// Its name there.
+    pub name: String,
+    /// Unit of its values as [`Channels::units`] spells it; `1` of an axis.
+    pub unit: String,
+    /// −1 where the values are to be turned round, as of a sensor that reads negative where it is pressed.
+    pub sign: i8,
+    /// How far it is to be trusted.
+    pub confidence: Confidence,
+    /// Why, in one sentence without a full stop.
+    pub reason: String,
+    /// How well the name fits, from 0 to 12.
+    score: f64,
+}
+
+/// The candidates of every role, best first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Guesses {
+    candidates: Vec<(Role, Vec<Candidate>)>,
+}
+
+impl Role {
+    /// In the order of tables.
+    pub const ALL: [Self; 10] = [
+        Self::Time,
+        Self::X,
+        Self::Y,
+        Self::Z,
+        Self::Force,
+        Self::Spindle,
+        Self::Nx,
+        Self::Ny,
+        Self::Nz,
+        Self::Temperature,
+    ];
+
+    /// Its key in `[log.columns]`.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::Force => "force",
+            Self::Spindle => "spindle",
+            Self::Nx => "nx",
+            Self::Ny => "ny",
+            Self::Nz => "nz",
+            Self::Temperature => "temperature",
+        }
+    }
+
+    /// Whether every log of a pass has it.
+    pub fn is_required(self) -> bool {
+        matches!(self, Self::Time | Self::X | Self::Y | Self::Z | Self::Force | Self::Spindle)
+    }
+
+    /// Units that it may have.
+    fn units(self) -> &'static [&'static str] {
+        match self {
+            Self::Time => &["s", "ms", "us", "ns", "min", "h"],
+            Self::X | Self::Y | Self::Z => &["m", "mm", "um"],
+            Self::Force => &["N", "kN"],
+            Self::Spindle => &["rpm", "rad/s", "Hz"],
+            Self::Nx | Self::Ny | Self::Nz => &["1"],
+            Self::Temperature => &["°C", "K"],
+        }
+    }
+}
+
+impl Guesses {
+    /// The candidates of a role, best first; at most three.
+    pub fn of(&self, role: Role) -> &[Candidate] {
+        self.candidates.iter().find(|(own, _)| *own == role).map_or(&[], |(_, candidates)| candidates)
+    }
+
+    /// The best candidate of a role.
+    pub fn best(&self, role: Role) -> Option<&Candidate> {
+        self.of(role).first()
+    }
+}
+
+/// Guesses which channel is what.
+pub fn guess(channels: &Channels) -> Guesses {
+    let mut guesses = Guesses::default();
+    for role in Role::ALL {
+        let mut found: Vec<Candidate> =
+            (0..channels.names.len()).filter_map(|k| candidate(channels, role, k)).collect();
+        found.sort_by(|one, other| other.score.total_cmp(&one.score).then(one.channel.cmp(&other.channel)));
+        found.truncate(MOST_CANDIDATES);
+        guesses.candidates.push((role, found));
+    }
+    values::drop_what_is_no_axis(channels, &mut guesses.candidates);
+    values::understand(channels, &mut guesses.candidates);
+    for (_, candidates) in &mut guesses.candidates {
+        doubt(candidates);
+    }
+    guesses
+}
+
+/// A channel as a candidate by its name, if that and its unit fit.
+fn candidate(channels: &Channels, role: Role, channel: usize) -> Option<Candidate> {
+    let name = &channels.names[channel];
+    let (base, _) = unit::split(name);
+    let own = channels.units[channel].as_deref();
+    let mut score = names::score(role, base)?;
+    match own {
+        Some(own) if role.units().contains(&own) => score += 2.0,
+        // A header may give a unit that is not known here; a known one of something else decides.
+        Some(own) if unit::known(own).is_some() => return None,
+        _ => {}
+    }
+    if !channels.values[channel].iter().any(|value| value.is_finite()) {
+        return None;
+    }
+    Some(Candidate {
+        channel,
+        name: name.clone(),
+        unit: own.unwrap_or_default().to_owned(),
+        sign: 1,
+        confidence: if own.is_some() && score >= GOOD { Confidence::Clear } else { Confidence::Likely },
+        reason: String::new(),
+        score,
+    })
+}
+
+/// Lowers the confidence where the next candidate is nearly as good, or the name is weak.
+fn doubt(candidates: &mut [Candidate]) {
+    let Some((best, others)) = candidates.split_first_mut() else { return };
+    if let Some(next) = others.first().filter(|next| best.score - next.score < CLOSE) {
+        best.confidence = Confidence::Doubtful;
+        best.reason.push_str(&format!("; {:?} may be it as well", next.name));
+    }
+    for candidate in std::iter::once(best).chain(others) {
+        if candidate.score < GOOD - 2.0 {
+            candidate.confidence = Confidence::Doubtful;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,68 @@
+//! Guesses as a commented table for `trial.toml`.
+
+use super::{Candidate, Confidence, Guesses, Role};
+
+impl Guesses {
+    /// The table `[log.columns]`, with the reason of each line as a comment, other candidates as comments, and a comment
+    /// where a quantity that every pass needs was not found.
+    pub fn table(&self) -> String {
+        let mut table = String::from("[log.columns]\n");
+        for role in Role::ALL {
+            let key = role.key();
+            match self.of(role) {
+                [] if role.is_required() => {
+                    let unit = role.units()[0];
+                    table.push_str(&format!(
+                        "# no channel has a name for it: {key} = {{ column = \"\", unit = \"{unit}\" }}\n"
+                    ));
+                }
+                [] => {}
+                [best, others @ ..] => {
+                    table.push_str(&format!("# {}: {}\n", best.confidence.name(), one_line(&best.reason)));
+                    table.push_str(&format!("{key} = {}\n", best.entry()));
+                    for other in others {
+                        table.push_str(&format!("# or: {key} = {}\n", other.entry()));
+                    }
+                }
+            }
+        }
+        table
+    }
+}
+
+impl Candidate {
+    /// The value of its line: column, unit, and the sign where it is not 1.
+    fn entry(&self) -> String {
+        let sign = if self.sign < 0 { ", sign = -1" } else { "" };
+        format!("{{ column = {}, unit = {}{sign} }}", quoted(&self.name), quoted(&self.unit))
+    }
+}
+
+impl Confidence {
+    /// Word for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clear => "clear",
+            Self::Likely => "likely",
+            Self::Doubtful => "doubtful",
+        }
+    }
+}
+
+/// A text in the quotes of TOML.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => quoted.push_str(&format!("\\u{:04X}", u32::from(c))),
+            c => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

@@ -1,0 +1,124 @@
+//! Logs as robots, sensors and people write them: named channels of numbers, before anybody says what they mean.
+//!
+//! [`read`] asks the formats of `FORMATS` in turn whether a file is theirs, by its content. A format is a file or a
+//! folder here with one type behind `Format`; adding one is a module and a line. [`guess`] says which channel may be
+//! which quantity of a pass, and why.
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! let text = b"Zeit;X [mm];Kraft (N)\n0,00;1,5;12\n0,01;1,6;13\n";
+//! let log = instruments::log::read(Path::new("log.csv"), text)?;
+//! assert_eq!(log.names, ["Zeit", "X [mm]", "Kraft (N)"]);
+//! assert_eq!(log.units[1].as_deref(), Some("mm"));
+//! assert_eq!(log.channel("X [mm]"), Some(&[1.5, 1.6][..]));
+//! # Ok::<(), instruments::Misread>(())
+//! ```
+
+mod delimited;
+mod foreign;
+pub mod guess;
+mod text;
+mod unit;
+
+use std::path::Path;
+
+use crate::misread::{Misread, Place};
+
+pub use guess::{Guesses, guess};
+
+/// Values that a log may hold: 1 GiB of them.
+const MOST_VALUES: usize = 1 << 27;
+/// Channels that a log may have.
+const MOST_CHANNELS: usize = 4096;
+
+/// The formats in the order in which they are asked; delimited text, which any text may be, comes last.
+const FORMATS: [&dyn Format; 1] = [&delimited::Delimited];
+
+/// A file format of logs.
+trait Format: Sync {
+    /// Name for people.
+    fn name(&self) -> &'static str;
+
+    /// Whether a file is of this format.
+    fn recognises(&self, bytes: &[u8]) -> bool;
+
+    /// Reads a file of this format.
+    fn read(&self, file: &Path, bytes: &[u8]) -> Result<Channels, Misread>;
+}
+
+/// A log: channels of the same length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Channels {
+    /// Name of the file's format.
+    pub format: &'static str,
+    /// Names as the file writes them, each once; `topic/field` in bags.
+    pub names: Vec<String>,
+    /// Unit of each channel, `None` where the file gives none. Known units have one spelling: `s`, `ms`, `us`, `ns`, `m`,
+    /// `mm`, `um`, `N`, `kN`, `Nm`, `rpm`, `rad/s`, `rad`, `deg`, `mm/s`, `m/s`, `°C`, `K`. Others stand as written.
+    pub units: Vec<Option<String>>,
+    /// Values in the file's units, one list for each name, each as long as `lines`; NaN where nothing was measured.
+    pub values: Vec<Vec<f64>>,
+    /// Where each row stands: line of a text, number of a message in a bag, both from 1.
+    pub lines: Vec<u64>,
+    /// Names of columns that hold text and are left out.
+    pub text: Vec<String>,
+    /// What was understood, in sentences, where it is not the plain case.
+    pub notes: Vec<String>,
+}
+
+impl Channels {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// The values of the channel of exactly this name.
+    pub fn channel(&self, name: &str) -> Option<&[f64]> {
+        let at = self.names.iter().position(|other| other == name)?;
+        self.values.get(at).map(Vec::as_slice)
+    }
+
+    /// Adds a channel. A name that is there already gets a number.
+    fn push(&mut self, name: &str, unit: Option<String>, values: Vec<f64>) {
+        let mut own = name.to_owned();
+        let mut copy = 1;
+        while self.names.contains(&own) {
+            copy += 1;
+            own = format!("{name} ({copy})");
+        }
+        if copy > 1 {
+            self.notes.push(format!("the name {name:?} stands {copy} times; the later is {own:?}"));
+        }
+        self.names.push(own);
+        self.units.push(unit);
+        self.values.push(values);
+    }
+}
+
+/// Reads a log.
+///
+/// # Errors
+/// [`Misread`] with the place in the file: no format that is read, or content that is not what the format says.
+pub fn read(file: &Path, bytes: &[u8]) -> Result<Channels, Misread> {
+    foreign::refuse(file, bytes)?;
+    let last: &dyn Format = &delimited::Delimited;
+    FORMATS.into_iter().find(|format| format.recognises(bytes)).unwrap_or(last).read(file, bytes)
+}
+
+/// Names of the formats that are read.
+pub fn formats() -> impl Iterator<Item = &'static str> {
+    FORMATS.into_iter().map(|format| format.name())
+}
+
+/// Checks how many values a log would hold.
+fn check_size(place: Place, channels: usize, rows: usize) -> Result<(), Misread> {
+    if channels > MOST_CHANNELS {
+        return Err(place.bad(format!("{channels} channels"), format!("at most {MOST_CHANNELS} are accepted")));
+    }
+    if channels.saturating_mul(rows) > MOST_VALUES {
+        let found = format!("{rows} rows of {channels} channels");
+        return Err(place.bad(found, format!("at most {MOST_VALUES} values are accepted")));
+    }
+    Ok(())
+}
