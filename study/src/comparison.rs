@@ -93,7 +93,7 @@ pub fn compare_scans(
     };
     let error = [rms(|figures| figures.rms_um), rms(|figures| figures.noise_floor_um)];
     let equal_passes = evidence.trend(model)?;
-    let notes = campaign.notes();
+    let notes = campaign.notes().into_iter().chain(evidence.noise_notes()).collect();
     let removal = 1e6 * deepest(evidence, &simulated, split);
     let found = Found { equal_passes, tests, study, named: &tile_covariates::covariate, error, notes, removal };
     let blur = Some(simulated.observation.blur * 1e6);

@@ -50,9 +50,9 @@ pub struct ScanNoiseError {
 }
 
 impl NoiseSource {
-    /// True if the scans may have more noise than is seen.
+    /// True if the scans may have more noise than is seen: marks of grinding lie where the tool was.
     pub fn is_lower_bound(&self) -> bool {
-        matches!(self, Self::Untouched | Self::OneScan)
+        *self == Self::Untouched
     }
 
     /// For people, after the name of the trial; `None` for a repeated scan.
@@ -65,11 +65,10 @@ impl NoiseSource {
                                 that after the first pass, a lower bound"
                     .to_owned()
             }
-            Self::OneScan => {
-                "no repeated scan: its noise is taken from the roughness of the scan before alone, a lower bound \
-                              without what neighbouring pixels share; p-values and intervals are not valid"
-                    .to_owned()
-            }
+            Self::OneScan => "no repeated scan: its noise is taken from the roughness of the scan before alone, which holds \
+                              the texture of the surface and lacks what neighbouring pixels share; p-values and intervals \
+                              are not valid"
+                .to_owned(),
         })
     }
 }
