@@ -7,7 +7,7 @@
 //! 3. geometry buffers: depth, normal, position, weld id, dose, [`removed_depth`], visibility;
 //! 4. light: a [`Scene`] is photographed ([`Material`], [`Marks`], [`Lights`]), a [`View`] is drawn with edges or in the
 //!    [`colour_map`] of removed depth;
-//! 5. [`Sensor`]: blur, exposure and noise; [`contact_sheet`]: panels side by side and the legend, in one picture.
+//! 5. [`Sensor`]: blur, exposure and noise; [`label`]: which pixels show sanded coating; [`contact_sheet`]: panels side by side and the legend, in one picture.
 //!
 //! Every sample is a pure function of its arguments, so a picture is the same for any number of threads.
 //!
@@ -43,6 +43,7 @@ mod font;
 mod frame;
 mod gbuffer_lanes;
 mod index;
+pub mod label;
 mod lanes;
 mod legend;
 mod lens;

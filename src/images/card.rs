@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use super::ImageRecipe;
-use super::label::{LEAST_CONTRAST, SANDED_FROM, UNSANDED_TO};
 use super::plan::{Split, Treatment};
 use super::record::ImageRecord;
 use crate::store::Failure;
+use render::label::{LEAST_CONTRAST, SANDED_FROM, UNSANDED_TO};
 
 /// Writes the card in Markdown.
 pub(super) fn write(recipe: &ImageRecipe, records: &[ImageRecord], failures: &[Failure]) -> String {

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context, Result};
 
-use super::label::{IGNORE, SANDED, UNSANDED, agreement, counts};
 use super::make::Task;
 use super::plan::{Planned, Treatment};
 use super::record::ImageRecord;
@@ -16,6 +15,7 @@ use crate::store::check::{Broken, SetValidation};
 use crate::store::run::SetItem;
 use crate::store::{self, names, remove};
 use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
+use render::label::{IGNORE, SANDED, UNSANDED, agreement, counts};
 
 /// Checks all things of a set with `jobs` threads, then the catalogue; calls `done` with each one's faults.
 ///

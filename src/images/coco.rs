@@ -5,8 +5,8 @@ use export::rle::{Extent, Rle};
 use serde::Serialize;
 
 use super::IMAGES_FOLDER;
-use super::label::{SANDED, UNSANDED};
 use super::record::{ImageRecord, file_path};
+use render::label::{SANDED, UNSANDED};
 
 /// Classes by number and name.
 pub const CATEGORIES: [(u8, &str); 2] = [(SANDED, "sanded"), (UNSANDED, "unsanded")];

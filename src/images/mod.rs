@@ -13,7 +13,7 @@
 //!
 //! The road: [`plan`] names the images of a [`recipe`], `order` says which of them a limit takes; [`workpiece`] gives each workpiece its field, [`patch`] finds
 //! where a pad can go and [`pattern`] which ways; [`sanding`] simulates them; [`scene`] draws light, material and
-//! camera, [`shot`] renders, [`label`] compares; [`record`] keeps; [`make`] makes each thing, in a
+//! camera, [`shot`] renders, [`render::label`] compares; [`record`] keeps; [`make`] makes each thing, in a
 //! process of its own that [`crate::store`] starts. `catalogue` describes what is there, and [`check`] holds it against
 //! itself.
 
@@ -21,7 +21,6 @@ mod card;
 mod catalogue;
 pub mod check;
 pub mod coco;
-pub mod label;
 pub mod make;
 mod order;
 pub mod plan;

@@ -8,7 +8,6 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use serde::{Deserialize, Serialize};
 
-use super::label::{agreement, counts};
 use super::plan::{Planned, Split, Treatment};
 use super::scene::Scene;
 use super::shot::Shot;
@@ -18,6 +17,7 @@ use crate::picture::to_png;
 use crate::store::remove;
 use files::folder::write_file;
 use files::json_file::read_json;
+use render::label::{agreement, counts};
 
 /// Line of `metadata.jsonl`, and file of its own until all are made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -4,12 +4,12 @@ use anyhow::{Context, Result};
 use image::imageops::{FilterType, resize};
 use render::{Panel, Picture, contact_sheet};
 
-use super::label::{SANDED, UNSANDED};
 use super::plan::Treatment;
 use super::record::{ImageRecord, file_path};
 use super::{APPEARANCE_FOLDER, IMAGES_FOLDER, ImageSet};
 use crate::picture::{stacked, to_png};
 use crate::store::number_from;
+use render::label::{SANDED, UNSANDED};
 
 /// Images in a row.
 const COLUMNS: usize = 6;
@@ -81,7 +81,7 @@ fn labelled(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
         let at = (y * height / picture.height) * width + x * width / picture.width;
         let grey = rgb.iter().map(|&code| u16::from(code)).sum::<u16>() / 3;
         let colour = match labels[at] {
-            super::label::BACKGROUND => [grey as u8; 3],
+            render::label::BACKGROUND => [grey as u8; 3],
             SANDED => COLOURS[0],
             UNSANDED => COLOURS[1],
             _ => COLOURS[2],

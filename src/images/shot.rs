@@ -7,8 +7,8 @@ use render::{
 };
 use sdf_bake::BrickGrid;
 
-use super::label::{Colour, labels, seen_share};
 use super::scene::{MaterialDraw, Scene};
+use render::label::{Colour, labels, seen_share};
 
 /// Exponent that makes equal steps of light look about equal: that of sRGB as a whole.
 const GAMMA: f32 = 2.2;
@@ -146,11 +146,11 @@ fn sensor(scene: &Scene, exposure: f64) -> Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::images::label::{IGNORE, SANDED, UNSANDED, counts};
     use crate::images::plan::Treatment;
     use crate::images::workpiece::Coated;
     use crate::images::{IMAGES_FORMAT, ImageRecipe};
     use paths::Pattern;
+    use render::label::{IGNORE, SANDED, UNSANDED, counts};
 
     #[test]
     fn half_a_panel_without_coating_is_labelled_as_half() {

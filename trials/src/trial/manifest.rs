@@ -22,10 +22,11 @@ pub const TRIAL_FILE: &str = "trial.toml";
 /// The table whose keys are names of the user's own.
 const COLUMNS: &str = "columns";
 /// Known keys of each other table.
-const KEYS: [(&str, &[&str]); 6] = [
-    ("", &["format", "name", "process", "tool", "scan", "controller", "coating", "columns", "pass"]),
+const KEYS: [(&str, &[&str]); 7] = [
+    ("", &["format", "name", "process", "tool", "scan", "log", "controller", "coating", "columns", "pass"]),
     ("tool", &["kind", "radius_mm", "width_mm", "axis", "fresh"]),
     ("scan", &["pitch_mm", "origin_mm", "before", "repeat", "material"]),
+    ("log", &["columns", "offset_mm", "yaw_deg"]),
     ("controller", &["kind", "mass_kg", "damping_ns_m", "period_s"]),
     ("coating", &["thickness_mm"]),
     ("pass", &["log", "scan", "role", "force_setpoint_n", "feed_mm_s", "spindle_rpm", "direction"]),
@@ -64,6 +65,8 @@ pub(super) struct Manifest {
     pub(super) process: Process,
     pub(super) tool: ToolTable,
     pub(super) scan: ScanTable,
+    #[serde(skip_serializing)]
+    pub(super) log: Option<LogTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) controller: Option<Spanned<ControllerTable>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,6 +83,66 @@ pub(super) struct Manifest {
 pub(super) enum ColumnEntry {
     Text(String),
     Number(f64),
+}
+
+/// How logs are read that are not in the format's own columns.
+#[derive(Debug, Deserialize)]
+pub(super) struct LogTable {
+    /// The channel of each quantity.
+    pub(super) columns: BTreeMap<String, Spanned<ChannelEntry>>,
+    /// Place of the log's zero in the frame of the scans.
+    pub(super) offset_mm: Option<[f64; 3]>,
+    /// Turn of the log's frame about z, before the offset.
+    pub(super) yaw_deg: Option<f64>,
+}
+
+/// A channel of a log: its name alone, or with how its values are meant.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(from = "ChannelText")]
+pub(super) struct ChannelEntry {
+    pub(super) column: String,
+    unit: Option<String>,
+    /// −1 turns the values round.
+    pub(super) sign: Option<f64>,
+    /// True change by change of the reading.
+    pub(super) gain: Option<f64>,
+    /// Reading at nothing, in the file's unit.
+    pub(super) zero: Option<f64>,
+    /// Time by which the reading is late.
+    pub(super) lag_s: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "the name of a column, or { column = \"NAME\", unit = \"mm\" }, is expected")]
+enum ChannelText {
+    Name(String),
+    #[serde(rename_all = "snake_case")]
+    Channel {
+        column: String,
+        unit: Option<String>,
+        sign: Option<f64>,
+        gain: Option<f64>,
+        zero: Option<f64>,
+        lag_s: Option<f64>,
+    },
+}
+
+impl From<ChannelText> for ChannelEntry {
+    fn from(text: ChannelText) -> Self {
+        match text {
+            ChannelText::Name(column) => Self { column, unit: None, sign: None, gain: None, zero: None, lag_s: None },
+            ChannelText::Channel { column, unit, sign, gain, zero, lag_s } => {
+                Self { column, unit, sign, gain, zero, lag_s }
+            }
+        }
+    }
+}
+
+impl ChannelEntry {
+    /// The unit of its values, where it is given.
+    pub(super) fn unit(&self) -> Option<&str> {
+        self.unit.as_deref()
+    }
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -100,8 +163,10 @@ fn fresh() -> bool {
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct ScanTable {
-    pub(super) pitch_mm: Spanned<f64>,
-    pub(super) origin_mm: Spanned<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) pitch_mm: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) origin_mm: Option<Spanned<[f64; 2]>>,
     pub(super) before: Spanned<PathBuf>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) repeat: Vec<Spanned<PathBuf>>,

@@ -10,11 +10,13 @@ mod columns;
 mod error;
 mod finding;
 mod log;
+mod log_columns;
 mod manifest;
 mod plan;
 mod plausible;
 mod poses;
 mod read;
+mod resample;
 mod scan;
 mod write;
 

@@ -10,6 +10,7 @@ use toml::Spanned;
 use super::columns::{Found, Logs, TrialColumn};
 use super::error::{Place, TrialError};
 use super::log::{RPM, read_log};
+use super::log_columns::LogColumns;
 use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Source, TRIAL_FILE, ToolKind, ToolTable};
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
 use super::{ForceInput, HeldTool, Pass, PassScan, Scans, Trial, plausible};
@@ -42,6 +43,16 @@ const MOST_PASSES: usize = 1000;
 /// Pixels of all scans of a trial that are accepted: 4 GB.
 const MOST_PIXELS: f64 = 5e8;
 
+/// How the files of every pass are read.
+struct PassForm<'a> {
+    process: Process,
+    /// Of the scan before.
+    pixels: &'a PixelGrid,
+    frame: ScanFrame,
+    /// Columns of logs that are not the format's own.
+    columns: Option<&'a LogColumns<'a>>,
+}
+
 /// The force that the controller of a manifest holds.
 fn force_input(manifest: &Manifest) -> ForceInput {
     match manifest.controller.as_ref().map(|table| table.get_ref().kind) {
@@ -65,7 +76,10 @@ impl Reader<'_> {
             return Err(Place::file(&self.source.file).bad("no [[pass]]", "at least one pass is expected"));
         }
         self.check_size(manifest, &scans.before.pixels)?;
-        let passes = manifest.pass.iter().map(|table| self.pass(table, manifest.process, &scans.before.pixels, frame));
+        let columns = manifest.log.as_ref().map(|table| LogColumns::new(self.source, table)).transpose()?;
+        let form =
+            PassForm { process: manifest.process, pixels: &scans.before.pixels, frame, columns: columns.as_ref() };
+        let passes = manifest.pass.iter().map(|table| self.pass(table, &form));
         let passes = passes.collect::<Result<Vec<_>, _>>()?;
         let columns = self.columns(manifest, &passes)?;
         let coating =
@@ -111,13 +125,15 @@ impl Reader<'_> {
     }
 
     fn frame(&self, manifest: &Manifest) -> Result<ScanFrame, TrialError> {
-        let pitch = self.positive("pitch_mm", &manifest.scan.pitch_mm)? * 1e-3;
-        let [x, y] = *manifest.scan.origin_mm.get_ref();
-        if !(x.is_finite() && y.is_finite()) {
-            let at = manifest.scan.origin_mm.span();
-            return Err(self.source.bad(at, format!("origin_mm is [{x}, {y}]"), "two finite numbers are expected"));
-        }
-        Ok(ScanFrame { origin: DVec2::new(x, y) * 1e-3, pitch, shape: None })
+        let pitch = manifest.scan.pitch_mm.as_ref().map(|pitch| self.positive("pitch_mm", pitch)).transpose()?;
+        let origin = manifest.scan.origin_mm.as_ref().map(|origin| {
+            let [x, y] = *origin.get_ref();
+            let bad = || {
+                self.source.bad(origin.span(), format!("origin_mm is [{x}, {y}]"), "two finite numbers are expected")
+            };
+            if x.is_finite() && y.is_finite() { Ok(DVec2::new(x, y) * 1e-3) } else { Err(bad()) }
+        });
+        Ok(ScanFrame { origin: origin.transpose()?, pitch: pitch.map(|pitch| pitch * 1e-3), like: None })
     }
 
     fn tool(&self, table: &ToolTable) -> Result<HeldTool, TrialError> {
@@ -191,8 +207,7 @@ impl Reader<'_> {
         }
         let mut material = None;
         if let Some(name) = &manifest.scan.material {
-            let own = ScanFrame { pitch: before.content.pixels.pitch, ..frame };
-            let labels = self.file(name, |file| read_labels(file, own))?;
+            let labels = self.file(name, |file| read_labels(file, frame.like(&before.content.pixels)))?;
             same(name, &labels.content.pixels)?;
             material = Some(labels.content);
             notes.extend(labels.notes);
@@ -201,15 +216,13 @@ impl Reader<'_> {
         Ok(Scans { before: before.content, repeats, material })
     }
 
-    fn pass(
-        &mut self,
-        table: &PassTable,
-        process: Process,
-        pixels: &PixelGrid,
-        frame: ScanFrame,
-    ) -> Result<Pass, TrialError> {
-        let log = self.file(&table.log, read_log)?;
-        let own = ScanFrame { pitch: pixels.pitch, ..frame };
+    fn pass(&mut self, table: &PassTable, form: &PassForm) -> Result<Pass, TrialError> {
+        let PassForm { process, pixels, frame, columns } = *form;
+        let spindle_speed = self.optional("spindle_rpm", &table.spindle_rpm)?.map(|rpm| rpm * RPM);
+        let log = self.file(&table.log, |file| match columns {
+            Some(columns) => columns.read(file, spindle_speed),
+            None => read_log(file),
+        })?;
         let (scan, found, notes) = match process {
             Process::Grinding => {
                 let map = self.file(&table.scan, |file| read_heights(file, frame.like(pixels)))?;
@@ -217,7 +230,7 @@ impl Reader<'_> {
                 (PassScan::Heights(map.content), found, map.notes)
             }
             Process::Sanding => {
-                let mask = self.file(&table.scan, |file| read_exposure(file, own))?;
+                let mask = self.file(&table.scan, |file| read_exposure(file, frame.like(pixels)))?;
                 let found = mask.content.pixels;
                 (PassScan::Exposure(mask.content), found, mask.notes)
             }
@@ -227,17 +240,14 @@ impl Reader<'_> {
         self.note_missing(table);
         let log = log.content;
         let motion = super::poses::Motion::of(&log);
-        let optional =
-            |key: &str, value: &Option<Spanned<f64>>| value.as_ref().map(|v| self.not_negative(key, v)).transpose();
-        let feed = optional("feed_mm_s", &table.feed_mm_s)?.map_or(motion.feed, |feed| feed * 1e-3);
-        let spindle_speed = optional("spindle_rpm", &table.spindle_rpm)?.map_or(motion.spindle_speed, |rpm| rpm * RPM);
+        let feed = self.optional("feed_mm_s", &table.feed_mm_s)?.map_or(motion.feed, |feed| feed * 1e-3);
         let direction = table.direction.as_ref().map(|given| self.unit("direction", given)).transpose()?;
         Ok(Pass {
             scan,
             role: table.role,
             force_setpoint: self.force_setpoint(table, motion.force)?,
             feed,
-            spindle_speed,
+            spindle_speed: spindle_speed.unwrap_or(motion.spindle_speed),
             direction: direction.unwrap_or(motion.direction),
             log,
         })
@@ -308,6 +318,10 @@ impl Reader<'_> {
             return Ok(found);
         }
         Err(self.source.bad(value.span(), format!("{key} is {found:?}"), "a finite number above zero is expected"))
+    }
+
+    fn optional(&self, key: &str, value: &Option<Spanned<f64>>) -> Result<Option<f64>, TrialError> {
+        value.as_ref().map(|value| self.not_negative(key, value)).transpose()
     }
 
     fn not_negative(&self, key: &str, value: &Spanned<f64>) -> Result<f64, TrialError> {

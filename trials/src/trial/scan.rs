@@ -5,12 +5,13 @@ use std::path::Path;
 use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec2;
 use instruments::surface::plain_grid::Grid;
-use instruments::surface::{self, Source, Window};
+use instruments::surface::{self, Source, Surface, Window};
 use instruments::text_table::TextTable;
 use sdf_bake::{HeightMap, PixelGrid};
 use serde::Serialize;
 
 use super::error::{Place, TrialError};
+use super::resample;
 use crate::measure::median;
 
 /// Slope between neighbouring pixels that most of no surface has [1].
@@ -19,27 +20,25 @@ const MOST_SLOPE: f64 = 2.0;
 const NOISE: f64 = 4e-6;
 /// Relative difference of two pitches that is worth a word.
 const PITCH_NOTE: f64 = 1e-3;
-/// Relative difference of the two pitches of a map that is rounding.
-const SQUARE: f64 = 1e-6;
 
 /// Height between the lowest and the highest pixel that a scan of a weld may have [m].
 const MOST_SPAN: f64 = 1.0;
 
-/// What `trial.toml` says of all scans.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Where the pixels of scans lie, as far as it is known before they are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScanFrame {
-    /// x, y of the first pixel [m].
-    pub origin: DVec2,
-    /// Distance between pixels [m].
-    pub pitch: f64,
-    /// Pixels along x and y, where a file without pixels of its own is to be looked at.
-    pub shape: Option<(usize, usize)>,
+    /// x, y of the first pixel [m], for files that do not tell, or tell it in another frame.
+    pub origin: Option<DVec2>,
+    /// Distance between pixels [m], for files that do not tell.
+    pub pitch: Option<f64>,
+    /// Pixels of the scan before, onto which scans with pixels of their own are brought.
+    pub like: Option<PixelGrid>,
 }
 
 impl ScanFrame {
-    /// The same with the shape of a map.
+    /// The same for the scans after one with some pixels.
     pub(super) fn like(self, pixels: &PixelGrid) -> Self {
-        Self { shape: Some((pixels.nx, pixels.ny)), ..self }
+        Self { like: Some(*pixels), ..self }
     }
 }
 
@@ -76,26 +75,56 @@ pub struct Read<T> {
 /// [`TrialError`] with the place in the file.
 pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, TrialError> {
     let bytes = input::read(file, MOST_MESH_BYTES)?;
-    let window = Window { origin: Some(frame.origin), pitch: Some(frame.pitch), shape: frame.shape };
-    let surface = surface::read(&Source { file, bytes: &bytes, window })?;
-    let mut notes = surface.notes;
-    let pitch = surface.pitch.unwrap_or(DVec2::splat(frame.pitch));
-    if (pitch.y / pitch.x - 1.0).abs() > SQUARE {
-        let found = format!("pixels of {} x {} mm", pitch.x * 1e3, pitch.y * 1e3);
-        return Err(Place::file(file).bad(found, "square pixels are expected"));
-    }
-    let pitch = pitch.x;
-    if (pitch / frame.pitch - 1.0).abs() > PITCH_NOTE {
-        notes.push(format!(
-            "the file's pitch of {} mm is used, not pitch_mm = {} of trial.toml",
-            pitch * 1e3,
-            frame.pitch * 1e3
-        ));
-    }
-    let pixels = PixelGrid { origin: frame.origin, pitch, nx: surface.nx, ny: surface.ny };
-    let map = HeightMap { pixels, heights: surface.heights };
+    let window = Window {
+        origin: frame.origin.or(frame.like.map(|pixels| pixels.origin)),
+        pitch: frame.like.map(|pixels| pixels.pitch).or(frame.pitch),
+        shape: frame.like.map(|pixels| (pixels.nx, pixels.ny)),
+    };
+    let mut surface = surface::read(&Source { file, bytes: &bytes, window })?;
+    let mut notes = std::mem::take(&mut surface.notes);
+    let map = placed(file, surface, frame, &mut notes)?;
     check_heights(file, &map)?;
     Ok(Read { content: map, notes })
+}
+
+/// A surface on square pixels in the frame of the scans; on those of the scan before where both have places of their own.
+fn placed(file: &Path, surface: Surface, frame: ScanFrame, notes: &mut Vec<String>) -> Result<HeightMap, TrialError> {
+    let missing = |key: &str, what: &str| {
+        let found = format!("the file tells no {what}, and trial.toml has no {key}");
+        Place::file(file).bad::<TrialError>(found, format!("{key} in [scan] is needed"))
+    };
+    let usual = frame.like.map(|pixels| pixels.pitch).or(frame.pitch).map(DVec2::splat);
+    let pitch = surface.pitch.or(usual).ok_or_else(|| missing("pitch_mm", "distance between pixels"))?;
+    if let Some(given) = frame.pitch.filter(|given| (pitch.x / given - 1.0).abs() > PITCH_NOTE) {
+        notes.push(format!(
+            "the file's pitch of {} mm is used, not pitch_mm = {} of trial.toml",
+            pitch.x * 1e3,
+            given * 1e3
+        ));
+    }
+    let own = surface.origin.filter(|_| frame.origin.is_none());
+    let origin = own.or(frame.origin).or(frame.like.map(|pixels| pixels.origin));
+    let origin = origin.ok_or_else(|| missing("origin_mm", "place of its first pixel"))?;
+    let map = resample::Placed { origin, pitch, nx: surface.nx, ny: surface.ny, heights: surface.heights };
+    let pixels = match frame.like.filter(|_| own.is_some()) {
+        Some(pixels) => pixels,
+        None => map.square(),
+    };
+    if !map.is_on(&pixels) {
+        notes.push(format!(
+            "{} x {} pixels of {} x {} mm from x {} mm, y {} mm on are brought onto {} x {} pixels of {} mm",
+            map.nx,
+            map.ny,
+            pitch.x * 1e3,
+            pitch.y * 1e3,
+            origin.x * 1e3,
+            origin.y * 1e3,
+            pixels.nx,
+            pixels.ny,
+            pixels.pitch * 1e3
+        ));
+    }
+    Ok(map.on(pixels))
 }
 
 /// Refuses maps without heights, and those whose unit cannot be the one assumed.
@@ -170,5 +199,10 @@ fn read_integers(file: &Path, frame: ScanFrame, most: f64, accepted: &str) -> Re
         let place = Place::cell(file, (at / grid.nx + 1) as u64, at % grid.nx + 1);
         return Err(place.bad(format!("{} is found", grid.values[at]), format!("{accepted} is expected")));
     }
-    Ok((PixelGrid { origin: frame.origin, pitch: frame.pitch, nx: grid.nx, ny: grid.ny }, grid))
+    let like = frame.like;
+    let bad =
+        |key: &str| Place::file(file).bad::<TrialError>(format!("a mask without {key}"), "it is needed in [scan]");
+    let pitch = like.map(|pixels| pixels.pitch).or(frame.pitch).ok_or_else(|| bad("pitch_mm"))?;
+    let origin = frame.origin.or(like.map(|pixels| pixels.origin)).ok_or_else(|| bad("origin_mm"))?;
+    Ok((PixelGrid { origin, pitch, nx: grid.nx, ny: grid.ny }, grid))
 }

@@ -149,12 +149,13 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
         tool: tool_table(trial),
         scan: ScanTable {
             // Over thousands of pixels a nanometre of pitch would be a micrometre.
-            pitch_mm: plain((pixels.pitch * 1e12).round() / 1e9),
-            origin_mm: plain([number(pixels.origin.x * 1e3), number(pixels.origin.y * 1e3)]),
+            pitch_mm: Some(plain((pixels.pitch * 1e12).round() / 1e9)),
+            origin_mm: Some(plain([number(pixels.origin.x * 1e3), number(pixels.origin.y * 1e3)])),
             before: plain("before.csv".into()),
             repeat: (0..trial.scans.repeats.len()).map(|k| plain(repeat(k))).collect(),
             material: trial.scans.material.as_ref().map(|_| plain("material.csv".into())),
         },
+        log: None,
         controller: controller_table(trial).map(plain),
         coating: trial.coating.map(|thickness| CoatingTable { thickness_mm: millimetres(thickness) }),
         columns: trial.columns.iter().filter_map(column_entry).collect(),
