@@ -26,7 +26,7 @@ const fn full(file: &'static str, format: &'static str, rounding: f64) -> Sample
     Sample { file, format, rounding, map: MapOf::Everything }
 }
 
-const SAMPLES: [Sample; 27] = [
+const SAMPLES: [Sample; 28] = [
     holes("gwyfile.gwy", "Gwyddion", 0.0),
     holes("gwyddion.gwy", "Gwyddion", 0.0),
     // Single precision of the step; six and five digits.
@@ -50,12 +50,14 @@ const SAMPLES: [Sample; 27] = [
     holes("points.npy", "NumPy array", 0.0),
     holes("float.tif", "TIFF", 1e-12),
     holes("imagej_16_bit.tif", "TIFF", 1e-9),
-    holes("pye57.e57", "E57", 0.0),
+    // Single precision.
+    holes("pye57.e57", "E57", 1e-12),
     holes("pypcd4_ascii.pcd", "PCD", 1e-11),
     holes("pypcd4_binary.pcd", "PCD", 0.0),
     holes("pypcd4_packed.pcd", "PCD", 0.0),
     holes("plyfile_text.ply", "PLY points", 0.0),
     holes("plyfile_little.ply", "PLY points", 0.0),
+    holes("plyfile_big.ply", "PLY points", 0.0),
 ];
 
 #[test]

@@ -1,5 +1,9 @@
 //! The map that all sample files hold, and how it is compared.
 
+#![allow(dead_code, reason = "each test uses a part")]
+
+pub mod encoders;
+
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
@@ -11,12 +15,10 @@ pub const NY: usize = 17;
 /// Distance between pixels [m].
 pub const PITCH: DVec2 = DVec2::new(5e-6, 4e-6);
 /// Height range of the map, rounded up [m].
-#[allow(dead_code, reason = "not every test needs it")]
 pub const FULL: f64 = 2.5e-5;
 
 /// Which of the pixels a file holds.
 #[derive(Clone, Copy, PartialEq)]
-#[allow(dead_code, reason = "not every test needs both")]
 pub enum MapOf {
     Holes,
     Everything,
