@@ -40,7 +40,7 @@ pub fn plux() -> Vec<u8> {
 /// A Keyence VK4, heights in steps of 100 pm.
 pub fn vk4() -> Vec<u8> {
     const CONDITIONS: u32 = 84;
-    const WORDS: u32 = 72;
+    const WORDS: u32 = 76;
     const STRINGS: u32 = CONDITIONS + 4 * WORDS;
     const IMAGE: u32 = STRINGS + 8;
     let mut places = [0_u32; 17];
