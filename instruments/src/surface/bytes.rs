@@ -50,11 +50,15 @@ impl<'a> Bytes<'a> {
         Ok(text)
     }
 
-    /// Text of a fixed length in Latin-1, filled up with zeros or blanks.
+    /// Text of a fixed length in UTF-8 or else Latin-1, filled up with zeros or blanks.
     pub(super) fn text(&mut self, count: usize) -> Result<String, String> {
         let bytes = self.take(count)?;
         let end = bytes.iter().position(|&c| c == 0).unwrap_or(count);
-        Ok(bytes[..end].iter().map(|&c| char::from(c)).collect::<String>().trim().to_owned())
+        let text = match std::str::from_utf8(&bytes[..end]) {
+            Ok(text) => text.to_owned(),
+            Err(_) => bytes[..end].iter().map(|&c| char::from(c)).collect(),
+        };
+        Ok(text.trim().to_owned())
     }
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {

@@ -34,6 +34,11 @@ impl<'a> Words<'a> {
         rest[..end].trim_ascii()
     }
 
+    /// Whether the last word is ended, as it is not where writing was cut short.
+    pub(super) fn ends_with_a_line(&self) -> bool {
+        self.text.last().is_some_and(u8::is_ascii_whitespace)
+    }
+
     /// Whether nothing but blanks is left.
     pub(super) fn is_done(&self) -> bool {
         self.text[self.at..].iter().all(u8::is_ascii_whitespace)

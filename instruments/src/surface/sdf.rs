@@ -53,7 +53,7 @@ fn mark(bytes: &[u8]) -> Option<(bool, bool)> {
         _ => return None,
     };
     match bytes.get(1..MARK)? {
-        b"ISO-1.0" | b"BCR-1.0" => Some((text, false)),
+        b"ISO-1.0" | b"BCR-1.0" | b"BCR-0.0" => Some((text, false)),
         b"ISO-2.0" => Some((text, true)),
         _ => None,
     }
@@ -150,7 +150,8 @@ fn read_text(words: &mut Words) -> Result<Surface, String> {
         return Err(format!("{} heights where {} x {} are stated", heights.len(), header.nx, header.ny));
     }
     match words.next() {
-        None => return Err("no * behind the heights".to_owned()),
+        // Gwyddion writes no * behind the heights.
+        None if !words.ends_with_a_line() => return Err("a last height that is not ended".to_owned()),
         Some(word) if !word.starts_with(b"*") => {
             return Err(format!("more heights than the {} x {} that are stated", header.nx, header.ny));
         }

@@ -7,6 +7,7 @@ use std::io::{Read, Seek};
 use files::input::quoted;
 use glam::DVec2;
 use tiff::decoder::Decoder;
+use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 
 use super::unit;
@@ -80,7 +81,10 @@ fn resolution<R: Read + Seek>(decoder: &mut Decoder<R>, lateral: Option<f64>) ->
         // A number of dots per inch is what programs write that know nothing of sizes.
         _ => return None,
     };
-    let mut per_unit = |tag: Tag| decoder.get_tag_f64(tag).ok().filter(|resolution| *resolution > 0.0);
+    let mut per_unit = |tag: Tag| match decoder.find_tag(tag).ok()?? {
+        Value::Rational(above, below) if above > 0 && below > 0 => Some(f64::from(above) / f64::from(below)),
+        _ => None,
+    };
     let resolution = DVec2::new(per_unit(Tag::XResolution)?, per_unit(Tag::YResolution)?);
     Some(unit / resolution)
 }
