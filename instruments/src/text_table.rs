@@ -33,7 +33,6 @@ impl TextTable<'static> {
     ///
     /// # Errors
     /// [`Misread`] where it is no text.
-
     pub fn read(file: &Path) -> Result<Self, Misread> {
         let bytes = input::read(file, MOST_TABLE_BYTES)?;
         Self::parse(file, bytes.into())
@@ -156,6 +155,11 @@ impl TextRow<'_> {
     /// Number of cells.
     pub fn len(&self) -> usize {
         self.record.len()
+    }
+
+    /// Whether there is no cell.
+    pub fn is_empty(&self) -> bool {
+        self.record.is_empty()
     }
 
     /// A cell's bytes without blanks around them; empty beyond the row.
