@@ -15,6 +15,7 @@
 //! # Ok::<(), instruments::Misread>(())
 //! ```
 
+mod bag;
 mod delimited;
 mod foreign;
 pub mod guess;
@@ -26,6 +27,8 @@ use std::path::Path;
 use crate::misread::{Misread, Place};
 
 pub use guess::{Guesses, guess};
+pub(crate) use text::{decode, lines};
+pub(crate) use unit::split as split_unit;
 
 /// Values that a log may hold: 1 GiB of them.
 const MOST_VALUES: usize = 1 << 27;
@@ -33,7 +36,7 @@ const MOST_VALUES: usize = 1 << 27;
 const MOST_CHANNELS: usize = 4096;
 
 /// The formats in the order in which they are asked; delimited text, which any text may be, comes last.
-const FORMATS: [&dyn Format; 1] = [&delimited::Delimited];
+const FORMATS: [&dyn Format; 3] = [&bag::Mcap, &bag::Db3, &delimited::Delimited];
 
 /// A file format of logs.
 trait Format: Sync {
@@ -104,6 +107,11 @@ pub fn read(file: &Path, bytes: &[u8]) -> Result<Channels, Misread> {
     foreign::refuse(file, bytes)?;
     let last: &dyn Format = &delimited::Delimited;
     FORMATS.into_iter().find(|format| format.recognises(bytes)).unwrap_or(last).read(file, bytes)
+}
+
+/// Reads delimited text that has been decoded.
+pub(crate) fn read_text(file: &Path, text: &str) -> Result<Channels, Misread> {
+    delimited::read(file, text, Vec::new())
 }
 
 /// Names of the formats that are read.

@@ -9,7 +9,7 @@ use crate::misread::{Misread, Place};
 const LONGEST_LINE: usize = 1 << 20;
 
 /// Text of a file, and what was odd about its encoding.
-pub(super) fn decode<'a>(file: &Path, bytes: &'a [u8]) -> Result<(Cow<'a, str>, Vec<String>), Misread> {
+pub(crate) fn decode<'a>(file: &Path, bytes: &'a [u8]) -> Result<(Cow<'a, str>, Vec<String>), Misread> {
     const ACCEPTED: &str = "a log in text is expected";
     let mut notes = Vec::new();
     let text = match bytes {
@@ -47,7 +47,7 @@ fn eight_bits<'a>(bytes: &'a [u8], notes: &mut Vec<String>) -> Cow<'a, str> {
 }
 
 /// Lines with their numbers from 1, without their ends.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     let end = if text.contains('\n') { '\n' } else { '\r' };
     let trim = |line| str::trim_end_matches(line, ['\r', '\u{1a}', '\u{c}']);
     text.split(end).enumerate().map(move |(k, line)| (k as u64 + 1, trim(line)))

@@ -70,7 +70,7 @@ pub(super) fn is_unit_cell(cell: &str) -> bool {
 }
 
 /// The name in a header's cell without its unit, and the unit.
-pub(super) fn split(header: &str) -> (&str, Option<String>) {
+pub(crate) fn split(header: &str) -> (&str, Option<String>) {
     let header = header.trim();
     if let Some((base, inner)) = bracketed(header, false).filter(|(base, _)| !base.is_empty()) {
         let is_square = header.ends_with(']');

@@ -30,18 +30,23 @@ impl Format for Delimited {
     }
 
     fn read(&self, file: &Path, bytes: &[u8]) -> Result<Channels, Misread> {
-        let (text, mut notes) = decode(file, bytes)?;
-        check_lines(file, &text)?;
-        let layout = sniff(file, &text)?;
-        if layout.separator != Separator::Comma {
-            notes.push(format!("cells are separated by {}", layout.separator.name()));
-        }
-        notes.extend(layout.header.notes.iter().cloned());
-        let mut rows = Rows::new(file, &layout)?;
-        rows.notes = notes;
-        rows.read(&text, &layout)?;
-        rows.finish()
+        let (text, notes) = decode(file, bytes)?;
+        read(file, &text, notes)
     }
+}
+
+/// Reads a text, with notes about its encoding.
+pub(super) fn read(file: &Path, text: &str, mut notes: Vec<String>) -> Result<Channels, Misread> {
+    check_lines(file, text)?;
+    let layout = sniff(file, text)?;
+    if layout.separator != Separator::Comma {
+        notes.push(format!("cells are separated by {}", layout.separator.name()));
+    }
+    notes.extend(layout.header.notes.iter().cloned());
+    let mut rows = Rows::new(file, &layout)?;
+    rows.notes = notes;
+    rows.read(text, &layout)?;
+    rows.finish()
 }
 
 /// The rows that were read.
