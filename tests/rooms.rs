@@ -26,7 +26,7 @@ const MAY_USE: [(&str, &[&str]); 19] = [
     ("study", &["effects", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("benchmark", &["effects", "lab", "random", "study", "trials", "virtual-lab"]),
-    ("report", &["lab", "sdf-bake", "study", "trials"]),
+    ("report", &["lab", "robot", "sdf-bake", "study", "trials"]),
     (
         "",
         &[

@@ -97,6 +97,12 @@ impl Page {
         self.append(&Table { rows, ..Table::new("", headings) }.to_html());
     }
 
+    /// A table of words under headings.
+    pub fn words(&mut self, headings: &[&str], rows: &[Vec<String>]) {
+        let rows = rows.iter().map(|row| row.iter().map(Cell::text).collect()).collect();
+        self.append(&Table { rows, ..Table::new("", headings) }.to_html());
+    }
+
     /// HTML made by this crate; `html` is not escaped.
     pub(crate) fn block(&mut self, html: &str) {
         self.append(html);

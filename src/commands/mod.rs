@@ -30,6 +30,7 @@ mod simulate;
 mod study;
 mod tool_flag;
 mod trial;
+mod trial_files;
 mod try_effect;
 mod validate;
 mod validate_images;

@@ -1,4 +1,4 @@
-//! `robofin trial`: synthetic campaigns with hidden effects, and their answers.
+//! `robofin trial`: folders of scans and logs, synthetic campaigns with hidden effects, and their answers.
 
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,7 @@ use serde_json::Value;
 
 use super::flags::{OutFlags, SEEDS};
 use super::model_flags::OwnFlags;
+use super::trial_files::{CheckArgs, InitArgs, check, init};
 use super::values::{one_of, whole};
 use crate::console::Console;
 use crate::wrong_use;
@@ -25,7 +26,7 @@ const TRIALS: [u64; 2] = [1, 64];
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  robofin trial synth --out out/dull --effect \"grit-dulling:dulling_volume=150 mm^3\" --size small\n  \
+    after_help = "Examples:\n  robofin trial init my-plate\n  robofin trial check my-plate --out out/check\n  robofin trial synth --out out/dull --effect \"grit-dulling:dulling_volume=150 mm^3\" --size small\n  \
                         robofin trial synth --out out/example --random --sealed\n  \
                         robofin trial unseal out/example --key out/example.key"
 )]
@@ -36,6 +37,12 @@ pub(super) struct TrialArgs {
 
 #[derive(Debug, Subcommand)]
 enum Action {
+    /// Write a first trial.toml for a folder of scans and logs.
+    #[command(after_help = "Example:\n  robofin trial init my-plate")]
+    Init(InitArgs),
+    /// Draw scans, logs and tool over each other, with every check, before any fit.
+    #[command(after_help = "Example:\n  robofin trial check my-plate --out out/check")]
+    Check(CheckArgs),
     /// Make a campaign of synthetic measurements in which effects are hidden.
     #[command(after_help = "Examples:\n  robofin trial synth --out out/clean\n  \
                             robofin trial synth --out out/tilt --plan paper --effect \"tool-tilt:roll_angle=12 mrad\"\n  \
@@ -159,6 +166,8 @@ struct UnsealAnswer {
 
 pub(super) fn run(args: &TrialArgs, console: &Console) -> Result<()> {
     match &args.action {
+        Action::Init(args) => init(args, console),
+        Action::Check(args) => check(args, console),
         Action::Synth(args) => synth(args, console),
         Action::Unseal(args) => open(args, console),
     }

@@ -3,7 +3,7 @@
 use image::Rgb;
 
 /// Noise floors that the tolerance band reaches to either side.
-pub(super) const BAND_FLOORS: f64 = 3.0;
+pub(crate) const BAND_FLOORS: f64 = 3.0;
 /// Share of a band at which its inner step ends.
 const INNER: f64 = 1.0 / 3.0;
 /// Steps beyond the band at most; the last one is open.
@@ -11,7 +11,7 @@ const MOST_STEPS: usize = 6;
 /// Share of all pixels that may fall into the open steps.
 const OPEN_SHARE: f64 = 0.005;
 /// Pixels that were not measured.
-pub(super) const MISSING: Rgb<u8> = Rgb([0xa9, 0xad, 0xb3]);
+pub(crate) const MISSING: Rgb<u8> = Rgb([0xa9, 0xad, 0xb3]);
 
 /// Anchors from white to the strongest colour, in sRGB; told apart under all common colour-vision deficiencies.
 const BELOW: [[u8; 3]; 5] =
@@ -21,16 +21,16 @@ const ABOVE: [[u8; 3]; 5] =
 
 /// Steps of a residual: to either side one third of the band, the band, and from there each twice as wide as before.
 #[derive(Clone, Debug)]
-pub(super) struct ColourScale {
+pub(crate) struct ColourScale {
     /// Half width of the tolerance band [m].
-    pub(super) band: f64,
+    pub(crate) band: f64,
     /// Ends of the steps above zero [m]; beyond the last the colour stays.
-    pub(super) bounds: Vec<f64>,
+    pub(crate) bounds: Vec<f64>,
 }
 
 impl ColourScale {
     /// A scale that shows all but few of the residuals [m] in closed steps.
-    pub(super) fn new(noise_floor: f64, residuals: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn new(noise_floor: f64, residuals: impl Iterator<Item = f64>) -> Self {
         let mut sizes: Vec<f64> = residuals.filter(|r| r.is_finite()).map(f64::abs).collect();
         sizes.sort_by(f64::total_cmp);
         let most = sizes.get(((1.0 - OPEN_SHARE) * sizes.len() as f64) as usize).or(sizes.last()).copied();
@@ -43,12 +43,12 @@ impl ColourScale {
     }
 
     /// Steps to one side, the open one included.
-    pub(super) fn steps(&self) -> usize {
+    pub(crate) fn steps(&self) -> usize {
         self.bounds.len() + 1
     }
 
     /// Place of a residual [m] on the bar, where each step is one long: from `-steps` to `steps`.
-    pub(super) fn place(&self, residual: f64) -> f64 {
+    pub(crate) fn place(&self, residual: f64) -> f64 {
         let size = residual.abs();
         let step = self.bounds.partition_point(|&bound| bound <= size);
         let low = if step == 0 { 0.0 } else { self.bounds[step - 1] };
@@ -58,7 +58,7 @@ impl ColourScale {
     }
 
     /// Colour of a residual [m].
-    pub(super) fn colour(&self, residual: f64) -> Rgb<u8> {
+    pub(crate) fn colour(&self, residual: f64) -> Rgb<u8> {
         if !residual.is_finite() {
             return MISSING;
         }
@@ -67,7 +67,7 @@ impl ColourScale {
     }
 
     /// Colour of a step, counted from zero outwards.
-    pub(super) fn step_colour(&self, step: usize, below: bool) -> Rgb<u8> {
+    pub(crate) fn step_colour(&self, step: usize, below: bool) -> Rgb<u8> {
         let anchors = if below { BELOW } else { ABOVE };
         // Within the band the colour stays pale.
         let depth = match step {
@@ -84,7 +84,7 @@ impl ColourScale {
 }
 
 /// A colour as CSS writes it.
-pub(super) fn css(Rgb([r, g, b]): Rgb<u8>) -> String {
+pub(crate) fn css(Rgb([r, g, b]): Rgb<u8>) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use image::Rgb;
 
 use super::colour_scale::{MISSING, css};
-use super::map_image::{MapImage, Values};
 use super::maps::{ALONE, BESIDE};
 use super::number::{fixed_cell, share_cell};
 use super::words::role;
+use crate::map_image::{MapImage, Values};
 use crate::{Cell, Page, Table, escape};
 use study::{ExposureMaps, Maps, ScanComparison};
 
@@ -60,6 +60,7 @@ fn scan_html(scan: &ScanComparison, maps: &ExposureMaps) -> String {
             label,
             title: &title,
             width,
+            lines: Vec::new(),
         };
         let _ = write!(figures, "<figure>{}<figcaption>{}</figcaption></figure>", image.to_svg(), escape(label));
         table.rows.push(row(label, &classes, maps.pixels.pitch));

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use super::colour_scale::{BAND_FLOORS, ColourScale, css};
-use super::map_image::{MapImage, Values};
 use super::number::{fixed, fixed_cell, share_cell};
 use super::statistics::Statistics;
 use super::words::role;
+use crate::map_image::{MapImage, Values};
 use crate::{Cell, Page, Table, escape, short};
 use study::{HeightMaps, Maps, ScanComparison};
 
@@ -80,6 +80,7 @@ fn scan_html(scan: &ScanComparison, maps: &HeightMaps, scale: &ColourScale) -> S
             label,
             title: &title,
             width,
+            lines: Vec::new(),
         };
         let histogram = histogram(judged(), scale, width, &scan.pass);
         let _ = write!(

@@ -3,11 +3,10 @@
 //! [`StudyReport`] holds what a study found, in SI units (`data`, and `scan_data` for what belongs to one scan).
 //! [`page`] draws it; nothing here reads a file, simulates or judges.
 
-mod colour_scale;
+pub(crate) mod colour_scale;
 mod compared;
 mod covariates;
 mod exposure;
-mod map_image;
 mod maps;
 mod number;
 mod outlook;

@@ -22,9 +22,23 @@ impl Campaign {
     /// # Errors
     /// [`TrialError`] when no trial is there, or one cannot be read.
     pub fn read(folder: &Path) -> Result<Self, TrialError> {
+        let places = Self::places(folder)?;
+        if places == [folder] {
+            return Ok(Self { folder: folder.to_owned(), trials: vec![Trial::read(folder)?] });
+        }
+        let trials: Vec<Trial> = places.iter().map(|place| Trial::read(place)).collect::<Result<_, _>>()?;
+        plausible::check_across(&trials).map_err(|error| error.by("across trials"))?;
+        Self { folder: folder.to_owned(), trials }.checked()
+    }
+
+    /// The trial folders in a folder, by name, or the folder itself if it is one.
+    ///
+    /// # Errors
+    /// [`TrialError`] when no trial is there.
+    pub fn places(folder: &Path) -> Result<Vec<PathBuf>, TrialError> {
         let unreadable = |source| TrialError::Unreadable { file: folder.to_owned(), source };
         if folder.join(TRIAL_FILE).is_file() {
-            return Ok(Self { folder: folder.to_owned(), trials: vec![Trial::read(folder)?] });
+            return Ok(vec![folder.to_owned()]);
         }
         let mut places = Vec::new();
         for entry in fs::read_dir(folder).map_err(unreadable)? {
@@ -37,12 +51,10 @@ impl Campaign {
         if places.is_empty() {
             return Err(Place::file(folder).bad(
                 format!("no {TRIAL_FILE} here or in a folder below"),
-                "a trial or a folder of trials is expected",
+                "a trial or a folder of trials is expected: `robofin trial init FOLDER` writes the file for scans and logs",
             ));
         }
-        let trials: Vec<Trial> = places.iter().map(|place| Trial::read(place)).collect::<Result<_, _>>()?;
-        plausible::check_across(&trials).map_err(|error| error.by("across trials"))?;
-        Self { folder: folder.to_owned(), trials }.checked()
+        Ok(places)
     }
 
     /// Notes of all trials, one sentence each; where there are several trials each begins with its trial's name.

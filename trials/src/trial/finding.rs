@@ -43,6 +43,15 @@ pub struct Finding {
     pub guess: Option<String>,
 }
 
+/// A check with what it found; nothing where all is well.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Checked {
+    /// Which check, as `docs/sanity.md` lists them.
+    pub check: &'static str,
+    /// The refused and the noted.
+    pub findings: Vec<Finding>,
+}
+
 impl Finding {
     /// The refusal behind an error; `None` where a file could not be read at all.
     pub fn of(error: &TrialError) -> Option<Self> {

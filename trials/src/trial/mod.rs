@@ -32,7 +32,7 @@ use crate::measure::{despiked, unlike_repeat};
 pub use campaign::Campaign;
 pub use columns::{Given, TrialColumn};
 pub use error::{Place, TrialError};
-pub use finding::{Finding, Severity};
+pub use finding::{Checked, Finding, Severity};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
 pub use manifest::{Role, TRIAL_FILE, TRIAL_FORMAT};
 pub(crate) use manifest::{Source, nearest};

@@ -13,7 +13,7 @@ use super::log::{RPM, read_log};
 use super::log_columns::LogColumns;
 use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Source, TRIAL_FILE, ToolKind, ToolTable};
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{ForceInput, HeldTool, Pass, PassScan, Scans, Trial, plausible};
+use super::{Checked, ForceInput, HeldTool, Pass, PassScan, Scans, Trial, plausible};
 use effects::Process;
 use robot::Controller;
 
@@ -25,10 +25,21 @@ impl Trial {
     pub fn read(folder: &Path) -> Result<Self, TrialError> {
         let source = Source::read(folder.join(TRIAL_FILE))?;
         let manifest = source.manifest()?;
-        let mut reader = Reader { folder, source: &source, notes: Vec::new() };
-        let mut trial = reader.trial(&manifest)?;
+        let mut trial = Reader { folder, source: &source, notes: Vec::new() }.trial(&manifest)?;
         plausible::check(&mut trial, &plausible::Names::of(&manifest))?;
         Ok(trial)
+    }
+
+    /// Reads a trial folder as [`Trial::read`] does, and tells all that the checks find, the refused too.
+    ///
+    /// # Errors
+    /// [`TrialError`] where a file cannot be read.
+    pub fn checked(folder: &Path) -> Result<(Self, Vec<Checked>), TrialError> {
+        let source = Source::read(folder.join(TRIAL_FILE))?;
+        let manifest = source.manifest()?;
+        let mut trial = Reader { folder, source: &source, notes: Vec::new() }.trial(&manifest)?;
+        let checks = plausible::check_all(&mut trial, &plausible::Names::of(&manifest));
+        Ok((trial, checks))
     }
 }
 

@@ -41,7 +41,7 @@ use sdf_bake::HeightMap;
 use super::error::{Place, TrialError};
 use super::manifest::Manifest;
 use super::poses::{ToolPath, ToolPose};
-use super::{Finding, Pass, PassScan, Trial};
+use super::{Checked, Finding, Pass, PassScan, Trial};
 use crate::measure::{CLEARANCE, despiked, untouched};
 
 /// Fewest pixels that a judgement needs: the standard error of a mean is then a tenth of the spread.
@@ -127,36 +127,70 @@ fn ground(pass: &Pass) -> Option<&HeightMap> {
     }
 }
 
+/// What a check found: notes, or why the trial cannot be used.
+type Outcome = Result<Vec<String>, TrialError>;
+
 /// Refuses a trial whose files contradict each other, and notes what is odd.
 pub(super) fn check(trial: &mut Trial, names: &Names) -> Result<(), TrialError> {
-    let mut noted = Noted { trial: trial.name.clone(), notes: Vec::new(), findings: Vec::new() };
+    let mut noted = Noted::of(trial);
+    run(trial, names, &mut |check, found| noted.add(check, found))?;
+    trial.notes.extend(noted.notes);
+    trial.findings = noted.findings;
+    Ok(())
+}
+
+/// All that the checks find, the refused beside the noted: each goes on where one before it refused.
+pub(super) fn check_all(trial: &mut Trial, names: &Names) -> Vec<Checked> {
+    let mut noted = Noted::of(trial);
+    let mut all: Vec<Checked> = Vec::new();
+    let each = &mut |check, found: Outcome| {
+        let before = noted.findings.len();
+        if let Err(error) = noted.add(check, found) {
+            noted.findings.extend(Finding::of(&error));
+        }
+        let new = noted.findings[before..].to_vec();
+        match all.iter_mut().find(|known| known.check == check) {
+            Some(known) => known.findings.extend(new),
+            None => all.push(Checked { check, findings: new }),
+        }
+        Ok(())
+    };
+    run(trial, names, each).expect("no check ends the others");
+    trial.notes.extend(noted.notes);
+    trial.findings = noted.findings;
+    all
+}
+
+/// Hands the outcome of every check to `each`, until that refuses one.
+fn run(
+    trial: &Trial,
+    names: &Names,
+    each: &mut dyn FnMut(&'static str, Outcome) -> Result<(), TrialError>,
+) -> Result<(), TrialError> {
     for (pass, name) in trial.passes.iter().zip(&names.logs) {
         let found = readings::check(pass, trial, &trial.folder.join(name));
         let named = |notes: Vec<String>| notes.into_iter().map(|note| format!("{}: {note}", name.display())).collect();
-        noted.add("readings", found.map(named))?;
+        each("readings", found.map(named))?;
     }
     let surfaces = Surfaces::of(trial);
     for (path, name) in surfaces.paths.iter().zip(&names.logs) {
         let place = Place::file(&trial.folder.join(name));
-        noted.add("place", contact::check_place(&touching(path), &trial.scans.before, &place).map(|()| Vec::new()))?;
+        each("place", contact::check_place(&touching(path), &trial.scans.before, &place).map(|()| Vec::new()))?;
     }
-    noted.add("orientation", orientation::check(trial, &surfaces, names).map(|()| Vec::new()))?;
-    noted.add("contact", contact::check(trial, &surfaces, names))?;
-    noted.add("logs", logs::check(trial, &surfaces, names))?;
+    each("orientation", orientation::check(trial, &surfaces, names).map(|()| Vec::new()))?;
+    each("contact", contact::check(trial, &surfaces, names))?;
+    each("logs", logs::check(trial, &surfaces, names))?;
     for pass in &trial.passes {
-        noted.add("rim speed", readings::check_rim(pass, trial).map(Vec::from_iter))?;
+        each("rim speed", readings::check_rim(pass, trial).map(Vec::from_iter))?;
     }
-    noted.add("copies", copies::check(trial, names).map(|()| Vec::new()))?;
-    noted.add("removal", follow::check(trial, &surfaces, names))?;
-    noted.add("repeat", repeat::check(trial, &surfaces, names))?;
-    noted.add("noise", pairs::check(trial, &surfaces, names).map(Vec::from_iter))?;
-    noted.add("profile", profile::check(trial, &surfaces, names).map(Vec::from_iter))?;
-    noted.add("exposure", exposure::check(trial, &surfaces, names))?;
-    noted.add("material", material::check(trial, &surfaces).map(Vec::from_iter))?;
-    noted.add("pause", Ok(pauses(trial, names)))?;
-    trial.notes.extend(noted.notes);
-    trial.findings = noted.findings;
-    Ok(())
+    each("copies", copies::check(trial, names).map(|()| Vec::new()))?;
+    each("removal", follow::check(trial, &surfaces, names))?;
+    each("repeat", repeat::check(trial, &surfaces, names))?;
+    each("noise", pairs::check(trial, &surfaces, names).map(Vec::from_iter))?;
+    each("profile", profile::check(trial, &surfaces, names).map(Vec::from_iter))?;
+    each("exposure", exposure::check(trial, &surfaces, names))?;
+    each("material", material::check(trial, &surfaces).map(Vec::from_iter))?;
+    each("pause", Ok(pauses(trial, names)))
 }
 
 /// Notes so far.
@@ -168,8 +202,12 @@ struct Noted {
 }
 
 impl Noted {
+    fn of(trial: &Trial) -> Self {
+        Self { trial: trial.name.clone(), notes: Vec::new(), findings: Vec::new() }
+    }
+
     /// Takes over the notes of a check, each once.
-    fn add(&mut self, check: &'static str, found: Result<Vec<String>, TrialError>) -> Result<(), TrialError> {
+    fn add(&mut self, check: &'static str, found: Outcome) -> Result<(), TrialError> {
         for note in found.map_err(|error| error.by(check))? {
             if !self.notes.contains(&note) {
                 self.findings.push(Finding::noted(check, &self.trial, &note));

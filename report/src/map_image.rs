@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use glam::DVec2;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, Rgb};
 use sdf_bake::PixelGrid;
@@ -21,23 +22,33 @@ const RIGHT: f64 = 8.0;
 const MOST_HEIGHT: f64 = 420.0;
 
 /// A map ready for the page.
-pub(super) struct MapImage<'a> {
+pub(crate) struct MapImage<'a> {
     /// Where the pixels lie.
-    pub(super) pixels: PixelGrid,
+    pub(crate) pixels: PixelGrid,
     /// Colours, shape `[ny, nx]`.
-    pub(super) colours: Vec<Rgb<u8>>,
+    pub(crate) colours: Vec<Rgb<u8>>,
     /// What the pointer reads, shape `[ny, nx]`.
-    pub(super) values: Values<'a>,
+    pub(crate) values: Values<'a>,
     /// Name of the map, such as `base model`.
-    pub(super) label: &'a str,
+    pub(crate) label: &'a str,
     /// What it shows, in a sentence.
-    pub(super) title: &'a str,
+    pub(crate) title: &'a str,
     /// Width on the page [px].
-    pub(super) width: f64,
+    pub(crate) width: f64,
+    /// What is drawn over it.
+    pub(crate) lines: Vec<Line>,
+}
+
+/// A line over a map.
+pub(crate) struct Line {
+    /// Its points [m].
+    pub(crate) points: Vec<DVec2>,
+    /// Colour as CSS writes it.
+    pub(crate) colour: &'static str,
 }
 
 /// What a pixel says under the pointer.
-pub(super) enum Values<'a> {
+pub(crate) enum Values<'a> {
     /// Heights [m].
     Heights(&'a [f64]),
     /// Index of a word.
@@ -46,7 +57,7 @@ pub(super) enum Values<'a> {
 
 impl MapImage<'_> {
     /// The map as an SVG element.
-    pub(super) fn to_svg(&self) -> String {
+    pub(crate) fn to_svg(&self) -> String {
         let PixelGrid { origin, pitch, nx, ny } = self.pixels;
         let scale = ((self.width - LEFT - RIGHT) / nx as f64).min(MOST_HEIGHT / ny as f64);
         let (wide, high) = (scale * nx as f64, scale * ny as f64);
@@ -73,6 +84,7 @@ impl MapImage<'_> {
             self.values.to_attributes(),
             STANDARD.encode(self.png())
         );
+        self.lines.iter().for_each(|line| line.draw(&mut svg, &across, &up));
         draw_axes(&mut svg, &across, &up);
         svg + "</svg>"
     }
@@ -88,6 +100,26 @@ impl MapImage<'_> {
             .write_image(&rgb, nx as u32, ny as u32, ExtendedColorType::Rgb8)
             .expect("a buffer of the picture's size, written to memory");
         bytes
+    }
+}
+
+impl Line {
+    /// Draws what of the line lies on the map, up to its border.
+    fn draw(&self, svg: &mut String, across: &Axis, up: &Axis) {
+        let inside = |p: &DVec2| {
+            let within = |axis: &Axis, value: f64| (axis.low..=axis.high).contains(&(value * 1e3));
+            within(across, p.x) && within(up, p.y)
+        };
+        for part in self.points.split(|point| !inside(point)).filter(|part| part.len() > 1) {
+            let shown = part.iter().map(|p| format!("{:.1},{:.1} ", across.at(p.x * 1e3), up.at(p.y * 1e3)));
+            let points: String = shown.collect();
+            let _ = write!(
+                svg,
+                "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" pointer-events=\"none\"/>",
+                points.trim_end(),
+                self.colour
+            );
+        }
     }
 }
 

@@ -1,0 +1,244 @@
+//! Drawings of a checked trial: maps with paths, a section with the tool, and the logs.
+
+use glam::{DVec2, DVec3};
+use image::Rgb;
+use robot::Tool;
+use sdf_bake::HeightMap;
+use trials::measure::{CLEARANCE, Freedom, register, untouched};
+use trials::trial::{HeldTool, PassScan, ToolPath, ToolPose, Trial};
+
+use super::TrialCheck;
+use crate::map_image::{Line, MapImage, Values};
+use crate::study::colour_scale::{ColourScale, MISSING};
+use crate::{Chart, Page, Series, Stroke, WIDE};
+
+/// Width of a map [px].
+const MAP: f64 = 900.0;
+/// Colours of the path while the tool pressed, and while it did not.
+const PRESSED: &str = "#0f7b3f";
+const IN_AIR: &str = "#7a5195";
+/// Lines of a section.
+const BEFORE: Stroke = Stroke { colour: "#1c2330", dashed: false };
+const AFTER: Stroke = Stroke { colour: "#0072b2", dashed: false };
+const TOOL: Stroke = Stroke { colour: "#d55e00", dashed: true };
+/// Points across the outline of a tool.
+const OUTLINE: usize = 120;
+/// Part of the tool's depth into the picture that is drawn [m].
+const OUTLINE_HEIGHT: f64 = 3e-3;
+
+/// The scan before, and what each pass removed, under the paths.
+pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
+    let trial = check.trial;
+    page.paragraph(
+        "The path of each log lies over the scans: green while the force says that the tool pressed, violet otherwise. What was \
+         removed must lie under the green line.",
+    );
+    let before = &trial.scans.before;
+    page.drawing(&heights(before, &paths(trial, trial.passes.len())), "Heights before the first pass.");
+    let mut earlier = before;
+    for (k, pass) in trial.passes.iter().enumerate() {
+        let PassScan::Heights(after) = &pass.scan else {
+            page.drawing(&exposed(pass_mask(&pass.scan)), &format!("Exposed after pass {}: orange.", k + 1));
+            continue;
+        };
+        let left = change(trial, k, earlier, after);
+        let scale = ColourScale::new(check.noise.floor.sigma, left.iter().copied());
+        let title = format!("pass {}: height after minus height before, by place", k + 1);
+        let image = MapImage {
+            pixels: after.pixels,
+            colours: left.iter().map(|&change| scale.colour(change)).collect(),
+            values: Values::Heights(&left),
+            label: "change",
+            title: &title,
+            width: MAP,
+            lines: lines(trial, k..k + 1),
+        };
+        page.drawing(
+            &image.to_svg(),
+            &format!("Pass {}: blue was removed, orange rose; pale within {:.1} µm.", k + 1, scale.band * 1e6),
+        );
+        earlier = after;
+    }
+}
+
+/// The height after a pass above that before it [m], levelled where no tool came.
+fn change(trial: &Trial, pass: usize, before: &HeightMap, after: &HeightMap) -> Vec<f64> {
+    let path = path_of(trial, pass);
+    let free = untouched(before, &path, &trial.tool, CLEARANCE);
+    let registration = register(after, before, Freedom::Plane, |at| free[at])
+        .or_else(|_| register(after, before, Freedom::Plane, |_| true))
+        .unwrap_or_default();
+    registration.left(after, before)
+}
+
+fn path_of(trial: &Trial, pass: usize) -> ToolPath {
+    ToolPath::of(&trial.passes[pass].log, &trial.tool, trial.passes[pass].force_setpoint)
+}
+
+fn paths(trial: &Trial, passes: usize) -> Vec<Line> {
+    lines(trial, 0..passes)
+}
+
+/// The paths of some passes, in the air below and while pressed above.
+fn lines(trial: &Trial, passes: std::ops::Range<usize>) -> Vec<Line> {
+    let of = |pass: usize| {
+        let path = path_of(trial, pass);
+        let points = |kept: &dyn Fn(&ToolPose) -> bool| -> Vec<DVec2> {
+            path.poses.iter().filter(|pose| kept(pose)).map(|pose| pose.centre.truncate()).collect()
+        };
+        let contact = path.contact;
+        let pressed =
+            |pose: &ToolPose| contact.is_some_and(|contact| (contact.start..=contact.end).contains(&pose.time));
+        [Line { points: points(&|_| true), colour: IN_AIR }, Line { points: points(&pressed), colour: PRESSED }]
+    };
+    passes.flat_map(of).collect()
+}
+
+/// A map of heights in shades of grey.
+fn heights(map: &HeightMap, lines: &[Line]) -> String {
+    let known = || map.heights.iter().copied().filter(|height| height.is_finite());
+    let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+    let grey = |height: &f64| {
+        let share = (height - low) / (high - low).max(f64::MIN_POSITIVE);
+        let level = 60.0 + 180.0 * share;
+        if height.is_finite() { Rgb([level as u8; 3]) } else { MISSING }
+    };
+    let image = MapImage {
+        pixels: map.pixels,
+        colours: map.heights.iter().map(grey).collect(),
+        values: Values::Heights(&map.heights),
+        label: "height",
+        title: "height before the first pass, by place",
+        width: MAP,
+        lines: lines.iter().map(|line| Line { points: line.points.clone(), colour: line.colour }).collect(),
+    };
+    image.to_svg()
+}
+
+fn pass_mask(scan: &PassScan) -> &trials::trial::ExposureMask {
+    match scan {
+        PassScan::Exposure(mask) => mask,
+        PassScan::Heights(_) => unreachable!("heights are drawn as heights"),
+    }
+}
+
+fn exposed(mask: &trials::trial::ExposureMask) -> String {
+    const WORDS: [&str; 3] = ["coated", "exposed", "unknown"];
+    let classes: Vec<usize> = mask.exposed.iter().map(|seen| seen.map_or(2, usize::from)).collect();
+    let colours = [Rgb([0xf3, 0xf4, 0xf6]), Rgb([0xee, 0x8a, 0x2c]), MISSING];
+    let image = MapImage {
+        pixels: mask.pixels,
+        colours: classes.iter().map(|&class| colours[class]).collect(),
+        values: Values::Words(&WORDS, &classes),
+        label: "exposed",
+        title: "exposed substrate, by place",
+        width: MAP,
+        lines: Vec::new(),
+    };
+    image.to_svg()
+}
+
+/// A section across the path in the middle of the contact, with the tool as the log has it there.
+pub(super) fn add_section(page: &mut Page, trial: &Trial) {
+    for k in 0..trial.passes.len() {
+        let path = path_of(trial, k);
+        let Some(contact) = path.contact else {
+            page.paragraph(&format!("Pass {}: the force never says that the tool pressed.", k + 1));
+            continue;
+        };
+        let pose = path.at(0.5 * (contact.start + contact.end));
+        let along = trial.passes[k].direction.truncate().normalize_or(DVec2::X);
+        let across = along.perp();
+        let series = section(trial, k, (&pose, across));
+        let chart = Chart {
+            title: "section across the path",
+            x_label: "across the path [mm]",
+            y_label: "height [mm]",
+            series: &series,
+            size: WIDE,
+            from_zero: false,
+            band: None,
+        };
+        let place = pose.centre * 1e3;
+        page.drawing(
+            &chart.to_svg(),
+            &format!(
+                "Pass {}, in the middle of the contact at x {:.1} mm, y {:.1} mm: the tool must lie on the surface that it left.",
+                k + 1,
+                place.x,
+                place.y
+            ),
+        );
+    }
+}
+
+fn section(trial: &Trial, pass: usize, (pose, across): (&ToolPose, DVec2)) -> Vec<Series> {
+    let before = &trial.scans.before;
+    let reach = 1.2 * trial.tool.half_width().max(5.0 * before.pixels.pitch);
+    let steps = (2.0 * reach / before.pixels.pitch).ceil() as usize;
+    let line = |map: &HeightMap| {
+        let at = |k: usize| {
+            let way = -reach + 2.0 * reach * k as f64 / steps as f64;
+            let nearest = map.pixels.nearest(pose.centre.truncate() + across * way);
+            (way * 1e3, nearest.map_or(f64::NAN, |at| map.heights[at] * 1e3))
+        };
+        (0..=steps).map(at).collect::<Vec<_>>()
+    };
+    let named = |name: &str, stroke, points| Series { stroke: Some(stroke), ..Series::new(name, points) };
+    let mut series = vec![named("before the first pass", BEFORE, line(before))];
+    if let PassScan::Heights(after) = &trial.passes[pass].scan {
+        series.push(named("after this pass", AFTER, line(after)));
+    }
+    series.push(named("tool by its log", TOOL, outline(&trial.tool, pose, across)));
+    series
+}
+
+/// The lowest line of the tool across the path [mm].
+fn outline(tool: &HeldTool, pose: &ToolPose, across: DVec2) -> Vec<(f64, f64)> {
+    let half = tool.half_width();
+    let drop = tool.shape.drop();
+    let side = DVec3::new(across.x, across.y, 0.0);
+    // A tilted tool's face rises to one side.
+    let slope = match tool.shape {
+        Tool::Wheel(_) => pose.axis.dot(DVec3::Z) / pose.axis.dot(side).abs().max(0.1) * pose.axis.dot(side).signum(),
+        _ => -pose.approach.dot(side) / pose.approach.z.max(0.1),
+    };
+    let lowest = pose.centre.z - drop * pose.approach.z;
+    let face = (0..=OUTLINE).map(|k| -half + 2.0 * half * k as f64 / OUTLINE as f64);
+    let mut points: Vec<(f64, f64)> = face.map(|way| (way * 1e3, (lowest + slope * way) * 1e3)).collect();
+    points.insert(0, (-half * 1e3, (lowest - slope * half + OUTLINE_HEIGHT) * 1e3));
+    points.push((half * 1e3, (lowest + slope * half + OUTLINE_HEIGHT) * 1e3));
+    points
+}
+
+/// Force and gap along each log.
+pub(super) fn add_logs(page: &mut Page, trial: &Trial) {
+    let passes: Vec<ToolPath> = (0..trial.passes.len()).map(|k| path_of(trial, k)).collect();
+    let series = |value: &dyn Fn(&ToolPose) -> f64| -> Vec<Series> {
+        let line = |(k, path): (usize, &ToolPath)| {
+            let points = path.poses.iter().map(|pose| (pose.time, value(pose))).collect();
+            Series::new(format!("pass {}", k + 1), points)
+        };
+        passes.iter().enumerate().map(line).collect()
+    };
+    let before = &trial.scans.before;
+    let gap = |pose: &ToolPose| {
+        let lowest = pose.centre - pose.approach * trial.tool.shape.drop();
+        before.pixels.nearest(lowest.truncate()).map_or(f64::NAN, |at| (lowest.z - before.heights[at]) * 1e3)
+    };
+    for (label, caption, series, from_zero) in [
+        ("force [N]", "Force by the log; the setpoint is in the table above.", series(&|pose| pose.force), true),
+        ("height [mm]", "Lowest point of the tool above the scan before, by log and scan.", series(&gap), false),
+    ] {
+        let chart = Chart {
+            title: caption,
+            x_label: "time [s]",
+            y_label: label,
+            series: &series,
+            size: WIDE,
+            from_zero,
+            band: None,
+        };
+        page.drawing(&chart.to_svg(), caption);
+    }
+}

@@ -1,0 +1,170 @@
+//! The path of the log laid on the scans: what each pass was, where the first pixel lies, how high the log is above the
+//! surface, and how wide the tool ground.
+
+use glam::{DVec2, DVec3};
+use instruments::log::guess::{Candidate, Role};
+use instruments::log::{Channels, Guesses};
+use instruments::surface::Surface;
+
+use super::files::Found;
+use super::scans::Scans;
+use crate::measure::median;
+
+/// Rows of a log that are looked at.
+const MOST_ROWS: usize = 20_000;
+/// Pixels at a map's border in which a track does not end but leaves the map.
+const AT_BORDER: f64 = 3.0;
+/// Shares of the removed pixels, sorted across the path, between which the track lies: spikes are left out.
+const TRACK: [f64; 2] = [0.005, 0.995];
+
+/// What a pass was by its log.
+pub(super) struct PassGuess {
+    /// Median force while the tool pressed [N].
+    pub(super) force: f64,
+    /// Median speed while it moved [m/s].
+    pub(super) feed: f64,
+    /// Median spindle speed [rad/s]; `None` where the log has none.
+    pub(super) spindle: Option<f64>,
+    /// From the first to the last row, unit.
+    pub(super) direction: DVec3,
+    /// Places while the tool pressed [m].
+    pressed: Vec<DVec3>,
+}
+
+/// How log and scans lie.
+pub(super) struct Placing {
+    /// One for each log.
+    pub(super) passes: Vec<PassGuess>,
+    /// x, y of the first pixel of the scan before with which the track lies under the path [m]; `None` where nothing tells.
+    pub(super) origin: Option<DVec2>,
+    /// True if nothing tells where along the path the scan begins.
+    pub(super) slides_along: bool,
+    /// Median height of the logged place above the scan before while the tool pressed [m].
+    pub(super) gap: Option<f64>,
+    /// Width of the track across the path [m].
+    pub(super) width: Option<f64>,
+}
+
+impl Placing {
+    /// Lays the logs on the scan before.
+    pub(super) fn of(found: &Found, scans: &Scans) -> Self {
+        let passes: Vec<PassGuess> =
+            found.logs().filter_map(|(_, channels, guesses)| PassGuess::of(channels, guesses)).collect();
+        let before = found.maps().find(|(name, _)| *name == scans.before).map(|(_, surface)| surface);
+        let mut placing = Self { passes, origin: None, slides_along: false, gap: None, width: None };
+        let (Some(before), Some(pass)) = (before, placing.passes.last()) else { return placing };
+        let Some(pitch) = before.pitch else { return placing };
+        let track: Vec<DVec2> = scans.removed.iter().map(|(pixel, _)| *pixel * pitch).collect();
+        let Some((origin, slides_along, width)) = laid(&track, pass, before, pitch) else { return placing };
+        let own = before.origin.unwrap_or(origin);
+        // Nothing but the frame of the scan itself tells how high its surface is there.
+        let lies_on = if own.distance(origin) < width { own } else { origin };
+        let gap = gap(pass, before, lies_on, pitch);
+        (placing.origin, placing.slides_along) = (Some(origin), slides_along);
+        (placing.gap, placing.width) = (gap, Some(width));
+        placing
+    }
+}
+
+impl PassGuess {
+    fn of(channels: &Channels, guesses: &Guesses) -> Option<Self> {
+        let rows = channels.rows();
+        let step = rows.div_ceil(MOST_ROWS).max(1);
+        let si = |role: Role| guesses.best(role).map(|candidate| values(channels, candidate, step));
+        let time = si(Role::Time)?;
+        let axis = |role: Role| si(role).unwrap_or_else(|| vec![0.0; time.len()]);
+        let [x, y, z] = [Role::X, Role::Y, Role::Z].map(axis);
+        let places: Vec<DVec3> = (0..time.len()).map(|k| DVec3::new(x[k], y[k], z[k])).collect();
+        let force = si(Role::Force)?;
+        let pressing = 0.5 * high(&force);
+        let is_pressed = |k: &usize| force[*k] > pressing && places[*k].is_finite();
+        let pressed: Vec<DVec3> = (0..places.len()).filter(is_pressed).map(|k| places[k]).collect();
+        let speeds: Vec<f64> = (1..places.len())
+            .map(|k| (places[k] - places[k - 1]).truncate().length() / (time[k] - time[k - 1]))
+            .filter(|speed| speed.is_finite())
+            .collect();
+        let moving = 0.5 * high(&speeds);
+        let way = pressed.first().zip(pressed.last()).map_or(DVec3::ZERO, |(first, last)| last - first);
+        Some(Self {
+            force: median(force.iter().copied().filter(|force| *force > pressing).collect())?,
+            feed: median(speeds.into_iter().filter(|speed| *speed > moving).collect()).unwrap_or(0.0),
+            spindle: si(Role::Spindle)
+                .and_then(|speeds| median(speeds.into_iter().filter(|speed| speed.is_finite()).collect())),
+            direction: way.with_z(0.0).try_normalize().unwrap_or(DVec3::X),
+            pressed,
+        })
+    }
+}
+
+/// SI values of a candidate, each `step`-th.
+fn values(channels: &Channels, candidate: &Candidate, step: usize) -> Vec<f64> {
+    let unit = match candidate.unit.as_str() {
+        "ms" | "mm" => 1e-3,
+        "us" | "um" => 1e-6,
+        "ns" => 1e-9,
+        "min" => 60.0,
+        "h" => 3600.0,
+        "kN" => 1e3,
+        "rpm" => std::f64::consts::TAU / 60.0,
+        "Hz" => std::f64::consts::TAU,
+        _ => 1.0,
+    };
+    let scale = unit * f64::from(candidate.sign);
+    channels.values[candidate.channel].iter().step_by(step).map(|value| value * scale).collect()
+}
+
+/// What one in twenty values exceeds; infinite of nothing.
+fn high(values: &[f64]) -> f64 {
+    let mut known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    known.sort_by(f64::total_cmp);
+    known.get(known.len() * 19 / 20).copied().unwrap_or(f64::INFINITY)
+}
+
+/// Where the first pixel lies so that the track is under the path [m], whether it could slide along the path, and the track's
+/// width [m].
+///
+/// - `track`: places from the first pixel on [m]
+fn laid(track: &[DVec2], pass: &PassGuess, before: &Surface, pitch: DVec2) -> Option<(DVec2, bool, f64)> {
+    let along = pass.direction.truncate();
+    let across = along.perp();
+    let path: Vec<DVec2> = pass.pressed.iter().map(|place| place.truncate()).collect();
+    let [path_along, path_across] = [along, across].map(|axis| range(path.iter().map(|place| place.dot(axis))));
+    let [track_along, track_across] = [along, across].map(|axis| range(track.iter().map(|place| place.dot(axis))));
+    let (path_along, path_across, track_along, track_across) = (path_along?, path_across?, track_along?, track_across?);
+    let size = DVec2::new(before.nx as f64 - 1.0, before.ny as f64 - 1.0) * pitch;
+    let corners = [DVec2::ZERO, DVec2::new(size.x, 0.0), DVec2::new(0.0, size.y), size];
+    let map = range_all(corners.iter().map(|corner| corner.dot(along)));
+    let border = AT_BORDER * pitch.max_element();
+    let ends = [track_along[0] > map[0] + border, track_along[1] < map[1] - border];
+    let middle = |range: [f64; 2]| 0.5 * (range[0] + range[1]);
+    let shift = match ends {
+        [true, true] | [false, false] => middle(path_along) - middle(track_along),
+        [true, false] => path_along[0] - track_along[0],
+        [false, true] => path_along[1] - track_along[1],
+    };
+    let origin = along * shift + across * (middle(path_across) - middle(track_across));
+    Some((origin, ends == [false, false], track_across[1] - track_across[0]))
+}
+
+/// Lowest and highest of some values without the outermost of them; `None` of nothing.
+fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    Some(TRACK.map(|share| values[(share * last as f64).round() as usize]))
+}
+
+fn range_all(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+}
+
+/// Median height of the pressed places above the map [m].
+fn gap(pass: &PassGuess, before: &Surface, origin: DVec2, pitch: DVec2) -> Option<f64> {
+    let height = |place: &DVec3| {
+        let at = ((place.truncate() - origin) / pitch).round();
+        let is_inside = at.cmpge(DVec2::ZERO).all() && at.x < before.nx as f64 && at.y < before.ny as f64;
+        is_inside.then(|| before.heights[at.y as usize * before.nx + at.x as usize])
+    };
+    let gaps = pass.pressed.iter().filter_map(|place| Some(place.z - height(place)?)).filter(|gap| gap.is_finite());
+    median(gaps.collect())
+}

@@ -1,0 +1,251 @@
+//! The text of a guessed `trial.toml`.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use effects::Process;
+use glam::{DVec2, DVec3};
+use instruments::log::guess::{Candidate, Confidence, Role};
+
+use super::files::Found;
+use super::place::{PassGuess, Placing};
+use super::scans::Scans;
+use crate::trial::{RPM, TRIAL_FORMAT};
+
+/// Heights of the log above the surface that a wheel's radius may be [m].
+const RADII: [f64; 2] = [5e-3, 0.5];
+/// Height of the log above the surface up to which the log gives the tool's face [m].
+const ON_FACE: f64 = 2e-3;
+/// Distance between the frames of scan and log up to which they are one [m].
+const SAME_FRAME: f64 = 1e-3;
+/// Slope of a direction up to which it is that of an axis.
+const NEAR_AXIS: f64 = 0.05;
+
+/// Writes a manifest line by line, and remembers what is left open.
+pub(super) struct Writer<'a> {
+    pub(super) found: &'a Found,
+    pub(super) scans: &'a Scans<'a>,
+    pub(super) placing: &'a Placing,
+    pub(super) process: Process,
+    pub(super) open: Vec<String>,
+}
+
+impl Writer<'_> {
+    pub(super) fn text(&mut self, folder: &Path) -> String {
+        let name = folder.canonicalize().ok().and_then(|place| Some(place.file_name()?.to_string_lossy().into_owned()));
+        let name = name.unwrap_or_else(|| "trial".to_owned());
+        let process = match self.process {
+            Process::Grinding => {
+                "\"grinding\"   # or \"sanding\": coating, whose scans after passes are masks of 0 and 1"
+            }
+            Process::Sanding => "\"sanding\"   # a scan is a mask of 0 and 1",
+        };
+        let mut text = format!(
+            "# Guessed from the files of this folder. Check every line; FILL IN marks what no file tells.\n\
+             format = \"{TRIAL_FORMAT}\"\nname = {}\nprocess = {process}\n",
+            quoted(&name)
+        );
+        for part in [self.tool(), self.scan(), self.log(), self.controller(), self.passes()] {
+            text.push('\n');
+            text.push_str(&part);
+        }
+        text
+    }
+
+    fn tool(&mut self) -> String {
+        let gap = self.placing.gap;
+        let lies_on_face = gap.is_some_and(|gap| gap.abs() < ON_FACE);
+        let is_pad = self.process == Process::Sanding || lies_on_face;
+        let mut text = "[tool]\n".to_owned();
+        let width = self.placing.width.map(|width| width * 1e3);
+        if is_pad {
+            text.push_str(
+                "kind = \"pad\"   # guessed: the log lies on the surface; a wheel turns about a level axis\n",
+            );
+            let radius = width.map(|width| 0.5 * width);
+            self.length(&mut text, "radius_mm", radius, "half of the ground track's width");
+        } else {
+            text.push_str("kind = \"wheel\"   # guessed; or \"pad\": a flat disc that faces the surface\n");
+            let radius = gap.filter(|gap| (RADII[0]..RADII[1]).contains(gap)).map(|gap| gap * 1e3);
+            self.length(&mut text, "radius_mm", radius, "height of the logged place above the scan before");
+            self.length(&mut text, "width_mm", width, "width of the ground track; the wheel may be wider");
+            let direction = self.placing.passes.first().map_or(DVec3::X, |pass| pass.direction);
+            let axis = rounded(DVec3::Z.cross(direction));
+            let _ = writeln!(text, "axis = [{}, {}, {}]   # guessed: level, across the path", axis.x, axis.y, axis.z);
+        }
+        text.push_str("fresh = true   # false: worn by the trial before, in the order of names\n");
+        text
+    }
+
+    /// A length of the tool, guessed or to be filled in.
+    fn length(&mut self, text: &mut String, key: &str, value: Option<f64>, why: &str) {
+        let _ = match value {
+            Some(value) => writeln!(text, "{key} = {value:.2}   # guessed: {why}; say the true one"),
+            None => {
+                self.open.push(format!("[tool] {key}"));
+                writeln!(text, "{key} = 0.0   # FILL IN")
+            }
+        };
+    }
+
+    fn scan(&mut self) -> String {
+        let Scans { before, repeats, reason, .. } = self.scans;
+        let surface = self.found.maps().find(|(name, _)| name == before).map(|(_, surface)| surface);
+        let mut text = format!("[scan]   # the order of scans is guessed {reason}\n");
+        match surface.and_then(|surface| surface.pitch) {
+            Some(pitch) => {
+                let _ = writeln!(text, "# the distance between pixels stands in the file: {:.4} mm", pitch.x * 1e3);
+            }
+            None => {
+                self.open.push("[scan] pitch_mm".to_owned());
+                text.push_str("pitch_mm = 0.0   # FILL IN: distance between pixels, which the file does not tell\n");
+            }
+        }
+        text.push_str(&self.origin(surface.and_then(|surface| surface.origin)));
+        let _ = writeln!(text, "before = {}", quoted(before));
+        if repeats.is_empty() {
+            text.push_str("# repeat = [\"FILE\"]   # a second scan of the same surface: without one, the noise is taken from where\n");
+            text.push_str("#                        # no tool came, a lower bound\n");
+        } else {
+            let names: Vec<String> = repeats.iter().map(|name| quoted(name)).collect();
+            let _ = writeln!(text, "repeat = [{}]   # shows the same surface as the scan before", names.join(", "));
+        }
+        text
+    }
+
+    fn origin(&mut self, own: Option<DVec2>) -> String {
+        let guess = self.placing.origin;
+        match (own, guess) {
+            (Some(own), _) => format!("# x, y of the first pixel stand in the file: {}\n", millimetres(own)),
+            (None, Some(guess)) => {
+                let along = if self.placing.slides_along { "; along the path nothing tells" } else { "" };
+                format!("origin_mm = {}   # guessed: the track lies under the path{along}\n", millimetres(guess))
+            }
+            (None, None) => {
+                self.open.push("[scan] origin_mm".to_owned());
+                "origin_mm = [0.0, 0.0]   # FILL IN: x, y of the first pixel in the frame of the log\n".to_owned()
+            }
+        }
+    }
+
+    fn log(&mut self) -> String {
+        let Some((_, channels, guesses)) = self.found.logs().next() else { return String::new() };
+        if crate::trial::REQUIRED_COLUMNS.iter().all(|column| channels.names.iter().any(|name| name == column)) {
+            return "# the logs have the columns of the format: no [log.columns] is needed\n".to_owned();
+        }
+        let mut text = "[log]\n".to_owned();
+        text.push_str(&self.offset());
+        text.push_str("\n[log.columns]   # quantity = { column of the log, its unit, sign = -1 turns it round }\n");
+        for role in Role::ALL {
+            let line = match guesses.best(role) {
+                Some(candidate) => column(role, candidate),
+                None if role == Role::Spindle => {
+                    "# spindle: no column; spindle_rpm of each [[pass]] counts\n".to_owned()
+                }
+                None if role.is_required() => {
+                    self.open.push(format!("[log.columns] {}", role.key()));
+                    format!("{} = \"\"   # FILL IN: the column\n", role.key())
+                }
+                None => continue,
+            };
+            text.push_str(&line);
+        }
+        let used: Vec<usize> =
+            Role::ALL.iter().filter_map(|role| guesses.best(*role)).map(|best| best.channel).collect();
+        let others = (0..channels.names.len()).filter(|at| !used.contains(at)).map(|at| quoted(&channels.names[at]));
+        let others: Vec<String> = others.collect();
+        if !others.is_empty() {
+            let _ = writeln!(text, "# kept for formulas: {}", others.join(", "));
+        }
+        text
+    }
+
+    /// The place of the log's zero where log and scan have frames of their own.
+    fn offset(&self) -> String {
+        let before = self.found.maps().find(|(name, _)| *name == self.scans.before);
+        let own = before.and_then(|(_, surface)| surface.origin);
+        match own.zip(self.placing.origin).map(|(own, guess)| own - guess) {
+            Some(offset) if offset.length() > SAME_FRAME => format!(
+                "offset_mm = [{:.3}, {:.3}, 0.0]   # guessed: moves the path onto the ground track\n",
+                offset.x * 1e3,
+                offset.y * 1e3
+            ),
+            _ => "# offset_mm = [0.0, 0.0, 0.0]   # of the log's zero in the frame of the scans; yaw_deg turns it first\n"
+                .to_owned(),
+        }
+    }
+
+    fn controller(&self) -> String {
+        "[controller]\nkind = \"logged-force\"   # the logged force presses the tool on; or \"admittance\" with mass_kg, \
+         damping_ns_m\n                        # and period_s, or \"ideal\": the setpoint; without this table z is replayed\n"
+            .to_owned()
+    }
+
+    fn passes(&mut self) -> String {
+        let logs: Vec<&str> = self.found.logs().map(|(name, ..)| name).collect();
+        let after = &self.scans.after;
+        let mut text = String::new();
+        if logs.len() != after.len() {
+            let _ = writeln!(
+                text,
+                "# {} logs and {} scans after passes: each pass needs one of both",
+                logs.len(),
+                after.len()
+            );
+            self.open.push(format!("{} logs for {} scans after passes", logs.len(), after.len()));
+        }
+        for k in 0..logs.len().max(after.len()) {
+            let name = |names: &[&str]| names.get(k).map_or("\"\"   # FILL IN".to_owned(), |name| quoted(name));
+            let _ = write!(text, "[[pass]]\nlog = {}\nscan = {}\n", name(&logs), name(after));
+            text.push_str("role = \"calibration\"   # or \"evaluation\": kept apart to judge the model\n");
+            if let Some(pass) = self.placing.passes.get(k) {
+                text.push_str(&settings(pass));
+            }
+            if self.placing.passes.get(k).is_none_or(|pass| pass.spindle.is_none()) {
+                self.open.push(format!("spindle_rpm of pass {}", k + 1));
+                text.push_str("spindle_rpm = 0.0   # FILL IN: the log has none\n");
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// What a pass was by its log.
+fn settings(pass: &PassGuess) -> String {
+    let mut text =
+        format!("force_setpoint_n = {:.2}   # guessed: median of the log while the tool pressed\n", pass.force);
+    let _ = writeln!(text, "feed_mm_s = {:.3}   # guessed: median of the log while it moved", pass.feed * 1e3);
+    if let Some(spindle) = pass.spindle {
+        let _ = writeln!(text, "spindle_rpm = {:.0}   # guessed: median of the log", spindle / RPM);
+    }
+    let direction = rounded(pass.direction);
+    let _ =
+        writeln!(text, "direction = [{}, {}, 0]   # guessed: from the first to the last row", direction.x, direction.y);
+    text
+}
+
+/// A line of `[log.columns]`.
+fn column(role: Role, candidate: &Candidate) -> String {
+    let sign = if candidate.sign < 0 { ", sign = -1" } else { "" };
+    let unit = if candidate.unit == "°C" { "degC" } else { &candidate.unit };
+    let doubt = if candidate.confidence == Confidence::Doubtful { "CHECK: " } else { "" };
+    let (key, name, reason) = (role.key(), quoted(&candidate.name), &candidate.reason);
+    format!("{key} = {{ column = {name}, unit = \"{unit}\"{sign} }}   # {doubt}{reason}\n")
+}
+
+/// A direction, along an axis where it is nearly so.
+fn rounded(direction: DVec3) -> DVec3 {
+    let clean = DVec3::from_array(direction.to_array().map(|part| if part.abs() < NEAR_AXIS { 0.0 } else { part }));
+    let unit = clean.normalize_or(DVec3::X);
+    DVec3::from_array(unit.to_array().map(|part| (part * 1e4).round() / 1e4 + 0.0))
+}
+
+fn millimetres(place: DVec2) -> String {
+    format!("[{:.3}, {:.3}]", place.x * 1e3 + 0.0, place.y * 1e3 + 0.0)
+}
+
+/// A TOML string.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
