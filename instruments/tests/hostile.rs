@@ -112,7 +112,8 @@ fn binary_files_cut_in_half_are_refused() {
 fn claims_that_the_bytes_do_not_justify_are_refused() {
     let mut sur = std::fs::read(sample("surfalize.sur")).unwrap();
     sur[108..116].copy_from_slice(&[0, 0x40, 0, 0, 0, 0x40, 0, 0]);
-    let sdf = b"aISO-1.0\nNumPoints = 16384\nNumProfiles = 16384\nXscale = 1e-6\nYscale = 1e-6\nZscale = 1\n*\n1 2 3\n*\n";
+    let sdf =
+        b"aISO-1.0\nNumPoints = 16384\nNumProfiles = 16384\nXscale = 1e-6\nYscale = 1e-6\nZscale = 1\n*\n1 2 3\n*\n";
     let npy = std::fs::read(sample("c_order.npy")).unwrap();
     let mut shape = npy.clone();
     let at = shape.windows(8).position(|word| word == b"(17, 24)").unwrap();

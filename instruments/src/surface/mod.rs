@@ -29,6 +29,7 @@ mod ply_points;
 mod records;
 mod sdf;
 mod shape;
+mod spaced;
 mod sur;
 mod tiff;
 mod tiff_scale;
