@@ -29,6 +29,8 @@ fn three_columns_are_points_and_more_are_a_grid() {
     assert_eq!((points.format, points.nx, points.ny), ("list of x, y, z", 2, 3));
     assert_eq!(millimetres(&points), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     assert!((points.pitch.unwrap() - DVec2::new(1e-3, 2e-3)).length() < 1e-15);
+    let holes = read("a.csv", ",,1\n,2,\n,,3\n4,,\n1,2,3\n");
+    assert_eq!((holes.format, holes.nx, holes.ny), ("plain grid", 3, 5));
     let grid = read("a.csv", "0,0,1,1\n1,0,2,1\n0,2,3,1\n1,2,4,1\n");
     assert_eq!((grid.format, grid.nx, grid.ny, grid.pitch), ("plain grid", 4, 4, None));
 }
@@ -112,8 +114,8 @@ fn a_cloud_becomes_pixels() {
 
 #[test]
 fn a_grid_with_blanks_and_comments() {
-    let grid = read("a.txt", "# heights\n1.0 2.0   3.0 nan\n4.0 5.0 6.0 -9999\n");
-    assert_eq!((grid.format, grid.nx, grid.ny), ("plain grid", 4, 2));
+    let grid = read("a.txt", "# heights\n1.0 2.0   3.0 nan\n4.0 5.0 6.0 -9999\n7 8 9 1\n7 8 9 1\n7 8 9 1\n");
+    assert_eq!((grid.format, grid.nx, grid.ny), ("plain grid", 4, 5));
     assert_eq!(millimetres(&grid)[4..7], [4.0, 5.0, 6.0]);
     assert!(grid.heights[3].is_nan() && grid.heights[7].is_nan());
     assert_note(&grid, "cells are separated by blanks; mm are assumed");

@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::plain_grid::{Grid, GridRows};
-use super::{Format, Source, Surface, unit};
+use super::{Format, Source, Surface, spaced, unit};
 use crate::misread::{Misread, Place};
 use crate::text_table::{TextRow, TextTable};
 
@@ -40,7 +40,8 @@ impl Format for KeyenceExport {
     }
 
     fn recognises(&self, source: &Source) -> bool {
-        TextTable::parse(source.file, source.bytes.into()).is_ok_and(|table| is_export(&table).unwrap_or(false))
+        let table = TextTable::parse(source.file, source.bytes.into());
+        !spaced::is_spaced(source.bytes) && table.is_ok_and(|table| is_export(&table).unwrap_or(false))
     }
 
     fn read(&self, source: &Source) -> Result<Surface, Misread> {

@@ -60,7 +60,7 @@ fn has_length_of_stl(bytes: &[u8]) -> bool {
 /// is none.
 fn read(source: &Source, format: MeshFormat) -> Result<Surface, Misread> {
     let place = || Place::file(source.file);
-    let accepted = "an STL, PLY or OBJ surface in mm is expected";
+    let accepted = "an STL or PLY surface in mm is expected, or an OBJ";
     let found = parse_mesh(source.bytes, format, UnitChoice::Millimetre, &source.file.to_string_lossy());
     let found = found.map_err(|error| place().bad::<Misread>(error.to_string(), accepted))?;
     let positions = &found.mesh.positions;

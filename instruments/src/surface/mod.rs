@@ -1,7 +1,7 @@
 //! Height maps as instruments and people write them.
 //!
 //! [`read`] asks the formats of `FORMATS` in turn whether a file is theirs, by its content and, where that has no mark,
-//! its name. A format is a file of this folder with one type behind [`Format`]; adding one is a file and a line here.
+//! its name. A format is a file of this folder with one type behind `Format`; adding one is a file and a line here.
 //!
 //! Maps are right-handed, seen from above: pixel (i, j) of `[ny, nx]` lies at `origin + (i, j) · pitch`.
 

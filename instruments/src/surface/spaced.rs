@@ -16,7 +16,7 @@ const SAMPLE: usize = 50;
 /// [`Misread`] where it is no text.
 pub(super) fn table<'a>(source: &Source<'a>) -> Result<TextTable<'a>, Misread> {
     let comments = comments(source.bytes);
-    let is_spaced = is_spaced(&source.bytes[comments..]);
+    let is_spaced = is_spaced(source.bytes);
     let text: Cow<[u8]> = match (is_spaced, comments) {
         (false, 0) => source.bytes.into(),
         (false, _) => without_comments(source.bytes, comments).into(),
@@ -44,8 +44,9 @@ fn without_comments(text: &[u8], comments: usize) -> Vec<u8> {
     kept
 }
 
-/// Whether the first lines are numbers with blanks between them and nothing else.
-fn is_spaced(text: &[u8]) -> bool {
+/// Whether the first lines below comments are numbers with blanks between them and nothing else.
+pub(super) fn is_spaced(text: &[u8]) -> bool {
+    let text = &text[comments(text)..];
     let lines = || text.split(|&c| c == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty()).take(SAMPLE);
     let is_row = |line: &[u8]| {
         let mut numbers = Numbers::new(line.contains(&b','));

@@ -68,6 +68,11 @@ impl Layout {
         if !is_list || columns.iter().any(|&column| column >= width) || text[..start.min(text.len())].contains(&0) {
             return None;
         }
+        // Most have a place, or this is a grid of three columns with empty cells.
+        let is_placed = |row: &[u8]| columns[..2].iter().all(|&column| separator.is_finite(row, column));
+        if 2 * sample().filter(|row| is_placed(row)).count() < sample().count() {
+            return None;
+        }
         let decimal_comma =
             separator.has_decimal_commas(first) || sample().any(|row| separator.has_decimal_commas(row));
         let lines_before = header.len() as u64;
@@ -110,13 +115,17 @@ impl Separator {
         row.split(is_between).filter(is_kept).map(unquoted)
     }
 
-    /// Whether a line begins with x and y, whatever is behind.
+    /// Whether a line begins with three numbers, or words for missing ones.
     fn is_point(self, row: &[u8]) -> bool {
         let mut numbers = Numbers::new(self.has_decimal_commas(row));
         let mut cells = self.cells(row);
-        let mut is_number = || cells.next().is_some_and(|cell| numbers.number(cell).is_some());
-        let two = is_number() && is_number();
-        two && is_number()
+        (0..3).all(|_| cells.next().is_some_and(|cell| numbers.number(cell).is_some()))
+    }
+
+    /// Whether a cell of a line is a number.
+    fn is_finite(self, row: &[u8], column: usize) -> bool {
+        let mut numbers = Numbers::new(self.has_decimal_commas(row));
+        self.cells(row).nth(column).and_then(|cell| numbers.number(cell)).is_some_and(f64::is_finite)
     }
 
     fn has_decimal_commas(self, row: &[u8]) -> bool {
