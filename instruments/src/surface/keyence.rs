@@ -15,7 +15,7 @@ const MOST_KEYS: usize = 60;
 /// Cells of a key line: key, value, unit.
 const KEY_CELLS: usize = 3;
 
-/// What the key lines say.
+/// Contents of the key lines.
 #[derive(Default)]
 struct Keys {
     pitch: Option<f64>,
@@ -58,7 +58,7 @@ impl Format for KeyenceExport {
     }
 }
 
-/// Whether a table begins with key lines as such an export does.
+/// True if a table begins with key lines as such an export does.
 fn is_export(table: &TextTable) -> Result<bool, Misread> {
     let (mut lines, mut key_lines) = (0, 0);
     table.rows(|row| {

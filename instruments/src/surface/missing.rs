@@ -7,7 +7,7 @@ const NUMBERS: [f64; 5] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0];
 /// Size from which a number is none of a height: Surfer writes 1.70141e38, others 1e38.
 const TOO_LARGE: f64 = 1e37;
 
-/// Whether a word in place of a number says that nothing was measured.
+/// True if a word in place of a number says that nothing was measured.
 pub(super) fn is_word(word: &[u8]) -> bool {
     let known: [&[u8]; 11] =
         [b"bad", b"nan", b"-nan", b"inf", b"-inf", b"infinity", b"none", b"null", b"n/a", b"na", b"nodata"];

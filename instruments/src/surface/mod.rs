@@ -84,7 +84,7 @@ trait Format: Sync {
     /// Extensions of its files, in small letters, without the dot.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// Whether a file is of this format.
+    /// True if a file is of this format.
     fn recognises(&self, source: &Source) -> bool;
 
     /// Reads a file of this format.
@@ -128,7 +128,7 @@ pub struct Surface {
     pub origin: Option<DVec2>,
     /// Heights [m], NaN where missing, shape `[ny, nx]`.
     pub heights: Vec<f64>,
-    /// What was understood, in sentences.
+    /// Sentences on what was understood.
     pub notes: Vec<String>,
 }
 

@@ -34,12 +34,12 @@ impl<'a> Words<'a> {
         rest[..end].trim_ascii()
     }
 
-    /// Whether the last word is ended, as it is not where writing was cut short.
+    /// True if the last word is ended, as it is not where writing was cut short.
     pub(super) fn ends_with_a_line(&self) -> bool {
         self.text.last().is_some_and(u8::is_ascii_whitespace)
     }
 
-    /// Whether nothing but blanks is left.
+    /// True if nothing but blanks is left.
     pub(super) fn is_done(&self) -> bool {
         self.text[self.at..].iter().all(u8::is_ascii_whitespace)
     }
@@ -62,7 +62,7 @@ impl<'a> Iterator for Words<'a> {
 /// Makes numbers of words and counts those that say that nothing was measured.
 #[derive(Default)]
 pub(super) struct Numbers {
-    /// Whether decimals are written with commas.
+    /// True if decimals are written with commas.
     pub(super) decimal_comma: bool,
     missing: BTreeMap<String, usize>,
 }
@@ -98,7 +98,7 @@ impl Numbers {
     }
 }
 
-/// Whether commas stand between digits of words that are separated otherwise, as in "1,5 2,5".
+/// True if commas stand between digits of words that are separated otherwise, as in "1,5 2,5".
 pub(super) fn has_decimal_commas(text: &[u8]) -> bool {
     let between_digits = |w: &[u8]| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit();
     text.windows(3).any(between_digits) && !text.contains(&b'.')

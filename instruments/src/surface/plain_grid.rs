@@ -37,7 +37,7 @@ pub struct Grid {
     pub ny: usize,
     /// Shape `[ny, nx]`.
     pub values: Vec<f64>,
-    /// What was odd, in sentences.
+    /// Sentences on what was odd.
     pub notes: Vec<String>,
 }
 

@@ -44,7 +44,7 @@ fn without_comments(text: &[u8], comments: usize) -> Vec<u8> {
     kept
 }
 
-/// Whether the first lines below comments are numbers with blanks between them and nothing else.
+/// True if the first lines below comments are numbers with blanks between them and nothing else.
 pub(super) fn is_spaced(text: &[u8]) -> bool {
     let text = &text[comments(text)..];
     let lines = || text.split(|&c| c == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty()).take(SAMPLE);

@@ -45,7 +45,7 @@ impl Format for DigitalSurf {
     }
 }
 
-/// What the header says.
+/// Contents of the header.
 struct Header {
     is_packed: bool,
     objects: i16,

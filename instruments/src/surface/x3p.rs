@@ -42,7 +42,7 @@ impl Format for X3p {
     }
 }
 
-/// What `main.xml` says of the matrix.
+/// The matrix as `main.xml` describes it.
 struct Description {
     nx: usize,
     ny: usize,
@@ -50,7 +50,7 @@ struct Description {
     /// Metres in a step of z, and height of step zero [m].
     scale: (f64, f64),
     kind: Element,
-    /// Whether axes are rotated.
+    /// True if axes are rotated.
     is_rotated: bool,
     /// Member with the heights, and one with a bit for each valid pixel.
     members: (String, Option<String>),
@@ -128,7 +128,7 @@ impl Description {
     }
 }
 
-/// Whether the axes have a matrix of rotation other than the unit matrix.
+/// True if the axes have a matrix of rotation other than the unit matrix.
 fn is_rotated(root: Node) -> bool {
     let entry = |row: usize, column: usize| {
         let path = ["Record1", "Axes", "Rotation", &format!("r{row}{column}")];
