@@ -1,7 +1,5 @@
 //! Numbers in text, and the words that stand in their place.
 
-use std::collections::BTreeMap;
-
 use files::input::quoted;
 
 use super::missing;
@@ -64,7 +62,7 @@ impl<'a> Iterator for Words<'a> {
 pub(super) struct Numbers {
     /// True if decimals are written with commas.
     pub(super) decimal_comma: bool,
-    missing: BTreeMap<String, usize>,
+    missing: missing::Counts,
 }
 
 impl Numbers {
@@ -86,7 +84,7 @@ impl Numbers {
             None if !missing::is_word(word) => None,
             _ => {
                 let name = if word.is_empty() { "nothing".to_owned() } else { quoted(&String::from_utf8_lossy(word)) };
-                *self.missing.entry(name).or_default() += 1;
+                self.missing.add(name);
                 Some(f64::NAN)
             }
         }
@@ -94,7 +92,7 @@ impl Numbers {
 
     /// A sentence for each word in place of a number.
     pub(super) fn notes(&self) -> impl Iterator<Item = String> {
-        self.missing.iter().map(|(word, count)| missing::said(*count, word))
+        self.missing.notes()
     }
 }
 
