@@ -13,7 +13,7 @@ struct Sample {
     file: &'static str,
     format: &'static str,
     rounding: f64,
-    /// Whether holes are missing in the file.
+    /// True if holes are missing in the file.
     map: MapOf,
 }
 

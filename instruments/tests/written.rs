@@ -83,6 +83,55 @@ fn what_cannot_be_written_is_refused() {
     assert!(said("map.asc", &Surface { nx: 3, ..map() }).contains("3 x 17 pixels with 408 heights"));
 }
 
+/// The flag of inversion, and heights of 16 bits, on a file of ours.
+#[test]
+fn variants_of_digital_surf() {
+    let plain = there_and_back("map.sur", &map());
+    let bytes = write(Path::new("map.sur"), &map()).unwrap();
+    let at = |map: &Surface, i: usize, j: usize| map.heights[j * NX + i];
+    for inverted in 1..=3 {
+        let mut changed = bytes.clone();
+        changed[290] = inverted;
+        let found = read_bytes(Path::new("map.sur"), &changed);
+        let (i, j) = (if inverted == 2 { NX - 2 } else { 1 }, if inverted == 3 { NY - 3 } else { 2 });
+        assert_eq!(at(&found, i, j), -at(&plain, 1, 2), "inverted {inverted}");
+    }
+    let mut short = bytes[..512].to_vec();
+    short[98] = 16;
+    // Steps of a nanometre, the lowest 0, missing ones -2.
+    short[100..104].copy_from_slice(&0_i32.to_le_bytes());
+    short[128..132].copy_from_slice(&1e-3_f32.to_le_bytes());
+    let step = |height: &f64| if height.is_nan() { -2 } else { (height * 1e9).round() as i16 };
+    short.extend(map().heights.chunks_exact(NX).rev().flatten().flat_map(|height| step(height).to_le_bytes()));
+    assert!(difference(&map(), &read_bytes(Path::new("map.sur"), &short)) < 0.51e-9);
+}
+
+#[test]
+fn surfaces_of_triangles_are_known_by_their_content() {
+    let obj = "v 0 0 1\nv 2 0 1\nv 0 2 1\nv 2 2 1\nf 1 2 3\nf 2 4 3\n";
+    let facets = ["0 0 1,2 0 1,0 2 1", "2 0 1,2 2 1,0 2 1"];
+    let mut text = "solid s\n".to_owned();
+    let mut binary = vec![0; 80];
+    binary.extend(2_u32.to_le_bytes());
+    for facet in facets {
+        text += "facet normal 0 0 1\nouter loop\n";
+        binary.extend([0; 12]);
+        for corner in facet.split(',') {
+            text += &format!("vertex {corner}\n");
+            let numbers = corner.split(' ').flat_map(|number| number.parse::<f32>().unwrap().to_le_bytes());
+            binary.extend(numbers);
+        }
+        text += "endloop\nendfacet\n";
+        binary.extend([0; 2]);
+    }
+    text += "endsolid s\n";
+    for bytes in [obj.as_bytes(), text.as_bytes(), &binary] {
+        let surface = read_bytes(Path::new("scan"), bytes);
+        assert_eq!((surface.format, surface.nx), ("mesh", 2));
+        assert!(surface.heights.iter().all(|height| (height - 1e-3).abs() < 1e-12));
+    }
+}
+
 /// Writes the map into the folder of `ROBOFIN_SAMPLES`, for `files/scripts/check.py`.
 #[test]
 #[ignore = "leaves files"]

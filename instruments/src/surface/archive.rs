@@ -21,7 +21,7 @@ impl<'a> Archive<'a> {
     /// Opens a zip, which may stand behind other bytes.
     ///
     /// # Errors
-    /// What was found.
+    /// The finding, in words.
     pub(super) fn open(bytes: &'a [u8], known: &'static [&'static str]) -> Result<Self, String> {
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| format!("no readable zip: {error}"))?;
         Ok(Self { zip, known })
@@ -32,7 +32,7 @@ impl<'a> Archive<'a> {
         self.zip.file_names().filter_map(|name| Some(name.ok()?.into_owned()))
     }
 
-    /// Whether there is a member of that name.
+    /// True if there is a member of that name.
     pub(super) fn has(&self, name: &str) -> bool {
         self.zip.index_for_name(name).is_some()
     }
@@ -45,7 +45,7 @@ impl<'a> Archive<'a> {
     /// The bytes of a member, at most one more than `most`.
     ///
     /// # Errors
-    /// What was found.
+    /// The finding, in words.
     pub(super) fn member(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
         let shown = self.shown(name);
         let bad = |error: String| format!("member {shown}: {error}");
@@ -58,7 +58,7 @@ impl<'a> Archive<'a> {
     /// A member that must be text in UTF-8.
     ///
     /// # Errors
-    /// What was found.
+    /// The finding, in words.
     pub(super) fn text(&mut self, name: &str) -> Result<String, String> {
         let mut bytes = self.member(name, MOST_XML)?;
         if bytes.starts_with(&[0xef, 0xbb, 0xbf]) {

@@ -27,7 +27,7 @@ impl<'a> Bytes<'a> {
         self.at
     }
 
-    /// What is left.
+    /// The bytes that are left.
     pub(super) fn rest(&self) -> &'a [u8] {
         &self.all[self.at..]
     }

@@ -40,14 +40,14 @@ impl Format for EsriGrid {
     }
 }
 
-/// What the keys say; lengths in the unit of the file.
+/// Values of the keys; lengths in the unit of the file.
 #[derive(Default)]
 struct Keys {
     columns: Option<f64>,
     rows: Option<f64>,
     cell: [Option<f64>; 2],
     corner: [Option<f64>; 2],
-    /// Whether the corner is the middle of a cell, for x and y.
+    /// True if the corner is the middle of a cell, for x and y.
     is_centre: [bool; 2],
     nodata: Option<f64>,
 }

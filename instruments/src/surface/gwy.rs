@@ -35,8 +35,8 @@ impl Format for Gwyddion {
 fn read(bytes: &[u8]) -> Result<Surface, String> {
     let root = Object::read(bytes.get(MAGIC.len()..).unwrap_or_default())?;
     let channels: Vec<u32> = {
-        let number = |(name, _): &(&str, Value)| name.strip_prefix('/')?.strip_suffix("/data")?.parse().ok();
-        let mut numbers: Vec<u32> = root.items.iter().filter_map(number).collect();
+        let number = |name: &&str| name.strip_prefix('/')?.strip_suffix("/data")?.parse().ok();
+        let mut numbers: Vec<u32> = root.items.keys().filter_map(number).collect();
         numbers.sort_unstable();
         numbers
     };

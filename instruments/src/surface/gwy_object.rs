@@ -1,5 +1,7 @@
 //! Objects of Gwyddion files: named values, some of them objects again.
 
+use std::collections::BTreeMap;
+
 use files::input::quoted;
 
 use super::bytes::Bytes;
@@ -9,8 +11,8 @@ const MOST_DEPTH: usize = 16;
 
 /// A named list of named values.
 pub(super) struct Object<'a> {
-    /// Names and values in the order of the file.
-    pub(super) items: Vec<(&'a str, Value<'a>)>,
+    /// Values by their names.
+    pub(super) items: BTreeMap<&'a str, Value<'a>>,
 }
 
 /// A value of an object.
@@ -38,17 +40,17 @@ impl<'a> Object<'a> {
         bytes.until_zero()?;
         let size = bytes.u32()? as usize;
         let mut inside = Bytes::new(bytes.take(size)?);
-        let mut items = Vec::new();
+        let mut items = BTreeMap::new();
         while !inside.rest().is_empty() {
             let name = std::str::from_utf8(inside.until_zero()?).unwrap_or_default();
-            items.push((name, Value::next(&mut inside, depth)?));
+            items.insert(name, Value::next(&mut inside, depth)?);
         }
         Ok(Self { items })
     }
 
     /// The value of a name.
     pub(super) fn get(&self, name: &str) -> Option<&Value<'a>> {
-        self.items.iter().find(|item| item.0 == name).map(|item| &item.1)
+        self.items.get(name)
     }
 
     /// The object of a name.

@@ -36,7 +36,7 @@ impl Format for GwyddionText {
     }
 }
 
-/// What the lines of `#` say.
+/// Contents of the lines of `#`.
 #[derive(Default)]
 struct Keys {
     /// Width and height [m].

@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::plain_grid::{Grid, GridRows};
-use super::{Format, Source, Surface, unit};
+use super::{Format, Source, Surface, spaced, unit};
 use crate::misread::{Misread, Place};
 use crate::text_table::{TextRow, TextTable};
 
@@ -15,7 +15,7 @@ const MOST_KEYS: usize = 60;
 /// Cells of a key line: key, value, unit.
 const KEY_CELLS: usize = 3;
 
-/// What the key lines say.
+/// Contents of the key lines.
 #[derive(Default)]
 struct Keys {
     pitch: Option<f64>,
@@ -40,7 +40,8 @@ impl Format for KeyenceExport {
     }
 
     fn recognises(&self, source: &Source) -> bool {
-        TextTable::parse(source.file, source.bytes.into()).is_ok_and(|table| is_export(&table).unwrap_or(false))
+        let table = TextTable::parse(source.file, source.bytes.into());
+        !spaced::is_spaced(source.bytes) && table.is_ok_and(|table| is_export(&table).unwrap_or(false))
     }
 
     fn read(&self, source: &Source) -> Result<Surface, Misread> {
@@ -57,7 +58,7 @@ impl Format for KeyenceExport {
     }
 }
 
-/// Whether a table begins with key lines as such an export does.
+/// True if a table begins with key lines as such an export does.
 fn is_export(table: &TextTable) -> Result<bool, Misread> {
     let (mut lines, mut key_lines) = (0, 0);
     table.rows(|row| {

@@ -75,16 +75,11 @@ fn read(all: &[u8]) -> Result<Surface, String> {
     }
     bytes.seek(image)?;
     let (nx, ny) = shape::checked(bytes.u32()?.into(), bytes.u32()?.into())?;
-    let (bits, compression) = (bytes.u32()?, bytes.u32()?);
-    let element = match (bits, compression) {
-        (16, 0) => Element::U16,
-        (32, 0) => Element::U32,
-        _ => return Err(format!("heights of {bits} bits with compression {compression}")),
-    };
+    let element = element_of(bytes.u32()?, bytes.u32()?)?;
     let length = nx * ny * element.size();
     let stated = bytes.u32()? as usize;
     if stated != length {
-        return Err(format!("{stated} bytes of heights for {nx} x {ny} pixels of {bits} bits"));
+        return Err(format!("{stated} bytes of heights for {nx} x {ny} pixels of {} bytes", element.size()));
     }
     // The lowest and the highest height of the palette, and the palette.
     bytes.take(8 + PALETTE)?;
@@ -96,4 +91,12 @@ fn read(all: &[u8]) -> Result<Surface, String> {
     )];
     let heights = shape::turned(heights, nx);
     Ok(Surface { format: KeyenceVk.name(), nx, ny, pitch: Some(pitch), origin: None, heights, notes })
+}
+
+fn element_of(bits: u32, compression: u32) -> Result<Element, String> {
+    match (bits, compression) {
+        (16, 0) => Ok(Element::U16),
+        (32, 0) => Ok(Element::U32),
+        _ => Err(format!("heights of {bits} bits with compression {compression}")),
+    }
 }

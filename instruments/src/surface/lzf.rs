@@ -3,7 +3,7 @@
 /// The bytes that were packed, which must be `length` many.
 ///
 /// # Errors
-/// What was found.
+/// The finding, in words.
 pub(super) fn unpacked(packed: &[u8], length: usize) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut rest = packed.iter().copied();

@@ -50,7 +50,7 @@ fn mesh_format(source: &Source) -> Option<MeshFormat> {
     (named("stl") || is_text || has_length_of_stl(source.bytes)).then_some(MeshFormat::Stl)
 }
 
-/// Whether a file is as long as its number of triangles in binary STL says.
+/// True if a file is as long as its number of triangles in binary STL says.
 fn has_length_of_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.first_chunk()).map(|count| u32::from_le_bytes(*count));
     count.is_some_and(|count| count > 0 && bytes.len() as u64 == 84 + 50 * u64::from(count))
@@ -60,7 +60,7 @@ fn has_length_of_stl(bytes: &[u8]) -> bool {
 /// is none.
 fn read(source: &Source, format: MeshFormat) -> Result<Surface, Misread> {
     let place = || Place::file(source.file);
-    let accepted = "an STL, PLY or OBJ surface in mm is expected";
+    let accepted = "an STL or PLY surface in mm is expected, or an OBJ";
     let found = parse_mesh(source.bytes, format, UnitChoice::Millimetre, &source.file.to_string_lossy());
     let found = found.map_err(|error| place().bad::<Misread>(error.to_string(), accepted))?;
     let positions = &found.mesh.positions;

@@ -7,7 +7,10 @@ const NUMBERS: [f64; 5] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0];
 /// Size from which a number is none of a height: Surfer writes 1.70141e38, others 1e38.
 const TOO_LARGE: f64 = 1e37;
 
-/// Whether a word in place of a number says that nothing was measured.
+/// Words that are counted one by one.
+const MOST_WORDS: usize = 8;
+
+/// True if a word in place of a number says that nothing was measured.
 pub(super) fn is_word(word: &[u8]) -> bool {
     let known: [&[u8]; 11] =
         [b"bad", b"nan", b"-nan", b"inf", b"-inf", b"infinity", b"none", b"null", b"n/a", b"na", b"nodata"];
@@ -15,18 +18,35 @@ pub(super) fn is_word(word: &[u8]) -> bool {
     word.is_empty() || marks || known.iter().any(|one| word.eq_ignore_ascii_case(one))
 }
 
+/// Numbers of cells with each word for a missing height.
+#[derive(Default)]
+pub(super) struct Counts(BTreeMap<String, usize>);
+
+impl Counts {
+    /// Counts a cell; of many words, all after the first few are one.
+    pub(super) fn add(&mut self, word: String) {
+        let is_kept = self.0.contains_key(&word) || self.0.len() < MOST_WORDS;
+        *self.0.entry(if is_kept { word } else { "another word".to_owned() }).or_default() += 1;
+    }
+
+    /// A sentence for each word.
+    pub(super) fn notes(&self) -> impl Iterator<Item = String> {
+        self.0.iter().map(|(word, count)| said(*count, word))
+    }
+}
+
 /// Takes the numbers that instruments write where they saw nothing as missing.
 ///
 /// `own` is the code that the file itself states. Returns a sentence for each number that was found.
 pub(super) fn clear(heights: &mut [f64], own: Option<f64>) -> Vec<String> {
-    let mut found = BTreeMap::new();
+    let mut found = Counts::default();
     for height in heights.iter_mut().filter(|height| !height.is_nan()) {
         if Some(*height) == own || NUMBERS.contains(height) || height.abs() >= TOO_LARGE {
-            *found.entry(height.to_bits()).or_insert(0_usize) += 1;
+            found.add(format!("{height:?}"));
             *height = f64::NAN;
         }
     }
-    found.into_iter().map(|(bits, count)| said(count, &format!("{:?}", f64::from_bits(bits)))).collect()
+    found.notes().collect()
 }
 
 /// The sentence that so many cells hold a word for a missing height.

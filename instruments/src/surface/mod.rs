@@ -1,7 +1,7 @@
 //! Height maps as instruments and people write them.
 //!
 //! [`read`] asks the formats of `FORMATS` in turn whether a file is theirs, by its content and, where that has no mark,
-//! its name. A format is a file of this folder with one type behind [`Format`]; adding one is a file and a line here.
+//! its name. A format is a file of this folder with one type behind `Format`; adding one is a file and a line here.
 //!
 //! Maps are right-handed, seen from above: pixel (i, j) of `[ny, nx]` lies at `origin + (i, j) · pitch`.
 
@@ -29,6 +29,7 @@ mod ply_points;
 mod records;
 mod sdf;
 mod shape;
+mod spaced;
 mod sur;
 mod tiff;
 mod tiff_scale;
@@ -83,7 +84,7 @@ trait Format: Sync {
     /// Extensions of its files, in small letters, without the dot.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// Whether a file is of this format.
+    /// True if a file is of this format.
     fn recognises(&self, source: &Source) -> bool;
 
     /// Reads a file of this format.
@@ -127,7 +128,7 @@ pub struct Surface {
     pub origin: Option<DVec2>,
     /// Heights [m], NaN where missing, shape `[ny, nx]`.
     pub heights: Vec<f64>,
-    /// What was understood, in sentences.
+    /// Sentences on what was understood.
     pub notes: Vec<String>,
 }
 

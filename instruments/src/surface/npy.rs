@@ -114,7 +114,7 @@ impl Array {
         Ok(Self { shape, values, is_fortran: value("fortran_order")?.starts_with("True") })
     }
 
-    /// Whether this is a list of places rather than a map.
+    /// True if this is a list of places rather than a map.
     fn is_points(&self) -> bool {
         matches!(self.shape[..], [count, 3] if count > 3)
     }
@@ -150,7 +150,7 @@ impl Array {
     }
 }
 
-/// What stands behind a key of a header.
+/// The text behind a key of a header.
 fn after<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let at = header.find(&format!("'{key}'"))? + key.len() + 2;
     Some(header[at..].trim_start().strip_prefix(':')?.trim_start())

@@ -1,7 +1,5 @@
 //! Numbers in text, and the words that stand in their place.
 
-use std::collections::BTreeMap;
-
 use files::input::quoted;
 
 use super::missing;
@@ -34,12 +32,12 @@ impl<'a> Words<'a> {
         rest[..end].trim_ascii()
     }
 
-    /// Whether the last word is ended, as it is not where writing was cut short.
+    /// True if the last word is ended, as it is not where writing was cut short.
     pub(super) fn ends_with_a_line(&self) -> bool {
         self.text.last().is_some_and(u8::is_ascii_whitespace)
     }
 
-    /// Whether nothing but blanks is left.
+    /// True if nothing but blanks is left.
     pub(super) fn is_done(&self) -> bool {
         self.text[self.at..].iter().all(u8::is_ascii_whitespace)
     }
@@ -62,9 +60,9 @@ impl<'a> Iterator for Words<'a> {
 /// Makes numbers of words and counts those that say that nothing was measured.
 #[derive(Default)]
 pub(super) struct Numbers {
-    /// Whether decimals are written with commas.
+    /// True if decimals are written with commas.
     pub(super) decimal_comma: bool,
-    missing: BTreeMap<String, usize>,
+    missing: missing::Counts,
 }
 
 impl Numbers {
@@ -86,7 +84,7 @@ impl Numbers {
             None if !missing::is_word(word) => None,
             _ => {
                 let name = if word.is_empty() { "nothing".to_owned() } else { quoted(&String::from_utf8_lossy(word)) };
-                *self.missing.entry(name).or_default() += 1;
+                self.missing.add(name);
                 Some(f64::NAN)
             }
         }
@@ -94,11 +92,11 @@ impl Numbers {
 
     /// A sentence for each word in place of a number.
     pub(super) fn notes(&self) -> impl Iterator<Item = String> {
-        self.missing.iter().map(|(word, count)| missing::said(*count, word))
+        self.missing.notes()
     }
 }
 
-/// Whether commas stand between digits of words that are separated otherwise, as in "1,5 2,5".
+/// True if commas stand between digits of words that are separated otherwise, as in "1,5 2,5".
 pub(super) fn has_decimal_commas(text: &[u8]) -> bool {
     let between_digits = |w: &[u8]| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit();
     text.windows(3).any(between_digits) && !text.contains(&b'.')

@@ -43,7 +43,7 @@ impl Format for PointCloudData {
     }
 }
 
-/// What the header says.
+/// Contents of the header.
 #[derive(Default)]
 struct Header {
     fields: Vec<String>,

@@ -1,6 +1,6 @@
 //! Height maps and masks as plain grids: one row per y, one cell per x, an empty cell where nothing was seen.
 
-use super::{Format, Source, Surface, missing};
+use super::{Format, Source, Surface, missing, spaced};
 use crate::misread::{Misread, Place};
 use crate::text_table::{TextRow, TextTable};
 
@@ -21,7 +21,7 @@ impl Format for PlainGrid {
     }
 
     fn read(&self, source: &Source) -> Result<Surface, Misread> {
-        let mut grid = Grid::read(&TextTable::parse(source.file, source.bytes.into())?)?;
+        let mut grid = Grid::read(&spaced::table(source)?)?;
         grid.notes.extend(missing::clear(&mut grid.values, None));
         let heights = grid.values.iter().map(|height| height * 1e-3).collect();
         let Grid { nx, ny, notes, .. } = grid;
@@ -37,7 +37,7 @@ pub struct Grid {
     pub ny: usize,
     /// Shape `[ny, nx]`.
     pub values: Vec<f64>,
-    /// What was odd, in sentences.
+    /// Sentences on what was odd.
     pub notes: Vec<String>,
 }
 

@@ -40,14 +40,14 @@ impl Format for PlyPoints {
     }
 }
 
-/// How numbers are written.
+/// Coding of the numbers.
 #[derive(Clone, Copy, PartialEq)]
 enum Coding {
     Text,
     Binary(Order),
 }
 
-/// What the header says.
+/// Contents of the header.
 struct Header {
     coding: Coding,
     vertices: usize,

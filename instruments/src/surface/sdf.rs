@@ -45,7 +45,7 @@ impl Format for SurfaceData {
     }
 }
 
-/// Whether a file is text, and whether its counts have 32 bits; `None` for another format.
+/// True for a text, and true for counts of 32 bits; `None` for another format.
 fn mark(bytes: &[u8]) -> Option<(bool, bool)> {
     let text = match bytes.first()? {
         b'a' => true,
@@ -59,7 +59,7 @@ fn mark(bytes: &[u8]) -> Option<(bool, bool)> {
     }
 }
 
-/// What a header says.
+/// Contents of a header.
 struct Header {
     nx: usize,
     ny: usize,

@@ -5,7 +5,7 @@ use super::MOST_PIXELS;
 /// A shape that a file states.
 ///
 /// # Errors
-/// What was found, where a side is zero or there are too many pixels.
+/// The finding in words, where a side is zero or there are too many pixels.
 pub(super) fn checked(nx: u64, ny: u64) -> Result<(usize, usize), String> {
     let count = nx.checked_mul(ny).filter(|count| (1..=MOST_PIXELS as u64).contains(count));
     match count {
@@ -17,7 +17,7 @@ pub(super) fn checked(nx: u64, ny: u64) -> Result<(usize, usize), String> {
 /// A pitch that a file states [m].
 ///
 /// # Errors
-/// What was found, where it is not positive and finite.
+/// The finding in words, where it is not positive and finite.
 pub(super) fn pitch(x: f64, y: f64) -> Result<glam::DVec2, String> {
     let pitch = glam::DVec2::new(x, y);
     if pitch.is_finite() && pitch.cmpgt(glam::DVec2::ZERO).all() {

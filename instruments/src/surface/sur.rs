@@ -22,6 +22,8 @@ const WORD: usize = 16;
 const MISSING_BELOW: i32 = 2;
 /// Largest height that is written [steps].
 const MOST_STEPS: f64 = (1_u32 << 30) as f64;
+/// Packed streams of a file; the format's present version has one.
+const MOST_STREAMS: usize = 1024;
 const ACCEPTED: &str = "a Digital Surf surface (.sur) with heights of 16 or 32 bits is expected";
 
 /// Digital Surf surfaces.
@@ -45,7 +47,7 @@ impl Format for DigitalSurf {
     }
 }
 
-/// What the header says.
+/// Contents of the header.
 struct Header {
     is_packed: bool,
     objects: i16,
@@ -147,6 +149,9 @@ fn mark_missing(heights: &mut [f64], code: Option<f64>) -> Option<String> {
 /// The heights of a packed file: a list of streams with their lengths, then the streams.
 fn unpack(bytes: &mut Bytes, length: usize) -> Result<Vec<u8>, String> {
     let streams = bytes.u32()? as usize;
+    if streams > MOST_STREAMS {
+        return Err(format!("{streams} packed streams"));
+    }
     let mut list = Bytes::new(bytes.take(streams.checked_mul(8).ok_or("a list without end")?)?);
     let mut data = Vec::new();
     for stream in 1..=streams {

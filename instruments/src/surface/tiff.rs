@@ -40,11 +40,9 @@ impl Format for Tiff {
 
 fn read(bytes: &[u8]) -> Result<Surface, String> {
     let said = |error: tiff::TiffError| error.to_string();
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = bytes.len().saturating_mul(MOST_PACKED).min(super::MOST_PIXELS * 8);
-    limits.intermediate_buffer_size = limits.decoding_buffer_size;
-    limits.ifd_value_size = MOST_TAG.min(bytes.len());
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(said)?.with_limits(limits);
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(said)?;
+    let is_plain = decoder.find_tag_unsigned::<u16>(Tag::Compression).map_err(said)?.unwrap_or(1) == 1;
+    let mut decoder = decoder.with_limits(limits(bytes.len(), is_plain));
     let (width, height) = decoder.dimensions().map_err(said)?;
     let (nx, ny) = shape::checked(width.into(), height.into())?;
     let statement = Statement::of(&mut decoder)?;
@@ -68,6 +66,16 @@ fn read(bytes: &[u8]) -> Result<Surface, String> {
         other => return Err(format!("an image with orientation {other}")),
     }
     Ok(Surface { format: Tiff.name(), nx, ny, pitch: statement.pitch, origin: None, heights, notes })
+}
+
+/// Bytes that an image in a file of that length may come to.
+fn limits(length: usize, is_plain: bool) -> Limits {
+    let mut limits = Limits::default();
+    let most = if is_plain { length } else { length.saturating_mul(MOST_PACKED) };
+    limits.decoding_buffer_size = most.min(super::MOST_PIXELS * 8);
+    limits.intermediate_buffer_size = limits.decoding_buffer_size;
+    limits.ifd_value_size = MOST_TAG.min(length);
+    limits
 }
 
 /// The numbers of an image.

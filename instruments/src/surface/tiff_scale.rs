@@ -1,4 +1,4 @@
-//! What a TIFF image states of its scales.
+//! The scales that a TIFF image states.
 //!
 //! A description holds pairs of a key and a value, as lines `key=value` (ImageJ) or as JSON (tifffile).
 
@@ -33,10 +33,10 @@ pub(super) struct Statement {
 }
 
 impl Statement {
-    /// What the tags of an image state.
+    /// The scales in the tags of an image.
     ///
     /// # Errors
-    /// What was found, where heights have no unit.
+    /// The finding in words, where heights have no unit.
     pub(super) fn of<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, String> {
         let description = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
         let pairs = pairs(&description);

@@ -16,6 +16,9 @@ const MAIN: &str = "main.xml";
 /// Names of members that errors may repeat.
 const MEMBERS: &[&str] = &[MAIN, "bindata/data.bin", "bindata/valid.bin"];
 
+/// Entry of a matrix that is no rotation worth a word.
+const ROTATION: f64 = 1e-9;
+
 const ACCEPTED: &str = "an X3P file (ISO 25178-72) with one matrix of heights is expected";
 
 /// X3P files.
@@ -39,7 +42,7 @@ impl Format for X3p {
     }
 }
 
-/// What `main.xml` says of the matrix.
+/// The matrix as `main.xml` describes it.
 struct Description {
     nx: usize,
     ny: usize,
@@ -47,6 +50,8 @@ struct Description {
     /// Metres in a step of z, and height of step zero [m].
     scale: (f64, f64),
     kind: Element,
+    /// True if axes are rotated.
+    is_rotated: bool,
     /// Member with the heights, and one with a bit for each valid pixel.
     members: (String, Option<String>),
 }
@@ -100,9 +105,10 @@ impl Description {
             other => return Err(format!("{MAIN}: heights of type {}", quoted(other.unwrap_or_default()))),
         };
         let scale = (optional(&axis("CZ", "Increment"), 1.0)?, optional(&axis("CZ", "Offset"), 0.0)?);
+        let is_rotated = is_rotated(root);
         let link = |key: &'static str| text(&["Record3", "DataLink", key]);
         let heights = link("PointDataLink").ok_or("heights are not in a binary member")?;
-        Ok(Self { nx, ny, pitch, scale, kind, members: (heights, link("ValidPointsLink")) })
+        Ok(Self { nx, ny, pitch, scale, kind, is_rotated, members: (heights, link("ValidPointsLink")) })
     }
 
     fn decoded(&self, bytes: &[u8], valid: Option<&[u8]>) -> Surface {
@@ -114,16 +120,26 @@ impl Description {
             *height = if is_valid(at) && scaled.is_finite() { scaled } else { f64::NAN };
         }
         let note = format!("X3P file: {} x {} pixels, pitch {} µm", self.nx, self.ny, self.pitch.x * 1e6);
-        Surface {
-            format: X3p.name(),
-            nx: self.nx,
-            ny: self.ny,
-            pitch: Some(self.pitch),
-            origin: None,
-            heights,
-            notes: vec![note],
+        let mut notes = vec![note];
+        if self.is_rotated {
+            notes.push("the file states a rotation of its axes, which is left out".to_owned());
         }
+        Surface { format: X3p.name(), nx: self.nx, ny: self.ny, pitch: Some(self.pitch), origin: None, heights, notes }
     }
+}
+
+/// True if the axes have a matrix of rotation other than the unit matrix.
+fn is_rotated(root: Node) -> bool {
+    let entry = |row: usize, column: usize| {
+        let path = ["Record1", "Axes", "Rotation", &format!("r{row}{column}")];
+        text_at(root, &path).and_then(|text| text.parse::<f64>().ok())
+    };
+    let is_other = |at: usize| {
+        let (row, column) = (at / 3, at % 3);
+        let expected = if row == column { 1.0 } else { 0.0 };
+        entry(row + 1, column + 1).is_some_and(|found| (found - expected).abs() > ROTATION)
+    };
+    (0..9).any(is_other)
 }
 
 /// Text of the element at a path of local names below `root`.

@@ -10,7 +10,7 @@ const SAMPLE: usize = 50;
 /// Fewest points of a list.
 const FEWEST: usize = 4;
 
-/// What separates the cells of a line.
+/// The separator of the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Separator {
     Byte(u8),
@@ -18,11 +18,11 @@ enum Separator {
     Blanks,
 }
 
-/// How a list is written.
+/// Columns, separator and units of a list.
 #[derive(Debug)]
 pub(super) struct Layout {
     separator: Separator,
-    /// Whether decimals are written with commas.
+    /// True if decimals are written with commas.
     pub(super) decimal_comma: bool,
     /// Columns of x, y and z, from 0.
     pub(super) columns: [usize; 3],
@@ -40,19 +40,7 @@ impl Layout {
     pub(super) fn of(source: &Source) -> Option<Self> {
         let text = source.bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(source.bytes);
         let mark = source.bytes.len() - text.len();
-        let (mut start, mut header) = (0, Vec::<String>::new());
-        for line in text.split(|&c| c == b'\n').take(MOST_HEADER) {
-            let row = line.trim_ascii();
-            if !(row.is_empty() || Self::is_comment(row)) {
-                let separator = Separator::of(row);
-                let is_named = header.last().is_some_and(|line| columns_of(line).is_some());
-                if separator.is_point(row) && (is_named || !is_count(row)) {
-                    break;
-                }
-            }
-            header.push(String::from_utf8_lossy(row).into_owned());
-            start += line.len() + 1;
-        }
+        let (header, start) = header_of(text);
         let sample = || {
             let lines = text.get(start..).unwrap_or_default().split(|&c| c == b'\n').map(<[u8]>::trim_ascii);
             lines.filter(|row| !row.is_empty() && !Self::is_comment(row)).take(SAMPLE)
@@ -68,13 +56,18 @@ impl Layout {
         if !is_list || columns.iter().any(|&column| column >= width) || text[..start.min(text.len())].contains(&0) {
             return None;
         }
+        // Most have a place, or this is a grid of three columns with empty cells.
+        let is_placed = |row: &[u8]| columns[..2].iter().all(|&column| separator.is_finite(row, column));
+        if 2 * sample().filter(|row| is_placed(row)).count() < sample().count() {
+            return None;
+        }
         let decimal_comma =
             separator.has_decimal_commas(first) || sample().any(|row| separator.has_decimal_commas(row));
         let lines_before = header.len() as u64;
         Some(Self { separator, decimal_comma, columns, units: units_of(&header), start: start + mark, lines_before })
     }
 
-    /// Whether a line is a comment.
+    /// True if a line is a comment.
     pub(super) fn is_comment(row: &[u8]) -> bool {
         row.starts_with(b"#") || row.starts_with(b"//") || row.starts_with(b"%") || row.starts_with(b"!")
     }
@@ -83,6 +76,23 @@ impl Layout {
     pub(super) fn cells<'a>(&self, row: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         self.separator.cells(row)
     }
+}
+
+/// The lines above the first point, and the byte at which that begins.
+fn header_of(text: &[u8]) -> (Vec<String>, usize) {
+    let (mut start, mut header) = (0, Vec::<String>::new());
+    for line in text.split(|&c| c == b'\n').take(MOST_HEADER) {
+        let row = line.trim_ascii();
+        if !(row.is_empty() || Layout::is_comment(row)) {
+            let is_named = header.last().is_some_and(|line| columns_of(line).is_some());
+            if Separator::of(row).is_point(row) && (is_named || !is_count(row)) {
+                break;
+            }
+        }
+        header.push(String::from_utf8_lossy(row).into_owned());
+        start += line.len() + 1;
+    }
+    (header, start)
 }
 
 impl Separator {
@@ -110,13 +120,17 @@ impl Separator {
         row.split(is_between).filter(is_kept).map(unquoted)
     }
 
-    /// Whether a line begins with x and y, whatever is behind.
+    /// True if a line begins with three numbers, or words for missing ones.
     fn is_point(self, row: &[u8]) -> bool {
         let mut numbers = Numbers::new(self.has_decimal_commas(row));
         let mut cells = self.cells(row);
-        let mut is_number = || cells.next().is_some_and(|cell| numbers.number(cell).is_some());
-        let two = is_number() && is_number();
-        two && is_number()
+        (0..3).all(|_| cells.next().is_some_and(|cell| numbers.number(cell).is_some()))
+    }
+
+    /// True if a cell of a line is a number.
+    fn is_finite(self, row: &[u8], column: usize) -> bool {
+        let mut numbers = Numbers::new(self.has_decimal_commas(row));
+        self.cells(row).nth(column).and_then(|cell| numbers.number(cell)).is_some_and(f64::is_finite)
     }
 
     fn has_decimal_commas(self, row: &[u8]) -> bool {
@@ -130,7 +144,7 @@ fn unquoted(cell: &[u8]) -> &[u8] {
     cell.strip_prefix(b"\"").and_then(|cell| cell.strip_suffix(b"\"")).unwrap_or(cell)
 }
 
-/// Whether a line holds the number of points.
+/// True if a line holds the number of points.
 fn is_count(row: &[u8]) -> bool {
     row.iter().all(u8::is_ascii_digit)
 }

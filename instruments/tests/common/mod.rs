@@ -30,7 +30,7 @@ pub fn height(i: usize, j: usize) -> f64 {
     1e-6 * (0.3 * i + 0.5 * j + 2.0 * (0.7 * i).sin() + (0.9 * j).cos() + 0.02 * i * j)
 }
 
-/// Whether nothing was measured at a pixel.
+/// True if nothing was measured at a pixel.
 pub fn is_hole(i: usize, j: usize) -> bool {
     (7 * i + 11 * j).is_multiple_of(37)
 }
