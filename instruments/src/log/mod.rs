@@ -17,8 +17,10 @@
 
 mod bag;
 mod delimited;
+mod diadem;
 mod foreign;
 pub mod guess;
+mod rsi;
 mod text;
 mod unit;
 
@@ -36,7 +38,7 @@ const MOST_VALUES: usize = 1 << 27;
 const MOST_CHANNELS: usize = 4096;
 
 /// The formats in the order in which they are asked; delimited text, which any text may be, comes last.
-const FORMATS: [&dyn Format; 3] = [&bag::Mcap, &bag::Db3, &delimited::Delimited];
+const FORMATS: [&dyn Format; 5] = [&bag::Mcap, &bag::Db3, &diadem::Diadem, &rsi::Rsi, &delimited::Delimited];
 
 /// A file format of logs.
 trait Format: Sync {
@@ -99,7 +101,7 @@ impl Channels {
     }
 }
 
-/// Reads a log.
+/// Reads a log. Of a DIAdem header it reads the files of values beside it, too.
 ///
 /// # Errors
 /// [`Misread`] with the place in the file: no format that is read, or content that is not what the format says.

@@ -6,6 +6,7 @@ use super::Role;
 const COMMANDED: &[&str] = &[
     "target",
     "soll",
+    "sol",
     "desired",
     "des",
     "cmd",
@@ -117,6 +118,10 @@ const NOT_POSITION: &[&str] = &[
     "fz",
     "momentum",
     "gyro",
+    "ai",
+    "as",
+    "ei",
+    "es",
 ];
 const FORCE: &[&str] = &[
     "force",
