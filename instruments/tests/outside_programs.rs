@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use instruments::program::{Program, ReadOptions, read, rotation};
 
 /// Segments that are looked at for the next point.
-const AHEAD: usize = 60;
+const AHEAD: usize = 4;
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(name)

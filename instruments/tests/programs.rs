@@ -84,6 +84,8 @@ fn arcs_have_the_lengths_of_their_circles() {
         ("G2 X10 Y10 R-10", 15.0 * PI),
         ("G3 X10 Y10 R10", 5.0 * PI),
         ("G90.1 G2 X10 Y0 I5 J0", 5.0 * PI),
+        ("G18 G3 X10 Z10 R10", 5.0 * PI),
+        ("G19 G2 Y10 Z10 R-10", 15.0 * PI),
     ];
     for (arc, wanted) in cases {
         let program = of(&format!("G21\nG0 X0 Y0 Z0\n{arc} F60\n"));

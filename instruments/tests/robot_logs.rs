@@ -107,7 +107,7 @@ fn a_record_of_rtde_is_read() {
     text.push_str(" runtime_state\r\n");
     for k in 0..50 {
         let t = 0.002 * f64::from(k);
-        let pose = [0.4 + 0.01 * t, -0.1, 0.2, 0.0, 3.14159, 0.0];
+        let pose = [0.4 + 0.01 * t, -0.1, 0.2, 0.0, 3.1, 0.0];
         let numbers = pose.into_iter().chain([0.1, 0.2, -10.0 * t, 0.0, 0.0, 0.0]).chain([0.5; 6]);
         let cells: Vec<String> = [1234.5 + t].into_iter().chain(numbers).map(|v| v.to_string()).collect();
         text.push_str(&format!("{} 2\r\n", cells.join(" ")));

@@ -1,5 +1,5 @@
 %
-(arcs in every plane, by centre and by radius, and a helix)
+(arcs in every plane, by centre and by radius, and two helices)
 G21 G90 G17
 G0 X0 Y0 Z0
 G2 X10 Y0 I5 J0 F300
@@ -10,11 +10,11 @@ G1 X30 Y20
 G3 X20 Y20 Z5 I-5 J0
 G18
 G2 X30 Z5 I5 K0
-G3 X20 Z15 R10
-G2 X20 Z5 Y24 I0 K-5
+G3 X30 Z25 I0 K10
+G2 X30 Z15 Y24 I0 K-5
 G19
-G2 Y34 Z5 J5 K0
-G3 Y24 Z15 R10
+G2 Y34 Z15 J5 K0
+G3 Y34 Z25 J0 K5
 G91 G17
 G2 X6 Y8 I3 J4
 M2
