@@ -87,7 +87,9 @@ impl Channels {
     /// Adds a channel. A name that is there already gets a number.
     fn push(&mut self, name: &str, unit: Option<String>, values: Vec<f64>) {
         let mut own = name.to_owned();
-        let mut copy = 1;
+        let is_there = self.names.contains(&own);
+        // A first try above all copies so far: there may be thousands.
+        let mut copy = if is_there { self.names.iter().filter(|other| other.starts_with(name)).count() } else { 1 };
         while self.names.contains(&own) {
             copy += 1;
             own = format!("{name} ({copy})");

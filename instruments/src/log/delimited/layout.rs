@@ -9,6 +9,8 @@ use crate::misread::{Misread, Place};
 
 /// Lines looked at.
 const SNIFFED: usize = 2000;
+/// Bytes of them.
+const SNIFFED_BYTES: usize = 1 << 22;
 /// Rows looked at to tell what a column holds.
 const SAMPLED_ROWS: usize = 200;
 
@@ -50,7 +52,13 @@ pub(super) fn is_comment(line: &str, separator: Separator) -> bool {
 /// Looks at the first lines of a text.
 pub(super) fn sniff<'a>(file: &Path, text: &'a str) -> Result<Layout<'a>, Misread> {
     let all = lines(text).map(|(number, text)| Line { number, text });
-    let sample: Vec<Line> = all.filter(|line| !line.text.trim().is_empty()).take(SNIFFED).collect();
+    let mut bytes = 0;
+    let fits = |line: &Line| {
+        let is_first = bytes == 0;
+        bytes += line.text.len();
+        is_first || bytes <= SNIFFED_BYTES
+    };
+    let sample: Vec<Line> = all.filter(|line| !line.text.trim().is_empty()).take(SNIFFED).take_while(fits).collect();
     let fits = Separator::ALL.into_iter().map(|separator| fit(separator, &sample));
     let best = fits.reduce(|best, next| if next.score > best.score { next } else { best });
     let nothing = || {
