@@ -45,7 +45,7 @@ trait Format: Sync {
     /// Name for people.
     fn name(&self) -> &'static str;
 
-    /// Whether a file is of this format.
+    /// True if a file is of this format.
     fn recognises(&self, bytes: &[u8]) -> bool;
 
     /// Reads a file of this format.
@@ -68,7 +68,7 @@ pub struct Channels {
     pub lines: Vec<u64>,
     /// Names of columns that hold text and are left out.
     pub text: Vec<String>,
-    /// What was understood, in sentences, where it is not the plain case.
+    /// Sentences on the reading, where it is not the plain case.
     pub notes: Vec<String>,
 }
 

@@ -120,14 +120,14 @@ impl Format for Krl {
     }
 }
 
-/// What is known as the lines come.
+/// State as the lines come.
 struct Robot<'a> {
     reading: Reading<'a>,
     /// By names in upper case; `None` where a name stands for joint angles.
     poses: BTreeMap<String, Option<Pose>>,
     last: Pose,
     feed: Option<f64>,
-    /// What `$BASE` and `$TOOL` were last set to.
+    /// The last settings of `$BASE` and `$TOOL`.
     frames: BTreeMap<String, String>,
 }
 

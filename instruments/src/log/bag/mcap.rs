@@ -50,7 +50,7 @@ impl Format for Mcap {
     }
 }
 
-/// What is known of a file as its records come.
+/// State of a file as its records come.
 struct Reading<'a> {
     bag: Bag<'a>,
     /// Names of types.

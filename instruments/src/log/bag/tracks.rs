@@ -1,4 +1,4 @@
-//! What was recorded of each topic, and all of it on the times of one.
+//! Recordings of each topic, and all of them on the times of one.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -30,7 +30,7 @@ struct Track {
     times: Vec<i64>,
     /// One list for each name, each as long as `times`.
     values: Vec<Vec<f64>>,
-    /// Whether the times are stamps, and how far the first is from the bag's clock [ns].
+    /// Distance of the first stamp from the bag's clock [ns], where the messages have stamps.
     stamped: Option<i64>,
 }
 

@@ -8,7 +8,7 @@ use super::stamp::{self, DAY, SECOND, Stamp};
 use crate::log::{Channels, unit};
 use crate::misread::{Misread, Place};
 
-/// What the cells of a column hold.
+/// Kind of a column's cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Number,
@@ -24,7 +24,7 @@ enum Kind {
 #[derive(Debug)]
 pub(super) struct Column {
     name: String,
-    /// Whether the header has an empty cell for it.
+    /// True where the header has an empty cell for it.
     is_nameless: bool,
     unit: Option<String>,
     kind: Kind,
@@ -40,7 +40,7 @@ pub(super) struct Column {
     marks: [Option<usize>; 2],
 }
 
-/// What was found in a cell, and what would do.
+/// The content of a cell, and what would do instead.
 type Refusal = (String, &'static str);
 
 impl Column {

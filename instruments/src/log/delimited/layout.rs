@@ -1,4 +1,4 @@
-//! How a text is laid out: what separates its cells, where its header and its first row stand.
+//! Layout of a text: the separator of its cells, the places of its header and its first row.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::misread::{Misread, Place};
 const SNIFFED: usize = 2000;
 /// Bytes of them.
 const SNIFFED_BYTES: usize = 1 << 22;
-/// Rows looked at to tell what a column holds.
+/// Rows looked at for the kinds of the columns.
 const SAMPLED_ROWS: usize = 200;
 
 /// A line that is not empty.
@@ -22,7 +22,7 @@ pub(super) struct Line<'a> {
     pub(super) text: &'a str,
 }
 
-/// How a text is laid out.
+/// Layout of a text.
 pub(super) struct Layout<'a> {
     pub(super) separator: Separator,
     /// Cells in a row.
@@ -35,14 +35,14 @@ pub(super) struct Layout<'a> {
     pub(super) header: header::Header,
 }
 
-/// How well the cells between separators are numbers.
+/// Share of numbers among the cells between separators.
 struct Fit {
     separator: Separator,
     count: usize,
     score: f64,
 }
 
-/// Whether a line is a comment; one of `;` is where cells are not separated so.
+/// True for a comment; a line of `;` is one where cells are not separated so.
 pub(super) fn is_comment(line: &str, separator: Separator) -> bool {
     let line = line.trim_start();
     let is_semicolon = separator != Separator::Semicolon && line.starts_with(';');

@@ -15,7 +15,7 @@ use crate::log::text::lines;
 use crate::log::unit;
 use crate::misread::{Misread, Place};
 
-/// What a data set says of itself.
+/// Content of a header.
 #[derive(Default)]
 pub(super) struct Header {
     pub(super) is_big: bool,

@@ -41,7 +41,7 @@ pub enum Role {
     Temperature,
 }
 
-/// How far a guess is to be trusted.
+/// Trust in a guess.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Confidence {
     /// Another candidate or another unit is nearly as good.
@@ -63,11 +63,11 @@ pub struct Candidate {
     pub unit: String,
     /// −1 where the values are to be turned round, as of a sensor that reads negative where it is pressed.
     pub sign: i8,
-    /// How far it is to be trusted.
+    /// Trust in it.
     pub confidence: Confidence,
     /// Why, in one sentence without a full stop.
     pub reason: String,
-    /// How well the name fits, from 0 to 12.
+    /// Fit of the name, from 0 to 12.
     score: f64,
 }
 
@@ -108,7 +108,7 @@ impl Role {
         }
     }
 
-    /// Whether every log of a pass has it.
+    /// True if every log of a pass has it.
     pub fn is_required(self) -> bool {
         matches!(self, Self::Time | Self::X | Self::Y | Self::Z | Self::Force | Self::Spindle)
     }

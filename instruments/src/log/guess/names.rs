@@ -1,4 +1,4 @@
-//! How well a name fits a quantity, in the conventions of robots, sensors and languages.
+//! Fit of a name to a quantity, in the conventions of robots, sensors and languages.
 
 use super::Role;
 
@@ -222,7 +222,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// How well a name without its unit fits a role, from 0 to 10; `None` where it does not.
+/// Fit of a name without its unit to a role, from 0 to 10; `None` where it does not fit.
 pub(super) fn score(role: Role, name: &str) -> Option<f64> {
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
