@@ -1,8 +1,8 @@
-//! Paths and rotations compared with outside programs: pygcode 0.2.1 and SciPy 1.17.1.
+//! Paths and rotations compared with outside programs: pygcode 0.2.1, SciPy 1.17.1 and robodk 6.0.2.
 
 use std::path::{Path, PathBuf};
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use instruments::program::{Program, ReadOptions, read, rotation};
 
 /// Segments that are looked at for the next point.
@@ -55,4 +55,35 @@ fn rotations_are_those_of_scipy() {
     let off = |one: DQuat, other: DQuat| (one - other).length().min((one + other).length());
     assert!(off(rotation::from_kuka([0.3, -0.7, 1.9]), kuka) < 2e-8);
     assert!(off(rotation::from_vector(DVec3::new(0.1, -2.0, 1.0)), vector) < 2e-8);
+}
+
+/// The rotation of the only point of a program.
+fn turned(text: &str) -> DMat3 {
+    let program = read(Path::new("path"), text.as_bytes(), &ReadOptions::default()).expect(text);
+    DMat3::from_quat(program.points[0].rotation.expect("a rotation"))
+}
+
+#[test]
+fn poses_are_those_of_robodk() {
+    // KUKA_2_Pose, UR_2_Pose and quaternion_2_pose of `robodk.robomath`, row by row.
+    let kuka = [
+        [0.730712863, -0.486357763, 0.479077069],
+        [0.226193416, -0.489634584, -0.842077498],
+        [0.64412363, 0.723680938, -0.247771365],
+    ];
+    let vector = [
+        [-0.615798083, -0.415508287, -0.669436766],
+        [0.286244441, 0.673608787, -0.68140687],
+        [0.73406869, -0.611231597, -0.295870063],
+    ];
+    let quaternion = [[-0.48, -0.64, -0.6], [0.36, 0.48, -0.8], [0.8, -0.6, 0.0]];
+    let target = "[[1,2,3],[0.5,0.1,-0.7,0.5],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
+    for (text, rows) in [
+        ("LIN {X 1,Y 2,Z 3,A 17.2,B -40.1,C 108.9}".to_owned(), kuka),
+        ("movel(p[0.1,0.2,0.3,0.1,-2,1], v=0.1)".to_owned(), vector),
+        (format!("MoveL {target},v10,fine,tool0;"), quaternion),
+    ] {
+        let wanted = DMat3::from_cols_array_2d(&rows).transpose();
+        assert!(turned(&text).abs_diff_eq(wanted, 2e-9), "{text}: {} is not {wanted}", turned(&text));
+    }
 }
