@@ -84,6 +84,8 @@ fn arcs_have_the_lengths_of_their_circles() {
         ("G2 X10 Y10 R-10", 15.0 * PI),
         ("G3 X10 Y10 R10", 5.0 * PI),
         ("G90.1 G2 X10 Y0 I5 J0", 5.0 * PI),
+        ("G18 G3 X10 Z10 R10", 5.0 * PI),
+        ("G19 G2 Y10 Z10 R-10", 15.0 * PI),
     ];
     for (arc, wanted) in cases {
         let program = of(&format!("G21\nG0 X0 Y0 Z0\n{arc} F60\n"));
@@ -143,10 +145,31 @@ fn krl_names_may_be_declared_beside_it() {
 }
 
 #[test]
+fn forms_of_the_teach_pendant_are_read() {
+    let text = "DEF weld( )\nDECL FDAT FP1={TOOL_NO 1,BASE_NO 2,IPO_FRAME #BASE}\nDECL E6POS XP1={X 1,Y 2,Z 3,A 0,B 0,C 0}\n\
+                ;FOLD LIN P1 Vel=0.05 m/s CPDAT1 Tool[1] Base[2]\n$BWDSTART=FALSE\nLDAT_ACT=LCPDAT1\nFDAT_ACT=FP1\n\
+                BAS(#CP_PARAMS,0.05)\nLIN XP1 C_DIS C_DIS\n;ENDFOLD\n\
+                SLIN XP1 WITH $VEL=SVEL_CP(0.2, , LCPDAT1), $TOOL=STOOL2(FP1) C_SPL\nSPTP XP1\nEND\n";
+    let program = of(text);
+    let feeds: Vec<Option<f64>> = program.points.iter().map(|point| point.feed).collect();
+    assert_eq!(feeds, [Some(0.05), Some(0.2), None]);
+    let notes = program.notes.join("; ");
+    assert!(notes.contains("`TOOL_NO 1 BASE_NO 2`") && notes.contains("after WITH"), "{notes}");
+}
+
+#[test]
 fn krl_does_not_execute() {
     let pose = "{X 1,Y 2,Z 3,A 0,B 0,C 0}";
-    for line in ["FOR I=1 TO 3", "XP1.X=5", "LIN XP1:XP1", "other()", "LIN_REL {X 1}", "CIRC XP1,XP1", "IF $IN[1] THEN"]
-    {
+    for line in [
+        "FOR I=1 TO 3",
+        "XP1.X=5",
+        "$BASE.X=5",
+        "LIN XP1:XP1",
+        "other()",
+        "LIN_REL {X 1}",
+        "CIRC XP1,XP1",
+        "IF $IN[1] THEN",
+    ] {
         let text = format!("DEF a( )\nDECL E6POS XP1={pose}\nLIN XP1\n{line}\nEND\n");
         assert!(refusal(&text).contains("path, line 4: "), "{}", refusal(&text));
     }

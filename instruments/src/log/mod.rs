@@ -17,8 +17,10 @@
 
 mod bag;
 mod delimited;
+mod diadem;
 mod foreign;
 pub mod guess;
+mod rsi;
 mod text;
 mod unit;
 
@@ -36,14 +38,14 @@ const MOST_VALUES: usize = 1 << 27;
 const MOST_CHANNELS: usize = 4096;
 
 /// The formats in the order in which they are asked; delimited text, which any text may be, comes last.
-const FORMATS: [&dyn Format; 3] = [&bag::Mcap, &bag::Db3, &delimited::Delimited];
+const FORMATS: [&dyn Format; 5] = [&bag::Mcap, &bag::Db3, &diadem::Diadem, &rsi::Rsi, &delimited::Delimited];
 
 /// A file format of logs.
 trait Format: Sync {
     /// Name for people.
     fn name(&self) -> &'static str;
 
-    /// Whether a file is of this format.
+    /// True if a file is of this format.
     fn recognises(&self, bytes: &[u8]) -> bool;
 
     /// Reads a file of this format.
@@ -66,7 +68,7 @@ pub struct Channels {
     pub lines: Vec<u64>,
     /// Names of columns that hold text and are left out.
     pub text: Vec<String>,
-    /// What was understood, in sentences, where it is not the plain case.
+    /// Sentences on the reading, where it is not the plain case.
     pub notes: Vec<String>,
 }
 
@@ -85,7 +87,9 @@ impl Channels {
     /// Adds a channel. A name that is there already gets a number.
     fn push(&mut self, name: &str, unit: Option<String>, values: Vec<f64>) {
         let mut own = name.to_owned();
-        let mut copy = 1;
+        let is_there = self.names.contains(&own);
+        // A first try above all copies so far: there may be thousands.
+        let mut copy = if is_there { self.names.iter().filter(|other| other.starts_with(name)).count() } else { 1 };
         while self.names.contains(&own) {
             copy += 1;
             own = format!("{name} ({copy})");
@@ -99,7 +103,7 @@ impl Channels {
     }
 }
 
-/// Reads a log.
+/// Reads a log. Of a DIAdem header it reads the files of values beside it, too.
 ///
 /// # Errors
 /// [`Misread`] with the place in the file: no format that is read, or content that is not what the format says.

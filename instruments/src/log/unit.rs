@@ -52,7 +52,7 @@ pub(super) fn known(text: &str) -> Option<&'static str> {
         .map(|(unit, _)| unit)
 }
 
-/// Whether a unit that is longer than a letter is meant, whatever its case.
+/// True where a unit longer than a letter is meant, in any case of its letters.
 fn is_same(unit: &str, lower: &str) -> bool {
     unit.len() > 1 && unit != "Nm" && unit.to_lowercase() == *lower
 }
@@ -63,7 +63,7 @@ pub(super) fn of_cell(cell: &str) -> Option<String> {
     (!inner.is_empty() && inner != "-").then(|| known(inner).map_or_else(|| inner.to_owned(), str::to_owned))
 }
 
-/// Whether a cell of a line says a unit or nothing.
+/// True for a cell that says a unit or nothing.
 pub(super) fn is_unit_cell(cell: &str) -> bool {
     let is_bracket = bracketed(cell, true).is_some_and(|(base, _)| base.is_empty());
     cell.is_empty() || cell == "-" || cell == "1" || is_bracket || known(cell).is_some()
@@ -98,7 +98,7 @@ pub(crate) fn split(header: &str) -> (&str, Option<String>) {
     }
 }
 
-/// What stands before the brackets at the end, and in them.
+/// Text before the brackets at the end, and the text in them.
 fn bracketed(text: &str, may_be_empty: bool) -> Option<(&str, &str)> {
     let open = match text.trim_end().chars().last()? {
         ']' => '[',
@@ -113,7 +113,7 @@ fn bracketed(text: &str, may_be_empty: bool) -> Option<(&str, &str)> {
     (may_be_empty || !inner.trim().is_empty()).then_some((base.trim(), inner.trim()))
 }
 
-/// Whether brackets hold an index, as in `pose[0]`, and no unit.
+/// True where brackets hold an index, as in `pose[0]`, and no unit.
 fn is_index(inner: &str) -> bool {
     inner.chars().all(|c| c.is_ascii_digit()) || matches!(inner, "x" | "y" | "z" | "X" | "Y" | "Z")
 }

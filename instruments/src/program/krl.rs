@@ -18,7 +18,7 @@ const ACCEPTED: &str = "LIN and PTP with a pose or the name of one, declarations
 /// Components of a pose in their order.
 const COMPONENTS: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 /// Instructions that move nothing and change no path, by their first word.
-const HARMLESS: [&str; 31] = [
+const HARMLESS: [&str; 26] = [
     "DEF",
     "END",
     "DEFDAT",
@@ -34,20 +34,15 @@ const HARMLESS: [&str; 31] = [
     "STRUC",
     "ENUM",
     "IMPORT",
-    "BAS",
     "BAS_INI",
     "INTERRUPT",
     "PDAT_ACT",
-    "FDAT_ACT",
     "LDAT_ACT",
     "WAIT",
     "PULSE",
     "TRIGGER",
     "HALT",
     "CONTINUE",
-    "$ADVANCE",
-    "$APO",
-    "$OUT",
     "ANIN",
     "ANOUT",
 ];
@@ -66,7 +61,8 @@ impl Format for Krl {
     fn recognises(&self, text: &str) -> bool {
         let is_krl = |line: &str| {
             let line = line.trim_start().to_ascii_uppercase();
-            let starts = ["&ACCESS", "DEF ", "DEFDAT ", "LIN ", "PTP ", "DECL E6POS", "E6POS ", "DECL FRAME"];
+            let starts =
+                ["&ACCESS", "DEF ", "DEFDAT ", "LIN ", "PTP ", "SLIN ", "SPTP ", "DECL E6POS", "E6POS ", "DECL FRAME"];
             starts.iter().any(|start| line.starts_with(start)) && !line.ends_with(':')
         };
         lines(text).take(400).any(|(_, line)| is_krl(line))
@@ -79,6 +75,7 @@ impl Format for Krl {
             last: [None; 6],
             feed: None,
             frames: BTreeMap::new(),
+            frame_data: BTreeMap::new(),
         };
         if let Some(declarations) = source.options.declarations {
             let (text, _) = decode(source.file, declarations)?;
@@ -120,15 +117,17 @@ impl Format for Krl {
     }
 }
 
-/// What is known as the lines come.
+/// State as the lines come.
 struct Robot<'a> {
     reading: Reading<'a>,
     /// By names in upper case; `None` where a name stands for joint angles.
     poses: BTreeMap<String, Option<Pose>>,
     last: Pose,
     feed: Option<f64>,
-    /// What `$BASE` and `$TOOL` were last set to.
+    /// The last settings of `$BASE` and `$TOOL`.
     frames: BTreeMap<String, String>,
+    /// Tool and base of `FDAT` data by their names in upper case.
+    frame_data: BTreeMap<String, String>,
 }
 
 impl Robot<'_> {
@@ -146,18 +145,28 @@ impl Robot<'_> {
             };
         };
         match first.to_ascii_uppercase().as_str() {
-            "LIN" => self.travel(&mut reader, self.feed, (line, number)),
-            "PTP" => self.travel(&mut reader, None, (line, number)),
+            "LIN" | "SLIN" => self.travel(&mut reader, true, (line, number)),
+            "PTP" | "SPTP" => self.travel(&mut reader, false, (line, number)),
             "DECL" | "CONST" => self.declare(&mut reader, (line, number)),
             "E6POS" | "POS" | "FRAME" | "E6AXIS" | "AXIS" => {
                 self.declare(&mut Reader { rest: &tokens }, (line, number))
             }
             "$VEL.CP" => self.set_speed(&mut reader, (line, number)),
-            "$BASE" | "$TOOL" => self.set_frame(first, (line, number)),
-            // The move to where the robot is, and what the controller's own programs do.
+            "BAS" => {
+                self.basic(&tokens);
+                Ok(())
+            }
+            "$BASE" | "$TOOL" => {
+                let value = line.split(';').next().unwrap_or_default().trim().to_ascii_uppercase();
+                self.set_frame(first, value, number)
+            }
+            "FDAT_ACT" => match self.frame_data(&mut reader) {
+                Some(value) => self.set_frame("FDAT_ACT", value, number),
+                None => Ok(()),
+            },
             word if HARMLESS.contains(&word) => Ok(()),
-            word if word.starts_with("$VEL") || word.starts_with("$ACC") || word.starts_with("$APO") => Ok(()),
-            word if word.starts_with("$ORI") || word.starts_with("$IPO") || word.starts_with("$LOAD") => Ok(()),
+            // Other settings of the controller; those of a frame's component would be offsets.
+            word if word.starts_with('$') && !word.starts_with("$BASE") && !word.starts_with("$TOOL") => Ok(()),
             word => self.assign(word, &mut reader, (line, number)),
         }
     }
@@ -170,6 +179,12 @@ impl Robot<'_> {
     fn declare(&mut self, reader: &mut Reader, at: (&str, u64)) -> Result<(), Misread> {
         while ["DECL", "GLOBAL", "CONST"].iter().any(|word| reader.keyword(word)) {}
         let kind = reader.word().unwrap_or_default().to_ascii_uppercase();
+        if kind == "FDAT" {
+            if let Some(name) = reader.word() {
+                self.frame_data.insert(name.to_ascii_uppercase(), frame_numbers(reader.rest));
+            }
+            return Ok(());
+        }
         let is_joint = matches!(kind.as_str(), "E6AXIS" | "AXIS");
         if !is_joint && !matches!(kind.as_str(), "E6POS" | "POS" | "FRAME") {
             return Ok(());
@@ -213,8 +228,7 @@ impl Robot<'_> {
         }
     }
 
-    fn set_frame(&mut self, name: &str, (line, number): (&str, u64)) -> Result<(), Misread> {
-        let value = line.split(';').next().unwrap_or_default().trim().to_ascii_uppercase();
+    fn set_frame(&mut self, name: &str, value: String, number: u64) -> Result<(), Misread> {
         let before = self.frames.insert(name.to_ascii_uppercase(), value.clone());
         if before.is_some_and(|before| before != value) && !self.reading.program.points.is_empty() {
             let found = format!("another {name} on the way");
@@ -224,7 +238,29 @@ impl Robot<'_> {
         Ok(())
     }
 
-    fn travel(&mut self, reader: &mut Reader, feed: Option<f64>, (line, number): (&str, u64)) -> Result<(), Misread> {
+    /// Numbers of tool and base behind `FDAT_ACT=`.
+    fn frame_data(&self, reader: &mut Reader) -> Option<String> {
+        reader.sign('=').then_some(())?;
+        match reader.rest {
+            [Token::Sign('{'), ..] => Some(frame_numbers(reader.rest)),
+            _ => self.frame_data.get(&reader.word()?.to_ascii_uppercase()).cloned(),
+        }
+    }
+
+    /// `BAS(#CP_PARAMS,0.05)` and `BAS(#VEL_CP,0.05)` set the speed along lines; others set nothing of a path.
+    fn basic(&mut self, tokens: &[Token]) {
+        let [_, Token::Sign('('), Token::Sign('#'), Token::Word(what), Token::Sign(','), Token::Number(value), ..] =
+            tokens
+        else {
+            return;
+        };
+        let is_speed = what.eq_ignore_ascii_case("CP_PARAMS") || what.eq_ignore_ascii_case("VEL_CP");
+        if is_speed && *value > 0.0 {
+            self.feed = Some(*value);
+        }
+    }
+
+    fn travel(&mut self, reader: &mut Reader, is_line: bool, (line, number): (&str, u64)) -> Result<(), Misread> {
         const JOINTS: &str = "a move in joint angles is left out, as no kinematics of the robot are known";
         let pose = match reader.rest {
             [Token::Sign('{'), ..] => aggregate(reader),
@@ -233,16 +269,21 @@ impl Robot<'_> {
                 None => None,
             },
         };
-        let is_blend = matches!(reader.rest, [] | [Token::Word(_)] | [Token::Word(_), Token::Word(_)]);
-        let blends = ["C_DIS", "C_PTP", "C_VEL", "C_ORI"];
+        let blends = ["C_DIS", "C_PTP", "C_VEL", "C_ORI", "C_SPL"];
         while blends.iter().any(|blend| reader.keyword(blend)) {}
-        match pose.filter(|_| is_blend && reader.rest.is_empty()) {
+        let mut feed = self.feed;
+        if reader.keyword("WITH") {
+            self.reading.pass("settings after WITH other than the speed are not applied", number);
+            feed = spline_speed(reader.rest).or(feed);
+            reader.rest = &[];
+        }
+        match pose.filter(|_| reader.rest.is_empty()) {
             None => self.refuse(line, number),
             Some(None) => {
                 self.reading.pass(JOINTS, number);
                 Ok(())
             }
-            Some(Some(pose)) => self.point(&pose, feed, number),
+            Some(Some(pose)) => self.point(&pose, feed.filter(|_| is_line), number),
         }
     }
 
@@ -309,4 +350,31 @@ fn aggregate(reader: &mut Reader) -> Option<Option<Pose>> {
 
 fn is_axis(name: &str) -> bool {
     name.strip_prefix('A').is_some_and(|number| matches!(number, "1" | "2" | "3" | "4" | "5" | "6"))
+}
+
+/// The numbers of tool and base in the value of an `FDAT`.
+fn frame_numbers(tokens: &[Token]) -> String {
+    let number = |wanted: &str| {
+        tokens.windows(2).find_map(|pair| match pair {
+            [Token::Word(word), Token::Number(number)] if word.eq_ignore_ascii_case(wanted) => Some(*number),
+            _ => None,
+        })
+    };
+    let shown =
+        ["TOOL_NO", "BASE_NO"].map(|name| number(name).map_or(String::new(), |value| format!("{name} {value}")));
+    shown.join(" ").trim().to_owned()
+}
+
+/// The speed behind `WITH` of a spline motion: `$VEL.CP=0.2` or `$VEL=SVEL_CP(0.2, …)` [m/s].
+fn spline_speed(tokens: &[Token]) -> Option<f64> {
+    let is = |word: &str, wanted: &str| word.eq_ignore_ascii_case(wanted);
+    let plain = tokens.windows(3).find_map(|part| match part {
+        [Token::Word(word), Token::Sign('='), Token::Number(speed)] if is(word, "$VEL.CP") => Some(*speed),
+        _ => None,
+    });
+    let called = tokens.windows(3).find_map(|part| match part {
+        [Token::Word(word), Token::Sign('('), Token::Number(speed)] if is(word, "SVEL_CP") => Some(*speed),
+        _ => None,
+    });
+    plain.or(called).filter(|speed| *speed > 0.0)
 }

@@ -59,7 +59,7 @@ pub struct Program {
     pub format: &'static str,
     /// Points in the order in which they are reached.
     pub points: Vec<Point>,
-    /// What was understood and what was passed over, in sentences.
+    /// Sentences on what was understood and what was passed over.
     pub notes: Vec<String>,
 }
 
@@ -87,7 +87,7 @@ pub enum QuaternionOrder {
     WLast,
 }
 
-/// What a file does not say.
+/// Choices for what a file does not say.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadOptions<'a> {
     /// Farthest that a straight line may lie from an arc [m].
@@ -117,9 +117,9 @@ pub enum WriteError {
     Rotation {
         /// Index of the point.
         point: usize,
-        /// What it has.
+        /// Its property.
         found: &'static str,
-        /// What the language takes.
+        /// The language's demand.
         accepted: &'static str,
     },
 }
@@ -129,7 +129,7 @@ trait Format: Sync {
     /// Name for people.
     fn name(&self) -> &'static str;
 
-    /// Whether a text is in this language.
+    /// True if a text is in this language.
     fn recognises(&self, text: &str) -> bool;
 
     /// Reads the points of a text.

@@ -29,7 +29,7 @@ struct Columns {
     spindle: Option<usize>,
 }
 
-/// How rotations stand in the columns.
+/// Form of rotations in the columns.
 enum Rotation {
     None,
     /// x, y, z, w.

@@ -140,7 +140,7 @@ fn statements(reading: &Reading, text: &str) -> Result<Vec<(Vec<Token>, u64)>, M
     }
 }
 
-/// What is known of a module.
+/// State while a module is read.
 struct Robot<'a> {
     reading: Reading<'a>,
     targets: BTreeMap<String, Target>,

@@ -59,7 +59,7 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    /// How many points may still come.
+    /// Number of points that may still come.
     pub(super) fn left(&self) -> usize {
         MOST_POINTS - self.program.points.len()
     }
@@ -69,7 +69,7 @@ impl<'a> Reading<'a> {
         let what = what.into();
         match self.passed.iter().position(|(other, _)| *other == what) {
             Some(known) => self.passed[known].1.push(line),
-            // What differs in every line is not worth a note each.
+            // Lines that all differ are not worth a note each.
             None if self.passed.len() >= NOTED => {}
             None => self.passed.push((what, vec![line])),
         }

@@ -97,7 +97,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether the next token is this sign, which is then taken.
+    /// True if the next token is this sign, which is then taken.
     pub(super) fn sign(&mut self, wanted: char) -> bool {
         match self.rest {
             [Token::Sign(sign), rest @ ..] if *sign == wanted => {

@@ -91,7 +91,7 @@ impl Format for UrScript {
     }
 }
 
-/// What is known as the lines come.
+/// State as the lines come.
 struct Robot<'a> {
     reading: Reading<'a>,
     /// `None` where a name stands for joint angles.

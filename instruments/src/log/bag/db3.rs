@@ -37,6 +37,7 @@ impl Format for Db3 {
             bag.notes.push("what lies in a -wal file beside it is not read".to_owned());
         }
         let topics = topics(&base).map_err(refused)?;
+        topics.values().try_for_each(|(topic, kind, format)| bag.check_names(&[topic, kind, format]))?;
         let mut statement = base.prepare("SELECT topic_id, timestamp, data FROM messages").map_err(refused)?;
         let mut rows = statement.query([]).map_err(refused)?;
         let mut left = bytes.len() / LEAST_MESSAGE;

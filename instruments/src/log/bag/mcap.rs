@@ -50,7 +50,7 @@ impl Format for Mcap {
     }
 }
 
-/// What is known of a file as its records come.
+/// State of a file as its records come.
 struct Reading<'a> {
     bag: Bag<'a>,
     /// Names of types.
@@ -64,9 +64,11 @@ impl Reading<'_> {
     fn record(&mut self, record: Record) -> Result<(), Misread> {
         match record {
             Record::Schema { header, .. } => {
+                self.bag.check_names(&[&header.name])?;
                 self.schemas.insert(header.id, header.name);
             }
             Record::Channel(channel) => {
+                self.bag.check_names(&[&channel.topic, &channel.message_encoding])?;
                 let known = (channel.topic, channel.schema_id, channel.message_encoding);
                 self.topics.insert(channel.id, known);
             }

@@ -7,11 +7,11 @@ use super::cdr::Cdr;
 
 /// Values of one message, or of one transform of it.
 pub(super) struct Sample {
-    /// What follows the topic in the name of the track, empty or with a slash before it.
+    /// End of the track's name behind the topic, empty or with a slash before it.
     pub(super) suffix: String,
     /// Stamp in the message [ns], if it has one that is not zero.
     pub(super) stamp: Option<i64>,
-    /// Whether it is a pose of something.
+    /// True for a pose of something.
     pub(super) is_pose: bool,
     pub(super) fields: Vec<Field>,
 }

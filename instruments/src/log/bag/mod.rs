@@ -23,6 +23,9 @@ use crate::misread::{Misread, Place};
 /// Topics that a bag may have.
 const MOST_TOPICS: usize = 4096;
 
+/// Bytes that the name of a topic or a type may have.
+const LONGEST_NAME: usize = 1024;
+
 /// One recorded message.
 struct Message<'a> {
     topic: &'a str,
@@ -53,6 +56,14 @@ impl<'a> Bag<'a> {
     /// The error that something stands in the bag that none has.
     fn bad(&self, found: impl Into<String>) -> Misread {
         Place::file(self.file).bad(found, "a bag of ROS 2 is expected")
+    }
+
+    /// Checks names that are kept.
+    fn check_names(&self, names: &[&str]) -> Result<(), Misread> {
+        match names.iter().any(|name| name.len() > LONGEST_NAME) {
+            true => Err(self.bad(format!("a name of more than {LONGEST_NAME} bytes"))),
+            false => Ok(()),
+        }
     }
 
     /// Notes that a topic is not read.

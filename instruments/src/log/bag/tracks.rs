@@ -1,6 +1,6 @@
-//! What was recorded of each topic, and all of it on the times of one.
+//! Recordings of each topic, and all of them on the times of one.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use super::super::{Channels, MOST_CHANNELS, MOST_VALUES, check_size};
@@ -23,12 +23,14 @@ pub(super) struct Tracks {
 struct Track {
     is_pose: bool,
     names: Vec<String>,
+    /// Index of each name.
+    index: HashMap<String, usize>,
     units: Vec<Option<&'static str>>,
     /// When each sample was taken [ns].
     times: Vec<i64>,
     /// One list for each name, each as long as `times`.
     values: Vec<Vec<f64>>,
-    /// Whether the times are stamps, and how far the first is from the bag's clock [ns].
+    /// Distance of the first stamp from the bag's clock [ns], where the messages have stamps.
     stamped: Option<i64>,
 }
 
@@ -120,13 +122,14 @@ impl Track {
     fn column(&mut self, k: usize, field: &Field, row: usize) -> Result<usize, String> {
         let is_free = |column: usize, values: &[Vec<f64>]| values[column].len() <= row;
         let is_usual = self.names.get(k).is_some_and(|name| *name == field.name);
-        let found = if is_usual { Some(k) } else { self.names.iter().position(|name| *name == field.name) };
+        let found = if is_usual { Some(k) } else { self.index.get(&*field.name).copied() };
         match found {
             Some(column) if is_free(column, &self.values) => Ok(column),
             Some(_) => Err(format!("{} twice", files::input::quoted(&field.name))),
             None if self.names.len() >= MOST_CHANNELS => Err(format!("more than {MOST_CHANNELS} fields")),
             None => {
-                self.names.push(field.name.clone().into_owned());
+                self.index.insert(field.name.to_string(), self.names.len());
+                self.names.push(field.name.to_string());
                 self.units.push(field.unit);
                 self.values.push(Vec::new());
                 Ok(self.names.len() - 1)

@@ -1,6 +1,6 @@
 //! Cells of a line, and the numbers in them.
 
-/// What stands between cells.
+/// The mark between cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Separator {
     Tab,
@@ -10,7 +10,7 @@ pub(super) enum Separator {
     Blanks,
 }
 
-/// What a cell holds.
+/// Content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cell {
     /// Nothing, or a word for nothing.
@@ -65,7 +65,7 @@ impl Separator {
         push(&line[start..]);
     }
 
-    /// What a cell holds; only where commas do not separate may they be decimal marks.
+    /// Content of a cell; only where commas do not separate may they be decimal marks.
     pub(super) fn cell(self, cell: &str) -> Cell {
         if cell.is_empty() {
             return Cell::Empty;

@@ -8,7 +8,7 @@ use super::stamp::{self, DAY, SECOND, Stamp};
 use crate::log::{Channels, unit};
 use crate::misread::{Misread, Place};
 
-/// What the cells of a column hold.
+/// Kind of a column's cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Number,
@@ -24,7 +24,7 @@ enum Kind {
 #[derive(Debug)]
 pub(super) struct Column {
     name: String,
-    /// Whether the header has an empty cell for it.
+    /// True where the header has an empty cell for it.
     is_nameless: bool,
     unit: Option<String>,
     kind: Kind,
@@ -40,7 +40,7 @@ pub(super) struct Column {
     marks: [Option<usize>; 2],
 }
 
-/// What was found in a cell, and what would do.
+/// The content of a cell, and what would do instead.
 type Refusal = (String, &'static str);
 
 impl Column {
@@ -171,8 +171,27 @@ impl Column {
     }
 }
 
+/// Adds nanoseconds to the seconds before them, as stamps of ROS stand in tables.
+fn join_nanoseconds(columns: &mut [Column], channels: &mut Channels) {
+    let is_rest = |column: &Column| {
+        let name = column.name.to_lowercase();
+        column.kind == Kind::Number && ["nsec", "nsecs", "nanosec", "nanosecs"].iter().any(|end| name.ends_with(end))
+    };
+    for k in 1..columns.len() {
+        let (before, rest) = columns.split_at_mut(k);
+        let (Some(seconds), Some(rest)) = (before.last_mut(), rest.first()) else { continue };
+        if seconds.kind == Kind::Epoch(1) && is_rest(rest) {
+            let first = rest.values.first().copied().unwrap_or_default();
+            let parts = rest.values.iter().map(|nanoseconds| 1e-9 * (nanoseconds - first));
+            seconds.values.iter_mut().zip(parts).for_each(|(value, part)| *value += part);
+            channels.notes.push(format!("the columns {:?} and {:?} are read as one time", seconds.name, rest.name));
+        }
+    }
+}
+
 /// Adds the columns to a log.
-pub(super) fn finish(columns: Vec<Column>, channels: &mut Channels) {
+pub(super) fn finish(mut columns: Vec<Column>, channels: &mut Channels) {
+    join_nanoseconds(&mut columns, channels);
     let mut days = None;
     for column in columns {
         if column.is_day_of_next {

@@ -105,7 +105,7 @@ fn spanning<'a>(line: &'a str, first: &str, last: &str) -> &'a str {
     &line[offset(first)..offset(last) + last.len()]
 }
 
-/// Whether every row ends with an empty cell, as where separators close a line.
+/// True if every row ends with an empty cell, as where separators close a line.
 fn ends_empty(separator: Separator, rows: &[Line]) -> bool {
     let mut cells = Vec::new();
     rows.iter().take(50).all(|row| {
@@ -114,7 +114,7 @@ fn ends_empty(separator: Separator, rows: &[Line]) -> bool {
     })
 }
 
-/// Whether cells are names: most hold something, and no more than a few are numbers.
+/// True for names: most cells hold something, and no more than a few are numbers.
 fn are_names((separator, count): Shape, names: &[String]) -> bool {
     let cells: Vec<&str> = names.iter().map(String::as_str).collect();
     let (filled, data) = tally(separator, &cells);

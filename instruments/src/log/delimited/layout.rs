@@ -1,4 +1,4 @@
-//! How a text is laid out: what separates its cells, where its header and its first row stand.
+//! Layout of a text: the separator of its cells, the places of its header and its first row.
 
 use std::path::Path;
 
@@ -9,7 +9,9 @@ use crate::misread::{Misread, Place};
 
 /// Lines looked at.
 const SNIFFED: usize = 2000;
-/// Rows looked at to tell what a column holds.
+/// Bytes of them.
+const SNIFFED_BYTES: usize = 1 << 22;
+/// Rows looked at for the kinds of the columns.
 const SAMPLED_ROWS: usize = 200;
 
 /// A line that is not empty.
@@ -20,7 +22,7 @@ pub(super) struct Line<'a> {
     pub(super) text: &'a str,
 }
 
-/// How a text is laid out.
+/// Layout of a text.
 pub(super) struct Layout<'a> {
     pub(super) separator: Separator,
     /// Cells in a row.
@@ -33,14 +35,14 @@ pub(super) struct Layout<'a> {
     pub(super) header: header::Header,
 }
 
-/// How well the cells between separators are numbers.
+/// Share of numbers among the cells between separators.
 struct Fit {
     separator: Separator,
     count: usize,
     score: f64,
 }
 
-/// Whether a line is a comment; one of `;` is where cells are not separated so.
+/// True for a comment; a line of `;` is one where cells are not separated so.
 pub(super) fn is_comment(line: &str, separator: Separator) -> bool {
     let line = line.trim_start();
     let is_semicolon = separator != Separator::Semicolon && line.starts_with(';');
@@ -50,7 +52,13 @@ pub(super) fn is_comment(line: &str, separator: Separator) -> bool {
 /// Looks at the first lines of a text.
 pub(super) fn sniff<'a>(file: &Path, text: &'a str) -> Result<Layout<'a>, Misread> {
     let all = lines(text).map(|(number, text)| Line { number, text });
-    let sample: Vec<Line> = all.filter(|line| !line.text.trim().is_empty()).take(SNIFFED).collect();
+    let mut bytes = 0;
+    let fits = |line: &Line| {
+        let is_first = bytes == 0;
+        bytes += line.text.len();
+        is_first || bytes <= SNIFFED_BYTES
+    };
+    let sample: Vec<Line> = all.filter(|line| !line.text.trim().is_empty()).take(SNIFFED).take_while(fits).collect();
     let fits = Separator::ALL.into_iter().map(|separator| fit(separator, &sample));
     let best = fits.reduce(|best, next| if next.score > best.score { next } else { best });
     let nothing = || {

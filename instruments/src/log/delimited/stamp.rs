@@ -9,7 +9,7 @@ pub(super) const DAY: i128 = 86_400 * SECOND;
 pub(super) const SECOND: i128 = 1_000_000_000;
 const EPOCH: DateTime = DateTime::constant(1970, 1, 1, 0, 0, 0, 0);
 
-/// How stamps are written, in the order in which they are tried; days come before months where both would do.
+/// A way in which stamps are written. Days come before months where both would do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stamp {
     /// ISO 8601 with a zone.
@@ -49,7 +49,7 @@ const STAMPS: [Stamp; 20] = [
     Stamp::Moment("%Y-%m-%d_%H:%M:%S%.f"),
 ];
 
-/// Whether a cell may be a stamp; cheap, for many cells.
+/// True for a cell that may be a stamp; cheap, for many cells.
 pub(super) fn may_be(cell: &str) -> bool {
     let count = |wanted: &[u8]| cell.bytes().filter(|byte| wanted.contains(byte)).count();
     let allowed = |byte: u8| byte.is_ascii_digit() || b":-/.,+ TZ_APMapm".contains(&byte);
@@ -58,7 +58,7 @@ pub(super) fn may_be(cell: &str) -> bool {
     starts && (8..=40).contains(&cell.len()) && has_parts && cell.bytes().all(allowed)
 }
 
-/// How all of the cells are written, if in one way.
+/// The way in which all of the cells are written, if it is one.
 pub(super) fn of_column(cells: &[&str]) -> Option<Stamp> {
     STAMPS.into_iter().find(|stamp| !cells.is_empty() && cells.iter().all(|cell| stamp.read(cell).is_some()))
 }
@@ -91,7 +91,7 @@ impl Stamp {
         }
     }
 
-    /// Whether it starts again at midnight.
+    /// True if it starts again at midnight.
     pub(super) fn is_clock(self) -> bool {
         matches!(self, Self::Clock(_) | Self::ColonClock)
     }

@@ -1,11 +1,12 @@
 //! Which channel of a log may be which quantity of a pass, in which unit, and why.
 //!
-//! Names decide first, in the conventions that `names` lists; values decide signs and units that no header gives.
+//! Names decide first, in the conventions that `vocabulary` lists; values decide signs and units that no header gives.
 //! Nothing is certain here: every candidate carries a sentence for the person who checks it.
 
 mod names;
 mod table;
 mod values;
+mod vocabulary;
 
 use super::{Channels, unit};
 
@@ -41,7 +42,7 @@ pub enum Role {
     Temperature,
 }
 
-/// How far a guess is to be trusted.
+/// Trust in a guess.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Confidence {
     /// Another candidate or another unit is nearly as good.
@@ -63,11 +64,11 @@ pub struct Candidate {
     pub unit: String,
     /// −1 where the values are to be turned round, as of a sensor that reads negative where it is pressed.
     pub sign: i8,
-    /// How far it is to be trusted.
+    /// Trust in it.
     pub confidence: Confidence,
     /// Why, in one sentence without a full stop.
     pub reason: String,
-    /// How well the name fits, from 0 to 12.
+    /// Fit of the name, from 0 to 12.
     score: f64,
 }
 
@@ -108,7 +109,7 @@ impl Role {
         }
     }
 
-    /// Whether every log of a pass has it.
+    /// True if every log of a pass has it.
     pub fn is_required(self) -> bool {
         matches!(self, Self::Time | Self::X | Self::Y | Self::Z | Self::Force | Self::Spindle)
     }
@@ -141,9 +142,10 @@ impl Guesses {
 /// Guesses which channel is what.
 pub fn guess(channels: &Channels) -> Guesses {
     let mut guesses = Guesses::default();
+    let first_index = names::first_index(channels.names.iter().map(|name| unit::split(name).0));
     for role in Role::ALL {
         let mut found: Vec<Candidate> =
-            (0..channels.names.len()).filter_map(|k| candidate(channels, role, k)).collect();
+            (0..channels.names.len()).filter_map(|k| candidate(channels, role, (k, first_index))).collect();
         found.sort_by(|one, other| other.score.total_cmp(&one.score).then(one.channel.cmp(&other.channel)));
         found.truncate(MOST_CANDIDATES);
         guesses.candidates.push((role, found));
@@ -157,11 +159,11 @@ pub fn guess(channels: &Channels) -> Guesses {
 }
 
 /// A channel as a candidate by its name, if that and its unit fit.
-fn candidate(channels: &Channels, role: Role, channel: usize) -> Option<Candidate> {
+fn candidate(channels: &Channels, role: Role, (channel, first_index): (usize, usize)) -> Option<Candidate> {
     let name = &channels.names[channel];
     let (base, _) = unit::split(name);
     let own = channels.units[channel].as_deref();
-    let mut score = names::score(role, base)?;
+    let mut score = names::score(role, base, first_index)?;
     match own {
         Some(own) if role.units().contains(&own) => score += 2.0,
         // A header may give a unit that is not known here; a known one of something else decides.

@@ -1,199 +1,7 @@
-//! How well a name fits a quantity, in the conventions of robots, sensors and languages.
+//! Fit of a name to a quantity, in the conventions of robots, sensors and languages.
 
 use super::Role;
-
-/// Words of a value that was asked for and not measured.
-const COMMANDED: &[&str] = &[
-    "target",
-    "soll",
-    "desired",
-    "des",
-    "cmd",
-    "command",
-    "commanded",
-    "set",
-    "setpoint",
-    "ref",
-    "reference",
-    "goal",
-    "sollwert",
-    "rsol",
-    "nominal",
-    "plan",
-    "planned",
-    "consigne",
-    "limit",
-    "max",
-    "min",
-];
-const TIME: &[&str] = &[
-    "t",
-    "time",
-    "zeit",
-    "timestamp",
-    "ts",
-    "temps",
-    "tiempo",
-    "tempo",
-    "stamp",
-    "uhrzeit",
-    "zeitstempel",
-    "elapsed",
-    "sec",
-    "secs",
-    "seconds",
-    "ipoc",
-    "clock",
-    "datetime",
-    "时间",
-];
-const NOT_TIME: &[&str] = &["cycle", "delay", "temperature", "remaining", "nsec", "nanosec", "nsecs"];
-const POSITION: &[&str] = &[
-    "pos",
-    "position",
-    "pose",
-    "tcp",
-    "translation",
-    "ist",
-    "rist",
-    "actual",
-    "act",
-    "robot",
-    "tool",
-    "ee",
-    "eef",
-    "end",
-    "effector",
-    "flange",
-    "koordinate",
-    "coordinate",
-    "coord",
-    "xyz",
-    "cartesian",
-    "measured",
-    "point",
-    "werkzeug",
-];
-const NOT_POSITION: &[&str] = &[
-    "force",
-    "torque",
-    "wrench",
-    "vel",
-    "velocity",
-    "twist",
-    "linear",
-    "angular",
-    "acc",
-    "accel",
-    "acceleration",
-    "moment",
-    "kraft",
-    "orientation",
-    "rotation",
-    "quaternion",
-    "quat",
-    "rot",
-    "error",
-    "offset",
-    "speed",
-    "f",
-    "m",
-    "n",
-    "normal",
-    "joint",
-    "joints",
-    "current",
-    "deviation",
-    "q",
-    "axis",
-    "approach",
-    "effort",
-    "geschwindigkeit",
-    "scan",
-    "temp",
-    "temperature",
-    "fx",
-    "fy",
-    "fz",
-    "momentum",
-    "gyro",
-];
-const FORCE: &[&str] = &[
-    "force",
-    "kraft",
-    "f",
-    "fn",
-    "fz",
-    "fy",
-    "fx",
-    "load",
-    "normalkraft",
-    "anpresskraft",
-    "andruckkraft",
-    "loadcell",
-    "kraftsensor",
-    "fuerza",
-    "forza",
-    "effort",
-    "压力",
-    "力",
-];
-const NOT_FORCE: &[&str] =
-    &["torque", "moment", "drehmoment", "joint", "joints", "error", "offset", "mode", "spindle", "motor", "rate"];
-const SPINDLE: &[&str] = &[
-    "rpm",
-    "drehzahl",
-    "spindle",
-    "spindel",
-    "omega",
-    "ω",
-    "n",
-    "speed",
-    "umdrehungen",
-    "revs",
-    "spindelspeed",
-    "spindlespeed",
-    "spindeldrehzahl",
-    "转速",
-    "vitesse",
-    "rotational",
-    "giri",
-];
-/// Words that need no other beside them.
-const SURELY_SPINDLE: &[&str] = &["rpm", "drehzahl", "omega", "ω", "spindlespeed", "spindeldrehzahl", "转速"];
-const NOT_SPINDLE: &[&str] = &[
-    "tcp",
-    "feed",
-    "vorschub",
-    "joint",
-    "joints",
-    "torque",
-    "current",
-    "strom",
-    "temp",
-    "temperature",
-    "load",
-    "override",
-    "x",
-    "y",
-    "z",
-    "force",
-    "linear",
-    "angular",
-    "power",
-    "on",
-    "scaling",
-    "fraction",
-    "moment",
-    "path",
-    "robot",
-    "belt",
-    "counter",
-    "running",
-];
-const APPROACH: &[&str] = &["n", "normal", "approach", "axis"];
-const TEMPERATURE: &[&str] = &["temp", "temperature", "temperatur", "pyro", "pyrometer", "temperatura", "温度"];
-const NOT_TEMPERATURE: &[&str] = &["joint", "joints", "motor", "board", "controller", "drive", "ambient"];
+use super::vocabulary::*;
 
 /// Words of a name in lower case: cut at signs, at capitals, and between letters and digits.
 pub(super) fn words(name: &str) -> Vec<String> {
@@ -217,13 +25,13 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// How well a name without its unit fits a role, from 0 to 10; `None` where it does not.
-pub(super) fn score(role: Role, name: &str) -> Option<f64> {
+/// Fit of a name without its unit to a role, from 0 to 10; `None` where it does not fit.
+pub(super) fn score(role: Role, name: &str, first_index: usize) -> Option<f64> {
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let score = match role {
         Role::Time => time(name, &words)?,
-        Role::X | Role::Y | Role::Z => position(role, &words)?,
+        Role::X | Role::Y | Role::Z => position(role, &words, first_index)?,
         Role::Force => force(&words)?,
         Role::Spindle => spindle(&words)?,
         Role::Nx | Role::Ny | Role::Nz => approach(role, &words)?,
@@ -272,9 +80,20 @@ fn axis(words: &[String], named: &[&str]) -> Option<(usize, bool)> {
     any(words, named).then_some((index, true))
 }
 
-fn position(role: Role, words: &[String]) -> Option<f64> {
+/// The index with which positions of several components begin: 0, or 1 where no name has 0.
+pub(super) fn first_index<'a>(names: impl IntoIterator<Item = &'a str>) -> usize {
+    let index = |name: &str| {
+        let words = words(name);
+        let is_position = any(&words, POSES) && !any(&words, NOT_POSITION);
+        is_position.then(|| words.last()?.parse::<usize>().ok()).flatten()
+    };
+    names.into_iter().filter_map(index).min().unwrap_or(0).min(1)
+}
+
+fn position(role: Role, words: &[String], first_index: usize) -> Option<f64> {
     let wanted = [Role::X, Role::Y, Role::Z].into_iter().position(|axis| axis == role)?;
-    let (axis, is_index) = axis(words, &["pose", "position", "pos", "translation"])?;
+    let (axis, is_index) = axis(words, POSES)?;
+    let wanted = if is_index { wanted + first_index } else { wanted };
     if axis != wanted || any(words, NOT_POSITION) {
         return None;
     }
@@ -372,9 +191,11 @@ mod tests {
 
     #[test]
     fn a_measured_value_goes_before_the_one_asked_for() {
-        let score = |name| score(Role::X, name).unwrap_or(0.0);
+        let score = |name| score(Role::X, name, 0).unwrap_or(0.0);
         assert!(score("actual_TCP_pose_0") > score("target_TCP_pose_0"));
         assert_eq!(score("actual_TCP_force_0"), 0.0);
         assert_eq!(score("actual_TCP_pose_3"), 0.0);
+        assert_eq!(first_index(["t", "pose_1", "pose_2", "pose_3"]), 1);
+        assert_eq!(first_index(["q_1", "pose_0", "pose_1"]), 0);
     }
 }

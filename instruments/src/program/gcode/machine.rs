@@ -1,4 +1,4 @@
-//! What a machine remembers from block to block.
+//! State of a machine from block to block.
 
 use glam::{DVec2, DVec3};
 
@@ -29,7 +29,7 @@ pub(super) struct Machine<'a> {
     unit: f64,
     has_unit: bool,
     is_incremental: bool,
-    /// Whether I, J, K count from the origin (`G90.1`).
+    /// True where I, J, K count from the origin (`G90.1`).
     is_centre_absolute: bool,
     plane: Plane,
     motion: Option<Motion>,
