@@ -14,8 +14,8 @@ use super::manifest::{ChannelEntry, LogTable, Source, nearest};
 use super::scan::Read;
 use crate::column_unit::ColumnUnit;
 
-/// A quantity that a channel gives: its key in `[log.columns]`, the unit where none is given, and its dimension in metres,
-/// kilograms, seconds and kelvins.
+/// A quantity that a channel gives: its key in `[log.columns]`, the unit where none is given, and its dimension in kilograms,
+/// metres, seconds and kelvins.
 struct Quantity {
     key: &'static str,
     unit: &'static str,
@@ -31,9 +31,9 @@ const fn quantity(key: &'static str, unit: &'static str, dimension: [i32; 4], is
 /// All quantities; the order is that of [`Resolved`].
 const QUANTITIES: [Quantity; 10] = [
     quantity("time", "s", [0, 0, 1, 0], true),
-    quantity("x", "mm", [1, 0, 0, 0], true),
-    quantity("y", "mm", [1, 0, 0, 0], true),
-    quantity("z", "mm", [1, 0, 0, 0], true),
+    quantity("x", "mm", [0, 1, 0, 0], true),
+    quantity("y", "mm", [0, 1, 0, 0], true),
+    quantity("z", "mm", [0, 1, 0, 0], true),
     quantity("force", "N", [1, 1, -2, 0], true),
     quantity("spindle", "rpm", [0, 0, -1, 0], false),
     quantity("nx", "1", [0; 4], false),

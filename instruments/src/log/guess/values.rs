@@ -9,6 +9,8 @@ const FARTHEST: f64 = 6.0;
 const SURELY_MM: f64 = 20.0;
 /// A tool is not fed faster than this [m/s].
 const FASTEST: f64 = 5.0;
+/// Share of a force's range up to which two readings are one.
+const SAME_READING: f64 = 0.25;
 /// Speeds from here on are rpm: so many radians per second are 19 000 rpm.
 const SURELY_RPM: f64 = 2000.0;
 
@@ -173,19 +175,20 @@ fn sign(candidate: &mut Candidate, role: Role, values: &[f64]) {
     if role != Role::Force {
         return;
     }
-    let air = quantile(&sorted(values.iter().copied().take((values.len() / 20).clamp(1, 100))), 0.5);
+    let rows = (values.len() / 20).clamp(1, 100);
+    let begin = quantile(&sorted(values.iter().copied().take(rows)), 0.5);
+    let end = quantile(&sorted(values.iter().rev().copied().take(rows)), 0.5);
     let all = sorted(values.iter().copied());
     let (low, high) = (quantile(&all, 0.01), quantile(&all, 0.99));
+    // A log that begins and ends alike does so in the air, whatever its sensor reads there. Otherwise it reads about nothing.
+    let begins_in_air = (begin - end).abs() < SAME_READING * (high - low);
+    let air = if begins_in_air && begin.abs() <= 2.0 * (high - low) { begin } else { 0.0 };
     let (below, above) = ((air - low).max(0.0), (high - air).max(0.0));
-    let negative = match air.abs() > 2.0 * below.max(above) {
-        // The log starts pressed on.
-        true => air < 0.0,
-        false => below > above,
-    };
+    let negative = below > above;
     candidate.sign = if negative { -1 } else { 1 };
     let reading = if negative { "negative" } else { "positive" };
     candidate.reason.push_str(&format!("; it goes from {low:.1} to {high:.1}, so pressing on reads {reading}"));
-    if below.min(above) > 0.5 * below.max(above) && air.abs() <= 2.0 * below.max(above) {
+    if below.min(above) > 0.5 * below.max(above) {
         candidate.confidence = Confidence::Doubtful;
         candidate.reason.push_str(", but it goes both ways from its start");
     }
