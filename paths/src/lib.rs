@@ -3,10 +3,12 @@
 //! A plan is a list of [`Leg`]s on the surface ([`along_weld`], [`raster`]). [`Plan::timed`] adds approach and
 //! retract, gives every leg a trapezoidal speed ([`speed`]) and samples tool poses at a fixed period, as a log in
 //! the trial format: the force column then holds the setpoint, and 0 in the air. A [`Pattern`] is the way of a pad over
-//! the [`PadPatch`] in which it lies flat, in stages of one length.
+//! the [`PadPatch`] in which it lies flat, in stages of one length. [`program`] turns plans into programs of robots and
+//! back.
 
 mod pad_patch;
 mod pattern;
+pub mod program;
 mod raster;
 pub mod speed;
 mod timing;

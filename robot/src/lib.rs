@@ -23,6 +23,7 @@ mod mesh;
 mod pad;
 mod sphere;
 mod tool;
+mod tool_text;
 mod wheel;
 
 pub use controller::Controller;
@@ -31,4 +32,5 @@ pub use mesh::MeshDepth;
 pub use pad::Pad;
 pub use sphere::Sphere;
 pub use tool::{Shape, Tool};
+pub use tool_text::ToolText;
 pub use wheel::Wheel;

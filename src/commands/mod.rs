@@ -9,6 +9,7 @@ mod calibrate;
 mod compare;
 mod compare_pair;
 mod completions;
+mod convert;
 mod dataset;
 mod dataset_image;
 mod dataset_images;
@@ -28,7 +29,6 @@ mod render;
 mod sensor_flags;
 mod simulate;
 mod study;
-mod tool_flag;
 mod trial;
 mod trial_files;
 mod try_effect;
@@ -90,7 +90,9 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Plan a tool path along a weld or over a patch of an asset.
     Path(path::PathArgs),
-    /// Make synthetic trials in which effects are hidden, and open their answers.
+    /// Write a scan or a robot's program in another format, or tell what is in it.
+    Convert(convert::ConvertArgs),
+    /// Begin a trial from its files and check it; make synthetic trials in which effects are hidden.
     Trial(trial::TrialArgs),
     /// Press a tool into a part and print the force, the patch and the pressures.
     Press(press::PressArgs),
@@ -182,6 +184,7 @@ fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
         Verb::Bake(args) => bake::run(&args, console),
         Verb::Simulate(args) => simulate::run(&args, console),
         Verb::Path(args) => path::run(&args, console),
+        Verb::Convert(args) => convert::run(&args, console),
         Verb::Trial(args) => trial::run(&args, console),
         Verb::Press(args) => press::run(&args, console),
         Verb::Render(args) => render::run(&args, console),

@@ -12,9 +12,12 @@ use super::values::{number, whole};
 use crate::asset::{AssetFields, Manifest, Welds};
 use crate::console::Console;
 use files::folder::StagedFile;
+use files::input::MOST_TEXT_BYTES;
 use files::output::FileKind;
+use instruments::program::{self, Language, ReadOptions};
+use paths::program::points_of;
 use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
-use robot::{Pad, Tool, Wheel};
+use robot::{Tool, ToolText};
 use trials::trial::{Log, LogRow, RPM, log_csv, read_log};
 
 /// Sizes of a tool that are accepted [mm], as `robofin simulate` has them for its wheel.
@@ -156,12 +159,29 @@ enum DirectionFlag {
 const PLAN: FileKind = FileKind { what: "a planned path", is_own: is_plan };
 
 fn is_plan(file: &Path) -> bool {
+    if language(file).is_some() {
+        return files::input::read(file, MOST_TEXT_BYTES)
+            .is_ok_and(|bytes| program::read(file, &bytes, &ReadOptions::default()).is_ok());
+    }
     let Ok(log) = read_log(file) else { return false };
     let rows = &log.content.rows;
     let setpoint = rows.iter().map(|row| row.force).fold(0.0, f64::max);
     let is_planned =
         |row: &LogRow| (row.force == 0.0 || row.force == setpoint) && row.spindle_speed == rows[0].spindle_speed;
     log.content.covariates.is_empty() && rows.iter().all(is_planned)
+}
+
+/// The language of a program that a file's name asks for.
+fn language(file: &Path) -> Option<Language> {
+    file.extension().and_then(|extension| Language::of_extension(&extension.to_string_lossy()))
+}
+
+/// A plan as the file's name asks for it: a program of a robot, or rows.
+fn text_of(log: &Log, file: &Path) -> Result<String> {
+    match language(file) {
+        Some(language) => Ok(program::write(&points_of(log), language)?),
+        None => Ok(log_csv(log)),
+    }
 }
 
 /// The answer of `path --json`.
@@ -186,7 +206,7 @@ pub(super) fn run(args: &PathArgs, console: &Console) -> Result<()> {
         None => weld_plan(&args.asset, args.weld.unwrap_or(1))?,
     };
     let log = plan.timed(&travel)?;
-    file.commit(log_csv(&log).as_bytes())?;
+    file.commit(text_of(&log, &args.out.out)?.as_bytes())?;
     let answer = args.answer(&plan, &log, patch.map_or(1, |patch| patch.count()));
     console.step(
         "path",
@@ -265,40 +285,18 @@ fn parse_raster(text: &str) -> Result<[f64; 4], String> {
 
 /// `wheel:radius=50mm,width=20mm` or `pad:radius=25mm`.
 fn parse_tool(text: &str) -> Result<Tool, String> {
-    let wrong = |found: String| {
-        format!(
-            "{found}; wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH with lengths like 50mm or 0.05m is expected"
-        )
+    let tool = match text.parse()? {
+        ToolText::Solid(tool @ (Tool::Wheel(_) | Tool::Pad(_))) => tool,
+        _ => return Err("wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH is expected".to_owned()),
     };
-    let (kind, sizes) = text.split_once(':').ok_or_else(|| wrong("no ':'".into()))?;
-    let (mut radius, mut width) = (None, None);
-    for part in sizes.split(',') {
-        let (key, value) = part.split_once('=').ok_or_else(|| wrong(format!("{part:?} has no '='")))?;
-        let length = parse_length(value).ok_or_else(|| wrong(format!("{value:?} is no length with mm or m")))?;
-        if !(SIZES_MM.0..=SIZES_MM.1).contains(&(1e3 * length)) {
-            let (least, most) = SIZES_MM;
-            return Err(format!("the {key} is {value}; {least:?} to {most:?} mm is accepted"));
-        }
-        match (kind, key.trim()) {
-            (_, "radius") => radius = Some(length),
-            ("wheel", "width") => width = Some(length),
-            (_, key) => return Err(wrong(format!("{key:?} is unknown"))),
-        }
-    }
-    match (kind, radius, width) {
-        ("wheel", Some(radius), Some(width)) => Ok(Wheel::cylinder(radius, width).into()),
-        ("pad", Some(radius), None) => Ok(Pad { radius }.into()),
-        ("wheel" | "pad", ..) => Err(wrong("a size is missing".into())),
-        _ => Err(wrong(format!("{kind:?} is no tool"))),
-    }
-}
-
-/// A length with its unit, in metres.
-fn parse_length(text: &str) -> Option<f64> {
-    let text = text.trim();
-    let (number, unit) = match text.strip_suffix("mm") {
-        Some(number) => (number, 1e-3),
-        None => (text.strip_suffix('m')?, 1.0),
+    let sizes = match &tool {
+        Tool::Wheel(wheel) => [("radius", wheel.radius), ("width", wheel.width)],
+        other => [("radius", other.rim_radius()); 2],
     };
-    Some(number.trim().parse::<f64>().ok()? * unit)
+    let (least, most) = SIZES_MM;
+    let is_off = |(_, size): &(&str, f64)| !(least..=most).contains(&(1e3 * size));
+    if let Some((key, size)) = sizes.into_iter().find(is_off) {
+        return Err(format!("the {key} is {:?} mm; {least:?} to {most:?} mm is accepted", 1e3 * size));
+    }
+    Ok(tool)
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use effects::{CompiledModel, RowCounts, States};
 use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec3;
-use robot::{FieldTool, MeshDepth, Tool};
+use robot::{FieldTool, MeshDepth, Tool, ToolText};
 use sdf_bake::nvdb;
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
 use serde::Serialize;
@@ -18,7 +18,6 @@ use sim::{Contact, Frame, Pose, TOOL_CELLS};
 
 use super::flags::{STIFFNESS, SignFlag, UnitFlag};
 use super::model_flags::ModelFlags;
-use super::tool_flag::ToolFlag;
 use super::values::{number, positive};
 use crate::asset::{AssetFields, Manifest};
 use crate::console::Console;
@@ -45,7 +44,7 @@ pub(super) struct PressArgs {
     /// wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE, which comes down as it is in its
     /// file; a wheel turns about y.
     #[arg(long, value_name = "TOOL")]
-    tool: ToolFlag,
+    tool: ToolText,
     #[command(flatten)]
     goal: GoalFlags,
     /// Where the tool comes down along -z: x and y of the part's frame [mm].
@@ -340,8 +339,8 @@ impl PressArgs {
     /// The tool asked for.
     fn tool(&self, voxel: f64) -> Result<Tool> {
         match &self.tool {
-            ToolFlag::Solid(tool) => Ok(tool.clone()),
-            ToolFlag::Mesh(file) => self.tool_of_mesh(file, voxel),
+            ToolText::Solid(tool) => Ok(tool.clone()),
+            ToolText::Mesh(file) => self.tool_of_mesh(file, voxel),
         }
     }
 

@@ -1,9 +1,9 @@
 //! The welded surface as one mesh: closed, with the ids of the truth and the volume of the field.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use glam::DVec3;
-use sdf_bake::Mesh;
+use sdf_bake::{Merged, Mesh};
 
 use crate::asset::{AssetFields, Check, SURFACE_FILE, Welds};
 use export::glb_read::ReadPart;
@@ -28,47 +28,8 @@ pub(super) fn check(pieces: &[ReadPart], fields: &AssetFields, truth: Option<&We
     checks
 }
 
-/// A surface in which vertices in one place are one.
-struct Merged<'a> {
-    surface: &'a Mesh,
-    /// The place of each vertex.
-    places: Vec<u32>,
-}
-
-impl<'a> Merged<'a> {
-    fn of(surface: &'a Mesh) -> Self {
-        let mut known: HashMap<[u64; 3], u32> = HashMap::with_capacity(surface.positions.len());
-        let mut place = |position: &DVec3| {
-            let next = known.len() as u32;
-            *known.entry(position.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next)
-        };
-        Self { surface, places: surface.positions.iter().map(&mut place).collect() }
-    }
-
-    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
-        self.surface.triangles.iter().map(|corners| corners.map(|corner| self.places[corner as usize]))
-    }
-
-    /// Edges that are not passed exactly once each way.
-    fn open_or_crowded_edges(&self) -> usize {
-        let mut passes: HashMap<(u32, u32), [u32; 2]> = HashMap::new();
-        for [a, b, c] in self.triangles() {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                passes.entry((from.min(to), from.max(to))).or_default()[usize::from(from > to)] += 1;
-            }
-        }
-        passes.values().filter(|ways| **ways != [1, 1]).count()
-    }
-
-    /// Triangles without area.
-    fn flat_triangles(&self) -> usize {
-        (0..self.surface.triangles.len()).filter(|&t| self.surface.doubled_area_normal(t) == DVec3::ZERO).count()
-    }
-}
-
 fn check_manifold(surface: &Mesh) -> Check {
-    let merged = Merged::of(surface);
-    let (edges, flat) = (merged.open_or_crowded_edges(), merged.flat_triangles());
+    let Merged { uneven_edges: edges, flat_triangles: flat } = Merged::of(surface);
     let rule = "is closed once equal positions are merged, two triangles an edge, each with an area";
     let found = format!("{edges} edges without exactly two triangles, {flat} triangles without area");
     Check::new(SURFACE_FILE, rule, edges == 0 && flat == 0, found)
@@ -85,44 +46,4 @@ fn check_volume(surface: &Mesh, fields: &AssetFields) -> Check {
     let apart = (surface.volume() - fields.welded.volume()) / (surface.area() * fields.welded.voxel);
     let rule = format!("its volume is that of phi within {OFF_VOLUME} voxels over its area");
     Check::new(SURFACE_FILE, rule, apart.abs() <= OFF_VOLUME, format!("{apart:+.4} voxels"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Corners of a tetrahedron, its triangles with vertices of their own.
-    fn tetrahedron(corners: [DVec3; 4]) -> Mesh {
-        let sides = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-        let positions = sides.iter().flatten().map(|&corner| corners[corner]).collect();
-        Mesh { positions, triangles: (0..4).map(|side| [3 * side, 3 * side + 1, 3 * side + 2]).collect() }
-    }
-
-    #[test]
-    fn a_surface_is_closed_only_if_its_merged_edges_have_two_triangles() {
-        let [a, b] = [DVec3::ZERO, DVec3::Z];
-        let one = tetrahedron([a, DVec3::X, DVec3::Y, b]);
-        assert!(check_manifold(&one).passed, "a closed surface whose triangles share no vertex");
-        let mut open = one.clone();
-        open.triangles.pop();
-        assert!(!check_manifold(&open).passed, "an open one");
-        let mut crowded = one.clone();
-        crowded.append(&tetrahedron([a, -DVec3::X, -DVec3::Y, b]));
-        let found = check_manifold(&crowded);
-        assert!(!found.passed, "two bodies that share an edge, which has four triangles");
-        let mut flapped = one;
-        let [p, q, r] = [0, 1, 2].map(|corner| flapped.positions[corner]);
-        let first = flapped.positions.len() as u32;
-        flapped.positions.extend([p, q, r, p, r, q]);
-        flapped.triangles.extend([[first, first + 1, first + 2], [first + 3, first + 4, first + 5]]);
-        assert!(!check_manifold(&flapped).passed, "a fold of two triangles on a face");
-    }
-
-    #[test]
-    fn a_triangle_without_area_is_found() {
-        let mut surface = tetrahedron([DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]);
-        surface.positions[0] = 0.5 * (surface.positions[1] + surface.positions[2]);
-        assert!(!check_manifold(&surface).passed);
-        assert_eq!(Merged::of(&surface).flat_triangles(), 1);
-    }
 }

@@ -171,6 +171,18 @@ impl Language {
         }
     }
 
+    /// The language in which programs have an extension: `nc`, `ngc`, `gcode`, `src`, `mod`, `script` or `pose`.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        Some(match extension.to_ascii_lowercase().as_str() {
+            "nc" | "ngc" | "gcode" => Self::GCode,
+            "src" => Self::Krl,
+            "mod" => Self::Rapid,
+            "script" => Self::UrScript,
+            "pose" => Self::PoseList,
+            _ => return None,
+        })
+    }
+
     /// The language of a text, by its content.
     pub fn of(text: &str) -> Self {
         Self::ALL.into_iter().find(|language| language.format().recognises(text)).unwrap_or(Self::PoseList)

@@ -15,8 +15,8 @@ use crate::{Chart, Page, Series, Stroke, WIDE};
 /// Width of a map [px].
 const MAP: f64 = 900.0;
 /// Colours of the path while the tool pressed, and while it did not.
-const PRESSED: &str = "#0f7b3f";
-const IN_AIR: &str = "#7a5195";
+const PRESSED: &str = "#d6006c";
+const IN_AIR: &str = "#f0a000";
 /// Lines of a section.
 const BEFORE: Stroke = Stroke { colour: "#1c2330", dashed: false };
 const AFTER: Stroke = Stroke { colour: "#0072b2", dashed: false };
@@ -30,8 +30,8 @@ const OUTLINE_HEIGHT: f64 = 3e-3;
 pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
     let trial = check.trial;
     page.paragraph(
-        "The path of each log lies over the scans: green while the force says that the tool pressed, violet otherwise. What was \
-         removed must lie under the green line.",
+        "The path of each log lies over the scans: magenta while the force says that the tool pressed, yellow \
+         otherwise. What was removed must lie under the magenta line.",
     );
     let before = &trial.scans.before;
     page.drawing(&heights(before, &paths(trial, trial.passes.len())), "Heights before the first pass.");
@@ -65,7 +65,7 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
 fn change(trial: &Trial, pass: usize, before: &HeightMap, after: &HeightMap) -> Vec<f64> {
     let path = path_of(trial, pass);
     let free = untouched(before, &path, &trial.tool, CLEARANCE);
-    let registration = register(after, before, Freedom::Plane, |at| free[at])
+    let registration = register(after, before, Freedom::PlaneAndShift, |at| free[at])
         .or_else(|_| register(after, before, Freedom::Plane, |_| true))
         .unwrap_or_default();
     registration.left(after, before)

@@ -3,7 +3,7 @@
 mod drawings;
 
 use trials::measure::ScanNoise;
-use trials::trial::{Checked, ForceInput, Pass, PassScan, RPM, Role, Severity, ToolPath, Trial};
+use trials::trial::{Checked, Finding, ForceInput, Pass, PassScan, RPM, Role, Severity, ToolPath, Trial};
 
 use crate::Page;
 use robot::Controller;
@@ -87,28 +87,26 @@ fn add_trial(page: &mut Page, check: &TrialCheck) {
 }
 
 fn add_checks(page: &mut Page, checks: &[Checked]) {
-    let rows = checks.iter().flat_map(|check| {
-        let passed = || vec![check.check.to_owned(), "passed".to_owned(), String::new(), String::new(), String::new()];
-        let found = check.findings.iter().map(|finding| {
-            let became = match finding.severity {
-                Severity::Refused => "refused",
-                Severity::Noted => "noted",
-            };
-            let expected: Vec<&str> =
-                [&finding.expected, &finding.guess].into_iter().flatten().map(String::as_str).collect();
-            let file = finding.file.as_deref().map(|file| file.rsplit('/').next().unwrap_or(file).to_owned());
-            vec![
-                check.check.to_owned(),
-                became.to_owned(),
-                file.unwrap_or_default(),
-                finding.found.clone(),
-                expected.join(": "),
-            ]
-        });
-        let found: Vec<Vec<String>> = found.collect();
-        if found.is_empty() { vec![passed()] } else { found }
-    });
-    page.words(&["check", "result", "file", "found", "expected"], &rows.collect::<Vec<_>>());
+    let (passed, odd): (Vec<&Checked>, Vec<&Checked>) = checks.iter().partition(|check| check.findings.is_empty());
+    let passed: Vec<&str> = passed.into_iter().map(|check| check.check).collect();
+    page.paragraph(&format!("Passed: {}.", passed.join(", ")));
+    let rows: Vec<Vec<String>> = odd
+        .into_iter()
+        .flat_map(|check| check.findings.iter().map(|finding| finding_row(check.check, finding)))
+        .collect();
+    if !rows.is_empty() {
+        page.words(&["check", "result", "file", "found", "expected"], &rows);
+    }
+}
+
+fn finding_row(check: &str, finding: &Finding) -> Vec<String> {
+    let became = match finding.severity {
+        Severity::Refused => "refused",
+        Severity::Noted => "noted",
+    };
+    let file = finding.file.as_deref().map(|file| file.rsplit('/').next().unwrap_or(file));
+    let expected: Vec<&str> = [&finding.expected, &finding.guess].into_iter().flatten().map(String::as_str).collect();
+    [check, became, file.unwrap_or_default(), &finding.found, &expected.join(": ")].map(str::to_owned).to_vec()
 }
 
 fn used(check: &TrialCheck) -> Vec<(&'static str, String)> {

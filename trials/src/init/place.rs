@@ -39,7 +39,7 @@ pub(super) struct Placing {
     pub(super) origin: Option<DVec2>,
     /// True if nothing tells where along the path the scan begins.
     pub(super) slides_along: bool,
-    /// Median height of the logged place above the scan before while the tool pressed [m].
+    /// Median height of the logged place above what the last pass left, while the tool pressed [m].
     pub(super) gap: Option<f64>,
     /// Width of the track across the path [m].
     pub(super) width: Option<f64>,
@@ -59,7 +59,7 @@ impl Placing {
         let own = before.origin.unwrap_or(origin);
         // Nothing but the frame of the scan itself tells how high its surface is there.
         let lies_on = if own.distance(origin) < width { own } else { origin };
-        let gap = gap(pass, before, lies_on, pitch);
+        let gap = gap(pass, &after_last(before, scans), lies_on, pitch);
         (placing.origin, placing.slides_along) = (Some(origin), slides_along);
         (placing.gap, placing.width) = (gap, Some(width));
         placing
@@ -156,6 +156,15 @@ fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
 
 fn range_all(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+}
+
+/// The surface that the last pass left, in the frame of the scan before.
+fn after_last(before: &Surface, scans: &Scans) -> Surface {
+    let mut after = before.clone();
+    for (pixel, depth) in &scans.removed {
+        after.heights[pixel.y as usize * before.nx + pixel.x as usize] -= depth;
+    }
+    after
 }
 
 /// Median height of the pressed places above the map [m].

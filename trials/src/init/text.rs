@@ -67,7 +67,7 @@ impl Writer<'_> {
         } else {
             text.push_str("kind = \"wheel\"   # guessed; or \"pad\": a flat disc that faces the surface\n");
             let radius = gap.filter(|gap| (RADII[0]..RADII[1]).contains(gap)).map(|gap| gap * 1e3);
-            self.length(&mut text, "radius_mm", radius, "height of the logged place above the scan before");
+            self.length(&mut text, "radius_mm", radius, "height of the logged place above what the last pass left");
             self.length(&mut text, "width_mm", width, "width of the ground track; the wheel may be wider");
             let direction = self.placing.passes.first().map_or(DVec3::X, |pass| pass.direction);
             let axis = rounded(DVec3::Z.cross(direction));

@@ -65,6 +65,22 @@ fn german_names_and_negative_forces_are_understood() {
 }
 
 #[test]
+fn a_force_that_is_pressed_on_reads_away_from_what_it_reads_in_the_air() {
+    let sign = |reading: &dyn Fn(usize) -> f64| {
+        let row = |k: usize| format!("{},{},0,0,{}\n", 0.01 * k as f64, k, reading(k));
+        let text = "t,x,y,z,force\n".to_owned() + &(0..400).map(row).collect::<String>();
+        of(&text).best(Role::Force).expect("a force").sign
+    };
+    // A log that begins and ends pressed on, and one that does so in the air.
+    assert_eq!(sign(&|k| if (200..220).contains(&k) { -0.1 } else { -15.0 }), -1);
+    assert_eq!(sign(&|k| if (50..350).contains(&k) { -15.0 } else { 0.2 }), -1);
+    assert_eq!(sign(&|k| if (50..350).contains(&k) { 15.0 } else { -0.2 }), 1);
+    // The weight of the tool is in the reading.
+    assert_eq!(sign(&|k| if (50..350).contains(&k) { -45.0 } else { -30.0 }), -1);
+    assert_eq!(sign(&|k| if (50..350).contains(&k) { -15.0 } else { -30.0 }), 1);
+}
+
+#[test]
 fn rtde_names_are_poses_in_metres() {
     let text =
         "timestamp actual_TCP_pose_0 actual_TCP_pose_1 actual_TCP_pose_2 actual_TCP_force_2 output_double_register_0\n"

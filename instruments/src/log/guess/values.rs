@@ -180,9 +180,12 @@ fn sign(candidate: &mut Candidate, role: Role, values: &[f64]) {
     let end = quantile(&sorted(values.iter().rev().copied().take(rows)), 0.5);
     let all = sorted(values.iter().copied());
     let (low, high) = (quantile(&all, 0.01), quantile(&all, 0.99));
-    // A log that begins and ends alike does so in the air, whatever its sensor reads there. Otherwise it reads about nothing.
-    let begins_in_air = (begin - end).abs() < SAME_READING * (high - low);
-    let air = if begins_in_air && begin.abs() <= 2.0 * (high - low) { begin } else { 0.0 };
+    // Readings near nothing are those in the air. A sensor that never reads nothing has an offset, which a log shows that
+    // begins and ends alike.
+    let has_offset =
+        low.abs().min(high.abs()) > SAME_READING * low.abs().max(high.abs()) && low.signum() == high.signum();
+    let is_alike = (begin - end).abs() < SAME_READING * (high - low) && begin.abs() <= 2.0 * (high - low);
+    let air = if has_offset && is_alike { begin } else { 0.0 };
     let (below, above) = ((air - low).max(0.0), (high - air).max(0.0));
     let negative = below > above;
     candidate.sign = if negative { -1 } else { 1 };

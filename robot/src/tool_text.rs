@@ -1,23 +1,23 @@
-//! The tool that is pressed into a part, as a flag names it.
+//! A tool as people name it in a line: `wheel:radius=50mm,width=20mm`.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use robot::{Pad, Sphere, Tool, Wheel};
+use crate::{Pad, Sphere, Tool, Wheel};
 
-/// Kinds of tools, as `--tool` takes them.
+/// Kinds of tools.
 const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
 
-/// The tool that a flag names.
+/// A tool named in a line.
 #[derive(Clone, Debug)]
-pub(super) enum ToolFlag {
+pub enum ToolText {
     /// Of sizes.
     Solid(Tool),
     /// Of a file.
     Mesh(PathBuf),
 }
 
-impl FromStr for ToolFlag {
+impl FromStr for ToolText {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
