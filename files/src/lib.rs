@@ -3,7 +3,7 @@
 //! 1. [`input`] opens regular files alone, of a stated size; [`json_file`] reads JSON, and [`named_file`] finds the files
 //!    that a manifest names, within its folder.
 //! 2. [`output`] says what a command may replace, and [`folder`] writes beside the place and renames (`staging`).
-//! 3. [`file_lock`] and [`job_queue`] share work among threads and processes; [`journal`] keeps finished work for a run
+//! 3. [`file_lock`], [`job_queue`] and [`room`] share work among threads and processes; [`journal`] keeps finished work for a run
 //!    that goes on after an interruption.
 //!
 //! This crate never prints and never chooses a place by itself.
@@ -17,6 +17,7 @@ pub mod journal;
 pub mod json_file;
 pub mod named_file;
 pub mod output;
+pub mod room;
 mod staging;
 
 pub use error::{FileError, WrongUse};

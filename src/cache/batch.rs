@@ -9,13 +9,13 @@ use std::time::Instant;
 use anyhow::{Context, Result, anyhow, bail};
 use sdf_bake::read::MeshBytes;
 
-use super::room::Room;
 use super::sources::Sources;
 use super::{Cache, Recipe, Record};
 use crate::baking::{FieldWishes, bake_part};
 use crate::part::Part;
 use crate::store::Filled;
 use files::file_lock::Patience;
+use files::room::Room;
 use sdf_bake::memory_budget;
 
 /// Meshes to bake into a cache.

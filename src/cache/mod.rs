@@ -15,7 +15,6 @@ mod batch;
 mod entry;
 mod index;
 mod recipe;
-mod room;
 mod sources;
 
 use std::path::Path;

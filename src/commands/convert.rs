@@ -12,7 +12,7 @@ use files::folder::StagedFile;
 use files::input::{self, MOST_MESH_BYTES};
 use files::output::{FileKind, Out};
 use instruments::program::{self, Language, Program, ReadOptions};
-use instruments::surface::{self, Source, Surface, Window};
+use instruments::surface::{self, Source, Window};
 use paths::program::{Unsaid, log_of};
 use trials::trial::{RPM, log_csv};
 
@@ -60,11 +60,11 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<()> {
     let is_program = args.input.extension().is_some_and(|own| Language::of_extension(&own.to_string_lossy()).is_some());
     let (format, what, notes, made) = if is_program {
         let program = program::read(&args.input, &bytes, &ReadOptions::default())?;
-        (program.format, told_program(&program), program.notes.clone(), args.program(&program)?)
+        (program.format, program.summary(), program.notes.clone(), args.program(&program)?)
     } else {
         let surface = surface::read(&Source { file: &args.input, bytes: &bytes, window: Window::default() })?;
         let made = args.out.as_ref().map(|out| surface::write(out, &surface)).transpose()?;
-        (surface.format, told_surface(&surface), surface.notes, made)
+        (surface.format, surface.summary(), surface.notes, made)
     };
     console.step("read", format!("{format}: {what}"));
     notes.iter().for_each(|note| console.step("note", note));
@@ -89,25 +89,4 @@ impl ConvertArgs {
         })?;
         Ok(Some(program::write(&program.points, language)?.into_bytes()))
     }
-}
-
-fn told_program(program: &Program) -> String {
-    let way: f64 = program.points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
-    format!("{} points, {:.2} mm of way", program.points.len(), way * 1e3)
-}
-
-fn told_surface(surface: &Surface) -> String {
-    let known = || surface.heights.iter().copied().filter(|height| height.is_finite());
-    let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
-    let missing = surface.heights.len() - known().count();
-    let pitch = surface.pitch.map_or("no distance between pixels".to_owned(), |pitch| {
-        format!("{:.6} x {:.6} mm apart", pitch.x * 1e3, pitch.y * 1e3)
-    });
-    format!(
-        "{} x {} pixels, {pitch}, {missing} missing, heights from {:.6} to {:.6} mm",
-        surface.nx,
-        surface.ny,
-        low * 1e3,
-        high * 1e3
-    )
 }

@@ -10,7 +10,7 @@ use super::flags::OutFlags;
 use crate::console::Console;
 use files::folder::{StagedFolder, write_file};
 use files::output::FolderKind;
-use report::trial_check::{TrialCheck, page};
+use report::trial_check::{Summary, TrialCheck, page};
 use trials::init::guess;
 use trials::measure::ScanNoise;
 use trials::trial::{Campaign, Checked, TRIAL_FILE, Trial};
@@ -50,17 +50,7 @@ struct InitAnswer<'a> {
 #[derive(Serialize)]
 struct CheckAnswer {
     usable: bool,
-    trials: Vec<CheckedTrial>,
-}
-
-#[derive(Serialize)]
-struct CheckedTrial {
-    trial: String,
-    refused: usize,
-    noise_um: f64,
-    noise_source: trials::measure::NoiseSource,
-    notes: Vec<String>,
-    checks: Vec<Checked>,
+    trials: Vec<Summary>,
 }
 
 /// Looks at a folder and writes its `trial.toml`.
@@ -103,22 +93,13 @@ pub(super) fn check(args: &CheckArgs, console: &Console) -> Result<()> {
         check.refusals().for_each(|refusal| console.step("refused", refusal));
         console.step("checked", format!("{}: {}", check.trial.name, check.verdict()));
     }
-    let answer =
-        CheckAnswer { usable: all.iter().all(|check| check.refused() == 0), trials: all.iter().map(told).collect() };
+    let answer = CheckAnswer {
+        usable: all.iter().all(|check| check.refused() == 0),
+        trials: all.iter().map(TrialCheck::summary).collect(),
+    };
     let name = args.folder.file_name().map_or("trial".to_owned(), |name| name.to_string_lossy().into_owned());
     write_file(&folder.path().join("report.html"), page(&name, &all).as_bytes())?;
     write_file(&folder.path().join(CHECK_FILE), serde_json::to_string_pretty(&answer)?.as_bytes())?;
     console.step("written", folder.commit()?.display().to_string());
     console.answer(&answer)
-}
-
-fn told(check: &TrialCheck) -> CheckedTrial {
-    CheckedTrial {
-        trial: check.trial.name.clone(),
-        refused: check.refused(),
-        noise_um: check.noise.floor.sigma * 1e6,
-        noise_source: check.noise.source.clone(),
-        notes: check.trial.notes.clone(),
-        checks: check.checks.to_vec(),
-    }
 }

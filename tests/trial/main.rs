@@ -3,6 +3,7 @@
 //! Campaigns that were made elsewhere are read from `ROBOFIN_SHARED`; where they are not there the test says so, and
 //! fails if `ROBOFIN_REQUIRE_SHARED` is 1.
 
+mod begun;
 mod columns;
 mod files;
 mod hostile;

@@ -63,6 +63,14 @@ pub struct Program {
     pub notes: Vec<String>,
 }
 
+impl Program {
+    /// Its size for people, in a line.
+    pub fn summary(&self) -> String {
+        let way: f64 = self.points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+        format!("{} points, {:.2} mm of way", self.points.len(), way * 1e3)
+    }
+}
+
 /// A language of programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {

@@ -133,6 +133,19 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Its size for people, in a line.
+    pub fn summary(&self) -> String {
+        let known = || self.heights.iter().copied().filter(|height| height.is_finite());
+        let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+        let share = 100.0 * (1.0 - known().count() as f64 / self.heights.len().max(1) as f64);
+        let pitch = self.pitch.map_or("no distance between them".to_owned(), |pitch| {
+            let [x, y] = [pitch.x * 1e3, pitch.y * 1e3].map(|pitch| (pitch * 1e6).round() / 1e6);
+            if x == y { format!("{x} mm apart") } else { format!("{x} x {y} mm apart") }
+        });
+        let heights = format!("heights from {:.4} to {:.4} mm", low * 1e3, high * 1e3);
+        format!("{} x {} pixels, {pitch}, {share:.1} % missing, {heights}", self.nx, self.ny)
+    }
+
     /// A map on square pixels.
     fn on(format: &'static str, map: HeightMap, notes: Vec<String>) -> Self {
         let PixelGrid { origin, pitch, nx, ny } = map.pixels;

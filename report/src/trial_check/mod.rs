@@ -2,7 +2,8 @@
 
 mod drawings;
 
-use trials::measure::ScanNoise;
+use serde::Serialize;
+use trials::measure::{NoiseSource, ScanNoise};
 use trials::trial::{Checked, Finding, ForceInput, Pass, PassScan, RPM, Role, Severity, ToolPath, Trial};
 
 use crate::Page;
@@ -18,7 +19,36 @@ pub struct TrialCheck<'a> {
     pub noise: &'a ScanNoise,
 }
 
+/// A trial that was checked, for machines.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Name of the trial.
+    trial: String,
+    /// Number of findings that keep it from being used.
+    refused: usize,
+    /// Noise of one scan [µm].
+    noise_um: f64,
+    /// Where that is seen.
+    noise_source: NoiseSource,
+    /// What was understood of the files where it was not the plain case.
+    notes: Vec<String>,
+    /// What each check found.
+    checks: Vec<Checked>,
+}
+
 impl TrialCheck<'_> {
+    /// The same for machines.
+    pub fn summary(&self) -> Summary {
+        Summary {
+            trial: self.trial.name.clone(),
+            refused: self.refused(),
+            noise_um: self.noise.floor.sigma * 1e6,
+            noise_source: self.noise.source.clone(),
+            notes: self.trial.notes.clone(),
+            checks: self.checks.to_vec(),
+        }
+    }
+
     /// Findings that keep the trial from being used.
     pub fn refused(&self) -> usize {
         let findings = self.checks.iter().flat_map(|check| &check.findings);

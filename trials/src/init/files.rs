@@ -121,18 +121,9 @@ impl Kind {
 
     /// For people.
     fn words(&self) -> String {
-        let size = |surface: &Surface| {
-            let missing = surface.heights.iter().filter(|height| height.is_nan()).count();
-            let share = 100.0 * missing as f64 / surface.heights.len() as f64;
-            let pitch = surface.pitch.map_or("no pitch".to_owned(), |pitch| {
-                let [x, y] = [pitch.x * 1e3, pitch.y * 1e3].map(|pitch| (pitch * 1e6).round() / 1e6);
-                if x == y { format!("{x} mm apart") } else { format!("{x} x {y} mm apart") }
-            });
-            format!("{} x {} pixels, {pitch}, {share:.1} % missing", surface.nx, surface.ny)
-        };
         match self {
-            Self::Map(surface) => format!("height map ({}), {}", surface.format, size(surface)),
-            Self::Mask(surface) => format!("mask of 0 and 1, {}", size(surface)),
+            Self::Map(surface) => format!("height map ({}), {}", surface.format, surface.summary()),
+            Self::Mask(surface) => format!("mask of 0 and 1, {} x {} pixels", surface.nx, surface.ny),
             Self::Log(channels, _) => {
                 format!("log ({}), {} rows of {} channels", channels.format, channels.rows(), channels.names.len())
             }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use effects::Process;
 use glam::{DVec2, DVec3};
-use instruments::log::guess::{Candidate, Confidence, Role};
+use instruments::log::guess::Role;
 
 use super::files::Found;
 use super::place::{PassGuess, Placing};
@@ -135,21 +135,11 @@ impl Writer<'_> {
         }
         let mut text = "[log]\n".to_owned();
         text.push_str(&self.offset());
-        text.push_str("\n[log.columns]   # quantity = { column of the log, its unit, sign = -1 turns it round }\n");
-        for role in Role::ALL {
-            let line = match guesses.best(role) {
-                Some(candidate) => column(role, candidate),
-                None if role == Role::Spindle => {
-                    "# spindle: no column; spindle_rpm of each [[pass]] counts\n".to_owned()
-                }
-                None if role.is_required() => {
-                    self.open.push(format!("[log.columns] {}", role.key()));
-                    format!("{} = \"\"   # FILL IN: the column\n", role.key())
-                }
-                None => continue,
-            };
-            text.push_str(&line);
-        }
+        text.push('\n');
+        text.push_str(&guesses.table());
+        let missing = Role::ALL.into_iter().filter(|role| role.is_required() && guesses.best(*role).is_none());
+        let missing = missing.filter(|role| *role != Role::Spindle);
+        self.open.extend(missing.map(|role| format!("[log.columns] {}", role.key())));
         let used: Vec<usize> =
             Role::ALL.iter().filter_map(|role| guesses.best(*role)).map(|best| best.channel).collect();
         let others = (0..channels.names.len()).filter(|at| !used.contains(at)).map(|at| quoted(&channels.names[at]));
@@ -223,15 +213,6 @@ fn settings(pass: &PassGuess) -> String {
     let _ =
         writeln!(text, "direction = [{}, {}, 0]   # guessed: from the first to the last row", direction.x, direction.y);
     text
-}
-
-/// A line of `[log.columns]`.
-fn column(role: Role, candidate: &Candidate) -> String {
-    let sign = if candidate.sign < 0 { ", sign = -1" } else { "" };
-    let unit = if candidate.unit == "°C" { "degC" } else { &candidate.unit };
-    let doubt = if candidate.confidence == Confidence::Doubtful { "CHECK: " } else { "" };
-    let (key, name, reason) = (role.key(), quoted(&candidate.name), &candidate.reason);
-    format!("{key} = {{ column = {name}, unit = \"{unit}\"{sign} }}   # {doubt}{reason}\n")
 }
 
 /// A direction, along an axis where it is nearly so.

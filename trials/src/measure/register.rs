@@ -9,6 +9,8 @@ use super::robust::centre_and_sigma;
 
 /// Fewest pixels that fix a plane.
 const LEAST_PIXELS: usize = 16;
+/// Most pixels that are used; of more, every second, third and so on.
+const MOST_USED: usize = 250_000;
 /// Rounds of reweighting with Huber's weights, then with Tukey's, which forget outliers altogether.
 const ROUNDS: (usize, usize) = (10, 20);
 /// Huber's and Tukey's constants for 95 % efficiency under a normal law [standard deviations].
@@ -96,6 +98,8 @@ pub fn register(
     let known = |at: usize| (measured.heights[at] - reference.heights[at]).is_finite();
     let used: Vec<usize> = (0..pixels.len()).filter(|&at| takes(at) && known(at)).collect();
     let place = |at: usize| pixels.position(at % pixels.nx, at / pixels.nx);
+    // A plane and a shift need no more: their errors are those of a pixel over the root of the count.
+    let used: Vec<usize> = used.iter().copied().step_by(used.len().div_ceil(MOST_USED).max(1)).collect();
     let centre = used.iter().map(|&at| place(at)).sum::<DVec2>() / used.len().max(1) as f64;
     let scale = pixels.pitch * pixels.nx.max(pixels.ny) as f64;
     let equation = |at: usize| {

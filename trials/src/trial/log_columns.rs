@@ -45,6 +45,8 @@ const FORCE: usize = 4;
 const SPINDLE: usize = 5;
 const AXIS: Range<usize> = 6..9;
 const TEMPERATURE: usize = 9;
+/// Unit of a spindle speed that means turns.
+const TURNS_A_SECOND: &str = "Hz";
 /// Zero of the Celsius scale [K].
 const CELSIUS: f64 = 273.15;
 
@@ -117,7 +119,10 @@ impl<'a> LogColumns<'a> {
             }
             return Ok(None);
         };
-        let text = entry.get_ref().unit().unwrap_or(quantity.unit);
+        let text = match entry.get_ref().unit().unwrap_or(quantity.unit) {
+            TURNS_A_SECOND if quantity.key == QUANTITIES[SPINDLE].key => quantity.unit,
+            text => text,
+        };
         let bad = |found: String| {
             let accepted = format!("a unit such as {} is expected for {}", quantity.unit, quantity.key);
             self.source.bad(entry.span(), found, accepted)
@@ -147,7 +152,8 @@ impl<'a> LogColumns<'a> {
             let found = format!("no column {} for {}", quoted_near(&column, names()), quantity.key);
             return Err(Place::file(file).bad(found, accepted));
         };
-        let scale = sign.unwrap_or(1.0) * gain.unwrap_or(1.0);
+        let turns = entry.get_ref().unit() == Some(TURNS_A_SECOND) && quantity.key == QUANTITIES[SPINDLE].key;
+        let scale = sign.unwrap_or(1.0) * gain.unwrap_or(1.0) * if turns { 60.0 } else { 1.0 };
         let of = |value: &f64| unit.to_si(scale * (value - zero.unwrap_or(0.0)));
         let values: Vec<f64> = channels.values[at].iter().map(of).collect();
         match lag_s {
@@ -268,6 +274,23 @@ impl Resolved<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_unit_that_a_header_may_have_is_one_of_its_quantity() {
+        for (quantity, units) in [
+            (0, &["s", "ms", "us", "ns", "min", "h"][..]),
+            (1, &["m", "mm", "um"]),
+            (FORCE, &["N", "kN"]),
+            (SPINDLE, &["rpm", "rad/s"]),
+            (6, &["1"]),
+            (TEMPERATURE, &["°C", "degC", "K"]),
+        ] {
+            for text in units {
+                let unit = ColumnUnit::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+                assert_eq!(unit.dimension(), Dimension::whole(QUANTITIES[quantity].dimension), "{text}");
+            }
+        }
+    }
 
     #[test]
     fn a_late_channel_is_moved_to_the_times_that_it_belongs_to() {

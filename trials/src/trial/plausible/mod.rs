@@ -17,6 +17,7 @@
 //! - [`repeat`]: the repeated scan must differ from the first one by noise only.
 
 mod across;
+mod coarse;
 mod contact;
 mod copies;
 mod exposure;
@@ -167,6 +168,7 @@ fn run(
     names: &Names,
     each: &mut dyn FnMut(&'static str, Outcome) -> Result<(), TrialError>,
 ) -> Result<(), TrialError> {
+    let trial = &*coarse::coarse(trial);
     for (pass, name) in trial.passes.iter().zip(&names.logs) {
         let found = readings::check(pass, trial, &trial.folder.join(name));
         let named = |notes: Vec<String>| notes.into_iter().map(|note| format!("{}: {note}", name.display())).collect();

@@ -1,38 +1,39 @@
-//! How much may be baked at once.
+//! Room that jobs at once share.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// A number of bricks that jobs share; a job waits until its share is free.
-pub(super) struct Room {
+/// An amount that jobs share, such as of memory; a job waits until its share is free.
+pub struct Room {
     most: f64,
     used: Mutex<f64>,
     freed: Condvar,
 }
 
 /// A share of a room, free again when dropped.
-pub(super) struct Share<'a> {
+pub struct Share<'a> {
     room: &'a Room,
-    bricks: f64,
+    amount: f64,
 }
 
 impl Room {
-    pub(super) fn new(most: f64) -> Self {
+    /// A room of a size.
+    pub fn new(most: f64) -> Self {
         Self { most, used: Mutex::new(0.0), freed: Condvar::new() }
     }
 
     /// Waits for room; a job alone always gets it.
-    pub(super) fn share(&self, bricks: f64) -> Share<'_> {
+    pub fn share(&self, amount: f64) -> Share<'_> {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_full = |used: &mut f64| *used > 0.0 && *used + bricks > self.most;
+        let is_full = |used: &mut f64| *used > 0.0 && *used + amount > self.most;
         let mut used = self.freed.wait_while(used, is_full).unwrap_or_else(PoisonError::into_inner);
-        *used += bricks;
-        Share { room: self, bricks }
+        *used += amount;
+        Share { room: self, amount }
     }
 }
 
 impl Drop for Share<'_> {
     fn drop(&mut self) {
-        *self.room.used.lock().unwrap_or_else(PoisonError::into_inner) -= self.bricks;
+        *self.room.used.lock().unwrap_or_else(PoisonError::into_inner) -= self.amount;
         self.room.freed.notify_all();
     }
 }
