@@ -38,7 +38,7 @@ fn read_maps() {
         let pixels = PixelGrid { origin: DVec2::new(0.0, -0.01), pitch: 0.25e-3, nx, ny };
         let file = folder.path().join("map.csv");
         fs::write(&file, heights_csv(&HeightMap::from_function(pixels, bead))).expect("a map");
-        let frame = ScanFrame { origin: Some(pixels.origin), pitch: Some(pixels.pitch), like: None };
+        let frame = ScanFrame { origin: Some(pixels.origin), pitch: Some(pixels.pitch), ..ScanFrame::default() };
         report(&format!("read a map of {nx} x {ny}"), pixels.len() as f64, "pixels", || {
             read_heights(&file, frame).expect("a map");
         });

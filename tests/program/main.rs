@@ -10,6 +10,7 @@ mod dials;
 mod effects;
 mod faults;
 mod faulty_driver;
+mod first_trial;
 mod flags;
 mod hostile_files;
 mod inputs;

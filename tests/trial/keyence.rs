@@ -35,7 +35,7 @@ const GERMAN: [&str; 5] = ["XY-Justierung", "Horizont.", "Vertikal", "Einheit", 
 fn read(text: &str, place: &Path) -> Result<trials::trial::Read<sdf_bake::HeightMap>, trials::trial::TrialError> {
     let file = place.join("scan.csv");
     fs::write(&file, text).unwrap();
-    read_heights(&file, ScanFrame { origin: Some(pixels().origin), pitch: Some(0.3e-3), like: None })
+    read_heights(&file, ScanFrame { origin: Some(pixels().origin), pitch: Some(0.3e-3), ..ScanFrame::default() })
 }
 
 #[test]

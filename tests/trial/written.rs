@@ -2,7 +2,7 @@
 
 use robot::Controller;
 use sdf_bake::HeightMap;
-use trials::trial::{Campaign, PassScan, Trial, write_trial};
+use trials::trial::{Campaign, ForceInput, PassScan, Trial, write_trial};
 
 use crate::files::{edit, folder, grinding, noted, sanding};
 
@@ -21,6 +21,12 @@ fn returned(trial: &Trial) -> Trial {
 fn a_controller_without_mass_returns() {
     let controller = Controller::Admittance { mass: 0.0, damping: 1500.0, period: 5e-4 };
     assert_eq!(returned(&Trial { controller, ..grinding() }).controller, controller);
+}
+
+#[test]
+fn a_logged_force_that_leads_returns() {
+    let returned = returned(&Trial { controller: Controller::Ideal, force_input: ForceInput::Log, ..grinding() });
+    assert_eq!((returned.controller, returned.force_input), (Controller::Ideal, ForceInput::Log));
 }
 
 #[test]

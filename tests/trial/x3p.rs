@@ -37,7 +37,7 @@ fn read(bytes: &[u8]) -> Result<Read<HeightMap>, TrialError> {
     // The name says nothing: the content does.
     let file = folder.path().join("scan.dat");
     fs::write(&file, bytes).unwrap();
-    read_heights(&file, ScanFrame { origin: Some(pixels().origin), pitch: Some(0.25e-3), like: None })
+    read_heights(&file, ScanFrame { origin: Some(pixels().origin), pitch: Some(0.25e-3), ..ScanFrame::default() })
 }
 
 fn heights() -> Vec<f64> {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Experiment, Instrument, Robot};
+use trials::trial::ForceInput;
 
 /// Errors of scanner, robot and tool besides the hidden effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -23,12 +24,25 @@ pub enum FrontEnd {
     Texture,
     /// The tool did two passes on another workpiece before each trial, and counts as fresh.
     Worn,
+    /// No surface is scanned twice.
+    Once,
+    /// The force swings by 10 % about its mean, and the trials say that the logged force leads.
+    Logged,
 }
 
 impl FrontEnd {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Clean, Self::Hard, Self::Frame, Self::Clock, Self::Ripple, Self::Texture, Self::Worn];
+    pub const ALL: [Self; 9] = [
+        Self::Clean,
+        Self::Hard,
+        Self::Frame,
+        Self::Clock,
+        Self::Ripple,
+        Self::Texture,
+        Self::Worn,
+        Self::Once,
+        Self::Logged,
+    ];
 
     /// In files and tables.
     pub fn word(self) -> &'static str {
@@ -40,6 +54,8 @@ impl FrontEnd {
             Self::Ripple => "ripple",
             Self::Texture => "texture",
             Self::Worn => "worn",
+            Self::Once => "once",
+            Self::Logged => "logged",
         }
     }
 
@@ -53,6 +69,8 @@ impl FrontEnd {
             Self::Ripple => "The force swings by 10 %",
             Self::Texture => "Grinding marks, coatings like orange peel",
             Self::Worn => "The tool worked before each trial",
+            Self::Once => "No surface is scanned twice",
+            Self::Logged => "The force swings, and the logged one leads",
         }
     }
 
@@ -72,7 +90,7 @@ impl FrontEnd {
             Self::Hard => Robot::hard(),
             Self::Frame => Robot { frame_shift: 0.5e-3, frame_turn: 2e-3, ..clean },
             Self::Clock => Robot { pose_delay: 0.08, ..clean },
-            Self::Ripple => Robot { force_ripple: 0.1, ..clean },
+            Self::Ripple | Self::Logged => Robot { force_ripple: 0.1, ..clean },
             _ => clean,
         }
     }
@@ -88,6 +106,8 @@ impl Experiment {
     #[must_use]
     pub fn behind(self, front: FrontEnd) -> Self {
         let (instrument, robot, earlier_passes) = (front.instrument(), front.robot(), front.earlier_passes());
-        Self { instrument, robot, earlier_passes, ..self }
+        let repeats = if front == FrontEnd::Once { 0 } else { 1 };
+        let force_input = if front == FrontEnd::Logged { ForceInput::Log } else { ForceInput::Setpoint };
+        Self { instrument, robot, earlier_passes, repeats, force_input, ..self }
     }
 }

@@ -40,7 +40,7 @@ use sim::TOOL_CELLS;
 use thiserror::Error;
 
 use plan::Setting;
-use trials::trial::Trial;
+use trials::trial::{ForceInput, Trial};
 use truth::Bout;
 
 pub use self::robot::Robot;
@@ -71,6 +71,10 @@ pub struct Experiment {
     pub robot: Robot,
     /// Passes that the tool did on another workpiece before each trial; the trial counts it as fresh.
     pub earlier_passes: usize,
+    /// Repeated scans of each workpiece before its first pass.
+    pub repeats: usize,
+    /// What the trials say that the controller holds.
+    pub force_input: ForceInput,
     /// Trials that follow those of the plan, each on a workpiece of its own: as they were planned, stage by stage.
     pub then: Vec<Vec<Trial>>,
     /// Laws and effects that are known to the laboratory.
@@ -117,6 +121,8 @@ impl Experiment {
             instrument: Instrument::clean(),
             robot: Robot::clean(),
             earlier_passes: 0,
+            repeats: 1,
+            force_input: ForceInput::Setpoint,
             then: Vec::new(),
             library: outside::with_outside(library)?,
             seed,

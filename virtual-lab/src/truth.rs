@@ -200,8 +200,11 @@ impl<'a> Bout<'a> {
             tool: self.tool.clone(),
             fresh: true,
             scans,
-            controller: self.controller,
-            force_input: ForceInput::Setpoint,
+            controller: match self.experiment.force_input {
+                ForceInput::Setpoint => self.controller,
+                ForceInput::Log => Controller::Ideal,
+            },
+            force_input: self.experiment.force_input,
             coating: sands.then_some(COATING),
             passes,
             columns: Vec::new(),
@@ -257,7 +260,7 @@ impl<'a> Bout<'a> {
         let grinds = self.experiment.process == Process::Grinding;
         Ok(Scans {
             before: scan("before")?,
-            repeats: vec![scan("repeat")?],
+            repeats: (0..self.experiment.repeats).map(|k| scan(&repeat(k))).collect::<Result<_, _>>()?,
             material: grinds.then(|| LabelMap { pixels: self.pixels, labels: labels() }),
         })
     }
@@ -382,4 +385,9 @@ fn true_part(piece: &Workpiece, scan: &PixelGrid, tool: &HeldTool) -> Result<Bri
         part.label_columns(&pixels, &labels);
     }
     Ok(part)
+}
+
+/// The stream of a repeated scan, counted from 0.
+fn repeat(number: usize) -> String {
+    if number == 0 { "repeat".to_owned() } else { format!("repeat-{}", number + 1) }
 }

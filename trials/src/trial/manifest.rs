@@ -13,6 +13,7 @@ use toml::de::{DeTable, DeValue};
 use files::named_file::{self, Absent};
 
 use super::error::{Place, TrialError};
+use super::scan::Mirror;
 
 /// Value of the `format` key.
 pub const TRIAL_FORMAT: &str = "finishing-trial/1";
@@ -25,7 +26,7 @@ const COLUMNS: &str = "columns";
 const KEYS: [(&str, &[&str]); 7] = [
     ("", &["format", "name", "process", "tool", "scan", "log", "controller", "coating", "columns", "pass"]),
     ("tool", &["kind", "radius_mm", "width_mm", "axis", "fresh"]),
-    ("scan", &["pitch_mm", "origin_mm", "before", "repeat", "material"]),
+    ("scan", &["pitch_mm", "origin_mm", "mirror", "before", "repeat", "material"]),
     ("log", &["columns", "offset_mm", "yaw_deg"]),
     ("controller", &["kind", "mass_kg", "damping_ns_m", "period_s"]),
     ("coating", &["thickness_mm"]),
@@ -161,12 +162,18 @@ fn fresh() -> bool {
     true
 }
 
+fn is_not_mirrored(mirror: &Mirror) -> bool {
+    *mirror == Mirror::None
+}
+
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct ScanTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) pitch_mm: Option<Spanned<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) origin_mm: Option<Spanned<[f64; 2]>>,
+    #[serde(default, skip_serializing_if = "is_not_mirrored")]
+    pub(super) mirror: Mirror,
     pub(super) before: Spanned<PathBuf>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) repeat: Vec<Spanned<PathBuf>>,

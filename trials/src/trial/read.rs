@@ -144,7 +144,12 @@ impl Reader<'_> {
             };
             if x.is_finite() && y.is_finite() { Ok(DVec2::new(x, y) * 1e-3) } else { Err(bad()) }
         });
-        Ok(ScanFrame { origin: origin.transpose()?, pitch: pitch.map(|pitch| pitch * 1e-3), like: None })
+        Ok(ScanFrame {
+            origin: origin.transpose()?,
+            pitch: pitch.map(|pitch| pitch * 1e-3),
+            like: None,
+            mirror: manifest.scan.mirror,
+        })
     }
 
     fn tool(&self, table: &ToolTable) -> Result<HeldTool, TrialError> {

@@ -8,7 +8,7 @@ use instruments::surface::plain_grid::Grid;
 use instruments::surface::{self, Source, Surface, Window};
 use instruments::text_table::TextTable;
 use sdf_bake::{HeightMap, PixelGrid};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::error::{Place, TrialError};
 use super::resample;
@@ -24,6 +24,33 @@ const PITCH_NOTE: f64 = 1e-3;
 /// Height between the lowest and the highest pixel that a scan of a weld may have [m].
 const MOST_SPAN: f64 = 1.0;
 
+/// How scans are turned round within their own area before anything else.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mirror {
+    /// Not at all.
+    #[default]
+    None,
+    /// The cells of each row are reversed.
+    X,
+    /// The rows are reversed.
+    Y,
+}
+
+impl Mirror {
+    /// Turns the values of a grid round, shape `[ny, nx]`.
+    fn turn<T>(self, values: &mut [T], nx: usize) {
+        match self {
+            Self::None => {}
+            Self::X => values.chunks_mut(nx).for_each(<[T]>::reverse),
+            Self::Y => {
+                values.reverse();
+                values.chunks_mut(nx).for_each(<[T]>::reverse);
+            }
+        }
+    }
+}
+
 /// Where the pixels of scans lie, as far as it is known before they are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScanFrame {
@@ -33,6 +60,8 @@ pub struct ScanFrame {
     pub pitch: Option<f64>,
     /// Pixels of the scan before, onto which scans with pixels of their own are brought.
     pub like: Option<PixelGrid>,
+    /// How scans are turned round.
+    pub mirror: Mirror,
 }
 
 impl ScanFrame {
@@ -82,6 +111,7 @@ pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, Tr
     };
     let mut surface = surface::read(&Source { file, bytes: &bytes, window })?;
     let mut notes = std::mem::take(&mut surface.notes);
+    frame.mirror.turn(&mut surface.heights, surface.nx);
     let map = placed(file, surface, frame, &mut notes)?;
     check_heights(file, &map)?;
     Ok(Read { content: map, notes })
@@ -193,12 +223,13 @@ pub fn read_labels(file: &Path, frame: ScanFrame) -> Result<Read<LabelMap>, Tria
 }
 
 fn read_integers(file: &Path, frame: ScanFrame, most: f64, accepted: &str) -> Result<(PixelGrid, Grid), TrialError> {
-    let grid = Grid::read(&TextTable::read(file)?)?;
+    let mut grid = Grid::read(&TextTable::read(file)?)?;
     let good = |value: f64| value.is_nan() || ((0.0..=most).contains(&value) && value.fract() == 0.0);
     if let Some(at) = grid.values.iter().position(|&value| !good(value)) {
         let place = Place::cell(file, (at / grid.nx + 1) as u64, at % grid.nx + 1);
         return Err(place.bad(format!("{} is found", grid.values[at]), format!("{accepted} is expected")));
     }
+    frame.mirror.turn(&mut grid.values, grid.nx);
     let like = frame.like;
     let bad =
         |key: &str| Place::file(file).bad::<TrialError>(format!("a mask without {key}"), "it is needed in [scan]");

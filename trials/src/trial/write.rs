@@ -13,6 +13,7 @@ use super::manifest::{
     CoatingTable, ColumnEntry, ControllerKind, ControllerTable, Manifest, PassTable, ScanTable, TRIAL_FILE,
     TRIAL_FORMAT, ToolKind, ToolTable,
 };
+use super::scan::Mirror;
 use super::{ExposureMask, ForceInput, Given, HeldTool, LabelMap, Pass, PassScan, Trial, TrialColumn};
 use crate::column_unit::named_unit;
 use robot::{Controller, Tool};
@@ -151,6 +152,7 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
             // Over thousands of pixels a nanometre of pitch would be a micrometre.
             pitch_mm: Some(plain((pixels.pitch * 1e12).round() / 1e9)),
             origin_mm: Some(plain([number(pixels.origin.x * 1e3), number(pixels.origin.y * 1e3)])),
+            mirror: Mirror::None,
             before: plain("before.csv".into()),
             repeat: (0..trial.scans.repeats.len()).map(|k| plain(repeat(k))).collect(),
             material: trial.scans.material.as_ref().map(|_| plain("material.csv".into())),

@@ -293,8 +293,12 @@ impl Frame {
     fn guess(self) -> String {
         match self {
             Self::AsRead => String::new(),
-            Self::MirroredX => "scans and log in one frame are expected: the cells of each row look reversed in all scans, or x_mm has the other sign".to_owned(),
-            Self::MirroredY => "scans and log in one frame are expected: the rows of all scans look reversed, or y_mm has the other sign".to_owned(),
+            Self::MirroredX => "scans and log in one frame are expected: the cells of each row look reversed in all scans, which mirror = \"x\" in \
+                              [scan] undoes, or x_mm has the other sign"
+                .to_owned(),
+            Self::MirroredY => "scans and log in one frame are expected: the rows of all scans look reversed, which mirror = \"y\" in [scan] \
+                              undoes, or y_mm has the other sign"
+                .to_owned(),
             Self::HalfTurn => "scans and log in one frame are expected: rows and cells of all scans look reversed".to_owned(),
             Self::Transposed => "scans and log in one frame are expected: x_mm and y_mm look swapped".to_owned(),
             Self::Displaced(way) => format!(
