@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::values::number;
 use crate::console::Console;
+use crate::wrong_use;
 use files::folder::StagedFile;
 use files::input::{self, MOST_MESH_BYTES};
 use files::output::{FileKind, Out};
@@ -51,6 +52,10 @@ struct ConvertAnswer<'a> {
 
 /// Runs the verb.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<()> {
+    if let Some(out) = args.out.as_ref().filter(|out| out.exists()) {
+        let what = "this file is there, and nothing is replaced";
+        return Err(wrong_use(format!("--out {}: {what}: choose another name", out.display())));
+    }
     let bytes = input::read(&args.input, MOST_MESH_BYTES)?;
     let file = args
         .out

@@ -285,7 +285,9 @@ fn parse_raster(text: &str) -> Result<[f64; 4], String> {
 
 /// `wheel:radius=50mm,width=20mm` or `pad:radius=25mm`.
 fn parse_tool(text: &str) -> Result<Tool, String> {
-    let tool = match text.parse()? {
+    let (least, most) = SIZES_MM;
+    let accepted = |why: String| format!("{why}; sizes of {least:?} to {most:?} mm are accepted");
+    let tool = match text.parse().map_err(accepted)? {
         ToolText::Solid(tool @ (Tool::Wheel(_) | Tool::Pad(_))) => tool,
         _ => return Err("wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH is expected".to_owned()),
     };
@@ -293,7 +295,6 @@ fn parse_tool(text: &str) -> Result<Tool, String> {
         Tool::Wheel(wheel) => [("radius", wheel.radius), ("width", wheel.width)],
         other => [("radius", other.rim_radius()); 2],
     };
-    let (least, most) = SIZES_MM;
     let is_off = |(_, size): &(&str, f64)| !(least..=most).contains(&(1e3 * size));
     if let Some((key, size)) = sizes.into_iter().find(is_off) {
         return Err(format!("the {key} is {:?} mm; {least:?} to {most:?} mm is accepted", 1e3 * size));

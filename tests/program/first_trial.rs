@@ -91,7 +91,7 @@ fn scans_are_converted_and_nothing_is_replaced() {
     let out = folder.path().join("map.x3p");
     run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).succeeds();
     assert_eq!(told(&out), what);
-    run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).is_refused(1, &["map.x3p"]);
+    run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).is_refused(2, &["map.x3p", "nothing is replaced"]);
     run(robofin(["convert"]).arg(&source).arg("--out").arg(folder.path().join("map.png")))
         .is_refused(1, &["png", "sur"]);
     run(robofin(["convert"]).arg(folder.path().join("absent.sur"))).is_refused(1, &["absent.sur"]);

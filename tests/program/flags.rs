@@ -220,7 +220,12 @@ fn all_wrong_flags_of_a_verb_are_reported_at_once_with_value_and_range() {
                 "--tool",
                 "x",
             ],
-            &[&["--raster", "X0 < X1"], &["--spacing-mm", "0.001 to 1000"], &["--feed-mm-s"], &["--tool", "LENGTH"]],
+            &[
+                &["--raster", "X0 < X1"],
+                &["--spacing-mm", "0.001 to 1000"],
+                &["--feed-mm-s"],
+                &["--tool", "a kind and its sizes are missing"],
+            ],
         ),
         (
             &[
