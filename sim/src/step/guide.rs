@@ -175,9 +175,12 @@ impl<'a> Guide<'a> {
         } else {
             (0.0, 1.0)
         };
+        // A force at the end is the mean over a step around the end: the mean over a step is that of its ends.
+        let begin = if is_mean { self.time } else { self.time + 0.5 * dt };
+        let held = begin..begin + dt;
         Ok(Balance {
             from: self.motion,
-            setpoint: self.pass.force_setpoint(self.time..self.time + dt),
+            setpoint: self.pass.force_setpoint(held),
             damping,
             mass,
             dt,

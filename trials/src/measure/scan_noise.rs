@@ -230,9 +230,10 @@ mod tests {
     fn shapes_along_x_and_y_leave_no_roughness() {
         let smooth = map(40, 30, |x, y| 2e-3 * (0.1 * x).sin() + 1e-3 * (1.0 - (y / 15.0 - 1.0).powi(2)));
         assert!(roughness(&smooth).unwrap() < 1e-15);
-        // Heights of ± 1 µm in the pattern of a chessboard have cross differences of 4 µm.
-        let rough = map(40, 30, |x, y| if (x + y) % 2.0 == 0.0 { 1e-6 } else { -1e-6 });
-        assert!((roughness(&rough).unwrap() / (0.5 * 1.4826 * 4e-6) - 1.0).abs() < 1e-9);
+        // Heights that no neighbour shares, even between 0 and 1 µm.
+        let rough = map(120, 90, |x, y| 1e-6 * ((12.9898 * x + 78.233 * y).sin() * 43758.5453).rem_euclid(1.0));
+        let expected = 1e-6 / 12f64.sqrt();
+        assert!((roughness(&rough).unwrap() / expected - 1.0).abs() < 0.1, "{}", roughness(&rough).unwrap());
     }
 
     #[test]
