@@ -237,3 +237,20 @@ fn read_integers(file: &Path, frame: ScanFrame, most: f64, accepted: &str) -> Re
     let origin = frame.origin.or(like.map(|pixels| pixels.origin)).ok_or_else(|| bad("origin_mm"))?;
     Ok((PixelGrid { origin, pitch, nx: grid.nx, ny: grid.ny }, grid))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirror_reverses_the_cells_of_each_row_or_the_rows() {
+        let turned = |mirror: Mirror| {
+            let mut values = [1, 2, 3, 4, 5, 6];
+            mirror.turn(&mut values, 3);
+            values
+        };
+        assert_eq!(turned(Mirror::None), [1, 2, 3, 4, 5, 6]);
+        assert_eq!(turned(Mirror::X), [3, 2, 1, 6, 5, 4]);
+        assert_eq!(turned(Mirror::Y), [4, 5, 6, 1, 2, 3]);
+    }
+}
