@@ -24,15 +24,7 @@ fn samples() -> Vec<(PathBuf, Vec<u8>)> {
     assert!(files.len() > 25);
     let mut samples: Vec<(PathBuf, Vec<u8>)> =
         files.into_iter().map(|file| (file.clone(), std::fs::read(file).unwrap())).collect();
-    for (name, bytes) in [
-        ("map.plux", encoders::plux()),
-        ("map.vk4", encoders::vk4()),
-        ("map.vk6", encoders::vk6()),
-        ("map.zon", encoders::zon(false)),
-        ("packed.zon", encoders::zon(true)),
-    ] {
-        samples.push((PathBuf::from(name), bytes));
-    }
+    samples.extend(encoders::all().map(|(name, bytes)| (PathBuf::from(name), bytes)));
     samples
 }
 

@@ -4,23 +4,8 @@ mod common;
 
 use std::path::Path;
 
-use common::{NX, NY, PITCH, height, is_hole, read_bytes};
-use glam::DVec2;
+use common::{NX, NY, PITCH, map, read_bytes};
 use instruments::surface::{Surface, Unwritable, write};
-
-/// The map of all samples.
-fn map() -> Surface {
-    let value = |at: usize| if is_hole(at % NX, at / NX) { f64::NAN } else { height(at % NX, at / NX) };
-    Surface {
-        format: "X3P",
-        nx: NX,
-        ny: NY,
-        pitch: Some(PITCH),
-        origin: Some(DVec2::new(1e-3, -2e-3)),
-        heights: (0..NX * NY).map(value).collect(),
-        notes: Vec::new(),
-    }
-}
 
 /// Writes a map and reads it back.
 fn there_and_back(name: &str, map: &Surface) -> Surface {
@@ -129,16 +114,5 @@ fn surfaces_of_triangles_are_known_by_their_content() {
         let surface = read_bytes(Path::new("scan"), bytes);
         assert_eq!((surface.format, surface.nx), ("mesh", 2));
         assert!(surface.heights.iter().all(|height| (height - 1e-3).abs() < 1e-12));
-    }
-}
-
-/// Writes the map into the folder of `ROBOFIN_SAMPLES`, for `files/scripts/check.py`.
-#[test]
-#[ignore = "leaves files"]
-fn maps_are_written_for_checks() {
-    let folder = std::env::var_os("ROBOFIN_SAMPLES").expect("ROBOFIN_SAMPLES names a folder");
-    for name in ["map.x3p", "map.sur", "map.asc"] {
-        let file = Path::new(&folder).join(name);
-        std::fs::write(&file, write(&file, &map()).unwrap()).unwrap();
     }
 }

@@ -22,6 +22,11 @@ fn rows<T>(value: impl Fn(usize, usize) -> T) -> Vec<T> {
     (0..NX * NY).map(|at| value(at % NX, NY - 1 - at / NX)).collect()
 }
 
+/// All of them, by the names of their files.
+pub fn all() -> [(&'static str, Vec<u8>); 5] {
+    [("map.plux", plux()), ("map.vk4", vk4()), ("map.vk6", vk6()), ("map.zon", zon(false)), ("packed.zon", zon(true))]
+}
+
 /// A Sensofar PLUX file, heights in micrometres.
 pub fn plux() -> Vec<u8> {
     let index = format!(

@@ -35,6 +35,20 @@ pub fn is_hole(i: usize, j: usize) -> bool {
     (7 * i + 11 * j).is_multiple_of(37)
 }
 
+/// The map of all samples, in a frame of its own.
+pub fn map() -> Surface {
+    let value = |at: usize| if is_hole(at % NX, at / NX) { f64::NAN } else { height(at % NX, at / NX) };
+    Surface {
+        format: "X3P",
+        nx: NX,
+        ny: NY,
+        pitch: Some(PITCH),
+        origin: Some(DVec2::new(1e-3, -2e-3)),
+        heights: (0..NX * NY).map(value).collect(),
+        notes: Vec::new(),
+    }
+}
+
 /// A sample file.
 pub fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(name)

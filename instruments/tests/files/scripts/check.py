@@ -1,7 +1,6 @@
 """Lets Gwyddion, surfalize, SurfaceTopography and GDAL read what our tests wrote, and compares heights.
 
-First `ROBOFIN_SAMPLES=folder cargo test -p robofin-instruments -- --ignored written_for_checks`, then this with the
-folder.
+First `cargo run -p robofin-instruments --example samples FOLDER`, then this with the folder.
 """
 
 import sys
