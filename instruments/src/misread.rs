@@ -28,9 +28,9 @@ pub enum Misread {
     Bad {
         /// Where.
         place: Place,
-        /// What was found there.
+        /// The content at that place, quoted as far as an error may.
         found: String,
-        /// What would do.
+        /// The content that is accepted.
         accepted: String,
     },
 }

@@ -157,7 +157,7 @@ impl TextRow<'_> {
         self.record.len()
     }
 
-    /// Whether there is no cell.
+    /// True if there is no cell.
     pub fn is_empty(&self) -> bool {
         self.record.is_empty()
     }

@@ -11,7 +11,7 @@ const SAME_SPEED: f64 = 0.01;
 /// Cosine beyond which two approach axes are one.
 const SAME_AXIS: f64 = 1.0 - 1e-9;
 
-/// What a program does not say of a path.
+/// Values for the quantities that a program leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unsaid {
     /// Speed of rapid moves, and of moves whose speed the program does not give [m/s].

@@ -35,7 +35,7 @@ pub(crate) struct MapImage<'a> {
     pub(crate) title: &'a str,
     /// Width on the page [px].
     pub(crate) width: f64,
-    /// What is drawn over it.
+    /// Lines over the map.
     pub(crate) lines: Vec<Line>,
 }
 

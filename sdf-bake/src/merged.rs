@@ -1,4 +1,4 @@
-//! A surface with all vertices in one place taken as one: what keeps it from being a manifold.
+//! Defects that keep a surface from being a manifold once all vertices in one place are taken as one.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::Mesh;
 
-/// What keeps a surface from being a closed manifold once equal positions are one vertex.
+/// Defects of a surface as a closed manifold once equal positions are one vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Merged {
     /// Edges that its triangles do not pass exactly once each way.

@@ -45,7 +45,7 @@ pub(super) struct ConvertArgs {
 #[derive(Serialize)]
 struct ConvertAnswer<'a> {
     format: &'static str,
-    what: String,
+    summary: String,
     notes: &'a [String],
     out: Option<&'a Path>,
 }
@@ -63,7 +63,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<()> {
         .map(|place| StagedFile::new(&Out { place, force: false, inputs: &[&args.input] }, &CONVERTED));
     let file = file.transpose()?;
     let is_program = args.input.extension().is_some_and(|own| Language::of_extension(&own.to_string_lossy()).is_some());
-    let (format, what, notes, made) = if is_program {
+    let (format, summary, notes, made) = if is_program {
         let program = program::read(&args.input, &bytes, &ReadOptions::default())?;
         (program.format, program.summary(), program.notes.clone(), args.program(&program)?)
     } else {
@@ -71,13 +71,13 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<()> {
         let made = args.out.as_ref().map(|out| surface::write(out, &surface)).transpose()?;
         (surface.format, surface.summary(), surface.notes, made)
     };
-    console.step("read", format!("{format}: {what}"));
+    console.step("read", format!("{format}: {summary}"));
     notes.iter().for_each(|note| console.step("note", note));
     if let (Some(file), Some(made), Some(out)) = (file, made, &args.out) {
         file.commit(&made)?;
         console.step("written", out.display().to_string());
     }
-    console.answer(&ConvertAnswer { format, what, notes: &notes, out: args.out.as_deref() })
+    console.answer(&ConvertAnswer { format, summary, notes: &notes, out: args.out.as_deref() })
 }
 
 impl ConvertArgs {

@@ -31,7 +31,7 @@ fn init_writes_once_and_check_says_what_is_wrong_and_what_is_not() {
     assert!(open.contains(&"[scan] pitch_mm"), "{open:?}");
     run(robofin(["trial", "init"]).arg(&place)).is_refused(1, &["trial.toml", "this file is there", "--print"]);
 
-    // What the files do not tell is refused by its line until it is said.
+    // Keys marked FILL IN are refused by their line until they have a value.
     let out = folder.path().join("check");
     let mut check = robofin(["trial", "check", "--json"]);
     run(check.arg(&place).arg("--out").arg(&out)).is_refused(1, &["trial.toml, line", "pitch_mm is 0"]);
@@ -85,12 +85,12 @@ fn check_goes_on_after_the_first_refusal() {
 fn scans_are_converted_and_nothing_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("instruments/tests/files/gwyddion.gwy");
-    let told = |place: &Path| run(robofin(["convert", "--json"]).arg(place)).succeeds().answer()["what"].clone();
-    let what = told(&source);
-    assert!(what.as_str().unwrap().starts_with("24 x 17 pixels, 0.005 x 0.004 mm apart"), "{what}");
+    let summary = |place: &Path| run(robofin(["convert", "--json"]).arg(place)).succeeds().answer()["summary"].clone();
+    let original = summary(&source);
+    assert!(original.as_str().unwrap().starts_with("24 x 17 pixels, 0.005 x 0.004 mm apart"), "{original}");
     let out = folder.path().join("map.x3p");
     run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).succeeds();
-    assert_eq!(told(&out), what);
+    assert_eq!(summary(&out), original);
     run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).is_refused(2, &["map.x3p", "nothing is replaced"]);
     run(robofin(["convert"]).arg(&source).arg("--out").arg(folder.path().join("map.png")))
         .is_refused(1, &["png", "sur"]);

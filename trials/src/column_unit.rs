@@ -3,6 +3,8 @@
 use effects::{Dimension, Unit};
 use files::input::without_content;
 
+/// Unit of a spindle speed that means turns.
+const TURNS_A_SECOND: &str = "Hz";
 /// Zero of the Celsius scale [K].
 const CELSIUS: f64 = 273.15;
 /// Names of degrees Celsius.
@@ -38,6 +40,8 @@ const ENDS: [(&str, &str); 23] = [
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ColumnUnit {
     unit: Unit,
+    /// Number of such units in one of the file.
+    times: f64,
     /// Value [SI] of zero in the file.
     zero: f64,
 }
@@ -45,9 +49,15 @@ pub(crate) struct ColumnUnit {
 impl ColumnUnit {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         if CELSIUS_NAMES.contains(&text) {
-            return Ok(Self { unit: Unit::si(Dimension::whole([0, 0, 0, 1])), zero: CELSIUS });
+            return Ok(Self { unit: Unit::si(Dimension::whole([0, 0, 0, 1])), times: 1.0, zero: CELSIUS });
         }
-        Unit::parse(text).map(|unit| Self { unit, zero: 0.0 }).map_err(|error| without_content(&error.to_string()))
+        let unit = Unit::parse(text).map_err(|error| without_content(&error.to_string()))?;
+        Ok(Self { unit, times: 1.0, zero: 0.0 })
+    }
+
+    /// The unit of a spindle speed, of which `Hz` means turns.
+    pub(crate) fn parse_spindle(text: &str) -> Result<Self, String> {
+        if text == TURNS_A_SECOND { Ok(Self { times: 60.0, ..Self::parse("rpm")? }) } else { Self::parse(text) }
     }
 
     pub(crate) fn dimension(self) -> Dimension {
@@ -56,12 +66,12 @@ impl ColumnUnit {
 
     /// A value in the file [SI].
     pub(crate) fn to_si(self, value: f64) -> f64 {
-        self.unit.to_si(value) + self.zero
+        self.unit.to_si(self.times * value) + self.zero
     }
 
     /// SI value of one unit, and of zero in the file.
     pub(crate) fn scale(self) -> (f64, f64) {
-        (self.unit.to_si(1.0), self.zero)
+        (self.unit.to_si(self.times), self.zero)
     }
 }
 

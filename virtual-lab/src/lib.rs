@@ -73,7 +73,7 @@ pub struct Experiment {
     pub earlier_passes: usize,
     /// Repeated scans of each workpiece before its first pass.
     pub repeats: usize,
-    /// What the trials say that the controller holds.
+    /// Force that the controller holds, as the trials state it.
     pub force_input: ForceInput,
     /// Trials that follow those of the plan, each on a workpiece of its own: as they were planned, stage by stage.
     pub then: Vec<Vec<Trial>>,

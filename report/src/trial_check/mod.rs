@@ -1,4 +1,4 @@
-//! What the checks of a trial found: maps, logs and tool drawn over each other, before any fit.
+//! The page of a trial's checks: findings, maps, logs and tool drawn over each other, before any fit.
 
 mod drawings;
 
@@ -13,7 +13,7 @@ use robot::Controller;
 pub struct TrialCheck<'a> {
     /// The trial.
     pub trial: &'a Trial,
-    /// What each check found.
+    /// Every check with its findings.
     pub checks: &'a [Checked],
     /// The noise of its scans.
     pub noise: &'a ScanNoise,
@@ -30,9 +30,9 @@ pub struct Summary {
     noise_um: f64,
     /// Where that is seen.
     noise_source: NoiseSource,
-    /// What was understood of the files where it was not the plain case.
+    /// Notes of the reader, one sentence each.
     notes: Vec<String>,
-    /// What each check found.
+    /// Every check with its findings.
     checks: Vec<Checked>,
 }
 
@@ -65,7 +65,7 @@ impl TrialCheck<'_> {
         })
     }
 
-    /// What became of the trial, in a sentence.
+    /// The verdict on the trial, in a sentence.
     pub fn verdict(&self) -> String {
         let noted = self.checks.iter().map(|check| check.findings.len()).sum::<usize>() - self.refused();
         match (self.refused(), noted) {

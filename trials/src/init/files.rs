@@ -1,4 +1,4 @@
-//! What lies in a folder: each file looked at by its content.
+//! The files of a folder, each recognised by its content.
 
 use std::path::{Path, PathBuf};
 
@@ -15,20 +15,20 @@ const MASK_VALUES: [f64; 2] = [0.0, 1.0];
 /// Files that are looked at.
 const MOST_FILES: usize = 500;
 
-/// A file and what it is.
+/// A file with its kind.
 pub(super) struct Entry {
     /// Its name in the folder.
     pub(super) name: String,
     pub(super) kind: Kind,
 }
 
-/// What a file is.
+/// Kind of a file.
 pub(super) enum Kind {
     /// A height map.
     Map(Surface),
     /// A map of nothing but 0 and 1.
     Mask(Surface),
-    /// A log, with what its channels may be.
+    /// A log, with guesses for its channels.
     Log(Channels, Guesses),
     /// Nothing that a trial has, and why.
     Other(String),
@@ -96,7 +96,7 @@ impl Found {
         })
     }
 
-    /// What was seen in each file.
+    /// A description of each file.
     pub(super) fn seen(&self) -> Vec<String> {
         self.entries.iter().map(|entry| format!("{}: {}", entry.name, entry.kind.words())).collect()
     }

@@ -25,9 +25,9 @@ use scans::Scans;
 pub struct Guess {
     /// Its text.
     pub text: String,
-    /// What was seen in each file, a sentence each.
+    /// A description of each file.
     pub seen: Vec<String>,
-    /// What a person has to say, a sentence each.
+    /// Keys that only a person can fill in.
     pub open: Vec<String>,
 }
 

@@ -2,12 +2,13 @@
 //! surface, and how wide the tool ground.
 
 use glam::{DVec2, DVec3};
-use instruments::log::guess::{Candidate, Role};
+use instruments::log::guess::Role;
 use instruments::log::{Channels, Guesses};
 use instruments::surface::Surface;
 
 use super::files::Found;
 use super::scans::Scans;
+use crate::column_unit::ColumnUnit;
 use crate::measure::median;
 
 /// Rows of a log that are looked at.
@@ -17,7 +18,7 @@ const AT_BORDER: f64 = 3.0;
 /// Shares of the removed pixels, sorted across the path, between which the track lies: spikes are left out.
 const TRACK: [f64; 2] = [0.005, 0.995];
 
-/// What a pass was by its log.
+/// Settings of a pass by its log.
 pub(super) struct PassGuess {
     /// Median force while the tool pressed [N].
     pub(super) force: f64,
@@ -31,7 +32,7 @@ pub(super) struct PassGuess {
     pressed: Vec<DVec3>,
 }
 
-/// How log and scans lie.
+/// The log in the frame of the scans.
 pub(super) struct Placing {
     /// One for each log.
     pub(super) passes: Vec<PassGuess>,
@@ -70,7 +71,7 @@ impl PassGuess {
     fn of(channels: &Channels, guesses: &Guesses) -> Option<Self> {
         let rows = channels.rows();
         let step = rows.div_ceil(MOST_ROWS).max(1);
-        let si = |role: Role| guesses.best(role).map(|candidate| values(channels, candidate, step));
+        let si = |role: Role| values(channels, guesses, (role, step));
         let time = si(Role::Time)?;
         let axis = |role: Role| si(role).unwrap_or_else(|| vec![0.0; time.len()]);
         let [x, y, z] = [Role::X, Role::Y, Role::Z].map(axis);
@@ -96,24 +97,18 @@ impl PassGuess {
     }
 }
 
-/// SI values of a candidate, each `step`-th.
-fn values(channels: &Channels, candidate: &Candidate, step: usize) -> Vec<f64> {
-    let unit = match candidate.unit.as_str() {
-        "ms" | "mm" => 1e-3,
-        "us" | "um" => 1e-6,
-        "ns" => 1e-9,
-        "min" => 60.0,
-        "h" => 3600.0,
-        "kN" => 1e3,
-        "rpm" => std::f64::consts::TAU / 60.0,
-        "Hz" => std::f64::consts::TAU,
-        _ => 1.0,
+/// SI values of the best candidate of a role, each `step`-th; `None` without one.
+fn values(channels: &Channels, guesses: &Guesses, (role, step): (Role, usize)) -> Option<Vec<f64>> {
+    let candidate = guesses.best(role)?;
+    let unit = match role {
+        Role::Spindle => ColumnUnit::parse_spindle(&candidate.unit),
+        _ => ColumnUnit::parse(&candidate.unit),
     };
-    let scale = unit * f64::from(candidate.sign);
-    channels.values[candidate.channel].iter().step_by(step).map(|value| value * scale).collect()
+    let (unit, sign) = (unit.ok()?, f64::from(candidate.sign));
+    Some(channels.values[candidate.channel].iter().step_by(step).map(|value| unit.to_si(sign * value)).collect())
 }
 
-/// What one in twenty values exceeds; infinite of nothing.
+/// The 95th percentile; infinite of nothing.
 fn high(values: &[f64]) -> f64 {
     let mut known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     known.sort_by(f64::total_cmp);

@@ -16,7 +16,7 @@ const REPEAT: [&str; 7] = ["repeat", "again", "wdh", "wiederhol", "second", "res
 const REMOVED_SIGMAS: f64 = 5.0;
 /// Share of pixels beyond them that noise and spikes alone make.
 const SPIKES: f64 = 5e-3;
-/// How many times more must be lost than gained where one map was taken after the other.
+/// Ratio of lost to gained height from which one map was taken after the other.
 const ONE_WAY: f64 = 4.0;
 
 /// The maps of a trial by when they were taken; names of files.
@@ -31,7 +31,7 @@ pub(super) struct Scans<'a> {
     pub(super) removed: Vec<(DVec2, f64)>,
 }
 
-/// What lies between two maps.
+/// Order of two maps in time.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Order {
     /// The second was taken after something was removed from the first.

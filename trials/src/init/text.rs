@@ -201,7 +201,7 @@ impl Writer<'_> {
     }
 }
 
-/// What a pass was by its log.
+/// Lines with the settings of a pass.
 fn settings(pass: &PassGuess) -> String {
     let mut text =
         format!("force_setpoint_n = {:.2}   # guessed: median of the log while the tool pressed\n", pass.force);

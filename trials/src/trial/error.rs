@@ -32,9 +32,9 @@ pub enum TrialError {
         check: &'static str,
         /// Where.
         place: Place,
-        /// What was found there.
+        /// The content at that place, quoted as far as an error may.
         found: String,
-        /// What would do.
+        /// The content that is accepted.
         accepted: String,
     },
 }

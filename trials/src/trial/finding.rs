@@ -43,7 +43,7 @@ pub struct Finding {
     pub guess: Option<String>,
 }
 
-/// A check with what it found; nothing where all is well.
+/// A check with its findings; none where it passes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Checked {
     /// Which check, as `docs/sanity.md` lists them.

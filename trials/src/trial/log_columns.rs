@@ -20,7 +20,7 @@ struct Quantity {
     key: &'static str,
     unit: &'static str,
     dimension: [i32; 4],
-    /// Whether a log must have it.
+    /// True if every log must have it.
     is_needed: bool,
 }
 
@@ -45,12 +45,10 @@ const FORCE: usize = 4;
 const SPINDLE: usize = 5;
 const AXIS: Range<usize> = 6..9;
 const TEMPERATURE: usize = 9;
-/// Unit of a spindle speed that means turns.
-const TURNS_A_SECOND: &str = "Hz";
 /// Zero of the Celsius scale [K].
 const CELSIUS: f64 = 273.15;
 
-/// How the logs of a trial are read.
+/// Columns of a trial's logs.
 pub(super) struct LogColumns<'a> {
     source: &'a Source,
     table: &'a LogTable,
@@ -119,15 +117,14 @@ impl<'a> LogColumns<'a> {
             }
             return Ok(None);
         };
-        let text = match entry.get_ref().unit().unwrap_or(quantity.unit) {
-            TURNS_A_SECOND if quantity.key == QUANTITIES[SPINDLE].key => quantity.unit,
-            text => text,
-        };
+        let text = entry.get_ref().unit().unwrap_or(quantity.unit);
+        let is_spindle = quantity.key == QUANTITIES[SPINDLE].key;
         let bad = |found: String| {
             let accepted = format!("a unit such as {} is expected for {}", quantity.unit, quantity.key);
             self.source.bad(entry.span(), found, accepted)
         };
-        let unit = ColumnUnit::parse(text).map_err(&bad)?;
+        let parsed = if is_spindle { ColumnUnit::parse_spindle(text) } else { ColumnUnit::parse(text) };
+        let unit = parsed.map_err(&bad)?;
         if unit.dimension() != Dimension::whole(quantity.dimension) {
             return Err(bad(format!("the unit {}", quoted_near(text, [quantity.unit]))));
         }
@@ -152,8 +149,7 @@ impl<'a> LogColumns<'a> {
             let found = format!("no column {} for {}", quoted_near(&column, names()), quantity.key);
             return Err(Place::file(file).bad(found, accepted));
         };
-        let turns = entry.get_ref().unit() == Some(TURNS_A_SECOND) && quantity.key == QUANTITIES[SPINDLE].key;
-        let scale = sign.unwrap_or(1.0) * gain.unwrap_or(1.0) * if turns { 60.0 } else { 1.0 };
+        let scale = sign.unwrap_or(1.0) * gain.unwrap_or(1.0);
         let of = |value: &f64| unit.to_si(scale * (value - zero.unwrap_or(0.0)));
         let values: Vec<f64> = channels.values[at].iter().map(of).collect();
         match lag_s {

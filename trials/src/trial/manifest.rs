@@ -86,7 +86,7 @@ pub(super) enum ColumnEntry {
     Number(f64),
 }
 
-/// How logs are read that are not in the format's own columns.
+/// Columns and frame of logs that are not in the format's own.
 #[derive(Debug, Deserialize)]
 pub(super) struct LogTable {
     /// The channel of each quantity.
@@ -97,7 +97,7 @@ pub(super) struct LogTable {
     pub(super) yaw_deg: Option<f64>,
 }
 
-/// A channel of a log: its name alone, or with how its values are meant.
+/// A channel of a log: its name, and where given its unit, sign, gain, zero and delay.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(from = "ChannelText")]
 pub(super) struct ChannelEntry {

@@ -54,7 +54,7 @@ const MOST_PASSES: usize = 1000;
 /// Pixels of all scans of a trial that are accepted: 4 GB.
 const MOST_PIXELS: f64 = 5e8;
 
-/// How the files of every pass are read.
+/// Settings with which the files of every pass are read.
 struct PassForm<'a> {
     process: Process,
     /// Of the scan before.

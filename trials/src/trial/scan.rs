@@ -24,7 +24,7 @@ const PITCH_NOTE: f64 = 1e-3;
 /// Height between the lowest and the highest pixel that a scan of a weld may have [m].
 const MOST_SPAN: f64 = 1.0;
 
-/// How scans are turned round within their own area before anything else.
+/// Reflection of scans within their own area, before anything else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mirror {
@@ -60,7 +60,7 @@ pub struct ScanFrame {
     pub pitch: Option<f64>,
     /// Pixels of the scan before, onto which scans with pixels of their own are brought.
     pub like: Option<PixelGrid>,
-    /// How scans are turned round.
+    /// Reflection of all scans.
     pub mirror: Mirror,
 }
 

@@ -128,7 +128,7 @@ fn ground(pass: &Pass) -> Option<&HeightMap> {
     }
 }
 
-/// What a check found: notes, or why the trial cannot be used.
+/// Result of a check: notes, or the reason for which the trial cannot be used.
 type Outcome = Result<Vec<String>, TrialError>;
 
 /// Refuses a trial whose files contradict each other, and notes what is odd.
