@@ -5,7 +5,7 @@ use image::Rgb;
 use robot::Tool;
 use sdf_bake::HeightMap;
 use trials::measure::{CLEARANCE, Freedom, register, untouched};
-use trials::trial::{HeldTool, PassScan, ToolPath, ToolPose, Trial};
+use trials::trial::{ExposureMask, HeldTool, PassScan, ToolPath, ToolPose, Trial};
 
 use super::TrialCheck;
 use crate::map_image::{Line, MapImage, Values};
@@ -34,12 +34,15 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
          otherwise. What was removed must lie under the magenta line.",
     );
     let before = &trial.scans.before;
-    page.drawing(&heights(before, &paths(trial, trial.passes.len())), "Heights before the first pass.");
+    page.drawing(&heights(before, lines(trial, 0..trial.passes.len())), "Heights before the first pass.");
     let mut earlier = before;
     for (k, pass) in trial.passes.iter().enumerate() {
-        let PassScan::Heights(after) = &pass.scan else {
-            page.drawing(&exposed(pass_mask(&pass.scan)), &format!("Exposed after pass {}: orange.", k + 1));
-            continue;
+        let after = match &pass.scan {
+            PassScan::Heights(after) => after,
+            PassScan::Exposure(mask) => {
+                page.drawing(&exposed(mask), &format!("Exposed after pass {}: orange.", k + 1));
+                continue;
+            }
         };
         let left = change(trial, k, earlier, after);
         let scale = ColourScale::new(check.noise.floor.sigma, left.iter().copied());
@@ -75,10 +78,6 @@ fn path_of(trial: &Trial, pass: usize) -> ToolPath {
     ToolPath::of(&trial.passes[pass].log, &trial.tool, trial.passes[pass].force_setpoint)
 }
 
-fn paths(trial: &Trial, passes: usize) -> Vec<Line> {
-    lines(trial, 0..passes)
-}
-
 /// The paths of some passes, in the air below and while pressed above.
 fn lines(trial: &Trial, passes: std::ops::Range<usize>) -> Vec<Line> {
     let of = |pass: usize| {
@@ -95,7 +94,7 @@ fn lines(trial: &Trial, passes: std::ops::Range<usize>) -> Vec<Line> {
 }
 
 /// A map of heights in shades of grey.
-fn heights(map: &HeightMap, lines: &[Line]) -> String {
+fn heights(map: &HeightMap, lines: Vec<Line>) -> String {
     let known = || map.heights.iter().copied().filter(|height| height.is_finite());
     let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
     let grey = |height: &f64| {
@@ -110,19 +109,13 @@ fn heights(map: &HeightMap, lines: &[Line]) -> String {
         label: "height",
         title: "height before the first pass, by place",
         width: MAP,
-        lines: lines.iter().map(|line| Line { points: line.points.clone(), colour: line.colour }).collect(),
+        lines,
     };
     image.to_svg()
 }
 
-fn pass_mask(scan: &PassScan) -> &trials::trial::ExposureMask {
-    match scan {
-        PassScan::Exposure(mask) => mask,
-        PassScan::Heights(_) => unreachable!("heights are drawn as heights"),
-    }
-}
-
-fn exposed(mask: &trials::trial::ExposureMask) -> String {
+/// A mask in three colours.
+fn exposed(mask: &ExposureMask) -> String {
     const WORDS: [&str; 3] = ["coated", "exposed", "unknown"];
     let classes: Vec<usize> = mask.exposed.iter().map(|seen| seen.map_or(2, usize::from)).collect();
     let colours = [Rgb([0xf3, 0xf4, 0xf6]), Rgb([0xee, 0x8a, 0x2c]), MISSING];
