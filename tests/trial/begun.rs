@@ -53,6 +53,8 @@ fn begun() -> tempfile::TempDir {
         write_map(file(name), map);
         write_log(file(&format!("robot{}.txt", k + 9)), &pass.log);
     }
+    let labels = trial.scans.material.as_ref().expect("labels");
+    fs::write(file("zones.csv"), trials::trial::labels_csv(labels)).unwrap();
     fs::write(file("notes.pdf"), b"%PDF-1.4 nothing").unwrap();
     place
 }
@@ -70,6 +72,7 @@ fn a_folder_of_scans_and_logs_becomes_a_trial_that_passes_its_checks() {
     println!("{}\n{:?}\n{:?}", guess.text, guess.seen, guess.open);
     assert!(line(&guess.text, "before").contains("scan_c.asc") || line(&guess.text, "before").contains("scan_b.asc"));
     assert_eq!(guess.text.matches("scan = \"scan_d.asc\"").count(), 1, "the first pass took less off");
+    assert!(line(&guess.text, "material").contains("zones.csv") && guess.text.contains("process = \"grinding\""));
     assert_eq!(guess.open, ["spindle_rpm of pass 1", "spindle_rpm of pass 2"]);
     assert!(guess.seen.iter().any(|seen| seen.starts_with("notes.pdf: neither scan nor log")), "{:?}", guess.seen);
     let radius: f64 = line(&guess.text, "radius_mm").split(['=', '#']).nth(1).unwrap().trim().parse().unwrap();
@@ -196,4 +199,20 @@ fn a_trial_without_a_repeated_scan_says_where_its_noise_is_seen() {
     trial.scans.repeats.clear();
     let noise = trials::measure::ScanNoise::of_campaign(std::slice::from_ref(&trial)).expect("a noise");
     assert_eq!(noise[0].source, NoiseSource::Untouched);
+}
+
+#[test]
+fn masks_after_the_passes_are_sanding() {
+    let (mut trial, place) = (crate::files::sanding(), tempfile::tempdir().unwrap());
+    // Scans have noise, and so is one above the other here and below it there.
+    let noise = |k: usize| 2e-6 * ((12.9898 * k as f64).sin() * 43758.5453).rem_euclid(1.0);
+    let before = &trial.scans.before.heights;
+    trial.scans.repeats[0].heights = before.iter().enumerate().map(|(k, height)| height + noise(k)).collect();
+    trials::trial::write_trial(&trial, place.path()).unwrap();
+    fs::remove_file(place.path().join("trial.toml")).unwrap();
+    let guess = guess(place.path()).expect("a guess");
+    for words in ["process = \"sanding\"", "kind = \"pad\"", "scan = \"pass1_exposed.csv\"", "before = \"before.csv\""]
+    {
+        assert!(guess.text.contains(words), "no {words} in {}", guess.text);
+    }
 }

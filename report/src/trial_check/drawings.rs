@@ -156,7 +156,8 @@ pub(super) fn add_section(page: &mut Page, trial: &Trial) {
         page.drawing(
             &chart.to_svg(),
             &format!(
-                "Pass {}, in the middle of the contact at x {:.1} mm, y {:.1} mm: the tool must lie on the surface that it left.",
+                "Pass {}, in the middle of the contact at x {:.1} mm, y {:.1} mm: the tool must lie on the surface that it left, a \
+                 pad as deep in it as its foam gives.",
                 k + 1,
                 place.x,
                 place.y

@@ -13,8 +13,6 @@ mod text;
 
 use std::path::Path;
 
-use effects::Process;
-
 use crate::trial::TrialError;
 use files::Found;
 use place::Placing;
@@ -40,8 +38,7 @@ pub fn guess(folder: &Path) -> Result<Guess, TrialError> {
     found.check(folder)?;
     let scans = Scans::of(&found);
     let placing = Placing::of(&found, &scans);
-    let process = if found.masks().next().is_some() { Process::Sanding } else { Process::Grinding };
-    let mut writer = text::Writer { found: &found, scans: &scans, placing: &placing, process, open: Vec::new() };
+    let mut writer = text::Writer { found: &found, scans: &scans, placing: &placing, open: Vec::new() };
     let text = writer.text(folder);
     Ok(Guess { text, seen: found.seen(), open: writer.open })
 }

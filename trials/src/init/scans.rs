@@ -1,5 +1,6 @@
 //! Which map was taken when: by what was removed between them, and by their names.
 
+use effects::Process;
 use glam::DVec2;
 use instruments::surface::Surface;
 use sdf_bake::{HeightMap, PixelGrid};
@@ -12,6 +13,8 @@ const BEFORE: [&str; 10] =
     ["before", "vor", "pre", "raw", "roh", "initial", "start", "untreated", "as_welded", "avant"];
 /// Words of names by which a map is a repeated scan.
 const REPEAT: [&str; 7] = ["repeat", "again", "wdh", "wiederhol", "second", "rescan", "_rep"];
+/// Words of names by which a mask is one of materials.
+const LABELS: [&str; 2] = ["material", "label"];
 /// Standard deviations beyond which a difference of two maps is removal.
 const REMOVED_SIGMAS: f64 = 5.0;
 /// Share of pixels beyond them that noise and spikes alone make.
@@ -21,12 +24,16 @@ const ONE_WAY: f64 = 4.0;
 
 /// The maps of a trial by when they were taken; names of files.
 pub(super) struct Scans<'a> {
+    /// Grinding, or sanding where masks were taken after the passes.
+    pub(super) process: Process,
     pub(super) before: &'a str,
     pub(super) repeats: Vec<&'a str>,
+    /// Labels of the material.
+    pub(super) material: Option<&'a str>,
     /// One for each pass: heights, or masks when sanding.
     pub(super) after: Vec<&'a str>,
     /// Why.
-    pub(super) reason: String,
+    pub(super) reason: &'static str,
     /// Where something was removed between the scan before and the last one [pixels of the map], with the depth [m].
     pub(super) removed: Vec<(DVec2, f64)>,
 }
@@ -44,41 +51,70 @@ enum Order {
     Unknown,
 }
 
+/// All height maps of a folder, and the order of each two.
+struct Maps<'a> {
+    maps: Vec<(&'a str, HeightMap)>,
+    orders: Vec<Vec<Order>>,
+}
+
 impl<'a> Scans<'a> {
     /// Sorts the maps of a folder.
     pub(super) fn of(found: &'a Found) -> Self {
+        let maps = Maps::of(found);
+        let is_label = |name: &&str| LABELS.iter().any(|word| name.to_lowercase().contains(word));
+        let (labels, masks): (Vec<&str>, Vec<&str>) = found.masks().map(|(name, _)| name).partition(is_label);
+        let sorted = maps.sorted();
+        let (first, later) = (sorted[0], &sorted[1..]);
+        let (repeats, after): (Vec<usize>, Vec<usize>) = later.iter().partition(|&&k| maps.is_repeat(first, k));
+        // Each pass has a scan: heights when grinding, and otherwise masks.
+        let sands = after.len() < found.logs().count() && !masks.is_empty();
+        let map = |k: usize| &maps.maps[k].1;
+        let names = |of: Vec<usize>| of.into_iter().map(|k| maps.maps[k].0).collect::<Vec<_>>();
+        Self {
+            before: maps.maps[first].0,
+            removed: after.last().map_or_else(Vec::new, |&last| removal(map(first), map(last))),
+            repeats: names(repeats),
+            material: labels.first().or(masks.first().filter(|_| !sands)).copied(),
+            process: if sands { Process::Sanding } else { Process::Grinding },
+            after: if sands { masks } else { names(after) },
+            reason: if maps.are_told() { "by what was removed from map to map" } else { "by the names of the files" },
+        }
+    }
+}
+
+impl<'a> Maps<'a> {
+    fn of(found: &'a Found) -> Self {
         let maps: Vec<(&str, HeightMap)> = found.maps().map(|(name, surface)| (name, map_of(surface))).collect();
-        let masks: Vec<&str> = found.masks().map(|(name, _)| name).collect();
-        let orders: Vec<Vec<Order>> =
-            maps.iter().map(|(_, one)| maps.iter().map(|(_, other)| order(one, other)).collect()).collect();
-        let is_told = orders.iter().flatten().any(|order| matches!(order, Order::Later | Order::Earlier));
-        // A map is as late as many others were taken before it.
-        let rank = |k: usize| (0..maps.len()).filter(|&other| orders[other][k] == Order::Later).count();
-        let named = |k: usize, words: &[&str]| words.iter().any(|word| maps[k].0.to_lowercase().contains(word));
-        let mut sorted: Vec<usize> = (0..maps.len()).collect();
-        let by_name = |k: usize| match (named(k, &REPEAT), named(k, &BEFORE)) {
+        let orders = maps.iter().map(|(_, one)| maps.iter().map(|(_, other)| order(one, other)).collect()).collect();
+        Self { maps, orders }
+    }
+
+    /// True if something was removed between two of them.
+    fn are_told(&self) -> bool {
+        self.orders.iter().flatten().any(|order| matches!(order, Order::Later | Order::Earlier))
+    }
+
+    /// Indices in order of time: a map is as late as many others were taken before it, and then by its name.
+    fn sorted(&self) -> Vec<usize> {
+        let mut sorted: Vec<usize> = (0..self.maps.len()).collect();
+        let rank = |k: usize| (0..self.maps.len()).filter(|&other| self.orders[other][k] == Order::Later).count();
+        let by_name = |k: usize| match (self.is_named(k, &REPEAT), self.is_named(k, &BEFORE)) {
             (false, true) => 0,
             (true, _) => 1,
             (false, false) => 2,
         };
-        sorted.sort_by_key(|&k| (if is_told { rank(k) } else { 0 }, by_name(k), k));
-        let first = sorted[0];
-        let is_repeat = |k: usize| match orders[first][k] {
-            Order::Same => masks.is_empty() || named(k, &REPEAT),
-            Order::Unknown => named(k, &REPEAT),
-            _ => false,
-        };
-        let (repeats, after): (Vec<usize>, Vec<usize>) = sorted[1..].iter().partition(|&&k| is_repeat(k));
-        let removed = after.last().map_or_else(Vec::new, |&last| removal(&maps[first].1, &maps[last].1));
-        let names = |of: Vec<usize>| of.into_iter().map(|k| maps[k].0).collect::<Vec<_>>();
-        let reason = if is_told { "by what was removed from map to map" } else { "by the names of the files" };
-        Self {
-            before: maps[first].0,
-            repeats: names(repeats),
-            after: if masks.is_empty() { names(after) } else { masks },
-            reason: reason.to_owned(),
-            removed,
-        }
+        sorted.sort_by_key(|&k| (rank(k), by_name(k), k));
+        sorted
+    }
+
+    /// True if a map shows the surface of the first again, or its name says so.
+    fn is_repeat(&self, first: usize, k: usize) -> bool {
+        self.orders[first][k] == Order::Same || self.is_named(k, &REPEAT)
+    }
+
+    fn is_named(&self, k: usize, words: &[&str]) -> bool {
+        let name = self.maps[k].0.to_lowercase();
+        words.iter().any(|word| name.contains(word))
     }
 }
 

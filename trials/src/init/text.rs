@@ -26,7 +26,6 @@ pub(super) struct Writer<'a> {
     pub(super) found: &'a Found,
     pub(super) scans: &'a Scans<'a>,
     pub(super) placing: &'a Placing,
-    pub(super) process: Process,
     pub(super) open: Vec<String>,
 }
 
@@ -34,7 +33,7 @@ impl Writer<'_> {
     pub(super) fn text(&mut self, folder: &Path) -> String {
         let name = folder.canonicalize().ok().and_then(|place| Some(place.file_name()?.to_string_lossy().into_owned()));
         let name = name.unwrap_or_else(|| "trial".to_owned());
-        let process = match self.process {
+        let process = match self.scans.process {
             Process::Grinding => {
                 "\"grinding\"   # or \"sanding\": coating, whose scans after passes are masks of 0 and 1"
             }
@@ -55,7 +54,7 @@ impl Writer<'_> {
     fn tool(&mut self) -> String {
         let gap = self.placing.gap;
         let lies_on_face = gap.is_some_and(|gap| gap.abs() < ON_FACE);
-        let is_pad = self.process == Process::Sanding || lies_on_face;
+        let is_pad = self.scans.process == Process::Sanding || lies_on_face;
         let mut text = "[tool]\n".to_owned();
         let width = self.placing.width.map(|width| width * 1e3);
         if is_pad {
@@ -103,6 +102,10 @@ impl Writer<'_> {
         }
         text.push_str(&self.origin(surface.and_then(|surface| surface.origin)));
         let _ = writeln!(text, "before = {}", quoted(before));
+        if let Some(material) = self.scans.material {
+            let _ =
+                writeln!(text, "material = {}   # guessed: labels of 0 and 1, base and weld metal", quoted(material));
+        }
         if repeats.is_empty() {
             text.push_str("# repeat = [\"FILE\"]   # a second scan of the same surface: without one, the noise is taken from where\n");
             text.push_str("#                        # no tool came, a lower bound\n");
