@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use effects::{CompiledModel, Library, Model, RowCounts};
-use lab::simulation::Simulation;
 use robot::Controller;
 use sim::{Clock, Phase};
+use trial_simulation::Simulation;
 use trials::trial::{Campaign, Trial};
 
 /// Base laws near those of the campaigns.

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::trial_run::residual;
 use files::output::FolderKind;
-use lab::simulation::{ModelRun, SimulatedPass};
+use trial_simulation::{ModelRun, SimulatedPass};
 use trials::trial::Trial;
 
 /// Name of the result file: one JSON object a line, in the order of the table.

@@ -20,8 +20,8 @@ use files::output::FolderKind;
 use lab::covariate_maps;
 use lab::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
 
-use lab::simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
 use lab::{Origin, identity, model_origin};
+use trial_simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
 use trials::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
 use trials::trial::{HeldTool, PassScan, ToolPath, Trial, exposure_csv, heights_csv};
 

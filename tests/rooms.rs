@@ -8,7 +8,7 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Each folder with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 19] = [
+const MAY_USE: [(&str, &[&str]); 20] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
@@ -22,7 +22,8 @@ const MAY_USE: [(&str, &[&str]); 19] = [
     ("instruments", &["files", "sdf-bake"]),
     ("trials", &["effects", "files", "instruments", "random", "robot", "sdf-bake"]),
     ("paths", &["instruments", "robot", "sdf-bake", "sim", "trials"]),
-    ("lab", &["effects", "files", "random", "robot", "sdf-bake", "shaders", "sim", "trials"]),
+    ("trial-simulation", &["effects", "robot", "sdf-bake", "shaders", "sim", "trials"]),
+    ("lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trial-simulation", "trials"]),
     ("study", &["effects", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("benchmark", &["effects", "lab", "random", "study", "trials", "virtual-lab"]),
@@ -45,6 +46,7 @@ const MAY_USE: [(&str, &[&str]); 19] = [
             "shaders",
             "sim",
             "study",
+            "trial-simulation",
             "trials",
             "virtual-lab",
             "weldgen",

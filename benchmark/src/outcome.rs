@@ -128,6 +128,10 @@ impl Studied {
             }
         }
         studied.said.verdict = state.record.verdict;
+        // A frame or clock that is off is no effect of a search.
+        let is_named = |name: &&String| studied.said.named.iter().any(|named| named.name == **name);
+        let beside: Vec<String> = state.record.added.iter().filter(|name| !is_named(name)).cloned().collect();
+        studied.said.named.extend(beside.into_iter().map(|name| Named { name, alike: Vec::new() }));
         studied.parameters = state.parameters();
         let step = |name: Option<&str>| {
             let mut steps = state.record.waterfall.iter().rev();

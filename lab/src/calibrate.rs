@@ -47,7 +47,7 @@ pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::resu
 ///
 /// # Errors
 /// When the model cannot be simulated.
-pub(super) fn fit_roughly(evidence: &dyn Totals, model: &CompiledModel) -> std::result::Result<Fit, EvidenceError> {
+pub fn fit_roughly(evidence: &dyn Totals, model: &CompiledModel) -> std::result::Result<Fit, EvidenceError> {
     let model = with_matched_rate(evidence, model)?;
     Fit::new(evidence, &model, evidence.coordinates(&model), ROUGH)
 }

@@ -97,6 +97,7 @@ impl CalibrationSummary {
         let mut remarks: Vec<String> = parameters.iter().filter_map(remark).collect();
         remarks.extend(correlations.iter().filter_map(in_words));
         remarks.extend(unseen(evidence, calibration, library));
+        remarks.extend(evidence.frame(&last.fit)?.and_then(|frame| frame.sentence()));
         remarks.extend(last.staged.iter().map(|staged| lost(&staged.totals)));
         if !last.fit.converged {
             remarks.push("the fit still improved when it was ended: the values may move a little more".to_owned());

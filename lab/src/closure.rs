@@ -9,7 +9,6 @@ use nalgebra::DMatrix;
 
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::scans::{ScanData, ScanEvidence, ScanView};
-use super::simulation_errors::change_without_lattice_error;
 use super::tiles::Tiles;
 use crate::criteria::{
     CLOSURE_PART_ACROSS, CLOSURE_PART_ALONG, CLOSURE_PASS_ACROSS, CLOSURE_PASS_ALONG, FOLDS_LEAST, SMOOTH_ERROR_PASS,
@@ -109,7 +108,7 @@ impl ScanEvidence<'_> {
         let field = self.lattice_field_of(Split::Calibration);
         let mut matrix = DMatrix::zeros(field.len(), columns.len());
         for (k, column) in columns.iter().enumerate() {
-            matrix.column_mut(k).copy_from_slice(&change_without_lattice_error(column, &field));
+            matrix.column_mut(k).copy_from_slice(&self.change_seen(column, &field));
         }
         matrix
     }

@@ -12,9 +12,9 @@ use super::observation::Observation;
 use super::pass_trend::PassTrend;
 use super::scans::ScanEvidence;
 use super::totals::{Total, Totals};
-use crate::campaign_simulation::CampaignSimulation;
 use crate::criteria::COARSE_VOXEL_RATIO;
-use crate::simulation::SimulatedPass;
+use trial_simulation::CampaignSimulation;
+use trial_simulation::SimulatedPass;
 
 /// Scans as data for fits, predicted on a coarser lattice.
 pub(super) struct CoarseScans<'e, 't> {

@@ -10,18 +10,21 @@ mod table;
 mod columns;
 mod criterion;
 mod experiments;
+mod frame;
 mod unlisted;
 
 pub use columns::*;
 pub use criterion::{Criterion, CriterionValues};
 pub use experiments::*;
+pub use frame::*;
 pub use unlisted::*;
 
-use {columns::OF_COLUMNS, experiments::OF_EXPERIMENTS, unlisted::OF_UNLISTED_EFFECTS};
+use {columns::OF_COLUMNS, experiments::OF_EXPERIMENTS, frame::OF_FRAME, unlisted::OF_UNLISTED_EFFECTS};
 
 /// All criteria.
 pub const CRITERIA: &[Criterion] = &table::joined::<{ FIRST.len() + LAST.len() }>(FIRST, LAST);
-const FIRST: &[Criterion] = &table::joined::<{ OF_METHOD.len() + OF_COLUMNS.len() }>(OF_METHOD, OF_COLUMNS);
+const FIRST: &[Criterion] = &table::joined::<{ OF_METHOD.len() + MORE.len() }>(OF_METHOD, MORE);
+const MORE: &[Criterion] = &table::joined::<{ OF_COLUMNS.len() + OF_FRAME.len() }>(OF_COLUMNS, OF_FRAME);
 const LAST: &[Criterion] =
     &table::joined::<{ OF_UNLISTED_EFFECTS.len() + OF_EXPERIMENTS.len() }>(OF_UNLISTED_EFFECTS, OF_EXPERIMENTS);
 
@@ -55,8 +58,6 @@ criteria! {
     POSE_TILT_SIGMA: f64 = 50e-6, "m", "chosen";
     /// Prior standard deviation of a scan's lateral shift.
     POSE_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen";
-    /// Prior standard deviation of the part's place, along x and y, between robot and scanner.
-    PART_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen: the frames may differ by about 100 µm (docs/diagnosis.md, Limits)";
     /// Prior standard deviation of when a controller took over, before the first row in contact, in rows of the log.
     PASS_BEGIN_SIGMA: f64 = 0.577, "1", "derived: root mean square of a uniform law over the row before";
     /// Prior standard deviation of when a tool was lifted off, in rows of the log.
@@ -349,7 +350,6 @@ criteria! {
     ADEQUATE_NOISE: f64 = 3.0, "1", "chosen";
     /// Error over its noise floor up to which it is near the noise, and a study ends.
     NEAR_FLOOR_RATIO: f64 = 1.1, "1", "chosen";
-    // The next trial.
     // Comparison.
     /// Draws of noise behind the p-value of a residual test.
     RESIDUAL_TEST_DRAWS: usize = 999, "1", "convention: a thousand with the data";

@@ -10,6 +10,7 @@ use super::detectable::{Detectable, detectable};
 use super::evidence::{Evidence, EvidenceError};
 use super::finding::Finding;
 use super::fit::Fit;
+use super::frame::FrameEstimate;
 use super::pair::pair;
 use super::response::{Look, Projector};
 use super::round::Round;
@@ -34,6 +35,8 @@ pub struct Diagnosis {
     pub detectable: Vec<Detectable>,
     /// Effects that these data are blind to, and why.
     pub blind: BTreeMap<String, String>,
+    /// Where the logs lie beside the final model; `None` where there are no logs.
+    pub frame: Option<FrameEstimate>,
 }
 
 /// Tells how far the work is: what is done, and of how many parts.
@@ -164,7 +167,12 @@ impl Diagnosis {
             verdict = Verdict::Hint;
         }
         let (model, fit) = if verdict == Verdict::Unknown { (model.clone(), base) } else { (search.model, search.fit) };
-        Ok(Self { verdict, rounds: search.rounds, model, fit, detectable, blind })
+        let frame = evidence.frame(&fit)?;
+        let is_silent = matches!(verdict, Verdict::NothingMissing | Verdict::NotTestable | Verdict::Hint);
+        if is_silent && frame.is_some_and(|frame| frame.cause.effect().is_some()) {
+            verdict = Verdict::Identified;
+        }
+        Ok(Self { verdict, rounds: search.rounds, model, fit, detectable, blind, frame })
     }
 
     /// The effects that were found, in order; none where they are no account of what is missing.

@@ -6,10 +6,11 @@ use thiserror::Error;
 
 use super::coordinates::Coordinate;
 use super::fit::Fit;
+use super::frame::FrameEstimate;
 use super::pass_trend::PassTrend;
 use super::summary::EffectSummary;
 use super::unlisted::Basis;
-use crate::campaign_simulation::CampaignError;
+use trial_simulation::CampaignError;
 
 /// Which data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,6 +188,14 @@ pub trait Evidence: Sync {
     /// When the model cannot be simulated.
     fn bases(&self, _model: (&Model, &Fit), _library: &Library) -> Result<Vec<Basis>, EvidenceError> {
         Ok(Vec::new())
+    }
+
+    /// Where the logs lie in the frame of the scans beside a fitted model; `None` where the evidence has no logs.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    fn frame(&self, _fit: &Fit) -> Result<Option<FrameEstimate>, EvidenceError> {
+        Ok(None)
     }
 
     /// What the error of the simulation's lattice adds to the residuals of the calibration data before it is taken out of

@@ -2,8 +2,8 @@
 //!
 //! The method in ten steps, each with its files:
 //!
-//! 1. [`simulation`] runs a trial as it was logged, [`campaign_simulation`] all trials in order; [`scanner`] reads the
-//!    result as the instrument does.
+//! 1. The crate `trial-simulation` runs trials as they were logged and shows the result as the instrument does; `scans` and
+//!    `evidence` hold that against what was measured.
 //! 2. `height_view`, `exposure_view` and `rows` make data of scans, masks and tables; `tiles` cuts scans up.
 //! 3. `covariance` whitens residuals: noise (`tile_noise`), each scan's free pose, and the error of the simulation's own
 //!    lattice (`lattice_error`); `blur` fits the instrument.
@@ -27,7 +27,6 @@ mod border;
 mod calibrate;
 mod calibration;
 mod calibration_summary;
-pub mod campaign_simulation;
 mod closure;
 mod coarse_scans;
 mod column_form;
@@ -47,6 +46,7 @@ mod extents;
 mod finding;
 mod first_look;
 mod fit;
+mod frame;
 mod height_view;
 mod model_origin;
 mod model_weights;
@@ -65,13 +65,11 @@ mod response;
 mod round;
 mod rows;
 mod ruled_out;
-pub mod scanner;
 mod scans;
 mod screen;
 mod sentence;
 mod significance;
 mod simulated;
-pub mod simulation;
 mod simulation_errors;
 pub mod snapshot;
 mod spline;
@@ -95,7 +93,7 @@ mod verdict;
 
 pub use attempt::{Attempt, Tried};
 pub use blur::blurred;
-pub use calibrate::{calibrate, calibrate_scans};
+pub use calibrate::{calibrate, calibrate_scans, fit_roughly};
 pub use calibration::{Calibration, Fitted, Judged, Order, uncalibrated};
 pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beginning};
 pub use coordinates::{Bound, Coordinate, moved};
@@ -112,6 +110,7 @@ pub use extents::{Extents, Reaches};
 pub use finding::Finding;
 pub use first_look::{FirstLook, Promise};
 pub use fit::{Estimate, Fit, FitOptions, robust_sum};
+pub use frame::{FrameCause, FrameEstimate, FrameFreedom, FrameQuantity, FrameValues, aligned};
 pub use height_view::HeightView;
 pub use model_origin::{Origin, identity, model_origin};
 pub use next_row::{next_row, separating_row, testing_row};

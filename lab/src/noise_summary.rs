@@ -6,7 +6,7 @@ use super::scans::ScanEvidence;
 use super::structure::{ResidualGrid, neighbours};
 use super::tile_noise::{FittedNoise, Kernel};
 use crate::criteria::SIGNIFICANCE_LEVEL;
-use crate::simulation::Simulation;
+use trial_simulation::Simulation;
 use trials::measure::{NoiseSource, ScanNoise};
 
 /// Seed of the draws behind the p-value: it belongs to the measurements, not to a search.

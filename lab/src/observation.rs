@@ -8,10 +8,11 @@ use sdf_bake::HeightMap;
 use super::blur::{blurred, least_of};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::robust_sum;
+use super::frame::{FrameValues, QUANTITIES};
 use super::scans::{ScanData, ScanEvidence, ScanView};
-use super::simulation_errors::{lattice_share, without_lattice_error};
+use super::simulation_errors::{change_without_lattice_error, lattice_share, without_lattice_error};
 use crate::criteria::BLUR_WIDEST;
-use crate::simulation::SimulatedPass;
+use trial_simulation::SimulatedPass;
 use trials::trial::PassScan;
 
 /// Values of the blur tried at first, and a change that counts as none [pixels].
@@ -30,6 +31,8 @@ pub struct Observation {
     pub lattice_share: f64,
     /// The same at rims, which converge otherwise and are no data [1].
     pub rim_share: f64,
+    /// Robot's frame and clock as the data most likely have them [standard deviations beforehand].
+    pub frame: FrameValues,
 }
 
 /// Simulated passes of each trial, and the model that made them.
@@ -39,6 +42,9 @@ impl ScanEvidence<'_> {
     /// A simulated surface as the instrument sees it.
     pub fn seen(&self, view: &ScanView, simulated: &HeightMap, observation: Observation) -> HeightMap {
         let mut seen = blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, observation.blur);
+        if let Some(frame) = &self.frame {
+            frame.add_to(&mut seen.heights, (view.trial, view.pass), observation.frame);
+        }
         let (Some(error), ScanData::Heights(data)) = (&self.simulation_errors, &view.data) else { return seen };
         let (_, error) = error.of(view.trial, view.pass);
         let add = |height: &mut f64, share: f64, at: usize| *height += share * error[at];
@@ -62,7 +68,9 @@ impl ScanEvidence<'_> {
         let blur = self.blur_of((passes, model))?;
         let left = self.whitened((passes, model), Split::Calibration, blur)?;
         let lattice_share = lattice_share(&left, &self.lattice_field_of(Split::Calibration));
-        let even = Observation { blur, lattice_share, rim_share: 0.0 };
+        let alone = self.whitened_alone((passes, model), Split::Calibration, blur)?;
+        let frame = self.frame.as_ref().map_or([0.0; QUANTITIES], |frame| frame.most_likely(&alone));
+        let even = Observation { blur, lattice_share, rim_share: 0.0, frame };
         Ok(Observation { rim_share: self.rim_share(passes, even), ..even })
     }
 
@@ -129,8 +137,21 @@ impl ScanEvidence<'_> {
         least_of(cost, ([0.0, BLUR_WIDEST * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
     }
 
-    /// Measured minus simulated tiles of a split, whitened scan by scan, through an instrument of so much blur [m].
+    /// Measured minus simulated tiles of a split, whitened, through an instrument of so much blur [m]; the lattice's error
+    /// is still in them.
     fn whitened(&self, simulated: Simulated, split: Split, blur: f64) -> Result<Vec<f64>, EvidenceError> {
+        let mut whitened = self.whitened_alone(simulated, split, blur)?;
+        self.whiten_frame(&mut whitened, split);
+        Ok(whitened)
+    }
+
+    /// As [`Self::whitened`], each scan by itself: frame and clock, which they share, are still in them.
+    pub(super) fn whitened_alone(
+        &self,
+        simulated: Simulated,
+        split: Split,
+        blur: f64,
+    ) -> Result<Vec<f64>, EvidenceError> {
         let views: Vec<&ScanView> = self.of(split).collect();
         let scan = |view: &&ScanView| self.whitened_scan(view, simulated, blur);
         Ok(views.par_iter().map(scan).collect::<Result<Vec<_>, _>>()?.concat())
@@ -156,6 +177,24 @@ impl ScanEvidence<'_> {
             ScanData::Heights(data) => data.lattice_field.clone(),
             ScanData::Exposure(data) => vec![0.0; data.tiles.len()],
         };
-        self.of(split).flat_map(field).collect()
+        let mut field: Vec<f64> = self.of(split).flat_map(field).collect();
+        self.whiten_frame(&mut field, split);
+        field
+    }
+
+    /// Takes out of scans, each whitened by itself, what frame and clock may make of them. Held-out scans decide nothing, and
+    /// stay as they are.
+    fn whiten_frame(&self, whitened: &mut [f64], split: Split) {
+        if let (Some(frame), Split::Calibration) = (&self.frame, split) {
+            frame.whiten(whitened);
+        }
+    }
+
+    /// A change of the calibration tiles, each scan whitened by itself, as residuals show it: without what frame, clock and
+    /// lattice may make of it.
+    pub(super) fn change_seen(&self, change: &[f64], lattice_field: &[f64]) -> Vec<f64> {
+        let mut change = change.to_vec();
+        self.whiten_frame(&mut change, Split::Calibration);
+        change_without_lattice_error(&change, lattice_field)
     }
 }

@@ -3,6 +3,7 @@
 use effects::CompiledModel;
 
 use super::evidence::{Agreement, EvidenceError, Split};
+use super::frame::FrameFreedom;
 use super::scans::ScanEvidence;
 use crate::model_origin;
 
@@ -55,7 +56,8 @@ impl ScanEvidence<'_> {
     ) -> Result<T, EvidenceError> {
         let Some(journal) = &self.journal else { return make() };
         let errors = self.simulation_errors.as_ref().map(|errors| errors.identity());
-        let seen = format!("{:?} {errors:?}", self.observation);
+        let frame = self.frame.as_ref().map(FrameFreedom::identity);
+        let seen = format!("{:?} {errors:?} {frame:?} {:?}", self.observation, self.logs_moved());
         let decides = format!("{split:?} {seen} {:?} {:?}", self.most_steps, model_origin(model));
         let key = journal.key(&[T::NAME, &decides]);
         match journal.find(&key).as_deref() {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use nalgebra::DMatrix;
 
+use super::begin::with_matched_rate;
 use super::calibrate::fit_roughly;
 use super::calibration::{Calibration, Order};
 use super::coordinates::Coordinate;
@@ -13,6 +14,7 @@ use super::error::LabError;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::fit::Fit;
+use super::frame::{FrameEstimate, FrameFreedom};
 use super::height_view::HeightView;
 use super::observation::Observation;
 use super::pass_trend::{PassTrend, trend_of_scans};
@@ -21,14 +23,14 @@ use super::simulation_errors::SimulationErrors;
 use super::tile_noise::FittedNoise;
 use super::tiles::Tiles;
 use super::unlisted::{Basis, Exposures};
-use crate::campaign_simulation::CampaignSimulation;
 use crate::criteria::{
     COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO,
     SMOOTH_ERROR_EXPOSURE, SMOOTH_ERROR_REMOVAL, TILE_BLOCK_SIDE,
 };
-use crate::simulation::columns::lacking;
-use crate::simulation::{SimulatedPass, Simulation};
 use files::journal::Journal;
+use trial_simulation::CampaignSimulation;
+use trial_simulation::lacking;
+use trial_simulation::{SimulatedPass, Simulation};
 use trials::measure::ScanNoise;
 use trials::trial::{PassScan, Trial};
 
@@ -94,6 +96,8 @@ pub struct ScanEvidence<'a> {
     pub(super) most_steps: Option<usize>,
     /// What the simulation's lattice errs by, once it was measured.
     pub simulation_errors: Option<SimulationErrors>,
+    /// Robot's frame and clock, once it is known how the scans change with them.
+    pub frame: Option<FrameFreedom>,
     /// Predictions that were made before; `None` makes each again.
     pub journal: Option<Journal>,
 }
@@ -123,6 +127,7 @@ impl<'a> ScanEvidence<'a> {
             observation: None,
             most_steps: None,
             simulation_errors: None,
+            frame: None,
             journal: None,
         })
     }
@@ -173,7 +178,9 @@ impl<'a> ScanEvidence<'a> {
     /// # Errors
     /// When the model cannot be simulated on a lattice twice as fine.
     pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        self.frame = None;
         if self.process() == Process::Sanding {
+            self.frame = Some(FrameFreedom::new(self, model)?);
             return Ok(());
         }
         let error = SimulationErrors::new(self, model)?;
@@ -184,6 +191,7 @@ impl<'a> ScanEvidence<'a> {
             view.data = ScanData::Heights(Box::new(informed));
         }
         self.simulation_errors = Some(error);
+        self.frame = Some(FrameFreedom::new(self, model)?);
         Ok(())
     }
 
@@ -203,6 +211,7 @@ impl<'a> ScanEvidence<'a> {
         let compiled = CompiledModel::new(model, library, self.rows())?;
         self.limit_steps(&compiled)?;
         if self.process() == Process::Sanding {
+            self.measure_simulation_errors(&with_matched_rate(self, &compiled)?)?;
             return Calibration::new(self, (model, start), library, (order, done));
         }
         let rough = fit_roughly(self, &compiled)?;
@@ -221,6 +230,7 @@ impl<'a> ScanEvidence<'a> {
         if self.process() == Process::Sanding {
             return Ok(calibration);
         }
+        self.follow_frame(&calibration.last().fit)?;
         self.measure_simulation_errors(&calibration.last().fit.model)?;
         calibration.renewed(self)
     }
@@ -325,12 +335,19 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
+        let known = self.simulation.trials[0].trial.frame_errors;
         let why = match effect.name.as_str() {
             "scan-tilt" | "scan-shift" => "every fit leaves each scan's pose free",
             "lateral-blur" => "every fit finds the instrument's blur",
+            "path-offset" if known.shift > 0.0 => "every fit leaves the robot's frame free, and says where it is off",
+            "clock-offset" if known.lag > 0.0 => "every fit leaves the robot's clock free, and says where it is off",
             _ => return self.lacks_column(effect),
         };
         Some(why.to_owned())
+    }
+
+    fn frame(&self, fit: &Fit) -> Result<Option<FrameEstimate>, EvidenceError> {
+        self.frame_estimate(fit)
     }
 
     fn lattice_field(&self) -> Vec<f64> {

@@ -4,14 +4,13 @@ use effects::CompiledModel;
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
-use crate::campaign_simulation::{CampaignError, CampaignSimulation};
-use crate::simulation::{SimulatedPass, Simulation};
 use crate::{EvidenceError, Observation, ScanEvidence, ScanView};
+use trial_simulation::{CampaignError, CampaignSimulation, SimulatedPass, Simulation, Variation};
 use trials::trial::PassScan;
 
 /// The same simulation, which also tells what each place went through.
 fn watched<'a>(simulation: &Simulation<'a>) -> Result<Simulation<'a>, CampaignError> {
-    let own = Simulation::new(simulation.trial, simulation.part.voxel, simulation.replay);
+    let own = simulation.again(simulation.part.voxel, &Variation::default());
     let mut own = own.map_err(|error| CampaignError { trial: simulation.trial.name.clone(), error })?;
     own.covariates = true;
     Ok(own)

@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::evidence::EvidenceError;
 use super::model_origin::identity;
 use super::scans::{ScanData, ScanEvidence};
-use crate::simulation::{PassEnds, SimulatedPass, Variation};
+use trial_simulation::{PassEnds, SimulatedPass, Variation};
 use trials::measure::ScanNoise;
 use trials::trial::PassScan;
 
@@ -73,7 +73,7 @@ impl SimulationErrors {
         let finer = usual.on_voxels(FINER)?;
         let ends = |taken_over: f64, lifted: f64| {
             let ends = PassEnds { taken_over, lifted };
-            usual.varied(move |_| Variation { ends, before: None })
+            usual.varied(move |_| Variation { ends, ..Variation::default() })
         };
         let (begun, ended) = (ends(-1.0, 0.0)?, ends(0.0, 1.0)?);
         let repeats: Vec<HeightMap> = evidence.noise.iter().map(ScanNoise::without_gaps).collect();

@@ -9,6 +9,7 @@ use super::diagnose::Diagnosis;
 use super::evidence::{Agreement, ErrorUnit, Evidence, EvidenceError, Split};
 use super::finding::Finding;
 use super::fit::{Estimate, Fit};
+use super::frame::FrameEstimate;
 use super::next_trial::NextTrial;
 use super::pass_trend::PassTrend;
 use super::round::Round;
@@ -130,6 +131,8 @@ pub struct DiagnosisSummary {
     pub equal_passes: Option<PassTrend>,
     /// All parameters of the final model.
     pub parameters: Vec<ParameterSummary>,
+    /// Where the logs lie in the frame of the scans; absent where there are no logs.
+    pub frame: Option<FrameEstimate>,
     /// Every effect that was fitted.
     pub suspects: Vec<EffectSummary>,
     /// Every other effect that was looked at.
@@ -267,8 +270,13 @@ impl DiagnosisSummary {
             left.map(|(search, (name, reason))| Unfitted { name: name.to_owned(), title: title(name), search, reason });
         let unfitted = unfitted.collect();
         let found = diagnosis.found();
-        let effects: Vec<EffectSummary> =
+        let mut effects: Vec<EffectSummary> =
             rounds().zip(&found).map(|(round, finding)| summary(round, finding)).collect();
+        if diagnosis.verdict == Verdict::Identified {
+            effects.extend(diagnosis.frame.and_then(|frame| frame.as_effect(title)));
+        }
+        let frame =
+            diagnosis.frame.and_then(|frame| frame.sentence()).map_or(String::new(), |words| format!(" {words}"));
         let added = |finding: &&Finding| {
             step(format!("+ {}", finding.suspect.name()), unit, &finding.calibration, &finding.evaluation)
         };
@@ -283,7 +291,7 @@ impl DiagnosisSummary {
         let spread = diagnosis.rounds.last().map_or(1.0, |round| round.spread);
         Ok(Self {
             verdict: diagnosis.verdict,
-            sentence: sentence((diagnosis, unit), &effects) + &sizes + &beyond,
+            sentence: sentence((diagnosis, unit), &effects) + &sizes + &beyond + &frame,
             effects,
             none_probability: first.none,
             error_unit: unit,
@@ -294,6 +302,7 @@ impl DiagnosisSummary {
             waterfall,
             equal_passes,
             parameters: parameters(&diagnosis.fit, spread),
+            frame: diagnosis.frame,
             suspects,
             unfitted,
             next_trial: None,

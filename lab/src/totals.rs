@@ -10,7 +10,7 @@ use super::height_view::HeightView;
 use super::observation::Observation;
 use super::rows::RowEvidence;
 use super::scans::{ScanData, ScanEvidence, ScanView};
-use crate::simulation::SimulatedPass;
+use trial_simulation::SimulatedPass;
 use trials::measure::median;
 use trials::trial::PassScan;
 

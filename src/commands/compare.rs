@@ -17,7 +17,7 @@ use files::folder::StagedFolder;
 use files::output::FolderKind;
 use lab::{Evidence, RowEvidence, ScanEvidence};
 use report::study::page;
-use study::{Asked, Comparison, compare_rows, compare_scans};
+use study::{Asked, Comparison, aligned, compare_rows, compare_scans};
 use study::{Direction, StudyReport};
 use trials::table::{TABLE_FILE, Table};
 use trials::trial::Campaign;
@@ -99,7 +99,7 @@ fn run_one(args: &CompareArgs, console: &Console) -> Result<()> {
 
 fn of_scans(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comparison, StudyReport)> {
     let library = args.own.library()?;
-    let campaign = Campaign::read(&args.campaign)?;
+    let campaign = aligned(Campaign::read(&args.campaign)?)?;
     let maps = campaign.trials.iter().map(|trial| &trial.scans.before.pixels);
     for pixels in maps {
         args.sections.iter().try_for_each(|section| check(*section, pixels))?;

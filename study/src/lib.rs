@@ -60,7 +60,7 @@ pub use ledger::{
     AttemptTexts, Entry, LEDGER_FILE, Ledger, LedgerLine, Standing, TRIED_EFFECTS, is_fitted, model_in_words,
     pair_in_words,
 };
-pub use measurements::{Data, Measurements};
+pub use measurements::{Data, Measurements, aligned};
 pub use next_trial_files::{NEXT_TRIAL, NEXT_TRIAL_NAMES, write_next_trial};
 pub use progress::Progress;
 pub use proposal_files::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, write_proposal};

@@ -7,7 +7,7 @@ use lab::{LabError, Reaches, Result, Tried};
 
 use lab::{Calibration, Order, RowEvidence, ScanEvidence, Totals, uncalibrated};
 use trials::table::{TABLE_FILE, Table};
-use trials::trial::{Campaign, Finding};
+use trials::trial::{Campaign, Finding, FrameOffset};
 
 /// Measurements as they were read.
 pub enum Measurements {
@@ -34,7 +34,7 @@ impl Measurements {
         Ok(if folder.join(TABLE_FILE).is_file() {
             Self::Rows(folder.to_owned(), Box::new(Table::read(folder)?))
         } else {
-            Self::Scans(Campaign::read(folder)?)
+            Self::Scans(aligned(Campaign::read(folder)?)?)
         })
     }
 
@@ -48,6 +48,25 @@ impl Measurements {
             Self::Rows(folder, table) => Data::Rows(folder, Box::new(RowEvidence::new(table)?)),
         })
     }
+}
+
+/// A campaign with its logs moved to where its scans show the tool, where they are far from there; a note says so.
+///
+/// # Errors
+/// When the base law of its process cannot be simulated.
+pub fn aligned(campaign: Campaign) -> Result<Campaign> {
+    let model = Model::new(campaign.trials[0].process);
+    let Some(mut trials) = lab::aligned(&campaign.trials, &model, Library::builtin())? else { return Ok(campaign) };
+    let FrameOffset { shift, yaw, lag, .. } = trials[0].frame_offset;
+    let note = format!(
+        "by the scans the logs lie elsewhere: poses were moved by x {:.3} mm, y {:.3} mm, yaw {:.2} mrad, clock {lag:.3} s \
+         before any fit; frame_sigma_mm, yaw_sigma_mrad and clock_sigma_s of [robot] = 0 keep them",
+        1e3 * shift.x,
+        1e3 * shift.y,
+        1e3 * yaw
+    );
+    trials[0].notes.push(note);
+    Ok(Campaign { trials, ..campaign })
 }
 
 impl<'a> Data<'a> {

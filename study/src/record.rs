@@ -6,7 +6,7 @@ use trials::trial::Finding;
 
 use super::first_look::FirstAnswer;
 use lab::criteria::CriterionValues;
-use lab::{ErrorUnit, Searched, Verdict, WaterfallStep};
+use lab::{ErrorUnit, FrameEstimate, Searched, Verdict, WaterfallStep};
 
 /// The file by which the folder of a study is known.
 pub const STUDY_FILE: &str = "study.json";
@@ -134,6 +134,13 @@ impl StudyRecord {
             diagnosis: None,
             criteria: CriterionValues,
         }
+    }
+
+    /// Counts a frame or clock that is off as the effect of the library that does the same. The model does without it: every
+    /// fit leaves both free.
+    pub(super) fn add_frame(&mut self, frame: Option<&FrameEstimate>) {
+        let effect = frame.and_then(|frame| frame.cause.effect()).filter(|name| !self.added.iter().any(|a| a == name));
+        self.added.extend(effect.map(str::to_owned));
     }
 
     /// What a search says in a sentence, given the effects that were added before it.

@@ -102,7 +102,10 @@ impl<'a> StudyState<'a> {
         let ratio = last.calibration_rms_um / record.noise_floor_um;
         let text = format!("{}\n{ratio:.2} times the noise floor", record.shown(last));
         if record.verdict == Some(Verdict::Identified) {
-            record.sentence = Some(identified(&record.added, &numbers.parameters));
+            let frame = self.data.evidence().frame(&calibration.last().fit)?;
+            record.add_frame(frame.as_ref());
+            let beside = frame.and_then(|frame| frame.sentence()).map_or(String::new(), |words| format!(" {words}"));
+            record.sentence = Some(identified(&record.added, &numbers.parameters) + &beside);
         }
         let values: Vec<String> = numbers.parameters.iter().map(|parameter| parameter.shown()).collect();
         let text = [vec![text], values, numbers.remarks].concat().join("\n");
@@ -157,6 +160,9 @@ impl<'a> StudyState<'a> {
         let search = (self.record.seed, told);
         let mut diagnosis = Diagnosis::within(self.data.evidence(), (&self.model, fit), self.library, search, 1)?;
         let to_add = self.judged(&mut diagnosis);
+        if to_add.is_none() && diagnosis.verdict == Verdict::Identified {
+            self.record.add_frame(diagnosis.frame.as_ref());
+        }
         let mut summary = summary(&mut self.data, &diagnosis, self.library)?;
         self.data.free_observation();
         if to_add.is_none() {

@@ -5,6 +5,7 @@ mod attempts;
 mod blurred;
 mod campaigns;
 mod compared;
+mod frames;
 mod hostile;
 mod look;
 mod orders;

@@ -8,7 +8,9 @@ use glam::{DVec2, DVec3};
 use robot::Controller;
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
-use trials::trial::{ForceInput, HeldTool, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial, write_trial};
+use trials::trial::{
+    ForceInput, FrameErrors, FrameOffset, HeldTool, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial, write_trial,
+};
 
 use crate::program::{asset, files, names, robofin, run};
 
@@ -64,6 +66,8 @@ pub(crate) fn trial() -> (TempDir, PathBuf) {
         scans: Scans { before: scan.clone(), repeats: Vec::new(), material: None },
         controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
         force_input: ForceInput::Setpoint,
+        frame_errors: FrameErrors::default(),
+        frame_offset: FrameOffset::default(),
         coating: None,
         passes: vec![pass(false), pass(true)],
         columns: Vec::new(),

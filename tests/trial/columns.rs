@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use effects::{CompiledModel, Dimension, Library, Model, Process, RowCounts};
-use lab::simulation::Simulation;
+use trial_simulation::Simulation;
 use trials::trial::{Given, Trial, TrialColumn, write_trial};
 
 use crate::files::{edit, folder, noted, refused};

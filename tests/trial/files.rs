@@ -9,8 +9,8 @@ use robot::Controller;
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
 use trials::trial::{
-    Covariate, ExposureMask, ForceInput, HeldTool, LabelMap, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial,
-    TrialError, write_trial,
+    Covariate, ExposureMask, ForceInput, FrameErrors, FrameOffset, HeldTool, LabelMap, Log, LogRow, Pass, PassScan,
+    RPM, Role, Scans, Trial, TrialError, write_trial,
 };
 
 const RADIUS: f64 = 0.05;
@@ -81,6 +81,8 @@ pub(crate) fn grinding() -> Trial {
         },
         controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
         force_input: ForceInput::Setpoint,
+        frame_errors: FrameErrors::default(),
+        frame_offset: FrameOffset::default(),
         coating: None,
         passes: vec![pass],
         columns: Vec::new(),

@@ -4,10 +4,10 @@
 //! both scans, √2 times that of one. The measure is that of two scans.
 
 use effects::{CompiledModel, Library, Model};
-use lab::campaign_simulation::CampaignSimulation;
-use lab::simulation::SimulatedPass;
 use robofin::trial_run::residual;
 use serde_json::Value;
+use trial_simulation::CampaignSimulation;
+use trial_simulation::SimulatedPass;
 use trials::measure::{despiked, noise_floor};
 use trials::trial::{Campaign, Trial};
 

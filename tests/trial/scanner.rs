@@ -1,7 +1,7 @@
 //! The scanner of a model at work in a whole trial, and the same passes seen again with other values.
 
 use effects::{CompiledModel, Library, Model, RowCounts};
-use lab::simulation::{SimulatedPass, Simulation};
+use trial_simulation::{SimulatedPass, Simulation};
 use trials::trial::{Campaign, PassScan};
 
 use crate::shared::campaigns;

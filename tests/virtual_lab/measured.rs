@@ -1,9 +1,9 @@
 //! What scanner and robot put into the measurements.
 
 use effects::{CompiledModel, Model, Process};
-use lab::campaign_simulation::CampaignSimulation;
-use lab::simulation::{SimulatedPass, exposed_share};
 use sdf_bake::HeightMap;
+use trial_simulation::CampaignSimulation;
+use trial_simulation::{SimulatedPass, exposed_share};
 use trials::measure::{Freedom, NoiseFloor, centre_and_sigma, despiked, noise_floor, register, untouched};
 use trials::trial::{PassScan, Trial};
 use virtual_lab::{Experiment, Hidden, Instrument, Made, Plan};

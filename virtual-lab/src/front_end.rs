@@ -28,11 +28,13 @@ pub enum FrontEnd {
     Once,
     /// The force swings by 10 % about its mean, and the trials say that the logged force leads.
     Logged,
+    /// A workshop: frame, clock, ripple and worn tool at once.
+    Shop,
 }
 
 impl FrontEnd {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Clean,
         Self::Hard,
         Self::Frame,
@@ -42,6 +44,7 @@ impl FrontEnd {
         Self::Worn,
         Self::Once,
         Self::Logged,
+        Self::Shop,
     ];
 
     /// In files and tables.
@@ -56,6 +59,7 @@ impl FrontEnd {
             Self::Worn => "worn",
             Self::Once => "once",
             Self::Logged => "logged",
+            Self::Shop => "shop",
         }
     }
 
@@ -71,6 +75,7 @@ impl FrontEnd {
             Self::Worn => "The tool worked before each trial",
             Self::Once => "No surface is scanned twice",
             Self::Logged => "The force swings, and the logged one leads",
+            Self::Shop => "Frame, clock, ripple and worn tool at once",
         }
     }
 
@@ -91,13 +96,14 @@ impl FrontEnd {
             Self::Frame => Robot { frame_shift: 0.5e-3, frame_turn: 2e-3, ..clean },
             Self::Clock => Robot { pose_delay: 0.08, ..clean },
             Self::Ripple | Self::Logged => Robot { force_ripple: 0.1, ..clean },
+            Self::Shop => Robot { frame_shift: 0.5e-3, frame_turn: 2e-3, pose_delay: 0.08, force_ripple: 0.1, ..clean },
             _ => clean,
         }
     }
 
     /// Passes that the tool did before each trial.
     pub fn earlier_passes(self) -> usize {
-        if self == Self::Worn { 2 } else { 0 }
+        if matches!(self, Self::Worn | Self::Shop) { 2 } else { 0 }
     }
 }
 

@@ -20,7 +20,9 @@ use super::surface::Workpiece;
 use super::truth_error::TruthError;
 use random::Stream;
 use robot::Controller;
-use trials::trial::{ForceInput, HeldTool, LabelMap, Pass, PassScan, RPM, Role, Scans, Trial};
+use trials::trial::{
+    ForceInput, FrameErrors, FrameOffset, HeldTool, LabelMap, Pass, PassScan, RPM, Role, Scans, Trial,
+};
 
 /// Voxel of the true part [scan pitches]: finer than half a pixel, and no whole share of it, so that lattice lines and
 /// pixels fall apart.
@@ -205,6 +207,8 @@ impl<'a> Bout<'a> {
                 ForceInput::Log => Controller::Ideal,
             },
             force_input: self.experiment.force_input,
+            frame_errors: FrameErrors::default(),
+            frame_offset: FrameOffset::default(),
             coating: sands.then_some(COATING),
             passes,
             columns: Vec::new(),

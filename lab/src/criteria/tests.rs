@@ -8,6 +8,12 @@ use super::{CRITERIA, CriterionValues};
 
 /// Names and values.
 const AGREED: &[(&str, f64)] = &[
+    ("PART_SHIFT_SIGMA", 0.0001),
+    ("FRAME_REACH", 0.0002),
+    ("FRAME_SETTLED", 0.00002),
+    ("FRAME_SMOOTH_SHARE", 0.3),
+    ("FRAME_ODDS", 19.0),
+    ("FRAME_SHOWN_SHARE", 0.9),
     ("TILE_LEAST_SIDE", 3.0),
     ("TILES_PER_SCAN", 1000.0),
     ("TILE_KNOWN_SHARE", 0.4),
@@ -21,7 +27,6 @@ const AGREED: &[(&str, f64)] = &[
     ("POSE_HEIGHT_SIGMA", 0.00005),
     ("POSE_TILT_SIGMA", 0.00005),
     ("POSE_SHIFT_SIGMA", 0.0001),
-    ("PART_SHIFT_SIGMA", 0.0001),
     ("PASS_BEGIN_SIGMA", 0.577),
     ("PASS_END_SIGMA", 0.289),
     ("RIM_NOISE_SHARE", 0.25),

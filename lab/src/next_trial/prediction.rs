@@ -8,17 +8,17 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::design::Design;
 use super::hypothesis::Hypothesis;
 use super::score::Predicted;
-use crate::campaign_simulation::CampaignError;
 use crate::covariance::Whitener;
 use crate::criteria::{CHANGED_HEIGHT, NEXT_TRIAL_TILES, NEXT_TRIAL_VOXEL_RATIO};
 use crate::evidence::EvidenceError;
 use crate::exposure_view::ExposureView;
 use crate::height_view::HeightView;
-use crate::scanner::SeenSurface;
 use crate::scans::{ScanData, ScanEvidence, ScanView};
-use crate::simulation::{SimulatedPass, Simulation, SimulationError};
 use crate::tile_noise::TileNoise;
 use crate::tiles::{TileGrid, Tiles};
+use trial_simulation::CampaignError;
+use trial_simulation::SeenSurface;
+use trial_simulation::{SimulatedPass, Simulation, SimulationError, Variation};
 use trials::trial::{PassScan, Trial};
 
 /// Number of the trial that variants are made of.
@@ -256,7 +256,7 @@ fn last_group<'t>(evidence: &'t ScanEvidence, voxel: f64) -> Result<Vec<(Simulat
     let mut row = all[..start].iter().map(|own| own.trial.passes.len()).sum();
     let mut group = Vec::new();
     for own in &all[start..] {
-        let simulation = Simulation::new(own.trial, voxel, own.replay).map_err(|error| failed(own.trial, error))?;
+        let simulation = own.again(voxel, &Variation::default()).map_err(|error| failed(own.trial, error))?;
         group.push((simulation, row));
         row += own.trial.passes.len();
     }

@@ -11,7 +11,7 @@ use super::pass_plan::PassPlan;
 use super::score::{Belief, Predicted, Score};
 use super::*;
 use crate::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
-use trials::trial::{ForceInput, HeldTool, Log, LogRow, PassScan, Role, Scans, ToolPath};
+use trials::trial::{ForceInput, FrameErrors, FrameOffset, HeldTool, Log, LogRow, PassScan, Role, Scans, ToolPath};
 
 /// A wheel that comes down on a plate of 40 by 20 mm for 0.5 s, is fed for 20 mm in 2 s and rises for 0.5 s.
 fn trial(passes: usize) -> Trial {
@@ -46,6 +46,8 @@ fn trial(passes: usize) -> Trial {
         scans: Scans { before: map.clone(), repeats: vec![map], material: None },
         controller: Controller::Replay,
         force_input: ForceInput::Setpoint,
+        frame_errors: FrameErrors::default(),
+        frame_offset: FrameOffset::default(),
         coating: None,
         columns: Vec::new(),
         passes: vec![pass; passes],

@@ -12,7 +12,6 @@ use super::variables::Variable;
 use crate::criteria::{CURVE_KNOTS, CURVE_MASK_STEP};
 use crate::evidence::{Evidence, EvidenceError, Split};
 use crate::scans::{ScanData, ScanEvidence, ScanView};
-use crate::simulation_errors::change_without_lattice_error;
 
 /// Least distance of two knots over the range of the variable.
 const APART: f64 = 2e-3;
@@ -108,7 +107,7 @@ fn columns(evidence: &ScanEvidence, exposures: &Exposures, over: &Over) -> Resul
     let mut columns = DMatrix::from_rows(&rows);
     let field = evidence.lattice_field_of(Split::Calibration);
     for mut column in columns.column_iter_mut() {
-        let seen = change_without_lattice_error(column.as_slice(), &field);
+        let seen = evidence.change_seen(column.as_slice(), &field);
         column.copy_from_slice(&seen);
     }
     Ok(columns)

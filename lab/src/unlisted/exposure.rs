@@ -20,7 +20,7 @@ use crate::evidence::{Evidence, EvidenceError, Split};
 use crate::fit::Fit;
 use crate::scans::ScanEvidence;
 use crate::simulated::Simulated;
-use crate::simulation::SimulatedPass;
+use trial_simulation::SimulatedPass;
 
 /// Name of the effect that sums up and changes nothing.
 const WATCH: &str = "exposure-sums";

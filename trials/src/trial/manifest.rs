@@ -23,11 +23,12 @@ pub const TRIAL_FILE: &str = "trial.toml";
 /// The table whose keys are names of the user's own.
 const COLUMNS: &str = "columns";
 /// Known keys of each other table.
-const KEYS: [(&str, &[&str]); 7] = [
-    ("", &["format", "name", "process", "tool", "scan", "log", "controller", "coating", "columns", "pass"]),
+const KEYS: [(&str, &[&str]); 8] = [
+    ("", &["format", "name", "process", "tool", "scan", "log", "robot", "controller", "coating", "columns", "pass"]),
     ("tool", &["kind", "radius_mm", "width_mm", "axis", "fresh"]),
     ("scan", &["pitch_mm", "origin_mm", "mirror", "before", "repeat", "material"]),
     ("log", &["columns", "offset_mm", "yaw_deg"]),
+    ("robot", &["frame_sigma_mm", "yaw_sigma_mrad", "clock_sigma_s"]),
     ("controller", &["kind", "mass_kg", "damping_ns_m", "period_s"]),
     ("coating", &["thickness_mm"]),
     ("pass", &["log", "scan", "role", "force_setpoint_n", "feed_mm_s", "spindle_rpm", "direction"]),
@@ -69,6 +70,8 @@ pub(super) struct Manifest {
     #[serde(skip_serializing)]
     pub(super) log: Option<LogTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) robot: Option<RobotTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) controller: Option<Spanned<ControllerTable>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) coating: Option<CoatingTable>,
@@ -95,6 +98,14 @@ pub(super) struct LogTable {
     pub(super) offset_mm: Option<[f64; 3]>,
     /// Turn of the log's frame about z, before the offset.
     pub(super) yaw_deg: Option<f64>,
+}
+
+/// How far the robot's frame and clock may be off, standard deviations.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct RobotTable {
+    pub(super) frame_sigma_mm: Option<Spanned<f64>>,
+    pub(super) yaw_sigma_mrad: Option<Spanned<f64>>,
+    pub(super) clock_sigma_s: Option<Spanned<f64>>,
 }
 
 /// A channel of a log: its name, and where given its unit, sign, gain, zero and delay.

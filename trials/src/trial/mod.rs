@@ -9,6 +9,7 @@ mod campaign;
 mod columns;
 mod error;
 mod finding;
+mod frame_offset;
 mod log;
 mod log_columns;
 mod manifest;
@@ -33,6 +34,7 @@ pub use campaign::Campaign;
 pub use columns::{Given, TrialColumn};
 pub use error::{Place, TrialError};
 pub use finding::{Checked, Finding, Severity};
+pub use frame_offset::{FrameErrors, FrameOffset};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
 pub use manifest::{Role, TRIAL_FILE, TRIAL_FORMAT};
 pub(crate) use manifest::{Source, nearest};
@@ -148,6 +150,10 @@ pub struct Trial {
     pub controller: Controller,
     /// The force that the controller holds.
     pub force_input: ForceInput,
+    /// What is known of the robot's frame and clock.
+    pub frame_errors: FrameErrors,
+    /// By how much the logs were moved since they were read.
+    pub frame_offset: FrameOffset,
     /// Thickness of the coating [m].
     pub coating: Option<f64>,
     /// Passes in order of time.

@@ -40,7 +40,7 @@ pub fn write_plan(trial: &Trial, remarks: &[String], folder: &Path) -> Result<()
 mod tests {
     use super::super::{ForceInput, Pass, PassScan, Scans, log_csv, write_trial};
     use super::*;
-    use crate::trial::{HeldTool, Log, LogRow, Role};
+    use crate::trial::{FrameErrors, FrameOffset, HeldTool, Log, LogRow, Role};
     use effects::Process;
     use glam::{DVec2, DVec3};
     use robot::Controller;
@@ -85,6 +85,8 @@ mod tests {
             scans: Scans { before: scan(1, 0.0), repeats: vec![scan(2, 0.0)], material: None },
             controller: Controller::Ideal,
             force_input: ForceInput::Setpoint,
+            frame_errors: FrameErrors::default(),
+            frame_offset: FrameOffset::default(),
             coating: None,
             columns: Vec::new(),
             passes: vec![pass],

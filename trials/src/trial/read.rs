@@ -11,9 +11,11 @@ use super::columns::{Found, Logs, TrialColumn};
 use super::error::{Place, TrialError};
 use super::log::{RPM, read_log};
 use super::log_columns::LogColumns;
-use super::manifest::{ControllerKind, ControllerTable, Manifest, PassTable, Source, TRIAL_FILE, ToolKind, ToolTable};
+use super::manifest::{
+    ControllerKind, ControllerTable, Manifest, PassTable, RobotTable, Source, TRIAL_FILE, ToolKind, ToolTable,
+};
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{Checked, ForceInput, HeldTool, Pass, PassScan, Scans, Trial, plausible};
+use super::{Checked, ForceInput, FrameErrors, FrameOffset, HeldTool, Pass, PassScan, Scans, Trial, plausible};
 use effects::Process;
 use robot::Controller;
 
@@ -49,6 +51,8 @@ const TOOL_MM: [f64; 2] = [0.1, 1000.0];
 const COATING_MM: [f64; 2] = [1e-4, 10.0];
 /// Periods of a controller that are accepted [s]: a hundred times faster than robots are, and once a second.
 const PERIOD_S: [f64; 2] = [1e-5, 1.0];
+/// Standard deviations of a robot's frame [mm, mrad] and clock [s] that are accepted; 0 is exact.
+const FRAME_SIGMAS: [f64; 3] = [100.0, 200.0, 10.0];
 /// Passes of a trial that are accepted; each takes seconds.
 const MOST_PASSES: usize = 1000;
 /// Pixels of all scans of a trial that are accepted: 4 GB.
@@ -104,11 +108,33 @@ impl Reader<'_> {
             scans,
             controller: manifest.controller.as_ref().map_or(Ok(Controller::Replay), |table| self.controller(table))?,
             force_input: force_input(manifest),
+            frame_errors: self.frame_errors(manifest.robot.as_ref())?,
+            frame_offset: FrameOffset::default(),
             coating: coating.transpose()?.map(|thickness| thickness * 1e-3),
             passes,
             columns,
             notes: std::mem::take(&mut self.notes),
             findings: Vec::new(),
+        })
+    }
+
+    /// What a manifest says of the robot's frame and clock; the default where it says nothing.
+    fn frame_errors(&self, table: Option<&RobotTable>) -> Result<FrameErrors, TrialError> {
+        let usual = FrameErrors::default();
+        let Some(RobotTable { frame_sigma_mm, yaw_sigma_mrad, clock_sigma_s }) = table else { return Ok(usual) };
+        let [shift, yaw, lag] = FRAME_SIGMAS;
+        type Sigma = (f64, f64, f64);
+        let sigma = |key: &str, given: &Option<Spanned<f64>>, (most, unit, usual): Sigma| -> Result<f64, TrialError> {
+            match given {
+                Some(value) if *value.get_ref() == 0.0 => Ok(0.0),
+                Some(value) => Ok(self.within(key, value, [0.0, most])? * unit),
+                None => Ok(usual),
+            }
+        };
+        Ok(FrameErrors {
+            shift: sigma("frame_sigma_mm", frame_sigma_mm, (shift, 1e-3, usual.shift))?,
+            yaw: sigma("yaw_sigma_mrad", yaw_sigma_mrad, (yaw, 1e-3, usual.yaw))?,
+            lag: sigma("clock_sigma_s", clock_sigma_s, (lag, 1.0, usual.lag))?,
         })
     }
 

@@ -10,11 +10,11 @@ use toml::Spanned;
 
 use super::log::{APPROACH_COLUMNS, Log, REQUIRED_COLUMNS, RPM, TEMPERATURE_COLUMN};
 use super::manifest::{
-    CoatingTable, ColumnEntry, ControllerKind, ControllerTable, Manifest, PassTable, ScanTable, TRIAL_FILE,
+    CoatingTable, ColumnEntry, ControllerKind, ControllerTable, Manifest, PassTable, RobotTable, ScanTable, TRIAL_FILE,
     TRIAL_FORMAT, ToolKind, ToolTable,
 };
 use super::scan::Mirror;
-use super::{ExposureMask, ForceInput, Given, HeldTool, LabelMap, Pass, PassScan, Trial, TrialColumn};
+use super::{ExposureMask, ForceInput, FrameErrors, Given, HeldTool, LabelMap, Pass, PassScan, Trial, TrialColumn};
 use crate::column_unit::named_unit;
 use robot::{Controller, Tool};
 
@@ -137,6 +137,16 @@ fn millimetres(length: f64) -> Spanned<f64> {
     plain(number(length * 1e3))
 }
 
+/// Nothing where all is as it is assumed of any robot.
+fn robot_table(trial: &Trial) -> Option<RobotTable> {
+    let FrameErrors { shift, yaw, lag } = trial.frame_errors;
+    (trial.frame_errors != FrameErrors::default()).then(|| RobotTable {
+        frame_sigma_mm: Some(plain(number(shift * 1e3))),
+        yaw_sigma_mrad: Some(plain(number(yaw * 1e3))),
+        clock_sigma_s: Some(plain(lag)),
+    })
+}
+
 pub(super) fn manifest_of(trial: &Trial) -> Manifest {
     let pixels = &trial.scans.before.pixels;
     let repeat = |k: usize| match k {
@@ -158,6 +168,7 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
             material: trial.scans.material.as_ref().map(|_| plain("material.csv".into())),
         },
         log: None,
+        robot: robot_table(trial),
         controller: controller_table(trial).map(plain),
         coating: trial.coating.map(|thickness| CoatingTable { thickness_mm: millimetres(thickness) }),
         columns: trial.columns.iter().filter_map(column_entry).collect(),

@@ -1,10 +1,11 @@
 //! A trial simulated: its part made from the scan before, its passes along the logged paths, its scans as the same
 //! instrument would see them.
 
-pub(crate) mod columns;
+mod columns;
 mod logged;
 mod models;
 
+pub use columns::lacking;
 pub use logged::PassEnds;
 pub use models::ModelRun;
 
@@ -22,7 +23,7 @@ use thiserror::Error;
 
 use crate::scanner::SeenSurface;
 use logged::{LoggedPass, rest};
-use trials::trial::{ExposureMask, Pass, PassScan, Trial, TrialError};
+use trials::trial::{ExposureMask, FrameOffset, Pass, PassScan, Trial, TrialError};
 
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
@@ -97,6 +98,8 @@ pub struct Variation<'a> {
     pub ends: PassEnds,
     /// Heights to add to the scan before [m]; NaN adds nothing.
     pub before: Option<&'a HeightMap>,
+    /// Place of the logs in the frame of the scans.
+    pub frame_offset: FrameOffset,
 }
 
 /// A trial ready to be simulated again and again.
@@ -109,6 +112,8 @@ pub struct Simulation<'a> {
     pub covariates: bool,
     /// Whether the tool keeps to the logged heights.
     pub replay: bool,
+    /// Place of the logs in the frame of the scans, as the passes are simulated.
+    pub frame_offset: FrameOffset,
     /// Where the passes run: a graphics processor, or the CPU.
     pub device: Option<&'a shaders::Device>,
     /// Where the CPU's time is summed up by phase.
@@ -193,10 +198,12 @@ impl<'a> Simulation<'a> {
         if let Some(material) = &trial.scans.material {
             part.label_columns(&material.pixels, &material.labels);
         }
+        let held = variation.frame_offset.of_tool(&trial.tool);
         let mut passes: Vec<Planned> = Vec::new();
         for (i, pass) in trial.passes.iter().enumerate() {
             let controller = if replay { Controller::Replay } else { trial.controller };
-            let logged = LoggedPass::new(pass, &trial.tool, variation.ends);
+            let log = variation.frame_offset.of_log(&pass.log);
+            let logged = LoggedPass::new((&log, pass.force_setpoint), &held, variation.ends);
             let approach = logged.taken_over;
             let path = logged.path(tool, controller).map_err(|error| SimulationError::Path { pass: i + 1, error })?;
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
@@ -209,7 +216,25 @@ impl<'a> Simulation<'a> {
         if steps > MOST_STEPS {
             return Err(SimulationError::TooLong { steps });
         }
-        Ok(Self { trial, part, covariates: false, replay, device: None, clock: None, passes })
+        Ok(Self {
+            trial,
+            part,
+            covariates: false,
+            replay,
+            frame_offset: variation.frame_offset,
+            device: None,
+            clock: None,
+            passes,
+        })
+    }
+
+    /// The same trial on other voxels [m], or where what was measured is a little otherwise still.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn again(&self, voxel: f64, variation: &Variation) -> Result<Self, SimulationError> {
+        let frame_offset = self.frame_offset.and(&variation.frame_offset);
+        Self::varied(self.trial, voxel, self.replay, &Variation { frame_offset, ..variation.clone() })
     }
 
     /// Changes how every pass is controlled and stepped.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use robot::{Controller, Tool};
 use sim::settings::TOUCH;
 use sim::{ForceCourse, Path, PathError, PathSample};
-use trials::trial::{Contact, ForceInput, HeldTool, Pass, ToolPath, ToolPose, Trial};
+use trials::trial::{Contact, ForceInput, HeldTool, Log, Pass, ToolPath, ToolPose, Trial};
 
 /// Rows of a log from which the speed of descent is taken: so many that the jitter of one counts little.
 const DESCENT_ROWS: usize = 8;
@@ -29,10 +29,11 @@ pub(super) struct LoggedPass {
 }
 
 impl LoggedPass {
-    pub(super) fn new(pass: &Pass, tool: &HeldTool, ends: PassEnds) -> Self {
-        let poses = ToolPath::of(&pass.log, tool, pass.force_setpoint);
+    /// - a log, and the force setpoint of its pass [N]
+    pub(super) fn new((log, force_setpoint): (&Log, f64), tool: &HeldTool, ends: PassEnds) -> Self {
+        let poses = ToolPath::of(log, tool, force_setpoint);
         let row = row_period(&poses);
-        let taken_over = (handed_over(&poses, pass.force_setpoint) + ends.taken_over * row).max(0.0);
+        let taken_over = (handed_over(&poses, force_setpoint) + ends.taken_over * row).max(0.0);
         let contact = contact(&poses);
         let end = lifted_off(&poses, contact, (ends.lifted, row)).filter(|end| end.time > contact.end);
         Self { poses, taken_over, end }

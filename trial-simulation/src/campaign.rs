@@ -48,7 +48,7 @@ impl<'a> CampaignSimulation<'a> {
     /// The first trial that cannot be simulated on such a lattice.
     pub fn on_voxels(&self, ratio: f64) -> Result<Self, CampaignError> {
         let simulation = |own: &Simulation<'a>| {
-            Simulation::new(own.trial, ratio * own.part.voxel, own.replay)
+            own.again(ratio * own.part.voxel, &Variation::default())
                 .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
         };
         Ok(Self { trials: self.trials.par_iter().map(simulation).collect::<Result<_, _>>()? })
@@ -62,7 +62,7 @@ impl<'a> CampaignSimulation<'a> {
     /// The first trial that cannot be simulated so.
     pub fn varied<'v>(&self, variation: impl Fn(usize) -> Variation<'v> + Sync) -> Result<Self, CampaignError> {
         let simulation = |(number, own): (usize, &Simulation<'a>)| {
-            Simulation::varied(own.trial, own.part.voxel, own.replay, &variation(number))
+            own.again(own.part.voxel, &variation(number))
                 .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
         };
         Ok(Self { trials: self.trials.par_iter().enumerate().map(simulation).collect::<Result<_, _>>()? })

@@ -19,7 +19,7 @@ pub(super) fn measured(trial: &Trial, pass: &Pass) -> Vec<Measured> {
 }
 
 /// The first state of an effect that a column must measure and none of a trial does, with the reason.
-pub(crate) fn lacking<'e>(trial: &Trial, effect: &'e Effect) -> Option<(&'e State, TrialError)> {
+pub fn lacking<'e>(trial: &Trial, effect: &'e Effect) -> Option<(&'e State, TrialError)> {
     let held = effect.states.iter().filter(|state| state.is_held());
     held.filter_map(|state| Some((state, unread(trial, effect, state)?))).next()
 }

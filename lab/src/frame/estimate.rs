@@ -1,0 +1,234 @@
+//! Where the logs of a campaign lie in the frame of its scans, and what that is called.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use super::posterior::{Linear, Posterior};
+use super::{FrameValues, QUANTITIES, frame_offset, middle, priors};
+use crate::criteria::{
+    FRAME_ODDS, FRAME_REACH, FRAME_SETTLED, FRAME_SHOWN_SHARE, FRAME_SMOOTH_SHARE, INTERVAL_SIGMAS, PART_SHIFT_SIGMA,
+};
+use crate::evidence::{EvidenceError, Split};
+use crate::fit::Fit;
+use crate::scans::ScanEvidence;
+use crate::simulation_errors::with_lattice_error;
+use trial_simulation::Variation;
+use trials::trial::Trial;
+
+/// Length of a column of what is free in a fit: its prior is as wide.
+const FREE_COLUMN: f64 = 1e3;
+
+/// What the scans ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrameCause {
+    /// Nothing: the logs are where the tool was, as far as the scans show it.
+    AsLogged,
+    /// An offset of the tool centre point across the way, as the effect `path-offset`.
+    PathOffset,
+    /// A clock, as the effect `clock-offset`.
+    ClockOffset,
+    /// The robot's frame.
+    Frame,
+    /// Frame and clock.
+    FrameAndClock,
+}
+
+impl FrameCause {
+    /// All of them.
+    pub(super) const ALL: [Self; 5] =
+        [Self::AsLogged, Self::PathOffset, Self::ClockOffset, Self::Frame, Self::FrameAndClock];
+
+    /// Which quantities are free.
+    pub(super) fn free(self) -> [bool; QUANTITIES] {
+        match self {
+            Self::AsLogged => [false; QUANTITIES],
+            Self::PathOffset => [false, true, false, false],
+            Self::ClockOffset => [false, false, false, true],
+            Self::Frame => [true, true, true, false],
+            Self::FrameAndClock => [true; QUANTITIES],
+        }
+    }
+
+    /// The effect of the library that does the same.
+    pub fn effect(self) -> Option<&'static str> {
+        match self {
+            Self::PathOffset => Some("path-offset"),
+            Self::ClockOffset => Some("clock-offset"),
+            _ => None,
+        }
+    }
+}
+
+/// A quantity with its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameQuantity {
+    /// Most probable value.
+    pub value: f64,
+    /// Ends of the interval.
+    pub interval: [f64; 2],
+    /// Whether the scans show it; if not, the interval is what was assumed beforehand.
+    pub is_shown: bool,
+}
+
+/// Where the logs of a campaign lie in the frame of its scans: what poses must be moved by.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameEstimate {
+    /// What the scans ask for.
+    pub cause: FrameCause,
+    /// Logarithm of the odds for it against logs that are right.
+    pub log_odds: f64,
+    /// Shift along x [mm].
+    pub shift_x_mm: FrameQuantity,
+    /// Shift along y [mm].
+    pub shift_y_mm: FrameQuantity,
+    /// Turn about z [mrad].
+    pub yaw_mrad: FrameQuantity,
+    /// Time by which a logged pose is later than the force beside it [s].
+    pub clock_s: FrameQuantity,
+    /// By how much of that the logs were moved before any fit: mm, mm, mrad, s.
+    pub moved: FrameValues,
+}
+
+/// What residuals say of a campaign's logs.
+pub(super) struct Judged {
+    posteriors: [Posterior; FrameCause::ALL.len()],
+    /// The cause that the residuals ask for.
+    cause: FrameCause,
+    /// Logarithm of its odds.
+    log_odds: f64,
+    /// Values of the quantities with it.
+    pub(super) place: FrameValues,
+}
+
+impl Judged {
+    /// Holds all causes against residuals.
+    ///
+    /// - `moved`: by how much the logs are moved where the residuals were taken
+    pub(super) fn new(linear: Linear, moved: FrameValues, trials: &[&Trial]) -> Self {
+        let scale = priors(trials[0].frame_errors);
+        let of_moved = DVector::from_fn(QUANTITIES, |k, _| if scale[k] > 0.0 { moved[k] / scale[k] } else { 0.0 });
+        let linear = Linear { residuals: linear.residuals - &linear.columns * of_moved, ..linear };
+        let posteriors = linear.posteriors(FrameCause::ALL.map(FrameCause::free));
+        // A cause with more free quantities must be worth them, also beside the prior odds of its evidence.
+        let count = |cause: usize| FrameCause::ALL[cause].free().into_iter().filter(|free| *free).count();
+        let better = |a: usize, b: usize| {
+            let least = if count(b) > count(a) { FRAME_ODDS.ln() } else { 0.0 };
+            if posteriors[b].log_evidence > posteriors[a].log_evidence + least { b } else { a }
+        };
+        let at = (0..posteriors.len()).reduce(better).expect("there are causes");
+        let log_odds = posteriors[at].log_evidence - posteriors[0].log_evidence;
+        let place: FrameValues = std::array::from_fn(|k| posteriors[at].mean[k] * scale[k]);
+        // Less is within what the place of each scan leaves free.
+        let is_off = at > 0 && Arms::of(trials).way(place) > PART_SHIFT_SIGMA;
+        match is_off {
+            true => Self { posteriors, cause: FrameCause::ALL[at], log_odds, place },
+            false => Self { posteriors, cause: FrameCause::AsLogged, log_odds, place: [0.0; QUANTITIES] },
+        }
+    }
+
+    fn estimate(&self, moved: FrameValues, scale: FrameValues) -> FrameEstimate {
+        let all_free = FrameCause::FrameAndClock;
+        let quantity = |k: usize, unit: f64| {
+            // What the cause holds is told as where all is free.
+            let cause = if self.cause.free()[k] { self.cause } else { all_free };
+            let own = &self.posteriors[cause as usize];
+            let (value, half) = (own.mean[k] * scale[k], INTERVAL_SIGMAS * own.sigma[k] * scale[k]);
+            // Adding zero turns -0 into 0.
+            let [value, low, high] = [value, value - half, value + half].map(|value| value * unit + 0.0);
+            FrameQuantity { value, interval: [low, high], is_shown: own.sigma[k] < FRAME_SHOWN_SHARE }
+        };
+        FrameEstimate {
+            cause: self.cause,
+            log_odds: self.log_odds,
+            shift_x_mm: quantity(0, 1e3),
+            shift_y_mm: quantity(1, 1e3),
+            yaw_mrad: quantity(2, 1e3),
+            clock_s: quantity(3, 1.0),
+            moved: [1e3 * moved[0], 1e3 * moved[1], 1e3 * moved[2], moved[3]],
+        }
+    }
+}
+
+impl ScanEvidence<'_> {
+    /// Where the logs lie beside a fitted model; `None` before [`ScanEvidence::measure_simulation_errors`].
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn frame_estimate(&self, fit: &Fit) -> Result<Option<FrameEstimate>, EvidenceError> {
+        let scale = priors(self.simulation.trials[0].trial.frame_errors);
+        Ok(self.frame_judged(fit)?.map(|judged| judged.estimate(self.logs_moved(), scale)))
+    }
+
+    /// Moves the simulated paths to where the scans show them beside a fitted model, where that is far from where they are.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub(crate) fn follow_frame(&mut self, fit: &Fit) -> Result<(), EvidenceError> {
+        let Some(judged) = self.frame_judged(fit)? else { return Ok(()) };
+        let (moved, trials) = (self.logs_moved(), self.trials());
+        let by: FrameValues = std::array::from_fn(|k| judged.place[k] - moved[k]);
+        let least = if moved == [0.0; QUANTITIES] { FRAME_REACH } else { FRAME_SETTLED };
+        if Arms::of(&trials).way(by) <= least {
+            return Ok(());
+        }
+        let frame_offset = frame_offset(by, middle(trials[0]));
+        self.simulation = self.simulation.varied(|_| Variation { frame_offset, ..Variation::default() })?;
+        for simulation in &mut self.simulation.trials {
+            simulation.change_settings(|settings| settings.most_steps = self.most_steps);
+        }
+        Ok(())
+    }
+
+    /// By how much the logs are moved, as the passes are simulated.
+    pub(crate) fn logs_moved(&self) -> FrameValues {
+        let own = &self.simulation.trials[0];
+        let place = own.trial.frame_offset.and(&own.frame_offset);
+        [place.shift.x, place.shift.y, place.yaw, place.lag]
+    }
+
+    fn trials(&self) -> Vec<&Trial> {
+        self.simulation.trials.iter().map(|simulation| simulation.trial).collect()
+    }
+
+    /// Change of the calibration residuals, each scan whitened by itself, by all that may be otherwise beside frame and clock:
+    /// what is free in a fit, with wide priors, and any smooth change of the removal.
+    pub(super) fn beside_frame(&self, fit: &Fit) -> DMatrix<f64> {
+        let field = self.lattice_field_of(Split::Calibration);
+        let alone = |column: &[f64], factor: f64| {
+            let mut alone = with_lattice_error(column, &field);
+            self.frame.iter().for_each(|frame| frame.unwhiten(&mut alone));
+            DVector::from_vec(alone) * factor
+        };
+        let wide = |size: f64| if size > 0.0 { FREE_COLUMN / size } else { 0.0 };
+        let free = fit.jacobian.column_iter().map(|column| alone(column.into_owned().as_slice(), wide(column.norm())));
+        let closure = self.closure_columns();
+        let smooth = closure.column_iter().map(|column| alone(column.into_owned().as_slice(), FRAME_SMOOTH_SHARE));
+        DMatrix::from_columns(&free.chain(smooth).collect::<Vec<_>>())
+    }
+
+    fn frame_judged(&self, fit: &Fit) -> Result<Option<Judged>, EvidenceError> {
+        let Some(frame) = &self.frame else { return Ok(None) };
+        let residuals = DVector::from_vec(self.as_logged(&fit.model)?);
+        let beside = self.beside_frame(fit);
+        let linear = Linear { residuals, columns: frame.columns.clone(), beside };
+        Ok(Some(Judged::new(linear, self.logs_moved(), &self.trials())))
+    }
+}
+
+/// Ways by which a path moves with a unit of each quantity [m].
+pub(super) struct Arms(FrameValues);
+
+impl Arms {
+    pub(super) fn of(trials: &[&Trial]) -> Self {
+        let pixels = &trials[0].scans.before.pixels;
+        let half_diagonal = 0.5 * pixels.origin.distance(pixels.position(pixels.nx - 1, pixels.ny - 1));
+        let feeds = trials.iter().flat_map(|trial| &trial.passes).map(|pass| pass.feed);
+        Self([1.0, 1.0, half_diagonal, feeds.fold(0.0, f64::max)])
+    }
+
+    /// Longest way by which any of the quantities moves the path [m].
+    pub(super) fn way(&self, values: FrameValues) -> f64 {
+        self.0.iter().zip(values).map(|(arm, value)| arm * value.abs()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,121 @@
+//! What residuals say about frame and clock: a linear model with normal priors, and the evidence for each choice of what is
+//! free.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use trials::measure::{MAD_TO_SIGMA, median};
+
+use super::{FrameValues, QUANTITIES};
+use crate::criteria::HUBER_CONSTANT;
+
+/// Residuals near a frame_offset.
+pub(super) struct Linear {
+    /// Measured minus predicted, each scan whitened by itself.
+    pub(super) residuals: DVector<f64>,
+    /// Change of them by one standard deviation of each quantity, shape [data, 4].
+    pub(super) columns: DMatrix<f64>,
+    /// Change of them by one standard deviation of all else that may be otherwise, shape [data, terms].
+    pub(super) beside: DMatrix<f64>,
+}
+
+/// Values of the quantities that are free, in their standard deviations beforehand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Posterior {
+    /// Mean of each quantity; zero of one that is held.
+    pub(super) mean: FrameValues,
+    /// Standard deviation of each; zero of one that is held.
+    pub(super) sigma: FrameValues,
+    /// Logarithm of the marginal likelihood, up to a constant that all choices share.
+    pub(super) log_evidence: f64,
+}
+
+impl Linear {
+    /// Standard deviation of what all quantities and terms leave, at least 1, and the weights that turn least squares into
+    /// the robust sum (Huber 1964).
+    fn spread_and_weights(&self) -> (f64, DVector<f64>) {
+        let design = self.design(&[true; QUANTITIES]);
+        let left = &self.residuals + &design * solution(&precision(&design), &design, &self.residuals);
+        let middle = median(left.iter().map(|left| left.abs()).collect()).unwrap_or(0.0);
+        let spread = (MAD_TO_SIGMA * middle).max(1.0);
+        (spread, left.map(|left| (HUBER_CONSTANT * spread / left.abs()).min(1.0).sqrt()))
+    }
+
+    /// The posterior of each choice of free quantities; those held are at zero.
+    pub(super) fn posteriors<const CHOICES: usize>(
+        &self,
+        choices: [[bool; QUANTITIES]; CHOICES],
+    ) -> [Posterior; CHOICES] {
+        let (spread, weights) = self.spread_and_weights();
+        let weights = weights / spread;
+        let residuals = self.residuals.component_mul(&weights);
+        choices.map(|free| {
+            let mut design = self.design(&free);
+            design.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+            Posterior::of(&design, &residuals, &free)
+        })
+    }
+
+    /// Changes by the free quantities, then by all else.
+    fn design(&self, free: &[bool; QUANTITIES]) -> DMatrix<f64> {
+        let own = (0..QUANTITIES).filter(|&k| free[k]).map(|k| self.columns.column(k).into_owned());
+        let beside = self.beside.column_iter().map(|column| column.into_owned());
+        let all: Vec<DVector<f64>> = own.chain(beside).collect();
+        if all.is_empty() { DMatrix::zeros(self.residuals.len(), 0) } else { DMatrix::from_columns(&all) }
+    }
+}
+
+impl Posterior {
+    fn of(design: &DMatrix<f64>, residuals: &DVector<f64>, free: &[bool; QUANTITIES]) -> Self {
+        let precision = precision(design);
+        let best = solution(&precision, design, residuals);
+        let explained = -design.tr_mul(residuals).dot(&best);
+        let log_determinant = 2.0 * precision.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        let covariance = precision.inverse();
+        let (mut mean, mut sigma) = ([0.0; QUANTITIES], [0.0; QUANTITIES]);
+        for (column, quantity) in (0..QUANTITIES).filter(|&k| free[k]).enumerate() {
+            (mean[quantity], sigma[quantity]) = (best[column], covariance[(column, column)].sqrt());
+        }
+        Self { mean, sigma, log_evidence: 0.5 * (explained - log_determinant) }
+    }
+}
+
+/// One more than the normal matrix: unit priors.
+fn precision(design: &DMatrix<f64>) -> Cholesky<f64, Dyn> {
+    let count = design.ncols();
+    Cholesky::new(design.tr_mul(design) + DMatrix::identity(count, count)).expect("ones on the diagonal")
+}
+
+/// Terms that make residuals least beside their priors.
+fn solution(precision: &Cholesky<f64, Dyn>, design: &DMatrix<f64>, residuals: &DVector<f64>) -> DVector<f64> {
+    -precision.solve(&design.tr_mul(residuals))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NONE: [bool; QUANTITIES] = [false; QUANTITIES];
+
+    /// Residuals of 200 data that a shift along x of two standard deviations makes, beside noise.
+    fn shifted() -> Linear {
+        let wave = |row: usize, k: usize| ((row * (k + 2)) as f64 * 0.37).sin();
+        let columns = DMatrix::from_fn(200, QUANTITIES, |row, k| if k == 1 { 0.0 } else { 4.0 * wave(row, k) });
+        let noise = DVector::from_fn(200, |row, _| 1.4 * ((row * 31) as f64 * 1.7).sin());
+        Linear { residuals: noise - columns.column(0) * 2.0, columns, beside: DMatrix::zeros(200, 0) }
+    }
+
+    #[test]
+    fn a_shift_is_found_and_what_does_not_show_keeps_its_prior() {
+        let [all, none] = shifted().posteriors([[true; QUANTITIES], NONE]);
+        assert!((all.mean[0] - 2.0).abs() < 3.0 * all.sigma[0] && all.sigma[0] < 0.05, "{all:?}");
+        assert_eq!((all.mean[1], all.sigma[1]), (0.0, 1.0));
+        assert!(all.log_evidence > none.log_evidence + 100.0);
+    }
+
+    #[test]
+    fn quantities_that_explain_nothing_lose_evidence() {
+        let mut still = shifted();
+        still.residuals += still.columns.column(0) * 2.0;
+        let [all, none] = still.posteriors([[true; QUANTITIES], NONE]);
+        assert!(all.log_evidence < none.log_evidence - 3.0, "{} {}", all.log_evidence, none.log_evidence);
+    }
+}

@@ -1,0 +1,15 @@
+//! Finishing trials simulated as they were logged.
+//!
+//! A [`Simulation`] makes the part of a trial from the scan before, and its passes from the logs; a [`Variation`] says what of
+//! that was otherwise than logged. A [`CampaignSimulation`] runs trials in order, with a tool that wears from one to the
+//! next. A [`SeenSurface`] is what the scanner shows of the part after a pass.
+
+mod campaign;
+mod scanner;
+mod simulation;
+
+pub use campaign::{CampaignError, CampaignSimulation};
+pub use scanner::SeenSurface;
+pub use simulation::{
+    ModelRun, PassEnds, SimulatedPass, Simulation, SimulationError, TrialState, Variation, exposed_share, lacking,
+};
