@@ -72,6 +72,7 @@ pub fn describing(front: FrontEnd) -> &'static [&'static str] {
         FrontEnd::Frame => &["clock-offset", "path-offset", "scan-shift"],
         FrontEnd::Clock => &["clock-offset"],
         FrontEnd::Ripple => &["chatter"],
+        FrontEnd::Shop => &["chatter", "clock-offset", "path-offset", "scan-shift"],
         _ => &[],
     }
 }

@@ -35,7 +35,7 @@ pub struct Diagnosis {
     pub detectable: Vec<Detectable>,
     /// Effects that these data are blind to, and why.
     pub blind: BTreeMap<String, String>,
-    /// Where the logs lie beside the final model; `None` where there are no logs.
+    /// Where the logs lie beside the final model; `None` where none were moved.
     pub frame: Option<FrameEstimate>,
 }
 

@@ -190,7 +190,8 @@ pub trait Evidence: Sync {
         Ok(Vec::new())
     }
 
-    /// Where the logs lie in the frame of the scans beside a fitted model; `None` where the evidence has no logs.
+    /// Where the logs lie in the frame of the scans beside a fitted model; `None` where the evidence has no logs, or none that
+    /// were moved.
     ///
     /// # Errors
     /// When the model cannot be simulated.

@@ -1,5 +1,6 @@
 //! The robot's frame and clock as degrees of freedom that all calibration scans share: where the logged paths lie in the
-//! frame of the scans, and how late the logs tell the pose. Every fit leaves them free, with the priors of the trials.
+//! frame of the scans, and how late the logs tell the pose. Where logs were moved for being far off, every fit leaves both
+//! free, with the priors of the trials.
 
 mod alignment;
 mod estimate;
@@ -54,6 +55,16 @@ struct Change {
 }
 
 impl FrameFreedom {
+    /// Frame and clock of a campaign whose logs were moved; `None` of one whose logs are near enough, where the place of each
+    /// part takes up what they may be off.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub(super) fn of_moved(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Option<Self>, EvidenceError> {
+        let is_moved = evidence.logs_moved() != [0.0; QUANTITIES];
+        is_moved.then(|| Self::new(evidence, model)).transpose()
+    }
+
     /// Simulates how scans change with frame and clock.
     ///
     /// # Errors

@@ -96,7 +96,7 @@ pub struct ScanEvidence<'a> {
     pub(super) most_steps: Option<usize>,
     /// What the simulation's lattice errs by, once it was measured.
     pub simulation_errors: Option<SimulationErrors>,
-    /// Robot's frame and clock, once it is known how the scans change with them.
+    /// Robot's frame and clock, where the logs were moved and once it is known how the scans change with them.
     pub frame: Option<FrameFreedom>,
     /// Predictions that were made before; `None` makes each again.
     pub journal: Option<Journal>,
@@ -180,7 +180,7 @@ impl<'a> ScanEvidence<'a> {
     pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         self.frame = None;
         if self.process() == Process::Sanding {
-            self.frame = Some(FrameFreedom::new(self, model)?);
+            self.frame = FrameFreedom::of_moved(self, model)?;
             return Ok(());
         }
         let error = SimulationErrors::new(self, model)?;
@@ -191,7 +191,7 @@ impl<'a> ScanEvidence<'a> {
             view.data = ScanData::Heights(Box::new(informed));
         }
         self.simulation_errors = Some(error);
-        self.frame = Some(FrameFreedom::new(self, model)?);
+        self.frame = FrameFreedom::of_moved(self, model)?;
         Ok(())
     }
 
@@ -336,11 +336,14 @@ impl Evidence for ScanEvidence<'_> {
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
         let known = self.simulation.trials[0].trial.frame_errors;
+        let is_free = |sigma: f64| self.frame.is_some() && sigma > 0.0;
         let why = match effect.name.as_str() {
             "scan-tilt" | "scan-shift" => "every fit leaves each scan's pose free",
             "lateral-blur" => "every fit finds the instrument's blur",
-            "path-offset" if known.shift > 0.0 => "every fit leaves the robot's frame free, and says where it is off",
-            "clock-offset" if known.lag > 0.0 => "every fit leaves the robot's clock free, and says where it is off",
+            "path-offset" if is_free(known.shift) => {
+                "every fit leaves the robot's frame free, and says where it is off"
+            }
+            "clock-offset" if is_free(known.lag) => "every fit leaves the robot's clock free, and says where it is off",
             _ => return self.lacks_column(effect),
         };
         Some(why.to_owned())

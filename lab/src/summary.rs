@@ -131,7 +131,7 @@ pub struct DiagnosisSummary {
     pub equal_passes: Option<PassTrend>,
     /// All parameters of the final model.
     pub parameters: Vec<ParameterSummary>,
-    /// Where the logs lie in the frame of the scans; absent where there are no logs.
+    /// Where the logs lie in the frame of the scans; absent where none were moved.
     pub frame: Option<FrameEstimate>,
     /// Every effect that was fitted.
     pub suspects: Vec<EffectSummary>,

@@ -9,7 +9,5 @@ mod scanner;
 mod simulation;
 
 pub use campaign::{CampaignError, CampaignSimulation};
-pub use scanner::SeenSurface;
-pub use simulation::{
-    ModelRun, PassEnds, SimulatedPass, Simulation, SimulationError, TrialState, Variation, exposed_share, lacking,
-};
+pub use scanner::{SeenSurface, exposed_share};
+pub use simulation::{ModelRun, PassEnds, SimulatedPass, Simulation, SimulationError, TrialState, Variation, lacking};

@@ -81,3 +81,9 @@ impl SeenSurface {
         })
     }
 }
+
+/// Share of the pixels with an answer that are exposed.
+pub fn exposed_share(mask: &ExposureMask) -> f64 {
+    let known = mask.exposed.iter().flatten();
+    known.clone().filter(|exposed| **exposed).count() as f64 / known.count().max(1) as f64
+}

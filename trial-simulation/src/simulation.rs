@@ -21,9 +21,9 @@ use sim::{
 };
 use thiserror::Error;
 
-use crate::scanner::SeenSurface;
+use crate::scanner::{SeenSurface, exposed_share};
 use logged::{LoggedPass, rest};
-use trials::trial::{ExposureMask, FrameOffset, Pass, PassScan, Trial, TrialError};
+use trials::trial::{FrameOffset, Pass, PassScan, Trial, TrialError};
 
 /// Coating that is assumed where a trial does not say [m].
 const COATING: f64 = 50e-6;
@@ -382,12 +382,6 @@ impl<'a> Simulation<'a> {
         };
         Ok(SimulatedPass { record, surface, scan, exposed_share, covariates: None })
     }
-}
-
-/// Share of the pixels with an answer that are exposed.
-pub fn exposed_share(mask: &ExposureMask) -> f64 {
-    let known = mask.exposed.iter().flatten();
-    known.clone().filter(|exposed| **exposed).count() as f64 / known.count().max(1) as f64
 }
 
 fn settings(pass: &Pass, trial: &Trial, controller: Controller) -> PassSettings {

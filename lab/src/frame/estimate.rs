@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::posterior::{Linear, Posterior};
 use super::{FrameValues, QUANTITIES, frame_offset, middle, priors};
 use crate::criteria::{
-    FRAME_ODDS, FRAME_REACH, FRAME_SETTLED, FRAME_SHOWN_SHARE, FRAME_SMOOTH_SHARE, INTERVAL_SIGMAS, PART_SHIFT_SIGMA,
+    FRAME_ODDS, FRAME_SETTLED, FRAME_SHOWN_SHARE, FRAME_SMOOTH_SHARE, INTERVAL_SIGMAS, PART_SHIFT_SIGMA,
+    PASS_BEGIN_SIGMA,
 };
 use crate::evidence::{EvidenceError, Split};
 use crate::fit::Fit;
@@ -15,6 +16,8 @@ use crate::simulation_errors::with_lattice_error;
 use trial_simulation::Variation;
 use trials::trial::Trial;
 
+/// Number of the lag among the quantities.
+const LAG: usize = 3;
 /// Length of a column of what is free in a fit: its prior is as wide.
 const FREE_COLUMN: f64 = 1e3;
 
@@ -86,7 +89,7 @@ pub struct FrameEstimate {
     pub yaw_mrad: FrameQuantity,
     /// Time by which a logged pose is later than the force beside it [s].
     pub clock_s: FrameQuantity,
-    /// By how much of that the logs were moved before any fit: mm, mm, mrad, s.
+    /// By how much of that the simulated paths are moved: mm, mm, mrad, s.
     pub moved: FrameValues,
 }
 
@@ -127,13 +130,15 @@ impl Judged {
         }
     }
 
-    fn estimate(&self, moved: FrameValues, scale: FrameValues) -> FrameEstimate {
+    /// - `row`: time between two rows of a log [s]: a log tells when something happened to a row
+    fn estimate(&self, moved: FrameValues, scale: FrameValues, row: f64) -> FrameEstimate {
         let all_free = FrameCause::FrameAndClock;
         let quantity = |k: usize, unit: f64| {
-            // What the cause holds is told as where all is free.
+            // A quantity that the cause holds is told as where all are free.
             let cause = if self.cause.free()[k] { self.cause } else { all_free };
             let own = &self.posteriors[cause as usize];
-            let (value, half) = (own.mean[k] * scale[k], INTERVAL_SIGMAS * own.sigma[k] * scale[k]);
+            let of_rows = if k == LAG { PASS_BEGIN_SIGMA * row } else { 0.0 };
+            let (value, half) = (own.mean[k] * scale[k], INTERVAL_SIGMAS * of_rows.hypot(own.sigma[k] * scale[k]));
             // Adding zero turns -0 into 0.
             let [value, low, high] = [value, value - half, value + half].map(|value| value * unit + 0.0);
             FrameQuantity { value, interval: [low, high], is_shown: own.sigma[k] < FRAME_SHOWN_SHARE }
@@ -151,16 +156,22 @@ impl Judged {
 }
 
 impl ScanEvidence<'_> {
-    /// Where the logs lie beside a fitted model; `None` before [`ScanEvidence::measure_simulation_errors`].
+    /// Where the logs lie beside a fitted model; `None` before [`ScanEvidence::measure_simulation_errors`], and where they were
+    /// not moved.
     ///
     /// # Errors
     /// When the model cannot be simulated.
     pub fn frame_estimate(&self, fit: &Fit) -> Result<Option<FrameEstimate>, EvidenceError> {
         let scale = priors(self.simulation.trials[0].trial.frame_errors);
-        Ok(self.frame_judged(fit)?.map(|judged| judged.estimate(self.logs_moved(), scale)))
+        let rows = &self.simulation.trials[0].trial.passes[0].log.rows;
+        let row = match &rows[..] {
+            [first, .., last] => (last.time - first.time) / (rows.len() - 1) as f64,
+            _ => 0.0,
+        };
+        Ok(self.frame_judged(fit)?.map(|judged| judged.estimate(self.logs_moved(), scale, row)))
     }
 
-    /// Moves the simulated paths to where the scans show them beside a fitted model, where that is far from where they are.
+    /// Moves simulated paths that were moved before on to where the scans show them beside a fitted model.
     ///
     /// # Errors
     /// When the model cannot be simulated.
@@ -168,8 +179,7 @@ impl ScanEvidence<'_> {
         let Some(judged) = self.frame_judged(fit)? else { return Ok(()) };
         let (moved, trials) = (self.logs_moved(), self.trials());
         let by: FrameValues = std::array::from_fn(|k| judged.place[k] - moved[k]);
-        let least = if moved == [0.0; QUANTITIES] { FRAME_REACH } else { FRAME_SETTLED };
-        if Arms::of(&trials).way(by) <= least {
+        if Arms::of(&trials).way(by) <= FRAME_SETTLED {
             return Ok(());
         }
         let frame_offset = frame_offset(by, middle(trials[0]));
