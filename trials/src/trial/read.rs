@@ -126,8 +126,11 @@ impl Reader<'_> {
         type Sigma = (f64, f64, f64);
         let sigma = |key: &str, given: &Option<Spanned<f64>>, (most, unit, usual): Sigma| -> Result<f64, TrialError> {
             match given {
-                Some(value) if *value.get_ref() == 0.0 => Ok(0.0),
-                Some(value) => Ok(self.within(key, value, [0.0, most])? * unit),
+                Some(value) if (0.0..=most).contains(value.get_ref()) => Ok(value.get_ref() * unit),
+                Some(value) => {
+                    let found = format!("{key} is {:?}", value.get_ref());
+                    Err(self.source.bad(value.span(), found, format!("0.0 to {most:?} is expected")))
+                }
                 None => Ok(usual),
             }
         };
