@@ -16,11 +16,12 @@ use glam::DVec2;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use trial_simulation::{SimulatedPass, Variation};
-use trials::trial::{FrameErrors, FrameOffset, PassScan, Trial};
+use trials::trial::{FrameErrors, FrameOffset, Trial};
 
 use super::evidence::{EvidenceError, Split};
 use super::observation::Simulated;
 use super::scans::{ScanData, ScanEvidence, ScanView};
+use super::simulation_errors::difference;
 use crate::criteria::DERIVATIVE_CHANGE_LEAST;
 
 /// Number of quantities: shift along x and y, yaw, lag.
@@ -95,7 +96,7 @@ impl FrameFreedom {
         Self { columns, heights: Vec::new(), directions, taken_up }
     }
 
-    /// Equal for equal ones.
+    /// SHA-256 of the columns.
     pub(super) fn identity(&self) -> String {
         sha256(&self.columns.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())
     }
@@ -166,7 +167,13 @@ impl Change {
         moved: &[Vec<SimulatedPass>],
         factor: f64,
     ) -> Result<Self, EvidenceError> {
-        let heights: Vec<Vec<Vec<f64>>> = usual.iter().zip(moved).map(|(a, b)| raised(a, b, factor)).collect();
+        let pass = |(usual, moved): (&SimulatedPass, &SimulatedPass)| -> Vec<f64> {
+            difference(&usual.scan, &moved.scan).into_iter().map(|change| factor * change).collect()
+        };
+        let trial = |(usual, moved): (&Vec<SimulatedPass>, &Vec<SimulatedPass>)| -> Vec<Vec<f64>> {
+            usual.iter().zip(moved).map(pass).collect()
+        };
+        let heights: Vec<Vec<Vec<f64>>> = usual.iter().zip(moved).map(trial).collect();
         let scan = |view: &ScanView| -> Result<Vec<f64>, EvidenceError> {
             let ScanData::Exposure(data) = &view.data else {
                 let change = &heights[view.trial][view.pass];
@@ -183,19 +190,6 @@ impl Change {
     }
 }
 
-/// A factor times what each height map of some passes has above that of others [m]; nothing of masks.
-fn raised(usual: &[SimulatedPass], moved: &[SimulatedPass], factor: f64) -> Vec<Vec<f64>> {
-    let pass = |(usual, moved): (&SimulatedPass, &SimulatedPass)| match (&usual.scan, &moved.scan) {
-        (PassScan::Heights(usual), PassScan::Heights(moved)) => {
-            let change = |(usual, moved): (&f64, &f64)| factor * (moved - usual);
-            let known = |change: f64| if change.is_finite() { change } else { 0.0 };
-            usual.heights.iter().zip(&moved.heights).map(change).map(known).collect()
-        }
-        _ => Vec::new(),
-    };
-    usual.iter().zip(moved).map(pass).collect()
-}
-
 impl ScanEvidence<'_> {
     /// Measured minus simulated calibration tiles, each scan whitened by itself.
     fn as_logged(&self, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
@@ -209,7 +203,7 @@ pub(super) fn priors(errors: FrameErrors) -> FrameValues {
     [errors.shift, errors.shift, errors.yaw, errors.lag]
 }
 
-/// The frame_offset with these values.
+/// The frame offset with these values.
 pub(super) fn frame_offset([x, y, yaw, lag]: FrameValues, about: DVec2) -> FrameOffset {
     FrameOffset { shift: DVec2::new(x, y), yaw, about, lag }
 }

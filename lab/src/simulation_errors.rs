@@ -163,7 +163,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// What a scan on the finer lattice has above one on the usual lattice [m].
-fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
+pub(super) fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
     match (usual, finer) {
         (PassScan::Heights(usual), PassScan::Heights(finer)) => {
             let error = |(usual, finer): (&f64, &f64)| if (finer - usual).is_finite() { finer - usual } else { 0.0 };
