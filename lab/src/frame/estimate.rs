@@ -21,7 +21,7 @@ const LAG: usize = 3;
 /// Length of a column of what is free in a fit: its prior is as wide.
 const FREE_COLUMN: f64 = 1e3;
 
-/// What the scans ask for.
+/// Model of the error in frame and clock that has the greatest marginal likelihood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FrameCause {
@@ -70,16 +70,16 @@ pub struct FrameQuantity {
     pub value: f64,
     /// Ends of the interval.
     pub interval: [f64; 2],
-    /// Whether the scans show it; if not, the interval is what was assumed beforehand.
+    /// True if the data are informative: the posterior is narrower than the prior.
     pub is_shown: bool,
 }
 
 /// Where the logs of a campaign lie in the frame of its scans: what poses must be moved by.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameEstimate {
-    /// What the scans ask for.
+    /// Most probable cause.
     pub cause: FrameCause,
-    /// Logarithm of the odds for it against logs that are right.
+    /// Logarithm of its Bayes factor against logs without error.
     pub log_odds: f64,
     /// Shift along x [mm].
     pub shift_x_mm: FrameQuantity,
@@ -93,10 +93,10 @@ pub struct FrameEstimate {
     pub moved: FrameValues,
 }
 
-/// What residuals say of a campaign's logs.
+/// Posteriors of all causes, and the most probable one.
 pub(super) struct Judged {
     posteriors: [Posterior; FrameCause::ALL.len()],
-    /// The cause that the residuals ask for.
+    /// Most probable cause.
     cause: FrameCause,
     /// Logarithm of its odds.
     log_odds: f64,
@@ -134,7 +134,7 @@ impl Judged {
     fn estimate(&self, moved: FrameValues, scale: FrameValues, row: f64) -> FrameEstimate {
         let all_free = FrameCause::FrameAndClock;
         let quantity = |k: usize, unit: f64| {
-            // A quantity that the cause holds is told as where all are free.
+            // Quantities that the most probable cause fixes at zero are reported from the model with all four free.
             let cause = if self.cause.free()[k] { self.cause } else { all_free };
             let own = &self.posteriors[cause as usize];
             let of_rows = if k == LAG { PASS_BEGIN_SIGMA * row } else { 0.0 };

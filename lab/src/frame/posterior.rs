@@ -1,5 +1,5 @@
-//! What residuals say about frame and clock: a linear model with normal priors, and the evidence for each choice of what is
-//! free.
+//! Posterior of frame and clock in a linear model with normal priors, and the marginal likelihood of each set of free
+//! quantities.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use trials::measure::{MAD_TO_SIGMA, median};

@@ -18,7 +18,7 @@ pub struct FrameOffset {
     pub lag: f64,
 }
 
-/// What is known beforehand of a robot's frame and clock: standard deviations, 0 of what is exact.
+/// Prior standard deviations of the errors of a robot's frame and clock; 0 means exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameErrors {
     /// Shift of the frame along x and y [m].

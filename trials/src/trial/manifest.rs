@@ -100,7 +100,7 @@ pub(super) struct LogTable {
     pub(super) yaw_deg: Option<f64>,
 }
 
-/// How far the robot's frame and clock may be off, standard deviations.
+/// Prior standard deviations of the errors of the robot's frame and clock.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct RobotTable {
     pub(super) frame_sigma_mm: Option<Spanned<f64>>,

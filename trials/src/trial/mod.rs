@@ -150,7 +150,7 @@ pub struct Trial {
     pub controller: Controller,
     /// The force that the controller holds.
     pub force_input: ForceInput,
-    /// What is known of the robot's frame and clock.
+    /// Prior standard deviations of the errors of the robot's frame and clock.
     pub frame_errors: FrameErrors,
     /// By how much the logs were moved since they were read.
     pub frame_offset: FrameOffset,

@@ -118,7 +118,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What a manifest says of the robot's frame and clock; the default where it says nothing.
+    /// Prior standard deviations of frame and clock from a manifest; defaults for keys that are absent.
     fn frame_errors(&self, table: Option<&RobotTable>) -> Result<FrameErrors, TrialError> {
         let usual = FrameErrors::default();
         let Some(RobotTable { frame_sigma_mm, yaw_sigma_mrad, clock_sigma_s }) = table else { return Ok(usual) };
