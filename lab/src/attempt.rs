@@ -1,6 +1,6 @@
 //! One effect tried beside a model: both fitted to the same data, and compared block by block.
 //!
-//! Scans are fitted on a coarser lattice first ([`CoarseScans`]), so that an attempt takes seconds; both fits end on the usual
+//! Scans are fitted on a coarser lattice first ([`Evidence::quicker`]), so that an attempt takes seconds; both fits end on the usual
 //! one. The method is that of a calibration: the same coordinates, the same sum of squares.
 
 use effects::{CompiledModel, Library, Model, Scale};
@@ -8,7 +8,6 @@ use rayon::prelude::*;
 
 use super::begin::with_matched_rate;
 use super::calibration::{at_null, with_values_of};
-use super::coarse_scans::CoarseScans;
 use super::coordinates::{Coordinate, moved};
 use super::cross_validation::CrossValidation;
 use super::diagnose::{spread, with_values};
@@ -17,6 +16,7 @@ use super::fit::{Fit, FitOptions};
 use super::paired::{Better, Paired};
 use super::rows::RowEvidence;
 use super::scans::ScanEvidence;
+use super::space_mapping::Surrogate;
 use super::totals::Totals;
 use crate::criteria::{
     ATTEMPT_FITS, ATTEMPT_ROUNDS, ATTEMPT_STARTS, FIT_CONVERGED_DELTA_CHI2, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
@@ -129,13 +129,16 @@ impl Tried for RowEvidence<'_> {
 impl Tried for ScanEvidence<'_> {
     fn fits(&mut self, rivals: &Rivals) -> Result<[Fit; 2], EvidenceError> {
         self.limit_steps(rivals.model)?;
-        let simulation = self.coarser()?;
-        let mut coarse = CoarseScans::new(self, simulation.clone());
-        coarse.correct_at(&rivals.start(&coarse)?)?;
-        let [before, with] = rivals.fits(&coarse)?;
+        let start = rivals.start(self)?;
+        let unfitted = Fit::unfitted(self, &start, self.coordinates(&start))?;
+        let [before, with] = {
+            let quicker = self.quicker();
+            let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::at(quicker, &unfitted));
+            rivals.fits(surrogate.as_ref().map_or(&*self, |surrogate| surrogate))?
+        };
         self.measure_simulation_errors(&with.model)?;
         let end = |fit: Fit, options: FitOptions| -> Result<Fit, EvidenceError> {
-            Ok(fit.seen_anew(self)?.refined(self, options))
+            Ok(fit.seen_anew(self)?.finished(self, options))
         };
         let (before, with) = rayon::join(|| end(before, CARRIED), || end(with, LAST));
         let (before, with) = (before?, with?);

@@ -15,8 +15,10 @@ use crate::criteria::{START_RATE_TOLERANCE, START_RATIO};
 /// When the model cannot be simulated.
 pub(super) fn with_matched_rate(evidence: &dyn Totals, model: &CompiledModel) -> Result<CompiledModel, EvidenceError> {
     let coordinates = evidence.coordinates(model);
+    let quicker = evidence.quicker();
+    let quick = quicker.as_deref().unwrap_or(evidence);
     match coordinates.iter().find(|coordinate| is_rate(model, coordinate)) {
-        Some(rate) => Ok(fit_rate(evidence, model, (rate.clone(), START_RATE_TOLERANCE))?.1),
+        Some(rate) => Ok(fit_rate(quick, model, (rate.clone(), START_RATE_TOLERANCE))?.1),
         None => Ok(model.clone()),
     }
 }

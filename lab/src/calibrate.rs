@@ -9,16 +9,17 @@ use super::error::Result;
 use super::evidence::EvidenceError;
 use super::fit::{Fit, FitOptions};
 use super::scans::ScanEvidence;
+use super::space_mapping::Surrogate;
 use super::totals::Totals;
-use crate::criteria::{ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
+use crate::criteria::{RESTARTS_FITTED, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
 
 /// Cost of a fit that only finds the place for the next.
 const ROUGH: FitOptions = FitOptions { derivatives: ROUGH_FIT_DERIVATIVES, steps: ROUGH_FIT_STEPS };
 
 /// Fits the free parameters of a base law to the calibration data. The fit begins where as much is removed in all as was
 /// measured. A model that lacks something may leave a landscape of several valleys: where much is left, it is begun again
-/// from both sides of where it ended and at ratios of other orders, on a coarser lattice where there is one, and the best is
-/// fitted to the end.
+/// from both sides of where it ended and at ratios of other orders, on a coarser lattice where there is one: all roughly, the
+/// best few to the end.
 ///
 /// # Errors
 /// When it cannot be simulated.
@@ -29,17 +30,20 @@ pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::resu
     if !first.is_poor() {
         return Ok(first);
     }
-    let quicker = evidence.quicker(&first.model)?;
-    let quick: &dyn Totals = quicker.as_deref().unwrap_or(evidence);
-    let again = |place: &Vec<f64>| first.begun_at(quick, place, FitOptions::default()).ok();
-    let beside: Vec<Fit> = first.both_sides().par_iter().filter_map(again).collect();
-    let start = |start: &CompiledModel| Fit::new(quick, start, coordinates.clone(), FitOptions::default()).ok();
-    let others: Vec<Fit> = other_starts(quick, model).par_iter().filter_map(start).collect();
+    let quicker = evidence.quicker();
+    let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::at(quicker, &first));
+    let quick: &dyn Totals = surrogate.as_ref().map_or(evidence, |surrogate| surrogate);
+    let again = |place: &Vec<f64>| first.begun_at(quick, place, ROUGH).ok();
+    let start = |start: &CompiledModel| Fit::new(quick, start, coordinates.clone(), ROUGH).ok();
+    let mut others: Vec<Fit> = first.both_sides().par_iter().filter_map(again).collect();
+    others.par_extend(other_starts(quick, model).par_iter().filter_map(start));
+    others.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
+    others.truncate(RESTARTS_FITTED);
+    let to_the_end = others.into_par_iter().map(|fit| fit.finished(quick, FitOptions::default()));
     let better = |best: Fit, other: Fit| if other.chi2 < best.chi2 { other } else { best };
-    let Some(best) = beside.into_iter().chain(others).reduce(better).filter(|best| best.chi2 < first.chi2) else {
-        return Ok(first);
-    };
-    let best = if quicker.is_some() { fitted(&best.model)? } else { best };
+    let best = to_the_end.collect::<Vec<_>>().into_iter().reduce(better).filter(|best| best.chi2 < first.chi2);
+    let Some(best) = best else { return Ok(first) };
+    let best = if surrogate.is_some() { fitted(&best.model)? } else { best };
     Ok(Fit { begun: first.begun.clone(), ..better(first, best) })
 }
 
@@ -49,7 +53,11 @@ pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::resu
 /// When the model cannot be simulated.
 pub fn fit_roughly(evidence: &dyn Totals, model: &CompiledModel) -> std::result::Result<Fit, EvidenceError> {
     let model = with_matched_rate(evidence, model)?;
-    Fit::new(evidence, &model, evidence.coordinates(&model), ROUGH)
+    let fit = Fit::unfitted(evidence, &model, evidence.coordinates(&model))?;
+    Ok(match evidence.quicker() {
+        Some(quicker) => fit.mapped(evidence, &*quicker, ROUGH),
+        None => fit.finished(evidence, ROUGH),
+    })
 }
 
 /// Calibrates a model, and the models that it grew from.

@@ -1,116 +1,101 @@
-//! Scans predicted on a coarser lattice, with what that errs by at one model taken off: space mapping (Bandler et al. 2004,
-//! additive output mapping). Twice the voxel takes a third to an eighth of the time; near the model of the correction the
-//! residuals and their derivatives are those of the fine lattice.
+//! Scans predicted on a coarser lattice: twice the voxel takes a fifth of the time. [`super::space_mapping`] makes the
+//! prediction agree with the usual one.
 
-use std::sync::Arc;
-
-use effects::{CompiledModel, Effect, Process, RowCounts};
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use nalgebra::DMatrix;
 
 use super::coordinates::Coordinate;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::fit::Fit;
 use super::observation::Observation;
 use super::pass_trend::PassTrend;
 use super::scans::ScanEvidence;
 use super::totals::{Total, Totals};
+use super::unlisted::Basis;
 use crate::criteria::COARSE_VOXEL_RATIO;
-use trial_simulation::CampaignSimulation;
-use trial_simulation::SimulatedPass;
+use trial_simulation::{CampaignSimulation, SimulatedPass};
 
 /// Scans as data for fits, predicted on a coarser lattice.
 pub(super) struct CoarseScans<'e, 't> {
-    fine: &'e ScanEvidence<'t>,
-    simulation: Arc<CampaignSimulation<'t>>,
-    /// Whitened calibration residuals on the fine lattice minus those on this one [1].
-    correction: Vec<f64>,
+    pub(super) usual: &'e ScanEvidence<'t>,
+    pub(super) simulation: &'e CampaignSimulation<'t>,
 }
 
-impl<'t> ScanEvidence<'t> {
-    /// The same trials on the coarser lattice.
-    ///
-    /// # Errors
-    /// The first trial that cannot be simulated there.
-    pub(super) fn coarser(&self) -> Result<Arc<CampaignSimulation<'t>>, EvidenceError> {
-        let mut simulation = self.simulation.on_voxels(COARSE_VOXEL_RATIO)?;
-        for trial in &mut simulation.trials {
-            trial.change_settings(|settings| settings.most_steps = self.most_steps);
-        }
-        Ok(Arc::new(simulation))
-    }
-}
-
-impl<'e, 't> CoarseScans<'e, 't> {
-    /// The same scans, with nothing taken off.
-    pub(super) fn new(fine: &'e ScanEvidence<'t>, simulation: Arc<CampaignSimulation<'t>>) -> Self {
-        Self { fine, simulation, correction: Vec::new() }
-    }
-
-    /// Makes the residuals of both lattices agree at a model.
-    ///
-    /// # Errors
-    /// When the model cannot be simulated on one of the lattices.
-    pub(super) fn correct_at(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
-        let split = Split::Calibration;
-        let fine = self.fine.residuals(model, split)?;
-        self.correction.clear();
-        let coarse = self.residuals(model, split)?;
-        self.correction = fine.iter().zip(coarse).map(|(fine, coarse)| fine - coarse).collect();
-        Ok(())
-    }
-
+impl CoarseScans<'_, '_> {
     fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {
-        Ok(self.simulation.run_first(model, &self.fine.needed(split))?)
+        Ok(self.simulation.run_first(model, &self.usual.needed(split))?)
     }
 }
 
 impl Evidence for CoarseScans<'_, '_> {
     fn process(&self) -> Process {
-        self.fine.process()
+        self.usual.process()
     }
 
     fn rows(&self) -> RowCounts {
-        self.fine.rows()
+        self.usual.rows()
     }
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        let passes = self.simulate(model, split)?;
-        let mut residuals = self.fine.seen_residuals((&passes, model), split)?;
-        if split == Split::Calibration {
-            residuals.iter_mut().zip(&self.correction).for_each(|(residual, missing)| *residual += missing);
-        }
-        Ok(residuals)
+        let predict = || self.usual.seen_residuals((&self.simulate(model, split)?, model), split);
+        self.usual.remembered((model, split, COARSE_VOXEL_RATIO), predict)
     }
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
-        self.fine.agreement(model, split)
+        self.usual.agreement(model, split)
     }
 
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
-        self.fine.coordinates(model)
+        self.usual.coordinates(model)
     }
 
     fn size(&self, change: &[f64]) -> f64 {
-        self.fine.size(change)
+        self.usual.size(change)
     }
 
     fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
-        self.fine.trend(model)
+        self.usual.trend(model)
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
-        self.fine.is_blind_to(effect)
+        self.usual.is_blind_to(effect)
     }
 
     fn blocks(&self, split: Split) -> Vec<usize> {
-        self.fine.blocks(split)
+        self.usual.blocks(split)
+    }
+
+    fn folds(&self) -> Vec<usize> {
+        self.usual.folds()
+    }
+
+    fn pass_folds(&self) -> Vec<usize> {
+        self.usual.pass_folds()
+    }
+
+    fn closure(&self) -> DMatrix<f64> {
+        self.usual.closure()
+    }
+
+    fn smooth_errors(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
+        self.usual.smooth_errors(model)
+    }
+
+    fn bases(&self, model: (&Model, &Fit), library: &Library) -> Result<Vec<Basis>, EvidenceError> {
+        self.usual.bases(model, library)
+    }
+
+    fn lattice_field(&self) -> Vec<f64> {
+        self.usual.lattice_field()
     }
 }
 
 impl Totals for CoarseScans<'_, '_> {
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError> {
-        self.fine.totals_of((&self.simulate(model, split)?, model), split, Observation::default())
+        self.usual.totals_of((&self.simulate(model, split)?, model), split, Observation::default())
     }
 
     fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        self.fine.unregistered(model, split)
+        self.usual.unregistered(model, split)
     }
 }

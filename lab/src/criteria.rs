@@ -144,6 +144,8 @@ criteria! {
     RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
     /// χ² per datum above which a calibration starts again from both sides of its end.
     RESTART_CHI2_PER_DATUM: f64 = 1.3, "1", "chosen: three times the tenth by which noise from one repeat errs";
+    /// Most of the fits begun elsewhere that go on after a rough start.
+    RESTARTS_FITTED: usize = 2, "1", "chosen";
     /// Factor on a ratio of the base laws from one start of their fit to the next.
     START_RATIO: f64 = 10.0, "1", "chosen: an order of magnitude; the library's ranges have two to five";
     /// Error of the logarithm of the totals at which the rate of a start is found.
@@ -235,7 +237,7 @@ criteria! {
     REFINED_GAIN_SHARE: f64 = 0.3, "1", "chosen";
     /// Share of the best effect's Δχ² that a fit that did not converge needs to go on.
     LAST_FIT_GAIN_SHARE: f64 = 0.7, "1", "chosen";
-    /// Δχ² from which a fit that did not converge goes on.
+    /// Δχ² from which a fit goes on that did not converge, or that is within as much of the best, times what that leaves per datum.
     LAST_FIT_DELTA_CHI2: f64 = 40.0, "1", "chosen";
     /// Times that derivatives are made in the first fit of an effect or a pair.
     QUICK_FIT_DERIVATIVES: usize = 0, "1", "chosen";

@@ -14,6 +14,7 @@ use super::frame::FrameEstimate;
 use super::pair::pair;
 use super::response::{Look, Projector};
 use super::round::Round;
+use super::space_mapping::Surrogate;
 use super::verdict::{SearchEnd, Searched, Verdict, misses};
 use crate::criteria::{MOST_EFFECTS, NAMED_PROBABILITY, SPREAD_CUT_SIGMAS};
 use trials::measure::{MAD_TO_SIGMA, median};
@@ -197,7 +198,10 @@ impl Diagnosis {
 fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
     let needed = (round.spread, round.least_size());
     let projector = Projector::new(&round.base);
-    let look = Look { evidence, base: &round.base, projector: &projector };
+    let quicker = evidence.quicker();
+    let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::like(quicker, &round.base));
+    let quick: Option<&dyn Evidence> = surrogate.as_ref().map(|surrogate| surrogate as _);
+    let look = Look { evidence: quick.unwrap_or(evidence), base: &round.base, projector: &projector };
     let first = round.screened.par_iter().filter(|screened| screened.candidate.name == screened.candidate.family);
     first.flat_map_iter(|screened| detectable(&look, screened, needed)).collect()
 }

@@ -12,6 +12,7 @@ use super::evidence::Split;
 use super::fit::{Fit, FitOptions};
 use super::probe::Candidate;
 use super::response::{Look, Projector};
+use super::space_mapping::Surrogate;
 use super::totals::Totals;
 use super::verdict::rms;
 use crate::criteria::{FIRST_LOOK_EFFECTS, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
@@ -47,8 +48,10 @@ impl FirstLook {
     pub fn new(evidence: &dyn Totals, model: &Model, library: &Library) -> Result<Self> {
         let compiled = CompiledModel::new(model, library, evidence.rows())?;
         let start = with_matched_rate(evidence, &compiled)?;
-        let quicker = evidence.quicker(&start)?;
-        let quick: &dyn Totals = quicker.as_deref().unwrap_or(evidence);
+        let unfitted = Fit::unfitted(evidence, &start, evidence.coordinates(&start))?;
+        let quicker = evidence.quicker();
+        let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::at(quicker, &unfitted));
+        let quick: &dyn Totals = surrogate.as_ref().map_or(evidence, |surrogate| surrogate);
         let base = Fit::new(quick, &start, quick.coordinates(&start), ROUGH)?;
         let model = with_values(model, &base);
         let projector = Projector::new(&base);

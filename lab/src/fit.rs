@@ -149,11 +149,22 @@ impl Fit {
         Ok(Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1, begun, doubt: None })
     }
 
-    /// Goes on from here; derivatives that are there already are used first.
-    pub fn refined(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
+    /// Goes on from here with the data as they are, and finds what they say about the parameters.
+    pub(super) fn finished(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
+        let fit = Self { converged: false, ..self }.stepped(evidence, options);
+        // A model that was fitted can be simulated.
+        let smooth = evidence.smooth_errors(&fit.model).unwrap_or_else(|_| DMatrix::zeros(fit.residuals.len(), 0));
+        let errors = (&evidence.lattice_field()[..], &smooth);
+        let doubt = Doubt::of(&fit, &evidence.blocks(Split::Calibration), errors);
+        Self { doubt: Some(doubt), ..fit }
+    }
+
+    /// Steps until none is worth its cost; derivatives that are there already are used first, and those of a fit that converged
+    /// are as good as new ones.
+    pub(super) fn stepped(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let mut damping = DAMPING.0;
         let mut left = options.derivatives;
-        let mut fresh = false;
+        let mut fresh = std::mem::take(&mut self.converged);
         let mut known = self.jacobian.iter().any(|derivative| *derivative != 0.0);
         for _ in 0..options.steps {
             if !known {
@@ -175,10 +186,6 @@ impl Fit {
                 Step::None => known = false,
             }
         }
-        // A model that was fitted can be simulated.
-        let smooth = evidence.smooth_errors(&self.model).unwrap_or_else(|_| DMatrix::zeros(self.residuals.len(), 0));
-        let errors = (&evidence.lattice_field()[..], &smooth);
-        self.doubt = Some(Doubt::of(&self, &evidence.blocks(Split::Calibration), errors));
         self
     }
 
@@ -186,17 +193,26 @@ impl Fit {
     ///
     /// # Errors
     /// When the model cannot be simulated.
-    pub(super) fn seen_anew(mut self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
-        self.residuals = evidence.residuals(&self.model, Split::Calibration)?;
-        self.jacobian = DMatrix::zeros(self.residuals.len(), self.at.len());
-        (self.chi2, self.converged) = (robust_sum(&self.residuals), false);
-        self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
-        Ok(self)
+    pub(super) fn seen_anew(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
+        let mut fit = self.seen(evidence)?;
+        (fit.jacobian, fit.converged) = (DMatrix::zeros(fit.residuals.len(), fit.at.len()), false);
+        fit.differentiate(evidence, &(0..fit.at.len()).collect::<Vec<_>>());
+        Ok(fit)
+    }
+
+    /// The same place with other residuals there.
+    pub(super) fn with_residuals(self, residuals: Vec<f64>) -> Self {
+        Self { chi2: robust_sum(&residuals), residuals, ..self }
     }
 
     /// Whether so much is left that the landscape may have several valleys.
     pub(super) fn is_poor(&self) -> bool {
-        self.chi2 > RESTART_CHI2_PER_DATUM * self.residuals.len() as f64
+        self.chi2_per_datum() > RESTART_CHI2_PER_DATUM
+    }
+
+    /// Robust sum of squares per datum.
+    pub(super) fn chi2_per_datum(&self) -> f64 {
+        self.chi2 / self.residuals.len() as f64
     }
 
     /// The same fit begun anew at another place [coordinates].
@@ -250,7 +266,7 @@ impl Fit {
 
     /// Makes one step that lowers the sum of squares. The derivatives learn from each try, failed ones too.
     fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
-        let worth = FIT_CONVERGED_DELTA_CHI2 * (self.chi2 / self.residuals.len() as f64).max(1.0);
+        let worth = FIT_CONVERGED_DELTA_CHI2 * self.chi2_per_datum().max(1.0);
         for _ in 0..TRIES {
             let Some((at, promised)) = self.step(&self.residuals, *damping) else { return Step::None };
             if promised < worth {

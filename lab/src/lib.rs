@@ -65,6 +65,7 @@ mod response;
 mod round;
 mod rows;
 mod ruled_out;
+mod scan_calibration;
 mod scans;
 mod screen;
 mod sentence;
@@ -72,6 +73,7 @@ mod significance;
 mod simulated;
 mod simulation_errors;
 pub mod snapshot;
+mod space_mapping;
 mod spline;
 mod staged;
 mod structure;
@@ -133,7 +135,7 @@ pub use structure::{ResidualGrid, SharedTiles, StructureTest, holm, structure_te
 pub use summary::{
     BASE_STEP, DiagnosisSummary, EffectSummary, ParameterState, ParameterSummary, WaterfallStep, parameter_summary,
 };
-pub use suspect::{Suspect, suspects};
+pub use suspect::Suspect;
 pub use tile_noise::{FittedNoise, Kernel, TileNoise};
 pub use tiles::{TileGrid, Tiles};
 pub use totals::{Total, Totals};

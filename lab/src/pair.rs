@@ -24,6 +24,7 @@ use super::response::{Projector, Response};
 use super::round::Round;
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
+use super::space_mapping::{Lattices, Surrogate};
 use super::suspect::{QUICK_FIT, REFINED_FIT, Suspect, is_at_far_end};
 use crate::criteria::{
     LEAD_CHI2_SHARE, NAMED_PROBABILITY, PAIR_SINE_SQUARED, PAIRS_FITTED, PAIRS_PER_LEAD, PAIRS_REFINED,
@@ -52,8 +53,11 @@ pub(super) fn pair(
     (model, library): (&Model, &Library),
     (seed, told): (u64, OnProgress),
 ) -> Result<Option<[Round; 2]>, EvidenceError> {
-    let mut joints = fitted(evidence, first, (model, library), told);
-    joints.extend(beside_surest(evidence, first, (model, library), told));
+    let quicker = evidence.quicker();
+    let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::like(quicker, &first.base));
+    let lattices = Lattices { usual: evidence, quicker: surrogate.as_ref().map(|surrogate| surrogate as _) };
+    let mut joints = fitted(lattices, first, (model, library), told);
+    joints.extend(beside_surest(lattices, first, (model, library), told));
     joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     let mut known = BTreeSet::new();
     joints.retain(|joint| known.insert(joint.names()));
@@ -143,32 +147,32 @@ fn known<'a>(first: &'a Round, effect: &Screened) -> Option<&'a Suspect> {
 }
 
 /// The most promising pairs fitted, the best of them thoroughly. Least sum of squares first.
-fn fitted(
-    evidence: &dyn Evidence,
-    first: &Round,
-    (model, library): (&Model, &Library),
-    told: OnProgress,
-) -> Vec<Joint> {
+///
+/// - `lattices`: the data, and their surrogate near the base fit
+fn fitted(lattices: Lattices, first: &Round, (model, library): (&Model, &Library), told: OnProgress) -> Vec<Joint> {
     let base = with_values(model, &first.base);
     let fit = |[lead, other]: [Screened; 2]| {
         let alone = known(first, &lead).filter(|alone| alone.at_its_fit().best == lead.best).cloned();
-        let begun = alone.map_or_else(|| Suspect::begun(evidence, &first.base, lead.clone()), Ok).ok()?;
+        let begun = alone.map_or_else(|| Suspect::begun(lattices.quick(), &first.base, lead.clone()), Ok).ok()?;
         let with_lead = with_values(&base.clone().with(&lead.candidate.name), &begun.fit);
         let effect = library.find(&other.candidate.name)?;
-        let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
-        let both = Suspect::begun(evidence, &begun.fit, Screened { candidate, ..other }).ok()?;
+        let candidate = Candidate::new(lattices.quick(), &with_lead, effect, library).ok()?;
+        let both = Suspect::begun(lattices.quick(), &begun.fit, Screened { candidate, ..other }).ok()?;
         told(&format!("{} and {}", lead.candidate.name, both.name()), PAIRS_FITTED, PAIRS_FITTED);
-        Some(Joint { lead, both: both.refined(evidence, QUICK_FIT) })
+        Some(Joint { lead, both: both.finished(lattices.quick(), QUICK_FIT).seen(lattices.usual).ok()? })
     };
-    to_the_end(evidence, promising(first).into_par_iter().filter_map(fit).collect(), PAIRS_REFINED)
+    to_the_end(lattices, promising(first).into_par_iter().filter_map(fit).collect(), PAIRS_REFINED)
 }
 
 /// The best `count` pairs fitted to the end. Least sum of squares first.
-fn to_the_end(evidence: &dyn Evidence, mut joints: Vec<Joint>, count: usize) -> Vec<Joint> {
+fn to_the_end(lattices: Lattices, mut joints: Vec<Joint>, count: usize) -> Vec<Joint> {
     let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     sort(&mut joints);
     let rest = joints.split_off(count.min(joints.len()));
-    let thorough = |joint: Joint| Joint { both: joint.both.refined(evidence, REFINED_FIT), ..joint };
+    let thorough = |joint: Joint| Joint {
+        both: joint.both.mapped(lattices, REFINED_FIT).finished(lattices.usual, REFINED_FIT),
+        ..joint
+    };
     let mut joints: Vec<Joint> = joints.into_par_iter().map(thorough).collect();
     joints.extend(rest);
     sort(&mut joints);
@@ -177,8 +181,10 @@ fn to_the_end(evidence: &dyn Evidence, mut joints: Vec<Joint>, count: usize) -> 
 
 /// A sure effect that explains most but cannot be the only one, with each other one that was fitted alone, begun at the values that it had
 /// then. The best of them are fitted to the end.
+///
+/// - `lattices`: as in [`fitted`]
 fn beside_surest(
-    evidence: &dyn Evidence,
+    lattices: Lattices,
     first: &Round,
     (model, library): (&Model, &Library),
     told: OnProgress,
@@ -189,15 +195,18 @@ fn beside_surest(
     let with_lead = with_values(&model.clone().with(lead.name()), &lead.fit);
     let fit = |other: &Suspect| {
         let effect = library.find(other.name())?;
-        let candidate = Candidate::new(evidence, &with_lead, effect, library).ok()?;
-        let both = Suspect::begun(evidence, &lead.fit, Screened { candidate, ..other.at_its_fit() }).ok()?;
+        let candidate = Candidate::new(lattices.quick(), &with_lead, effect, library).ok()?;
+        let both = Suspect::begun(lattices.quick(), &lead.fit, Screened { candidate, ..other.at_its_fit() }).ok()?;
         told(&format!("{} and {}", lead.name(), both.name()), PAIRS_FITTED, PAIRS_FITTED);
-        Some(Joint { lead: lead.at_its_fit(), both: both.refined(evidence, PARTNER_FIT) })
+        Some(Joint {
+            lead: lead.at_its_fit(),
+            both: both.finished(lattices.quick(), PARTNER_FIT).seen(lattices.usual).ok()?,
+        })
     };
     let standing = first.findings.par_iter().filter(|finding| finding.share > 0.0);
     let others = standing.map(|finding| &finding.suspect);
     let joints = others.filter(|other| other.name() != lead.name()).filter_map(fit).collect();
-    to_the_end(evidence, joints, PARTNERS_REFINED)
+    to_the_end(lattices, joints, PARTNERS_REFINED)
 }
 
 /// A pair before it is fitted: the lead and the other one at the values that are expected to be best.

@@ -49,16 +49,18 @@ impl Kept for Vec<Agreement> {
 
 impl ScanEvidence<'_> {
     /// What the journal holds, or else what `make` gives, which it then keeps.
+    ///
+    /// - `voxel_ratio`: voxel of the simulation over the usual one
     pub(super) fn remembered<T: Kept>(
         &self,
-        (model, split): (&CompiledModel, Split),
+        (model, split, voxel_ratio): (&CompiledModel, Split, f64),
         make: impl FnOnce() -> Result<T, EvidenceError>,
     ) -> Result<T, EvidenceError> {
         let Some(journal) = &self.journal else { return make() };
         let errors = self.simulation_errors.as_ref().map(|errors| errors.identity());
         let frame = self.frame.as_ref().map(FrameFreedom::identity);
         let seen = format!("{:?} {errors:?} {frame:?} {:?}", self.observation, self.logs_moved());
-        let decides = format!("{split:?} {seen} {:?} {:?}", self.most_steps, model_origin(model));
+        let decides = format!("{split:?} {seen} {voxel_ratio} {:?} {:?}", self.most_steps, model_origin(model));
         let key = journal.key(&[T::NAME, &decides]);
         match journal.find(&key).as_deref() {
             Some([MADE, content @ ..]) => {

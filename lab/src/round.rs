@@ -15,6 +15,7 @@ use super::probe::Candidate;
 use super::response::{Look, Projector};
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
+use super::space_mapping::{Lattices, Surrogate};
 use super::suspect::suspects;
 use super::verdict::{Searched, Standing, least_size};
 use crate::criteria::{NAMED_PROBABILITY, NONE_MOST, RESERVED_PROBABILITY};
@@ -74,7 +75,10 @@ impl Round {
         (seed, progress): (u64, OnProgress),
     ) -> Result<Self, EvidenceError> {
         let projector = Projector::new(&base);
-        let look = Look { evidence, base: &base, projector: &projector };
+        let quicker = evidence.quicker();
+        let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::like(quicker, &base));
+        let lattices = Lattices { usual: evidence, quicker: surrogate.as_ref().map(|surrogate| surrogate as _) };
+        let look = Look { evidence: lattices.quick(), base: &base, projector: &projector };
         let model = with_values(model, &base);
         let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
         let known: Vec<String> = model.effects.iter().map(|part| evidence.family(&part.name)).collect();
@@ -89,7 +93,7 @@ impl Round {
             screened
         };
         let screened: Vec<Screened> = tried.into_par_iter().map(screen).collect();
-        let fitted = suspects(evidence, &base, &screened, &|name| progress(name, count, count));
+        let fitted = suspects(lattices, &base, &screened, &|name| progress(name, count, count));
         let best = fitted.first().map_or(&base, |best| &best.fit);
         let spread = spread(&best.residuals);
         let draws = null_delta_chi2(&projector, &screened, &best.residuals, &evidence.blocks(Split::Calibration), seed);

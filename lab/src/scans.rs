@@ -5,12 +5,8 @@ use std::ops::Range;
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use nalgebra::DMatrix;
 
-use super::begin::with_matched_rate;
-use super::calibrate::fit_roughly;
-use super::calibration::{Calibration, Order};
+use super::coarse_scans::CoarseScans;
 use super::coordinates::Coordinate;
-use super::diagnose::with_values;
-use super::error::LabError;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::fit::Fit;
@@ -22,10 +18,11 @@ use super::prepared::Prepared;
 use super::simulation_errors::SimulationErrors;
 use super::tile_noise::FittedNoise;
 use super::tiles::Tiles;
+use super::totals::Totals;
 use super::unlisted::{Basis, Exposures};
 use crate::criteria::{
-    COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO,
-    SMOOTH_ERROR_EXPOSURE, SMOOTH_ERROR_REMOVAL, TILE_BLOCK_SIDE,
+    COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SMOOTH_ERROR_EXPOSURE, SMOOTH_ERROR_REMOVAL,
+    TILE_BLOCK_SIDE,
 };
 use files::journal::Journal;
 use trial_simulation::CampaignSimulation;
@@ -92,6 +89,9 @@ pub struct ScanEvidence<'a> {
     pub tile_noise: Vec<Option<FittedNoise>>,
     /// How simulated surfaces are seen; `None` where every model finds its own observation.
     pub observation: Option<Observation>,
+    /// The same trials on a coarser lattice, once it is known how many steps a simulation may take; `None` where the tool
+    /// is too small for it.
+    pub(super) coarse: Option<CampaignSimulation<'a>>,
     /// Steps of a pass beyond which a simulation is given up.
     pub(super) most_steps: Option<usize>,
     /// What the simulation's lattice errs by, once it was measured.
@@ -125,6 +125,7 @@ impl<'a> ScanEvidence<'a> {
             noise,
             tile_noise,
             observation: None,
+            coarse: None,
             most_steps: None,
             simulation_errors: None,
             frame: None,
@@ -170,84 +171,6 @@ impl<'a> ScanEvidence<'a> {
         let needed =
             self.needed(split).into_iter().enumerate().map(|(k, own)| own.max(*observation.get(k).unwrap_or(&0)));
         Ok(self.simulation.run_first(model, &needed.collect::<Vec<_>>())?)
-    }
-
-    /// Measures what the simulation's lattice errs by near a model, and finds the spikes that rims have hidden. From then on the
-    /// lattice's error counts as one of the data, and the spikes do not count. Sanding leaves the surface as it was, and has none.
-    ///
-    /// # Errors
-    /// When the model cannot be simulated on a lattice twice as fine.
-    pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
-        self.frame = None;
-        if self.process() == Process::Sanding {
-            self.frame = FrameFreedom::of_moved(self, model)?;
-            return Ok(());
-        }
-        let error = SimulationErrors::new(self, model)?;
-        for view in &mut self.views {
-            let ScanData::Heights(data) = &view.data else { continue };
-            let informed = data.as_ref().clone().beside(&error.beside(view.trial, view.pass));
-            let informed = informed.expect("a covariance grows with what is added to it");
-            view.data = ScanData::Heights(Box::new(informed));
-        }
-        self.simulation_errors = Some(error);
-        self.frame = FrameFreedom::of_moved(self, model)?;
-        Ok(())
-    }
-
-    /// Calibrates a model and those that it grew from: first roughly, then with what the lattice errs by there.
-    ///
-    /// - `models`: the model, and its base law before any fit
-    /// - `done`: called after each fit with its name
-    ///
-    /// # Errors
-    /// As [`Calibration::new`].
-    pub fn calibrated(
-        &mut self,
-        (model, start): (&Model, &Model),
-        library: &Library,
-        (order, done): (Order, &dyn Fn(&str)),
-    ) -> Result<Calibration, LabError> {
-        let compiled = CompiledModel::new(model, library, self.rows())?;
-        self.limit_steps(&compiled)?;
-        if self.process() == Process::Sanding {
-            self.measure_simulation_errors(&with_matched_rate(self, &compiled)?)?;
-            return Calibration::new(self, (model, start), library, (order, done));
-        }
-        let rough = fit_roughly(self, &compiled)?;
-        self.measure_simulation_errors(&rough.model)?;
-        // A fit that is far off says little about where the next should begin.
-        let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
-        let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
-        self.renewed(calibration)
-    }
-
-    /// A calibration taken further, with what the lattice errs by at its best values.
-    ///
-    /// # Errors
-    /// When the model cannot be simulated.
-    pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
-        if self.process() == Process::Sanding {
-            return Ok(calibration);
-        }
-        self.follow_frame(&calibration.last().fit)?;
-        self.measure_simulation_errors(&calibration.last().fit.model)?;
-        calibration.renewed(self)
-    }
-
-    /// Simulates a model once, and gives up every later simulation that takes far longer.
-    ///
-    /// # Errors
-    /// When the model cannot be simulated.
-    pub fn limit_steps(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
-        let passes = self.simulate(model, Split::Calibration)?;
-        let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
-        let most_steps = Some(SIMULATION_STEP_RATIO * most.max(SIMULATION_LEAST_STEPS));
-        for simulation in &mut self.simulation.trials {
-            simulation.change_settings(|settings| settings.most_steps = most_steps);
-        }
-        self.most_steps = most_steps;
-        Ok(())
     }
 
     fn agreement_made(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
@@ -309,11 +232,16 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        self.remembered((model, split), || self.seen_residuals((&self.simulate(model, split)?, model), split))
+        self.remembered((model, split, 1.0), || self.seen_residuals((&self.simulate(model, split)?, model), split))
     }
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
-        self.remembered((model, split), || self.agreement_made(model, split))
+        self.remembered((model, split, 1.0), || self.agreement_made(model, split))
+    }
+
+    fn quicker(&self) -> Option<Box<dyn Totals + '_>> {
+        let simulation = self.coarse.as_ref()?;
+        Some(Box::new(CoarseScans { usual: self, simulation }))
     }
 
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {

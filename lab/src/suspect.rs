@@ -4,10 +4,12 @@ use effects::Scale;
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
+use super::diagnose::spread;
 use super::evidence::{Evidence, EvidenceError};
 use super::fit::{Fit, FitOptions};
 use super::response::{Projector, shifted};
 use super::screen::Screened;
+use super::space_mapping::Lattices;
 use crate::criteria::{
     EFFECTS_FITTED, EFFECTS_REFINED, FAR_END_RATIO, FITTED_DELTA_CHI2, LAST_FIT_DELTA_CHI2, LAST_FIT_DERIVATIVES,
     LAST_FIT_GAIN_SHARE, LAST_FIT_STEPS, LISTED_ODDS, NULL_RATIO, NULL_SHARE, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
@@ -82,7 +84,7 @@ impl Suspect {
     /// # Errors
     /// When the model cannot be simulated with it.
     pub(super) fn quick(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
-        Ok(Self::begun(evidence, base, screened)?.refined(evidence, QUICK_FIT))
+        Ok(Self::begun(evidence, base, screened)?.finished(evidence, QUICK_FIT))
     }
 
     /// As its fit begins: at the best values of the first look, derivatives taken from there.
@@ -103,6 +105,14 @@ impl Suspect {
         Ok(Self { screened, fit })
     }
 
+    /// With the residuals of other data, or of the same on another lattice.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated with it.
+    pub(super) fn seen(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
+        Ok(Self { fit: self.fit.seen(evidence)?, ..self })
+    }
+
     /// Its fit, or a better one that begins where that of the base model began: a base model that lacks the effect may have
     /// gone far astray to make up for it.
     fn or_from_beginning(self, evidence: &dyn Evidence, base: &Fit) -> Self {
@@ -113,9 +123,18 @@ impl Suspect {
         }
     }
 
-    /// Its fit taken further.
-    pub(super) fn refined(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
-        Self { fit: self.fit.refined(evidence, options), ..self }
+    /// Its fit taken further on a surrogate, or where there is none on the data.
+    pub(super) fn mapped(self, lattices: Lattices, options: FitOptions) -> Self {
+        let fit = match lattices.quicker {
+            Some(quicker) => self.fit.mapped(lattices.usual, quicker, options),
+            None => self.fit.finished(lattices.usual, options),
+        };
+        Self { fit, ..self }
+    }
+
+    /// Its fit taken further on the data.
+    pub(super) fn finished(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
+        Self { fit: self.fit.finished(evidence, options), ..self }
     }
 }
 
@@ -127,25 +146,16 @@ pub(super) fn is_at_far_end(coordinate: &Coordinate, value: f64) -> bool {
 }
 
 /// Fits the most promising effects, the best of them thoroughly. Best first.
-pub fn suspects(
-    evidence: &dyn Evidence,
+///
+/// - `lattices`: the data, and their surrogate near the base fit
+pub(super) fn suspects(
+    lattices: Lattices,
     base: &Fit,
     screened: &[Screened],
     told: &(dyn Fn(&str) + Sync),
 ) -> Vec<Suspect> {
-    let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > FITTED_DELTA_CHI2));
-    let mut families = Vec::new();
-    order.retain(|screened| is_among(&mut families, &screened.candidate.family, EFFECTS_FITTED));
-    let residuals = Projector::new(base).residuals;
-    let quick = |screened: &&Screened| {
-        let starts = screened.starts(&residuals).into_par_iter().take(STARTS_PER_EFFECT);
-        let suspects: Vec<Suspect> = starts.filter_map(|start| Suspect::quick(evidence, base, start).ok()).collect();
-        told(&screened.candidate.name);
-        suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))
-    };
-    let mut suspects: Vec<Suspect> = order.par_iter().filter_map(quick).collect();
-    sort(&mut suspects);
     let delta_chi2 = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
+    let mut suspects = quickly(lattices, base, screened, told);
     let worth = suspects.first().map_or(0.0, |best| REFINED_GAIN_SHARE * delta_chi2(best));
     let mut families = Vec::new();
     let mut is_among_first = |family: &str| is_among(&mut families, family, EFFECTS_REFINED);
@@ -155,24 +165,56 @@ pub fn suspects(
         .count();
     let rest = suspects.split_off(promising);
     let thorough = |suspect: Suspect| {
-        let suspect = suspect.refined(evidence, REFINED_FIT);
+        let suspect = suspect.mapped(lattices, REFINED_FIT);
         told(suspect.name());
         suspect
     };
-    let mut suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
-    let best = suspects.iter().map(delta_chi2).fold(0.0, f64::max);
-    let is_underway = |suspect: &Suspect| {
-        !suspect.fit.converged && delta_chi2(suspect) >= LAST_FIT_DELTA_CHI2.max(LAST_FIT_GAIN_SHARE * best)
-    };
-    suspects.par_iter_mut().filter(|suspect| is_underway(suspect)).for_each(|suspect| {
-        *suspect = suspect.clone().refined(evidence, LAST_FIT);
-    });
-    if suspects.iter().all(|suspect| suspect.fit.is_poor()) {
-        suspects = suspects.into_par_iter().map(|suspect| suspect.or_from_beginning(evidence, base)).collect();
-    }
+    let suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
+    let mut suspects = to_the_end(lattices, base, suspects);
     suspects.extend(rest);
     suspects.retain(|suspect| delta_chi2(suspect) > 0.0);
     sort(&mut suspects);
+    suspects
+}
+
+/// Fits the most promising effects quickly, and sees them on the usual lattice. Best first.
+fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], told: &(dyn Fn(&str) + Sync)) -> Vec<Suspect> {
+    let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > FITTED_DELTA_CHI2));
+    let mut families = Vec::new();
+    order.retain(|screened| is_among(&mut families, &screened.candidate.family, EFFECTS_FITTED));
+    let residuals = Projector::new(base).residuals;
+    let fitted = |screened: &&Screened| {
+        let starts = screened.starts(&residuals).into_par_iter().take(STARTS_PER_EFFECT);
+        let suspects: Vec<Suspect> =
+            starts.filter_map(|start| Suspect::quick(lattices.quick(), base, start).ok()).collect();
+        told(&screened.candidate.name);
+        suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))?.seen(lattices.usual).ok()
+    };
+    let mut suspects: Vec<Suspect> = order.par_iter().filter_map(fitted).collect();
+    sort(&mut suspects);
+    suspects
+}
+
+/// Ends the fits that may still be the best: those that did not converge, and those on a surrogate that fit about as well as
+/// the best. Where all are poor, they also begin again where the base fit began.
+fn to_the_end(lattices: Lattices, base: &Fit, mut suspects: Vec<Suspect>) -> Vec<Suspect> {
+    let Some(best) = suspects.iter().map(|suspect| &suspect.fit).min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else {
+        return suspects;
+    };
+    let (least, gain) = (best.chi2, base.chi2 - best.chi2);
+    let near = LAST_FIT_DELTA_CHI2 * spread(&best.residuals).powi(2);
+    let may_win = |suspect: &Suspect| {
+        let own = base.chi2 - suspect.fit.chi2;
+        let is_underway = !suspect.fit.converged && own >= LAST_FIT_GAIN_SHARE * gain;
+        let is_near = lattices.quicker.is_some() && suspect.fit.chi2 <= least + near;
+        own >= LAST_FIT_DELTA_CHI2 && (is_underway || is_near)
+    };
+    suspects.par_iter_mut().filter(|suspect| may_win(suspect)).for_each(|suspect| {
+        *suspect = suspect.clone().finished(lattices.usual, LAST_FIT);
+    });
+    if suspects.iter().all(|suspect| suspect.fit.is_poor()) {
+        suspects = suspects.into_par_iter().map(|suspect| suspect.or_from_beginning(lattices.usual, base)).collect();
+    }
     suspects
 }
 

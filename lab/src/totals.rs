@@ -3,7 +3,6 @@
 use effects::CompiledModel;
 use sdf_bake::HeightMap;
 
-use super::coarse_scans::CoarseScans;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::height_view::HeightView;
@@ -48,14 +47,6 @@ pub trait Totals: Evidence {
     /// # Errors
     /// When the model cannot be simulated.
     fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError>;
-
-    /// The same data, predicted quicker and nearly as well near a model; `None` where there is no quicker way.
-    ///
-    /// # Errors
-    /// When the model cannot be simulated.
-    fn quicker(&self, _near: &CompiledModel) -> Result<Option<Box<dyn Totals + '_>>, EvidenceError> {
-        Ok(None)
-    }
 }
 
 impl Totals for ScanEvidence<'_> {
@@ -63,12 +54,6 @@ impl Totals for ScanEvidence<'_> {
         let passes = self.simulate(model, split)?;
         let observation = self.observation_of((&passes, model))?;
         self.totals_of((&passes, model), split, observation)
-    }
-
-    fn quicker(&self, near: &CompiledModel) -> Result<Option<Box<dyn Totals + '_>>, EvidenceError> {
-        let mut coarse = CoarseScans::new(self, self.coarser()?);
-        coarse.correct_at(near)?;
-        Ok(Some(Box::new(coarse)))
     }
 
     fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {

@@ -212,6 +212,17 @@ impl PassSettings {
         Ok(longest)
     }
 
+    /// Checks that a pass of a duration [s] can end within the steps allowed, where none may be longer than `longest` [s].
+    ///
+    /// # Errors
+    /// [`PassError::TooManySteps`] at the beginning.
+    pub(crate) fn check_steps(&self, duration: f64, longest: f64) -> Result<(), PassError> {
+        match self.most_steps.filter(|most| duration > *most as f64 * longest) {
+            Some(most) => Err(PassError::TooManySteps { time: 0.0, most }),
+            None => Ok(()),
+        }
+    }
+
     /// Steps that a pass along a path takes on voxels [m] of a size, at most about: of a part of a voxel, of the longest
     /// duration, and of the controller's own period.
     pub fn expected_steps(&self, path: &Path, voxel: f64) -> f64 {

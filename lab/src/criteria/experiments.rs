@@ -6,8 +6,10 @@ criteria! {
     OF_EXPERIMENTS;
     /// Effects that the first answer of a study names.
     FIRST_LOOK_EFFECTS: usize = 5, "1", "chosen";
-    /// Voxel of the lattice on which an effect is tried, over that of the simulation.
-    COARSE_VOXEL_RATIO: f64 = 2.0, "1", "chosen: a third of the time; what it errs by is taken off";
+    /// Voxel of the lattice on which steps of fits and first looks are made, over that of the simulation.
+    COARSE_VOXEL_RATIO: f64 = 2.0, "1", "chosen: a fifth of the time; what it errs by is taken off";
+    /// Most times that the usual lattice corrects the coarser one in a fit.
+    MAPPING_ROUNDS: usize = 4, "1", "chosen";
     /// Sizes of an effect from which an attempt may begin.
     ATTEMPT_STARTS: usize = 12, "1", "chosen";
     /// Best of them that are fitted, beside one from no effect.

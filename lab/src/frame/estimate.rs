@@ -184,9 +184,7 @@ impl ScanEvidence<'_> {
         }
         let frame_offset = frame_offset(by, middle(trials[0]));
         self.simulation = self.simulation.varied(|_| Variation { frame_offset, ..Variation::default() })?;
-        for simulation in &mut self.simulation.trials {
-            simulation.change_settings(|settings| settings.most_steps = self.most_steps);
-        }
+        self.prepare_lattices();
         Ok(())
     }
 

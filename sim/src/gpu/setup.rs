@@ -108,7 +108,9 @@ pub(super) fn setup(
     (setup.step_way, setup.commit_way) = (in_voxels(pace.step_way), in_voxels(pace.sheet_way));
     setup.search_reach = in_voxels(settings.search_reach);
     setup.coating = settings.coating as f32;
-    setup.longest_step = settings.longest_step(pass.model)? as f32;
+    let longest_step = settings.longest_step(pass.model)?;
+    settings.check_steps(pass.path.duration(), longest_step)?;
+    setup.longest_step = longest_step as f32;
     setup.quasi_static = settings.quasi_static.into();
     (setup.grinds, setup.sands) = (scheme.recedes().into(), physics.sands().into());
     setup.bends = physics.may_bend().into();

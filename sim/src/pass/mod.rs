@@ -39,6 +39,7 @@ pub fn run_pass(
 ) -> Result<PassRecord, PassError> {
     pass.settings.check(grid, pass.tool)?;
     let longest_step = pass.settings.longest_step(pass.model)?;
+    pass.settings.check_steps(pass.path.duration(), longest_step)?;
     states.reset(pass.model, Reset::Pass);
     let duration = pass.path.duration();
     let mut runner = Runner::new(grid, pass, states, longest_step);

@@ -1,0 +1,103 @@
+//! A model calibrated against scans, which learn from it what their simulation errs by.
+
+use effects::{CompiledModel, Library, Model, Process};
+
+use super::begin::with_matched_rate;
+use super::calibrate::fit_roughly;
+use super::calibration::{Calibration, Order};
+use super::diagnose::with_values;
+use super::error::LabError;
+use super::evidence::{Evidence, EvidenceError, Split};
+use super::frame::FrameFreedom;
+use super::scans::{ScanData, ScanEvidence};
+use super::simulation_errors::SimulationErrors;
+use crate::criteria::{COARSE_VOXEL_RATIO, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO};
+use trial_simulation::CampaignSimulation;
+
+impl<'a> ScanEvidence<'a> {
+    /// Measures what the simulation's lattice errs by near a model, and finds the spikes that rims have hidden. From then on the
+    /// lattice's error counts as one of the data, and the spikes do not count. Sanding leaves the surface as it was, and has none.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated on a lattice twice as fine.
+    pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        self.frame = None;
+        if self.process() == Process::Sanding {
+            self.frame = FrameFreedom::of_moved(self, model)?;
+            return Ok(());
+        }
+        let error = SimulationErrors::new(self, model)?;
+        for view in &mut self.views {
+            let ScanData::Heights(data) = &view.data else { continue };
+            let informed = data.as_ref().clone().beside(&error.beside(view.trial, view.pass));
+            let informed = informed.expect("a covariance grows with what is added to it");
+            view.data = ScanData::Heights(Box::new(informed));
+        }
+        self.simulation_errors = Some(error);
+        self.frame = FrameFreedom::of_moved(self, model)?;
+        Ok(())
+    }
+
+    /// Calibrates a model and those that it grew from: first roughly, then with what the lattice errs by there.
+    ///
+    /// - `models`: the model, and its base law before any fit
+    /// - `done`: called after each fit with its name
+    ///
+    /// # Errors
+    /// As [`Calibration::new`].
+    pub fn calibrated(
+        &mut self,
+        (model, start): (&Model, &Model),
+        library: &Library,
+        (order, done): (Order, &dyn Fn(&str)),
+    ) -> Result<Calibration, LabError> {
+        let compiled = CompiledModel::new(model, library, self.rows())?;
+        self.limit_steps(&compiled)?;
+        if self.process() == Process::Sanding {
+            self.measure_simulation_errors(&with_matched_rate(self, &compiled)?)?;
+            return Calibration::new(self, (model, start), library, (order, done));
+        }
+        let rough = fit_roughly(self, &compiled)?;
+        self.measure_simulation_errors(&rough.model)?;
+        // A fit that is far off says little about where the next should begin.
+        let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
+        let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
+        self.renewed(calibration)
+    }
+
+    /// A calibration taken further, with what the lattice errs by at its best values.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
+        if self.process() == Process::Sanding {
+            return Ok(calibration);
+        }
+        self.follow_frame(&calibration.last().fit)?;
+        self.measure_simulation_errors(&calibration.last().fit.model)?;
+        calibration.renewed(self)
+    }
+
+    /// Simulates a model once, and gives up every later simulation that takes far longer.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub fn limit_steps(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        let passes = self.simulate(model, Split::Calibration)?;
+        let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
+        self.most_steps = Some(SIMULATION_STEP_RATIO * most.max(SIMULATION_LEAST_STEPS));
+        self.prepare_lattices();
+        Ok(())
+    }
+
+    /// Limits the steps of simulations, and makes the same trials on the coarser lattice.
+    pub(super) fn prepare_lattices(&mut self) {
+        self.coarse = self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok();
+        let limit = |simulation: &mut CampaignSimulation<'a>| {
+            let own = simulation.trials.iter_mut();
+            own.for_each(|trial| trial.change_settings(|settings| settings.most_steps = self.most_steps));
+        };
+        limit(&mut self.simulation);
+        self.coarse.iter_mut().for_each(limit);
+    }
+}

@@ -1,0 +1,200 @@
+//! Fits by space mapping (Bandler et al. 2004): steps are made on a quicker lattice that agrees with the usual one where a fit
+//! is. Where they end, the usual lattice tells how good they were, and the surrogate learns from it.
+
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use nalgebra::{DMatrix, DVector};
+
+use super::coordinates::Coordinate;
+use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::fit::{Fit, FitOptions};
+use super::pass_trend::PassTrend;
+use super::totals::{Total, Totals};
+use super::unlisted::Basis;
+use crate::criteria::{DERIVATIVE_CHANGE_LEAST, FIT_CONVERGED_DELTA_CHI2, MAPPING_ROUNDS};
+
+/// A quicker prediction of data, with the residuals of a fit at its place and a linear term beside it.
+pub(super) struct Surrogate<'a> {
+    quicker: &'a dyn Totals,
+    /// Whitened residuals of the fit minus those of the quicker prediction at its place.
+    offset: Vec<f64>,
+    coordinates: Vec<Coordinate>,
+    /// Place of the fit [coordinates].
+    from: Vec<f64>,
+    /// Derivatives that the quicker prediction lacks, shape [data, coordinates].
+    slope: DMatrix<f64>,
+}
+
+impl<'a> Surrogate<'a> {
+    /// With the residuals of a fit; `None` where its model cannot be predicted quicker.
+    pub(super) fn at(quicker: &'a dyn Totals, fit: &Fit) -> Option<Self> {
+        let own = quicker.residuals(&fit.model, Split::Calibration).ok()?;
+        let offset = fit.residuals.iter().zip(own).map(|(usual, quicker)| usual - quicker).collect();
+        let slope = DMatrix::zeros(fit.residuals.len(), fit.at.len());
+        Some(Self { quicker, offset, coordinates: fit.coordinates.clone(), from: fit.at.clone(), slope })
+    }
+
+    /// With the residuals and the derivatives of a fit; `None` as in [`Self::at`].
+    pub(super) fn like(quicker: &'a dyn Totals, fit: &Fit) -> Option<Self> {
+        let surrogate = Self::at(quicker, fit)?;
+        let mut own = fit.clone();
+        own.renew_derivatives(&surrogate);
+        Some(Self { slope: &fit.jacobian - own.jacobian, ..surrogate })
+    }
+}
+
+impl Evidence for Surrogate<'_> {
+    fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
+        let mut residuals = self.quicker.residuals(model, split)?;
+        if split == Split::Calibration {
+            let way = |(own, from): (&Coordinate, &f64)| {
+                model.index(&own.slot.name()).map_or(0.0, |index| own.from_value(model.value(index)) - from)
+            };
+            let way = DVector::from_iterator(self.from.len(), self.coordinates.iter().zip(&self.from).map(way));
+            let beside = &self.slope * way;
+            let lacking = self.offset.iter().zip(beside.iter()).map(|(offset, beside)| offset + beside);
+            residuals.iter_mut().zip(lacking).for_each(|(residual, lacking)| *residual += lacking);
+        }
+        Ok(residuals)
+    }
+
+    fn process(&self) -> Process {
+        self.quicker.process()
+    }
+
+    fn rows(&self) -> RowCounts {
+        self.quicker.rows()
+    }
+
+    fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
+        self.quicker.agreement(model, split)
+    }
+
+    fn adapted(&self, model: Model, library: &Library) -> Model {
+        self.quicker.adapted(model, library)
+    }
+
+    fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
+        self.quicker.coordinates(model)
+    }
+
+    fn size(&self, change: &[f64]) -> f64 {
+        self.quicker.size(change)
+    }
+
+    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
+        self.quicker.trend(model)
+    }
+
+    fn is_blind_to(&self, effect: &Effect) -> Option<String> {
+        self.quicker.is_blind_to(effect)
+    }
+
+    fn family(&self, effect: &str) -> String {
+        self.quicker.family(effect)
+    }
+
+    fn blocks(&self, split: Split) -> Vec<usize> {
+        self.quicker.blocks(split)
+    }
+
+    fn folds(&self) -> Vec<usize> {
+        self.quicker.folds()
+    }
+
+    fn closure(&self) -> DMatrix<f64> {
+        self.quicker.closure()
+    }
+
+    fn smooth_errors(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
+        self.quicker.smooth_errors(model)
+    }
+
+    fn bases(&self, model: (&Model, &Fit), library: &Library) -> Result<Vec<Basis>, EvidenceError> {
+        self.quicker.bases(model, library)
+    }
+
+    fn lattice_field(&self) -> Vec<f64> {
+        self.quicker.lattice_field()
+    }
+}
+
+impl Totals for Surrogate<'_> {
+    fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError> {
+        self.quicker.totals(model, split)
+    }
+
+    fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
+        self.quicker.unregistered(model, split)
+    }
+}
+
+/// Data, and a surrogate for looks and steps where there is one.
+#[derive(Clone, Copy)]
+pub(super) struct Lattices<'a> {
+    /// The data.
+    pub(super) usual: &'a dyn Evidence,
+    /// Their surrogate.
+    pub(super) quicker: Option<&'a dyn Totals>,
+}
+
+impl<'a> Lattices<'a> {
+    /// The surrogate, or else the data.
+    pub(super) fn quick(self) -> &'a dyn Evidence {
+        self.quicker.map_or(self.usual, |quicker| quicker)
+    }
+}
+
+impl Fit {
+    /// Goes on from here, quicker where that is possible, and ends on the data themselves.
+    pub fn refined(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
+        // Steps with the derivatives that are known are too few to be worth a surrogate.
+        match evidence.quicker().filter(|_| options.derivatives > 0) {
+            Some(quicker) => self.mapped(evidence, &*quicker, options).finished(evidence, options),
+            None => self.finished(evidence, options),
+        }
+    }
+
+    /// Steps on a surrogate, seen on the usual lattice where they end, until it is right there or nothing more is promised.
+    /// Residuals and sum of squares are those of the data, derivatives those of the surrogate.
+    pub(super) fn mapped(mut self, evidence: &dyn Evidence, quicker: &dyn Totals, options: FitOptions) -> Self {
+        let mut slope = DMatrix::zeros(self.residuals.len(), self.at.len());
+        for _ in 0..MAPPING_ROUNDS {
+            let Some(surrogate) = Surrogate::at(quicker, &self) else { break };
+            let there = self.clone().stepped(&Surrogate { slope: slope.clone(), ..surrogate }, options);
+            if there.at == self.at {
+                return there;
+            }
+            let Ok(seen) = there.clone().seen(evidence) else { break };
+            let missing = missing_slope(&self, &there, &seen);
+            let worth = FIT_CONVERGED_DELTA_CHI2 * self.chi2_per_datum().max(1.0);
+            let is_right = seen.chi2 < self.chi2 && (seen.chi2 - there.chi2).abs() < worth;
+            let lower = if seen.chi2 < self.chi2 { seen } else { Self { jacobian: there.jacobian, ..self } };
+            self = Self { runs: there.runs + 1, converged: there.converged, ..lower };
+            let Some(missing) = missing.filter(|_| !is_right) else { return self };
+            self.jacobian += &missing;
+            slope += missing;
+        }
+        Self { converged: false, ..self }
+    }
+
+    /// The same place with the residuals of other data, or of the same on another lattice; derivatives stay.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated.
+    pub(super) fn seen(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
+        let residuals = evidence.residuals(&self.model, Split::Calibration)?;
+        Ok(self.with_residuals(residuals))
+    }
+}
+
+/// Derivatives that a surrogate lacks along the way from one fit to another (Broyden 1965), by the residuals that it has there
+/// and those that were seen; `None` for a way that changes the data by no more than the simulation's own unevenness.
+fn missing_slope(from: &Fit, there: &Fit, seen: &Fit) -> Option<DMatrix<f64>> {
+    let difference = |b: &[f64], a: &[f64]| DVector::from_iterator(b.len(), b.iter().zip(a).map(|(b, a)| b - a));
+    if difference(&seen.residuals, &from.residuals).norm() < DERIVATIVE_CHANGE_LEAST {
+        return None;
+    }
+    let way = difference(&there.at, &from.at);
+    let missing = difference(&seen.residuals, &there.residuals) / way.norm_squared();
+    Some(missing * way.transpose())
+}
