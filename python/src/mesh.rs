@@ -1,0 +1,91 @@
+//! Triangle meshes.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::{AllowTypeChange, PyArray2, PyArrayLike2, PyArrayMethods};
+use pyo3::prelude::*;
+use robofin::part::Part;
+use sdf_bake::read::UnitChoice;
+
+use crate::arrays::{Triples, from_vectors, table, vectors};
+use crate::errors::{failed, refused};
+
+/// A closed triangle mesh in metres, right-handed with z up; normals point out of the solid.
+#[pyclass(frozen, module = "robofin")]
+pub struct Mesh {
+    pub inner: Arc<sdf_bake::Mesh>,
+    /// Source of a mesh that was read.
+    pub part: Option<Arc<Part>>,
+}
+
+impl Mesh {
+    /// A mesh that comes from no file.
+    pub fn of(mesh: sdf_bake::Mesh) -> Self {
+        Self { inner: Arc::new(mesh), part: None }
+    }
+
+    fn of_part(part: Part) -> Self {
+        Self { inner: Arc::new(part.mesh.clone()), part: Some(Arc::new(part)) }
+    }
+}
+
+#[pymethods]
+impl Mesh {
+    #[new]
+    fn new(positions: Triples, triangles: PyArrayLike2<'_, u32, AllowTypeChange>) -> PyResult<Self> {
+        let positions = vectors("positions", &positions)?;
+        let triangles = triangles.as_array();
+        if triangles.ncols() != 3 {
+            return Err(refused(format!("triangles has {} columns, and 3 are accepted", triangles.ncols())));
+        }
+        let triangles: Vec<[u32; 3]> = triangles.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
+        if let Some(&beyond) = triangles.iter().flatten().find(|&&vertex| vertex as usize >= positions.len()) {
+            return Err(refused(format!("triangles name vertex {beyond}, and there are {}", positions.len())));
+        }
+        let part = Part::from_mesh(sdf_bake::Mesh { positions, triangles }, "mesh");
+        part.map(Self::of_part).map_err(|error| failed(&error))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (path, unit = "auto"))]
+    fn read(py: Python<'_>, path: PathBuf, unit: &str) -> PyResult<Self> {
+        let unit: UnitChoice = unit.parse().map_err(refused)?;
+        py.detach(|| Part::load(&path, unit)).map(Self::of_part).map_err(|error| failed(&error))
+    }
+
+    #[staticmethod]
+    fn bundled() -> PyResult<Self> {
+        Part::bundled().map(Self::of_part).map_err(|error| failed(&error))
+    }
+
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        from_vectors(py, self.inner.positions.iter().copied())
+    }
+
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        table(py, self.inner.triangles.clone())
+    }
+
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (low, high) = self.inner.bounds().ok_or_else(|| refused("the mesh has no vertices"))?;
+        from_vectors(py, [low, high])
+    }
+
+    #[getter]
+    fn volume(&self) -> f64 {
+        self.inner.volume()
+    }
+
+    #[getter]
+    fn area(&self) -> f64 {
+        self.inner.area()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Mesh({} vertices, {} triangles)", self.inner.positions.len(), self.inner.triangles.len())
+    }
+}
