@@ -51,6 +51,8 @@ impl Field {
 
 #[pymethods]
 impl Field {
+    /// Bakes a mesh with a distance between voxels [m]. The band reaches `band_voxels` to both sides; `sign` is "auto",
+    /// "normal" or "winding".
     #[staticmethod]
     #[pyo3(signature = (mesh, voxel, *, band_voxels = 3.0, sign = "auto"))]
     fn bake(py: Python<'_>, mesh: &Mesh, voxel: f64, band_voxels: f64, sign: &str) -> PyResult<Self> {
@@ -60,6 +62,7 @@ impl Field {
         Ok(Self::of(Arc::new(grid)))
     }
 
+    /// Reads a level set of a NanoVDB file; one called `phi` with its labels and channels.
     #[staticmethod]
     #[pyo3(signature = (path, grid = "phi"))]
     fn read(py: Python<'_>, path: PathBuf, grid: &str) -> PyResult<Self> {
@@ -67,6 +70,7 @@ impl Field {
         Ok(Self::of(Arc::new(field)))
     }
 
+    /// Writes a NanoVDB file, compressed. `force` replaces an earlier field.
     #[pyo3(signature = (path, *, force = false))]
     fn write(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let bytes = py.detach(|| nvdb::write_field(&self.inner, Codec::Zip)).map_err(of)?;
@@ -75,29 +79,35 @@ impl Field {
         Ok(())
     }
 
+    /// The field as the bytes of a NanoVDB file, uncompressed: what `warp.Volume.load_from_nvdb` takes.
     fn to_nanovdb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py.detach(|| nvdb::write_field(&self.inner, Codec::None)).map_err(of)?;
         Ok(PyBytes::new(py, &bytes))
     }
 
+    /// Signed distance [m] at points [m], shape `[n, 3]`: trilinear, ±band beyond the band. Returns shape `[n]`.
     fn sample<'py>(&self, py: Python<'py>, points: Triples) -> PyResult<Bound<'py, PyArray1<f32>>> {
         Ok(PyArray1::from_vec(py, self.each(py, &points, BrickGrid::sample)?))
     }
 
+    /// Gradient of the distance [1] at points [m]: exact of the trilinear interpolant. Returns shape `[n, 3]`.
     fn gradient<'py>(&self, py: Python<'py>, points: Triples) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let gradients: Vec<Vec3> = self.each(py, &points, |grid, point| grid.sample_gradient(point).1)?;
         from_vectors_f32(py, gradients)
     }
 
+    /// Outward unit normals at points [m], from central differences. Returns shape `[n, 3]`.
     fn normal<'py>(&self, py: Python<'py>, points: Triples) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let normals = self.each(py, &points, BrickGrid::normal)?;
         from_vectors_f32(py, normals)
     }
 
+    /// Weld id of the voxel nearest to points [m]; 0 is base metal. Returns shape `[n]`.
     fn label<'py>(&self, py: Python<'py>, points: Triples) -> PyResult<Bound<'py, PyArray1<u16>>> {
         Ok(PyArray1::from_vec(py, self.each(py, &points, BrickGrid::label)?))
     }
 
+    /// A channel at points [m], trilinear: "dose" [1] or "removed" [m]. Returns shape `[n]`.
     fn channel<'py>(&self, py: Python<'py>, name: &str, points: Triples) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let known = Scalar::ALL.into_iter().find(|channel| channel.name() == name);
         let channel = known.ok_or_else(|| {
@@ -107,34 +117,41 @@ impl Field {
         Ok(PyArray1::from_vec(py, self.each(py, &points, |grid, point| grid.sample_scalar(channel, point))?))
     }
 
+    /// Brick coordinates, shape `[b, 3]`, and distances [m], shape `[b, 512]`, z fastest; copies.
     fn bricks<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<i32>>, Bound<'py, PyArray2<f32>>)> {
         let places = self.inner.bricks.iter().map(|brick| brick.to_array()).collect();
         let values = PyArray1::from_slice(py, &self.inner.phi).reshape([self.inner.brick_count(), BRICK_VOXELS])?;
         Ok((table(py, places)?, values))
     }
 
+    /// The zero set as a closed mesh.
     fn surface(&self, py: Python<'_>) -> Mesh {
         Mesh::of(py.detach(|| self.inner.surface_mesh()))
     }
 
+    /// Volume inside [m³].
     fn volume(&self, py: Python<'_>) -> f64 {
         py.detach(|| self.inner.volume())
     }
 
+    /// Volume inside this field and outside another one of the same lattice [m³].
     fn volume_beyond(&self, py: Python<'_>, other: &Self) -> f64 {
         py.detach(|| self.inner.difference_volume(&other.inner))
     }
 
+    /// Distance between voxels [m].
     #[getter]
     fn voxel(&self) -> f64 {
         self.inner.voxel
     }
 
+    /// Distance at which values are cut [m].
     #[getter]
     fn band(&self) -> f32 {
         self.inner.band
     }
 
+    /// Lowest and highest corner of a box around the surface [m], shape `[2, 3]`.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let bounds = self.inner.surface_bounds().or_else(|| self.inner.near_surface_bounds());
@@ -142,6 +159,7 @@ impl Field {
         from_vectors(py, [low, high])
     }
 
+    /// Bytes held by bricks and index.
     #[getter]
     fn nbytes(&self) -> usize {
         self.inner.bytes()

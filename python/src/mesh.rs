@@ -32,6 +32,8 @@ impl Mesh {
 
 #[pymethods]
 impl Mesh {
+    /// A mesh from positions [m], shape `[n, 3]`, and corner indices, shape `[m, 3]`, counter-clockwise seen from outside. It is
+    /// cleaned as a file is.
     #[new]
     fn new(positions: Triples, triangles: PyArrayLike2<'_, u32, AllowTypeChange>) -> PyResult<Self> {
         let positions = vectors("positions", &positions)?;
@@ -47,6 +49,7 @@ impl Mesh {
         part.map(Self::of_part).map_err(|error| failed(&error))
     }
 
+    /// Reads and cleans an OBJ, STL, PLY, GLB or glTF file. `unit` is "auto", "m", "mm" or "inch".
     #[staticmethod]
     #[pyo3(signature = (path, unit = "auto"))]
     fn read(py: Python<'_>, path: PathBuf, unit: &str) -> PyResult<Self> {
@@ -54,32 +57,38 @@ impl Mesh {
         py.detach(|| Part::load(&path, unit)).map(Self::of_part).map_err(|error| failed(&error))
     }
 
+    /// The bracket that comes with the program.
     #[staticmethod]
     fn bundled() -> PyResult<Self> {
         Part::bundled().map(Self::of_part).map_err(|error| failed(&error))
     }
 
+    /// Vertex positions [m], shape `[n, 3]`.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         from_vectors(py, self.inner.positions.iter().copied())
     }
 
+    /// Corner indices into `positions`, shape `[m, 3]`.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         table(py, self.inner.triangles.clone())
     }
 
+    /// Lowest and highest corner of the bounding box [m], shape `[2, 3]`.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (low, high) = self.inner.bounds().ok_or_else(|| refused("the mesh has no vertices"))?;
         from_vectors(py, [low, high])
     }
 
+    /// Enclosed volume [m³].
     #[getter]
     fn volume(&self) -> f64 {
         self.inner.volume()
     }
 
+    /// Surface area [m²].
     #[getter]
     fn area(&self) -> f64 {
         self.inner.area()

@@ -54,6 +54,7 @@ impl Model {
 
 #[pymethods]
 impl Model {
+    /// The base laws of a process, "grinding" or "sanding", with their defaults.
     #[new]
     #[pyo3(signature = (process = "grinding"))]
     fn new(process: &str) -> PyResult<Self> {
@@ -61,6 +62,7 @@ impl Model {
         Self::of(Arc::new(Library::builtin().clone()), effects::Model::new(process))
     }
 
+    /// Reads a model file; `effects` are effect files of your own.
     #[staticmethod]
     #[pyo3(signature = (path, effects = Vec::new()))]
     fn read(path: PathBuf, effects: Vec<PathBuf>) -> PyResult<Self> {
@@ -71,6 +73,7 @@ impl Model {
         Self::of(Arc::new(library), stated)
     }
 
+    /// Reads the text of a model file.
     #[staticmethod]
     fn parse(text: &str) -> PyResult<Self> {
         let library = Library::builtin();
@@ -78,6 +81,7 @@ impl Model {
         Self::of(Arc::new(library.clone()), stated)
     }
 
+    /// The model with an effect of the library. Values are SI numbers, or text with a unit such as "350 mm^3".
     #[pyo3(signature = (name, **values))]
     fn with_effect(&self, name: &str, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut given = Vec::new();
@@ -90,6 +94,7 @@ impl Model {
         Self::of(self.library.clone(), stated)
     }
 
+    /// The model with an effect from one line, such as `rate * exp(-ground_volume / a)`; its unknown names need values.
     #[pyo3(signature = (line, name = "formula", **values))]
     fn with_formula(&self, line: &str, name: &str, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut given = Vec::new();
@@ -107,6 +112,7 @@ impl Model {
         Self::of(Arc::new(library), self.stated.clone().with(name))
     }
 
+    /// The model with another value of a parameter such as "winkler.stiffness".
     fn with_value(&self, path: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         let names = path.split_once('.');
         let (owner, name) = names.ok_or_else(|| refused(format!("{path:?}: a name such as \"winkler.stiffness\" is accepted")))?;
@@ -119,16 +125,19 @@ impl Model {
         Self::of(self.library.clone(), stated)
     }
 
+    /// "grinding" or "sanding".
     #[getter]
     fn process(&self) -> &'static str {
         self.stated.process.name()
     }
 
+    /// The model as a file.
     #[getter]
     fn text(&self) -> String {
         self.stated.to_text(&self.library)
     }
 
+    /// Values of all parameters [SI] by `effect.parameter`.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
@@ -138,6 +147,7 @@ impl Model {
         Ok(values)
     }
 
+    /// Plausible values of all parameters [SI] by `effect.parameter`: those of their files.
     #[getter]
     fn ranges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let ranges = PyDict::new(py);

@@ -57,6 +57,9 @@ pub struct SimulationSnapshot {
 
 #[pymethods]
 impl Simulation {
+    /// A tool on a workpiece, which its passes change. `force` [N] is what the controller holds: "ideal", "replay", or
+    /// "admittance" with `mass` [kg], `damping` [N s/m] and `period` [s]. `spindle_speed` [rad/s], `coating` and
+    /// `search_reach` [m] have the program's defaults.
     #[new]
     #[pyo3(signature = (workpiece, tool, model, *, force = 15.0, controller = "ideal", mass = 2.0, damping = 1500.0,
                         period = 5e-4, spindle_speed = None, coating = None, search_reach = None))]
@@ -96,6 +99,7 @@ impl Simulation {
         })
     }
 
+    /// Runs a whole pass along a path; the tool keeps its wear from pass to pass.
     #[pyo3(signature = (path, *, force = None))]
     fn run(&mut self, py: Python<'_>, path: &Path, force: Option<f64>) -> PyResult<Record> {
         self.end_pass();
@@ -114,6 +118,8 @@ impl Simulation {
         Ok(Record::of(record))
     }
 
+    /// Moves the tool on within a pass, to a nominal contact point [m] with an approach and a tool axis, in `duration` [s].
+    /// The controller goes on where the step before left it.
     #[pyo3(signature = (to, duration, *, force = None))]
     fn step(&mut self, py: Python<'_>, to: Place, duration: f64, force: Option<f64>) -> PyResult<Record> {
         let end = sample(to, self.steps.time + duration)?;
@@ -138,11 +144,13 @@ impl Simulation {
         record.map(Record::of).map_err(of)
     }
 
+    /// How far the controller has lifted the tool from its nominal place, along the approach axis [m].
     #[getter]
     fn travel(&mut self) -> f64 {
         lock(&mut self.steps.underway).motion().travel
     }
 
+    /// Ends a pass that was run step by step: the tool leaves the part.
     fn end_pass(&mut self) {
         if self.steps.place.is_some() {
             self.passes += 1;
@@ -151,6 +159,7 @@ impl Simulation {
         }
     }
 
+    /// Workpiece, tool and controller as they are now; bricks are shared.
     fn snapshot(&mut self, py: Python<'_>) -> PyResult<SimulationSnapshot> {
         let workpiece = self.workpiece.try_borrow(py)?;
         // Every step has settled.
@@ -166,6 +175,7 @@ impl Simulation {
         })
     }
 
+    /// Puts a moment back; the same steps give the same bytes.
     fn restore(&mut self, py: Python<'_>, snapshot: &SimulationSnapshot) -> PyResult<()> {
         self.workpiece.try_borrow_mut(py)?.part = snapshot.part.clone();
         let SimulationSnapshot { states, passes, time, underway, step_time, place, .. } = snapshot;

@@ -20,6 +20,7 @@ pub struct Tool {
 
 #[pymethods]
 impl Tool {
+    /// A tool such as "wheel:radius=50mm,width=20mm", "pad:radius=25mm" or "sphere:radius=10mm".
     #[new]
     fn new(text: &str) -> PyResult<Self> {
         match text.parse::<ToolText>().map_err(refused)? {
@@ -28,6 +29,7 @@ impl Tool {
         }
     }
 
+    /// Width across the feed [m].
     #[getter]
     fn width(&self) -> f64 {
         self.inner.width()
@@ -52,6 +54,8 @@ impl Path {
 
 #[pymethods]
 impl Path {
+    /// A path from samples: times [s], shape `[n]`; nominal contact points [m], approach axes out of the part and tool axes
+    /// across the feed, shape `[n, 3]` each.
     #[new]
     fn new(
         times: PyArrayLike1<'_, f64, AllowTypeChange>,
@@ -79,6 +83,7 @@ impl Path {
         sim::Path::from_samples(samples).map(Self::of).map_err(of)
     }
 
+    /// Follows a curve of positions [m] with normals, shape `[n, 3]` each, at a feed [m/s], the tool's axis across it.
     #[staticmethod]
     fn along(positions: Triples, normals: Triples, feed: f64) -> PyResult<Self> {
         let (positions, normals) = (vectors("positions", &positions)?, vectors("normals", &normals)?);
@@ -90,25 +95,30 @@ impl Path {
         sim::Path::along(&curve, feed).map(Self::of).map_err(of)
     }
 
+    /// The same way in the other direction.
     fn reversed(&self) -> Self {
         Self::of(self.inner.reversed())
     }
 
+    /// Time of the last sample [s].
     #[getter]
     fn duration(&self) -> f64 {
         self.inner.duration()
     }
 
+    /// Length [m].
     #[getter]
     fn length(&self) -> f64 {
         self.inner.length()
     }
 
+    /// Times of the samples [s].
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.inner.samples().iter().map(|sample| sample.time))
     }
 
+    /// Nominal contact points [m], shape `[n, 3]`.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         from_vectors(py, self.inner.samples().iter().map(|sample| sample.position))
@@ -137,81 +147,97 @@ impl Record {
 
 #[pymethods]
 impl Record {
+    /// Volume that Eq. (1) removes [m³].
     #[getter]
     fn removed_volume(&self) -> f64 {
         self.inner.removed_volume
     }
 
+    /// Volume of coating taken off, Eq. (2) [m³].
     #[getter]
     fn coating_volume(&self) -> f64 {
         self.inner.coating_volume
     }
 
+    /// ∫ F dt [N s].
     #[getter]
     fn impulse(&self) -> f64 {
         self.inner.impulse
     }
 
+    /// ∫∫ p dA dt [N s].
     #[getter]
     fn load_impulse(&self) -> f64 {
         self.inner.load_impulse
     }
 
+    /// Root mean square of force minus setpoint in contact [N].
     #[getter]
     fn force_rms_error(&self) -> f64 {
         self.inner.force_rms_error
     }
 
+    /// Time in contact [s].
     #[getter]
     fn contact_time(&self) -> f64 {
         self.inner.contact_time
     }
 
+    /// Highest pressure met [Pa].
     #[getter]
     fn pressure_max(&self) -> f64 {
         self.inner.pressure_max
     }
 
+    /// Largest area under pressure [m²].
     #[getter]
     fn area_max(&self) -> f64 {
         self.inner.area_max
     }
 
+    /// Time simulated [s].
     #[getter]
     fn duration(&self) -> f64 {
         self.inner.duration
     }
 
+    /// Steps taken.
     #[getter]
     fn steps(&self) -> usize {
         self.inner.steps
     }
 
+    /// Times of the log's rows [s], shape `[n]`.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.time)
     }
 
+    /// Normal forces of the log [N], shape `[n]`.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.force)
     }
 
+    /// Spindle speeds of the log [rad/s], shape `[n]`.
     #[getter]
     fn spindle_speeds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.spindle_speed)
     }
 
+    /// The tool's reference points of the log [m], shape `[n, 3]`.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         from_vectors(py, self.inner.log.iter().map(|row| row.position))
     }
 
+    /// Approach axes of the log, shape `[n, 3]`.
     #[getter]
     fn approaches<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         from_vectors(py, self.inner.log.iter().map(|row| row.approach))
     }
 
+    /// The log as the program writes it.
     fn log_csv(&self) -> String {
         robofin::finishing::log_csv(&self.inner.log)
     }

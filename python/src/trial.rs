@@ -27,30 +27,37 @@ type Pass = (Record, Py<PyAny>);
 
 #[pymethods]
 impl Trial {
+    /// Reads a trial folder and checks it.
     #[staticmethod]
     fn read(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         py.detach(|| MeasuredTrial::read(&folder)).map(|inner| Self { inner }).map_err(of)
     }
 
+    /// Its name.
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name
     }
 
+    /// "grinding" or "sanding".
     #[getter]
     fn process(&self) -> &'static str {
         self.inner.process.name()
     }
 
+    /// Number of passes.
     #[getter]
     fn passes(&self) -> usize {
         self.inner.passes.len()
     }
 
+    /// Measured scans after each pass: `heights` [m] or `exposed`, shape `[ny, nx]`, NaN where missing; `origin` and
+    /// `pitch` [m].
     fn scans<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         self.inner.passes.iter().map(|pass| scan(py, &pass.scan)).collect()
     }
 
+    /// The workpiece that the scan before the first pass shows; voxels [m] as wide as its pixels unless told otherwise.
     #[pyo3(signature = (voxel = None))]
     fn workpiece(&self, py: Python<'_>, voxel: Option<f64>) -> PyResult<Workpiece> {
         let voxel = voxel.unwrap_or(self.inner.scans.before.pixels.pitch);
@@ -58,6 +65,7 @@ impl Trial {
         Ok(Workpiece::of(Arc::new(part.map_err(of)?)))
     }
 
+    /// Simulates the trial as it was logged. Returns record and scan of each pass, and the field at the end.
     #[pyo3(signature = (model, *, voxel = None, replay = false))]
     fn simulate(
         &self,

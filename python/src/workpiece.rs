@@ -67,11 +67,13 @@ impl Workpiece {
 
 #[pymethods]
 impl Workpiece {
+    /// A part without a weld from its field, whose bricks it shares.
     #[new]
     fn new(field: &Field) -> Self {
         Self::of(field.inner.clone())
     }
 
+    /// Opens an asset folder: the welded field, the target and the welds.
     #[staticmethod]
     fn from_asset(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         let open = || {
@@ -82,35 +84,43 @@ impl Workpiece {
         Ok(Self { part: Arc::new(fields.welded), target: Some(Arc::new(fields.target)), welds, made: None })
     }
 
+    /// The field as it is now; it shares the bricks until the workpiece changes.
     #[getter]
     fn field(&self) -> Field {
         Field::of(self.part.clone())
     }
 
+    /// The part without its welds, where it is known.
     #[getter]
     fn target(&self) -> Option<Field> {
         self.target.clone().map(Field::of)
     }
 
+    /// Sizes [m, m³] and centrelines of the welds: `position` [m], `tangent`, `normal`, `side`, shape `[n, 3]` each.
     #[getter]
     fn welds<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.welds.iter().map(|weld| facts(py, weld)).collect()
     }
 
+    /// The path that `robofin simulate` follows on a weld at a feed [m/s], and how far above and below it the tool is
+    /// sought [m].
     #[pyo3(signature = (tool, feed, weld = 0))]
     fn weld_path(&self, tool: &Tool, feed: f64, weld: usize) -> PyResult<(Path, f64)> {
         let (curve, reach): (Vec<CurvePoint>, f64) = followed(self.weld_at(weld)?, &tool.inner);
         Ok((Path::of(sim::Path::along(&curve, feed).map_err(of)?), reach))
     }
 
+    /// The workpiece as it is now. Bricks are shared, so that this copies nothing; the next change copies them once.
     fn snapshot(&self) -> Snapshot {
         Snapshot { part: self.part.clone() }
     }
 
+    /// Puts a moment back, bit for bit.
     fn restore(&mut self, snapshot: &Snapshot) {
         self.part = snapshot.part.clone();
     }
 
+    /// Writes the asset folder of a workpiece that `weld` made, without USD. `force` replaces an earlier asset.
     #[pyo3(signature = (folder, *, force = false))]
     fn save(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<PathBuf> {
         let Some(made) = &self.made else {
