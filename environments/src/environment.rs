@@ -28,7 +28,7 @@ const SINK: f64 = 3e-4;
 const SANDINGS: f64 = 2.0;
 
 /// What all environments of a batch share.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Setup {
     /// One is drawn for each episode.
     pub tasks: Vec<Arc<Task>>,
@@ -165,8 +165,8 @@ impl Environment {
     /// As [`run_stretch`].
     pub fn step(&mut self, action: &[f32; ACTION]) -> Result<Outcome, PassError> {
         let period = self.setup.limits.period;
-        let room = (&self.task.curve, 0.5 * self.task.weld.width);
-        let before = std::mem::replace(&mut self.stance, self.stance.after(action, &self.setup.limits, room));
+        let (before, room) = (self.stance, (&self.task.curve, 0.5 * self.task.weld.width));
+        self.stance = before.after(action, &self.setup.limits, room);
         if self.stance.setpoint > 0.0 {
             let record = self.press(&before)?;
             self.count(&record);

@@ -30,12 +30,12 @@ pub fn vectors(name: &str, array: &Triples) -> PyResult<Vec<DVec3>> {
 
 /// Vectors as an array of shape `[n, 3]`.
 pub fn from_vectors(py: Python<'_>, vectors: impl IntoIterator<Item = DVec3>) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    table(py, vectors.into_iter().map(DVec3::to_array).collect())
+    table(py, vectors.into_iter().map(|vector| vector.to_array()).collect())
 }
 
 /// Vectors of float32 as an array of shape `[n, 3]`.
 pub fn from_vectors_f32(py: Python<'_>, vectors: Vec<Vec3>) -> PyResult<Bound<'_, PyArray2<f32>>> {
-    table(py, vectors.into_iter().map(Vec3::to_array).collect())
+    table(py, vectors.into_iter().map(|vector| vector.to_array()).collect())
 }
 
 /// Rows as an array of shape `[n, N]`, without a copy.

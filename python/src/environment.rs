@@ -134,7 +134,11 @@ impl Batch {
             time_limit,
         };
         if let Some(task) = setup.tasks.iter().find(|task| task.process.name() != model.process()) {
-            return Err(refused(format!("the model is for {}, and a task for {}", model.process(), task.process.name())));
+            return Err(refused(format!(
+                "the model is for {}, and a task for {}",
+                model.process(),
+                task.process.name()
+            )));
         }
         let inner = py.detach(|| environments::Batch::new(setup, count, seed)).map_err(of)?;
         Ok(Self { inner: Mutex::new(inner), observation })

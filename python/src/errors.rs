@@ -6,7 +6,12 @@ use pyo3::exceptions::PyException;
 use pyo3::{PyErr, create_exception};
 
 create_exception!(robofin, RoboFinError, PyException, "Work that failed; the message says what was found.");
-create_exception!(robofin, WrongUse, RoboFinError, "A call or a file that is refused; the message says what is accepted.");
+create_exception!(
+    robofin,
+    WrongUse,
+    RoboFinError,
+    "A call or a file that is refused; the message says what is accepted."
+);
 
 /// The exception of the program's own error, with its causes in one line.
 pub fn failed(error: &anyhow::Error) -> PyErr {

@@ -66,7 +66,8 @@ impl Field {
     #[staticmethod]
     #[pyo3(signature = (path, grid = "phi"))]
     fn read(py: Python<'_>, path: PathBuf, grid: &str) -> PyResult<Self> {
-        let field = py.detach(|| read(&path, grid)).map_err(|error| failed(&error.context(path.display().to_string())))?;
+        let field =
+            py.detach(|| read(&path, grid)).map_err(|error| failed(&error.context(path.display().to_string())))?;
         Ok(Self::of(Arc::new(field)))
     }
 

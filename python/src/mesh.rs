@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::{AllowTypeChange, PyArray2, PyArrayLike2, PyArrayMethods};
+use numpy::{AllowTypeChange, PyArray2, PyArrayLike2};
 use pyo3::prelude::*;
 use robofin::part::Part;
 use sdf_bake::read::UnitChoice;

@@ -46,7 +46,10 @@ impl Model {
         let known = known.ok_or_else(|| refused(format!("no law or effect has a parameter `{owner}.{name}`")))?;
         let (value, unit) = Unit::quantity(text).map_err(refused)?;
         if unit.dimension != known.unit.dimension {
-            return Err(refused(format!("`{owner}.{name}` is {text:?}, and a value in {} is accepted", known.unit_text)));
+            return Err(refused(format!(
+                "`{owner}.{name}` is {text:?}, and a value in {} is accepted",
+                known.unit_text
+            )));
         }
         Ok(value)
     }
@@ -115,7 +118,8 @@ impl Model {
     /// The model with another value of a parameter such as "winkler.stiffness".
     fn with_value(&self, path: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         let names = path.split_once('.');
-        let (owner, name) = names.ok_or_else(|| refused(format!("{path:?}: a name such as \"winkler.stiffness\" is accepted")))?;
+        let (owner, name) =
+            names.ok_or_else(|| refused(format!("{path:?}: a name such as \"winkler.stiffness\" is accepted")))?;
         let parts = self.stated.laws.iter().chain(&self.stated.effects);
         if !parts.into_iter().any(|part| part.name == owner) {
             return Err(refused(format!("the model has no law or effect `{owner}`")));
@@ -127,7 +131,7 @@ impl Model {
 
     /// "grinding" or "sanding".
     #[getter]
-    fn process(&self) -> &'static str {
+    pub fn process(&self) -> &'static str {
         self.stated.process.name()
     }
 

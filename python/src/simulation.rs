@@ -1,6 +1,6 @@
 //! Simulation of passes: whole ones, or step by step.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use effects::States;
 use glam::DVec3;
@@ -140,14 +140,18 @@ impl Simulation {
             underway.settle(grid);
             record
         });
-        (steps.time, steps.place) = (end.time, Some(end));
+        if record.is_ok() {
+            (steps.time, steps.place) = (end.time, Some(end));
+        } else {
+            *steps = Steps::default();
+        }
         record.map(Record::of).map_err(of)
     }
 
     /// How far the controller has lifted the tool from its nominal place, along the approach axis [m].
     #[getter]
-    fn travel(&mut self) -> f64 {
-        lock(&mut self.steps.underway).motion().travel
+    fn travel(&self) -> f64 {
+        held(&self.steps.underway).motion().travel
     }
 
     /// Ends a pass that was run step by step: the tool leaves the part.
@@ -160,10 +164,10 @@ impl Simulation {
     }
 
     /// Workpiece, tool and controller as they are now; bricks are shared.
-    fn snapshot(&mut self, py: Python<'_>) -> PyResult<SimulationSnapshot> {
+    fn snapshot(&self, py: Python<'_>) -> PyResult<SimulationSnapshot> {
         let workpiece = self.workpiece.try_borrow(py)?;
         // Every step has settled.
-        let underway = lock(&mut self.steps.underway).copy();
+        let underway = held(&self.steps.underway).copy();
         Ok(SimulationSnapshot {
             part: workpiece.part.clone(),
             states: self.states.clone(),
@@ -179,7 +183,7 @@ impl Simulation {
     fn restore(&mut self, py: Python<'_>, snapshot: &SimulationSnapshot) -> PyResult<()> {
         self.workpiece.try_borrow_mut(py)?.part = snapshot.part.clone();
         let SimulationSnapshot { states, passes, time, underway, step_time, place, .. } = snapshot;
-        let underway = underway.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).copy();
+        let underway = held(underway).copy();
         (self.states, self.passes, self.time) = (states.clone(), *passes, *time);
         self.steps = Steps { underway: Mutex::new(underway), time: *step_time, place: *place };
         Ok(())
@@ -188,14 +192,21 @@ impl Simulation {
 
 /// What is behind a lock that nobody else holds.
 fn lock(underway: &mut Mutex<Underway>) -> &mut Underway {
-    underway.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner)
+    underway.get_mut().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What is behind a lock that is held for a moment.
+fn held(underway: &Mutex<Underway>) -> MutexGuard<'_, Underway> {
+    underway.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn sample((position, approach, axis): Place, time: f64) -> PyResult<PathSample> {
     let [position, approach, axis] = [position, approach, axis].map(DVec3::from_array);
     let (approach, axis) = (approach.normalize(), axis.normalize());
     if !(position + approach + axis).is_finite() || approach.dot(axis).abs() > 0.99 {
-        return Err(refused("a finite position is accepted, and an approach and an axis that are not along each other"));
+        return Err(refused(
+            "a finite position is accepted, and an approach and an axis that are not along each other",
+        ));
     }
     Ok(PathSample { time, position, approach, axis })
 }

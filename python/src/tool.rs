@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::prelude::*;
 use robot::{Controller, ToolText};
 use sim::{CurvePoint, PassRecord, PathSample};
@@ -244,7 +244,12 @@ impl Record {
 
     fn __repr__(&self) -> String {
         let Self { inner } = self;
-        format!("Record({} steps, {:.3} mm³ removed in {:.2} s)", inner.steps, inner.removed_volume * 1e9, inner.duration)
+        format!(
+            "Record({} steps, {:.3} mm³ removed in {:.2} s)",
+            inner.steps,
+            inner.removed_volume * 1e9,
+            inner.duration
+        )
     }
 }
 

@@ -29,7 +29,8 @@ pub fn weld(
     sign: &str,
 ) -> PyResult<Workpiece> {
     let part = mesh.part.as_deref().cloned();
-    let part: Part = part.ok_or_else(|| refused("a mesh from arrays has no source to record; write it and `Mesh.read` it"))?;
+    let part: Part =
+        part.ok_or_else(|| refused("a mesh from arrays has no source to record; write it and `Mesh.read` it"))?;
     let wishes = WeldWishes {
         difficulty: difficulty_of(difficulty)?,
         placement: placement_of(place)?,
@@ -64,6 +65,10 @@ fn placement_of(name: &str) -> PyResult<Placement> {
         "seam" => Placement::Seam,
         "butt" => Placement::Butt,
         "mixed" => Placement::Mixed,
-        _ => return Err(refused(format!("place is {name:?}, and \"surface\", \"seam\", \"butt\" or \"mixed\" is accepted"))),
+        _ => {
+            return Err(refused(format!(
+                "place is {name:?}, and \"surface\", \"seam\", \"butt\" or \"mixed\" is accepted"
+            )));
+        }
     })
 }
