@@ -107,9 +107,9 @@ impl Batch {
                         environment.reset(None);
                         Outcome::default()
                     }
-                    false => environment
-                        .step(action)
-                        .map_err(|error| EnvironmentError::Pass { environment: k, error })?,
+                    false => {
+                        environment.step(action).map_err(|error| EnvironmentError::Pass { environment: k, error })?
+                    }
                 };
                 *ended = outcome.terminated || outcome.truncated;
                 environment.observe(seen);

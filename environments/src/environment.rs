@@ -194,16 +194,11 @@ impl Environment {
             self.passes += 1;
         }
         let until = self.pass_time + limits.period;
-        let ahead = Stance { arc: 2.0 * self.stance.arc - before.arc, ..self.stance };
-        let ahead = Stance { offset: 2.0 * self.stance.offset - before.offset, ..ahead };
-        let places = [(before, self.pass_time), (&self.stance, until), (&ahead, until + limits.period)];
+        let places = [(before, self.pass_time), (&self.stance, until)];
         let samples = places.map(|(stance, time)| self.sample(stance, time)).to_vec();
         let path = Path::from_samples(samples).expect("times that increase");
-        let settings = PassSettings {
-            controller: *controller,
-            force_setpoint: self.stance.setpoint,
-            ..PassSettings::default()
-        };
+        let settings =
+            PassSettings { controller: *controller, force_setpoint: self.stance.setpoint, ..PassSettings::default() };
         let trial_time = self.metrics.time - self.pass_time;
         let pass = Pass { number: self.passes, trial_time, ..Pass::first(tool, &path, &settings, &self.model) };
         let part = Arc::make_mut(&mut self.part);
@@ -223,8 +218,8 @@ impl Environment {
     fn sample(&self, stance: &Stance, time: f64) -> PathSample {
         let station = self.task.curve.at(stance.arc);
         let level = CLEARANCE + if self.task.process == Process::Grinding { self.task.weld.height } else { 0.0 };
-        let turn = DQuat::from_axis_angle(station.tangent, stance.roll)
-            * DQuat::from_axis_angle(station.side(), stance.pitch);
+        let turn =
+            DQuat::from_axis_angle(station.tangent, stance.roll) * DQuat::from_axis_angle(station.side(), stance.pitch);
         let approach = turn * station.normal;
         let position = station.position + station.side() * stance.offset + station.normal * level;
         PathSample { time, position, approach, axis: turn * station.side() }

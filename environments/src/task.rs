@@ -69,11 +69,7 @@ impl Task {
     ///
     /// # Errors
     /// As [`Task::grinding`].
-    pub fn sanding(
-        target: &BrickGrid,
-        weld: WeldFacts,
-        points: &[(DVec3, DVec3)],
-    ) -> Result<Self, EnvironmentError> {
+    pub fn sanding(target: &BrickGrid, weld: WeldFacts, points: &[(DVec3, DVec3)]) -> Result<Self, EnvironmentError> {
         let curve = Curve::new(points)?;
         let mut part = around(target, &curve);
         part.scalar_or_zero(Scalar::Dose);

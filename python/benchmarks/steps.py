@@ -18,7 +18,8 @@ from robofin._gymnasium import FinishingVectorEnv
 
 def main() -> None:
     """Measures and prints."""
-    count, steps = (int(word) for word in (*sys.argv[1:], "64", "200")[:2])
+    given = [int(word) for word in sys.argv[1:]]
+    count, steps = (*given, *(64, 200)[len(given):])
     tasks = robofin.suite("grinding", difficulty="easy", count=2)
     environments = FinishingVectorEnv(count, tasks=tasks)
     print(f"{count} environments, {tasks.tasks[0].nbytes / 1e6:.1f} and {tasks.tasks[-1].nbytes / 1e6:.1f} MB of field")

@@ -13,7 +13,10 @@ raises `RoboFinError` with the program's message; `WrongUse` is the part of it t
     print(record.removed_volume, "m³")
 """
 
+from importlib.util import find_spec
+
 from ._campaign import Campaign, Report, Study
+from ._evaluation import Evaluation, evaluate
 from ._program import dataset, demo, run
 from ._robofin import (
     Batch,
@@ -38,7 +41,11 @@ from ._robofin import (
 )
 from ._robofin import effects_of_library as effects
 from ._suites import Suite, suite
-from ._evaluation import Evaluation, evaluate
+
+if find_spec("gymnasium"):
+    from ._gymnasium import register
+
+    register()
 
 __all__ = [
     "Batch",

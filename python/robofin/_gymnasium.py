@@ -27,7 +27,7 @@ Ranges = Sequence[str] | Mapping[str, tuple[float, float] | None]
 
 
 def register() -> None:
-    """Makes the environments known to Gymnasium, which calls this on its first import."""
+    """Makes the environments known to Gymnasium."""
     for name, process in [("Grind", "grinding"), ("Sand", "sanding")]:
         gymnasium.register(
             id=f"robofin/{name}-v0",

@@ -33,7 +33,7 @@ def run(*words: Word) -> Any:
 
         robofin.run("weld", "part.stl", "--out", "out/part", "--seed", "7")
     """
-    command = [*START, *map(os.fspath, words), "--json"]
+    command = [*START, *(os.fspath(word) for word in words), "--json"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8")
     try:
         answer, told = process.communicate()
@@ -61,8 +61,8 @@ def demo(out: Word = "out/demo", *, force: bool = False) -> Any:
     return answer
 
 
-def dataset(*sources: Word, out: Word, per_part: int = 1, seed: int = 1, difficulty: str = "medium", jobs: int | None = None,
-            resume: bool = False, voxel_mm: float | None = None) -> Any:
+def dataset(*sources: Word, out: Word, per_part: int = 1, seed: int = 1, difficulty: str = "medium",
+            jobs: int | None = None, resume: bool = False, voxel_mm: float | None = None) -> Any:
     """Welds files and folders of parts into a data set of assets, each in a process of its own. Returns the answer."""
     words: list[Word] = ["dataset", *sources, "--out", out, "--per-part", str(per_part), "--seed", str(seed)]
     words += ["--difficulty", difficulty]

@@ -273,9 +273,9 @@ def weld(
 def photograph(
     workpiece: Workpiece,
     *,
-    azimuth: float = -1.0,
+    azimuth: float = ...,
     elevation: float = 0.6,
-    size: tuple[int, int] = (640, 480),
+    size: tuple[int, int] = ...,
     samples: int = 2,
     table: bool = False,
 ) -> dict[str, Any]: ...

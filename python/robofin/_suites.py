@@ -29,6 +29,10 @@ class Suite:
     tool: Tool
     model: Model
 
+    def __deepcopy__(self, _: dict[int, object]) -> Suite:
+        """A suite never changes: it is its own copy."""
+        return self
+
 
 def suite(process: str = "grinding", split: str = "train", difficulty: str = "easy", *, count: int = 4,
           voxel: float = 5e-4) -> Suite:

@@ -166,8 +166,14 @@ impl Field {
         self.inner.bytes()
     }
 
-    fn __eq__(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.inner, &other.inner) || *self.inner == *other.inner
+    /// True if both are the same file: the same values and channels at the same places, bit for bit.
+    fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        if Arc::ptr_eq(&self.inner, &other.inner) || *self.inner == *other.inner {
+            return Ok(true);
+        }
+        let bytes = |field: &Self| nvdb::write_field(&field.inner, Codec::None);
+        let [own, its] = py.detach(|| [bytes(self), bytes(other)]);
+        Ok(own.map_err(of)? == its.map_err(of)?)
     }
 
     fn __repr__(&self) -> String {

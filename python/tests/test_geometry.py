@@ -22,7 +22,7 @@ def test_distances_gradients_and_normals_above_a_plate_are_exact(field: robofin.
     np.testing.assert_allclose(field.gradient(points), np.tile([0, 0, 1], (5000, 1)), atol=1e-4)
     np.testing.assert_allclose(field.normal(points), np.tile([0, 0, 1], (5000, 1)), atol=1e-4)
     assert field.sample(points).dtype == np.float32
-    assert field.volume() == pytest.approx(0.06 * 0.04 * 0.006, rel=1e-3)
+    assert field.volume() == pytest.approx(0.06 * 0.04 * 0.006, rel=2e-3)
 
 
 def test_arguments_may_be_lists_views_and_other_numbers(field: robofin.Field) -> None:
@@ -50,7 +50,7 @@ def test_a_field_is_read_as_it_was_written(field: robofin.Field, tmp_path: Path)
 def test_the_surface_lies_on_the_zero_set(field: robofin.Field) -> None:
     surface = field.surface()
     assert np.abs(field.sample(surface.positions)).max() < 0.05 * field.voxel
-    assert surface.volume == pytest.approx(field.volume(), rel=1e-3)
+    assert surface.volume == pytest.approx(field.volume(), rel=2e-3)
 
 
 def test_what_cannot_be_used_is_refused_with_what_is_accepted(plate: robofin.Mesh, field: robofin.Field) -> None:

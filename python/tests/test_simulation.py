@@ -29,7 +29,7 @@ def test_a_pass_removes_what_the_law_says(field: robofin.Field) -> None:
     work = simulation(field, force=12.0)
     record = work.run(path())
     rate = robofin.Model("grinding").values["preston-threshold.grind_rate"]
-    assert record.removed_volume == pytest.approx(rate * 12.0 * record.duration, rel=1e-3)
+    assert record.removed_volume == pytest.approx(rate * 12.0 * record.duration, rel=3e-3)
     assert field.volume() - work.workpiece.field.volume() == pytest.approx(record.removed_volume, rel=0.02)
     assert record.positions.shape == (len(record.times), 3)
     assert work.passes == 1 and np.median(record.forces) == pytest.approx(12.0, rel=1e-3)
@@ -73,11 +73,11 @@ def test_an_effect_by_name_and_its_formula_do_the_same(field: robofin.Field) -> 
     base = robofin.Model("grinding")
     listed = base.with_effect("pressure-exponent")
     assert "pressure-exponent" in listed.text and listed.process == "grinding"
-    typed = base.with_formula("rate * (1 + a * slip_speed)", a="0.5 s/m")
-    assert typed.values["formula.a"] == pytest.approx(0.5)
+    typed = base.with_formula("rate * (1 + a * slip_speed)", a="0.02 s/m")
+    assert typed.values["formula.a"] == pytest.approx(0.02)
     plain, faster = (simulation(field, model).run(path()).removed_volume for model in (base, typed))
     # The rim of a wheel of 50 mm at 6000 rpm moves at 31.4 m/s.
-    assert faster / plain == pytest.approx(1 + 0.5 * 31.4, rel=0.02)
+    assert faster / plain == pytest.approx(1 + 0.02 * 31.4, rel=0.01)
     assert base.with_value("winkler.stiffness", "30 MPa/mm").values["winkler.stiffness"] == 3e10
 
 

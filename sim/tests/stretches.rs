@@ -4,9 +4,7 @@ use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::DVec3;
 use robot::{Controller, Tool, Wheel};
 use sdf_bake::BrickGrid;
-use sim::{
-    CurvePoint, Pass, PassRecord, PassSettings, Path, PathSample, TOOL_CELLS, Underway, run_pass, run_stretch,
-};
+use sim::{CurvePoint, Pass, PassRecord, PassSettings, Path, PathSample, TOOL_CELLS, Underway, run_pass, run_stretch};
 
 fn plate() -> BrickGrid {
     let half = DVec3::new(0.03, 0.012, 0.005);
@@ -31,11 +29,7 @@ fn piece(path: &Path, step: usize) -> Path {
     let dt = path.duration() / STEPS as f64;
     let place = |k: usize| PathSample { time: k as f64 * dt, ..path.at(k as f64 * dt) };
     let (begin, end) = (place(step), place(step + 1));
-    let beyond = PathSample {
-        time: 2.0 * end.time - begin.time,
-        position: 2.0 * end.position - begin.position,
-        ..end
-    };
+    let beyond = PathSample { time: 2.0 * end.time - begin.time, position: 2.0 * end.position - begin.position, ..end };
     Path::from_samples(vec![begin, end, beyond]).unwrap()
 }
 
@@ -77,11 +71,11 @@ fn stretches_remove_what_one_pass_removes() {
         let settings = settings(controller);
         let (mut grid, mut states) = (plate(), States::new(&model, TOOL_CELLS));
         let path = path();
-        let whole = run_pass(&mut grid, Pass::first(&tool, &path, &settings, &model), &mut states, &mut |_| {}).unwrap();
+        let whole =
+            run_pass(&mut grid, Pass::first(&tool, &path, &settings, &model), &mut states, &mut |_| {}).unwrap();
         for settles in [false, true] {
             let mut work = Work::new(&model);
-            let removed: f64 =
-                (0..STEPS).map(|step| work.step(&model, &settings, step, settles).removed_volume).sum();
+            let removed: f64 = (0..STEPS).map(|step| work.step(&model, &settings, step, settles).removed_volume).sum();
             work.underway.settle(&mut work.grid);
             let off = removed / whole.removed_volume - 1.0;
             assert!(off.abs() < 2e-3, "{controller:?}, settles {settles}: {off}");
@@ -101,8 +95,7 @@ fn a_copy_goes_on_to_the_same_bytes() {
         first.step(&model, &settings, step, false);
     }
     first.underway.settle(&mut first.grid);
-    let mut second =
-        Work { grid: first.grid.clone(), states: first.states.clone(), underway: first.underway.copy() };
+    let mut second = Work { grid: first.grid.clone(), states: first.states.clone(), underway: first.underway.copy() };
     for step in 9..20 {
         let [a, b] = [&mut first, &mut second].map(|work| work.step(&model, &settings, step, step % 3 == 0));
         assert_eq!(a, b, "step {step}");

@@ -43,8 +43,7 @@ impl Progress {
         let folder = out.with_file_name(name);
         KEPT.check_continued(&folder)?;
         // Another build of the program may simulate otherwise.
-        let program =
-            Program::of_this_process().map_err(FileError::at(Path::new("the program"), "cannot be found"))?;
+        let program = Program::of_this_process().map_err(FileError::at(Path::new("the program"), "cannot be found"))?;
         let program = sha256(&input::read(&program.file, MOST_MESH_BYTES)?);
         let journal = Journal::open(&folder.join(SIMULATIONS_FILE), &format!("{measurements_sha256} {program}"))?;
         let known = journal.len();
