@@ -95,19 +95,11 @@ impl Part {
         Self::from_file(file, BUNDLED_NAME, BUNDLED)
     }
 
-    /// A part from a mesh in memory [m], which is cleaned.
+    /// Cleans a mesh that was read from `bytes`, or comes from memory.
     ///
     /// # Errors
-    /// A damaged mesh, or a size that no part has.
-    pub fn from_mesh(mesh: Mesh, name: &str) -> Result<Self> {
-        let bytes: Vec<u8> = mesh.positions.iter().flat_map(|p| p.to_array()).flat_map(f64::to_le_bytes).collect();
-        let unit_reason = "The unit is metres: the mesh came from memory.".to_owned();
-        let (format, unit, notes) = (Format::Obj, Unit::Metre, Vec::new());
-        let file = MeshFile { mesh, format, unit, unit_reason, unit_assumed: false, unit_doubtful: false, notes };
-        Self::from_file(file, name, &bytes)
-    }
-
-    fn from_file(file: MeshFile, name: &str, bytes: &[u8]) -> Result<Self> {
+    /// As [`Part::from_bytes`].
+    pub fn from_file(file: MeshFile, name: &str, bytes: &[u8]) -> Result<Self> {
         let (mesh, cleaning) = clean(file.mesh)?;
         let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
         ensure!(

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::{AllowTypeChange, PyArray2, PyArrayLike2};
 use pyo3::prelude::*;
 use robofin::part::Part;
-use sdf_bake::read::UnitChoice;
+use sdf_bake::read::{Format, MeshFile, Unit, UnitChoice};
 
 use crate::arrays::{Triples, from_vectors, table, vectors};
 use crate::errors::{failed, refused};
@@ -45,8 +45,17 @@ impl Mesh {
         if let Some(&beyond) = triangles.iter().flatten().find(|&&vertex| vertex as usize >= positions.len()) {
             return Err(refused(format!("triangles name vertex {beyond}, and there are {}", positions.len())));
         }
-        let part = Part::from_mesh(sdf_bake::Mesh { positions, triangles }, "mesh");
-        part.map(Self::of_part).map_err(|error| failed(&error))
+        let bytes: Vec<u8> = positions.iter().flat_map(|point| point.to_array()).flat_map(f64::to_le_bytes).collect();
+        let file = MeshFile {
+            mesh: sdf_bake::Mesh { positions, triangles },
+            format: Format::Obj,
+            unit: Unit::Metre,
+            unit_reason: "The unit is metres: the mesh came from arrays.".to_owned(),
+            unit_assumed: false,
+            unit_doubtful: false,
+            notes: Vec::new(),
+        };
+        Part::from_file(file, "arrays", &bytes).map(Self::of_part).map_err(|error| failed(&error))
     }
 
     /// Reads and cleans an OBJ, STL, PLY, GLB or glTF file. `unit` is "auto", "m", "mm" or "inch".

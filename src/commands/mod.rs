@@ -39,7 +39,6 @@ mod values;
 mod weld;
 
 use std::ffi::OsString;
-use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -130,11 +129,6 @@ enum Verb {
     Completions(completions::CompletionsArgs),
     /// Print the manual page of the program or of a verb.
     Man(man::ManArgs),
-}
-
-/// Runs the command line of this process; see [`run`].
-pub fn main() -> ExitCode {
-    ExitCode::from(run(std::env::args_os().collect()))
 }
 
 /// Parses a command line, the program's name first, and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
