@@ -81,7 +81,7 @@ fn stretches_remove_what_one_pass_removes() {
             assert!(off.abs() < 2e-3, "{controller:?}, settles {settles}: {off}");
             let (lost, expected) = (plate().volume() - work.grid.volume(), plate().volume() - grid.volume());
             assert!((lost / expected - 1.0).abs() < 1e-2, "{controller:?}: {lost} {expected}");
-            let dull = |states: &States| states.tool_state(&model, "ground_volume").unwrap();
+            let dull = |states: &States| states.tool_state(&model, "grit-dulling.ground_volume").unwrap();
             assert!((dull(&work.states) / dull(&states) - 1.0).abs() < 2e-3, "the states go on");
         }
     }
