@@ -5,6 +5,9 @@ use crate::curve::Curve;
 /// Numbers of an action, each from -1 to 1: feed along the weld, feed to its left, rates of roll and pitch, and force.
 pub const ACTION: usize = 5;
 
+/// A shorter way in a step is none [m]: the tool stands.
+const LEAST_WAY: f64 = 1e-5;
+
 /// Speeds, forces and periods between which an action chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
@@ -70,9 +73,13 @@ impl Stance {
             true => (wanted.clamp(self.setpoint - change, self.setpoint + change)).max(limits.least_force),
             false => 0.0,
         };
+        let arc = (self.arc + along * feed * period).clamp(0.0, curve.length());
+        let offset = (self.offset + across * sideways * period).clamp(-half_width, half_width);
+        let stands = (arc - self.arc).hypot(offset - self.offset) < LEAST_WAY;
+        let (arc, offset) = if stands { (self.arc, self.offset) } else { (arc, offset) };
         Self {
-            arc: (self.arc + along * feed * period).clamp(0.0, curve.length()),
-            offset: (self.offset + across * sideways * period).clamp(-half_width, half_width),
+            arc,
+            offset,
             roll: (self.roll + roll * turning * period).clamp(-tilt, tilt),
             pitch: (self.pitch + pitch * turning * period).clamp(-tilt, tilt),
             setpoint,
@@ -97,6 +104,8 @@ mod tests {
             stance = stance.after(&[f32::INFINITY, -9.0, 1.0, f32::NAN, 1.0], &limits, (&curve, 5e-3));
         }
         assert_eq!(stance, Stance { arc: curve.length(), offset: -5e-3, roll: 0.25, pitch: 0.0, setpoint: 60.0 });
+        let hardly = once.after(&[1e-3, 0.0, 0.0, 0.0, 0.0], &limits, (&curve, 5e-3));
+        assert_eq!((hardly.arc, hardly.offset), (once.arc, once.offset), "so slow a tool stands");
         assert_eq!(stance.after(&[0.0, 0.0, 0.0, 0.0, -1.0], &limits, (&curve, 5e-3)).setpoint, 0.0);
     }
 }

@@ -12,10 +12,14 @@ use sdf_bake::BrickGrid;
 
 const WELD: WeldFacts = WeldFacts { width: 6e-3, height: 1.5e-3 };
 
+/// A plate with a ridge 30 mm long.
 fn plate(height: f64) -> BrickGrid {
     let half = DVec3::new(0.025, 0.015, 0.004);
-    let ridge = move |y: f64| (height * (1.0 - (y / 3e-3).powi(2))).max(0.0);
-    BrickGrid::from_distance(-half, half, 0.5e-3, 4.0, move |p| p.z - ridge(p.y))
+    let ridge = move |p: DVec3| match p.x.abs() <= 15e-3 {
+        true => (height * (1.0 - (p.y / 3e-3).powi(2))).max(0.0),
+        false => 0.0,
+    };
+    BrickGrid::from_distance(-half, half, 0.5e-3, 4.0, move |p| p.z - ridge(p))
 }
 
 fn points() -> Vec<(DVec3, DVec3)> {
