@@ -2,7 +2,7 @@
 
 use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::DVec3;
-use robot::{Controller, Tool, Wheel};
+use robot::{Controller, Pad, Tool, Wheel};
 use sdf_bake::BrickGrid;
 use sim::{CurvePoint, Pass, PassRecord, PassSettings, Path, PathSample, TOOL_CELLS, Underway, run_pass, run_stretch};
 
@@ -120,4 +120,17 @@ fn the_tool_moves_on_from_where_the_controller_left_it() {
         assert!((record.duration - path().duration() / STEPS as f64).abs() < 1e-12);
     }
     assert!(before < 0.0, "the wheel is pressed in: {before}");
+}
+
+#[test]
+fn a_pad_that_hardly_moves_is_followed() {
+    let model = Model::new(effects::Process::Sanding);
+    let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).unwrap();
+    let (tool, settings) = (Tool::from(Pad { radius: 6e-3 }), settings(ADMITTANCE));
+    let place = |time: f64, x: f64| PathSample { time, position: DVec3::X * x, approach: DVec3::Z, axis: DVec3::Y };
+    let path = Path::from_samples(vec![place(0.0, 0.0), place(0.04, 1e-17)]).unwrap();
+    let (mut grid, mut states, mut underway) = (plate(), States::new(&model, TOOL_CELLS), Underway::default());
+    let pass = Pass::first(&tool, &path, &settings, &model);
+    let record = run_stretch(&mut grid, pass, &mut states, (&mut underway, 0.04)).expect("a stretch");
+    assert!(record.coating_volume > 0.0 && record.removed_volume == 0.0);
 }
