@@ -23,6 +23,9 @@ use crate::mesh::Mesh;
 /// Points that one thread samples at a time.
 const BLOCK: usize = 1024;
 
+/// Brick coordinates and distances.
+type Bricks<'py> = (Bound<'py, PyArray2<i32>>, Bound<'py, PyArray2<f32>>);
+
 /// A sparse signed distance field [m]: negative inside, exact within its band.
 #[pyclass(frozen, module = "robofin")]
 pub struct Field {
@@ -119,7 +122,7 @@ impl Field {
     }
 
     /// Brick coordinates, shape `[b, 3]`, and distances [m], shape `[b, 512]`, z fastest; copies.
-    fn bricks<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<i32>>, Bound<'py, PyArray2<f32>>)> {
+    fn bricks<'py>(&self, py: Python<'py>) -> PyResult<Bricks<'py>> {
         let places = self.inner.bricks.iter().map(|brick| brick.to_array()).collect();
         let values = PyArray1::from_slice(py, &self.inner.phi).reshape([self.inner.brick_count(), BRICK_VOXELS])?;
         Ok((table(py, places)?, values))
