@@ -27,6 +27,7 @@ use files::folder::StagedFolder;
 use files::output::FolderKind;
 use lab::snapshot::{Keeping, STATE_NAMES};
 use lab::{Origin, identity, model_origin};
+pub use passes::followed;
 use passes::{Done, run_passes};
 
 /// Name of the result file in a grinding folder.

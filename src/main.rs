@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    robofin::commands::main()
+    ExitCode::from(robofin::commands::run(std::env::args_os().collect()))
 }

@@ -95,7 +95,11 @@ impl Part {
         Self::from_file(file, BUNDLED_NAME, BUNDLED)
     }
 
-    fn from_file(file: MeshFile, name: &str, bytes: &[u8]) -> Result<Self> {
+    /// Cleans a mesh that was read from `bytes`, or comes from memory.
+    ///
+    /// # Errors
+    /// As [`Part::from_bytes`].
+    pub fn from_file(file: MeshFile, name: &str, bytes: &[u8]) -> Result<Self> {
         let (mesh, cleaning) = clean(file.mesh)?;
         let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
         ensure!(

@@ -8,7 +8,7 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Each folder with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 20] = [
+const MAY_USE: [(&str, &[&str]); 21] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
@@ -22,6 +22,7 @@ const MAY_USE: [(&str, &[&str]); 20] = [
     ("instruments", &["files", "sdf-bake"]),
     ("trials", &["effects", "files", "instruments", "random", "robot", "sdf-bake"]),
     ("paths", &["instruments", "robot", "sdf-bake", "sim", "trials"]),
+    ("environments", &["effects", "random", "robot", "sdf-bake", "sim"]),
     ("trial-simulation", &["effects", "robot", "sdf-bake", "shaders", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trial-simulation", "trials"]),
     ("study", &["effects", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),

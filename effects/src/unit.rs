@@ -95,6 +95,20 @@ impl Unit {
         if reader.rest().is_empty() { Ok(unit) } else { Err(reader.malformed()) }
     }
 
+    /// Reads a value with its unit, such as `350 mm^3`: the value in SI units, and the unit. A plain number has none.
+    ///
+    /// # Errors
+    /// What cannot be read, and what is expected.
+    pub fn quantity(text: &str) -> Result<(f64, Self), String> {
+        let text = text.trim();
+        let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(text.len());
+        let number = text[..end].parse().ok().filter(|number: &f64| number.is_finite());
+        let number = number.ok_or_else(|| format!("{text:?}: a number and its unit is expected, such as 350 mm^3"))?;
+        let unit = text[end..].trim();
+        let unit = if unit.is_empty() { Self::ONE } else { Self::parse(unit).map_err(|error| error.to_string())? };
+        Ok((unit.to_si(number), unit))
+    }
+
     /// A unit by its symbol alone, with or without prefix.
     pub fn atom(symbol: &str) -> Option<Self> {
         if let Some(&(name, seconds, scale)) = ALONE.iter().find(|unit| unit.0 == symbol) {
@@ -242,6 +256,15 @@ impl<'a> Reader<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quantities_are_read_with_their_unit_and_refused_without_a_number() {
+        assert_eq!(Unit::quantity("350 mm^3"), Ok((350e-9, Unit::parse("mm^3").unwrap())));
+        assert_eq!(Unit::quantity(" -2e-3m "), Ok((-2e-3, Unit::parse("m").unwrap())));
+        assert_eq!(Unit::quantity("0.5"), Ok((0.5, Unit::ONE)));
+        assert!(Unit::quantity("mm").unwrap_err().contains("350 mm^3"));
+        assert!(Unit::quantity("3 furlong").unwrap_err().contains("furlong"));
+    }
 
     #[test]
     fn units_convert_to_si_without_stray_digits() {

@@ -4,7 +4,7 @@
 //!    that a manifest names, within its folder.
 //! 2. [`output`] says what a command may replace, and [`folder`] writes beside the place and renames (`staging`).
 //! 3. [`file_lock`], [`job_queue`] and [`room`] share work among threads and processes; [`journal`] keeps finished work for a run
-//!    that goes on after an interruption.
+//!    that goes on after an interruption; [`program`] says what starts another process.
 //!
 //! This crate never prints and never chooses a place by itself.
 
@@ -17,6 +17,7 @@ pub mod journal;
 pub mod json_file;
 pub mod named_file;
 pub mod output;
+pub mod program;
 pub mod room;
 mod staging;
 

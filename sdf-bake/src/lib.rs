@@ -52,6 +52,7 @@ mod surface;
 mod tangent;
 mod union;
 mod volume;
+mod within;
 
 pub use bake::{BakeError, BakeOptions, BakeReport, SignChoice, SignMethod, bake};
 pub use channels::Scalar;

@@ -67,7 +67,7 @@ pub use contact::Contact;
 pub use covariates::Covariates;
 pub use force_course::ForceCourse;
 pub use measured::Measured;
-pub use pass::{Progress, rest, run_pass};
+pub use pass::{Progress, Underway, rest, run_pass, run_stretch};
 pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use pose::{Frame, Placement, Pose};
 pub use profilometer::Profilometer;

@@ -57,6 +57,13 @@ pub struct Physics<'a> {
     cell_lanes: Vec<Vec<f64>>,
 }
 
+/// What a model's formulas remember between two stretches of a pass, beside the tool's states.
+#[derive(Clone, Debug)]
+pub(crate) struct Memory {
+    step: StepValues,
+    cells: HashMap<(i32, i32), Vec<f64>>,
+}
+
 impl<'a> Physics<'a> {
     /// A model and its tool's states before the first step.
     pub fn new(model: &'a CompiledModel, states: &'a mut States, coating: f64) -> Self {
@@ -88,6 +95,16 @@ impl<'a> Physics<'a> {
             cells: HashMap::new(),
             cell_lanes,
         }
+    }
+
+    /// Takes out what goes on in the next stretch of a pass.
+    pub(crate) fn take_memory(&mut self) -> Memory {
+        Memory { step: self.step.clone(), cells: std::mem::take(&mut self.cells) }
+    }
+
+    /// Goes on with what the stretch before left.
+    pub(crate) fn take_up(&mut self, Memory { step, cells }: Memory) {
+        (self.step, self.cells) = (step, cells);
     }
 
     /// Tells the formulas of a tool that is held still and pressed on with `setpoint` [N].

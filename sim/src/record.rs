@@ -111,6 +111,11 @@ impl PassRecord {
                 self.log.push(lifted(&last, duration));
             }
         }
+        self.end_stretch(duration);
+    }
+
+    /// Turns sums into means.
+    pub(crate) fn end_stretch(&mut self, duration: f64) {
         if self.contact_time > 0.0 {
             self.force_rms_error = (self.force_rms_error / self.contact_time).sqrt();
         }

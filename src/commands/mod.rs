@@ -39,7 +39,6 @@ mod values;
 mod weld;
 
 use std::ffi::OsString;
-use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -132,9 +131,8 @@ enum Verb {
     Man(man::ManArgs),
 }
 
-/// Parses the command line and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
-pub fn main() -> ExitCode {
-    let words: Vec<OsString> = std::env::args_os().collect();
+/// Parses a command line, the program's name first, and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
+pub fn run(words: Vec<OsString>) -> u8 {
     let parsed = Cli::command().try_get_matches_from(&words);
     let matches = parsed.unwrap_or_else(|error| faults::refuse(&Cli::command(), &words, error));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
@@ -143,11 +141,11 @@ pub fn main() -> ExitCode {
     let ended = start(cli, &matches, &console);
     interrupt::wait_if_ending();
     match ended {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => {
             eprintln!("error: {}", in_full(&error));
             answer_refusal(&error, &console);
-            ExitCode::from(if is_wrong_use(&error) { 2 } else { 1 })
+            if is_wrong_use(&error) { 2 } else { 1 }
         }
     }
 }

@@ -121,10 +121,6 @@ fn current(args: &TryArgs, ledger: &Ledger, data: &Data, library: &Library) -> R
 fn parse_setting(text: &str) -> Result<(String, f64), String> {
     let bad = || "PARAMETER=VALUE UNIT is expected, such as a=350 mm^3".to_owned();
     let (name, value) = text.split_once('=').ok_or_else(bad)?;
-    let value = value.trim();
-    let end = value.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(value.len());
-    let number: f64 = value[..end].parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(bad)?;
-    let unit = value[end..].trim();
-    let unit = if unit.is_empty() { Unit::ONE } else { Unit::parse(unit).map_err(|error| error.to_string())? };
-    Ok((name.trim().to_owned(), unit.to_si(number)))
+    let (value, _) = Unit::quantity(value).map_err(|why| format!("{why}; {}", bad()))?;
+    Ok((name.trim().to_owned(), value))
 }

@@ -109,7 +109,7 @@ pub(super) fn run_passes(
 ///
 /// A fillet's centreline is the crease below it, and its approach is slanted: the tool is sought from the crown, within half
 /// of its width or the bead's height, so that the way there does not lead past the walls beside it.
-fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
+pub fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
     let is_fillet = weld.toe_height_mm > 0.0;
     let lift = if is_fillet { weld.height_mm * 1e-3 } else { 0.0 };
     let points = weld.curve.position.iter().zip(&weld.curve.normal);

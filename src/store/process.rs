@@ -3,6 +3,7 @@
 use std::process::{Command, ExitStatus, Output, Stdio};
 
 use anyhow::{Context, Result};
+use files::program::Program;
 use serde::{Deserialize, Serialize};
 
 use super::limits::{Limits, TIME_IS_UP, Usage};
@@ -65,9 +66,9 @@ pub struct Answer {
 /// # Errors
 /// When no process can be started.
 pub fn run_apart(limits: Limits, words: impl FnOnce(&mut Command) -> &mut Command) -> Result<Answer> {
-    let program = std::env::current_exe().context("this program cannot be found, to start it for an item")?;
-    let mut command = Command::new(program);
-    words(command.args(["--threads", "1"]));
+    let program = Program::of_this_process().context("this program cannot be found, to start it for an item")?;
+    let mut command = Command::new(&program.start[0]);
+    words(command.args(&program.start[1..]).args(["--threads", "1"]));
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().context("no process can be started for an item")?;
     // Held open as long as we live, which is what the child watches.

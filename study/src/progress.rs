@@ -14,6 +14,7 @@ use files::FileError;
 use files::folder::write_file;
 use files::journal::Journal;
 use files::output::{self, FolderKind};
+use files::program::Program;
 use files::sha256;
 
 /// The simulations.
@@ -42,8 +43,8 @@ impl Progress {
         let folder = out.with_file_name(name);
         KEPT.check_continued(&folder)?;
         // Another build of the program may simulate otherwise.
-        let program = std::env::current_exe().map_err(FileError::at(Path::new("the program"), "cannot be found"))?;
-        let program = sha256(&input::read(&program, MOST_MESH_BYTES)?);
+        let program = Program::of_this_process().map_err(FileError::at(Path::new("the program"), "cannot be found"))?;
+        let program = sha256(&input::read(&program.file, MOST_MESH_BYTES)?);
         let journal = Journal::open(&folder.join(SIMULATIONS_FILE), &format!("{measurements_sha256} {program}"))?;
         let known = journal.len();
         evidence.journal = Some(journal);

@@ -5,8 +5,10 @@
 //! controller's own dynamics matter: then they fall to its period.
 
 mod idle_pause;
+mod stretch;
 
 pub use idle_pause::rest;
+pub use stretch::{Underway, run_stretch};
 
 use sdf_bake::BrickGrid;
 

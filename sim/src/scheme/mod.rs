@@ -30,7 +30,7 @@ use effects::RunError;
 use robot::Tool;
 
 /// A way to integrate the contact over steps. What follows is in the order in which a step asks for it.
-pub(crate) trait Scheme {
+pub(crate) trait Scheme: Send {
     /// True if the surface recedes: then what was read of it is written back, and read again.
     fn recedes(&self) -> bool;
 

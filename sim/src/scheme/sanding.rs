@@ -34,6 +34,8 @@ const STEADY: f64 = 0.05;
 const SHEET: f64 = 1.0;
 /// Lines of a sheet, unless the tool's next ways need more: some 40 MB.
 const MOST_LINES: usize = 1 << 18;
+/// Most poses of the way ahead that choose a sheet: a tool that hardly moves takes for ever.
+const MOST_POSES: f64 = 1e5;
 
 /// State of a step for each cell in contact; its buffers are reused by the next step.
 #[derive(Clone, Debug, Default)]
@@ -80,7 +82,7 @@ impl Scheme for Sanding {
         let extent = Extent::of(ahead.tool, 2.0 * ahead.voxel).joined(&ahead.extent);
         let mut time = ahead.until_written.max(ahead.until_end);
         loop {
-            let found = (ahead.window)(&extent, time, (time / LONGEST_STEP).ceil().max(1.0));
+            let found = (ahead.window)(&extent, time, (time / LONGEST_STEP).ceil().clamp(1.0, MOST_POSES));
             if time <= ahead.until_written || found.0.lines() <= MOST_LINES {
                 return found;
             }

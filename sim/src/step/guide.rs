@@ -35,6 +35,18 @@ pub(super) struct Guide<'a> {
     pub(super) tried: EndForce,
     /// True if the tool touched and went as deep as it may without reaching the setpoint.
     pub(super) is_too_soft: bool,
+    /// Time at which the last step ends [s].
+    pub(super) until: f64,
+}
+
+/// What a controller remembers between two stretches of a pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course {
+    time: f64,
+    motion: Motion,
+    controller: Controller,
+    limit: f64,
+    end: EndForce,
 }
 
 impl<'a> Guide<'a> {
@@ -52,7 +64,19 @@ impl<'a> Guide<'a> {
             end: EndForce::default(),
             tried: EndForce::default(),
             is_too_soft: false,
+            until: pass.path.duration(),
         }
+    }
+
+    /// What goes on in the next stretch.
+    pub(super) fn course(&self) -> Course {
+        let Self { time, motion, controller, limit, end, .. } = *self;
+        Course { time, motion, controller, limit, end }
+    }
+
+    /// Goes on where the stretch before ended.
+    pub(super) fn take_up(&mut self, Course { time, motion, controller, limit, end }: Course) {
+        (self.time, self.motion, self.controller, self.limit, self.end) = (time, motion, controller, limit, end);
     }
 
     /// The tool on its path, as path and controller have it.
@@ -120,9 +144,9 @@ impl<'a> Guide<'a> {
         dt
     }
 
-    /// Time until the end of the pass [s].
+    /// Time until the last step ends [s].
     fn rest(&self) -> f64 {
-        self.pass.path.duration() - self.time
+        self.until - self.time
     }
 
     /// A shorter step than one of `dt` [s], where an admittance moves too fast for it.

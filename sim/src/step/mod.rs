@@ -2,6 +2,7 @@
 
 mod force_balance;
 mod guide;
+mod suspended;
 mod workpiece;
 
 use sdf_bake::BrickGrid;
@@ -9,6 +10,7 @@ use sdf_bake::channels::Scalar;
 use shaders::constants::COMMIT_RECESSION;
 
 use self::guide::Guide;
+pub(crate) use self::suspended::Suspended;
 use self::workpiece::Workpiece;
 use crate::clock::Phase;
 use crate::contact::Contact;

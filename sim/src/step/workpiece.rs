@@ -22,10 +22,39 @@ pub(super) struct Workpiece<'a> {
     pub(super) travelled: f64,
 }
 
+/// What was read of a field, between two stretches of a pass.
+#[derive(Clone, Debug)]
+pub(super) struct Sheets {
+    now: Option<Sheet>,
+    last: Option<Sheet>,
+    extent: Extent,
+    travelled: f64,
+}
+
+impl Sheets {
+    /// Writes back into the field what was lost, and forgets the rest.
+    pub(super) fn settle(&mut self, grid: &mut BrickGrid) {
+        if let Some(mut sheet) = self.now.take() {
+            commit(grid, &mut sheet);
+        }
+        (self.last, self.travelled) = (None, 0.0);
+    }
+}
+
 impl<'a> Workpiece<'a> {
     pub(super) fn new(grid: &'a mut BrickGrid, tool: &Tool) -> Self {
         let extent = Extent::of(tool, SINK * grid.voxel);
         Self { grid, sheet: None, last_sheet: None, extent, travelled: 0.0 }
+    }
+
+    /// Takes the sheets out.
+    pub(super) fn take_sheets(&mut self) -> Sheets {
+        Sheets { now: self.sheet.take(), last: self.last_sheet.take(), extent: self.extent, travelled: self.travelled }
+    }
+
+    /// Goes on with sheets of the same field.
+    pub(super) fn take_up(&mut self, Sheets { now, last, extent, travelled }: Sheets) {
+        (self.sheet, self.last_sheet, self.extent, self.travelled) = (now, last, extent, travelled);
     }
 
     /// The sheet that was read.

@@ -1,0 +1,33 @@
+//! Environments in which policies grind and sand welds.
+//!
+//! A [`Task`] is a weld to be finished: the part around it, what it should become, and the curve that the tool follows. An
+//! [`Environment`] is a tool on a copy of it; an action moves the tool along and across the weld, tilts it and sets the
+//! force that its controller holds. A [`Batch`] steps many of them over threads.
+//!
+//! All is in SI units, in the part's frame. This crate opens no file, never prints, and draws only from seeds: the same
+//! seed and actions give the same bytes on any number of threads.
+
+mod action;
+mod batch;
+mod curve;
+mod environment;
+mod error;
+mod metrics;
+mod observation;
+mod randomisation;
+mod reward;
+mod snapshot;
+mod strip;
+mod task;
+
+pub use action::{ACTION, Limits};
+pub use batch::{Batch, Outputs};
+pub use curve::{Curve, Station};
+pub use environment::{Environment, Outcome, Setup};
+pub use error::EnvironmentError;
+pub use metrics::{METRICS, Metrics};
+pub use observation::{DEPTH, HEIGHTS, Observation, STATE};
+pub use randomisation::Randomisation;
+pub use snapshot::Snapshot;
+pub use strip::Strip;
+pub use task::{Task, WeldFacts};

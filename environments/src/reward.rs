@@ -1,0 +1,48 @@
+//! Costs whose fall is the reward, and the ends of an episode.
+
+use effects::Process;
+
+use crate::strip::Strip;
+use crate::task::Task;
+
+/// What a volume below the target costs, in volumes above it.
+const GOUGE: f64 = 5.0;
+/// What an oversanded point costs, in points that are not sanded.
+const OVERSANDED: f64 = 0.5;
+/// Dose at which the coating is gone.
+pub(crate) const SANDED: f32 = 1.0;
+/// Dose from which a point counts as oversanded.
+pub(crate) const OVER: f32 = 4.0;
+/// Share of the bead, or of the coated strip, at which a task is done.
+const DONE: f64 = 0.03;
+/// Depth below the target at which an episode ends [m].
+const DEEPEST: f64 = 1e-3;
+
+/// Left to do, as a share, with what was done too much.
+pub(crate) fn cost(task: &Task, strip: &Strip) -> f64 {
+    match task.process {
+        Process::Grinding => {
+            let [above, below] = strip.volumes();
+            (above + GOUGE * below) / task.volume
+        }
+        Process::Sanding => 1.0 - strip.share_dosed(SANDED) + OVERSANDED * strip.share_dosed(OVER),
+    }
+}
+
+/// Left to do, as a share.
+pub(crate) fn left(task: &Task, strip: &Strip) -> f64 {
+    match task.process {
+        Process::Grinding => strip.volumes()[0] / task.volume,
+        Process::Sanding => 1.0 - strip.share_dosed(SANDED),
+    }
+}
+
+/// True once the task is done.
+pub(crate) fn is_done(task: &Task, strip: &Strip) -> bool {
+    left(task, strip) <= DONE
+}
+
+/// True once the part is spoilt.
+pub(crate) fn is_spoilt(strip: &Strip) -> bool {
+    strip.deepest() >= DEEPEST
+}

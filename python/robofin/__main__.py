@@ -1,0 +1,5 @@
+"""The program: `python -m robofin` is `robofin`."""
+
+from ._program import main
+
+main()

@@ -1,0 +1,38 @@
+"""Baselines and intervals."""
+
+import numpy as np
+import pytest
+
+import robofin
+
+
+def test_baselines_are_ordered_as_they_must_be(suite: robofin.Suite) -> None:
+    results = {name: robofin.evaluate(name, suite, seeds=[0, 1]) for name in ("nothing", "raster", "oracle")}
+    nothing, raster, oracle = (results[name] for name in ("nothing", "raster", "oracle"))
+    assert nothing["left"] == pytest.approx(1.0) and nothing["gouge_depth"].max() < 1e-6
+    assert not nothing["contact_time"].any()
+    assert oracle["left"].max() < 0.1 and raster["left"].max() < 0.9
+    assert oracle["return"].mean() > max(raster["return"].mean(), nothing["return"].mean())
+    assert oracle["gouge_depth"].mean() <= raster["gouge_depth"].mean()
+
+
+def test_a_function_is_a_policy_and_its_interval_holds_the_mean(suite: robofin.Suite) -> None:
+    def press(seen: np.ndarray) -> np.ndarray:
+        return np.tile(np.array([0, 0, 0, 0, 0], dtype=np.float32), (len(seen), 1))
+
+    result = robofin.evaluate(press, suite, seeds=range(3), time_limit=0.4)
+    assert result.policy == "press" and result.values.shape == (3, len(result.names))
+    mean, low, high = result.mean("removed_volume")
+    assert low <= mean <= high and mean > 0.0
+    assert "press on grinding/train/easy, 3 episodes" in result._repr_html_()
+
+
+def test_the_held_out_parts_are_others_and_what_is_unknown_is_refused() -> None:
+    held = robofin.suite("grinding", "held-out", count=1)
+    assert held.tasks[0].volume > 0.0
+    with pytest.raises(robofin.WrongUse, match="'nothing', 'raster', 'oracle'"):
+        robofin.evaluate("guess", held)
+    with pytest.raises(robofin.WrongUse, match="held-out"):
+        robofin.suite("grinding", "test")
+    with pytest.raises(robofin.WrongUse, match="no seeds"):
+        robofin.evaluate("raster", held, seeds=[])

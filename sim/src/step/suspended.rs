@@ -1,0 +1,72 @@
+//! A pass between two stretches: all of it but what it borrows.
+
+use sdf_bake::BrickGrid;
+
+use super::Runner;
+use super::guide::Course;
+use super::workpiece::Sheets;
+use crate::control::Motion;
+use crate::physics::Memory;
+use crate::record::PassRecord;
+use crate::scheme::Scheme;
+use crate::step_values::Moment;
+
+/// A pass between two stretches.
+pub(crate) struct Suspended {
+    /// Travel and speed of the tool along its approach axis.
+    pub(crate) motion: Motion,
+    course: Course,
+    sheets: Sheets,
+    memory: Memory,
+    moment: Moment,
+    /// `None` once the field holds all: then the next stretch reads it again.
+    scheme: Option<Box<dyn Scheme>>,
+}
+
+impl Suspended {
+    /// Writes back into the field what was lost. The next stretch reads the field again.
+    pub(crate) fn settle(&mut self, grid: &mut BrickGrid) {
+        self.sheets.settle(grid);
+        self.scheme = None;
+    }
+
+    /// A copy, of a pass whose field holds all.
+    ///
+    /// # Panics
+    /// Before [`Suspended::settle`].
+    pub(crate) fn copy(&self) -> Self {
+        assert!(self.scheme.is_none(), "the field holds all that was lost");
+        let Self { motion, course, ref sheets, ref memory, moment, .. } = *self;
+        Self { motion, course, sheets: sheets.clone(), memory: memory.clone(), moment, scheme: None }
+    }
+}
+
+impl<'a> Runner<'a> {
+    /// Ends the last step at a time [s].
+    pub(crate) fn until(mut self, until: f64) -> Self {
+        self.guide.until = until;
+        self
+    }
+
+    /// Goes on where the stretch before ended.
+    pub(crate) fn take_up(&mut self, kept: Suspended) {
+        self.guide.take_up(kept.course);
+        self.workpiece.take_up(kept.sheets);
+        self.physics.take_up(kept.memory);
+        self.moment = kept.moment;
+        self.scheme = kept.scheme.unwrap_or_else(|| crate::scheme::scheme_of(&self.physics));
+    }
+
+    /// Ends a stretch: its record, and what goes on.
+    pub(crate) fn suspend(mut self) -> (PassRecord, Suspended) {
+        let kept = Suspended {
+            motion: self.guide.motion,
+            course: self.guide.course(),
+            sheets: self.workpiece.take_sheets(),
+            memory: self.physics.take_memory(),
+            moment: self.moment,
+            scheme: Some(self.scheme),
+        };
+        (self.record, kept)
+    }
+}
