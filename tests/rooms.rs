@@ -8,7 +8,7 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Each folder with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 20] = [
+const MAY_USE: [(&str, &[&str]); 21] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
@@ -28,6 +28,7 @@ const MAY_USE: [(&str, &[&str]); 20] = [
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("benchmark", &["effects", "lab", "random", "study", "trials", "virtual-lab"]),
     ("report", &["lab", "robot", "sdf-bake", "study", "trials"]),
+    ("workbench", &["effects", "files", "lab", "render", "report", "sdf-bake", "study", "trial-simulation", "trials"]),
     (
         "",
         &[
@@ -50,6 +51,7 @@ const MAY_USE: [(&str, &[&str]); 20] = [
             "trials",
             "virtual-lab",
             "weldgen",
+            "workbench",
         ],
     ),
 ];

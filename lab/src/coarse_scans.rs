@@ -24,7 +24,32 @@ pub(super) struct CoarseScans<'e, 't> {
     correction: Vec<f64>,
 }
 
+/// A coarser lattice, and what it errs by at one model.
+pub struct Coarser<'t> {
+    simulation: Arc<CampaignSimulation<'t>>,
+    correction: Vec<f64>,
+}
+
 impl<'t> ScanEvidence<'t> {
+    /// The coarser lattice, whose residuals agree with those of this one at a model.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated on one of the lattices.
+    pub fn coarser_at(&self, model: &CompiledModel) -> Result<Coarser<'t>, EvidenceError> {
+        let mut scans = CoarseScans::new(self, self.coarser()?);
+        scans.correct_at(model)?;
+        Ok(Coarser { simulation: scans.simulation.clone(), correction: scans.correction })
+    }
+
+    /// These scans, predicted on a coarser lattice.
+    pub fn on<'e>(&'e self, coarser: &Coarser<'t>) -> Box<dyn Totals + 'e>
+    where
+        't: 'e,
+    {
+        let correction = coarser.correction.clone();
+        Box::new(CoarseScans { fine: self, simulation: coarser.simulation.clone(), correction })
+    }
+
     /// The same trials on the coarser lattice.
     ///
     /// # Errors
