@@ -18,6 +18,16 @@ use study::Measurements;
 
 /// Time that a fit on this campaign may take on a machine that is busy with other tests [s].
 const PATIENCE: u64 = 600;
+/// Turns the part for three seconds, and counts the frames of a second.
+const TURNING: &str = "(async () => {
+    const view = document.getElementById('view');
+    const [before, since] = [+view.dataset.frames, performance.now()];
+    while (performance.now() - since < 3000) {
+        view.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }));
+        await new Promise((done) => { setTimeout(done, 20); });
+    }
+    return [(view.dataset.frames - before) / 3, view.dataset.scale];
+})()";
 /// Effect that is added.
 const EFFECT: &str = "grit-dulling";
 
@@ -90,7 +100,7 @@ fn a_cause_is_tried_and_the_error_falls_to_what_calibrate_gives() {
     assert_eq!(browser.value("location.search"), "", "the token stands in no address");
     picture(&mut browser, "workbench-home.png");
     browser.click("a[href^='/bench/']");
-    browser.until("document.getElementById('view')?.dataset.frames > 0", 60);
+    browser.until("document.getElementById('view')?.dataset.frames > 0", PATIENCE);
     settled(&mut browser, 1);
     part_is_turned_read_and_cut(&mut browser, &server, &campaigns);
     effect_is_added(&mut browser, &campaign);
@@ -114,6 +124,9 @@ fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folder: &
     let frames = browser.value("+document.getElementById('view').dataset.frames").as_f64().unwrap();
     browser.pointer([x, y], [x + 90.0, y - 25.0]);
     browser.until(&format!("+document.getElementById('view').dataset.frames > {frames}"), 30);
+    browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
+    println!("turning: frames a second and share of 640 × 480 along each side: {}", browser.value(TURNING));
+    browser.value("document.getElementById('view').dataset.fine = ''; document.getElementById('reset').click()");
     browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
     browser.pointer([x, y + 20.0], [x, y + 20.0]);
     browser.until("document.querySelector('#reading [data-key=zMm]')", 30);
@@ -198,7 +211,8 @@ fn slider_is_dragged(browser: &mut Browser) {
     browser.value(drag);
     browser.until("document.getElementById('held-words')?.dataset.isFine === 'true'", PATIENCE);
     let words = browser.value("document.getElementById('held-words').textContent");
-    println!("{}", words.as_str().unwrap());
+    let coarse = browser.value("document.getElementById('held-words').dataset.coarse");
+    println!("the slider was answered after {coarse} s: {words}");
     browser.until("document.body.dataset.idle === 'true'", PATIENCE);
 }
 
@@ -245,7 +259,7 @@ fn everything_is_there_after_the_server_was_ended(browser: &mut Browser, folder:
     let second = serve(folder, out);
     browser.open(&second.url);
     browser.click("a[href^='/bench/']");
-    browser.until("document.getElementById('fault')?.textContent.includes('another workbench is open')", 60);
+    browser.until("document.getElementById('fault')?.textContent.includes('another workbench is open')", PATIENCE);
     let moved = folder.with_extension("after");
     copy(out, &moved);
     fs::read_dir(&moved).unwrap().for_each(|own| {
@@ -254,7 +268,7 @@ fn everything_is_there_after_the_server_was_ended(browser: &mut Browser, folder:
     let third = serve(folder, &moved);
     browser.open(&third.url);
     browser.click("a[href^='/bench/']");
-    browser.until("document.querySelectorAll('#stages li').length === 2", 60);
+    browser.until("document.querySelectorAll('#stages li').length === 2", PATIENCE);
     assert!(browser.value("document.getElementById('panel-waterfall').textContent").as_str().is_some());
     fs::remove_dir_all(moved).unwrap();
 }

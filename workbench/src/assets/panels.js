@@ -128,6 +128,7 @@ const showHeld = (state) => {
   words.textContent = `${held.parameter} = ${number(held.value)}: \u03c7\u00b2 ${number(chi2, 5)}, ${number(chi2 - best, 3)} above the fit; ${rms} (${held.seconds.toFixed(2)} s).`;
   words.dataset.seconds = held.seconds;
   words.dataset.isFine = held.rms !== null;
+  if (held.rms === null) words.dataset.coarse = held.seconds;
   const row = ([name, value]) => make("tr", {}, make("th", { scope: "row" }, name), make("td", { className: "n" }, value));
   find("held-others").replaceChildren(...held.others.map(row));
   find("keep").onclick = () => give({ task: "keep", parameter: held.parameter, value: held.value });

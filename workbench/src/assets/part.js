@@ -101,6 +101,7 @@ const draw = async (fine) => {
     view.dataset.frames = drawn;
     view.dataset.milliseconds = Math.round(performance.now() - since);
     view.dataset.fine = fine;
+    if (!fine) view.dataset.scale = scale;
     if (!fine) coarse = performance.now() - since > SLOW ? 0.5 : coarse;
   } catch (error) {
     find("legend").replaceChildren(make("p", {}, error.message));

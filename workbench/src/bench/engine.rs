@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use effects::{Library, Model};
 use lab::{Calibration, Coarser, Diagnosis, Fit, FitOptions, LabError, OnProgress, Order, Result, Split};
 use serde_json::Value;
-use study::{CalibrationAnswer, Data, Measurements, StudyReport, summary};
+use study::{CalibrationAnswer, Data, StudyReport, summary};
 use trial_simulation::Stop;
 
 use super::live::Live;
@@ -36,16 +36,17 @@ pub(super) struct Shown {
 }
 
 impl<'m> Engine<'m> {
-    /// Fits a model as `robofin calibrate` does, from measurements that no other fit has touched.
+    /// Fits a model as `robofin calibrate` does.
+    ///
+    /// - `data`: measurements that no other fit has touched
     ///
     /// # Errors
     /// When it cannot be simulated, or was stopped.
     pub(super) fn new(
-        measurements: &'m Measurements,
+        mut data: Data<'m>,
         (model, library): (&Model, Library),
         (stop, told): (&Stop, &dyn Fn(&str)),
     ) -> Result<Self> {
-        let mut data = measurements.data()?;
         if let Data::Scans(_, evidence) = &mut data {
             evidence.simulation.stop = stop.clone();
         }
@@ -79,11 +80,6 @@ impl<'m> Engine<'m> {
         Ok(Shown { answer, report, live })
     }
 
-    /// The measurements as fits see them.
-    pub(super) fn data(&self) -> &Data<'m> {
-        &self.data
-    }
-
     /// The fit with one parameter held elsewhere [SI], on the coarse lattice where there are scans.
     ///
     /// # Errors
@@ -106,8 +102,9 @@ impl<'m> Engine<'m> {
     /// When it cannot be simulated.
     pub(super) fn refined(&self, held: &Fit) -> Result<(Fit, f64)> {
         let evidence = self.data.evidence();
-        let fit = Fit::unfitted(evidence, &held.model, held.coordinates.clone())?;
-        let fit = Fit { jacobian: held.jacobian.clone(), ..fit }.refined(evidence, FINE);
+        let mut fit = Fit::unfitted(evidence, &held.model, held.coordinates.clone())?;
+        fit.jacobian.copy_from(&held.jacobian);
+        let fit = fit.refined(evidence, FINE);
         let agreement = evidence.agreement(&fit.model, Split::Calibration)?;
         let squares: f64 = agreement.iter().map(|scan| scan.rms * scan.rms).sum();
         let rms = (squares / agreement.len().max(1) as f64).sqrt() * evidence.unit().per_one();

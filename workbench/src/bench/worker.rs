@@ -13,7 +13,8 @@ use effects::{Library, Model};
 use files::json_file::read_json;
 use lab::{LabError, Result};
 use report::study::{Sections, page};
-use study::{Hypothesis, Measurements, STUDY_FILE, StudyRecord, inputs_sha256};
+use study::{Data, Hypothesis, Measurements, STUDY_FILE, StudyRecord, aligned, inputs_sha256};
+use trials::trial::Campaign;
 
 use super::engine::{Engine, Shown};
 use super::journal::{Journal, Texts};
@@ -66,6 +67,8 @@ struct Worker<'m> {
     measurements: &'m Measurements,
     journal: Journal,
     library: Library,
+    /// Measurements that no fit has touched, made before they are needed.
+    fresh: Option<Data<'m>>,
     engines: VecDeque<(usize, Engine<'m>)>,
 }
 
@@ -81,7 +84,7 @@ pub(super) fn run(setup: Setup, shared: &Arc<Shared>, tasks: &Receiver<Task>) {
 }
 
 fn work(setup: &Setup, shared: &Arc<Shared>, tasks: &Receiver<Task>) -> Result<()> {
-    let measurements = Measurements::read(&setup.place.path)?;
+    let measurements = measurements(setup, shared)?;
     let mut worker = Worker::new(setup, &measurements, shared)?;
     let mut queue: VecDeque<Task> = VecDeque::from([Task::Renew]);
     loop {
@@ -98,6 +101,16 @@ fn work(setup: &Setup, shared: &Arc<Shared>, tasks: &Receiver<Task>) -> Result<(
         shared.change(|state| state.waiting = waiting);
         worker.attempt(&task, queue.is_empty());
     }
+}
+
+/// Reads the measurements. What was scanned can be looked at before the logs are compared with it, which takes longer.
+fn measurements(setup: &Setup, shared: &Arc<Shared>) -> Result<Measurements> {
+    if setup.place.kind == Kind::Table {
+        return Measurements::read(&setup.place.path);
+    }
+    let campaign = Campaign::read(&setup.place.path)?;
+    shared.change(|state| state.surfaces = Some(Arc::new(Surfaces::of(&campaign))));
+    Ok(Measurements::Scans(aligned(campaign)?))
 }
 
 /// Whether a task has no use where another follows.
@@ -122,9 +135,10 @@ impl<'m> Worker<'m> {
         shared.change(|state| {
             (state.phase, state.about, state.notes) = (Phase::Open, data.describe(), data.notes());
             (state.stages, state.trail, state.suspects) = (earlier.stages, earlier.trail, suspects);
-            (state.reader, state.surfaces) = (Some(Arc::new(reader)), Surfaces::of(measurements).map(Arc::new));
+            state.reader = Some(Arc::new(reader));
         });
-        Ok(Self { setup, shared, measurements, journal, library, engines: VecDeque::new() })
+        let fresh = Some(data);
+        Ok(Self { setup, shared, measurements, journal, library, fresh, engines: VecDeque::new() })
     }
 
     /// Does a task and says what came of it.
@@ -156,6 +170,11 @@ impl<'m> Worker<'m> {
             Task::Search => self.search(),
             Task::Renew | Task::Undo | Task::Redo | Task::GoTo { .. } | Task::Cancel => self.renew(),
         }
+    }
+
+    /// Measurements that no fit has touched.
+    fn fresh(&mut self) -> Result<Data<'m>> {
+        self.fresh.take().map_or_else(|| self.measurements.data(), Ok)
     }
 
     /// Says what is being done.
@@ -202,8 +221,9 @@ impl<'m> Worker<'m> {
     }
 
     fn base(&mut self) -> Result<()> {
-        let process = self.measurements.data()?.evidence().process();
-        let model = Model::new(process);
+        let data = self.fresh()?;
+        let model = Model::new(data.evidence().process());
+        self.fresh = Some(data);
         let library = self.library.clone();
         self.make(Plan { label: BASE.to_owned(), model, library, change: How::Base, effect: None })
     }
@@ -223,8 +243,10 @@ impl<'m> Worker<'m> {
         let model = self.standing()?;
         self.begin("reading the formula", 1);
         let number = (1..).find(|n| self.library.find(&format!("try-{n}")).is_none()).expect("one is free");
-        let data = self.measurements.data()?;
-        let hypothesis = Hypothesis::typed((&data, &model), self.library.clone(), (line, number), &[])?;
+        let data = self.fresh()?;
+        let hypothesis = Hypothesis::typed((&data, &model), self.library.clone(), (line, number), &[]);
+        self.fresh = Some(data);
+        let hypothesis = hypothesis?;
         let change = How::Add(hypothesis.name.clone());
         let label = format!("+ {}: {line}", hypothesis.name);
         self.grow(hypothesis, change, label)
@@ -291,11 +313,12 @@ impl<'m> Worker<'m> {
     }
 
     /// Fits a model and simulates what it is shown with.
-    fn fitted(&self, model: &Model, library: Library, number: usize) -> Result<(Engine<'m>, Shown)> {
+    fn fitted(&mut self, model: &Model, library: Library, number: usize) -> Result<(Engine<'m>, Shown)> {
         let all = 3 + model.effects.len();
         self.begin(&format!("fitting model {number}"), all);
+        let data = self.fresh()?;
         let told = |name: &str| self.advance(&format!("fitting model {number}: {name} is done"));
-        let mut engine = Engine::new(self.measurements, (model, library), (&self.shared.stop, &told))?;
+        let mut engine = Engine::new(data, (model, library), (&self.shared.stop, &told))?;
         self.advance("simulating maps and fields");
         let shown = engine.shown(PathBuf::from(format!("replay/{number}/model.toml")))?;
         match self.shared.stop.load(Ordering::Relaxed) {

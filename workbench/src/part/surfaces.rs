@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap};
 use serde_json::{Value, json};
-use study::Measurements;
 use trials::trial::{Campaign, Pass, PassScan, Role, Trial};
 
 /// Voxels beyond what the tool may reach, as a simulation has them.
@@ -32,10 +31,9 @@ pub(crate) struct ScannedTrial {
 }
 
 impl Surfaces {
-    /// The scans of measurements; `None` of a table.
-    pub(crate) fn of(measurements: &Measurements) -> Option<Self> {
-        let Measurements::Scans(Campaign { trials, .. }) = measurements else { return None };
-        Some(Self { trials: trials.iter().map(ScannedTrial::new).collect() })
+    /// The scans of a campaign.
+    pub(crate) fn of(campaign: &Campaign) -> Self {
+        Self { trials: campaign.trials.iter().map(ScannedTrial::new).collect() }
     }
 
     /// Names of trials and passes for the page.
