@@ -13,7 +13,7 @@ use super::model_flags::ModelFlags;
 use crate::console::Console;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::{Calibration, CalibrationSummary, Order};
+use lab::{Calibration, Order};
 use report::study::page;
 use study::{CALIBRATION_FILE, CalibrationAnswer, Data, Measurements};
 
@@ -68,7 +68,7 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let calibration = calibrated(args, &mut data, &library, console)?;
     let model = args.out.out.join("model.toml");
     let (answer, report) = CalibrationAnswer::new(&mut data, &calibration, &library, model)?;
-    describe(&answer.summary, console);
+    answer.described().into_iter().for_each(|(about, text)| console.step(about, text));
     let write = |name: &str, text: String| {
         std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
     };
@@ -91,21 +91,4 @@ fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console:
         progress.tell(name, done.get(), count);
     };
     Ok(data.calibrated((&model, &start), library, (args.order.into(), &fitted))?)
-}
-
-fn describe(summary: &CalibrationSummary, console: &Console) {
-    let unit = summary.error_unit.symbol();
-    for step in &summary.waterfall {
-        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
-        console.step("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um));
-    }
-    console.step("floor", format!("{:.2} {unit}", summary.noise_floor_um));
-    console.step("χ²", format!("{:.0} at {} degrees of freedom", summary.chi2, summary.degrees_of_freedom));
-    for removal in &summary.removal {
-        let role = if removal.is_calibration { "" } else { ", held out" };
-        let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
-        console.step("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent));
-    }
-    summary.parameters.iter().for_each(|parameter| console.step("parameter", parameter.shown()));
-    summary.remarks.iter().for_each(|remark| console.step("note", remark));
 }

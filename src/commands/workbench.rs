@@ -1,22 +1,17 @@
 //! `robofin workbench`: a page on which one sees where a model fails, tries a cause, and watches the error fall.
 
-use std::ffi::OsString;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
 use clap::Args;
 use rand::TryRng;
 use rand::rngs::SysRng;
 use serde::Serialize;
-use workbench::{Options, Workbench, WorkbenchError};
+use workbench::{Options, Workbench, WorkbenchError, open_in_browser};
 
 use crate::console::Console;
 use crate::wrong_use;
-
-/// Suffix of the default name of the folder that keeps what is tried.
-const SUFFIX: &str = "-workbench";
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin workbench trials\n  robofin workbench out --port 0 --no-open\n  \
@@ -49,7 +44,7 @@ struct WorkbenchAnswer<'a> {
 /// Runs the verb.
 pub(super) fn run(args: &WorkbenchArgs, console: &Console) -> Result<()> {
     let folder = std::path::absolute(&args.folder)?;
-    let out = std::path::absolute(args.out.clone().unwrap_or_else(|| usual_out(&folder)))?;
+    let out = std::path::absolute(args.out.clone().unwrap_or_else(|| Options::usual_out(&folder)))?;
     let address = SocketAddr::new(args.listen, args.port);
     let options = Options { folder, out: out.clone(), address, token: token()? };
     let bench = Workbench::bind(options).map_err(|error| match error {
@@ -64,15 +59,9 @@ pub(super) fn run(args: &WorkbenchArgs, console: &Console) -> Result<()> {
     console.result("open", &url)?;
     console.answer(&WorkbenchAnswer { url: &url, out: &out })?;
     if !args.no_open {
-        open(&url);
+        open_in_browser(&url);
     }
     Ok(bench.run()?)
-}
-
-fn usual_out(folder: &Path) -> PathBuf {
-    let mut name = OsString::from(folder.file_name().unwrap_or_default());
-    name.push(SUFFIX);
-    PathBuf::from(name)
 }
 
 /// 128 bits that nobody guesses, in hexadecimal digits.
@@ -80,11 +69,4 @@ fn token() -> Result<String> {
     let mut bits = [0; 16];
     SysRng.try_fill_bytes(&mut bits).context("the system gives no random numbers for a token")?;
     Ok(bits.iter().map(|byte| format!("{byte:02x}")).collect())
-}
-
-/// Asks the system to open a page. Where it has no browser, the address is printed all the same.
-fn open(url: &str) {
-    let program = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let quiet = Command::new(program).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-    drop(quiet);
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use effects::Library;
-use lab::{Calibration, CalibrationSummary, Result};
+use lab::{Calibration, CalibrationSummary, RemovalError, Result, WaterfallStep};
 use serde::Serialize;
 use trials::trial::Finding;
 
@@ -54,6 +54,28 @@ impl CalibrationAnswer {
             answer: serde_json::to_value(&answer)?,
         })?;
         Ok((answer, report))
+    }
+
+    /// Lines for people, each with what it is about.
+    pub fn described(&self) -> Vec<(&'static str, String)> {
+        let summary = &self.summary;
+        let unit = summary.error_unit.symbol();
+        let error = |step: &WaterfallStep| {
+            let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
+            ("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um))
+        };
+        let removed = |removal: &RemovalError| {
+            let role = if removal.is_calibration { "" } else { ", held out" };
+            let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
+            ("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent))
+        };
+        let mut lines: Vec<(&'static str, String)> = summary.waterfall.iter().map(error).collect();
+        lines.push(("floor", format!("{:.2} {unit}", summary.noise_floor_um)));
+        lines.push(("χ²", format!("{:.0} at {} degrees of freedom", summary.chi2, summary.degrees_of_freedom)));
+        lines.extend(summary.removal.iter().map(removed));
+        lines.extend(summary.parameters.iter().map(|parameter| ("parameter", parameter.shown())));
+        lines.extend(summary.remarks.iter().map(|remark| ("note", remark.clone())));
+        lines
     }
 
     /// How far the whole model is from the noise floor.

@@ -1,6 +1,6 @@
 //! The hypothesis of an attempt: an effect of the library, a file, or a formula on one line.
 
-use effects::{Extent, Library, Model, NamedState, OneLine, check_file, hint};
+use effects::{Extent, Library, Model, NamedState, OneLine, Unit, check_file, hint};
 use files::{FileError, WrongUse};
 use lab::{LabError, Result};
 
@@ -67,6 +67,21 @@ impl Hypothesis {
         let name = format!("try-{number}");
         let text = read.file(&name, &extent, given).map_err(bad)?;
         Ok(Self { shown: line.to_owned(), ..Self::of_file(library, &format!("{name}.toml"), text)? })
+    }
+
+    /// A first value of a parameter: `a=350 mm^3`, as a name and an SI value.
+    ///
+    /// # Errors
+    /// In words, what is expected.
+    pub fn setting(text: &str) -> std::result::Result<(String, f64), String> {
+        let bad = || "PARAMETER=VALUE UNIT is expected, such as a=350 mm^3".to_owned();
+        let (name, value) = text.split_once('=').ok_or_else(bad)?;
+        let value = value.trim();
+        let end = value.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(value.len());
+        let number: f64 = value[..end].parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(bad)?;
+        let unit = value[end..].trim();
+        let unit = if unit.is_empty() { Unit::ONE } else { Unit::parse(unit).map_err(|error| error.to_string())? };
+        Ok((name.trim().to_owned(), unit.to_si(number)))
     }
 }
 

@@ -22,4 +22,4 @@ mod routes;
 mod serve;
 
 pub use error::WorkbenchError;
-pub use serve::{Options, Workbench};
+pub use serve::{Options, Workbench, open_in_browser};

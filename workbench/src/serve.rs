@@ -1,8 +1,10 @@
 //! The server: an address, a folder, a token.
 
+use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::net::{SocketAddr, TcpListener};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use axum::middleware;
@@ -12,6 +14,9 @@ use crate::error::WorkbenchError;
 use crate::guard::{self, Guard};
 use crate::home::Home;
 use crate::routes;
+
+/// What the usual name of the folder for results ends with.
+const SUFFIX: &str = "-workbench";
 
 /// What a workbench is of.
 pub struct Options {
@@ -23,6 +28,30 @@ pub struct Options {
     pub address: SocketAddr,
     /// What a browser must know to be answered: letters and digits that nobody guesses.
     pub token: String,
+}
+
+impl Options {
+    /// The folder that keeps what is tried on another unless it is named: its name with a suffix, in the current folder.
+    pub fn usual_out(folder: &Path) -> PathBuf {
+        let mut name = OsString::from(folder.file_name().unwrap_or_default());
+        name.push(SUFFIX);
+        PathBuf::from(name)
+    }
+}
+
+/// Asks the system to open a page. Where it has no browser nothing happens, and the address can be opened by hand.
+pub fn open_in_browser(url: &str) {
+    let program = match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    };
+    let mut command = Command::new(program);
+    let begun = command.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    if let Ok(mut child) = begun {
+        // It ends once the browser has the address; nobody waits for that.
+        std::thread::spawn(move || child.wait());
+    }
 }
 
 /// A server that listens, and answers once it runs.
