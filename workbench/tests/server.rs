@@ -98,8 +98,8 @@ fn read(address: SocketAddr, bench: &str) -> Value {
 fn a_broken_campaign_says_where_it_is_broken_and_opens_once_it_is_mended() {
     let folder = tempfile::tempdir().unwrap();
     let campaign = folder.path().join("campaign");
-    copy(&bundled(), &campaign);
-    let scan = campaign.join("trial-2").join("pass1_after.csv");
+    copy(&bundled().join("trial-1"), &campaign.join("trial-1"));
+    let scan = campaign.join("trial-1").join("pass1_after.csv");
     let whole = fs::read(&scan).unwrap();
     fs::write(&scan, "no,heights\nat,all\n").unwrap();
     let server = serve(folder.path(), &folder.path().join("out"));
@@ -125,7 +125,7 @@ fn a_broken_campaign_says_where_it_is_broken_and_opens_once_it_is_mended() {
 #[test]
 fn formulas_are_checked_as_they_are_typed() {
     let folder = tempfile::tempdir().unwrap();
-    copy(&bundled(), &folder.path().join("first-look"));
+    copy(&bundled().join("trial-1"), &folder.path().join("first-look").join("trial-1"));
     let server = serve(folder.path(), &folder.path().join("out"));
     let page = own(server.address, "GET /", "");
     let bench = format!("/bench/{}", page.body.split("/bench/").nth(1).unwrap().split('"').next().unwrap());
