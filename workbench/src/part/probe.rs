@@ -4,7 +4,7 @@ use render::Seen;
 use serde_json::{Value, json};
 
 use super::paint::place;
-use super::picture::{Asked, Looked, seen};
+use super::picture::{Asked, Looked, Whose, seen};
 use crate::bench::{Residuals, interpolated};
 use crate::error::Refusal;
 
@@ -23,10 +23,14 @@ pub(crate) fn probed(looked: &Looked, asked: &Asked, (x, y): (usize, usize)) -> 
     let (position, here) = (frame.position[at].as_dvec3(), place(&frame, at));
     let trial = looked.trial(asked)?;
     let known = |value: f64, unit: f64| value.is_finite().then_some(value / unit);
-    let measured = trial.heights(asked.pass).map_or(f64::NAN, |map| interpolated(&map.pixels, &map.heights, here));
     let before = interpolated(&trial.before.pixels, &trial.before.heights, here);
     let map = looked.map(asked);
     let left = map.and_then(|map| map.left_at(here));
+    // Where a model says how the scan lies, the measured height is that; else it is the scan as it came.
+    let measured = match left.filter(|_| asked.whose == Whose::Simulated) {
+        Some(left) => position.z + left,
+        None => trial.heights(asked.pass).map_or(f64::NAN, |map| interpolated(&map.pixels, &map.heights, here)),
+    };
     let floor = map.and_then(|map| match map.residuals {
         Residuals::Heights { floor, .. } => Some(floor),
         Residuals::Exposure { .. } => None,
