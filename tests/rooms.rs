@@ -29,6 +29,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("benchmark", &["effects", "lab", "random", "study", "trials", "virtual-lab"]),
     ("report", &["lab", "robot", "sdf-bake", "study", "trials"]),
+    ("workbench", &["effects", "files", "lab", "render", "report", "sdf-bake", "study", "trial-simulation", "trials"]),
     (
         "",
         &[
@@ -51,6 +52,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
             "trials",
             "virtual-lab",
             "weldgen",
+            "workbench",
         ],
     ),
 ];

@@ -48,6 +48,7 @@ mod first_look;
 mod fit;
 mod frame;
 mod height_view;
+mod held;
 mod model_origin;
 mod model_weights;
 mod next_row;

@@ -34,7 +34,7 @@ impl Simulated {
     pub fn all(evidence: &ScanEvidence, models: &[&CompiledModel]) -> Result<Vec<Self>, EvidenceError> {
         let trials: Result<Vec<Simulation>, CampaignError> =
             evidence.simulation.trials.par_iter().map(watched).collect();
-        let simulation = CampaignSimulation { trials: trials? };
+        let simulation = CampaignSimulation { trials: trials?, stop: evidence.simulation.stop.clone() };
         let run = |model: &&CompiledModel| {
             let passes = simulation.run(model)?;
             let observation = evidence.observation_of((&passes, model))?;

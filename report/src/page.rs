@@ -16,7 +16,8 @@ pub struct Page {
     contents_at: Option<usize>,
 }
 
-const STYLE: &str = "
+/// The style of every page.
+pub(crate) const STYLE: &str = "
 :root { color-scheme: light; }
 body { font: 15px/1.5 system-ui, sans-serif; color: #1c2330; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin: 0 0 .3rem; } h2 { font-size: 1.15rem; margin: 2rem 0 .6rem; }
@@ -34,6 +35,16 @@ impl Page {
     pub fn new(title: &str, lead: &str) -> Self {
         let body = format!("<header><h1>{}</h1>\n<p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
         Self { title: title.to_owned(), style: STYLE.to_owned(), body, parts: Vec::new(), contents_at: None }
+    }
+
+    /// A page without a heading, whose sections go into another document.
+    pub(crate) fn bare() -> Self {
+        Self { title: String::new(), style: String::new(), body: String::new(), parts: Vec::new(), contents_at: None }
+    }
+
+    /// What was appended, without a document around it.
+    pub(crate) fn into_body(self) -> String {
+        self.body
     }
 
     /// A section heading.

@@ -1,26 +1,22 @@
 //! `robofin calibrate`: the values with which a model describes a campaign best.
 
 use std::cell::Cell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use effects::Library;
-use serde::Serialize;
 
 use super::flags::OutFlags;
 use super::model_flags::ModelFlags;
 use crate::console::Console;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::{Calibration, CalibrationSummary, Order};
+use lab::{Calibration, Order};
 use report::study::page;
-use study::{CalibrationReport, Data, Measurements, calibration_report};
-use trials::trial::Finding;
+use study::{CALIBRATION_FILE, CalibrationAnswer, Data, Measurements};
 
-/// The file by which a result folder is known.
-const CALIBRATION_FILE: &str = "calibration.json";
 /// The result folder.
 const CALIBRATION: FolderKind =
     FolderKind { marker: CALIBRATION_FILE, key: "noise_floor_um", names: &[("", &["model.toml", "report.html"])] };
@@ -60,18 +56,6 @@ impl From<OrderFlag> for Order {
     }
 }
 
-/// The answer of `calibrate --json`, and `calibration.json`.
-#[derive(Serialize)]
-struct CalibrateAnswer<'a> {
-    model: &'a Path,
-    /// What the reader understood of the files where it was not the plain case.
-    notes: Vec<String>,
-    /// What the checks of scans and logs against each other found.
-    findings: Vec<Finding>,
-    #[serde(flatten)]
-    summary: &'a CalibrationSummary,
-}
-
 /// Runs the verb.
 pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     let folder = StagedFolder::new(&args.out.beside(&args.model.inputs(&args.campaign)), &CALIBRATION)?;
@@ -82,22 +66,9 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     console.step("read", data.describe());
     data.notes().iter().for_each(|note| console.step("note", note));
     let calibration = calibrated(args, &mut data, &library, console)?;
-    let summary = CalibrationSummary::new(data.evidence(), &calibration, &library)?;
-    describe(&summary, console);
-    data.fix_observation(&calibration.last().fit.model)?;
-    let place = args.out.out.join("model.toml");
-    let answer = CalibrateAnswer { model: &place, notes: data.notes(), findings: data.findings(), summary: &summary };
-    let report = calibration_report(&CalibrationReport {
-        data: &data,
-        calibration: &calibration,
-        summary: &summary,
-        waterfall: &summary.waterfall,
-        rival: None,
-        verdict: None,
-        sentence: sentence(&summary),
-        seed: 0,
-        answer: serde_json::to_value(&answer)?,
-    })?;
+    let model = args.out.out.join("model.toml");
+    let (answer, report) = CalibrationAnswer::new(&mut data, &calibration, &library, model)?;
+    answer.described().into_iter().for_each(|(about, text)| console.step(about, text));
     let write = |name: &str, text: String| {
         std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
     };
@@ -120,29 +91,4 @@ fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console:
         progress.tell(name, done.get(), count);
     };
     Ok(data.calibrated((&model, &start), library, (args.order.into(), &fitted))?)
-}
-
-/// How far the whole model is from the noise floor.
-fn sentence(summary: &CalibrationSummary) -> String {
-    let unit = summary.error_unit.symbol();
-    let last = summary.waterfall.last().map_or(0.0, |step| step.calibration_rms_um);
-    let floor = summary.noise_floor_um;
-    format!("Calibrated: {last:.2} {unit} are left, {:.2} times the noise floor of {floor:.2} {unit}.", last / floor)
-}
-
-fn describe(summary: &CalibrationSummary, console: &Console) {
-    let unit = summary.error_unit.symbol();
-    for step in &summary.waterfall {
-        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
-        console.step("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um));
-    }
-    console.step("floor", format!("{:.2} {unit}", summary.noise_floor_um));
-    console.step("χ²", format!("{:.0} at {} degrees of freedom", summary.chi2, summary.degrees_of_freedom));
-    for removal in &summary.removal {
-        let role = if removal.is_calibration { "" } else { ", held out" };
-        let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
-        console.step("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent));
-    }
-    summary.parameters.iter().for_each(|parameter| console.step("parameter", parameter.shown()));
-    summary.remarks.iter().for_each(|remark| console.step("note", remark));
 }

@@ -37,6 +37,7 @@ mod validate_images;
 mod validate_set;
 mod values;
 mod weld;
+mod workbench;
 
 use std::ffi::OsString;
 
@@ -119,6 +120,8 @@ enum Verb {
     Ledger(ledger::LedgerArgs),
     /// Compare, calibrate, diagnose, add what is missing and calibrate again, until nothing more can be found.
     Study(study::StudyArgs),
+    /// Look where a model fails and try causes, on a page of this machine.
+    Workbench(workbench::WorkbenchArgs),
     /// Count how often a diagnosis is right, on synthetic campaigns with known answers.
     Bench(bench::BenchArgs),
     /// List, show and check laws and effects; add them to a model or remove them.
@@ -197,6 +200,7 @@ fn start(cli: Cli, matches: &ArgMatches, console: &Console) -> Result<()> {
         Verb::Study(args) => study::run(&args, console),
         Verb::Try(args) => try_effect::run(&args, console),
         Verb::Ledger(args) => ledger::run(&args, console),
+        Verb::Workbench(args) => workbench::run(&args, console),
         Verb::Effects(args) => effects::run(&args, console),
         Verb::Backends(args) => backends::run(&args, console),
         Verb::Completions(args) => completions::run(&args, Cli::command(), console),

@@ -13,13 +13,10 @@ use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
 use files::folder::StagedFolder;
-use files::input::quoted_near;
-use files::json_file::read_json;
 use files::output::{FolderKind, Out};
 use report::study::page;
 use study::{
-    Action, Data, EXPECTED_SIMULATIONS, Measurements, Progress, STUDY_FILE, STUDY_FORMAT, StudyRecord, StudyState,
-    inputs_sha256,
+    Action, Data, EXPECTED_SIMULATIONS, Measurements, Progress, STUDY_FILE, StudyRecord, StudyState, inputs_sha256,
 };
 use study::{MODEL_WITH_PROPOSAL, NEXT_TRIAL_NAMES as NEXT, StudyReport, write_next_trial, write_proposal};
 
@@ -96,7 +93,6 @@ fn begun<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<S
 /// A study that goes on from its folder.
 fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<StudyState<'a>> {
     let out = &args.out.out;
-    let file = out.join(STUDY_FILE);
     if args.model.model.is_some() {
         let model = out.join(MODEL_FILE);
         return Err(wrong_use(format!(
@@ -104,21 +100,7 @@ fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result
             model.display()
         )));
     }
-    let record: StudyRecord = read_json(&file, "the record of a study")?;
-    if record.format != STUDY_FORMAT {
-        return Err(wrong_use(format!(
-            "{}: format {}, and {STUDY_FORMAT} is accepted",
-            file.display(),
-            quoted_near(&record.format, [STUDY_FORMAT])
-        )));
-    }
-    if record.measurements_sha256 != inputs_sha256(&args.campaign)? {
-        return Err(wrong_use(format!(
-            "{}: its study was begun with other measurements than {} holds now; begin again with --force",
-            out.display(),
-            args.campaign.display()
-        )));
-    }
+    let record = StudyRecord::read(out, &args.campaign)?;
     let model = out.join(MODEL_FILE);
     let model = Model::parse(&model.display().to_string(), &read_text(&model)?, library)?;
     Ok(StudyState::new(data, library, model, record)?)

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
-use effects::{Library, Model, Unit};
+use effects::{Library, Model};
 use serde::Serialize;
 
 use super::ledger::LedgerFlag;
@@ -33,7 +33,7 @@ pub(super) struct TryArgs {
     #[arg(long, value_name = "NAME")]
     effect: Option<String>,
     /// Value with which a parameter of the formula begins, with its unit; may be given several times.
-    #[arg(long, value_name = "PARAMETER=VALUE", value_parser = parse_setting)]
+    #[arg(long, value_name = "PARAMETER=VALUE", value_parser = Hypothesis::setting)]
     set: Vec<(String, f64)>,
     /// Make the model with it the current one, beside which the next is tried.
     #[arg(long)]
@@ -115,12 +115,4 @@ fn current(args: &TryArgs, ledger: &Ledger, data: &Data, library: &Library) -> R
     }
     let model = Model::parse(&standing.model.display().to_string(), &read_text(&standing.model)?, library)?;
     Ok((standing.number, model, true))
-}
-
-/// `a=350 mm^3`, as a name and an SI value.
-fn parse_setting(text: &str) -> Result<(String, f64), String> {
-    let bad = || "PARAMETER=VALUE UNIT is expected, such as a=350 mm^3".to_owned();
-    let (name, value) = text.split_once('=').ok_or_else(bad)?;
-    let (value, _) = Unit::quantity(value).map_err(|why| format!("{why}; {}", bad()))?;
-    Ok((name.trim().to_owned(), value))
 }

@@ -1,6 +1,6 @@
 //! The hypothesis of an attempt: an effect of the library, a file, or a formula on one line.
 
-use effects::{Extent, Library, Model, NamedState, OneLine, check_file, hint};
+use effects::{Extent, Library, Model, NamedState, OneLine, Unit, check_file, hint};
 use files::{FileError, WrongUse};
 use lab::{LabError, Result};
 
@@ -67,6 +67,17 @@ impl Hypothesis {
         let name = format!("try-{number}");
         let text = read.file(&name, &extent, given).map_err(bad)?;
         Ok(Self { shown: line.to_owned(), ..Self::of_file(library, &format!("{name}.toml"), text)? })
+    }
+
+    /// A first value of a parameter: `a=350 mm^3`, as a name and an SI value.
+    ///
+    /// # Errors
+    /// In words, what is expected.
+    pub fn setting(text: &str) -> std::result::Result<(String, f64), String> {
+        let bad = || "PARAMETER=VALUE UNIT is expected, such as a=350 mm^3".to_owned();
+        let (name, value) = text.split_once('=').ok_or_else(bad)?;
+        let (value, _) = Unit::quantity(value).map_err(|why| format!("{why}; {}", bad()))?;
+        Ok((name.trim().to_owned(), value))
     }
 }
 

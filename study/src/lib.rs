@@ -17,6 +17,7 @@
 
 mod attempt_report;
 mod calibrated;
+mod calibration_answer;
 mod comparison;
 mod conclusion;
 mod data;
@@ -47,6 +48,7 @@ mod waterfall;
 
 pub use attempt_report::{attempt_report, pair_report};
 pub use calibrated::{CalibrationReport, calibration_report};
+pub use calibration_answer::{CALIBRATION_FILE, CalibrationAnswer};
 pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
 pub use conclusion::{proposal, summary};
 pub use data::{

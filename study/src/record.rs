@@ -1,12 +1,18 @@
 //! What a study keeps between its steps: `study.json`.
 
+use std::path::Path;
+
+use files::input::quoted_near;
+use files::json_file::read_json;
+use files::{FileError, WrongUse};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use trials::trial::Finding;
 
 use super::first_look::FirstAnswer;
+use super::provenance::inputs_sha256;
 use lab::criteria::CriterionValues;
-use lab::{ErrorUnit, FrameEstimate, Searched, Verdict, WaterfallStep};
+use lab::{ErrorUnit, FrameEstimate, LabError, Result, Searched, Verdict, WaterfallStep};
 
 /// The file by which the folder of a study is known.
 pub const STUDY_FILE: &str = "study.json";
@@ -110,6 +116,28 @@ pub struct StudyRecord {
 }
 
 impl StudyRecord {
+    /// The record of a study's folder.
+    ///
+    /// # Errors
+    /// Wrong use where it is none, or of other measurements than the campaign holds now.
+    pub fn read(folder: &Path, campaign: &Path) -> Result<Self> {
+        let file = folder.join(STUDY_FILE);
+        let record: Self = read_json(&file, "the record of a study")?;
+        let refused = |words: String| Err(LabError::File(FileError::from(WrongUse(words))));
+        if record.format != STUDY_FORMAT {
+            let found = quoted_near(&record.format, [STUDY_FORMAT]);
+            return refused(format!("{}: format {found}, and {STUDY_FORMAT} is accepted", file.display()));
+        }
+        if record.measurements_sha256 != inputs_sha256(campaign)? {
+            return refused(format!(
+                "{}: its study was begun with other measurements than {} holds now; begin again with --force",
+                folder.display(),
+                campaign.display()
+            ));
+        }
+        Ok(record)
+    }
+
     /// A study that begins.
     pub fn new(measurements_sha256: String, seed: u64) -> Self {
         Self {

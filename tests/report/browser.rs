@@ -101,7 +101,7 @@ fn the_pointer_reads_the_value_of_its_pixel() {
     let report = grinding(1, 80, 40);
     // Moves the pointer to the middle of pixel (33, 21), counted from the lower left.
     let probe = "<script>const m = document.querySelector('image.map'), b = m.getBoundingClientRect();\
-        m.dispatchEvent(new PointerEvent('pointermove', {clientX: b.left + b.width * 33.5 / 80, \
+        m.dispatchEvent(new PointerEvent('pointermove', {bubbles: true, clientX: b.left + b.width * 33.5 / 80, \
         clientY: b.bottom - b.height * 21.5 / 40}));</script></body>";
     let html = page(&report).replace("</body>", probe);
     let output = open(program, &written("report-pointer.html", &html), &["--dump-dom"]);

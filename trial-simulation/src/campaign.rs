@@ -1,6 +1,8 @@
 //! All trials of a campaign simulated in order, with a tool that wears from one to the next unless it is renewed.
 
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use effects::{CompiledModel, Reset, RowCounts};
 use rayon::prelude::*;
@@ -19,10 +21,15 @@ pub struct CampaignError {
     pub error: SimulationError,
 }
 
+/// Once it is true, simulations that hold it end before their next trial.
+pub type Stop = Arc<AtomicBool>;
+
 /// The trials of a campaign, ready to be simulated again and again.
 pub struct CampaignSimulation<'a> {
     /// In the order in which they were made.
     pub trials: Vec<Simulation<'a>>,
+    /// Ends what is under way.
+    pub stop: Stop,
 }
 
 impl<'a> CampaignSimulation<'a> {
@@ -37,7 +44,7 @@ impl<'a> CampaignSimulation<'a> {
             let voxel = voxel.unwrap_or(trial.scans.before.pixels.pitch);
             Simulation::new(trial, voxel, replay).map_err(|error| CampaignError { trial: trial.name.clone(), error })
         };
-        Ok(Self { trials: trials.par_iter().map(simulation).collect::<Result<_, _>>()? })
+        Ok(Self { trials: trials.par_iter().map(simulation).collect::<Result<_, _>>()?, stop: Stop::default() })
     }
 
     /// The same trials on other lattices.
@@ -51,7 +58,8 @@ impl<'a> CampaignSimulation<'a> {
             own.again(ratio * own.part.voxel, &Variation::default())
                 .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
         };
-        Ok(Self { trials: self.trials.par_iter().map(simulation).collect::<Result<_, _>>()? })
+        let trials = self.trials.par_iter().map(simulation).collect::<Result<_, _>>()?;
+        Ok(Self { trials, stop: self.stop.clone() })
     }
 
     /// The same trials where what was measured is a little otherwise.
@@ -65,7 +73,8 @@ impl<'a> CampaignSimulation<'a> {
             own.again(own.part.voxel, &variation(number))
                 .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
         };
-        Ok(Self { trials: self.trials.par_iter().enumerate().map(simulation).collect::<Result<_, _>>()? })
+        let trials = self.trials.par_iter().enumerate().map(simulation).collect::<Result<_, _>>()?;
+        Ok(Self { trials, stop: self.stop.clone() })
     }
 
     /// Rows that a model needs which has a parameter for each pass or scan of the campaign.
@@ -113,6 +122,10 @@ impl<'a> CampaignSimulation<'a> {
         let mut tool = Simulation::fresh_states(model);
         let mut row = self.trials[..group.start].iter().map(|simulation| simulation.trial.passes.len()).sum();
         let run = |(simulation, passes): (&Simulation, &usize)| {
+            if self.stop.load(Ordering::Relaxed) {
+                let trial = simulation.trial.name.clone();
+                return Err(CampaignError { trial, error: SimulationError::Stopped });
+            }
             let ran = simulation.run_first(*passes, model, (&mut tool, row), &mut |_, _| {});
             row += simulation.trial.passes.len();
             ran.map(|(passes, _)| passes).map_err(|error| CampaignError { trial: simulation.trial.name.clone(), error })

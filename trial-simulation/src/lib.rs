@@ -8,6 +8,6 @@ mod campaign;
 mod scanner;
 mod simulation;
 
-pub use campaign::{CampaignError, CampaignSimulation};
+pub use campaign::{CampaignError, CampaignSimulation, Stop};
 pub use scanner::{SeenSurface, exposed_share};
 pub use simulation::{ModelRun, PassEnds, SimulatedPass, Simulation, SimulationError, TrialState, Variation, lacking};

@@ -57,6 +57,9 @@ pub enum SimulationError {
     /// A state of an effect that no column of the trial measures.
     #[error(transparent)]
     Column(#[from] Box<TrialError>),
+    /// Somebody wanted no more of it.
+    #[error("was stopped")]
+    Stopped,
     /// A pass failed.
     #[error("pass {pass}: {error}")]
     Pass {

@@ -21,16 +21,16 @@ const ABOVE: [[u8; 3]; 5] =
 
 /// Steps of a residual: to either side one third of the band, the band, and from there each twice as wide as before.
 #[derive(Clone, Debug)]
-pub(crate) struct ColourScale {
+pub struct ColourScale {
     /// Half width of the tolerance band [m].
-    pub(crate) band: f64,
+    pub band: f64,
     /// Ends of the steps above zero [m]; beyond the last the colour stays.
-    pub(crate) bounds: Vec<f64>,
+    pub bounds: Vec<f64>,
 }
 
 impl ColourScale {
     /// A scale that shows all but few of the residuals [m] in closed steps.
-    pub(crate) fn new(noise_floor: f64, residuals: impl Iterator<Item = f64>) -> Self {
+    pub fn new(noise_floor: f64, residuals: impl Iterator<Item = f64>) -> Self {
         let mut sizes: Vec<f64> = residuals.filter(|r| r.is_finite()).map(f64::abs).collect();
         sizes.sort_by(f64::total_cmp);
         let most = sizes.get(((1.0 - OPEN_SHARE) * sizes.len() as f64) as usize).or(sizes.last()).copied();
@@ -43,12 +43,12 @@ impl ColourScale {
     }
 
     /// Steps to one side, the open one included.
-    pub(crate) fn steps(&self) -> usize {
+    pub fn steps(&self) -> usize {
         self.bounds.len() + 1
     }
 
     /// Place of a residual [m] on the bar, where each step is one long: from `-steps` to `steps`.
-    pub(crate) fn place(&self, residual: f64) -> f64 {
+    pub fn place(&self, residual: f64) -> f64 {
         let size = residual.abs();
         let step = self.bounds.partition_point(|&bound| bound <= size);
         let low = if step == 0 { 0.0 } else { self.bounds[step - 1] };
@@ -58,7 +58,7 @@ impl ColourScale {
     }
 
     /// Colour of a residual [m].
-    pub(crate) fn colour(&self, residual: f64) -> Rgb<u8> {
+    pub fn colour(&self, residual: f64) -> Rgb<u8> {
         if !residual.is_finite() {
             return MISSING;
         }
@@ -67,7 +67,7 @@ impl ColourScale {
     }
 
     /// Colour of a step, counted from zero outwards.
-    pub(crate) fn step_colour(&self, step: usize, below: bool) -> Rgb<u8> {
+    pub fn step_colour(&self, step: usize, below: bool) -> Rgb<u8> {
         let anchors = if below { BELOW } else { ABOVE };
         // Within the band the colour stays pale.
         let depth = match step {

@@ -21,8 +21,7 @@
     return value === -32768 ? "missing" : text((value / image.dataset.perUm).toFixed(1)) + " \u00b5m";
   };
 
-  const show = (event) => {
-    const image = event.currentTarget;
+  const show = (image, event) => {
     const box = image.getBoundingClientRect();
     const { nx, ny, xMm, yMm, pitchMm } = image.dataset;
     const within = (part, count) => Math.min(count - 1, Math.max(0, Math.floor(part * count)));
@@ -38,8 +37,10 @@
     tip.style.top = Math.min(event.clientY + 14, innerHeight - tip.offsetHeight - 4) + "px";
   };
 
-  for (const image of document.querySelectorAll("image.map")) {
-    image.addEventListener("pointermove", show);
-    image.addEventListener("pointerleave", () => { tip.style.display = "none"; });
-  }
+  // Maps may come and go after this script has run.
+  document.addEventListener("pointermove", (event) => {
+    const image = event.target.closest ? event.target.closest("image.map") : null;
+    if (image) show(image, event);
+    else tip.style.display = "none";
+  });
 })();

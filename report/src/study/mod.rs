@@ -20,10 +20,54 @@ mod suspects;
 mod waterfall;
 mod words;
 
+pub use colour_scale::ColourScale;
 pub use story::{Sealed, story};
 
 use crate::Page;
+use crate::page::STYLE as OF_PAGES;
+use serde::{Deserialize, Serialize};
 use study::{StudyReport, Verdict};
+
+/// Rules of the report's look, and of every page's before them.
+pub const STYLE: [&str; 2] = [OF_PAGES, include_str!("style.css")];
+/// The script that says the values of maps under the pointer; the document needs an element `tip`.
+pub const HOVER: &str = include_str!("hover.js");
+
+/// Sections of a report as HTML, for another document that has [`STYLE`] and [`HOVER`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Sections {
+    /// How the error falls, step by step.
+    pub waterfall: String,
+    /// Where the model fails: volumes, tests, maps, sections, covariates.
+    pub failures: String,
+    /// Fitted parameters.
+    pub parameters: String,
+    /// Notes of the reader and of the fit.
+    pub method: String,
+}
+
+impl Sections {
+    /// Draws them.
+    ///
+    /// # Panics
+    /// As [`page`].
+    pub fn of(report: &StudyReport) -> Self {
+        let drawn = |draw: &dyn Fn(&mut Page)| {
+            let mut page = Page::bare();
+            draw(&mut page);
+            page.into_body()
+        };
+        Self {
+            waterfall: drawn(&|page| waterfall::add(page, &report.waterfall)),
+            failures: drawn(&|page| {
+                compared::add_volumes(page, &report.volumes);
+                add_residuals(page, report);
+            }),
+            parameters: drawn(&|page| parameters::add(page, &report.parameters, report.correlations.as_ref())),
+            method: drawn(&|page| compared::add_method(page, &report.compared)),
+        }
+    }
+}
 
 /// The report as an HTML document that loads nothing. The same study gives the same bytes.
 ///
@@ -57,10 +101,7 @@ pub fn page(report: &StudyReport) -> String {
     compared::add_method(&mut page, &report.compared);
     provenance::add(&mut page, &report.provenance);
     provenance::add_diagnosis(&mut page, &report.diagnosis);
-    page.block(&format!(
-        "<div id=\"tip\" aria-hidden=\"true\"></div>\n<script>\n{}</script>\n",
-        include_str!("hover.js")
-    ));
+    page.block(&format!("<div id=\"tip\" aria-hidden=\"true\"></div>\n<script>\n{}</script>\n", HOVER));
     page.finish()
 }
 

@@ -1,0 +1,91 @@
+//! What `calibrate` answers: its numbers for machines, and the report of them.
+
+use std::path::PathBuf;
+
+use effects::Library;
+use lab::{Calibration, CalibrationSummary, RemovalError, Result, WaterfallStep};
+use serde::Serialize;
+use trials::trial::Finding;
+
+use super::calibrated::{CalibrationReport, calibration_report};
+use super::measurements::Data;
+use crate::StudyReport;
+
+/// The file by which the folder of a calibration is known.
+pub const CALIBRATION_FILE: &str = "calibration.json";
+
+/// The answer of `calibrate --json`, and [`CALIBRATION_FILE`].
+#[derive(Serialize)]
+pub struct CalibrationAnswer {
+    /// File of the fitted model.
+    pub model: PathBuf,
+    /// What the reader understood of the files where it was not the plain case.
+    pub notes: Vec<String>,
+    /// What the checks of scans and logs against each other found.
+    pub findings: Vec<Finding>,
+    /// The numbers.
+    #[serde(flatten)]
+    pub summary: CalibrationSummary,
+}
+
+impl CalibrationAnswer {
+    /// Sums up a calibration; the instrument's blur stays at what its model finds.
+    ///
+    /// # Errors
+    /// When a model cannot be simulated, or an input file not be read again for its hash.
+    pub fn new(
+        data: &mut Data,
+        calibration: &Calibration,
+        library: &Library,
+        model: PathBuf,
+    ) -> Result<(Self, StudyReport)> {
+        let summary = CalibrationSummary::new(data.evidence(), calibration, library)?;
+        data.fix_observation(&calibration.last().fit.model)?;
+        let answer = Self { model, notes: data.notes(), findings: data.findings(), summary };
+        let report = calibration_report(&CalibrationReport {
+            data,
+            calibration,
+            summary: &answer.summary,
+            waterfall: &answer.summary.waterfall,
+            rival: None,
+            verdict: None,
+            sentence: answer.sentence(),
+            seed: 0,
+            answer: serde_json::to_value(&answer)?,
+        })?;
+        Ok((answer, report))
+    }
+
+    /// Lines for people, each with what it is about.
+    pub fn described(&self) -> Vec<(&'static str, String)> {
+        let summary = &self.summary;
+        let unit = summary.error_unit.symbol();
+        let error = |step: &WaterfallStep| {
+            let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
+            ("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um))
+        };
+        let removed = |removal: &RemovalError| {
+            let role = if removal.is_calibration { "" } else { ", held out" };
+            let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
+            ("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent))
+        };
+        let mut lines: Vec<(&'static str, String)> = summary.waterfall.iter().map(error).collect();
+        lines.push(("floor", format!("{:.2} {unit}", summary.noise_floor_um)));
+        lines.push(("χ²", format!("{:.0} at {} degrees of freedom", summary.chi2, summary.degrees_of_freedom)));
+        lines.extend(summary.removal.iter().map(removed));
+        lines.extend(summary.parameters.iter().map(|parameter| ("parameter", parameter.shown())));
+        lines.extend(summary.remarks.iter().map(|remark| ("note", remark.clone())));
+        lines
+    }
+
+    /// How far the whole model is from the noise floor.
+    fn sentence(&self) -> String {
+        let unit = self.summary.error_unit.symbol();
+        let last = self.summary.waterfall.last().map_or(0.0, |step| step.calibration_rms_um);
+        let floor = self.summary.noise_floor_um;
+        format!(
+            "Calibrated: {last:.2} {unit} are left, {:.2} times the noise floor of {floor:.2} {unit}.",
+            last / floor
+        )
+    }
+}

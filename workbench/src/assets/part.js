@@ -1,0 +1,284 @@
+// The workpiece: drawn by the server while the pointer turns it, read by a click, cut along a line.
+
+import { ask, find, make, number } from "./dom.js";
+
+const view = find("view");
+const WAIT = 160;
+// A moving picture that takes longer is drawn with half the pixels [ms].
+const SLOW = 95;
+const ABOVE = { azimuth: -90, elevation: 62, zoom: 1, right: 0, up: 0 };
+const LABELS = [
+  ["xMm", "x", "mm"], ["yMm", "y", "mm"], ["zMm", "z", "mm"],
+  ["removedUm", "removed, of the surface that is drawn", "\u00b5m"], ["measuredRemovedUm", "removed, measured", "\u00b5m"],
+  ["deviationUm", "measured \u2212 simulated", "\u00b5m"], ["deviationFloors", "the same", "noise floors"],
+  ["dose", "dose", ""],
+];
+
+let address = "";
+let turn = { ...ABOVE };
+let busy = false;
+let again = null;
+let later = 0;
+let coarse = 1;
+let bitmap = null;
+let line = null;
+let mark = null;
+let cutting = false;
+let before = false;
+let trials = null;
+let drawn = 0;
+
+/** What is asked for, beside the size. */
+const query = (extra) => {
+  const pass = before ? 0 : +find("pass").value;
+  const plain = before && ["deviation", "noise"].includes(find("mode").value);
+  const mode = plain ? "removed" : find("mode").value;
+  return new URLSearchParams({ trial: find("trial").value, pass, whose: find("whose").value, mode, ...turn, ...extra });
+};
+
+const paint = () => {
+  const context = view.getContext("2d");
+  if (bitmap) context.drawImage(bitmap, 0, 0, view.width, view.height);
+  context.lineWidth = 2;
+  if (line) {
+    for (const [colour, width] of [["#fff", 4], ["#1c2330", 2]]) {
+      context.strokeStyle = colour;
+      context.lineWidth = width;
+      context.beginPath();
+      context.moveTo(...line[0]);
+      context.lineTo(...line[1]);
+      context.stroke();
+    }
+  }
+  if (mark) {
+    context.strokeStyle = "#1c2330";
+    context.strokeRect(mark[0] - 5, mark[1] - 5, 10, 10);
+    context.strokeStyle = "#fff";
+    context.strokeRect(mark[0] - 6, mark[1] - 6, 12, 12);
+  }
+};
+
+const step = (colour) => {
+  const part = make("i");
+  part.style.background = colour;
+  return part;
+};
+
+const showLegend = (legend) => {
+  const box = find("legend");
+  box.replaceChildren();
+  if (!legend.title) return;
+  box.append(make("div", {}, legend.title + (legend.unit ? ` [${legend.unit}]` : "")));
+  if (legend.keys) {
+    for (const key of legend.keys) box.append(make("span", { className: "key" }, step(key.colour), ` ${key.words} `));
+    box.classList.add("legend");
+    return;
+  }
+  box.append(make("div", { className: "steps" }, ...(legend.colours || legend.ramp).map(step)));
+  const ends = legend.ramp ? [0, legend.most / 2, legend.most]
+    : [...legend.bounds.map((b) => -b).reverse(), 0, ...legend.bounds];
+  const shown = ends.length > 9 ? ends.filter((_, k) => k % 2 === (ends.length - 1) / 2 % 2) : ends;
+  box.append(make("div", { className: "ends" }, ...shown.map((value) => make("span", {}, number(value, 2)))));
+};
+
+/** Draws one picture; while it is made, only the last wish waits. */
+const draw = async (fine) => {
+  if (!address || !trials) return;
+  if (busy) {
+    again = fine;
+    return;
+  }
+  busy = true;
+  const since = performance.now();
+  const scale = fine ? 1 : coarse;
+  const size = { width: Math.round(view.width * scale), height: Math.round(view.height * scale), fine };
+  try {
+    const answer = await ask(`${address}/frame?${query(size)}`);
+    showLegend(JSON.parse(answer.headers.get("x-legend")));
+    bitmap = await createImageBitmap(await answer.blob());
+    paint();
+    drawn += 1;
+    view.dataset.frames = drawn;
+    view.dataset.milliseconds = Math.round(performance.now() - since);
+    view.dataset.fine = fine;
+    if (!fine) view.dataset.scale = scale;
+    if (!fine) coarse = performance.now() - since > SLOW ? 0.5 : coarse;
+  } catch (error) {
+    find("legend").replaceChildren(make("p", {}, error.message));
+  }
+  busy = false;
+  if (again !== null) {
+    const wish = again;
+    again = null;
+    draw(wish);
+  }
+};
+
+const move = () => {
+  line = mark = null;
+  draw(false);
+  clearTimeout(later);
+  later = setTimeout(() => draw(true), WAIT);
+};
+
+const placeOf = (event) => {
+  const box = view.getBoundingClientRect();
+  const scale = view.width / box.width;
+  return [(event.clientX - box.left) * scale, (event.clientY - box.top) * scale];
+};
+
+const probe = async ([x, y]) => {
+  const pixel = { x: Math.round(x - 0.5), y: Math.round(y - 0.5), width: view.width, height: view.height, fine: false };
+  return (await ask(`${address}/probe?${query(pixel)}`)).json();
+};
+
+const read = async (place) => {
+  mark = place;
+  paint();
+  const box = find("reading");
+  try {
+    const values = await probe(place);
+    const known = LABELS.filter(([key]) => values[key] !== null && values[key] !== undefined);
+    const cell = ([key, words, unit]) => make("div", {}, make("dt", {}, words),
+      make("dd", { "data-key": key, "data-value": values[key] }, `${number(values[key])} ${unit}`));
+    box.replaceChildren(...known.map(cell));
+  } catch (error) {
+    box.replaceChildren(make("dt", {}, error.message));
+  }
+};
+
+/** Cuts along a line between two places [mm]. */
+const cut = async (ends) => {
+  const box = find("section");
+  const form = find("line");
+  for (const [name, value] of Object.entries(ends)) form.elements[name].value = (+value).toFixed(3);
+  try {
+    const size = { width: view.width, height: view.height, fine: false };
+    const made = await (await ask(`${address}/section?${query({ ...size, ...ends })}`)).json();
+    box.innerHTML = made.svg;
+    const words = `${made.words}: ${number(made.rmsUm)} \u00b5m root mean square is left, noise floor ${number(made.floorUm)} \u00b5m.`;
+    box.append(make("figcaption", { "data-rms": made.rmsUm }, words));
+  } catch (error) {
+    box.replaceChildren(make("figcaption", {}, error.message));
+  }
+};
+
+const cutBetween = async ([from, to]) => {
+  try {
+    const [a, b] = await Promise.all([probe(from), probe(to)]);
+    await cut({ x0: a.xMm, y0: a.yMm, x1: b.xMm, y1: b.yMm });
+  } catch (error) {
+    find("section").replaceChildren(make("figcaption", {}, error.message));
+  }
+};
+
+const drag = (start) => {
+  const from = placeOf(start);
+  const begun = { ...turn };
+  let moved = false;
+  const follow = (event) => {
+    const [x, y] = placeOf(event);
+    const [dx, dy] = [x - from[0], y - from[1]];
+    moved = moved || Math.hypot(dx, dy) > 4;
+    if (!moved) return;
+    if (cutting) {
+      line = [from, [x, y]];
+      paint();
+    } else if (start.shiftKey || start.button === 2) {
+      turn = { ...begun, right: begun.right + dx / view.height, up: begun.up - dy / view.height };
+      move();
+    } else {
+      const elevation = Math.max(-89, Math.min(89, begun.elevation + dy * 0.35));
+      turn = { ...begun, azimuth: begun.azimuth - dx * 0.35, elevation };
+      move();
+    }
+  };
+  const end = (event) => {
+    view.removeEventListener("pointermove", follow);
+    if (event.type !== "pointerup") return;
+    if (!moved) read(from);
+    else if (cutting && line) cutBetween(line);
+  };
+  view.setPointerCapture(start.pointerId);
+  view.addEventListener("pointermove", follow);
+  view.addEventListener("pointerup", end, { once: true });
+  view.addEventListener("pointercancel", end, { once: true });
+};
+
+const KEYS = {
+  ArrowLeft: () => { turn.azimuth += 6; }, ArrowRight: () => { turn.azimuth -= 6; },
+  ArrowUp: () => { turn.elevation = Math.max(-89, turn.elevation - 6); },
+  ArrowDown: () => { turn.elevation = Math.min(89, turn.elevation + 6); },
+  "+": () => { turn.zoom *= 1.2; }, "-": () => { turn.zoom /= 1.2; }, 0: () => { turn = { ...ABOVE }; },
+};
+
+const press = (event) => {
+  if (event.key === "Enter") return read([view.width / 2, view.height / 2]);
+  const change = KEYS[event.key];
+  if (!change || event.ctrlKey || event.metaKey) return undefined;
+  event.preventDefault();
+  change();
+  return move();
+};
+
+const setCutting = (on) => {
+  cutting = on;
+  find("cut").setAttribute("aria-pressed", on);
+  find("turn").setAttribute("aria-pressed", !on);
+  view.classList.toggle("cutting", on);
+};
+
+const showPasses = () => {
+  const { passes } = trials[+find("trial").value];
+  const words = (pass, k) => `pass ${k + 1}${pass.isFitted ? "" : ", held out"}`;
+  const options = passes.map((pass, k) => make("option", { value: k + 1 }, words(pass, k)));
+  find("pass").replaceChildren(...options);
+  find("pass").value = passes.length;
+};
+
+/** Shows the trials of a state once, and draws again when another model is the current one. */
+export const show = (state) => {
+  if (!view || !state.trials) return;
+  if (!trials) {
+    trials = state.trials;
+    find("trial").replaceChildren(...trials.map((trial, k) => make("option", { value: k }, trial.name)));
+    showPasses();
+    if (trials[0].passes.every((pass) => pass.isHeights)) find("mode").querySelector("[value=dose]").remove();
+    if (!state.isLive) find("whose").value = "measured";
+  }
+  if (state.isLive && find("whose").dataset.kept !== "yes") find("whose").value = "simulated";
+  const shown = `${state.current} ${state.isLive}`;
+  if (view.dataset.shown !== shown) {
+    view.dataset.shown = shown;
+    move();
+  }
+};
+
+/** Begins to listen. */
+export const listen = (to) => {
+  address = to;
+  if (!view) return;
+  view.addEventListener("pointerdown", drag);
+  view.addEventListener("contextmenu", (event) => event.preventDefault());
+  view.addEventListener("keydown", press);
+  view.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    turn.zoom = Math.max(0.3, Math.min(40, turn.zoom * Math.exp(-event.deltaY * 0.0015)));
+    move();
+  }, { passive: false });
+  find("trial").addEventListener("change", () => { showPasses(); move(); });
+  for (const id of ["pass", "mode", "whose"]) find(id).addEventListener("change", move);
+  find("whose").addEventListener("change", () => { find("whose").dataset.kept = "yes"; });
+  find("turn").addEventListener("click", () => setCutting(false));
+  find("cut").addEventListener("click", () => setCutting(true));
+  find("reset").addEventListener("click", () => { turn = { ...ABOVE }; move(); });
+  find("before").addEventListener("click", () => {
+    before = !before;
+    find("before").setAttribute("aria-pressed", before);
+    move();
+  });
+  find("line").addEventListener("submit", (event) => {
+    event.preventDefault();
+    cut(Object.fromEntries(new FormData(event.target)));
+  });
+};

@@ -1,0 +1,116 @@
+//! A fitted model with the evidence that it was fitted to: what sliders and searches go on from.
+
+use std::path::PathBuf;
+
+use effects::{Library, Model};
+use lab::{Calibration, Diagnosis, Fit, FitOptions, LabError, OnProgress, Order, Result, Split};
+use serde_json::Value;
+use study::{CalibrationAnswer, Data, StudyReport, summary};
+use trial_simulation::Stop;
+
+use super::live::Live;
+
+/// Steps of the fit on the fine lattice after a slider was moved: derivatives are not made again for it.
+const FINE: FitOptions = FitOptions { derivatives: 0, steps: 2 };
+/// Seed of a search, as `robofin diagnose` has it unless told otherwise.
+const SEED: u64 = 1;
+
+/// A fitted model and its evidence.
+pub(super) struct Engine<'m> {
+    /// Effects that it may have.
+    pub(super) library: Library,
+    /// The fit.
+    pub(super) calibration: Calibration,
+    data: Data<'m>,
+}
+
+/// What a fit is shown with.
+pub(super) struct Shown {
+    /// As `robofin calibrate` answers.
+    pub(super) answer: CalibrationAnswer,
+    /// As its page shows it.
+    pub(super) report: StudyReport,
+    /// Fields and maps; `None` of a table.
+    pub(super) live: Option<Live>,
+}
+
+impl<'m> Engine<'m> {
+    /// Fits a model as `robofin calibrate` does.
+    ///
+    /// - `data`: measurements that no other fit has touched
+    ///
+    /// # Errors
+    /// When it cannot be simulated, or was stopped.
+    pub(super) fn new(
+        mut data: Data<'m>,
+        (model, library): (&Model, Library),
+        (stop, told): (&Stop, &dyn Fn(&str)),
+    ) -> Result<Self> {
+        if let Data::Scans(_, evidence) = &mut data {
+            evidence.simulation.stop = stop.clone();
+        }
+        let model = data.fitting(model.clone(), &library)?;
+        let start = data.start(&model, &library)?;
+        let calibration = data.calibrated((&model, &start), &library, (Order::Joint, told))?;
+        Ok(Self { library, calibration, data })
+    }
+
+    /// The fit of the whole model.
+    pub(super) fn fit(&self) -> &Fit {
+        &self.calibration.last().fit
+    }
+
+    /// The text of the fitted model.
+    pub(super) fn text(&self) -> String {
+        self.calibration.model.to_text(&self.library)
+    }
+
+    /// What the fit is shown with.
+    ///
+    /// - `model`: where command lines would write the model
+    ///
+    /// # Errors
+    /// When it cannot be simulated, or was stopped.
+    pub(super) fn shown(&mut self, model: PathBuf) -> Result<Shown> {
+        let (answer, report) = CalibrationAnswer::new(&mut self.data, &self.calibration, &self.library, model)?;
+        let fitted = &self.calibration.last().fit.model;
+        let live = self.data.scans().map(|(_, evidence)| Live::new(evidence, fitted, &report)).transpose()?;
+        self.data.free_observation();
+        Ok(Shown { answer, report, live })
+    }
+
+    /// The fit with one parameter held elsewhere [SI], predicted quickly.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub(super) fn held(&self, place: usize, value: f64) -> Result<Fit> {
+        Ok(self.calibration.last().fit.held_at(self.data.evidence(), place, value)?)
+    }
+
+    /// A held fit taken further on the fine lattice, and what it leaves of the calibration passes, in the unit of errors.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub(super) fn refined(&self, held: &Fit) -> Result<(Fit, f64)> {
+        let evidence = self.data.evidence();
+        let mut fit = Fit::unfitted(evidence, &held.model, held.coordinates.clone())?;
+        fit.jacobian.copy_from(&held.jacobian);
+        let fit = fit.refined(evidence, FINE);
+        let agreement = evidence.agreement(&fit.model, Split::Calibration)?;
+        let squares: f64 = agreement.iter().map(|scan| scan.rms * scan.rms).sum();
+        let rms = (squares / agreement.len().max(1) as f64).sqrt() * evidence.unit().per_one();
+        Ok((fit, rms))
+    }
+
+    /// Searches for one effect that the model lacks: a diagnosis as `robofin study` makes it, as JSON.
+    ///
+    /// # Errors
+    /// When the model cannot be simulated, or was stopped.
+    pub(super) fn searched(&mut self, told: OnProgress) -> Result<Value> {
+        let (model, fit) = (&self.calibration.model, self.calibration.last().fit.clone());
+        let diagnosis = Diagnosis::within(self.data.evidence(), (model, fit), &self.library, (SEED, told), 1)?;
+        let summary = summary(&mut self.data, &diagnosis, &self.library);
+        self.data.free_observation();
+        serde_json::to_value(summary?).map_err(LabError::from)
+    }
+}

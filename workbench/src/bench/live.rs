@@ -1,0 +1,116 @@
+//! What a simulated model is looked at with: fields of the workpiece, and maps of what is left.
+
+use effects::CompiledModel;
+use report::study::ColourScale;
+use sdf_bake::PixelGrid;
+use study::{ExposureMaps, HeightMaps, Maps, StudyReport};
+
+use super::fields::{TrialFields, fields};
+use lab::{EvidenceError, ScanEvidence};
+
+/// Fields and maps of a model.
+pub(crate) struct Live {
+    /// By trial.
+    pub(crate) trials: Vec<TrialFields>,
+    /// By scan.
+    pub(crate) maps: Vec<ScanMap>,
+}
+
+/// What is left of a scan.
+pub(crate) struct ScanMap {
+    /// From 0.
+    pub(crate) trial: usize,
+    /// From 0.
+    pub(crate) pass: usize,
+    /// Where its pixels lie.
+    pub(crate) pixels: PixelGrid,
+    /// At each pixel.
+    pub(crate) residuals: Residuals,
+}
+
+/// What is left at each pixel of a scan.
+pub(crate) enum Residuals {
+    /// Heights after grinding.
+    Heights {
+        /// Measured - simulated [m], NaN where missing, shape `[ny, nx]`.
+        left: Vec<f64>,
+        /// Scan noise [m]: root mean square of one pixel's error.
+        floor: f64,
+        /// Colours.
+        scale: ColourScale,
+    },
+    /// Substrate after sanding.
+    Exposure {
+        /// Measured; `None` where the optics could not tell, shape `[ny, nx]`.
+        measured: Vec<Option<bool>>,
+        /// Simulated, shape `[ny, nx]`.
+        simulated: Vec<bool>,
+    },
+}
+
+impl Live {
+    /// Simulates a model, and takes its maps from a report.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub(super) fn new(
+        evidence: &ScanEvidence,
+        model: &CompiledModel,
+        report: &StudyReport,
+    ) -> Result<Self, EvidenceError> {
+        let name =
+            |trial: usize, pass: usize| format!("{}, pass {}", evidence.simulation.trials[trial].trial.name, pass + 1);
+        let of = |view: &lab::ScanView| {
+            let own = name(view.trial, view.pass);
+            let scan = report.scans.iter().find(|scan| scan.pass == own)?;
+            Some(ScanMap::new((view.trial, view.pass), &scan.maps))
+        };
+        let maps = evidence.views.iter().filter_map(of).collect();
+        Ok(Self { trials: fields(&evidence.simulation, model)?, maps })
+    }
+
+    /// What is left of the scan after a pass.
+    pub(crate) fn map(&self, trial: usize, pass: usize) -> Option<&ScanMap> {
+        self.maps.iter().find(|map| (map.trial, map.pass) == (trial, pass))
+    }
+}
+
+impl ScanMap {
+    /// The map of the whole model.
+    fn new((trial, pass): (usize, usize), maps: &Maps) -> Self {
+        let (pixels, residuals) = match maps {
+            Maps::Heights(HeightMaps { pixels, base, with_effect, noise_floor, .. }) => {
+                let left = with_effect.as_ref().unwrap_or(base).clone();
+                // The base model's colours, so that they fade as the error falls.
+                let scale = ColourScale::new(*noise_floor, base.iter().copied());
+                (*pixels, Residuals::Heights { left, floor: *noise_floor, scale })
+            }
+            Maps::Exposure(ExposureMaps { pixels, measured, base, with_effect }) => {
+                let simulated = with_effect.as_ref().unwrap_or(base).clone();
+                (*pixels, Residuals::Exposure { measured: measured.clone(), simulated })
+            }
+        };
+        Self { trial, pass, pixels, residuals }
+    }
+
+    /// What is left at a place [m], from the four pixels around it; `None` of a sanded surface, beyond the map and beside a
+    /// missing pixel.
+    pub(crate) fn left_at(&self, place: glam::DVec2) -> Option<f64> {
+        let Residuals::Heights { left, .. } = &self.residuals else { return None };
+        let value = interpolated(&self.pixels, left, place);
+        value.is_finite().then_some(value)
+    }
+}
+
+/// Value at a place [m] from the four pixels around it; NaN beyond the border and beside a missing one.
+pub(crate) fn interpolated(pixels: &PixelGrid, values: &[f64], place: glam::DVec2) -> f64 {
+    let at = pixels.coordinates(place);
+    let low = at.floor();
+    let (i, j) = (low.x, low.y);
+    if !(i >= 0.0 && j >= 0.0 && i + 1.0 < pixels.nx as f64 && j + 1.0 < pixels.ny as f64) {
+        return pixels.nearest(place).map_or(f64::NAN, |at| values[at]);
+    }
+    let (f, at) = (at - low, pixels.at(i as usize, j as usize));
+    let row = |at: usize| (1.0 - f.x) * values[at] + f.x * values[at + 1];
+    (1.0 - f.y) * row(at) + f.y * row(at + pixels.nx)
+}

@@ -1,0 +1,77 @@
+//! A campaign or table that was opened: a thread that owns its measurements, and what it has shown so far.
+
+mod engine;
+mod fields;
+mod journal;
+mod live;
+mod replay;
+mod shared;
+mod slider;
+mod stage;
+mod suspects;
+mod task;
+mod trail;
+mod worker;
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+pub(crate) use journal::PAGE_FILE;
+pub(crate) use live::{Live, Residuals, ScanMap, interpolated};
+pub(crate) use shared::Shared;
+pub(crate) use stage::Stage;
+pub(crate) use task::Task;
+
+use crate::error::Refusal;
+use crate::place::Place;
+use worker::Setup;
+
+/// A campaign under work.
+pub(crate) struct Bench {
+    /// What is worked on.
+    pub(crate) place: Place,
+    /// What is known of it.
+    pub(crate) shared: Arc<Shared>,
+    /// What keeps it on disk.
+    pub(crate) out: PathBuf,
+    tasks: Mutex<Sender<Task>>,
+}
+
+impl Bench {
+    /// Reads a place in a thread of its own, which then waits for tasks.
+    ///
+    /// - `out`: folder of what is tried
+    /// - `root`: folder that may hold studies of the same measurements
+    ///
+    /// # Errors
+    /// When the system gives no thread.
+    pub(crate) fn open(place: Place, out: PathBuf, root: PathBuf) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared::default());
+        let (tasks, waiting) = channel();
+        let setup = Setup { place: place.clone(), out: out.clone(), root };
+        let told = shared.clone();
+        std::thread::Builder::new().name("bench".into()).spawn(move || worker::run(setup, &told, &waiting))?;
+        Ok(Self { place, shared, out, tasks: Mutex::new(tasks) })
+    }
+
+    /// Gives the thread a task, or does at once what needs no simulation.
+    pub(crate) fn take(&self, task: Task) -> Result<(), Refusal> {
+        match task {
+            Task::Cancel => self.shared.cancel(),
+            Task::Undo | Task::Redo | Task::GoTo { .. } => {
+                self.shared.change(|state| state.travel(&task))?;
+                self.send(Task::Renew)?;
+            }
+            task => self.send(task)?,
+        }
+        Ok(())
+    }
+
+    fn send(&self, task: Task) -> Result<(), Refusal> {
+        let tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        tasks
+            .send(task)
+            .map_err(|_| Refusal::early("the measurements could not be read; mend them and open them again"))
+    }
+}

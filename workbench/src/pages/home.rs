@@ -1,0 +1,53 @@
+//! The list of what a folder holds.
+
+use maud::{Markup, html};
+
+use super::document;
+use crate::home::Home;
+use crate::place::{Kind, Place};
+
+/// The page of a folder.
+pub(crate) fn home(home: &Home) -> Markup {
+    let (places, is_cut) = home.places();
+    let content = html! {
+        main {
+            header { h1 { "Workbench" } p.lead { (home.title()) } }
+            @if places.is_empty() { (empty()) }
+            @for (kind, heading) in Kind::ALL {
+                @let own: Vec<&Place> = places.iter().filter(|place| place.kind == kind).collect();
+                @if !own.is_empty() { (list(heading, &own)) }
+            }
+            @if is_cut { p { "The folder holds more folders than are looked through; start the workbench in one below." } }
+            p.fine { "What is tried is kept in " code { (home.out()) } "." }
+        }
+    };
+    document(&home.title(), None, content)
+}
+
+fn empty() -> Markup {
+    html! {
+        p { "No trials, studies, assets or data sets are here, or in the four folders below." }
+        p {
+            "From two scans and a log a trial begins with " code { "robofin trial init FOLDER" }
+            "; an example to try is made by " code { "robofin trial synth --size small --out trials" } "."
+        }
+    }
+}
+
+fn list(heading: &str, places: &[&Place]) -> Markup {
+    html! {
+        section {
+            h2 { (heading) }
+            ul.places { @for place in places { li { (link(place)) } } }
+        }
+    }
+}
+
+fn link(place: &Place) -> Markup {
+    let address = if place.kind.has_bench() { format!("/bench/{}", place.id) } else { format!("/place/{}", place.id) };
+    let is_page = place.kind != Kind::DataSet && (place.kind.has_bench() || Home::shown_file(place).is_file());
+    html! {
+        @if is_page { a href=(address) { (place.title()) } } @else { span { (place.title()) } }
+        @if place.trials > 0 { " " span.fine { (place.trials) @if place.trials == 1 { " trial" } @else { " trials" } } }
+    }
+}

@@ -1,0 +1,46 @@
+//! The pages, and what they load.
+
+mod bench;
+mod home;
+
+pub(crate) use bench::bench;
+pub(crate) use home::home;
+
+use maud::{DOCTYPE, Markup, html};
+
+/// A file that pages load: its media type and text. Each is part of the program.
+pub(crate) fn asset(name: &str) -> Option<(&'static str, String)> {
+    const SCRIPT: &str = "text/javascript; charset=utf-8";
+    Some(match name {
+        "look.css" => {
+            let [of_pages, of_reports] = report::study::STYLE;
+            ("text/css; charset=utf-8", format!("{of_pages}{of_reports}{}", include_str!("../assets/workbench.css")))
+        }
+        "hover.js" => (SCRIPT, report::study::HOVER.to_owned()),
+        "workbench.js" => (SCRIPT, include_str!("../assets/workbench.js").to_owned()),
+        "part.js" => (SCRIPT, include_str!("../assets/part.js").to_owned()),
+        "panels.js" => (SCRIPT, include_str!("../assets/panels.js").to_owned()),
+        "dom.js" => (SCRIPT, include_str!("../assets/dom.js").to_owned()),
+        _ => return None,
+    })
+}
+
+/// A document around a page.
+///
+/// - `script`: module that it runs, if any
+fn document(title: &str, script: Option<&str>, content: Markup) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) " \u{2013} RoboFin workbench" }
+                link rel="stylesheet" href="/asset/look.css";
+                link rel="icon" href="data:,";
+                @if let Some(script) = script { script type="module" src={ "/asset/" (script) } {} }
+            }
+            body.workbench { (content) }
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Where one looks from: around the scanned area, nearer or farther, to the side.
+
+use glam::{DVec2, DVec3};
+use render::Camera;
+use sdf_bake::HeightMap;
+
+/// Nearest and farthest, as a factor on the size in the picture.
+const ZOOM: [f64; 2] = [0.3, 40.0];
+/// Highest view: from straight above the image would have no up.
+const HIGHEST: f64 = 89.5;
+
+/// A view in the numbers that the page turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turn {
+    /// From x towards y [°].
+    pub(crate) azimuth: f64,
+    /// Above the plate [°].
+    pub(crate) elevation: f64,
+    /// Size in the picture over that at which the whole area just fits [1].
+    pub(crate) zoom: f64,
+    /// How far the area is moved to the right and up, in heights of the picture [1].
+    pub(crate) right: f64,
+    /// Up.
+    pub(crate) up: f64,
+}
+
+impl Turn {
+    /// The camera of a picture of so many pixels.
+    pub(crate) fn camera(&self, scan: &HeightMap, (width, height): (usize, usize)) -> Camera {
+        let (low, high) = bounds(scan);
+        let aspect = width as f64 / height as f64;
+        let sound = |value: f64, usual: f64| if value.is_finite() { value } else { usual };
+        let azimuth = sound(self.azimuth, 0.0).to_radians();
+        let elevation = sound(self.elevation, HIGHEST).clamp(-HIGHEST, HIGHEST).to_radians();
+        let camera = Camera::framing(low, high, azimuth, elevation, aspect);
+        let middle = 0.5 * (low + high);
+        let zoom = sound(self.zoom, 1.0).clamp(ZOOM[0], ZOOM[1]);
+        let eye = middle + (camera.eye - middle) / zoom;
+        let depth = (middle - eye).dot(camera.forward);
+        let shown = camera.pixel_size(depth, 1);
+        let aside =
+            DVec2::new(sound(self.right, 0.0), sound(self.up, 0.0)).clamp(DVec2::splat(-5.0), DVec2::splat(5.0));
+        Camera { eye: eye - shown * (aside.x * camera.right + aside.y * camera.up), ..camera }
+    }
+}
+
+/// Box of a scanned area [m].
+fn bounds(scan: &HeightMap) -> (DVec3, DVec3) {
+    let pixels = scan.pixels;
+    let end = pixels.position(pixels.nx - 1, pixels.ny - 1);
+    let known = || scan.heights.iter().copied().filter(|height| height.is_finite());
+    let (least, most) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
+    let (least, most) = if least <= most { (least, most) } else { (0.0, 0.0) };
+    (pixels.origin.extend(least), end.extend(most))
+}

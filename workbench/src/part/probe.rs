@@ -1,0 +1,48 @@
+//! What is known of the place under a click.
+
+use render::Seen;
+use serde_json::{Value, json};
+
+use super::paint::place;
+use super::picture::{Asked, Looked, Whose, seen};
+use crate::bench::{Residuals, interpolated};
+use crate::error::Refusal;
+
+/// Position and values of the place that a pixel shows; lengths in millimetres and micrometres.
+///
+/// - `pixel`: from the left and from the top
+///
+/// # Errors
+/// Where the pixel shows no part, or there is nothing to look at.
+pub(crate) fn probed(looked: &Looked, asked: &Asked, (x, y): (usize, usize)) -> Result<Value, Refusal> {
+    let frame = seen(looked, asked)?;
+    let at = y * frame.width + x;
+    if x >= frame.width || y >= frame.height || frame.seen[at] != Seen::Part {
+        return Err(Refusal::missing("no part is there"));
+    }
+    let (position, here) = (frame.position[at].as_dvec3(), place(&frame, at));
+    let trial = looked.trial(asked)?;
+    let known = |value: f64, unit: f64| value.is_finite().then_some(value / unit);
+    let before = interpolated(&trial.before.pixels, &trial.before.heights, here);
+    let map = looked.map(asked);
+    let left = map.and_then(|map| map.left_at(here));
+    // Where a model says how the scan lies, the measured height is that; else it is the scan as it came.
+    let measured = match left.filter(|_| asked.whose == Whose::Simulated) {
+        Some(left) => position.z + left,
+        None => trial.heights(asked.pass).map_or(f64::NAN, |map| interpolated(&map.pixels, &map.heights, here)),
+    };
+    let floor = map.and_then(|map| match map.residuals {
+        Residuals::Heights { floor, .. } => Some(floor),
+        Residuals::Exposure { .. } => None,
+    });
+    Ok(json!({
+        "xMm": 1e3 * position.x,
+        "yMm": 1e3 * position.y,
+        "zMm": 1e3 * position.z,
+        "removedUm": 1e6 * f64::from(frame.removed[at]),
+        "dose": frame.dose[at],
+        "measuredRemovedUm": known(before - measured, 1e-6),
+        "deviationUm": left.map(|left| 1e6 * left),
+        "deviationFloors": left.zip(floor).map(|(left, floor)| left / floor),
+    }))
+}

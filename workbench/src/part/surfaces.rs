@@ -1,0 +1,94 @@
+//! Surfaces as they were scanned, and fields of them, made when first looked at.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use sdf_bake::heights::{HeightsError, SlabOptions};
+use sdf_bake::{BrickGrid, HeightMap};
+use serde_json::{Value, json};
+use trials::trial::{Campaign, Pass, PassScan, Role, Trial};
+
+/// Voxels beyond what the tool may reach, as a simulation has them.
+const MARGIN_VOXELS: f64 = 4.0;
+
+/// The scans of a campaign.
+pub(crate) struct Surfaces {
+    /// By trial.
+    pub(crate) trials: Vec<ScannedTrial>,
+}
+
+/// The scans of a trial.
+pub(crate) struct ScannedTrial {
+    /// Its name.
+    pub(crate) name: String,
+    /// Before the first pass, without spikes.
+    pub(crate) before: HeightMap,
+    /// After each pass.
+    pub(crate) scans: Vec<PassScan>,
+    passes: Vec<Value>,
+    reach: f64,
+    fields: Mutex<BTreeMap<usize, Arc<BrickGrid>>>,
+}
+
+impl Surfaces {
+    /// The scans of a campaign.
+    pub(crate) fn of(campaign: &Campaign) -> Self {
+        Self { trials: campaign.trials.iter().map(ScannedTrial::new).collect() }
+    }
+
+    /// Names of trials and passes for the page.
+    pub(crate) fn to_json(&self) -> Value {
+        self.trials.iter().map(|trial| json!({ "name": trial.name, "passes": trial.passes })).collect()
+    }
+}
+
+impl ScannedTrial {
+    fn new(trial: &Trial) -> Self {
+        let pass = |pass: &Pass| {
+            json!({
+                "isFitted": pass.role == Role::Calibration,
+                "isHeights": matches!(pass.scan, PassScan::Heights(_)),
+                "force": pass.force_setpoint,
+                "feed": 1e3 * pass.feed,
+            })
+        };
+        Self {
+            name: trial.name.clone(),
+            before: trial.scans.checked_before(),
+            scans: trial.passes.iter().map(|pass| pass.scan.clone()).collect(),
+            passes: trial.passes.iter().map(pass).collect(),
+            reach: trial.tool.half_width(),
+            fields: Mutex::default(),
+        }
+    }
+
+    /// The scanned surface after a number of passes; `None` after sanding, which leaves the surface as it was.
+    pub(crate) fn heights(&self, passes: usize) -> Option<&HeightMap> {
+        match passes.checked_sub(1) {
+            None => Some(&self.before),
+            Some(at) => match self.scans.get(at)? {
+                PassScan::Heights(map) => Some(map),
+                PassScan::Exposure(_) => Some(&self.before),
+            },
+        }
+    }
+
+    /// A field of the scanned surface after a number of passes.
+    ///
+    /// # Errors
+    /// Where there is no such scan, or it makes no part.
+    pub(crate) fn field(&self, passes: usize) -> Result<Arc<BrickGrid>, String> {
+        let mut fields = self.fields.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(field) = fields.get(&passes) {
+            return Ok(field.clone());
+        }
+        let map = self.heights(passes).ok_or_else(|| format!("{} has no pass {passes}", self.name))?;
+        let voxel = map.pixels.pitch;
+        let margin = self.reach + MARGIN_VOXELS * voxel;
+        let made = BrickGrid::from_heights(map, &SlabOptions { margin, ..SlabOptions::with_voxel(voxel) });
+        let (field, _) = made.map_err(|error: HeightsError| error.to_string())?;
+        let field = Arc::new(field);
+        fields.insert(passes, field.clone());
+        Ok(field)
+    }
+}

@@ -1,0 +1,206 @@
+//! The addresses that are answered.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::{Path, Query, State};
+use axum::http::StatusCode;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName};
+use axum::response::{Html, IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use files::input::{self, MOST_TEXT_BYTES};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::bench::{Bench, PAGE_FILE, Stage, Task};
+use crate::error::Refusal;
+use crate::home::Home;
+use crate::pages;
+use crate::part::{Asked, Line, Looked, drawn, probed, section};
+use crate::place::Kind;
+
+/// Longest wait for a change, after which the page asks again.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// A report is a document of its own, which runs the script that it holds and reaches nothing.
+const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+                             img-src data:; sandbox allow-scripts";
+
+type Answer<T> = Result<T, Refusal>;
+type Of = State<Arc<Home>>;
+
+/// All addresses.
+pub(crate) fn all(home: Arc<Home>) -> Router {
+    Router::new()
+        .route("/", get(home_page))
+        .route("/place/{id}", get(place_file))
+        .route("/asset/{name}", get(asset))
+        .route("/bench/{id}", get(bench_page))
+        .route("/bench/{id}/state", get(state))
+        .route("/bench/{id}/task", post(task))
+        .route("/bench/{id}/formula", get(formula))
+        .route("/bench/{id}/stage/{number}/sections", get(sections))
+        .route("/bench/{id}/stage/{number}/report.html", get(report))
+        .route("/bench/{id}/replay.sh", get(replay))
+        .route("/bench/{id}/frame", get(frame))
+        .route("/bench/{id}/probe", get(probe))
+        .route("/bench/{id}/section", get(cut))
+        .with_state(home)
+}
+
+/// Runs what may take longer than a request's turn.
+async fn blocking<R: Send + 'static>(work: impl FnOnce() -> R + Send + 'static) -> R {
+    match tokio::task::spawn_blocking(work).await {
+        Ok(done) => done,
+        Err(panic) => std::panic::resume_unwind(panic.into_panic()),
+    }
+}
+
+async fn bench_of(home: Arc<Home>, id: String) -> Answer<Arc<Bench>> {
+    blocking(move || home.bench(&id)).await
+}
+
+async fn home_page(State(home): Of) -> Html<String> {
+    Html(blocking(move || pages::home(&home).into_string()).await)
+}
+
+/// The page of a result or the picture of an asset, as its verb wrote it.
+async fn place_file(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
+    let read = move || {
+        let place = home.place(&id)?;
+        let file = Home::shown_file(&place);
+        let bytes = input::read(&file, MOST_TEXT_BYTES).map_err(|error| Refusal::missing(error.to_string()))?;
+        Ok(if place.kind == Kind::Asset { picture(bytes) } else { document(bytes) })
+    };
+    blocking(read).await
+}
+
+fn document(html: impl IntoResponse) -> Response {
+    ([(CONTENT_TYPE, "text/html; charset=utf-8"), (CONTENT_SECURITY_POLICY, REPORT_POLICY)], html).into_response()
+}
+
+fn picture(png: Vec<u8>) -> Response {
+    ([(CONTENT_TYPE, "image/png")], png).into_response()
+}
+
+async fn asset(Path(name): Path<String>) -> Answer<Response> {
+    let (kind, text) = pages::asset(&name).ok_or_else(|| Refusal::missing("no such file"))?;
+    Ok(([(CONTENT_TYPE, kind)], text).into_response())
+}
+
+async fn bench_page(State(home): Of, Path(id): Path<String>) -> Answer<Html<String>> {
+    let bench = bench_of(home, id).await?;
+    Ok(Html(pages::bench(&bench.place).into_string()))
+}
+
+/// What the page knows already.
+#[derive(Deserialize)]
+struct Known {
+    since: u64,
+}
+
+async fn state(State(home): Of, Path(id): Path<String>, Query(known): Query<Known>) -> Answer<Json<Value>> {
+    let bench = bench_of(home.clone(), id.clone()).await?;
+    let shared = &bench.shared;
+    // A page that waits in vain asks again; one that knows nothing is answered at once.
+    let _late = tokio::time::timeout(PATIENCE, shared.later_than(known.since)).await;
+    if shared.read(|state| state.is_closed()) {
+        home.forget(&id);
+    }
+    Ok(Json(shared.read(|state| state.to_json(shared.version()))))
+}
+
+async fn task(State(home): Of, Path(id): Path<String>, Json(task): Json<Task>) -> Answer<StatusCode> {
+    bench_of(home, id).await?.take(task)?;
+    Ok(StatusCode::ACCEPTED)
+}
+
+/// A formula as far as it is typed.
+#[derive(Deserialize)]
+struct Typed {
+    line: String,
+}
+
+async fn formula(State(home): Of, Path(id): Path<String>, Query(typed): Query<Typed>) -> Answer<Json<Value>> {
+    let bench = bench_of(home, id).await?;
+    let reader = bench.shared.read(|state| state.reader());
+    let reader = reader.ok_or_else(|| Refusal::early("the measurements are still being read"))?;
+    Ok(Json(match reader.check(&typed.line) {
+        Ok(unknowns) => json!({ "unknowns": unknowns }),
+        Err(words) => json!({ "fault": words }),
+    }))
+}
+
+async fn stage_of(home: Arc<Home>, id: String, number: usize) -> Answer<(Arc<Bench>, Arc<Stage>)> {
+    let bench = bench_of(home, id).await?;
+    let stage = bench.shared.read(|state| state.stage(number));
+    Ok((bench, stage.ok_or_else(|| Refusal::missing(format!("there is no model {number}")))?))
+}
+
+async fn sections(State(home): Of, Path((id, number)): Path<(String, usize)>) -> Answer<Json<Value>> {
+    let (_, stage) = stage_of(home, id, number).await?;
+    Ok(Json(json!(stage.sections)))
+}
+
+async fn report(State(home): Of, Path((id, number)): Path<(String, usize)>) -> Answer<Response> {
+    let (bench, _) = stage_of(home, id, number).await?;
+    let file = bench.out.join(number.to_string()).join(PAGE_FILE);
+    let page = blocking(move || input::read_text(&file, MOST_TEXT_BYTES)).await;
+    Ok(document(page.map_err(|error| Refusal::missing(error.to_string()))?))
+}
+
+/// Command lines that make every model again without the page.
+async fn replay(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
+    let bench = bench_of(home, id).await?;
+    let text = bench.shared.read(|state| state.replay());
+    let kind = (CONTENT_TYPE, "text/x-shellscript; charset=utf-8");
+    Ok(([kind, (CONTENT_DISPOSITION, "attachment; filename=\"replay.sh\"")], text).into_response())
+}
+
+/// What is looked at beside the camera.
+async fn looked_at(home: Arc<Home>, id: String) -> Answer<Looked> {
+    let bench = bench_of(home, id).await?;
+    bench.shared.read(|state| {
+        let surfaces = state.surfaces().ok_or_else(|| Refusal::early("there are no surfaces to look at yet"))?;
+        Ok(Looked { surfaces, live: state.current().and_then(|stage| stage.live()) })
+    })
+}
+
+async fn frame(State(home): Of, Path(id): Path<String>, Query(asked): Query<Asked>) -> Answer<Response> {
+    let looked = looked_at(home, id).await?;
+    let (png, legend) = blocking(move || drawn(&looked, &asked)).await?;
+    // Header values are ASCII: letters beyond it are escaped as JSON may.
+    let legend: String = legend.to_string().chars().map(escaped).collect();
+    Ok(([(HeaderName::from_static("x-legend"), legend)], picture(png)).into_response())
+}
+
+fn escaped(letter: char) -> String {
+    if letter.is_ascii() { letter.to_string() } else { format!("\\u{:04x}", letter as u32) }
+}
+
+/// A pixel from the left and from the top.
+#[derive(Deserialize)]
+struct Pixel {
+    x: usize,
+    y: usize,
+}
+
+async fn probe(
+    State(home): Of,
+    Path(id): Path<String>,
+    Query(asked): Query<Asked>,
+    Query(Pixel { x, y }): Query<Pixel>,
+) -> Answer<Json<Value>> {
+    let looked = looked_at(home, id).await?;
+    Ok(Json(blocking(move || probed(&looked, &asked, (x, y))).await?))
+}
+
+async fn cut(
+    State(home): Of,
+    Path(id): Path<String>,
+    Query(asked): Query<Asked>,
+    Query(line): Query<Line>,
+) -> Answer<Json<Value>> {
+    let looked = looked_at(home, id).await?;
+    Ok(Json(blocking(move || section(&looked, &asked, &line)).await?))
+}

@@ -1,0 +1,50 @@
+//! A workbench on a folder of its own, and a browser that opens it.
+
+#![allow(dead_code, reason = "each test uses a part of it")]
+
+pub mod devtools;
+pub mod http;
+
+use std::fs;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use workbench::{Options, Workbench};
+
+/// A token as the program would make it.
+pub const TOKEN: &str = "00112233445566778899aabbccddeeff";
+
+/// A server that runs until the test ends.
+pub struct Server {
+    pub address: SocketAddr,
+    pub url: String,
+}
+
+/// Starts a server on a folder.
+pub fn serve(folder: &Path, out: &Path) -> Server {
+    let address = SocketAddr::from(([127, 0, 0, 1], 0));
+    let options = Options { folder: folder.to_owned(), out: out.to_owned(), address, token: TOKEN.to_owned() };
+    let bench = Workbench::bind(options).expect("a free port");
+    let server = Server { address: bench.address(), url: bench.url() };
+    std::thread::spawn(move || bench.run());
+    server
+}
+
+/// The bundled campaign.
+pub fn bundled() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/campaigns/first-look")
+}
+
+/// Copies a folder.
+pub fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let place = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            copy(&entry.path(), &place);
+        } else {
+            fs::copy(entry.path(), place).unwrap();
+        }
+    }
+}
