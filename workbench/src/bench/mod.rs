@@ -4,6 +4,7 @@ mod engine;
 mod fields;
 mod journal;
 mod live;
+mod plan;
 mod replay;
 mod shared;
 mod slider;

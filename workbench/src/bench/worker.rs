@@ -18,6 +18,7 @@ use trials::trial::Campaign;
 
 use super::engine::{Engine, Shown};
 use super::journal::{Journal, Texts};
+use super::plan::{How, Plan};
 use super::replay::{self, Change};
 use super::shared::{Job, Phase, Reader, Shared};
 use super::slider::{Slid, four_digits};
@@ -40,25 +41,6 @@ pub(super) struct Setup {
     pub(super) out: PathBuf,
     /// Folder that may hold studies of the same measurements.
     pub(super) root: PathBuf,
-}
-
-/// A model that is to be made.
-struct Plan {
-    label: String,
-    model: Model,
-    library: Library,
-    /// How command lines make it.
-    change: How,
-    /// Effect file that was typed.
-    effect: Option<(String, String)>,
-}
-
-/// As [`Change`], with names of its own.
-enum How {
-    Base,
-    Add(String),
-    Remove(String),
-    Written,
 }
 
 struct Worker<'m> {
