@@ -25,10 +25,10 @@ use crate::part::{Source, sha256};
 use crate::picture::{grinding, to_png};
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::snapshot::{Keeping, STATE_NAMES};
 use lab::{Origin, identity, model_origin};
 pub use passes::followed;
 use passes::{Done, run_passes};
+use study::snapshot::{Keeping, STATE_NAMES};
 
 /// Name of the result file in a grinding folder.
 pub const GRIND_FILE: &str = "grind.json";

@@ -18,7 +18,7 @@ use files::folder::StagedFolder;
 use files::json_file::write_json;
 use files::output::FolderKind;
 use lab::covariate_maps;
-use lab::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
+use study::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
 
 use lab::{Origin, identity, model_origin};
 use trial_simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};

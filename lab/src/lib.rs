@@ -73,7 +73,6 @@ mod sentence;
 mod significance;
 mod simulated;
 mod simulation_errors;
-pub mod snapshot;
 mod space_mapping;
 mod spline;
 mod staged;

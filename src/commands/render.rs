@@ -21,7 +21,7 @@ use crate::photo::{Darkroom, PHOTOGRAPHS, PictureRecord, RENDER_FILE, RenderReco
 use crate::picture::{DRAWING, Horizon, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
 use crate::wrong_use;
 use files::folder::{StagedFile, StagedFolder};
-use lab::snapshot::kept_fields;
+use study::snapshot::kept_fields;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin render out/bracket --out out/bracket.png\n  \

@@ -19,7 +19,7 @@ use crate::console::Console;
 use crate::finishing::{self, Executor, GROUND, GrindSummary, Grinding, Plan, grind_asset};
 use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
 use files::folder::StagedFolder;
-use lab::snapshot::{Keeping, Resume, kept};
+use study::snapshot::{Keeping, Resume, kept};
 use trial_simulation::Simulation;
 use trials::trial::Trial;
 

@@ -11,7 +11,7 @@ use sim::{CurvePoint, Pass, PassRecord, PassSettings, TOOL_CELLS, gpu, run_pass}
 use super::{Executor, Grinding};
 use crate::asset::WeldTruth;
 use lab::Origin;
-use lab::snapshot::{self, Resume, Snapshot};
+use study::snapshot::{self, Resume, Snapshot};
 
 /// Steps that a pass may take; a step takes less than a millisecond.
 const MOST_STEPS: f64 = 2e5;

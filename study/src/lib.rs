@@ -40,6 +40,7 @@ mod row_covariates;
 mod scan_data;
 mod scan_figures;
 mod shapley;
+pub mod snapshot;
 mod study_state;
 mod tile_covariates;
 mod track;

@@ -13,11 +13,10 @@ use sdf_bake::nvdb::{self, Codec};
 use serde::{Deserialize, Serialize};
 use sim::PassRecord;
 
-use super::error::{LabError, Result};
-use super::model_origin::Origin;
 use files::json_file::read_json;
 use files::json_file::write_json;
 use files::{FileError, WrongUse, sha256};
+use lab::{LabError, Origin, Result};
 
 /// Value of the `format` key.
 const STATE_FORMAT: &str = "robofin-state/2";
