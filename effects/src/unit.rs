@@ -98,7 +98,7 @@ impl Unit {
     /// Reads a value with its unit, such as `350 mm^3`: the value in SI units, and the unit. A plain number has none.
     ///
     /// # Errors
-    /// What cannot be read, and what is expected.
+    /// Text that cannot be read, with the expected form.
     pub fn quantity(text: &str) -> Result<(f64, Self), String> {
         let text = text.trim();
         let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(text.len());

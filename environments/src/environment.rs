@@ -20,14 +20,14 @@ use crate::task::Task;
 
 /// The tool begins this far above the weld [m].
 const CLEARANCE: f64 = 2e-4;
-/// What all the time of an episode costs.
+/// Reward lost over the whole duration of an episode [1].
 const HASTE: f64 = 0.1;
 /// The surface may change this far along from a wheel's or ball's lowest point if it sinks in so deep [m].
 const SINK: f64 = 3e-4;
 /// Time to sand the strip once at a tenth of the fastest feed, and some more.
 const SANDINGS: f64 = 2.0;
 
-/// What all environments of a batch share.
+/// Settings that all environments of a batch share.
 #[derive(Clone)]
 pub struct Setup {
     /// One is drawn for each episode.
@@ -38,17 +38,17 @@ pub struct Setup {
     pub model: Arc<CompiledModel>,
     /// Drawn for each episode.
     pub randomisations: Vec<Randomisation>,
-    /// What actions choose between.
+    /// Bounds of actions.
     pub limits: Limits,
     /// Controller of the force.
     pub controller: Controller,
-    /// What policies see.
+    /// Kind of observation.
     pub observation: Observation,
     /// Length of an episode [s]; without one it follows from the task.
     pub time_limit: Option<f64>,
 }
 
-/// What a step was worth.
+/// Reward of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Fall of the cost.

@@ -17,7 +17,7 @@ pub enum EnvironmentError {
     /// Nothing to finish.
     #[error("{why}; a weld on smooth ground is accepted")]
     Nothing {
-        /// What was found.
+        /// Value found.
         why: &'static str,
     },
     /// A parameter to be drawn that the model does not have.

@@ -1,4 +1,4 @@
-//! What a policy sees.
+//! Observations of a policy.
 
 use effects::Process;
 use sim::surface::way_to_surface;
@@ -62,7 +62,7 @@ impl Observation {
     }
 }
 
-/// What is left over a point of the strip, about 1 at the beginning; 0 beyond the strip.
+/// Height left over a point of the strip [1], about 1 at the beginning; 0 beyond the strip.
 fn left_at(environment: &Environment, station: isize, place: isize) -> f64 {
     let [stations, across] = environment.strip.shape();
     if !(0..stations as isize).contains(&station) || !(0..across as isize).contains(&place) {

@@ -5,9 +5,9 @@ use effects::Process;
 use crate::strip::Strip;
 use crate::task::Task;
 
-/// What a volume below the target costs, in volumes above it.
+/// Cost of a volume below the target, in volumes above it [1].
 const GOUGE: f64 = 5.0;
-/// What an oversanded point costs, in points that are not sanded.
+/// Cost of an oversanded point, in points that are not sanded [1].
 const OVERSANDED: f64 = 0.5;
 /// Dose at which the coating is gone.
 pub(crate) const SANDED: f32 = 1.0;

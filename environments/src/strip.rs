@@ -1,4 +1,4 @@
-//! What stands above the target along a weld, on a lattice of points: the ruler of rewards and metrics.
+//! Heights above the target along a weld, on a lattice of points: the basis of rewards and metrics.
 
 use std::ops::Range;
 
@@ -76,7 +76,7 @@ impl Strip {
         self.points.iter().flatten().count()
     }
 
-    /// Whether a point lies on the part.
+    /// True of a point that lies on the part.
     pub fn is_on_part(&self, at: usize) -> bool {
         self.points[at].is_some()
     }

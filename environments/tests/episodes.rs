@@ -49,7 +49,7 @@ fn setup(process: Process, observation: Observation) -> Setup {
     }
 }
 
-/// What a batch writes.
+/// Observations, rewards and ends that a batch writes.
 struct Written {
     observations: Vec<f32>,
     rewards: Vec<f64>,

@@ -13,7 +13,7 @@ static HOSTED: OnceLock<Program> = OnceLock::new();
 pub struct Program {
     /// Holds its code: another build is another file.
     pub file: PathBuf,
-    /// What is started, and its first arguments.
+    /// Program that is started, with its first arguments.
     pub start: Vec<OsString>,
 }
 
