@@ -153,7 +153,7 @@ criteria! {
     /// Way from the end of a calibration to where it starts again along the softest direction.
     RESTART_DISTANCE: f64 = 0.4, "coordinates", "chosen";
     /// Change of all whitened data together that a finite difference aims at.
-    DERIVATIVE_CHANGE_AIM: f64 = 12.0, "σ", "chosen: more than the simulation's own unevenness (docs/diagnosis.md, step 4)";
+    DERIVATIVE_CHANGE_AIM: f64 = 12.0, "σ", "chosen: above the simulation's own unevenness (docs/diagnosis.md, step 4)";
     /// Change below which the difference is made again over a longer step.
     DERIVATIVE_CHANGE_LEAST: f64 = 8.0, "σ",
         "measured: simulations that differ by nothing of weight differ by 2 (docs/diagnosis.md, step 4)";
