@@ -1,0 +1,286 @@
+//! The page in headless Chromium: a campaign is opened, turned, read and cut; an effect is added, the error falls to what
+//! a calibration gives; undo, a formula, a slider, the report; and nothing is written on the console.
+//!
+//! With `ROBOFIN_PICTURES=DIR` it leaves the pictures of the documents there.
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use common::devtools::Browser;
+use common::http::own;
+use common::{Server, bundled, copy, serve};
+use effects::{Library, Model};
+use lab::{Calibration, CalibrationSummary, Order};
+use serde_json::{Value, json};
+use study::Measurements;
+
+/// Time that a fit on this campaign may take on a machine that is busy with other tests [s].
+const PATIENCE: u64 = 600;
+/// Turns the part for three seconds, and counts the frames of a second.
+const TURNING: &str = "(async () => {
+    const view = document.getElementById('view');
+    const [before, since] = [+view.dataset.frames, performance.now()];
+    while (performance.now() - since < 3000) {
+        view.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }));
+        await new Promise((done) => { setTimeout(done, 20); });
+    }
+    return [(view.dataset.frames - before) / 3, view.dataset.scale];
+})()";
+/// Effect that is added.
+const EFFECT: &str = "grit-dulling";
+
+/// Error of the last step, as `robofin calibrate` with the fitted base model and one effect more gives it.
+fn calibrated(measurements: &Measurements) -> (f64, f64) {
+    let library = Library::builtin();
+    let fitted = |model: &Model| -> (Calibration, f64) {
+        let mut data = measurements.data().unwrap();
+        let start = data.start(model, library).unwrap();
+        let calibration = data.calibrated((model, &start), library, (Order::Joint, &|_| {})).unwrap();
+        let summary = CalibrationSummary::new(data.evidence(), &calibration, library).unwrap();
+        let error = summary.waterfall.last().unwrap().calibration_rms_um;
+        (calibration, error)
+    };
+    let process = measurements.data().unwrap().evidence().process();
+    let (base, base_error) = fitted(&Model::new(process));
+    let text = base.model.to_text(library);
+    let with = Model::parse("base", &text, library).unwrap().with(EFFECT);
+    (base_error, fitted(&Model::parse("with", &with.to_text(library), library).unwrap()).1)
+}
+
+/// One of the bundled trials, whose logs are exact: a fit that seeks neither frame nor clock in all three takes five times as long.
+fn one_trial(campaign: &Path) {
+    copy(&bundled().join("trial-1"), &campaign.join("trial-1"));
+    let manifest = campaign.join("trial-1").join("trial.toml");
+    let text = fs::read_to_string(&manifest).unwrap();
+    let exact = "\n[robot]\nframe_sigma_mm = 0\nyaw_sigma_mrad = 0\nclock_sigma_s = 0\n";
+    fs::write(manifest, text + exact).unwrap();
+}
+
+/// A study of the campaign that has come to a diagnosis, with as much of its record as a page reads.
+fn write_study(folder: &Path, campaign: &Path) {
+    fs::create_dir_all(folder).unwrap();
+    let suspect = |name: &str, probability: f64, delta_chi2: f64| {
+        json!({
+            "name": name, "title": Library::builtin().find(name).unwrap().title, "probability": probability,
+            "indistinguishable_from": [], "parameters": {}, "delta_chi2": delta_chi2, "p_value": 0.01, "search": 1,
+            "ruled_out": null, "evaluation_rms_um_before": null, "evaluation_rms_um_after": null,
+        })
+    };
+    let mut record = study::StudyRecord::new(study::inputs_sha256(campaign).unwrap(), 1);
+    record.diagnosis = Some(json!({
+        "sentence": "The rate falls with what was ground.", "none_probability": 0.02, "error_unit": "um",
+        "suspects": [suspect("wheel-crown", 0.05, 11.0), suspect(EFFECT, 0.93, 240.0)],
+    }));
+    fs::write(folder.join(study::STUDY_FILE), serde_json::to_string(&record).unwrap()).unwrap();
+}
+
+/// Takes a picture where pictures are wanted.
+fn picture(browser: &mut Browser, name: &str) {
+    if let Some(folder) = std::env::var_os("ROBOFIN_PICTURES") {
+        browser.screenshot(&PathBuf::from(folder).join(name));
+    }
+}
+
+/// Waits until nothing is under way, and the current model is the one of a number.
+fn settled(browser: &mut Browser, number: u32) {
+    let is = format!(
+        "document.body.dataset.idle === 'true' && document.querySelector('#stages [aria-current]')?.value === {number}"
+    );
+    browser.until(&is, PATIENCE);
+    assert_eq!(browser.value("document.getElementById('fault').textContent"), "");
+}
+
+fn shown_error(browser: &mut Browser) -> f64 {
+    browser.value("+document.querySelector('#error').dataset.value").as_f64().unwrap()
+}
+
+#[test]
+fn a_cause_is_tried_and_the_error_falls_to_what_calibrate_gives() {
+    let Some(mut browser) = Browser::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = folder.path().join("first-look");
+    one_trial(&campaign);
+    write_study(&folder.path().join("study"), &campaign);
+    let (out, campaigns) = (folder.path().join("kept"), folder.path().to_owned());
+    let server = serve(&campaigns, &out);
+    browser.open(&server.url);
+    assert_eq!(browser.value("location.search"), "", "the token stands in no address");
+    picture(&mut browser, "workbench-home.png");
+    browser.click("a[href^='/bench/']");
+    browser.until("document.getElementById('view')?.dataset.frames > 0", PATIENCE);
+    settled(&mut browser, 1);
+    part_is_turned_read_and_cut(&mut browser, &server, &campaigns);
+    effect_is_added(&mut browser, &campaign);
+    slider_is_dragged(&mut browser);
+    formula_is_typed(&mut browser);
+    report_is_the_calibration(&mut browser, &out);
+    picture_on_a_phone(&mut browser);
+    assert_eq!(browser.console, [""; 0], "the console");
+    everything_is_there_after_the_server_was_ended(&mut browser, &campaigns, &out);
+}
+
+/// The page's own address of the bench.
+fn bench(browser: &mut Browser) -> String {
+    browser.value("document.getElementById('bench').dataset.address").as_str().unwrap().to_owned()
+}
+
+fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folder: &Path) {
+    browser.until("document.getElementById('whose').value === 'simulated'", 20);
+    browser.value("document.getElementById('view').scrollIntoView()");
+    let [x, y] = browser.middle("#view");
+    let frames = browser.value("+document.getElementById('view').dataset.frames").as_f64().unwrap();
+    browser.pointer([x, y], [x + 90.0, y - 25.0]);
+    browser.until(&format!("+document.getElementById('view').dataset.frames > {frames}"), 30);
+    browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
+    println!("turning: frames a second and share of 640 × 480 along each side: {}", browser.value(TURNING));
+    browser.value("document.getElementById('view').dataset.fine = ''; document.getElementById('reset').click()");
+    browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
+    browser.pointer([x, y + 20.0], [x, y + 20.0]);
+    browser.until("document.querySelector('#reading [data-key=zMm]')", 30);
+    let read = |browser: &mut Browser, key: &str| {
+        browser.value(&format!("+document.querySelector('#reading [data-key={key}]').dataset.value")).as_f64().unwrap()
+    };
+    let [at_x, at_y, at_z, removed] = ["xMm", "yMm", "zMm", "removedUm"].map(|key| read(browser, key));
+    value_is_that_of_the_field(folder, [at_x, at_y, at_z], removed);
+    browser.click("#cut");
+    browser.value("document.getElementById('view').scrollIntoView()");
+    let [x, y] = browser.middle("#view");
+    browser.pointer([x - 20.0, y + 60.0], [x + 20.0, y - 50.0]);
+    browser.until("document.querySelector('#section svg')", 30);
+    let rms = browser.value("+document.querySelector('#section figcaption').dataset.rms").as_f64().unwrap();
+    assert!(rms > 0.1 && rms < 1e3, "{rms} µm along the section");
+    browser.value("document.getElementById('view').scrollIntoView()");
+    picture(browser, "workbench-part.png");
+    browser.click("#turn");
+    let page = bench(browser);
+    let answer = own(
+        server.address,
+        &format!(
+            "GET {page}/frame?trial=9&pass=0&whose=measured&mode=removed&azimuth=0&elevation=60&zoom=1&right=0&up=0&width=64&height=48&fine=false"
+        ),
+        "",
+    );
+    assert_eq!(answer.status, 404, "{}", answer.body);
+}
+
+/// Simulates the fitted model of the page again, and compares the place and the value that were read with its field.
+fn value_is_that_of_the_field(folder: &Path, at_mm: [f64; 3], removed_um: f64) {
+    let kept = fs::read_dir(folder.join("kept")).unwrap().next().unwrap().unwrap().path();
+    let text = fs::read_to_string(kept.join("1").join("model.toml")).unwrap();
+    let library = Library::builtin();
+    let model = Model::parse("model.toml", &text, library).unwrap();
+    let measurements = Measurements::read(&folder.join("first-look")).unwrap();
+    let data = measurements.data().unwrap();
+    let (_, evidence) = data.scans().unwrap();
+    let model = effects::CompiledModel::new(&model, library, lab::Evidence::rows(evidence)).unwrap();
+    let own = &evidence.simulation.trials[0];
+    let mut state = own.start(&model, trial_simulation::Simulation::fresh_states(&model), 0);
+    for _ in &own.trial.passes {
+        own.run_pass(&model, &mut state, &mut |_| {}).unwrap();
+    }
+    let point = glam::DVec3::from(at_mm) * 1e-3;
+    let distance = f64::from(state.part.sample(point));
+    assert!(distance.abs() < 1e-3 * state.part.voxel, "{point} is {distance} m from the field's surface");
+    let before = render::Field::new(&own.part);
+    let depth = 1e6 * render::removed_depth(&before, point, state.part.normal(point));
+    // The picture's normal is smooth across cells, the field's own is not: on a bead they differ by a degree.
+    assert!((depth - removed_um).abs() < 0.02 * depth, "{removed_um} µm were read, and the field has {depth} µm");
+}
+
+fn effect_is_added(browser: &mut Browser, campaign: &Path) {
+    let base = shown_error(browser);
+    browser.until("document.querySelectorAll('#suspects tbody tr').length === 2", 20);
+    let first = browser.value("document.querySelector('#suspects tbody th').textContent");
+    assert_eq!(first, EFFECT, "the likeliest is first");
+    browser.click("#suspects tbody button");
+    browser.until("!document.getElementById('progress').hidden", 20);
+    settled(browser, 2);
+    let with = shown_error(browser);
+    let measurements = Measurements::read(campaign).unwrap();
+    let (base_expected, expected) = calibrated(&measurements);
+    println!("the error falls from {base:.3} to {with:.3} µm; calibrate gives {base_expected:.3} and {expected:.3} µm");
+    assert_eq!((base, with), (base_expected, expected));
+    assert!(with < base);
+    browser.until("document.querySelector('#panel-waterfall svg')", 20);
+    assert!(browser.value("document.getElementById('panel-waterfall').textContent").as_str().unwrap().contains(EFFECT));
+    browser.value("scrollTo(0, 0)");
+    picture(browser, "workbench.png");
+    browser.click("#undo");
+    settled(browser, 1);
+    assert_eq!(shown_error(browser), base);
+    browser.click("#redo");
+    settled(browser, 2);
+    assert_eq!(shown_error(browser), with);
+}
+
+fn slider_is_dragged(browser: &mut Browser) {
+    let drag = "(() => { const s = document.querySelector('#sliders input'); \
+                s.value = +s.value + 0.05 * (s.max - s.min); s.dispatchEvent(new Event('input', {bubbles: true})); })()";
+    browser.value(drag);
+    browser.until("document.getElementById('held-words')?.dataset.isFine === 'true'", PATIENCE);
+    let words = browser.value("document.getElementById('held-words').textContent");
+    let coarse = browser.value("document.getElementById('held-words').dataset.coarse");
+    println!("the slider was answered after {coarse} s: {words}");
+    browser.until("document.body.dataset.idle === 'true'", PATIENCE);
+}
+
+fn formula_is_typed(browser: &mut Browser) {
+    let typed = |line: &str| {
+        format!(
+            "(() => {{ const f = document.getElementById('formula-line'); f.value = {}; \
+             f.dispatchEvent(new Event('input', {{bubbles: true}})); }})()",
+            json!(line)
+        )
+    };
+    browser.value(&typed("rate + ground_volume"));
+    browser.until("document.getElementById('formula-words').className === 'bad'", 20);
+    browser.value(&typed("rate * exp(-ground_volume / a)"));
+    browser.until("document.getElementById('formula-words').className === 'good'", 20);
+    assert_eq!(browser.value("document.querySelector('#own button').disabled"), false);
+}
+
+fn report_is_the_calibration(browser: &mut Browser, out: &Path) {
+    let page = bench(browser);
+    let html = browser.value(&format!("fetch('{page}/stage/2/report.html').then((answer) => answer.text())"));
+    let kept = fs::read_dir(out).unwrap().next().unwrap().unwrap().path();
+    let file = fs::read_to_string(kept.join("2").join("report.html")).unwrap();
+    assert!(html.as_str().unwrap() == file && file.contains("Calibrated"), "the report is the file");
+    let commands = browser.value("document.getElementById('commands').textContent");
+    let commands = commands.as_str().unwrap();
+    assert!(commands.contains(&format!("robofin effects add replay/2.toml {EFFECT}")), "{commands}");
+    let numbers: Value =
+        serde_json::from_str(&fs::read_to_string(kept.join("2").join("calibration.json")).unwrap()).unwrap();
+    assert!(numbers["chi2"].is_number());
+}
+
+fn picture_on_a_phone(browser: &mut Browser) {
+    let size = json!({ "width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": false });
+    browser.call("Emulation.setDeviceMetricsOverride", size);
+    let wide = browser.value("document.documentElement.scrollWidth").as_f64().unwrap();
+    picture(browser, "workbench-phone.png");
+    let beyond = "[...document.querySelectorAll('*')].filter((e) => e.getBoundingClientRect().right > 390 \
+                  && getComputedStyle(e.parentElement ?? e).overflowX === 'visible').map((e) => `${e.tagName} ${e.id}`)";
+    assert!(wide <= 390.0, "the page is {wide} px wide: {}", browser.value(beyond));
+    browser.call("Emulation.clearDeviceMetricsOverride", json!({}));
+}
+
+fn everything_is_there_after_the_server_was_ended(browser: &mut Browser, folder: &Path, out: &Path) {
+    // The first server still holds the folder: a second one is refused in words.
+    let second = serve(folder, out);
+    browser.open(&second.url);
+    browser.click("a[href^='/bench/']");
+    browser.until("document.getElementById('fault')?.textContent.includes('another workbench is open')", PATIENCE);
+    let moved = folder.with_extension("after");
+    copy(out, &moved);
+    fs::read_dir(&moved).unwrap().for_each(|own| {
+        let _absent = fs::remove_file(own.unwrap().path().join(".workbench.lock"));
+    });
+    let third = serve(folder, &moved);
+    browser.open(&third.url);
+    browser.click("a[href^='/bench/']");
+    browser.until("document.querySelectorAll('#stages li').length === 2", PATIENCE);
+    assert!(browser.value("document.getElementById('panel-waterfall').textContent").as_str().is_some());
+    fs::remove_dir_all(moved).unwrap();
+}
