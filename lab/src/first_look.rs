@@ -74,8 +74,6 @@ impl FirstLook {
 
 /// Expected fall of the sum of squares by an effect: each of its sizes at one middle value, its shape as the library has it.
 fn promised(look: &Look, candidate: &Candidate) -> f64 {
-    let amplitudes = candidate.coordinates.iter().filter(|coordinate| coordinate.slot.null.is_some()).count();
-    let middle = candidate.probes.iter().take(amplitudes).filter_map(|group| group.get(group.len() / 2));
-    let responses = middle.filter_map(|probe| look.at(candidate, probe));
+    let responses = candidate.typical().filter_map(|probe| look.at(candidate, probe));
     responses.map(|response| response.optimum(&look.projector.residuals).1).fold(0.0, f64::max)
 }

@@ -5,6 +5,7 @@
 mod alignment;
 mod estimate;
 mod posterior;
+mod rivals;
 mod words;
 
 pub use alignment::aligned;

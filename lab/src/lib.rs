@@ -61,6 +61,7 @@ mod pass_trend;
 mod prepared;
 mod probe;
 mod remembered;
+mod repredicted;
 mod reserve;
 mod response;
 mod round;

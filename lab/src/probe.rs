@@ -66,6 +66,12 @@ impl Candidate {
         Ok(Self { name: effect.name.clone(), family: evidence.family(&effect.name), model, coordinates, probes })
     }
 
+    /// A middle value of each of its sizes, its shape as the library has it.
+    pub(super) fn typical(&self) -> impl Iterator<Item = &Probe> {
+        let amplitudes = self.coordinates.iter().filter(|coordinate| coordinate.slot.null.is_some()).count();
+        self.probes.iter().take(amplitudes).filter_map(|group| group.get(group.len() / 2))
+    }
+
     /// The model with the effect at these values [SI].
     pub fn at(&self, values: &[f64]) -> CompiledModel {
         let mut model = self.model.clone();

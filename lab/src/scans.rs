@@ -5,7 +5,7 @@ use std::ops::Range;
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use nalgebra::DMatrix;
 
-use super::coarse_scans::CoarseScans;
+use super::coarse_scans::CoarseLattice;
 use super::coordinates::Coordinate;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::exposure_view::ExposureView;
@@ -15,6 +15,7 @@ use super::height_view::HeightView;
 use super::observation::Observation;
 use super::pass_trend::{PassTrend, trend_of_scans};
 use super::prepared::Prepared;
+use super::repredicted::Repredicted;
 use super::simulation_errors::SimulationErrors;
 use super::tile_noise::FittedNoise;
 use super::tiles::Tiles;
@@ -241,7 +242,7 @@ impl Evidence for ScanEvidence<'_> {
 
     fn quicker(&self) -> Option<Box<dyn Totals + '_>> {
         let simulation = self.coarse.as_ref()?;
-        Some(Box::new(CoarseScans { usual: self, simulation }))
+        Some(Box::new(Repredicted { data: self, prediction: CoarseLattice { usual: self, simulation } }))
     }
 
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {

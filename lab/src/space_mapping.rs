@@ -1,19 +1,21 @@
 //! Fits by space mapping (Bandler et al. 2004): steps are made on a quicker lattice that agrees with the usual one where a fit
 //! is. Where they end, the usual lattice tells how good they were, and the surrogate learns from it.
 
-use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use effects::CompiledModel;
 use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinate;
-use super::evidence::{Agreement, Evidence, EvidenceError, Split};
+use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::{Fit, FitOptions};
-use super::pass_trend::PassTrend;
+use super::repredicted::{Prediction, Repredicted};
 use super::totals::{Total, Totals};
-use super::unlisted::Basis;
 use crate::criteria::{DERIVATIVE_CHANGE_LEAST, FIT_CONVERGED_DELTA_CHI2, MAPPING_ROUNDS};
 
-/// A quicker prediction of data, with the residuals of a fit at its place and a linear term beside it.
-pub(super) struct Surrogate<'a> {
+/// A quicker prediction of data that has the residuals of a fit at its place.
+pub(super) type Surrogate<'a> = Repredicted<'a, Mapped<'a>>;
+
+/// A quicker prediction with what it lacks of a fit's residuals, and a linear term beside that.
+pub(super) struct Mapped<'a> {
     quicker: &'a dyn Totals,
     /// Whitened residuals of the fit minus those of the quicker prediction at its place.
     offset: Vec<f64>,
@@ -30,7 +32,8 @@ impl<'a> Surrogate<'a> {
         let own = quicker.residuals(&fit.model, Split::Calibration).ok()?;
         let offset = fit.residuals.iter().zip(own).map(|(usual, quicker)| usual - quicker).collect();
         let slope = DMatrix::zeros(fit.residuals.len(), fit.at.len());
-        Some(Self { quicker, offset, coordinates: fit.coordinates.clone(), from: fit.at.clone(), slope })
+        let (coordinates, from) = (fit.coordinates.clone(), fit.at.clone());
+        Some(Self { data: quicker, prediction: Mapped { quicker, offset, coordinates, from, slope } })
     }
 
     /// With the residuals and the derivatives of a fit; `None` as in [`Self::at`].
@@ -38,11 +41,17 @@ impl<'a> Surrogate<'a> {
         let surrogate = Self::at(quicker, fit)?;
         let mut own = fit.clone();
         own.renew_derivatives(&surrogate);
-        Some(Self { slope: &fit.jacobian - own.jacobian, ..surrogate })
+        Some(surrogate.beside(&fit.jacobian - own.jacobian))
+    }
+
+    /// With derivatives that the quicker prediction lacks.
+    fn beside(mut self, slope: DMatrix<f64>) -> Self {
+        self.prediction.slope = slope;
+        self
     }
 }
 
-impl Evidence for Surrogate<'_> {
+impl Prediction for Mapped<'_> {
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
         let mut residuals = self.quicker.residuals(model, split)?;
         if split == Split::Calibration {
@@ -57,74 +66,8 @@ impl Evidence for Surrogate<'_> {
         Ok(residuals)
     }
 
-    fn process(&self) -> Process {
-        self.quicker.process()
-    }
-
-    fn rows(&self) -> RowCounts {
-        self.quicker.rows()
-    }
-
-    fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
-        self.quicker.agreement(model, split)
-    }
-
-    fn adapted(&self, model: Model, library: &Library) -> Model {
-        self.quicker.adapted(model, library)
-    }
-
-    fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
-        self.quicker.coordinates(model)
-    }
-
-    fn size(&self, change: &[f64]) -> f64 {
-        self.quicker.size(change)
-    }
-
-    fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
-        self.quicker.trend(model)
-    }
-
-    fn is_blind_to(&self, effect: &Effect) -> Option<String> {
-        self.quicker.is_blind_to(effect)
-    }
-
-    fn family(&self, effect: &str) -> String {
-        self.quicker.family(effect)
-    }
-
-    fn blocks(&self, split: Split) -> Vec<usize> {
-        self.quicker.blocks(split)
-    }
-
-    fn folds(&self) -> Vec<usize> {
-        self.quicker.folds()
-    }
-
-    fn closure(&self) -> DMatrix<f64> {
-        self.quicker.closure()
-    }
-
-    fn smooth_errors(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
-        self.quicker.smooth_errors(model)
-    }
-
-    fn bases(&self, model: (&Model, &Fit), library: &Library) -> Result<Vec<Basis>, EvidenceError> {
-        self.quicker.bases(model, library)
-    }
-
-    fn lattice_field(&self) -> Vec<f64> {
-        self.quicker.lattice_field()
-    }
-}
-
-impl Totals for Surrogate<'_> {
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError> {
         self.quicker.totals(model, split)
-    }
-
-    fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        self.quicker.unregistered(model, split)
     }
 }
 
@@ -160,7 +103,7 @@ impl Fit {
         let mut slope = DMatrix::zeros(self.residuals.len(), self.at.len());
         for _ in 0..MAPPING_ROUNDS {
             let Some(surrogate) = Surrogate::at(quicker, &self) else { break };
-            let there = self.clone().stepped(&Surrogate { slope: slope.clone(), ..surrogate }, options);
+            let there = self.clone().stepped(&surrogate.beside(slope.clone()), options);
             if there.at == self.at {
                 return there;
             }

@@ -55,10 +55,11 @@ impl Profilometer {
 
     /// A channel of the field on the topmost surface, for instance the coating dose; NaN where there is no surface.
     ///
-    /// - `values`: one per voxel in the order of `phi`, shape `[bricks, 512]`
+    /// - `values`: one per voxel in the order of `phi`, shape `[bricks, 512]`; empty where all are 0
     pub fn channel(&self, grid: &BrickGrid, values: &[f32]) -> Vec<f64> {
         let at = |voxel: IVec3| match grid.slot(voxel >> 3) {
             OUTSIDE | INSIDE => f64::NAN,
+            _ if values.is_empty() => 0.0,
             slot => f64::from(values[slot as usize * BRICK_VOXELS + voxel_offset(voxel)]),
         };
         self.seen(grid, |Crossing { below, way }| {

@@ -110,6 +110,7 @@ fn exposure_is_where_the_dose_on_the_surface_reaches_one() {
         let place = pixels().position(k % 280, k / 280);
         assert!((dose - place.x / 0.035).abs() < 1e-4, "{dose} at {place}");
     }
+    assert!(instrument.channel(&grid, &[]).iter().all(|dose| *dose == 0.0), "a part that nobody sanded has no channel");
     let exposed = instrument.exposed(&grid, &doses);
     for (k, exposed) in exposed.iter().enumerate().filter(|(k, _)| k % 280 != 140) {
         assert_eq!(*exposed, Some(k % 280 > 140), "pixel {k}");

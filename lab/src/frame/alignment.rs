@@ -7,6 +7,7 @@ use trials::trial::Trial;
 
 use super::estimate::{Arms, Judged};
 use super::posterior::Linear;
+use super::rivals::rivals;
 use super::{FrameFreedom, FrameValues, QUANTITIES, frame_offset, middle};
 use crate::calibrate::fit_roughly;
 use crate::criteria::{COARSE_VOXEL_RATIO, FRAME_REACH, FRAME_SETTLED};
@@ -17,43 +18,71 @@ use crate::scans::ScanEvidence;
 /// Most times that logs are moved.
 const MOST_MOVES: usize = 6;
 
-/// The trials of a campaign with their logs moved to where the scans show the tool; `None` where they are near enough.
+/// The trials of a campaign with their logs moved to where the scans show the tool; `None` where they are near enough. Coarse
+/// voxels tell which logs are in doubt, the usual ones where they lie.
 ///
 /// # Errors
 /// When the model cannot be simulated.
 pub fn aligned(trials: &[Trial], model: &Model, library: &Library) -> Result<Option<Vec<Trial>>> {
-    let arms = Arms::of(&trials.iter().collect::<Vec<_>>());
-    let (mut place, mut placed) = ([0.0; QUANTITIES], trials.to_vec());
-    for _ in 0..MOST_MOVES {
-        let shown = shown(&placed, model, library)?;
-        let by = std::array::from_fn(|k| shown[k] - place[k]);
-        if arms.way(by) <= if place == [0.0; QUANTITIES] { FRAME_REACH } else { FRAME_SETTLED } {
-            break;
-        }
-        place = shown;
-        let frame_offset = frame_offset(place, middle(&trials[0]));
-        placed = trials.iter().map(|trial| frame_offset.of_trial(trial)).collect();
-    }
-    Ok((arms.way(place) > FRAME_REACH).then_some(placed))
-}
-
-/// Where the scans show the logs, which may be moved already, beside a rough fit of a model and any smooth change of its
-/// removal.
-fn shown(trials: &[Trial], model: &Model, library: &Library) -> Result<FrameValues> {
-    let evidence = coarse(trials)?;
-    let model = CompiledModel::new(model, library, evidence.rows())?;
-    let fit = fit_roughly(&evidence, &model)?;
-    let fitted = &fit.model;
-    let columns = FrameFreedom::new(&evidence, fitted)?.columns;
-    let residuals = DVector::from_vec(evidence.as_logged(fitted)?);
-    let linear = Linear { residuals, columns, beside: evidence.beside_frame(&fit) };
-    Ok(Judged::new(linear, evidence.logs_moved(), &trials.iter().collect::<Vec<_>>()).place)
-}
-
-/// Scans with a simulation on voxels that are coarse, where the tool allows them: a place needs no finer ones.
-fn coarse(trials: &[Trial]) -> Result<ScanEvidence<'_>> {
+    let search = Search { trials, model, library, arms: Arms::of(&trials.iter().collect::<Vec<_>>()) };
     let voxel = COARSE_VOXEL_RATIO * trials[0].scans.before.pixels.pitch;
-    let grinds = trials[0].process == Process::Grinding;
-    let usual = |_| ScanEvidence::new(trials, None);
-    Ok(ScanEvidence::new(trials, grinds.then_some(voxel)).or_else(usual)?)
+    if trials[0].process == Process::Grinding && !search.is_far(search.shown(trials, Some(voxel))?) {
+        return Ok(None);
+    }
+    let place = search.settled()?;
+    Ok(search.is_far(place).then(|| search.placed(place)))
+}
+
+/// The search for the place of the logs of a campaign.
+struct Search<'a> {
+    trials: &'a [Trial],
+    model: &'a Model,
+    library: &'a Library,
+    arms: Arms,
+}
+
+impl Search<'_> {
+    fn is_far(&self, place: FrameValues) -> bool {
+        self.arms.way(place) > FRAME_REACH
+    }
+
+    fn placed(&self, place: FrameValues) -> Vec<Trial> {
+        let frame_offset = frame_offset(place, middle(&self.trials[0]));
+        self.trials.iter().map(|trial| frame_offset.of_trial(trial)).collect()
+    }
+
+    /// Where the logs lie when they are moved until they stay; as logged where they never do.
+    fn settled(&self) -> Result<FrameValues> {
+        let mut place = [0.0; QUANTITIES];
+        for _ in 0..MOST_MOVES {
+            let shown = self.shown(&self.placed(place), None)?;
+            let by = std::array::from_fn(|k| shown[k] - place[k]);
+            if self.arms.way(by) <= FRAME_SETTLED || !self.is_far(shown) {
+                return Ok(shown);
+            }
+            place = shown;
+        }
+        Ok([0.0; QUANTITIES])
+    }
+
+    /// Where the scans show logs, which may be moved already, beside a rough fit of the model, each effect of the library and any
+    /// smooth change of the removal.
+    ///
+    /// - `voxel`: of the simulation; the usual one without
+    fn shown(&self, trials: &[Trial], voxel: Option<f64>) -> Result<FrameValues> {
+        let usual = |_| ScanEvidence::new(trials, None);
+        let mut evidence = ScanEvidence::new(trials, voxel).or_else(usual)?;
+        let model = CompiledModel::new(self.model, self.library, evidence.rows())?;
+        if voxel.is_none() {
+            evidence.limit_steps(&model)?;
+        }
+        let fit = fit_roughly(&evidence, &model)?;
+        let columns = FrameFreedom::new(&evidence, &fit.model)?.columns;
+        let residuals = DVector::from_vec(evidence.as_logged(&fit.model)?);
+        let linear = Linear { residuals, columns, beside: evidence.beside_frame(&fit) };
+        let rivals = rivals(&evidence, (self.model, &fit), self.library)?;
+        let trials: Vec<&Trial> = trials.iter().collect();
+        let judged = Judged::new(linear, &rivals, (evidence.logs_moved(), &trials));
+        Ok(judged.place)
+    }
 }

@@ -1,6 +1,7 @@
 //! Where the logs of a campaign lie in the frame of its scans, and what that is called.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::posterior::{Linear, Posterior};
@@ -107,20 +108,30 @@ pub(super) struct Judged {
 impl Judged {
     /// Holds all causes against residuals.
     ///
+    /// - `rivals`: changes by what else may have made them; a cause must be worth it beside each
     /// - `moved`: by how much the logs are moved where the residuals were taken
-    pub(super) fn new(linear: Linear, moved: FrameValues, trials: &[&Trial]) -> Self {
+    pub(super) fn new(linear: Linear, rivals: &[DMatrix<f64>], (moved, trials): (FrameValues, &[&Trial])) -> Self {
         let scale = priors(trials[0].frame_errors);
         let of_moved = DVector::from_fn(QUANTITIES, |k, _| if scale[k] > 0.0 { moved[k] / scale[k] } else { 0.0 });
         let linear = Linear { residuals: linear.residuals - &linear.columns * of_moved, ..linear };
-        let posteriors = linear.posteriors(FrameCause::ALL.map(FrameCause::free));
+        let posteriors = |linear: &Linear| linear.posteriors(FrameCause::ALL.map(FrameCause::free));
+        let mut beside: Vec<_> = vec![posteriors(&linear)];
+        beside.par_extend(rivals.par_iter().map(|rival| posteriors(&linear.beside_also(rival))));
+        let gain = |b: usize, a: usize| {
+            beside.iter().map(|own| own[b].log_evidence - own[a].log_evidence).fold(f64::INFINITY, f64::min)
+        };
         // A cause with more free quantities must be worth them, also beside the prior odds of its evidence.
         let count = |cause: usize| FrameCause::ALL[cause].free().into_iter().filter(|free| *free).count();
         let better = |a: usize, b: usize| {
             let least = if count(b) > count(a) { FRAME_ODDS.ln() } else { 0.0 };
-            if posteriors[b].log_evidence > posteriors[a].log_evidence + least { b } else { a }
+            if gain(b, a) > least { b } else { a }
         };
-        let at = (0..posteriors.len()).reduce(better).expect("there are causes");
-        let log_odds = posteriors[at].log_evidence - posteriors[0].log_evidence;
+        let at = (0..FrameCause::ALL.len()).reduce(better).expect("there are causes");
+        let log_odds = gain(at, 0);
+        let likeliest = |a: &[Posterior; FrameCause::ALL.len()], b: &[Posterior; FrameCause::ALL.len()]| {
+            a[at].log_evidence.total_cmp(&b[at].log_evidence)
+        };
+        let posteriors = beside.into_iter().max_by(likeliest).expect("one has no rival");
         let place: FrameValues = std::array::from_fn(|k| posteriors[at].mean[k] * scale[k]);
         // Less is within what the place of each scan leaves free.
         let is_off = at > 0 && Arms::of(trials).way(place) > PART_SHIFT_SIGMA;
@@ -200,19 +211,36 @@ impl ScanEvidence<'_> {
     }
 
     /// Change of the calibration residuals, each scan whitened by itself, by all that may be otherwise beside frame and clock:
-    /// what is free in a fit, with wide priors, and any smooth change of the removal.
+    /// what is free in a fit, and any smooth change of the removal.
     pub(super) fn beside_frame(&self, fit: &Fit) -> DMatrix<f64> {
-        let field = self.lattice_field_of(Split::Calibration);
-        let alone = |column: &[f64], factor: f64| {
-            let mut alone = with_lattice_error(column, &field);
-            self.frame.iter().for_each(|frame| frame.unwhiten(&mut alone));
-            DVector::from_vec(alone) * factor
-        };
-        let wide = |size: f64| if size > 0.0 { FREE_COLUMN / size } else { 0.0 };
-        let free = fit.jacobian.column_iter().map(|column| alone(column.into_owned().as_slice(), wide(column.norm())));
+        let columns: Vec<Vec<f64>> =
+            fit.jacobian.column_iter().map(|column| column.iter().copied().collect()).collect();
+        let free = self.free(columns.iter().map(Vec::as_slice));
         let closure = self.closure_columns();
-        let smooth = closure.column_iter().map(|column| alone(column.into_owned().as_slice(), FRAME_SMOOTH_SHARE));
-        DMatrix::from_columns(&free.chain(smooth).collect::<Vec<_>>())
+        let smooth =
+            closure.column_iter().map(|column| self.alone(column.into_owned().as_slice()) * FRAME_SMOOTH_SHARE);
+        DMatrix::from_columns(&free.column_iter().map(|column| column.into_owned()).chain(smooth).collect::<Vec<_>>())
+    }
+
+    /// Changes of the calibration residuals by what is free, with wide priors, each scan whitened by itself.
+    pub(super) fn free<'c>(&self, columns: impl Iterator<Item = &'c [f64]>) -> DMatrix<f64> {
+        let wide = |column: &[f64]| {
+            let own = self.alone(column);
+            let size = own.norm();
+            own * if size > 0.0 { FREE_COLUMN / size } else { 0.0 }
+        };
+        let columns: Vec<DVector<f64>> = columns.map(wide).collect();
+        match columns.is_empty() {
+            true => DMatrix::zeros(self.lattice_field_of(Split::Calibration).len(), 0),
+            false => DMatrix::from_columns(&columns),
+        }
+    }
+
+    /// A change of the calibration residuals with each scan whitened by itself.
+    fn alone(&self, column: &[f64]) -> DVector<f64> {
+        let mut alone = with_lattice_error(column, &self.lattice_field_of(Split::Calibration));
+        self.frame.iter().for_each(|frame| frame.unwhiten(&mut alone));
+        DVector::from_vec(alone)
     }
 
     fn frame_judged(&self, fit: &Fit) -> Result<Option<Judged>, EvidenceError> {
@@ -220,7 +248,7 @@ impl ScanEvidence<'_> {
         let residuals = DVector::from_vec(self.as_logged(&fit.model)?);
         let beside = self.beside_frame(fit);
         let linear = Linear { residuals, columns: frame.columns.clone(), beside };
-        Ok(Some(Judged::new(linear, self.logs_moved(), &self.trials())))
+        Ok(Some(Judged::new(linear, &[], (self.logs_moved(), &self.trials()))))
     }
 }
 

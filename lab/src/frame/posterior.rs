@@ -24,7 +24,7 @@ pub(super) struct Posterior {
     pub(super) mean: FrameValues,
     /// Standard deviation of each; zero of one that is held.
     pub(super) sigma: FrameValues,
-    /// Logarithm of the marginal likelihood, up to a constant that all choices share.
+    /// Logarithm of the marginal likelihood, up to a constant of the data.
     pub(super) log_evidence: f64,
 }
 
@@ -39,6 +39,13 @@ impl Linear {
         (spread, left.map(|left| (HUBER_CONSTANT * spread / left.abs()).min(1.0).sqrt()))
     }
 
+    /// The same with more that may be otherwise.
+    pub(super) fn beside_also(&self, more: &DMatrix<f64>) -> Self {
+        let all: Vec<_> =
+            self.beside.column_iter().chain(more.column_iter()).map(|column| column.into_owned()).collect();
+        Self { residuals: self.residuals.clone(), columns: self.columns.clone(), beside: DMatrix::from_columns(&all) }
+    }
+
     /// The posterior of each choice of free quantities; those held are at zero.
     pub(super) fn posteriors<const CHOICES: usize>(
         &self,
@@ -47,10 +54,12 @@ impl Linear {
         let (spread, weights) = self.spread_and_weights();
         let weights = weights / spread;
         let residuals = self.residuals.component_mul(&weights);
+        let of_noise = -0.5 * residuals.norm_squared() - residuals.len() as f64 * spread.ln();
         choices.map(|free| {
             let mut design = self.design(&free);
             design.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
-            Posterior::of(&design, &residuals, &free)
+            let posterior = Posterior::of(&design, &residuals, &free);
+            Posterior { log_evidence: posterior.log_evidence + of_noise, ..posterior }
         })
     }
 
@@ -109,6 +118,17 @@ mod tests {
         assert!((all.mean[0] - 2.0).abs() < 3.0 * all.sigma[0] && all.sigma[0] < 0.05, "{all:?}");
         assert_eq!((all.mean[1], all.sigma[1]), (0.0, 1.0));
         assert!(all.log_evidence > none.log_evidence + 100.0);
+    }
+
+    #[test]
+    fn what_a_rival_explains_as_well_is_no_shift() {
+        let shifted = shifted();
+        let rival = DMatrix::from_columns(&[shifted.columns.column(0) * 50.0]);
+        let [all, none] = shifted.beside_also(&rival).posteriors([[true; QUANTITIES], NONE]);
+        assert!(all.log_evidence < none.log_evidence, "{} {}", all.log_evidence, none.log_evidence);
+        let other = DMatrix::from_columns(&[shifted.columns.column(2) * 50.0]);
+        let [all, none] = shifted.beside_also(&other).posteriors([[true; QUANTITIES], NONE]);
+        assert!(all.log_evidence > none.log_evidence + 100.0 && (all.mean[0] - 2.0).abs() < 0.1, "{all:?}");
     }
 
     #[test]

@@ -1,0 +1,47 @@
+//! What else may have made what a frame or clock that is off would make: each effect of the library.
+
+use effects::{Library, Model, candidates};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::estimate::FrameCause;
+use crate::diagnose::with_values;
+use crate::error::Result;
+use crate::evidence::{Evidence, Split};
+use crate::fit::Fit;
+use crate::probe::Candidate;
+use crate::scans::ScanEvidence;
+use crate::totals::Totals;
+
+/// Change of the calibration residuals, each scan whitened by itself, by each effect of a library beside a fit of a model, shape
+/// [data, sizes] each. Effects that are frame or clock by another name are left out.
+///
+/// # Errors
+/// When the fitted model cannot be simulated.
+pub(super) fn rivals(
+    evidence: &ScanEvidence,
+    (model, fit): (&Model, &Fit),
+    library: &Library,
+) -> Result<Vec<DMatrix<f64>>> {
+    let quicker = evidence.quicker();
+    let quick: &dyn Totals = quicker.as_deref().unwrap_or(evidence);
+    let usual = quick.residuals(&fit.model, Split::Calibration)?;
+    let is_same = |name: &str| FrameCause::ALL.iter().any(|cause| cause.effect() == Some(name));
+    let own = candidates(model, library).into_iter();
+    let effects: Vec<_> = own.filter(|e| !is_same(&e.name) && evidence.is_blind_to(e).is_none()).collect();
+    let model = with_values(model, fit);
+    let changes = |effect: &&effects::Effect| -> Vec<Vec<f64>> {
+        let Ok(candidate) = Candidate::new(evidence, &model, effect, library) else { return Vec::new() };
+        let change = |values: &[f64]| -> Option<Vec<f64>> {
+            let there = quick.residuals(&candidate.at(values), Split::Calibration).ok()?;
+            Some(there.iter().zip(&usual).map(|(there, usual)| there - usual).collect())
+        };
+        candidate.typical().filter_map(|probe| change(&probe.values)).collect()
+    };
+    let rivals: Vec<Vec<Vec<f64>>> = effects.par_iter().map(changes).collect();
+    Ok(rivals
+        .iter()
+        .filter(|rival| !rival.is_empty())
+        .map(|rival| evidence.free(rival.iter().map(Vec::as_slice)))
+        .collect())
+}
