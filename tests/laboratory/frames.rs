@@ -66,6 +66,14 @@ fn logs_that_are_right_stay_where_they_are() {
 }
 
 #[test]
+fn what_an_effect_makes_of_exact_logs_is_no_frame() {
+    // In the bundled campaign the wheel dulls, which frame and clock together would explain in part.
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look");
+    let trials = trials::trial::Campaign::read(&folder).unwrap().trials;
+    assert_eq!(moved(&trials[..1]), None);
+}
+
+#[test]
 fn a_frame_that_is_known_to_be_exact_takes_nothing_up() {
     let mut trials = made(FrontEnd::Frame);
     let exact = trials::trial::FrameErrors { shift: 0.0, yaw: 0.0, lag: 0.0 };
