@@ -18,18 +18,22 @@ use crate::scans::ScanEvidence;
 /// Most times that logs are moved.
 const MOST_MOVES: usize = 6;
 
-/// The trials of a campaign with their logs moved to where the scans show the tool; `None` where they are near enough. Coarse
-/// voxels tell which logs are in doubt, the usual ones where they lie.
+/// The trials of a campaign with their logs moved to where the scans show the tool; `None` where they are near enough. A place is
+/// sought on coarse voxels, and must hold on the usual ones.
 ///
 /// # Errors
 /// When the model cannot be simulated.
 pub fn aligned(trials: &[Trial], model: &Model, library: &Library) -> Result<Option<Vec<Trial>>> {
     let search = Search { trials, model, library, arms: Arms::of(&trials.iter().collect::<Vec<_>>()) };
     let voxel = COARSE_VOXEL_RATIO * trials[0].scans.before.pixels.pitch;
-    if trials[0].process == Process::Grinding && !search.is_far(search.shown(trials, Some(voxel))?) {
-        return Ok(None);
+    let mut place = [0.0; QUANTITIES];
+    if trials[0].process == Process::Grinding {
+        place = search.settled(place, Some(voxel))?;
+        if !search.is_far(place) {
+            return Ok(None);
+        }
     }
-    let place = search.settled()?;
+    let place = search.settled(place, None)?;
     Ok(search.is_far(place).then(|| search.placed(place)))
 }
 
@@ -52,12 +56,13 @@ impl Search<'_> {
     }
 
     /// Where the logs lie when they are moved until they stay; as logged where they never do.
-    fn settled(&self) -> Result<FrameValues> {
-        let mut place = [0.0; QUANTITIES];
+    ///
+    /// - `voxel`: of the simulation; the usual one without
+    fn settled(&self, mut place: FrameValues, voxel: Option<f64>) -> Result<FrameValues> {
         for _ in 0..MOST_MOVES {
-            let shown = self.shown(&self.placed(place), None)?;
+            let shown = self.shown(&self.placed(place), voxel)?;
             let by = std::array::from_fn(|k| shown[k] - place[k]);
-            if self.arms.way(by) <= FRAME_SETTLED || !self.is_far(shown) {
+            if self.arms.way(by) <= FRAME_SETTLED || !(self.is_far(place) || self.is_far(shown)) {
                 return Ok(shown);
             }
             place = shown;
