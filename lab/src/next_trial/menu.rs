@@ -7,7 +7,7 @@ use robot::Controller;
 use trials::trial::{ForceInput, Trial};
 
 use super::design::Design;
-use super::pass_plan::PassPlan;
+use trial_simulation::PassPlan;
 
 /// Passes of the trial that variants are made of.
 const MOST_PASSES: usize = 4;

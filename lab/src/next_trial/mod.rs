@@ -1,6 +1,6 @@
 //! The trial that says most about what is still in play, for each minute that it takes.
 //!
-//! 1. `menu` has some fifty variants of a trial that was made (`design`): other settings (`pass_plan`), steps, pauses,
+//! 1. `menu` has some fifty variants of a trial that was made (`design`): other settings (`trial_simulation::PassPlan`), steps, pauses,
 //!    dressing, direction, place, scans.
 //! 2. `prediction` simulates each variant with every hypothesis that is in play (`hypothesis`), none of the effects among
 //!    them, and with each of their parameters moved.
@@ -10,7 +10,6 @@
 mod design;
 mod hypothesis;
 mod menu;
-mod pass_plan;
 mod prediction;
 mod score;
 #[cfg(test)]
@@ -26,9 +25,9 @@ use super::evidence::EvidenceError;
 use super::scans::ScanEvidence;
 use crate::criteria::{NAMED_PROBABILITY, NEXT_TRIAL_RUNNERS_UP};
 use design::Design;
-use pass_plan::without_scans;
 use prediction::{Outline, Predictor, TEMPLATE};
 use score::{Belief, Predicted, Score};
+use trial_simulation::without_scans;
 use trials::trial::{Pass, RPM, Trial};
 
 pub use hypothesis::Hypothesis;

@@ -7,10 +7,10 @@ use robot::Controller;
 use sdf_bake::{HeightMap, PixelGrid};
 
 use super::menu::menu;
-use super::pass_plan::PassPlan;
 use super::score::{Belief, Predicted, Score};
 use super::*;
 use crate::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
+use trial_simulation::PassPlan;
 use trials::trial::{ForceInput, FrameErrors, FrameOffset, HeldTool, Log, LogRow, PassScan, Role, Scans, ToolPath};
 
 /// A wheel that comes down on a plate of 40 by 20 mm for 0.5 s, is fed for 20 mm in 2 s and rises for 0.5 s.

@@ -9,7 +9,7 @@ use trials::trial::{ExposureMask, HeldTool, Log, LogRow, Pass, PassScan, Role, T
 
 /// A pass of a plan.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct PassPlan {
+pub struct PassPlan {
     pass: Pass,
     /// Rows of its log in which the tool is pressed on.
     contact: Range<usize>,
@@ -17,7 +17,7 @@ pub(super) struct PassPlan {
 
 impl PassPlan {
     /// A pass as it was made, with the settings instead of what was logged; `None` where the tool never touched.
-    pub(super) fn of(pass: &Pass, tool: &HeldTool) -> Option<Self> {
+    pub fn of(pass: &Pass, tool: &HeldTool) -> Option<Self> {
         let contact = ToolPath::of(&pass.log, tool, pass.force_setpoint).contact?;
         let start = pass.log.rows.first()?.time;
         let place = |time: f64| pass.log.rows.partition_point(|row| row.time - start < time);
@@ -35,7 +35,7 @@ impl PassPlan {
 
     /// At a factor of the force.
     #[must_use]
-    pub(super) fn with_force(mut self, factor: f64) -> Self {
+    pub fn with_force(mut self, factor: f64) -> Self {
         self.pass.force_setpoint *= factor;
         self.pass.log.rows.iter_mut().for_each(|row| row.force *= factor);
         self
@@ -43,7 +43,7 @@ impl PassPlan {
 
     /// At a factor of the spindle speed.
     #[must_use]
-    pub(super) fn with_spindle(mut self, factor: f64) -> Self {
+    pub fn with_spindle(mut self, factor: f64) -> Self {
         self.pass.spindle_speed *= factor;
         self.pass.log.rows.iter_mut().for_each(|row| row.spindle_speed *= factor);
         self
@@ -51,7 +51,7 @@ impl PassPlan {
 
     /// At factors of the feed on the first and the second half of the way.
     #[must_use]
-    pub(super) fn with_feed(mut self, [first, second]: [f64; 2]) -> Self {
+    pub fn with_feed(mut self, [first, second]: [f64; 2]) -> Self {
         let shares = self.shares();
         let before = self.contact_time();
         let mut gaps = self.gaps();
@@ -65,7 +65,7 @@ impl PassPlan {
 
     /// Travelled backwards.
     #[must_use]
-    pub(super) fn reversed(self) -> Self {
+    pub fn reversed(self) -> Self {
         let rows = self.pressed();
         let (start, end) = (rows[0].time, rows[rows.len() - 1].time);
         let back = rows.iter().rev().map(|row| LogRow { time: start + end - row.time, ..*row }).collect();
@@ -75,7 +75,7 @@ impl PassPlan {
     }
 
     /// On a part of its way; `None` where fewer rows are left than make a contact.
-    pub(super) fn part(self, shares: Range<f64>) -> Option<Self> {
+    pub fn part(self, shares: Range<f64>) -> Option<Self> {
         let of_way = self.shares();
         let rows = self.pressed().iter().zip(of_way).filter(|(_, share)| shares.contains(share));
         let rows: Vec<LogRow> = rows.map(|(row, _)| *row).collect();
@@ -83,7 +83,7 @@ impl PassPlan {
     }
 
     /// Elsewhere on a workpiece [m], as high above its surface; `None` where the tool leaves the scan.
-    pub(super) fn shifted(mut self, by: DVec2, (tool, surface): (&HeldTool, &HeightMap)) -> Option<Self> {
+    pub fn shifted(mut self, by: DVec2, (tool, surface): (&HeldTool, &HeightMap)) -> Option<Self> {
         let gap = |row: &LogRow| {
             let rows = vec![*row];
             least_gap(tool, &ToolPath::of(&Log { rows, ..Log::default() }, tool, 1.0), surface)
@@ -98,19 +98,19 @@ impl PassPlan {
 
     /// With its first row at a time of the clock [s].
     #[must_use]
-    pub(super) fn begun_at(mut self, time: f64) -> Self {
+    pub fn begun_at(mut self, time: f64) -> Self {
         let later = time - self.pass.log.rows[0].time;
         self.pass.log.rows.iter_mut().for_each(|row| row.time += later);
         self
     }
 
     /// Time of its last row [s].
-    pub(super) fn end(&self) -> f64 {
+    pub fn end(&self) -> f64 {
         self.pass.log.rows[self.pass.log.rows.len() - 1].time
     }
 
     /// The pass with nothing measured.
-    pub(super) fn into_pass(self) -> Pass {
+    pub fn into_pass(self) -> Pass {
         self.pass
     }
 
@@ -176,7 +176,7 @@ fn unmeasured(scan: &PassScan) -> PassScan {
 }
 
 /// A planned trial without what is still to be measured of its workpiece.
-pub(super) fn without_scans(mut trial: Trial) -> Trial {
+pub fn without_scans(mut trial: Trial) -> Trial {
     let scans = &mut trial.scans;
     scans.before.heights.clear();
     scans.repeats.truncate(1);
