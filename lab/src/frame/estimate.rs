@@ -108,7 +108,7 @@ pub(super) struct Judged {
 impl Judged {
     /// Holds all causes against residuals.
     ///
-    /// - `rivals`: changes by what else may have made them; a cause must be worth it beside each
+    /// - `rivals`: changes of the residuals by competing effects, shape [data, sizes] each; a cause must be worth it beside each
     /// - `moved`: by how much the logs are moved where the residuals were taken
     pub(super) fn new(linear: Linear, rivals: &[DMatrix<f64>], (moved, trials): (FrameValues, &[&Trial])) -> Self {
         let scale = priors(trials[0].frame_errors);

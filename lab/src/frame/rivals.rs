@@ -1,4 +1,4 @@
-//! What else may have made what a frame or clock that is off would make: each effect of the library.
+//! Effects of the library as competing explanations of residuals that a wrong frame or clock would leave as well.
 
 use effects::{Library, Model, candidates};
 use nalgebra::DMatrix;
