@@ -1,4 +1,4 @@
-//! Why a workbench does not start, or does not answer.
+//! Errors of the workbench's start, and refusals of requests.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -7,13 +7,13 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use thiserror::Error;
 
-/// Why a workbench does not start.
+/// Reason why a workbench does not start.
 #[derive(Debug, Error)]
 pub enum WorkbenchError {
-    /// The folder is no folder.
+    /// The path is not a folder.
     #[error("{}: no such folder; a folder with trials, studies, assets or data sets is accepted", folder.display())]
     NoFolder {
-        /// As it was given.
+        /// Path as given.
         folder: PathBuf,
     },
     /// Another program listens at the address.
@@ -21,41 +21,41 @@ pub enum WorkbenchError {
         "{address}: the port is taken, perhaps by another workbench; --port N takes another, --port 0 any free one"
     )]
     Taken {
-        /// What was asked for.
+        /// Requested address.
         address: SocketAddr,
     },
-    /// The address cannot be listened at.
+    /// The server cannot listen at the address.
     #[error("{address}: {error}; an address of this machine is accepted")]
     Address {
-        /// What was asked for.
+        /// Requested address.
         address: SocketAddr,
-        /// What the system says.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// The folder for results cannot be written.
     #[error(transparent)]
     Out(#[from] files::FileError),
-    /// The system gives no threads or sockets.
+    /// The system cannot provide threads or sockets.
     #[error("the server: {0}")]
     Server(#[from] std::io::Error),
 }
 
-/// Why a request has no answer; the page shows the words.
+/// Refusal of a request: its status, and words for the page.
 #[derive(Debug)]
 pub(crate) struct Refusal(pub(crate) StatusCode, pub(crate) String);
 
 impl Refusal {
-    /// What was asked for is not there.
+    /// Refuses with 404: the requested item does not exist.
     pub(crate) fn missing(words: impl Into<String>) -> Self {
         Self(StatusCode::NOT_FOUND, words.into())
     }
 
-    /// What was asked for makes no sense.
+    /// Refuses with 422: the request is invalid.
     pub(crate) fn wrong(words: impl Into<String>) -> Self {
         Self(StatusCode::UNPROCESSABLE_ENTITY, words.into())
     }
 
-    /// It is not there yet.
+    /// Refuses with 409: the item does not exist yet.
     pub(crate) fn early(words: impl Into<String>) -> Self {
         Self(StatusCode::CONFLICT, words.into())
     }

@@ -1,8 +1,8 @@
-//! Who is answered: whoever has the token, from the page itself.
+//! Access control: requests are answered only with the token, and only from the workbench's own page.
 //!
-//! The token comes once in the address that the program prints, and then in a cookie that no other site's page can send. The
-//! host must be this machine's name for itself, so that no foreign name that is resolved to it reads along (DNS rebinding);
-//! what changes something must say that it comes from the same host.
+//! The token is sent once in the printed address, and afterwards in a cookie that no other site's page can send. The
+//! `Host` header must name this machine, so that a foreign name resolved to it is refused (DNS rebinding). A request
+//! that changes something must have an `Origin` of the same host.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -13,11 +13,11 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-/// What pages may load: only what comes from here.
+/// Content security policy of the pages: content from this server only.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
                       connect-src 'self'; form-action 'self'; frame-ancestors 'none'; base-uri 'none'";
 
-/// What a request is compared with.
+/// Values that a request is checked against.
 #[derive(Clone)]
 pub(crate) struct Guard {
     token: Arc<str>,
@@ -26,14 +26,14 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// A guard of a server at an address.
+    /// Makes the guard of a server at an address.
     ///
-    /// - `port`: cookies of one host are shared by its ports, so each has a name of its own
+    /// - `port`: part of the cookie's name, because all ports of a host share their cookies
     pub(crate) fn new(token: &str, address: IpAddr, port: u16) -> Self {
         Self { token: token.into(), cookie: format!("robofin-{port}").into(), address }
     }
 
-    /// Whether the host that the browser believes to speak with is this machine: by a tunnel it has another port.
+    /// Returns true if the `Host` header names this machine; the port is ignored, because a tunnel changes it.
     fn is_own_host(&self, headers: &HeaderMap) -> bool {
         let Some(host) = text(headers, &HOST) else { return false };
         let name = match host.rsplit_once(':') {
@@ -45,7 +45,7 @@ impl Guard {
         name == "localhost" || name.parse::<IpAddr>().is_ok_and(is_own)
     }
 
-    /// Whether a request comes from a page of this server. A plain visit states no origin.
+    /// Returns true if a request comes from a page of this server. A plain visit (GET, HEAD) has no `Origin` header.
     fn is_own_origin(method: &Method, headers: &HeaderMap) -> bool {
         let (origin, host) = (text(headers, &ORIGIN), text(headers, &HOST).unwrap_or_default());
         match origin {
@@ -60,20 +60,20 @@ impl Guard {
         pairs.any(|(name, value)| name == &*self.cookie && self.is_token(value))
     }
 
-    /// Compares in a time that says nothing about how much of it is right.
+    /// Compares with the token in constant time.
     fn is_token(&self, given: &str) -> bool {
         let (own, given) = (self.token.as_bytes(), given.as_bytes());
         own.len() == given.len() && own.iter().zip(given).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
     }
 
-    /// The page again without the token in its address, which then stands in no history.
+    /// Redirects to the page without the token, so that the token stays out of the browser's history.
     fn welcome(&self, path: &str) -> Response {
         let cookie = format!("{}={}; Path=/; HttpOnly; SameSite=Strict", self.cookie, self.token);
         (StatusCode::SEE_OTHER, [(SET_COOKIE, cookie), (LOCATION, path.to_owned())]).into_response()
     }
 }
 
-/// Refuses what does not come from the page of whoever has the token.
+/// Refuses requests without the token or from another page.
 pub(crate) async fn check(State(guard): State<Guard>, request: Request, next: Next) -> Response {
     let (method, headers) = (request.method(), request.headers());
     if !guard.is_own_host(headers) || !Guard::is_own_origin(method, headers) {
@@ -92,7 +92,7 @@ pub(crate) async fn check(State(guard): State<Guard>, request: Request, next: Ne
     closed(next.run(request).await)
 }
 
-/// An answer that no other page may use; one with a policy of its own keeps it.
+/// Sets headers that forbid other pages to use an answer; an answer keeps a policy of its own.
 fn closed(mut answer: Response) -> Response {
     let headers = answer.headers_mut();
     let mut set = |name: HeaderName, value: &'static str| {

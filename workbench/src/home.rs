@@ -1,4 +1,4 @@
-//! What a folder holds, and the benches that were opened on it.
+//! Content of the served folder, and the benches opened on it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use crate::bench::Bench;
 use crate::error::Refusal;
 use crate::place::{Kind, Place, places};
 
-/// The folder that a workbench is of.
+/// The served folder and its open benches.
 pub(crate) struct Home {
     folder: PathBuf,
     out: PathBuf,
@@ -16,39 +16,39 @@ pub(crate) struct Home {
 }
 
 impl Home {
-    /// A folder, and the one that keeps what is tried.
+    /// Makes a home of the served folder and the folder for results.
     pub(crate) fn new(folder: PathBuf, out: PathBuf) -> Self {
         Self { folder, out, benches: Mutex::default() }
     }
 
-    /// Name of the folder.
+    /// Returns the name of the folder.
     pub(crate) fn title(&self) -> String {
         self.folder.display().to_string()
     }
 
-    /// Where what is tried is kept.
+    /// Returns the path of the folder for results.
     pub(crate) fn out(&self) -> String {
         self.out.display().to_string()
     }
 
-    /// What the folder holds now, and whether some of it was left out.
+    /// Lists the current content of the folder; the second value is true if the list is incomplete.
     pub(crate) fn places(&self) -> (Vec<Place>, bool) {
         places(&self.folder)
     }
 
-    /// A place by its name in addresses.
+    /// Finds a place by its id in addresses.
     ///
     /// # Errors
-    /// Where it is not there any more.
+    /// If it no longer exists.
     pub(crate) fn place(&self, id: &str) -> Result<Place, Refusal> {
         let found = self.places().0.into_iter().find(|place| place.id == id);
         found.ok_or_else(|| Refusal::missing("the folder holds no such thing any more; go back to the list"))
     }
 
-    /// The bench of a campaign, opened if it is not.
+    /// Returns the bench of a campaign or table; opens it if necessary.
     ///
     /// # Errors
-    /// Where there is none, or the system gives no thread.
+    /// If there is no such campaign, or the system cannot start a thread.
     pub(crate) fn bench(&self, id: &str) -> Result<Arc<Bench>, Refusal> {
         let mut benches = self.benches.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(bench) = benches.get(id) {
@@ -65,12 +65,12 @@ impl Home {
         Ok(bench)
     }
 
-    /// Forgets a bench whose measurements could not be used, so that it is opened again when they are mended.
+    /// Drops a bench with unusable measurements, so that it opens again once they are corrected.
     pub(crate) fn forget(&self, id: &str) {
         self.benches.lock().unwrap_or_else(PoisonError::into_inner).remove(id);
     }
 
-    /// File of a place that is shown as it is: the page of a result, or the picture of an asset.
+    /// Returns the file that shows a place: the page of a result, or the picture of an asset.
     pub(crate) fn shown_file(place: &Place) -> PathBuf {
         let name = match place.kind {
             Kind::Asset => "preview.png",

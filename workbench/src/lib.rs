@@ -1,15 +1,15 @@
-//! The workbench: a page on the loopback address on which one sees where a model fails, tries a cause, and watches the error
-//! fall.
+//! The workbench: a page on the loopback address on which users see where a model fails, try a cause, and watch the
+//! error fall.
 //!
-//! 1. [`Workbench`] binds an address; `guard` answers only who has the token and comes from the page itself.
-//! 2. `home` lists what a folder holds; `place` is one of them.
-//! 3. A campaign that is opened has a `bench`: a thread that owns its measurements and does one task after the other. What it
-//!    has made are `stage`s, kept on disk by `journal`; `trail` goes back and forth among them.
-//! 4. `part` draws the workpiece from its field, reads values off it and cuts sections through it.
-//! 5. `pages` are the templates, and `assets/` the style and scripts, which the program holds.
+//! 1. [`Workbench`] binds an address; `guard` refuses requests without the token or from other pages.
+//! 2. `home` lists the content of a folder; `place` is one entry.
+//! 3. An opened campaign has a `bench`: a thread that owns its measurements and does one task after the other. Its
+//!    fitted models are `stage`s, saved by `journal`; `trail` is the undo history.
+//! 4. `part` draws the workpiece from its field, reads values at a pixel and cuts sections.
+//! 5. `pages` are the templates, and `assets/` the style and scripts, compiled into the program.
 //!
-//! Nothing here fits or judges: `lab` and `study` do, and a stage is what `robofin calibrate` gives. Nothing is fetched, and
-//! nothing is printed.
+//! This crate fits and judges nothing: `lab` and `study` do, and a stage is a result of `robofin calibrate`. The pages
+//! fetch nothing from the network, and the crate prints nothing.
 
 mod bench;
 mod error;

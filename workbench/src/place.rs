@@ -1,4 +1,4 @@
-//! What a folder holds: campaigns, tables, studies, assets, data sets.
+//! Folders that can be shown: campaigns, tables, studies, assets, data sets.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,31 +7,31 @@ use files::sha256;
 use trials::table::TABLE_FILE;
 use trials::trial::Campaign;
 
-/// Folders below the one that is shown, and entries looked at: a home page is no search engine.
+/// Greatest depth below the served folder, and greatest number of folders searched; they bound the search.
 const DEEPEST: usize = 4;
 const MOST_FOLDERS: usize = 4000;
-/// Digits of a place's name in addresses.
+/// Number of hexadecimal digits of a place's id.
 const ID_DIGITS: usize = 12;
 
-/// What a folder is.
+/// Kind of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     /// Trials with scans.
     Campaign,
     /// A table of rows.
     Table,
-    /// A study.
+    /// A study's folder.
     Study,
-    /// A calibration, comparison or diagnosis: a page.
+    /// A report page: calibration, comparison or diagnosis.
     Result,
     /// A welded workpiece.
     Asset,
-    /// Many of them, or labelled images.
+    /// A data set of assets, or labelled images.
     DataSet,
 }
 
 impl Kind {
-    /// In the order in which a home page lists them, with the heading.
+    /// All kinds in the order of the home page, with their headings.
     pub(crate) const ALL: [(Self, &str); 6] = [
         (Self::Campaign, "Campaigns: trials with scans"),
         (Self::Table, "Tables of rows"),
@@ -41,7 +41,7 @@ impl Kind {
         (Self::DataSet, "Data sets"),
     ];
 
-    /// What a folder is by the file that marks it.
+    /// Finds the kind of a folder by the marker file in it.
     fn of(folder: &Path) -> Option<Self> {
         let marks = [
             ("study.json", Self::Study),
@@ -56,7 +56,7 @@ impl Kind {
         marked.map(|(_, kind)| kind)
     }
 
-    /// Whether effects can be tried on it.
+    /// Returns true if effects can be tried on it.
     pub(crate) fn has_bench(self) -> bool {
         matches!(self, Self::Campaign | Self::Table)
     }
@@ -65,15 +65,15 @@ impl Kind {
 /// A folder that can be opened.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Place {
-    /// Its name in addresses.
+    /// Id in addresses.
     pub(crate) id: String,
-    /// What it is.
+    /// Kind of the folder.
     pub(crate) kind: Kind,
-    /// Its way from the folder that is shown; empty for that one.
+    /// Path relative to the served folder; empty for that folder itself.
     pub(crate) name: String,
-    /// Where it is.
+    /// Path of the folder.
     pub(crate) path: PathBuf,
-    /// Trials of a campaign.
+    /// Number of trials of a campaign.
     pub(crate) trials: usize,
 }
 
@@ -84,13 +84,13 @@ impl Place {
         Self { id, kind, name, path: path.to_owned(), trials }
     }
 
-    /// Its name for people.
+    /// Returns the name for people.
     pub(crate) fn title(&self) -> String {
         let own = || self.path.file_name().map_or_else(|| "this folder".into(), |name| name.to_string_lossy());
         if self.name.is_empty() { own().into_owned() } else { self.name.clone() }
     }
 
-    /// A name for a folder of its results: letters, digits and hyphens of its own, and its id.
+    /// Returns a name for its folder of results: letters, digits and hyphens of its name, and the start of its id.
     pub(crate) fn slug(&self) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '-' };
         let own: String = self.title().chars().map(plain).take(40).collect();
@@ -98,8 +98,8 @@ impl Place {
     }
 }
 
-/// All places below a folder, itself among them, in order of kind and name; links are not followed. And whether some were left
-/// out because there are too many folders.
+/// Lists all places below a folder, including itself, ordered by kind and name; links are not followed. The second
+/// value is true if the search ended at the greatest number of folders.
 pub(crate) fn places(root: &Path) -> (Vec<Place>, bool) {
     let (mut found, mut left) = (Vec::new(), vec![(root.to_owned(), 0)]);
     let mut seen = 0;
@@ -110,7 +110,7 @@ pub(crate) fn places(root: &Path) -> (Vec<Place>, bool) {
         }
         if let Some(kind) = Kind::of(&folder) {
             found.push(Place::new(root, &folder, (kind, 0)));
-            // A study may hold the campaign that it is of.
+            // A study may contain its campaign.
             if kind != Kind::Study {
                 continue;
             }
@@ -126,7 +126,7 @@ pub(crate) fn places(root: &Path) -> (Vec<Place>, bool) {
     (found, seen > MOST_FOLDERS)
 }
 
-/// Folders in a folder that are no links and not hidden; none where it cannot be read.
+/// Lists the visible subfolders, without links; empty if the folder cannot be read.
 fn folders(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let is_shown = |name: &str| !name.starts_with('.') && name != "target" && name != "node_modules";

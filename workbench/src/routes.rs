@@ -1,4 +1,4 @@
-//! The addresses that are answered.
+//! Addresses that the server answers.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,16 +20,16 @@ use crate::pages;
 use crate::part::{Asked, Line, Looked, drawn, probed, section};
 use crate::place::Kind;
 
-/// Longest wait for a change, after which the page asks again.
+/// Longest wait for a change; then the request is answered and the page asks again.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// A report is a document of its own, which runs the script that it holds and reaches nothing.
+/// Content security policy of a report: it runs its own script and loads nothing.
 const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                              img-src data:; sandbox allow-scripts";
 
 type Answer<T> = Result<T, Refusal>;
 type Of = State<Arc<Home>>;
 
-/// All addresses.
+/// Builds the router of all addresses.
 pub(crate) fn all(home: Arc<Home>) -> Router {
     Router::new()
         .route("/", get(home_page))
@@ -48,7 +48,7 @@ pub(crate) fn all(home: Arc<Home>) -> Router {
         .with_state(home)
 }
 
-/// Runs what may take longer than a request's turn.
+/// Runs work that takes long on a thread for blocking work.
 async fn blocking<R: Send + 'static>(work: impl FnOnce() -> R + Send + 'static) -> R {
     match tokio::task::spawn_blocking(work).await {
         Ok(done) => done,
@@ -64,7 +64,7 @@ async fn home_page(State(home): Of) -> Html<String> {
     Html(blocking(move || pages::home(&home).into_string()).await)
 }
 
-/// The page of a result or the picture of an asset, as its verb wrote it.
+/// Serves the page of a result or the picture of an asset, as its command wrote it.
 async fn place_file(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
     let read = move || {
         let place = home.place(&id)?;
@@ -93,7 +93,7 @@ async fn bench_page(State(home): Of, Path(id): Path<String>) -> Answer<Html<Stri
     Ok(Html(pages::bench(&bench.place).into_string()))
 }
 
-/// What the page knows already.
+/// Version of the state that the page has already.
 #[derive(Deserialize)]
 struct Known {
     since: u64,
@@ -102,7 +102,7 @@ struct Known {
 async fn state(State(home): Of, Path(id): Path<String>, Query(known): Query<Known>) -> Answer<Json<Value>> {
     let bench = bench_of(home.clone(), id.clone()).await?;
     let shared = &bench.shared;
-    // A page that waits in vain asks again; one that knows nothing is answered at once.
+    // A wait that times out is answered too, and the page asks again; a page that knows nothing is answered at once.
     let _late = tokio::time::timeout(PATIENCE, shared.later_than(known.since)).await;
     if shared.read(|state| state.is_closed()) {
         home.forget(&id);
@@ -115,7 +115,7 @@ async fn task(State(home): Of, Path(id): Path<String>, Json(task): Json<Task>) -
     Ok(StatusCode::ACCEPTED)
 }
 
-/// A formula as far as it is typed.
+/// A formula, possibly incomplete.
 #[derive(Deserialize)]
 struct Typed {
     line: String,
@@ -149,7 +149,7 @@ async fn report(State(home): Of, Path((id, number)): Path<(String, usize)>) -> A
     Ok(document(page.map_err(|error| Refusal::missing(error.to_string()))?))
 }
 
-/// Command lines that make every model again without the page.
+/// Serves the command lines that make every model again without the page.
 async fn replay(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
     let bench = bench_of(home, id).await?;
     let text = bench.shared.read(|state| state.replay());
@@ -157,7 +157,7 @@ async fn replay(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
     Ok(([kind, (CONTENT_DISPOSITION, "attachment; filename=\"replay.sh\"")], text).into_response())
 }
 
-/// What is looked at beside the camera.
+/// Collects the data for pictures: scans and current model.
 async fn looked_at(home: Arc<Home>, id: String) -> Answer<Looked> {
     let bench = bench_of(home, id).await?;
     bench.shared.read(|state| {
@@ -169,7 +169,7 @@ async fn looked_at(home: Arc<Home>, id: String) -> Answer<Looked> {
 async fn frame(State(home): Of, Path(id): Path<String>, Query(asked): Query<Asked>) -> Answer<Response> {
     let looked = looked_at(home, id).await?;
     let (png, legend) = blocking(move || drawn(&looked, &asked)).await?;
-    // Header values are ASCII: letters beyond it are escaped as JSON may.
+    // Header values are ASCII: other characters are escaped as in JSON.
     let legend: String = legend.to_string().chars().map(escaped).collect();
     Ok(([(HeaderName::from_static("x-legend"), legend)], picture(png)).into_response())
 }
@@ -178,7 +178,7 @@ fn escaped(letter: char) -> String {
     if letter.is_ascii() { letter.to_string() } else { format!("\\u{:04x}", letter as u32) }
 }
 
-/// A pixel from the left and from the top.
+/// Pixel: column from the left, row from the top.
 #[derive(Deserialize)]
 struct Pixel {
     x: usize,

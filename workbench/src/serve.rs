@@ -15,23 +15,23 @@ use crate::guard::{self, Guard};
 use crate::home::Home;
 use crate::routes;
 
-/// What the usual name of the folder for results ends with.
+/// Suffix of the default name of the folder for results.
 const SUFFIX: &str = "-workbench";
 
-/// What a workbench is of.
+/// Options of a workbench.
 pub struct Options {
     /// Folder whose trials, studies, assets and data sets it shows.
     pub folder: PathBuf,
-    /// Folder that keeps what is tried; it need not exist.
+    /// Folder for results; it need not exist.
     pub out: PathBuf,
-    /// Where it listens; port 0 is any free one.
+    /// Address to listen at; port 0 is any free one.
     pub address: SocketAddr,
-    /// What a browser must know to be answered: letters and digits that nobody guesses.
+    /// Token that a browser must present: random letters and digits.
     pub token: String,
 }
 
 impl Options {
-    /// The folder that keeps what is tried on another unless it is named: its name with a suffix, in the current folder.
+    /// Returns the default folder for results: the name of the served folder with a suffix, in the current folder.
     pub fn usual_out(folder: &Path) -> PathBuf {
         let mut name = OsString::from(folder.file_name().unwrap_or_default());
         name.push(SUFFIX);
@@ -39,7 +39,7 @@ impl Options {
     }
 }
 
-/// Asks the system to open a page. Where it has no browser nothing happens, and the address can be opened by hand.
+/// Asks the system to open a page. Without a browser nothing happens; the address can be opened by hand.
 pub fn open_in_browser(url: &str) {
     let program = match std::env::consts::OS {
         "macos" => "open",
@@ -49,12 +49,12 @@ pub fn open_in_browser(url: &str) {
     let mut command = Command::new(program);
     let begun = command.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
     if let Ok(mut child) = begun {
-        // It ends once the browser has the address; nobody waits for that.
+        // The child ends once the browser has the address; a thread reaps it.
         std::thread::spawn(move || child.wait());
     }
 }
 
-/// A server that listens, and answers once it runs.
+/// A server that is bound to its address; it answers once it runs.
 pub struct Workbench {
     listener: TcpListener,
     address: SocketAddr,
@@ -66,7 +66,7 @@ impl Workbench {
     /// Listens at an address.
     ///
     /// # Errors
-    /// [`WorkbenchError`] where the folder is none or the address cannot be had.
+    /// [`WorkbenchError`] if the path is not a folder or the address cannot be bound.
     pub fn bind(options: Options) -> Result<Self, WorkbenchError> {
         let Options { folder, out, address, token } = options;
         if !folder.is_dir() {
@@ -82,12 +82,12 @@ impl Workbench {
         Ok(Self { listener, address, token, home })
     }
 
-    /// Where it listens.
+    /// Returns the address that the server is bound to.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// The address to open, with the token.
+    /// Returns the URL to open, with the token.
     pub fn url(&self) -> String {
         format!("http://{}/?token={}", self.address, self.token)
     }
@@ -95,7 +95,7 @@ impl Workbench {
     /// Answers until the process ends.
     ///
     /// # Errors
-    /// When the system gives no threads.
+    /// If the system cannot provide threads.
     pub fn run(self) -> Result<(), WorkbenchError> {
         let guard = Guard::new(&self.token, self.address.ip(), self.address.port());
         let routes = routes::all(self.home).layer(middleware::from_fn_with_state(guard, guard::check));

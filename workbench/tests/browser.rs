@@ -1,7 +1,7 @@
-//! The page in headless Chromium: a campaign is opened, turned, read and cut; an effect is added, the error falls to what
-//! a calibration gives; undo, a formula, a slider, the report; and nothing is written on the console.
+//! The page in headless Chromium: open a campaign, turn the part, read values, cut a section, add an effect; the error
+//! falls to that of a calibration. Also undo, a formula, a slider and the report; the browser's console stays empty.
 //!
-//! With `ROBOFIN_PICTURES=DIR` it leaves the pictures of the documents there.
+//! With `ROBOFIN_PICTURES=DIR` the pictures of the documents are written there.
 
 mod common;
 
@@ -16,9 +16,9 @@ use lab::{Calibration, CalibrationSummary, Order};
 use serde_json::{Value, json};
 use study::Measurements;
 
-/// Time that a fit on this campaign may take on a machine that is busy with other tests [s].
+/// Longest time of a fit on this campaign on a busy machine [s].
 const PATIENCE: u64 = 600;
-/// Turns the part for three seconds, and counts the frames of a second.
+/// Turns the part for three seconds, and returns the frames per second.
 const TURNING: &str = "(async () => {
     const view = document.getElementById('view');
     const [before, since] = [+view.dataset.frames, performance.now()];
@@ -28,10 +28,10 @@ const TURNING: &str = "(async () => {
     }
     return [(view.dataset.frames - before) / 3, view.dataset.scale];
 })()";
-/// Effect that is added.
+/// Effect added in the test.
 const EFFECT: &str = "grit-dulling";
 
-/// Error of the last step, as `robofin calibrate` with the fitted base model and one effect more gives it.
+/// Errors of a calibration by `robofin calibrate` with the fitted base model and one more effect.
 fn calibrated(measurements: &Measurements) -> (f64, f64) {
     let library = Library::builtin();
     let fitted = |model: &Model| -> (Calibration, f64) {
@@ -49,7 +49,8 @@ fn calibrated(measurements: &Measurements) -> (f64, f64) {
     (base_error, fitted(&Model::parse("with", &with.to_text(library), library).unwrap()).1)
 }
 
-/// One of the bundled trials, whose logs are exact: a fit that seeks neither frame nor clock in all three takes five times as long.
+/// Copies one bundled trial and declares its logs exact, so that the fit seeks neither frame nor clock; all three
+/// trials take five times as long.
 fn one_trial(campaign: &Path) {
     copy(&bundled().join("trial-1"), &campaign.join("trial-1"));
     let manifest = campaign.join("trial-1").join("trial.toml");
@@ -58,7 +59,7 @@ fn one_trial(campaign: &Path) {
     fs::write(manifest, text + exact).unwrap();
 }
 
-/// A study of the campaign that has come to a diagnosis, with as much of its record as a page reads.
+/// Writes a study of the campaign up to a diagnosis, with the parts of its record that a page reads.
 fn write_study(folder: &Path, campaign: &Path) {
     fs::create_dir_all(folder).unwrap();
     let suspect = |name: &str, probability: f64, delta_chi2: f64| {
@@ -76,14 +77,14 @@ fn write_study(folder: &Path, campaign: &Path) {
     fs::write(folder.join(study::STUDY_FILE), serde_json::to_string(&record).unwrap()).unwrap();
 }
 
-/// Takes a picture where pictures are wanted.
+/// Writes a picture if `ROBOFIN_PICTURES` is set.
 fn picture(browser: &mut Browser, name: &str) {
     if let Some(folder) = std::env::var_os("ROBOFIN_PICTURES") {
         browser.screenshot(&PathBuf::from(folder).join(name));
     }
 }
 
-/// Waits until nothing is under way, and the current model is the one of a number.
+/// Waits until no task runs and the current model has a given number.
 fn settled(browser: &mut Browser, number: u32) {
     let is = format!(
         "document.body.dataset.idle === 'true' && document.querySelector('#stages [aria-current]')?.value === {number}"
@@ -121,7 +122,7 @@ fn a_cause_is_tried_and_the_error_falls_to_what_calibrate_gives() {
     everything_is_there_after_the_server_was_ended(&mut browser, &campaigns, &out);
 }
 
-/// The page's own address of the bench.
+/// Returns the page's address of the bench.
 fn bench(browser: &mut Browser) -> String {
     browser.value("document.getElementById('bench').dataset.address").as_str().unwrap().to_owned()
 }
@@ -165,7 +166,7 @@ fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folder: &
     assert_eq!(answer.status, 404, "{}", answer.body);
 }
 
-/// Simulates the fitted model of the page again, and compares the place and the value that were read with its field.
+/// Simulates the fitted model of the page again, and compares the position and value at a pixel with its field.
 fn value_is_that_of_the_field(folder: &Path, at_mm: [f64; 3], removed_um: f64) {
     let kept = fs::read_dir(folder.join("kept")).unwrap().next().unwrap().unwrap().path();
     let text = fs::read_to_string(kept.join("1").join("model.toml")).unwrap();
@@ -185,7 +186,7 @@ fn value_is_that_of_the_field(folder: &Path, at_mm: [f64; 3], removed_um: f64) {
     assert!(distance.abs() < 1e-3 * state.part.voxel, "{point} is {distance} m from the field's surface");
     let before = render::Field::new(&own.part);
     let depth = 1e6 * render::removed_depth(&before, point, state.part.normal(point));
-    // The picture's normal is smooth across cells, the field's own is not: on a bead they differ by a degree.
+    // The picture's normal is interpolated between cells, the field's is not: on a bead they differ by a degree.
     assert!((depth - removed_um).abs() < 0.02 * depth, "{removed_um} µm were read, and the field has {depth} µm");
 }
 
@@ -267,7 +268,7 @@ fn picture_on_a_phone(browser: &mut Browser) {
 }
 
 fn everything_is_there_after_the_server_was_ended(browser: &mut Browser, folder: &Path, out: &Path) {
-    // The first server still holds the folder: a second one is refused in words.
+    // The first server still locks the folder: a second one must be refused with a message.
     let second = serve(folder, out);
     browser.open(&second.url);
     browser.click("a[href^='/bench/']");

@@ -1,4 +1,4 @@
-//! The server: who is answered, and what it says where something is wrong.
+//! The server: access control, and its error messages.
 
 mod common;
 
@@ -80,7 +80,7 @@ fn the_first_page_lists_a_folder_at_once_and_hostile_names_are_text() {
     }
 }
 
-/// The state of a bench once it is past reading.
+/// Returns the state of a bench after its measurements are read.
 fn read(address: SocketAddr, bench: &str) -> Value {
     let end = Instant::now() + Duration::from_secs(600);
     loop {

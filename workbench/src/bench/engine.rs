@@ -1,4 +1,4 @@
-//! A fitted model with the evidence that it was fitted to: what sliders and searches go on from.
+//! A fitted model with the evidence that it was fitted to: the starting point of sliders and searches.
 
 use std::path::PathBuf;
 
@@ -10,37 +10,38 @@ use trial_simulation::Stop;
 
 use super::live::Live;
 
-/// Steps of the fit on the fine lattice after a slider was moved: derivatives are not made again for it.
+/// Fit on the fine lattice after a slider moves: two steps with the Jacobian of the coarse fit, which is not computed
+/// again.
 const FINE: FitOptions = FitOptions { derivatives: 0, steps: 2 };
-/// Seed of a search, as `robofin diagnose` has it unless told otherwise.
+/// Seed of a search: the default of `robofin diagnose`.
 const SEED: u64 = 1;
 
 /// A fitted model and its evidence.
 pub(super) struct Engine<'m> {
-    /// Effects that it may have.
+    /// Effects that the model may contain.
     pub(super) library: Library,
-    /// The fit.
+    /// Calibration whose last fit is the fit of the whole model.
     pub(super) calibration: Calibration,
     data: Data<'m>,
 }
 
-/// What a fit is shown with.
+/// Results of a fit for display.
 pub(super) struct Shown {
-    /// As `robofin calibrate` answers.
+    /// Result as `robofin calibrate` writes it.
     pub(super) answer: CalibrationAnswer,
-    /// As its page shows it.
+    /// Content of the report page of `robofin calibrate`.
     pub(super) report: StudyReport,
-    /// Fields and maps; `None` of a table.
+    /// Simulated fields and residual maps; `None` for a table.
     pub(super) live: Option<Live>,
 }
 
 impl<'m> Engine<'m> {
     /// Fits a model as `robofin calibrate` does.
     ///
-    /// - `data`: measurements that no other fit has touched
+    /// - `data`: measurements that no other fit has used
     ///
     /// # Errors
-    /// When it cannot be simulated, or was stopped.
+    /// If the model cannot be simulated, or the fit was stopped.
     pub(super) fn new(
         mut data: Data<'m>,
         (model, library): (&Model, Library),
@@ -55,22 +56,22 @@ impl<'m> Engine<'m> {
         Ok(Self { library, calibration, data })
     }
 
-    /// The fit of the whole model.
+    /// Returns the fit of the whole model.
     pub(super) fn fit(&self) -> &Fit {
         &self.calibration.last().fit
     }
 
-    /// The text of the fitted model.
+    /// Returns the text of the fitted model.
     pub(super) fn text(&self) -> String {
         self.calibration.model.to_text(&self.library)
     }
 
-    /// What the fit is shown with.
+    /// Computes the results of the fit for display.
     ///
-    /// - `model`: where command lines would write the model
+    /// - `model`: path of the model file in the replay commands
     ///
     /// # Errors
-    /// When it cannot be simulated, or was stopped.
+    /// If the model cannot be simulated, or was stopped.
     pub(super) fn shown(&mut self, model: PathBuf) -> Result<Shown> {
         let (answer, report) = CalibrationAnswer::new(&mut self.data, &self.calibration, &self.library, model)?;
         let fitted = &self.calibration.last().fit.model;
@@ -79,18 +80,19 @@ impl<'m> Engine<'m> {
         Ok(Shown { answer, report, live })
     }
 
-    /// The fit with one parameter held elsewhere [SI], predicted quickly.
+    /// Returns the fit with one parameter fixed at a value [SI]; the other parameters are predicted from the Jacobian.
     ///
     /// # Errors
-    /// When it cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn held(&self, place: usize, value: f64) -> Result<Fit> {
         Ok(self.calibration.last().fit.held_at(self.data.evidence(), place, value)?)
     }
 
-    /// A held fit taken further on the fine lattice, and what it leaves of the calibration passes, in the unit of errors.
+    /// Refines a fit with a fixed parameter on the fine lattice; returns it with the root mean square residual of the
+    /// calibration passes, in the unit of errors.
     ///
     /// # Errors
-    /// When it cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn refined(&self, held: &Fit) -> Result<(Fit, f64)> {
         let evidence = self.data.evidence();
         let mut fit = Fit::unfitted(evidence, &held.model, held.coordinates.clone())?;
@@ -102,10 +104,10 @@ impl<'m> Engine<'m> {
         Ok((fit, rms))
     }
 
-    /// Searches for one effect that the model lacks: a diagnosis as `robofin study` makes it, as JSON.
+    /// Searches for one effect that the model lacks; returns the diagnosis as JSON, as `robofin study` writes it.
     ///
     /// # Errors
-    /// When the model cannot be simulated, or was stopped.
+    /// If the model cannot be simulated, or was stopped.
     pub(super) fn searched(&mut self, told: OnProgress) -> Result<Value> {
         let (model, fit) = (&self.calibration.model, self.calibration.last().fit.clone());
         let diagnosis = Diagnosis::within(self.data.evidence(), (model, fit), &self.library, (SEED, told), 1)?;

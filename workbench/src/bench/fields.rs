@@ -1,4 +1,4 @@
-//! The workpiece after each pass as a model has it.
+//! Simulated workpiece after each pass of a model.
 
 use std::sync::Arc;
 
@@ -6,16 +6,16 @@ use effects::CompiledModel;
 use sdf_bake::BrickGrid;
 use trial_simulation::{CampaignError, CampaignSimulation, Simulation};
 
-/// Fields of a trial: before its first pass, then after each.
+/// Simulated fields of one trial: before the first pass, then after each pass.
 pub(crate) struct TrialFields {
-    /// As many as passes, and one more.
+    /// One field more than there are passes.
     pub(crate) after: Vec<Arc<BrickGrid>>,
 }
 
-/// Simulates all passes of a campaign and keeps the part after each; the tool wears from trial to trial.
+/// Simulates all passes of a campaign and keeps the field after each; tool wear continues from trial to trial.
 ///
 /// # Errors
-/// The first trial that fails.
+/// The error of the first trial that fails.
 pub(super) fn fields(
     simulation: &CampaignSimulation,
     model: &CompiledModel,

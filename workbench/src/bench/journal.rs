@@ -1,5 +1,5 @@
-//! What a bench keeps on disk, so that nothing is lost when the server ends: `workbench.json`, and a folder for each model
-//! with what `robofin calibrate` would have written.
+//! State of a bench on disk, so that nothing is lost when the server ends: `workbench.json`, and one folder for each
+//! model with the files that `robofin calibrate` would write.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,25 +21,25 @@ use super::stage::{Record, Stage};
 use super::suspects::Suspects;
 use super::trail::Trail;
 
-/// Its file, and the form of it.
+/// File of the journal and its format.
 const FILE: &str = "workbench.json";
 const FORMAT: &str = "robofin-workbench/1";
-/// Files of a model: as it was begun with, as it was fitted, its page, and the sections that this page shows of it.
+/// Files of a model: start values, fitted values, report page, and the sections of the report that the workbench shows.
 pub(super) const START_FILE: &str = "start.toml";
 const MODEL_FILE: &str = "model.toml";
 pub(crate) const PAGE_FILE: &str = "report.html";
 const SECTIONS_FILE: &str = "sections.json";
-/// Folder of formulas that were tried.
+/// Folder of effect files made from typed formulas.
 const EFFECTS: &str = "effects";
 
-/// The folder of a bench; nobody else writes it meanwhile.
+/// Folder of a bench, locked against other processes.
 pub(super) struct Journal {
     folder: PathBuf,
     measured: String,
     _lock: FileLock,
 }
 
-/// What its file holds.
+/// Content of `workbench.json`.
 #[derive(Serialize, Deserialize)]
 struct Kept {
     format: String,
@@ -49,7 +49,7 @@ struct Kept {
     suspects: Option<Suspects>,
 }
 
-/// What an earlier run has left.
+/// Content that an earlier run has left.
 #[derive(Default)]
 pub(super) struct Earlier {
     pub(super) stages: Vec<Arc<Stage>>,
@@ -57,21 +57,21 @@ pub(super) struct Earlier {
     pub(super) suspects: Option<Suspects>,
 }
 
-/// Texts of a model's files.
+/// Texts of the files of one model.
 pub(super) struct Texts<'a> {
     pub(super) start: &'a str,
     pub(super) model: &'a str,
     pub(super) calibration: &'a str,
     pub(super) page: &'a str,
-    /// Name and text of the effect file that was typed for it.
+    /// Name and text of the effect file made from a typed formula.
     pub(super) effect: Option<(&'a str, &'a str)>,
 }
 
 impl Journal {
-    /// Opens the folder of a bench, or makes it.
+    /// Opens the folder of a bench, or creates it.
     ///
     /// # Errors
-    /// Where it is in use, holds what cannot be read, or is of other measurements.
+    /// If the folder is in use, holds unreadable files, or belongs to other measurements.
     pub(super) fn open(folder: &Path, measured: String) -> Result<(Self, Earlier)> {
         fs::create_dir_all(folder).map_err(FileError::at(folder, "cannot be made"))?;
         let Some(lock) = FileLock::take(&folder.join(".workbench.lock"), Patience::None)? else {
@@ -111,10 +111,10 @@ impl Journal {
         Ok(Earlier { stages, trail: kept.trail, suspects: kept.suspects })
     }
 
-    /// Keeps the list of models and where one stands among them.
+    /// Writes the list of models and the position in the undo history.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If the file cannot be written.
     pub(super) fn keep(&self, state: &State) -> Result<()> {
         let kept = Kept {
             format: FORMAT.to_owned(),
@@ -128,10 +128,10 @@ impl Journal {
         Ok(write_file(&file, text.as_bytes())?)
     }
 
-    /// Writes the files of a model.
+    /// Writes the files of one model.
     ///
     /// # Errors
-    /// When one cannot be written.
+    /// If a file cannot be written.
     pub(super) fn write(&self, number: usize, sections: &Sections, texts: &Texts) -> Result<()> {
         let own = self.of(number);
         if let Some((name, text)) = texts.effect {
@@ -151,19 +151,19 @@ impl Journal {
         Ok(write_file(&file, text.as_bytes())?)
     }
 
-    /// Text of the model that a number began with, or ended with.
+    /// Reads the path and text of one model's file: its start values, or its fitted values.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// If the file cannot be read.
     pub(super) fn model(&self, number: usize, is_fitted: bool) -> Result<(String, String)> {
         let file = self.of(number).join(if is_fitted { MODEL_FILE } else { START_FILE });
         Ok((file.display().to_string(), input::read_text(&file, MOST_TEXT_BYTES).map_err(FileError::from)?))
     }
 
-    /// A library with the formulas that were tried.
+    /// Returns the library with the effects made from typed formulas added.
     ///
     /// # Errors
-    /// A file that is no effect.
+    /// If a file is not a valid effect.
     pub(super) fn library(&self, library: &Library) -> Result<Library> {
         let mut files: Vec<(String, String)> = Vec::new();
         for entry in fs::read_dir(self.effects_folder()).into_iter().flatten().flatten() {
@@ -177,7 +177,7 @@ impl Journal {
         Ok(library.with(&files)?)
     }
 
-    /// Folder of formulas.
+    /// Returns the folder of effect files made from typed formulas.
     pub(super) fn effects_folder(&self) -> PathBuf {
         self.folder.join(EFFECTS)
     }

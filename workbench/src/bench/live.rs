@@ -1,4 +1,4 @@
-//! What a simulated model is looked at with: fields of the workpiece, and maps of what is left.
+//! Data for viewing a simulated model: fields of the workpiece, and residual maps.
 
 use effects::CompiledModel;
 use report::study::ColourScale;
@@ -8,51 +8,51 @@ use study::{ExposureMaps, HeightMaps, Maps, StudyReport};
 use super::fields::{TrialFields, fields};
 use lab::{EvidenceError, ScanEvidence};
 
-/// Fields and maps of a model.
+/// Simulated fields and residual maps of a model.
 pub(crate) struct Live {
-    /// By trial.
+    /// Fields of each trial.
     pub(crate) trials: Vec<TrialFields>,
-    /// By scan.
+    /// One map for each scan.
     pub(crate) maps: Vec<ScanMap>,
 }
 
-/// What is left of a scan.
+/// Residual map of one scan.
 pub(crate) struct ScanMap {
-    /// From 0.
+    /// Index of the trial, from 0.
     pub(crate) trial: usize,
-    /// From 0.
+    /// Index of the pass, from 0.
     pub(crate) pass: usize,
-    /// Where its pixels lie.
+    /// Positions of the pixels.
     pub(crate) pixels: PixelGrid,
-    /// At each pixel.
+    /// Residuals at the pixels.
     pub(crate) residuals: Residuals,
 }
 
-/// What is left at each pixel of a scan.
+/// Residuals at each pixel of a scan.
 pub(crate) enum Residuals {
-    /// Heights after grinding.
+    /// Height residuals after grinding.
     Heights {
         /// Measured - simulated [m], NaN where missing, shape `[ny, nx]`.
         left: Vec<f64>,
         /// Scan noise [m]: root mean square of one pixel's error.
         floor: f64,
-        /// Colours.
+        /// Colour scale of the residuals.
         scale: ColourScale,
     },
-    /// Substrate after sanding.
+    /// Exposed substrate after sanding.
     Exposure {
-        /// Measured; `None` where the optics could not tell, shape `[ny, nx]`.
+        /// Measured exposure; `None` where the optics could not decide, shape `[ny, nx]`.
         measured: Vec<Option<bool>>,
-        /// Simulated, shape `[ny, nx]`.
+        /// Simulated exposure, shape `[ny, nx]`.
         simulated: Vec<bool>,
     },
 }
 
 impl Live {
-    /// Simulates a model, and takes its maps from a report.
+    /// Simulates a model, and takes its residual maps from a report.
     ///
     /// # Errors
-    /// When it cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn new(
         evidence: &ScanEvidence,
         model: &CompiledModel,
@@ -69,19 +69,19 @@ impl Live {
         Ok(Self { trials: fields(&evidence.simulation, model)?, maps })
     }
 
-    /// What is left of the scan after a pass.
+    /// Returns the residual map of the scan after a pass.
     pub(crate) fn map(&self, trial: usize, pass: usize) -> Option<&ScanMap> {
         self.maps.iter().find(|map| (map.trial, map.pass) == (trial, pass))
     }
 }
 
 impl ScanMap {
-    /// The map of the whole model.
+    /// Takes the residual map of the whole model.
     fn new((trial, pass): (usize, usize), maps: &Maps) -> Self {
         let (pixels, residuals) = match maps {
             Maps::Heights(HeightMaps { pixels, base, with_effect, noise_floor, .. }) => {
                 let left = with_effect.as_ref().unwrap_or(base).clone();
-                // The base model's colours, so that they fade as the error falls.
+                // The scale is that of the base model, so that colours fade as the error falls.
                 let scale = ColourScale::new(*noise_floor, base.iter().copied());
                 (*pixels, Residuals::Heights { left, floor: *noise_floor, scale })
             }
@@ -93,8 +93,8 @@ impl ScanMap {
         Self { trial, pass, pixels, residuals }
     }
 
-    /// What is left at a place [m], from the four pixels around it; `None` of a sanded surface, beyond the map and beside a
-    /// missing pixel.
+    /// Returns the height residual at a position [m], interpolated from the four pixels around it; `None` after
+    /// sanding, outside the map and beside a missing pixel.
     pub(crate) fn left_at(&self, place: glam::DVec2) -> Option<f64> {
         let Residuals::Heights { left, .. } = &self.residuals else { return None };
         let value = interpolated(&self.pixels, left, place);
@@ -102,7 +102,8 @@ impl ScanMap {
     }
 }
 
-/// Value at a place [m] from the four pixels around it; NaN beyond the border and beside a missing one.
+/// Interpolates a value at a position [m] from the four pixels around it; NaN outside the map and beside a missing
+/// pixel.
 pub(crate) fn interpolated(pixels: &PixelGrid, values: &[f64], place: glam::DVec2) -> f64 {
     let at = pixels.coordinates(place);
     let low = at.floor();

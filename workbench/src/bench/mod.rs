@@ -1,4 +1,4 @@
-//! A campaign or table that was opened: a thread that owns its measurements, and what it has shown so far.
+//! An opened campaign or table: a thread that owns its measurements, and the results so far.
 
 mod engine;
 mod fields;
@@ -28,25 +28,25 @@ use crate::error::Refusal;
 use crate::place::Place;
 use worker::Setup;
 
-/// A campaign under work.
+/// An opened campaign or table.
 pub(crate) struct Bench {
-    /// What is worked on.
+    /// Folder of the measurements.
     pub(crate) place: Place,
-    /// What is known of it.
+    /// State shared with the requests.
     pub(crate) shared: Arc<Shared>,
-    /// What keeps it on disk.
+    /// Folder in which the bench is saved.
     pub(crate) out: PathBuf,
     tasks: Mutex<Sender<Task>>,
 }
 
 impl Bench {
-    /// Reads a place in a thread of its own, which then waits for tasks.
+    /// Starts a thread that reads the measurements and then waits for tasks.
     ///
-    /// - `out`: folder of what is tried
+    /// - `out`: folder in which the bench is saved
     /// - `root`: folder that may hold studies of the same measurements
     ///
     /// # Errors
-    /// When the system gives no thread.
+    /// If the system cannot start a thread.
     pub(crate) fn open(place: Place, out: PathBuf, root: PathBuf) -> std::io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let (tasks, waiting) = channel();
@@ -56,7 +56,7 @@ impl Bench {
         Ok(Self { place, shared, out, tasks: Mutex::new(tasks) })
     }
 
-    /// Gives the thread a task, or does at once what needs no simulation.
+    /// Sends a task to the thread, or does it at once if it needs no simulation.
     pub(crate) fn take(&self, task: Task) -> Result<(), Refusal> {
         match task {
             Task::Cancel => self.shared.cancel(),

@@ -1,29 +1,29 @@
-//! A model that somebody wants.
+//! A model to be fitted on request.
 
 use effects::{Library, Model};
 
-/// A model that is to be made.
+/// A model to be fitted.
 pub(super) struct Plan {
-    /// For people.
+    /// Label for people.
     pub(super) label: String,
-    /// With the values from which its fit begins.
+    /// Model with the start values of the fit.
     pub(super) model: Model,
-    /// Effects that it may have.
+    /// Effects that the model may contain.
     pub(super) library: Library,
-    /// How command lines make it.
+    /// Change from the current model.
     pub(super) change: How,
-    /// Effect file that was typed.
+    /// Name and text of the effect file made from a typed formula.
     pub(super) effect: Option<(String, String)>,
 }
 
-/// As [`super::replay::Change`], with names of its own.
+/// Owned counterpart of [`super::replay::Change`].
 pub(super) enum How {
     /// The first model.
     Base,
-    /// An effect more.
+    /// One effect is added.
     Add(String),
-    /// An effect fewer.
+    /// One effect is removed.
     Remove(String),
-    /// Its file is written.
+    /// The model file is written by the workbench.
     Written,
 }

@@ -1,34 +1,34 @@
-//! Command lines that do without the page what was done on it.
+//! Command lines that repeat the work of the page.
 
 use std::path::Path;
 
-/// Folder in which they write.
+/// Folder that the commands write to.
 const FOLDER: &str = "replay";
 
-/// How a model came from the one before.
+/// Change from the previous model to a model.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Change<'a> {
-    /// It is the first.
+    /// The first model.
     Base,
-    /// An effect was added.
+    /// One effect is added.
     Add(&'a str),
-    /// An effect was taken out.
+    /// One effect is removed.
     Remove(&'a str),
-    /// Its file was written here, for no other command line makes it.
+    /// The model file is written by the workbench, because no other command produces it.
     Written,
 }
 
-/// What a command line needs to know.
+/// Paths that the command lines contain.
 pub(super) struct Places<'a> {
-    /// The campaign.
+    /// Folder of the campaign.
     pub(super) campaign: &'a Path,
-    /// Where the bench keeps what was tried.
+    /// Folder in which the bench is saved.
     pub(super) out: &'a Path,
-    /// Folder of formulas, if one was tried.
+    /// Folder of effects made from typed formulas, if there are any.
     pub(super) effects: Option<&'a Path>,
 }
 
-/// Command lines that make model `number` from model `before`.
+/// Returns the command lines that make model `number` from model `before`.
 pub(super) fn commands(places: &Places, (before, number): (usize, usize), change: Change) -> Vec<String> {
     let effects = places.effects.map_or(String::new(), |folder| format!(" --effects {}", quoted(folder)));
     let campaign = quoted(places.campaign);
@@ -50,7 +50,7 @@ pub(super) fn commands(places: &Places, (before, number): (usize, usize), change
     }
 }
 
-/// A path as a POSIX shell reads it back.
+/// Quotes a path for a POSIX shell.
 fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@,".contains(c);

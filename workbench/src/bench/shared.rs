@@ -1,4 +1,4 @@
-//! What is known of a bench: written by its thread, read by every request.
+//! State of a bench, written by its thread and read by every request.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,27 +17,27 @@ use super::trail::Trail;
 use crate::error::Refusal;
 use crate::part::Surfaces;
 
-/// State with a number that grows with each change.
+/// State with a version number that grows with each change.
 pub(crate) struct Shared {
     state: Mutex<State>,
     version: watch::Sender<u64>,
-    /// Ends simulations under way.
+    /// Flag that stops running simulations.
     pub(super) stop: Stop,
 }
 
-/// How far a bench is.
+/// Phase of a bench.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Phase {
     /// Measurements are being read.
     Reading,
-    /// Tasks are taken.
+    /// Tasks are accepted.
     Open,
     /// The measurements cannot be used.
     Closed,
 }
 
-/// What is being done.
+/// Task in progress.
 pub(super) struct Job {
     pub(super) what: String,
     pub(super) done: usize,
@@ -45,37 +45,37 @@ pub(super) struct Job {
     pub(super) since: Instant,
 }
 
-/// A parameter that is held, and how the rest follows.
+/// A parameter fixed by its slider, and the response of the other parameters.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Held {
     pub(super) parameter: String,
     pub(super) value: f64,
-    /// Robust sum of squares with it, and of the fit.
+    /// Robust sum of squared residuals with the parameter fixed, and of the free fit.
     pub(super) chi2: [f64; 2],
-    /// The other parameters and their values in words.
+    /// Names of the other parameters and their values with units.
     pub(super) others: Vec<(String, String)>,
-    /// Error of the calibration passes; absent until the fine lattice says it.
+    /// Root mean square error of the calibration passes; `None` until the fine lattice is computed.
     pub(super) rms: Option<f64>,
-    /// Time that it took [s].
+    /// Computing time [s].
     pub(super) seconds: f64,
 }
 
-/// What reads formulas as they are typed.
+/// Context in which typed formulas are parsed.
 pub(crate) struct Reader {
-    /// The process.
+    /// Process of the measurements.
     pub(super) process: Process,
     /// States that a formula may read.
     pub(super) states: Vec<NamedState>,
-    /// Effects that are known.
+    /// Known effects.
     pub(super) library: Library,
 }
 
-/// All of it.
+/// Complete state of a bench.
 pub(crate) struct State {
     pub(super) phase: Phase,
     pub(super) about: String,
     pub(super) notes: Vec<String>,
-    /// Why the last task failed, or why the bench is closed.
+    /// Reason why the last task failed, or why the bench is closed.
     pub(super) fault: Option<String>,
     pub(super) job: Option<Job>,
     pub(super) waiting: usize,
@@ -108,24 +108,24 @@ impl Default for Shared {
 }
 
 impl Shared {
-    /// Looks at the state.
+    /// Reads the state.
     pub(crate) fn read<R>(&self, look: impl FnOnce(&State) -> R) -> R {
         look(&self.state.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Changes it, and wakes who waits for that.
+    /// Changes the state, and wakes the requests that wait for a change.
     pub(crate) fn change<R>(&self, change: impl FnOnce(&mut State) -> R) -> R {
         let changed = change(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner));
         self.version.send_modify(|version| *version += 1);
         changed
     }
 
-    /// Ends what is under way.
+    /// Stops the running task.
     pub(crate) fn cancel(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Waits for a state later than one that is known, and gives the number of the latest.
+    /// Waits for a version later than the known one; returns the latest version number.
     pub(crate) async fn later_than(&self, known: u64) -> u64 {
         let mut versions = self.version.subscribe();
         match versions.wait_for(|version| *version > known).await {
@@ -134,43 +134,44 @@ impl Shared {
         }
     }
 
-    /// Number of the latest state.
+    /// Returns the latest version number.
     pub(crate) fn version(&self) -> u64 {
         *self.version.borrow()
     }
 }
 
 impl State {
-    /// The model of a number.
+    /// Returns the model of a number.
     pub(crate) fn stage(&self, number: usize) -> Option<Arc<Stage>> {
         self.stages.iter().find(|stage| stage.record.number == number).cloned()
     }
 
-    /// The current model.
+    /// Returns the current model.
     pub(crate) fn current(&self) -> Option<Arc<Stage>> {
         self.trail.current().and_then(|number| self.stage(number))
     }
 
-    /// The scanned surfaces; `None` of a table, and until they are read.
+    /// Returns the scanned surfaces; `None` for a table, and until the scans are read.
     pub(crate) fn surfaces(&self) -> Option<Arc<Surfaces>> {
         self.surfaces.clone()
     }
 
-    /// What reads formulas; `None` until the measurements are read.
+    /// Returns the context for typed formulas; `None` until the measurements are read.
     pub(crate) fn reader(&self) -> Option<Arc<Reader>> {
         self.reader.clone()
     }
 
-    /// Whether the measurements cannot be used.
+    /// Returns true if the measurements cannot be used.
     pub(crate) fn is_closed(&self) -> bool {
         self.phase == Phase::Closed
     }
 
-    /// Command lines that make all models without the page.
+    /// Returns the command lines that make all models without the page.
     pub(crate) fn replay(&self) -> String {
         let of_stage = |stage: &Arc<Stage>| {
             let Record { number, label, commands, .. } = &stage.record;
-            // A label may hold a formula, and a comment ends with its line.
+            // A label may hold a formula; control characters are removed because a comment of the shell ends at a line
+            // break.
             let label: String = label.chars().filter(|c| !c.is_control()).collect();
             format!("\n# {number}: {label}\n{}\n", commands.join("\n"))
         };
@@ -178,7 +179,7 @@ impl State {
         format!("#!/bin/sh\n# Makes what the workbench made, in the folder replay.\nset -eu\nmkdir -p replay\n{stages}")
     }
 
-    /// Goes to another model that is there.
+    /// Makes another existing model the current one.
     pub(super) fn travel(&mut self, task: &Task) -> Result<(), Refusal> {
         let is_done = match task {
             Task::Undo => self.trail.undo(),
@@ -193,7 +194,7 @@ impl State {
         if is_done { Ok(()) } else { Err(Refusal::wrong("there is no such model to go to")) }
     }
 
-    /// The state for the page.
+    /// Returns the state as JSON for the page.
     pub(crate) fn to_json(&self, version: u64) -> Value {
         let current = self.current();
         let is_live = current.as_ref().is_some_and(|stage| stage.live().is_some());
@@ -222,13 +223,13 @@ impl State {
 }
 
 impl Reader {
-    /// Names and titles of the effects that act in the process.
+    /// Returns names and titles of the effects that act in the process.
     fn effects(&self) -> Vec<[&str; 2]> {
         let acting = self.library.effects().iter().filter(|effect| effect.acts_in(self.process));
         acting.map(|effect| [effect.name.as_str(), effect.title.as_str()]).collect()
     }
 
-    /// The unknown names of a formula with their units in SI, or what is wrong with it.
+    /// Returns the unknown names of a formula with their SI units, or the error in the formula.
     pub(crate) fn check(&self, line: &str) -> Result<Vec<(String, String)>, String> {
         let read =
             OneLine::parse(line, self.process, &self.states, &self.library).map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! A parameter that is held by hand, in a model's text and on the page.
+//! A parameter fixed by its slider, in a model's text and on the page.
 
 use std::time::Instant;
 
@@ -8,20 +8,20 @@ use lab::{Fit, LabError, Result};
 use super::engine::Engine;
 use super::shared::Held;
 
-/// A free parameter and a value for it.
+/// A free parameter and the value at which it is fixed.
 pub(super) struct Slid {
-    /// Place among the coordinates.
+    /// Index among the fitted coordinates.
     pub(super) place: usize,
-    /// SI.
+    /// Value [SI].
     pub(super) value: f64,
     name: String,
 }
 
 impl Slid {
-    /// The parameter of a name with a value in the unit that is shown.
+    /// Finds a free parameter by name and converts its value from the displayed unit; clamps it to its range.
     ///
     /// # Errors
-    /// Where the model has no such free parameter, or the value is no number.
+    /// If the model has no such free parameter, or the value is not a finite number.
     pub(super) fn new(fit: &Fit, name: &str, value: f64) -> Result<Self> {
         let place = fit.coordinates.iter().position(|coordinate| coordinate.slot.name() == name);
         let known = || fit.coordinates.iter().map(|c| c.slot.name()).collect::<Vec<_>>().join(", ");
@@ -37,7 +37,7 @@ impl Slid {
         Ok(Self { place, value, name: name.to_owned() })
     }
 
-    /// A model in which it has this value and is no longer free.
+    /// Returns the model with the parameter fixed at this value.
     pub(super) fn in_model(&self, model: &Model, fit: &Fit) -> Model {
         let own = &fit.coordinates[self.place].slot;
         let is_own = |k: &usize| {
@@ -58,12 +58,12 @@ impl Slid {
         held
     }
 
-    /// The value as the page shows it.
+    /// Returns the value in the displayed unit.
     pub(super) fn shown(&self, fit: &Fit) -> f64 {
         fit.coordinates[self.place].slot.unit.from_si(self.value)
     }
 
-    /// How the rest follows, for the page.
+    /// Collects the response of the other parameters for the page.
     pub(super) fn held(&self, engine: &Engine, (fit, rms): (&Fit, Option<f64>), since: Instant) -> Held {
         let value = |model: &CompiledModel, c: &lab::Coordinate| {
             let number = c.slot.unit.from_si(model.value(c.index));
@@ -81,7 +81,7 @@ impl Slid {
     }
 }
 
-/// A number with four significant digits.
+/// Formats a number with four significant digits.
 pub(super) fn four_digits(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
         return number.to_string();

@@ -1,4 +1,4 @@
-//! A model that was fitted: its numbers and pages, and where it is simulated also its fields.
+//! A fitted model: its numbers and report sections, and its fields if it was simulated in this run.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,68 +9,68 @@ use serde_json::{Value, json};
 
 use super::live::Live;
 
-/// A model that was fitted.
+/// A fitted model.
 pub(crate) struct Stage {
-    /// What is kept of it.
+    /// Saved numbers of the model.
     pub(crate) record: Record,
-    /// Its pages.
+    /// Sections of its report.
     pub(crate) sections: Sections,
     live: Mutex<Option<Arc<Live>>>,
 }
 
-/// What is kept of a model.
+/// Saved numbers of a fitted model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Record {
-    /// From 1.
+    /// Number of the model, from 1.
     pub(crate) number: usize,
-    /// What it adds to the one before, such as `+ grit-dulling`.
+    /// Change from the previous model, such as `+ grit-dulling`.
     pub(crate) label: String,
-    /// The one before.
+    /// Number of the previous model.
     pub(crate) before: Option<usize>,
-    /// Command lines that make it from that one.
+    /// Command lines that make it from the previous model.
     pub(crate) commands: Vec<String>,
-    /// Its errors.
+    /// Errors of the model.
     pub(crate) errors: Errors,
-    /// Names of its effects.
+    /// Names of the effects in the model.
     pub(crate) effects: Vec<String>,
-    /// Its free parameters.
+    /// Free parameters of the model.
     pub(crate) sliders: Vec<Slider>,
 }
 
-/// How far a model is from the measurements.
+/// Errors of a model against the measurements.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Errors {
-    /// For people.
+    /// Unit symbol of the errors.
     pub(crate) unit: String,
-    /// Root mean square over the passes that were fitted.
+    /// Root mean square error over the calibration passes.
     pub(crate) calibration: f64,
-    /// Over the passes that were held out.
+    /// Root mean square error over the held-out passes.
     pub(crate) held_out: Option<f64>,
-    /// What noise alone leaves.
+    /// Noise floor.
     pub(crate) floor: f64,
-    /// Robust sum of squares.
+    /// Robust sum of squared residuals.
     pub(crate) chi2: f64,
-    /// Data less free parameters.
+    /// Number of data minus number of free parameters.
     pub(crate) degrees_of_freedom: usize,
 }
 
-/// A free parameter with the values that it may have, in the unit that is shown.
+/// A free parameter with its range, in the displayed unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Slider {
-    /// With its owner.
+    /// Name with its owner.
     pub(crate) name: String,
-    /// For people.
+    /// Unit symbol.
     pub(crate) unit: String,
-    /// As it was fitted.
+    /// Fitted value.
     pub(crate) value: f64,
-    /// Least and greatest.
+    /// Lower and upper bound.
     pub(crate) range: [f64; 2],
-    /// Whether even ratios are even steps.
+    /// True if the slider's scale is logarithmic.
     pub(crate) is_log: bool,
 }
 
 impl Errors {
-    /// The errors of a calibration's last model.
+    /// Takes the errors of a calibration's last model.
     pub(super) fn of(summary: &CalibrationSummary) -> Self {
         let last = summary.waterfall.last();
         Self {
@@ -85,7 +85,7 @@ impl Errors {
 }
 
 impl Slider {
-    /// The free parameters of a fit.
+    /// Lists the free parameters of a fit.
     pub(super) fn all(fit: &Fit) -> Vec<Self> {
         let slider = |(coordinate, at): (&Coordinate, &f64)| {
             let shown = |value: f64| coordinate.slot.unit.from_si(value);
@@ -102,7 +102,7 @@ impl Slider {
 }
 
 impl Record {
-    /// What the page shows of it in a list.
+    /// Returns the entry of the page's list of models.
     pub(super) fn to_json(&self) -> Value {
         json!({
             "number": self.number,
@@ -116,17 +116,17 @@ impl Record {
 }
 
 impl Stage {
-    /// A model with its pages.
+    /// Makes a stage of a fitted model.
     pub(super) fn new(record: Record, sections: Sections, live: Option<Arc<Live>>) -> Self {
         Self { record, sections, live: Mutex::new(live) }
     }
 
-    /// Its fields and maps, where it was simulated in this run of the program.
+    /// Returns the fields and maps; `None` if the model was not simulated in this run.
     pub(crate) fn live(&self) -> Option<Arc<Live>> {
         self.live.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Keeps or forgets its fields and maps.
+    /// Stores or drops the fields and maps.
     pub(super) fn set_live(&self, live: Option<Arc<Live>>) {
         *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
     }

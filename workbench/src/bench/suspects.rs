@@ -1,31 +1,31 @@
-//! Effects that a search has scored, from this page or from a study of the same measurements.
+//! Effects scored by a search, from this page or from a study of the same measurements.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Suspects, the likeliest first.
+/// Scored effects, the most probable first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Suspects {
-    /// Where they come from, in a few words.
+    /// Origin in a few words: a search or a study.
     pub(super) source: String,
-    /// What the search says in a sentence.
+    /// Conclusion of the search as a sentence.
     pub(super) sentence: String,
     /// Unit of the errors.
     pub(super) unit: String,
-    /// Probability that none of the library is the cause.
+    /// Posterior probability that no effect of the library is the cause.
     pub(super) none: f64,
-    /// One line each.
+    /// One row for each effect.
     pub(super) rows: Vec<Row>,
 }
 
-/// An effect that was scored.
+/// A scored effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Row {
     name: String,
     title: String,
     probability: f64,
     delta_chi2: f64,
-    /// Error of held-out passes without and with it.
+    /// Root mean square error of the held-out passes without the effect and with it.
     #[serde(default)]
     evaluation_rms_um_before: Option<f64>,
     #[serde(default)]
@@ -36,7 +36,7 @@ pub(super) struct Row {
     indistinguishable_from: Vec<String>,
 }
 
-/// What of a diagnosis is needed.
+/// The parts of a diagnosis that the page shows.
 #[derive(Deserialize)]
 struct Diagnosis {
     sentence: String,
@@ -46,7 +46,7 @@ struct Diagnosis {
 }
 
 impl Suspects {
-    /// The suspects of a diagnosis as `diagnose --json` writes it; `None` of another value.
+    /// Reads the suspects from a diagnosis written by `diagnose --json`; `None` if the value has another form.
     pub(super) fn of(source: String, diagnosis: &Value) -> Option<Self> {
         let Diagnosis { sentence, none_probability, error_unit, mut suspects } =
             Diagnosis::deserialize(diagnosis).ok()?;

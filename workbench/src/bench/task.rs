@@ -1,4 +1,4 @@
-//! What the page may ask of a bench.
+//! Tasks that the page may send to a bench.
 
 use serde::Deserialize;
 
@@ -6,48 +6,48 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) enum Task {
-    /// Adds an effect of the library to the model and fits all of it.
+    /// Adds an effect of the library to the model and fits all parameters.
     Add {
-        /// Its name.
+        /// Name of the effect.
         effect: String,
     },
-    /// Takes an effect out of the model and fits the rest.
+    /// Removes an effect from the model and fits the rest.
     Remove {
-        /// Its name.
+        /// Name of the effect.
         effect: String,
     },
     /// Adds an effect from a formula.
     Formula {
-        /// The formula, as `robofin try` takes it.
+        /// Formula in the syntax of `robofin try`.
         line: String,
     },
-    /// Holds a parameter at a value; the others follow.
+    /// Fixes a parameter at a value; the others are predicted.
     Hold {
-        /// Its name with its owner.
+        /// Name of the parameter with its owner.
         parameter: String,
-        /// In the unit that is shown.
+        /// Value in the displayed unit.
         value: f64,
     },
-    /// Makes a model of what is held, and fits the others to the end.
+    /// Makes a model with the parameter fixed, and fits the others completely.
     Keep {
         /// Name of the parameter.
         parameter: String,
-        /// In the unit that is shown.
+        /// Value in the displayed unit.
         value: f64,
     },
-    /// Searches the library for what the model lacks.
+    /// Searches the library for effects that the model lacks.
     Search,
-    /// Goes to the model before.
+    /// Goes to the previous model of the undo history.
     Undo,
-    /// Goes to the model after.
+    /// Goes to the next model of the undo history.
     Redo,
-    /// Goes to a model.
+    /// Goes to a model by its number.
     GoTo {
-        /// Its number.
+        /// Number of the model.
         number: usize,
     },
-    /// Ends what is under way.
+    /// Stops the running task.
     Cancel,
-    /// Makes sure that the current model is simulated.
+    /// Simulates the current model if it is not simulated yet.
     Renew,
 }

@@ -1,8 +1,8 @@
-//! The way through the models that were made: back and forth, as an editor's undo and redo.
+//! Undo history of the models.
 
 use serde::{Deserialize, Serialize};
 
-/// Numbers of models in the order in which they were gone to, and where one stands.
+/// Numbers of models in the order in which they were visited, and the current position.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Trail {
     numbers: Vec<usize>,
@@ -10,12 +10,12 @@ pub(crate) struct Trail {
 }
 
 impl Trail {
-    /// The current model.
+    /// Returns the number of the current model.
     pub(crate) fn current(&self) -> Option<usize> {
         self.numbers.get(self.at).copied()
     }
 
-    /// Goes to a model; what could be redone is forgotten, its models are not.
+    /// Goes to a model; drops the redo entries, but keeps their models.
     pub(crate) fn go(&mut self, number: usize) {
         if self.current() == Some(number) {
             return;
@@ -25,31 +25,32 @@ impl Trail {
         self.at = self.numbers.len() - 1;
     }
 
-    /// Goes back, if there is something before.
+    /// Goes back one entry; returns false at the first entry.
     pub(crate) fn undo(&mut self) -> bool {
         let can = self.can_undo();
         self.at -= usize::from(can);
         can
     }
 
-    /// Goes forth, if something was undone.
+    /// Goes forward one entry; returns false at the last entry.
     pub(crate) fn redo(&mut self) -> bool {
         let can = self.can_redo();
         self.at += usize::from(can);
         can
     }
 
-    /// Whether there is something before.
+    /// Returns true if there is an earlier entry.
     pub(crate) fn can_undo(&self) -> bool {
         self.at > 0
     }
 
-    /// Whether something was undone.
+    /// Returns true if there is a later entry.
     pub(crate) fn can_redo(&self) -> bool {
         self.at + 1 < self.numbers.len()
     }
 
-    /// Whether it names only models up to a number, as one that was read must.
+    /// Returns true if all numbers lie between 1 and `most` and the position is valid; checks a history read from a
+    /// file.
     pub(crate) fn is_within(&self, most: usize) -> bool {
         let known = self.numbers.iter().all(|number| (1..=most).contains(number));
         known && (self.at < self.numbers.len() || (self.numbers.is_empty() && self.at == 0))

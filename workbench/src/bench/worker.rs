@@ -1,4 +1,4 @@
-//! The thread of a bench: reads the measurements, then does one task after the other.
+//! Thread of a bench: reads the measurements, then does one task after the other.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -28,16 +28,16 @@ use super::task::Task;
 use crate::part::Surfaces;
 use crate::place::{Kind, Place, places};
 
-/// Fitted models whose evidence is kept: going back to the one before is then at once.
+/// Number of fitted models whose evidence is kept in memory, so that undo to the previous model is immediate.
 const KEPT_ENGINES: usize = 2;
 /// Name of the first model.
 const BASE: &str = "base model";
 
-/// Of what a bench is.
+/// Folders of a bench.
 pub(super) struct Setup {
     /// The campaign or table.
     pub(super) place: Place,
-    /// Folder of what is tried.
+    /// Folder in which the bench is saved.
     pub(super) out: PathBuf,
     /// Folder that may hold studies of the same measurements.
     pub(super) root: PathBuf,
@@ -49,12 +49,12 @@ struct Worker<'m> {
     measurements: &'m Measurements,
     journal: Journal,
     library: Library,
-    /// Measurements that no fit has touched, made before they are needed.
+    /// Data that no fit has used, prepared in advance.
     fresh: Option<Data<'m>>,
     engines: VecDeque<(usize, Engine<'m>)>,
 }
 
-/// Reads the measurements and does tasks until nobody can give one any more.
+/// Reads the measurements and does tasks until the senders of tasks are gone.
 pub(super) fn run(setup: Setup, shared: &Arc<Shared>, tasks: &Receiver<Task>) {
     let ended = catch_unwind(AssertUnwindSafe(|| work(&setup, shared, tasks)));
     let fault = match ended {
@@ -85,7 +85,7 @@ fn work(setup: &Setup, shared: &Arc<Shared>, tasks: &Receiver<Task>) -> Result<(
     }
 }
 
-/// Reads the measurements. What was scanned can be looked at before the logs are compared with it, which takes longer.
+/// Reads the measurements. The scanned surfaces are published before the slower alignment of the logs with the scans.
 fn measurements(setup: &Setup, shared: &Arc<Shared>) -> Result<Measurements> {
     if setup.place.kind == Kind::Table {
         return Measurements::read(&setup.place.path);
@@ -95,7 +95,7 @@ fn measurements(setup: &Setup, shared: &Arc<Shared>) -> Result<Measurements> {
     Ok(Measurements::Scans(aligned(campaign)?))
 }
 
-/// Whether a task has no use where another follows.
+/// Returns true if the next task makes a task superfluous.
 fn is_overtaken(task: &Task, next: &Task) -> bool {
     matches!((task, next), (Task::Hold { .. }, Task::Hold { .. } | Task::Keep { .. }) | (Task::Renew, Task::Renew))
 }
@@ -123,7 +123,7 @@ impl<'m> Worker<'m> {
         Ok(Self { setup, shared, measurements, journal, library, fresh, engines: VecDeque::new() })
     }
 
-    /// Does a task and says what came of it.
+    /// Does a task and publishes the outcome.
     fn attempt(&mut self, task: &Task, is_last: bool) {
         self.shared.stop.store(false, Ordering::Relaxed);
         let done = catch_unwind(AssertUnwindSafe(|| self.take(task, is_last)));
@@ -154,38 +154,38 @@ impl<'m> Worker<'m> {
         }
     }
 
-    /// Measurements that no fit has touched.
+    /// Returns data that no fit has used.
     fn fresh(&mut self) -> Result<Data<'m>> {
         self.fresh.take().map_or_else(|| self.measurements.data(), Ok)
     }
 
-    /// Says what is being done.
+    /// Publishes the start of a job with a number of parts.
     fn begin(&self, what: &str, all: usize) {
         let job = Job { what: what.to_owned(), done: 0, all, since: Instant::now() };
         self.shared.change(|state| (state.job, state.fault) = (Some(job), None));
     }
 
-    /// Says that one part of it is done.
+    /// Publishes that one part of the job is done.
     fn advance(&self, what: &str) {
         self.shared.change(|state| {
             state.job.iter_mut().for_each(|job| (job.done, job.what) = (job.done + 1, what.to_owned()));
         });
     }
 
-    /// The current model as it was fitted; `None` before the first.
+    /// Returns number and text of the current model as fitted; `None` before the first.
     fn current(&self) -> Result<Option<(usize, Model)>> {
         let Some(number) = self.shared.read(|state| state.trail.current()) else { return Ok(None) };
         let (file, text) = self.journal.model(number, true)?;
         Ok(Some((number, Model::parse(&file, &text, &self.library)?)))
     }
 
-    /// The current model, which a change needs.
+    /// Returns the current model as the base of a change.
     fn standing(&self) -> Result<Model> {
         let current = self.current()?.map(|(_, model)| model);
         current.ok_or_else(|| LabError::Refused("the base model is not fitted yet".to_owned()))
     }
 
-    /// Makes sure that the current model is there and simulated: fits the base model where there is none.
+    /// Makes the current model available and simulated; fits the base model if there is none.
     fn renew(&mut self) -> Result<()> {
         let Some(number) = self.shared.read(|state| state.trail.current()) else { return self.base() };
         let stage = self.shared.read(|state| state.stage(number)).expect("the trail names stages");
@@ -210,7 +210,7 @@ impl<'m> Worker<'m> {
         self.make(Plan { label: BASE.to_owned(), model, library, change: How::Base, effect: None })
     }
 
-    /// Adds an effect to the current model.
+    /// Adds an effect to the current model and fits it.
     fn grow(&mut self, hypothesis: Hypothesis, change: How, label: String) -> Result<()> {
         let model = self.standing()?;
         let Hypothesis { library, name, file, .. } = hypothesis;
@@ -294,7 +294,7 @@ impl<'m> Worker<'m> {
         Ok(())
     }
 
-    /// Fits a model and simulates what it is shown with.
+    /// Fits a model and simulates its fields and maps.
     fn fitted(&mut self, model: &Model, library: Library, number: usize) -> Result<(Engine<'m>, Shown)> {
         let all = 3 + model.effects.len();
         self.begin(&format!("fitting model {number}"), all);
@@ -309,7 +309,7 @@ impl<'m> Worker<'m> {
         }
     }
 
-    /// Makes a model, keeps it and goes to it.
+    /// Fits a model, saves it and makes it the current one.
     fn make(&mut self, plan: Plan) -> Result<()> {
         let before = self.shared.read(|state| state.trail.current());
         let number = 1 + self.shared.read(|state| state.stages.len());
@@ -357,7 +357,7 @@ impl<'m> Worker<'m> {
         replay::commands(&places, numbers, change)
     }
 
-    /// Keeps the evidence of a model, last in line, and forgets that of others, and their fields.
+    /// Stores the evidence of a model as the latest; drops evidence and fields of the oldest beyond the limit.
     fn remember(&mut self, number: usize, engine: Engine<'m>) {
         self.engines.retain(|(own, _)| *own != number);
         self.engines.push_back((number, engine));
@@ -368,12 +368,12 @@ impl<'m> Worker<'m> {
     }
 }
 
-/// States that formulas may read on these data.
+/// Returns the states that formulas may read on these data.
 fn reader_states(data: &study::Data, library: &Library) -> Vec<effects::NamedState> {
     [data.reaches().measured_states(), effects::NamedState::of_library(library)].concat()
 }
 
-/// Suspects of the last study below a folder that is of the same measurements.
+/// Returns the suspects of the last study below a folder that has the same measurements.
 fn of_a_study(root: &Path, measured: &str) -> Option<Suspects> {
     let studies = places(root).0.into_iter().filter(|place| place.kind == Kind::Study);
     let of = |place: Place| {
@@ -385,7 +385,7 @@ fn of_a_study(root: &Path, measured: &str) -> Option<Suspects> {
 }
 
 impl Reader {
-    /// The same with other effects known.
+    /// Returns the same context with another library.
     fn with(&self, library: Library) -> Self {
         Self { process: self.process, states: self.states.clone(), library }
     }

@@ -1,11 +1,11 @@
-//! The page of a campaign or table: frames that the scripts fill.
+//! The page of a campaign or table: empty frames that the scripts fill.
 
 use maud::{Markup, html};
 
 use super::document;
 use crate::place::{Kind, Place};
 
-/// Colours in which the part is drawn, by the names in addresses.
+/// Colour modes of the part and their names in addresses.
 const MODES: [(&str, &str); 5] = [
     ("deviation", "measured \u{2212} simulated"),
     ("noise", "measured \u{2212} simulated, in noise floors"),
@@ -14,7 +14,7 @@ const MODES: [(&str, &str); 5] = [
     ("dose", "dose of the coating"),
 ];
 
-/// The page.
+/// Builds the page of a campaign or table.
 pub(crate) fn bench(place: &Place) -> Markup {
     let content = html! {
         header.bar {

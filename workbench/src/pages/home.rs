@@ -1,4 +1,4 @@
-//! The list of what a folder holds.
+//! The list of a folder's content.
 
 use maud::{Markup, html};
 
@@ -6,7 +6,7 @@ use super::document;
 use crate::home::Home;
 use crate::place::{Kind, Place};
 
-/// The page of a folder.
+/// Builds the page of a folder.
 pub(crate) fn home(home: &Home) -> Markup {
     let (places, is_cut) = home.places();
     let content = html! {

@@ -1,4 +1,4 @@
-//! The pages, and what they load.
+//! The pages, and the files that they load.
 
 mod bench;
 mod home;
@@ -8,7 +8,7 @@ pub(crate) use home::home;
 
 use maud::{DOCTYPE, Markup, html};
 
-/// A file that pages load: its media type and text. Each is part of the program.
+/// Returns media type and text of a file that pages load; it is compiled into the program.
 pub(crate) fn asset(name: &str) -> Option<(&'static str, String)> {
     const SCRIPT: &str = "text/javascript; charset=utf-8";
     Some(match name {
@@ -25,9 +25,9 @@ pub(crate) fn asset(name: &str) -> Option<(&'static str, String)> {
     })
 }
 
-/// A document around a page.
+/// Builds the document around a page.
 ///
-/// - `script`: module that it runs, if any
+/// - `script`: module that the page runs, if any
 fn document(title: &str, script: Option<&str>, content: Markup) -> Markup {
     html! {
         (DOCTYPE)

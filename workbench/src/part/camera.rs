@@ -1,31 +1,31 @@
-//! Where one looks from: around the scanned area, nearer or farther, to the side.
+//! Camera of a picture: orbits the scanned area, zooms, and shifts sideways.
 
 use glam::{DVec2, DVec3};
 use render::Camera;
 use sdf_bake::HeightMap;
 
-/// Nearest and farthest, as a factor on the size in the picture.
+/// Least and greatest zoom factor.
 const ZOOM: [f64; 2] = [0.3, 40.0];
-/// Highest view: from straight above the image would have no up.
+/// Greatest elevation [°]: seen from straight above, the image has no up direction.
 const HIGHEST: f64 = 89.5;
 
-/// A view in the numbers that the page turns.
+/// Camera parameters that the page controls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turn {
-    /// From x towards y [°].
+    /// Azimuth, from x towards y [°].
     pub(crate) azimuth: f64,
-    /// Above the plate [°].
+    /// Elevation above the plate [°].
     pub(crate) elevation: f64,
-    /// Size in the picture over that at which the whole area just fits [1].
+    /// Zoom factor relative to the view that just fits the whole area [1].
     pub(crate) zoom: f64,
-    /// How far the area is moved to the right and up, in heights of the picture [1].
+    /// Shift of the area to the right, in picture heights [1].
     pub(crate) right: f64,
-    /// Up.
+    /// Shift of the area upwards, in picture heights [1].
     pub(crate) up: f64,
 }
 
 impl Turn {
-    /// The camera of a picture of so many pixels.
+    /// Makes the camera for a picture of `(width, height)` pixels.
     pub(crate) fn camera(&self, scan: &HeightMap, (width, height): (usize, usize)) -> Camera {
         let (low, high) = bounds(scan);
         let aspect = width as f64 / height as f64;
@@ -44,7 +44,7 @@ impl Turn {
     }
 }
 
-/// Box of a scanned area [m].
+/// Returns the bounding box of a scanned area [m].
 fn bounds(scan: &HeightMap) -> (DVec3, DVec3) {
     let pixels = scan.pixels;
     let end = pixels.position(pixels.nx - 1, pixels.ny - 1);

@@ -1,4 +1,4 @@
-//! The workpiece: drawn from its field, read at a place, cut along a line.
+//! The workpiece: pictures of its field, values at a pixel, sections along a line.
 
 mod camera;
 mod paint;

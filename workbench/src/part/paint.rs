@@ -1,4 +1,4 @@
-//! A drawing in the colours of a map: what is lit and shaded stays, the colour comes from the value at the place.
+//! A drawing coloured by a map: the shading is kept, the colour comes from the value at the position.
 
 use glam::{DVec2, Vec3};
 use render::{BASE_STEEL, Frame, Picture, Seen, colour_map, from_srgb8, to_srgb8};
@@ -7,16 +7,17 @@ use serde_json::{Value, json};
 
 use crate::bench::{Residuals, ScanMap};
 
-/// Range of the light on a drawn surface over that of plain steel, within which colours stay those of the legend.
+/// Range of the brightness of a drawn surface relative to plain steel; within it, colours match the legend.
 const LIGHT: [f32; 2] = [0.35, 1.25];
-/// Colours of places that have no value, and of sanded places: measured and simulated, one of them, none.
+/// Colours of positions without a value, and of sanded positions: exposed in both, measured only, simulated only,
+/// neither.
 const MISSING: [u8; 3] = [0xa9, 0xad, 0xb3];
 const BOTH: [u8; 3] = [0x8f, 0xa8, 0xbd];
 const MEASURED: [u8; 3] = [0xee, 0x8a, 0x2c];
 const SIMULATED: [u8; 3] = [0x4c, 0x94, 0xcb];
 const NEITHER: [u8; 3] = [0xee, 0xee, 0xea];
 
-/// Colours the visible part of a frame by its places.
+/// Colours the visible part of a frame; `colour` maps a pixel's index to its colour.
 pub(super) fn painted(frame: &Frame, colour: impl Fn(usize) -> [u8; 3]) -> Picture {
     let mut picture = frame.to_srgb8();
     let steel = luminance(BASE_STEEL.diffuse);
@@ -32,7 +33,7 @@ fn luminance(colour: Vec3) -> f32 {
     colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Colour of what a map has at each pixel of a frame.
+/// Returns the map's colour at each pixel of a frame.
 pub(super) fn of_map<'a>(map: &'a ScanMap, frame: &'a Frame) -> impl Fn(usize) -> [u8; 3] + 'a {
     move |at| {
         let place = frame.position[at].as_dvec3().truncate();
@@ -51,12 +52,12 @@ pub(super) fn of_map<'a>(map: &'a ScanMap, frame: &'a Frame) -> impl Fn(usize) -
     }
 }
 
-/// The same of doses.
+/// Returns the dose's colour at each pixel of a frame.
 pub(super) fn of_dose(frame: &Frame) -> impl Fn(usize) -> [u8; 3] + '_ {
     |at| to_srgb8(colour_map(frame.dose[at].clamp(0.0, 1.0)))
 }
 
-/// The legend of a map: steps with their colours, in micrometres or noise floors.
+/// Builds the legend of a map: steps with their colours, in micrometres or noise floors.
 pub(super) fn legend_of(map: &ScanMap, in_floors: bool) -> Value {
     let key = |colour: [u8; 3], words: &str| json!({ "colour": css(colour), "words": words });
     match &map.residuals {
@@ -77,7 +78,7 @@ fn steps(scale: &ColourScale, unit: f64, name: &str, words: &str) -> Value {
     json!({ "title": format!("measured \u{2212} simulated; {words}"), "unit": name, "colours": colours, "bounds": bounds })
 }
 
-/// The legend of the colour map from zero to a value.
+/// Builds the legend of the colour map from zero to a value.
 pub(super) fn legend_to(title: &str, most: f64, unit: &str) -> Value {
     let colours: Vec<String> = (0..=8).map(|k| css(to_srgb8(colour_map(k as f32 / 8.0)))).collect();
     json!({ "title": title, "unit": unit, "ramp": colours, "most": most })
@@ -87,7 +88,7 @@ fn css([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Place of a pixel in the plane of the scan [m].
+/// Returns the position of a pixel in the plane of the scan [m].
 pub(super) fn place(frame: &Frame, at: usize) -> DVec2 {
     frame.position[at].as_dvec3().truncate()
 }

@@ -1,4 +1,4 @@
-//! A picture of the workpiece in one of the modes.
+//! Pictures of the workpiece in one of the colour modes.
 
 use std::sync::{Arc, OnceLock};
 
@@ -16,77 +16,77 @@ use super::surfaces::{ScannedTrial, Surfaces};
 use crate::bench::{Live, ScanMap};
 use crate::error::Refusal;
 
-/// Sides of a picture that are accepted [pixels].
+/// Least and greatest accepted side of a picture [pixels].
 const SIDES: [usize; 2] = [16, 2000];
-/// Share of the deepest pixels that the scale of removed depth leaves out: spikes are no removal.
+/// Share of the deepest pixels that the scale of removed depth ignores, because spikes are not removal.
 const DEEPEST_SHARE: f64 = 0.002;
 
-/// What is drawn.
+/// Colour mode of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Mode {
-    /// With materials and light.
+    /// Materials and light.
     Photograph,
-    /// Depth removed since before the first pass.
+    /// Removed depth since before the first pass.
     Removed,
-    /// Measured minus simulated.
+    /// Residual: measured minus simulated.
     Deviation,
-    /// The same in noise floors.
+    /// Residual in noise floors.
     Noise,
     /// Removed share of the coating.
     Dose,
 }
 
-/// Whose surface is drawn.
+/// Source of the drawn surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Whose {
-    /// As the model has it.
+    /// Surface simulated with the model.
     Simulated,
-    /// As it was scanned.
+    /// Scanned surface.
     Measured,
 }
 
-/// A picture that is asked for.
+/// Request for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub(crate) struct Asked {
-    /// From 0.
+    /// Index of the trial, from 0.
     pub(crate) trial: usize,
-    /// Passes that are done.
+    /// Number of passes done.
     pub(crate) pass: usize,
-    /// Whose surface.
+    /// Source of the surface.
     pub(crate) whose: Whose,
-    /// In which colours.
+    /// Colour mode.
     pub(crate) mode: Mode,
-    /// As [`Turn::azimuth`].
+    /// See [`Turn::azimuth`].
     azimuth: f64,
-    /// As [`Turn::elevation`].
+    /// See [`Turn::elevation`].
     elevation: f64,
-    /// As [`Turn::zoom`].
+    /// See [`Turn::zoom`].
     zoom: f64,
-    /// As [`Turn::right`].
+    /// See [`Turn::right`].
     right: f64,
-    /// As [`Turn::up`].
+    /// See [`Turn::up`].
     up: f64,
-    /// Pixels along a row.
+    /// Width [pixels].
     pub(crate) width: usize,
-    /// Rows.
+    /// Height [pixels].
     pub(crate) height: usize,
-    /// Whether edges are smooth, which takes four times as long.
+    /// True to smooth edges with four samples per pixel, which takes four times as long.
     pub(crate) fine: bool,
 }
 
-/// What is looked at: scans, and a model where it is there.
+/// Data for pictures: the scans, and the simulated model if there is one.
 #[derive(Clone)]
 pub(crate) struct Looked {
-    /// The scans.
+    /// Scanned surfaces.
     pub(crate) surfaces: Arc<Surfaces>,
-    /// The model.
+    /// Fields and maps of the current model.
     pub(crate) live: Option<Arc<Live>>,
 }
 
 impl Asked {
-    /// Where one looks from.
+    /// Returns the camera parameters.
     fn turn(&self) -> Turn {
         let Self { azimuth, elevation, zoom, right, up, .. } = *self;
         Turn { azimuth, elevation, zoom, right, up }
@@ -94,13 +94,13 @@ impl Asked {
 }
 
 impl Looked {
-    /// The trial that is asked for.
+    /// Returns the requested trial.
     pub(super) fn trial(&self, asked: &Asked) -> Result<&ScannedTrial, Refusal> {
         let trial = self.surfaces.trials.get(asked.trial).filter(|trial| asked.pass <= trial.scans.len());
         trial.ok_or_else(|| Refusal::missing("there is no such trial or pass"))
     }
 
-    /// The surface after so many passes.
+    /// Returns the field of the surface after `pass` passes.
     pub(super) fn field(&self, asked: &Asked, pass: usize) -> Result<Arc<BrickGrid>, Refusal> {
         if asked.whose == Whose::Measured {
             return self.trial(asked)?.field(pass).map_err(Refusal::wrong);
@@ -110,22 +110,22 @@ impl Looked {
         fields.cloned().ok_or_else(|| Refusal::missing("there is no such trial or pass"))
     }
 
-    /// What is left of the scan after the last pass that is done; `None` before the first, and without a model.
+    /// Returns the residual map of the last pass done; `None` before the first pass, and without a simulated model.
     pub(super) fn map(&self, asked: &Asked) -> Option<&ScanMap> {
         self.live.as_ref()?.map(asked.trial, asked.pass.checked_sub(1)?)
     }
 }
 
-/// Threads of their own: a fit that is under way shares the processor with them, and does not make them wait in its queue.
+/// Returns a separate thread pool for drawing, so that pictures do not wait in the queue of a running fit.
 pub(super) fn threads() -> &'static ThreadPool {
     static THREADS: OnceLock<ThreadPool> = OnceLock::new();
     THREADS.get_or_init(|| ThreadPoolBuilder::new().thread_name(|k| format!("draw-{k}")).build().expect("threads"))
 }
 
-/// A picture as PNG, and its legend.
+/// Draws a picture; returns it as PNG, with its legend.
 ///
 /// # Errors
-/// Where there is no such surface, or the model is not simulated yet.
+/// If there is no such surface, or the model is not simulated yet.
 pub(crate) fn drawn(looked: &Looked, asked: &Asked) -> Result<(Vec<u8>, Value), Refusal> {
     let [least, most] = SIDES;
     if !(least..=most).contains(&asked.width) || !(least..=most).contains(&asked.height) {
@@ -162,7 +162,7 @@ fn picture(looked: &Looked, asked: &Asked) -> Result<(Picture, Value), Refusal> 
     })
 }
 
-/// The buffers that the middle of each pixel sees, with removed depth.
+/// Renders the geometry buffer at the centre of each pixel, with removed depth.
 pub(super) fn seen(looked: &Looked, asked: &Asked) -> Result<Frame, Refusal> {
     let (trial, field, before) = (looked.trial(asked)?, looked.field(asked, asked.pass)?, looked.field(asked, 0)?);
     let camera = asked.turn().camera(&trial.before, (asked.width, asked.height));
@@ -171,7 +171,7 @@ pub(super) fn seen(looked: &Looked, asked: &Asked) -> Result<Frame, Refusal> {
     Ok(threads().install(|| render(&field, &camera, &view)))
 }
 
-/// A round depth that holds nearly all that was measured to be removed by all passes [m]: one scale for a whole trial.
+/// Returns a rounded full scale of removed depth for a whole trial [m], from the measured removal of all passes.
 fn deepest(trial: &ScannedTrial) -> f64 {
     let Some(last) = trial.heights(trial.scans.len()) else { return round_full_scale(0.0) };
     let depths = trial.before.heights.iter().zip(&last.heights).map(|(before, after)| before - after);
@@ -181,7 +181,7 @@ fn deepest(trial: &ScannedTrial) -> f64 {
     round_full_scale(depths.get(at).or(depths.last()).copied().unwrap_or(1e-6))
 }
 
-/// A picture as PNG, quickly: it is looked at once.
+/// Encodes a picture as PNG with fast compression, because it is viewed once.
 fn png(picture: &Picture) -> Vec<u8> {
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Sub)

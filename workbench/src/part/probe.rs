@@ -1,4 +1,4 @@
-//! What is known of the place under a click.
+//! Values at a clicked pixel.
 
 use render::Seen;
 use serde_json::{Value, json};
@@ -8,12 +8,12 @@ use super::picture::{Asked, Looked, Whose, seen};
 use crate::bench::{Residuals, interpolated};
 use crate::error::Refusal;
 
-/// Position and values of the place that a pixel shows; lengths in millimetres and micrometres.
+/// Returns position and values of the surface point at a pixel; lengths in millimetres and micrometres.
 ///
-/// - `pixel`: from the left and from the top
+/// - `pixel`: column from the left and row from the top
 ///
 /// # Errors
-/// Where the pixel shows no part, or there is nothing to look at.
+/// If the pixel does not show the part, or there is no surface yet.
 pub(crate) fn probed(looked: &Looked, asked: &Asked, (x, y): (usize, usize)) -> Result<Value, Refusal> {
     let frame = seen(looked, asked)?;
     let at = y * frame.width + x;
@@ -26,7 +26,8 @@ pub(crate) fn probed(looked: &Looked, asked: &Asked, (x, y): (usize, usize)) -> 
     let before = interpolated(&trial.before.pixels, &trial.before.heights, here);
     let map = looked.map(asked);
     let left = map.and_then(|map| map.left_at(here));
-    // Where a model says how the scan lies, the measured height is that; else it is the scan as it came.
+    // With a model, the measured height is the registered scan (simulated height plus residual); otherwise the raw
+    // scan.
     let measured = match left.filter(|_| asked.whose == Whose::Simulated) {
         Some(left) => position.z + left,
         None => trial.heights(asked.pass).map_or(f64::NAN, |map| interpolated(&map.pixels, &map.heights, here)),

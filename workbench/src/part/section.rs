@@ -1,4 +1,4 @@
-//! A section along a line over the scan: what was removed, measured and simulated, and what is left.
+//! A section along a line over the scan: removed depth, measured and simulated, and the residual.
 
 use glam::DVec2;
 use report::{Chart, Series, Stroke, stacked};
@@ -9,15 +9,15 @@ use super::picture::{Asked, Looked};
 use crate::bench::{Residuals, ScanMap, interpolated};
 use crate::error::Refusal;
 
-/// Most points of a section.
+/// Greatest number of points of a section.
 const MOST_POINTS: usize = 400;
-/// Width and heights of its two charts [px].
+/// Width and height of the section's two charts [px].
 const SIZES: [(f64, f64); 2] = [(720.0, 230.0), (720.0, 180.0)];
 const MEASURED: Stroke = Stroke { colour: "#1c2330", dashed: false };
 const SIMULATED: Stroke = Stroke { colour: "#d55e00", dashed: true };
 const LEFT: Stroke = Stroke { colour: "#0072b2", dashed: false };
 
-/// Ends of a section in the plane of the scan [mm].
+/// End points of a section in the plane of the scan [mm].
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub(crate) struct Line {
     x0: f64,
@@ -26,17 +26,17 @@ pub(crate) struct Line {
     y1: f64,
 }
 
-/// Values along a section, in micrometres over the way [mm].
+/// Values along a section [µm] over the distance along the line [mm].
 struct Along {
     measured: Vec<(f64, f64)>,
     simulated: Vec<(f64, f64)>,
     left: Vec<(f64, f64)>,
 }
 
-/// The charts of a section as SVG, and its root mean square.
+/// Draws the charts of a section as SVG, and returns its root mean square residual.
 ///
 /// # Errors
-/// Where the line lies beside the scan, or there is no scan of heights.
+/// If the line lies outside the scan, or there is no height scan.
 pub(crate) fn section(looked: &Looked, asked: &Asked, line: &Line) -> Result<Value, Refusal> {
     let map =
         looked.map(asked).ok_or_else(|| Refusal::early("a section needs a pass, and a model that is simulated"))?;

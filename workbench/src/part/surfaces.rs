@@ -1,4 +1,4 @@
-//! Surfaces as they were scanned, and fields of them, made when first looked at.
+//! Scanned surfaces, and their fields, which are computed on first use.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,22 +8,22 @@ use sdf_bake::{BrickGrid, HeightMap};
 use serde_json::{Value, json};
 use trials::trial::{Campaign, Pass, PassScan, Role, Trial};
 
-/// Voxels beyond what the tool may reach, as a simulation has them.
+/// Margin beyond the tool's reach [voxels], the same as in a simulation.
 const MARGIN_VOXELS: f64 = 4.0;
 
-/// The scans of a campaign.
+/// Scans of a campaign.
 pub(crate) struct Surfaces {
-    /// By trial.
+    /// Scans of each trial.
     pub(crate) trials: Vec<ScannedTrial>,
 }
 
-/// The scans of a trial.
+/// Scans of one trial.
 pub(crate) struct ScannedTrial {
-    /// Its name.
+    /// Name of the trial.
     pub(crate) name: String,
-    /// Before the first pass, without spikes.
+    /// Height map before the first pass, despiked.
     pub(crate) before: HeightMap,
-    /// After each pass.
+    /// Scan after each pass.
     pub(crate) scans: Vec<PassScan>,
     passes: Vec<Value>,
     reach: f64,
@@ -31,12 +31,12 @@ pub(crate) struct ScannedTrial {
 }
 
 impl Surfaces {
-    /// The scans of a campaign.
+    /// Takes the scans of a campaign.
     pub(crate) fn of(campaign: &Campaign) -> Self {
         Self { trials: campaign.trials.iter().map(ScannedTrial::new).collect() }
     }
 
-    /// Names of trials and passes for the page.
+    /// Returns the names of trials and passes for the page.
     pub(crate) fn to_json(&self) -> Value {
         self.trials.iter().map(|trial| json!({ "name": trial.name, "passes": trial.passes })).collect()
     }
@@ -62,7 +62,8 @@ impl ScannedTrial {
         }
     }
 
-    /// The scanned surface after a number of passes; `None` after sanding, which leaves the surface as it was.
+    /// Returns the height map after a number of passes; after sanding this is the map before the first pass, because
+    /// the shape stays.
     pub(crate) fn heights(&self, passes: usize) -> Option<&HeightMap> {
         match passes.checked_sub(1) {
             None => Some(&self.before),
@@ -73,10 +74,10 @@ impl ScannedTrial {
         }
     }
 
-    /// A field of the scanned surface after a number of passes.
+    /// Returns the field of the scanned surface after a number of passes.
     ///
     /// # Errors
-    /// Where there is no such scan, or it makes no part.
+    /// If there is no such scan, or no field can be made of it.
     pub(crate) fn field(&self, passes: usize) -> Result<Arc<BrickGrid>, String> {
         let mut fields = self.fields.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(field) = fields.get(&passes) {

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
-/// Names under which systems install it.
+/// Names of the executable on different systems.
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
 /// A browser with one page.
@@ -21,12 +21,12 @@ pub struct Browser {
     socket: WebSocket<MaybeTlsStream<TcpStream>>,
     session: String,
     last: u64,
-    /// What the page wrote on its console, and errors that nobody caught.
+    /// Console messages of the page, and uncaught errors.
     pub console: Vec<String>,
     _profile: tempfile::TempDir,
 }
 
-/// Says what stays untested, past the test harness's capture; fails where outside programs were promised.
+/// Reports a skipped test, bypassing the test harness's capture; fails if outside programs are required.
 fn untested(cause: &str) {
     let promised = std::env::var_os("ROBOFIN_REQUIRE_OUTSIDE").is_some_and(|value| value == "1");
     assert!(!promised, "ROBOFIN_REQUIRE_OUTSIDE=1, but the workbench cannot be opened: {cause}");
@@ -34,7 +34,7 @@ fn untested(cause: &str) {
 }
 
 impl Browser {
-    /// Starts one; `None` after saying what stays untested.
+    /// Starts a browser; `None` after reporting a skipped test.
     pub fn start() -> Option<Self> {
         let starts =
             |program: &&&str| Command::new(program).arg("--version").output().is_ok_and(|o| o.status.success());
@@ -53,7 +53,7 @@ impl Browser {
             .expect("it ran before");
         let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
         let address = lines.find_map(|line| line.ok()?.strip_prefix("DevTools listening on ").map(str::to_owned));
-        // What it writes later must go somewhere.
+        // Later output must be drained.
         std::thread::spawn(move || lines.for_each(drop));
         let (socket, _) = tungstenite::connect(address.expect("it says where it listens")).expect("it listens there");
         let mut browser =
@@ -67,7 +67,7 @@ impl Browser {
         Some(browser)
     }
 
-    /// Calls a method, and notes what the console says meanwhile.
+    /// Calls a method, and collects console messages meanwhile.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": parameters });
@@ -99,7 +99,7 @@ impl Browser {
         self.until("document.readyState === 'complete'", 20);
     }
 
-    /// Value of an expression.
+    /// Evaluates an expression.
     pub fn value(&mut self, expression: &str) -> Value {
         let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
         let mut answer = self.call("Runtime.evaluate", asked);
@@ -120,14 +120,14 @@ impl Browser {
         }
     }
 
-    /// Clicks on the middle of an element.
+    /// Clicks on the centre of an element.
     pub fn click(&mut self, selector: &str) {
         self.value(&format!("document.querySelector({}).scrollIntoView({{block: 'center'}})", json!(selector)));
         let [x, y] = self.middle(selector);
         self.pointer([x, y], [x, y]);
     }
 
-    /// Middle of an element [px].
+    /// Returns the centre of an element [px].
     pub fn middle(&mut self, selector: &str) -> [f64; 2] {
         let found = self.value(&format!(
             "(() => {{ const b = document.querySelector({}).getBoundingClientRect(); \
@@ -137,7 +137,7 @@ impl Browser {
         [0, 1].map(|k| found[k].as_f64().unwrap_or_else(|| panic!("{selector} is not on the page")))
     }
 
-    /// Presses the button at a place, moves and releases it there.
+    /// Presses the mouse button at one position, moves, and releases it at another.
     pub fn pointer(&mut self, from: [f64; 2], to: [f64; 2]) {
         let mut event = |kind: &str, [x, y]: [f64; 2], buttons: u32| {
             let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 });
@@ -153,7 +153,7 @@ impl Browser {
         event("mouseReleased", to, 0);
     }
 
-    /// A picture of what is visible, as PNG.
+    /// Takes a screenshot as PNG.
     pub fn screenshot(&mut self, file: &Path) {
         let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
         let data = answer["data"].as_str().expect("a picture");

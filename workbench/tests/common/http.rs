@@ -1,9 +1,9 @@
-//! Requests as bytes, so that a test can send what no browser would.
+//! Raw requests, so that a test can send bytes that no browser would.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 
-/// An answer: its status, head and body.
+/// Response: status, head and body.
 pub struct Answer {
     pub status: u16,
     pub head: String,
@@ -24,7 +24,7 @@ pub fn send(address: SocketAddr, line: &str, headers: &str, body: &str) -> Answe
     Answer { status, head: head.to_owned(), body: body.to_owned() }
 }
 
-/// A request of the page itself.
+/// Sends a request as the page itself would.
 pub fn own(address: SocketAddr, line: &str, body: &str) -> Answer {
     let port = address.port();
     let headers = format!(

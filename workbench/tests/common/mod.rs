@@ -1,4 +1,4 @@
-//! A workbench on a folder of its own, and a browser that opens it.
+//! A workbench on a temporary folder, and a browser that opens it.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use workbench::{Options, Workbench};
 
-/// A token as the program would make it.
+/// Token in the program's format.
 pub const TOKEN: &str = "00112233445566778899aabbccddeeff";
 
 /// A server that runs until the test ends.
@@ -30,7 +30,7 @@ pub fn serve(folder: &Path, out: &Path) -> Server {
     server
 }
 
-/// The bundled campaign.
+/// Returns the path of the bundled campaign.
 pub fn bundled() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/campaigns/first-look")
 }
