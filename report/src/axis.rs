@@ -16,12 +16,12 @@ impl Axis {
         self.start + (value - self.low) / (self.high - self.low) * (self.end - self.start)
     }
 
-    /// About `count` round values at distances of 1, 2 or 5 times a power of ten.
+    /// Returns about `count` round values at distances of 1, 2 or 5 times a power of ten.
     pub(crate) fn ticks(&self, count: usize) -> Vec<f64> {
         self.ticks_apart(count, 0.0)
     }
 
-    /// As [`Axis::ticks`], at whole numbers, for what is counted.
+    /// Returns [`Axis::ticks`] at whole numbers, for counts.
     pub(crate) fn whole_ticks(&self, count: usize) -> Vec<f64> {
         self.ticks_apart(count, 1.0)
     }
@@ -31,7 +31,7 @@ impl Axis {
         let power = 10f64.powf(rough.log10().floor());
         let step =
             [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s >= rough).unwrap_or(rough).max(least);
-        // A range that ends on a tick keeps it, whatever the rounding.
+        // The tolerance keeps a tick at the end of the range despite rounding.
         let first = (self.low / step - 1e-9).ceil() as i64;
         let last = (self.high / step + 1e-9).floor() as i64;
         (first..=last).map(|i| i as f64 * step).collect()
@@ -46,7 +46,7 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     })
 }
 
-/// A tick's number without needless digits.
+/// Formats a tick's number without needless digits.
 pub(crate) fn short(value: f64) -> String {
     let text = if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
         let text = format!("{value:.1e}").replace(".0e", "e");

@@ -12,32 +12,32 @@ pub struct Series {
     pub name: String,
     /// Points (x, y) in the units of the axes; the line is broken where y is not finite.
     pub points: Vec<(f64, f64)>,
-    /// Colour and dashes; `None` takes the next of the palette.
+    /// Colour and dashes; `None` takes the next colour of the palette.
     pub stroke: Option<Stroke>,
-    /// Low and high end of each point's band, as many as points, or none.
+    /// Lower and upper bound of the band at each point, as many as points; empty without a band.
     pub band: Vec<(f64, f64)>,
 }
 
 impl Series {
-    /// A plain line.
+    /// Makes a line without a band, in the next colour of the palette.
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), points, stroke: None, band: Vec::new() }
     }
 }
 
-/// How a line is drawn.
+/// Colour and dashes of a line.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
-    /// Colour as CSS writes it.
+    /// CSS colour.
     pub colour: &'static str,
-    /// Whether it is dashed, so that prints without colour tell it apart.
+    /// True if the line is dashed, so that it differs in print without colour.
     pub dashed: bool,
 }
 
 /// A chart of lines over a common axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Chart<'a> {
-    /// What it shows, for those who cannot see it.
+    /// Description for readers who cannot see the chart.
     pub title: &'a str,
     /// Label of the horizontal axis, with its unit.
     pub x_label: &'a str,
@@ -47,7 +47,7 @@ pub struct Chart<'a> {
     pub series: &'a [Series],
     /// Width and height [px].
     pub size: (f64, f64),
-    /// Whether the vertical axis begins at zero.
+    /// True if the vertical axis starts at zero.
     pub from_zero: bool,
     /// Vertical range drawn as a tolerance band.
     pub band: Option<(f64, f64)>,
@@ -59,17 +59,17 @@ const LEFT: f64 = 62.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 26.0;
 const BOTTOM: f64 = 42.0;
-/// Points a line is thinned to.
+/// Greatest number of points of a drawn line; longer lines are thinned.
 const MOST_POINTS: usize = 600;
-/// Places along the axis that say their values under the pointer.
+/// Greatest number of positions along the axis at which values show under the pointer.
 const MOST_STRIPS: usize = 80;
 /// Mean width of a letter of the legend [px].
 const LETTER: f64 = 7.0;
-/// Okabe & Ito 2008: told apart by colour-blind readers.
+/// Palette of Okabe & Ito (2008), distinguishable by colour-blind readers.
 const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 
 impl Chart<'_> {
-    /// The chart as an SVG element; empty without points.
+    /// Returns the chart as an SVG element; empty without points.
     pub fn to_svg(&self) -> String {
         stacked(self.title, std::slice::from_ref(self))
     }
@@ -89,7 +89,7 @@ impl Chart<'_> {
         Some((low - margin, high + margin))
     }
 
-    /// Draws the chart from `top` [px] on; only the lowest of a stack names the horizontal axis.
+    /// Draws the chart from `top` [px] downwards; only the lowest of a stack labels the horizontal axis.
     fn draw(&self, svg: &mut String, across: &Axis, top: f64, lowest: bool) {
         let Some((low, high)) = self.vertical() else { return };
         let bottom = top + self.size.1 - if lowest { BOTTOM } else { 14.0 };
@@ -143,7 +143,8 @@ impl Chart<'_> {
     }
 }
 
-/// Charts of one width over one horizontal axis, as an SVG element; values show under the pointer. Empty without points.
+/// Returns charts of one width over one horizontal axis as an SVG element; values show under the pointer. Empty without
+/// points.
 pub fn stacked(title: &str, charts: &[Chart]) -> String {
     let Some((low, high)) = range(charts.iter().filter_map(Chart::horizontal).flat_map(|r| [r.0, r.1])) else {
         return String::new();
@@ -196,7 +197,7 @@ fn draw_legend(svg: &mut String, name: &str, stroke: Stroke, x: f64, y: f64) {
     let _ = write!(svg, r#"<text x="{:.1}" y="{y:.1}">{}</text>"#, x + 27.0, escape(name));
 }
 
-/// A path through the finite points, broken where one is missing.
+/// Returns a path through the finite points, broken where one is missing.
 fn path(points: impl Iterator<Item = (f64, f64)>, across: &Axis, up: &Axis) -> String {
     let mut text = String::new();
     let mut pen_down = false;
@@ -210,7 +211,7 @@ fn path(points: impl Iterator<Item = (f64, f64)>, across: &Axis, up: &Axis) -> S
     text
 }
 
-/// Upright strips that say the values of all lines at their place.
+/// Draws vertical strips that show the values of all lines under the pointer.
 fn draw_strips(svg: &mut String, charts: &[Chart], across: &Axis, bottom: f64) {
     let Some(first) = charts.iter().flat_map(|chart| chart.series).next() else { return };
     let stride = first.points.len().div_ceil(MOST_STRIPS).max(1);

@@ -1,8 +1,7 @@
-//! Pages for people: one HTML file with everything in it, which loads nothing.
+//! Self-contained HTML pages that load nothing.
 //!
-//! [`Page`] gathers sections, [`Table`]s, [`Chart`]s and pictures; [`study`] draws what a study found,
-//! [`trial_check`] what the checks of a trial found. Nothing here reads a
-//! file, simulates or judges.
+//! [`Page`] collects sections, [`Table`]s, [`Chart`]s and pictures; [`study`] draws the results of a study,
+//! [`trial_check`] the checks of a trial. This crate reads no file, simulates nothing and judges nothing.
 
 mod axis;
 mod chart;

@@ -1,4 +1,4 @@
-//! A map on the page: a PNG inside an SVG with axes in millimetres, and its values for the pointer.
+//! A map on the page: a PNG inside an SVG with axes in millimetres; its values show under the pointer.
 
 use std::fmt::Write;
 
@@ -11,52 +11,52 @@ use sdf_bake::PixelGrid;
 
 use crate::{Axis, escape, short};
 
-/// Value of a missing pixel among the embedded ones.
+/// Embedded value of a missing pixel.
 const ABSENT: i16 = i16::MIN;
-/// Room for the axes to the left, and below [px].
+/// Margins for the axes: left and below [px].
 const LEFT: f64 = 34.0;
 const BELOW: f64 = 36.0;
 const ABOVE: f64 = 4.0;
 const RIGHT: f64 = 8.0;
-/// Most height of a picture [px].
+/// Greatest height of a picture [px].
 const MOST_HEIGHT: f64 = 420.0;
 
 /// A map ready for the page.
 pub(crate) struct MapImage<'a> {
-    /// Where the pixels lie.
+    /// Positions of the pixels.
     pub(crate) pixels: PixelGrid,
     /// Colours, shape `[ny, nx]`.
     pub(crate) colours: Vec<Rgb<u8>>,
-    /// What the pointer reads, shape `[ny, nx]`.
+    /// Values shown under the pointer, shape `[ny, nx]`.
     pub(crate) values: Values<'a>,
     /// Name of the map, such as `base model`.
     pub(crate) label: &'a str,
-    /// What it shows, in a sentence.
+    /// Description of the map in one sentence.
     pub(crate) title: &'a str,
     /// Width on the page [px].
     pub(crate) width: f64,
-    /// Lines over the map.
+    /// Lines drawn over the map.
     pub(crate) lines: Vec<Line>,
 }
 
 /// A line over a map.
 pub(crate) struct Line {
-    /// Its points [m].
+    /// Points of the line [m].
     pub(crate) points: Vec<DVec2>,
-    /// Colour as CSS writes it.
+    /// CSS colour.
     pub(crate) colour: &'static str,
 }
 
-/// What a pixel says under the pointer.
+/// Values of pixels shown under the pointer.
 pub(crate) enum Values<'a> {
     /// Heights [m].
     Heights(&'a [f64]),
-    /// Index of a word.
+    /// Words, and the index of each pixel's word.
     Words(&'a [&'static str], &'a [usize]),
 }
 
 impl MapImage<'_> {
-    /// The map as an SVG element.
+    /// Returns the map as an SVG element.
     pub(crate) fn to_svg(&self) -> String {
         let PixelGrid { origin, pitch, nx, ny } = self.pixels;
         let scale = ((self.width - LEFT - RIGHT) / nx as f64).min(MOST_HEIGHT / ny as f64);
@@ -89,13 +89,13 @@ impl MapImage<'_> {
         svg + "</svg>"
     }
 
-    /// The picture as PNG, y upwards.
+    /// Encodes the picture as PNG, y upwards.
     fn png(&self) -> Vec<u8> {
         let PixelGrid { nx, ny, .. } = self.pixels;
         let rows = self.colours.chunks(nx).rev().flatten().flat_map(|Rgb(colour)| *colour);
         let rgb: Vec<u8> = rows.collect();
         let mut bytes = Vec::new();
-        // Few colours without gradients: filters between neighbours would only hide the repetition.
+        // The picture has few colours and no gradients: a PNG filter would hide the repetition from the compressor.
         PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter)
             .write_image(&rgb, nx as u32, ny as u32, ExtendedColorType::Rgb8)
             .expect("a buffer of the picture's size, written to memory");
@@ -104,7 +104,7 @@ impl MapImage<'_> {
 }
 
 impl Line {
-    /// Draws what of the line lies on the map, up to its border.
+    /// Draws the parts of the line that lie on the map.
     fn draw(&self, svg: &mut String, across: &Axis, up: &Axis) {
         let inside = |p: &DVec2| {
             let within = |axis: &Axis, value: f64| (axis.low..=axis.high).contains(&(value * 1e3));
@@ -161,7 +161,8 @@ impl Values<'_> {
     }
 }
 
-/// Heights [m] in tenths of a micrometre, or coarser by a power of ten where that does not hold them.
+/// Quantises heights [m] to 16-bit integers: in tenths of a micrometre, or coarser by a power of ten if they do not
+/// fit. Returns the integers per micrometre, and the integers.
 fn quantised(heights: &[f64]) -> (f64, Vec<i16>) {
     let most = heights.iter().filter(|h| h.is_finite()).fold(0.0f64, |most, h| most.max(h.abs())) * 1e6;
     let steps = [10.0, 1.0, 0.1, 0.01];
@@ -170,7 +171,7 @@ fn quantised(heights: &[f64]) -> (f64, Vec<i16>) {
     (per_micrometre, heights.iter().map(one).collect())
 }
 
-/// Little-endian 16-bit integers in base64.
+/// Encodes little-endian 16-bit integers in base64.
 fn encoded(values: &[i16]) -> String {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     STANDARD.encode(bytes)

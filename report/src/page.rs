@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::table::{Cell, Table};
 
-/// A page under construction: blocks are appended in reading order.
+/// A page under construction; blocks are appended in reading order.
 pub struct Page {
     title: String,
     style: String,
@@ -16,7 +16,7 @@ pub struct Page {
     contents_at: Option<usize>,
 }
 
-/// The style of every page.
+/// Style sheet of every page.
 pub(crate) const STYLE: &str = "
 :root { color-scheme: light; }
 body { font: 15px/1.5 system-ui, sans-serif; color: #1c2330; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
@@ -31,49 +31,49 @@ code { font-size: .9em; background: #f2f4f8; padding: .05em .3em; border-radius:
 ";
 
 impl Page {
-    /// A page with a heading and one sentence below it.
+    /// Starts a page with a heading and one sentence below it.
     pub fn new(title: &str, lead: &str) -> Self {
         let body = format!("<header><h1>{}</h1>\n<p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
         Self { title: title.to_owned(), style: STYLE.to_owned(), body, parts: Vec::new(), contents_at: None }
     }
 
-    /// A page without a heading, whose sections go into another document.
+    /// Starts a page without a heading, for sections that go into another document.
     pub(crate) fn bare() -> Self {
         Self { title: String::new(), style: String::new(), body: String::new(), parts: Vec::new(), contents_at: None }
     }
 
-    /// What was appended, without a document around it.
+    /// Returns the appended HTML without a document around it.
     pub(crate) fn into_body(self) -> String {
         self.body
     }
 
-    /// A section heading.
+    /// Appends a section heading.
     pub fn section(&mut self, heading: &str) {
         self.append(&format!("<h2>{}</h2>\n", escape(heading)));
     }
 
-    /// A section heading that the list of contents names and links to.
+    /// Appends a section heading with an entry in the list of contents.
     pub(crate) fn part(&mut self, id: &'static str, heading: &'static str) {
         self.parts.push((id, heading));
         self.append(&format!("<h2 id=\"{id}\">{}</h2>\n", escape(heading)));
     }
 
-    /// A heading within a section.
+    /// Appends a heading within a section.
     pub(crate) fn subsection(&mut self, heading: &str) {
         self.append(&format!("<h3>{}</h3>\n", escape(heading)));
     }
 
-    /// The list of contents goes here.
+    /// Marks the position of the list of contents.
     pub(crate) fn contents(&mut self) {
         self.contents_at = Some(self.body.len());
     }
 
-    /// A paragraph of plain text.
+    /// Appends a paragraph of plain text.
     pub fn paragraph(&mut self, text: &str) {
         self.append(&format!("<p>{}</p>\n", escape(text)));
     }
 
-    /// A PNG picture, embedded.
+    /// Appends an embedded PNG picture.
     pub fn picture(&mut self, png: &[u8], caption: &str) {
         let caption = escape(caption);
         let data = STANDARD.encode(png);
@@ -82,12 +82,12 @@ impl Page {
         ));
     }
 
-    /// An inline SVG drawing.
+    /// Appends an inline SVG drawing.
     pub fn drawing(&mut self, svg: &str, caption: &str) {
         self.append(&format!("<figure>{svg}<figcaption>{}</figcaption></figure>\n", escape(caption)));
     }
 
-    /// A table of names and values.
+    /// Appends a table of names and values.
     pub fn facts<N: AsRef<str>>(&mut self, rows: &[(N, String)]) {
         let rows: String = rows
             .iter()
@@ -98,7 +98,7 @@ impl Page {
         self.append(&format!("<table>\n{rows}</table>\n"));
     }
 
-    /// A table of numbers under headings; the first column names the row.
+    /// Appends a table of numbers under headings; the first column names the row.
     pub fn table(&mut self, headings: &[&str], rows: &[Vec<String>]) {
         let cell = |(i, text): (usize, &String)| match i {
             0 => Cell::text(text),
@@ -108,23 +108,23 @@ impl Page {
         self.append(&Table { rows, ..Table::new("", headings) }.to_html());
     }
 
-    /// A table of words under headings.
+    /// Appends a table of words under headings.
     pub fn words(&mut self, headings: &[&str], rows: &[Vec<String>]) {
         let rows = rows.iter().map(|row| row.iter().map(Cell::text).collect()).collect();
         self.append(&Table { rows, ..Table::new("", headings) }.to_html());
     }
 
-    /// HTML made by this crate; `html` is not escaped.
+    /// Appends HTML made by this crate; `html` is not escaped.
     pub(crate) fn block(&mut self, html: &str) {
         self.append(html);
     }
 
-    /// Rules added to the page's own style.
+    /// Adds rules to the page's style sheet.
     pub(crate) fn style(&mut self, css: &str) {
         self.style.push_str(css);
     }
 
-    /// The finished document.
+    /// Returns the finished document.
     pub fn finish(mut self) -> String {
         if let Some(at) = self.contents_at {
             let links = self.parts.iter().map(|(id, heading)| format!("<a href=\"#{id}\">{}</a>\n", escape(heading)));
@@ -145,7 +145,7 @@ impl Page {
     }
 }
 
-/// Text made safe for HTML and SVG.
+/// Escapes text for HTML and SVG.
 pub(crate) fn escape(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut safe, c| {
         match c {

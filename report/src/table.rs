@@ -1,11 +1,11 @@
-//! Tables of an HTML page: headings, a caption, and cells that carry the full value behind the rounded one.
+//! Tables of an HTML page: headings, a caption, and cells that hold the full value of the rounded number.
 
 use super::page::escape;
 
 /// Text of an absent number.
 const ABSENT: &str = "–";
 
-/// One cell.
+/// A cell of a table.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
     text: String,
@@ -14,17 +14,17 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Text, to the left.
+    /// Makes a cell of text, left-aligned.
     pub fn text(text: impl Into<String>) -> Self {
         Self { text: text.into(), ..Self::default() }
     }
 
-    /// A number as it is shown, to the right, and its full value in `data-value`.
+    /// Makes a cell of a number: shown as text, right-aligned, with the full value in `data-value`.
     pub fn number(shown: String, value: f64) -> Self {
         Self { text: shown, value: value.is_finite().then_some(value), is_number: true }
     }
 
-    /// A dash where a number is absent.
+    /// Makes a cell with a dash for an absent number.
     pub fn absent() -> Self {
         Self { text: ABSENT.to_owned(), is_number: true, ..Self::default() }
     }
@@ -41,7 +41,7 @@ impl Cell {
     }
 }
 
-/// A number as JSON writes it: read back, it is the same.
+/// Formats a number as in JSON: parsing it gives the same value.
 pub(crate) fn exact(value: f64) -> String {
     serde_json::Number::from_f64(value).map_or("null".to_owned(), |number| number.to_string())
 }
@@ -49,22 +49,22 @@ pub(crate) fn exact(value: f64) -> String {
 /// A table; the first column names the row.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// What it shows; nothing is printed where empty.
+    /// Caption; empty for none.
     pub caption: String,
     /// Headings with their units.
     pub headings: Vec<String>,
-    /// Rows of as many cells.
+    /// Rows, with one cell for each heading.
     pub rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
-    /// A table without rows.
+    /// Makes a table without rows.
     pub fn new(caption: &str, headings: &[&str]) -> Self {
         let headings = headings.iter().map(|&heading| heading.to_owned()).collect();
         Self { caption: caption.to_owned(), headings, rows: Vec::new() }
     }
 
-    /// The table without the columns in which no row has a number.
+    /// Removes the columns in which no row has a number.
     pub fn without_empty_columns(mut self) -> Self {
         let is_empty = |column: usize| {
             !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(Cell::is_absent))
@@ -79,7 +79,7 @@ impl Table {
         self
     }
 
-    /// The table as HTML; it scrolls by itself where it is wider than the page.
+    /// Returns the table as HTML; it scrolls horizontally if it is wider than the page.
     pub fn to_html(&self) -> String {
         let caption = match self.caption.as_str() {
             "" => String::new(),

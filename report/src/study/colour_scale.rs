@@ -2,34 +2,35 @@
 
 use image::Rgb;
 
-/// Noise floors that the tolerance band reaches to either side.
+/// Half width of the tolerance band [noise floors].
 pub(crate) const BAND_FLOORS: f64 = 3.0;
-/// Share of a band at which its inner step ends.
+/// End of the band's inner step, as a share of the band.
 const INNER: f64 = 1.0 / 3.0;
-/// Steps beyond the band at most; the last one is open.
+/// Greatest number of steps beyond the band; the last one is open.
 const MOST_STEPS: usize = 6;
-/// Share of all pixels that may fall into the open steps.
+/// Greatest share of all pixels in the open steps.
 const OPEN_SHARE: f64 = 0.005;
-/// Pixels that were not measured.
+/// Colour of pixels that were not measured.
 pub(crate) const MISSING: Rgb<u8> = Rgb([0xa9, 0xad, 0xb3]);
 
-/// Anchors from white to the strongest colour, in sRGB; told apart under all common colour-vision deficiencies.
+/// Anchors from white to the strongest colour, in sRGB; distinguishable under all common colour-vision deficiencies.
 const BELOW: [[u8; 3]; 5] =
     [[0xff, 0xff, 0xff], [0x9e, 0xc9, 0xe8], [0x4c, 0x94, 0xcb], [0x14, 0x5d, 0xa0], [0x08, 0x2a, 0x54]];
 const ABOVE: [[u8; 3]; 5] =
     [[0xff, 0xff, 0xff], [0xfb, 0xc8, 0x8f], [0xee, 0x8a, 0x2c], [0xb5, 0x4f, 0x08], [0x5c, 0x23, 0x04]];
 
-/// Steps of a residual: to either side one third of the band, the band, and from there each twice as wide as before.
+/// Steps of a residual, the same on both sides of zero: one third of the band, the rest of the band, and then steps
+/// that each double the bound.
 #[derive(Clone, Debug)]
 pub struct ColourScale {
     /// Half width of the tolerance band [m].
     pub band: f64,
-    /// Ends of the steps above zero [m]; beyond the last the colour stays.
+    /// Upper ends of the steps above zero [m]; the colour is constant beyond the last.
     pub bounds: Vec<f64>,
 }
 
 impl ColourScale {
-    /// A scale that shows all but few of the residuals [m] in closed steps.
+    /// Makes a scale whose closed steps contain all but a few of the residuals [m].
     pub fn new(noise_floor: f64, residuals: impl Iterator<Item = f64>) -> Self {
         let mut sizes: Vec<f64> = residuals.filter(|r| r.is_finite()).map(f64::abs).collect();
         sizes.sort_by(f64::total_cmp);
@@ -42,22 +43,22 @@ impl ColourScale {
         Self { band, bounds }
     }
 
-    /// Steps to one side, the open one included.
+    /// Returns the number of steps on one side, including the open one.
     pub fn steps(&self) -> usize {
         self.bounds.len() + 1
     }
 
-    /// Place of a residual [m] on the bar, where each step is one long: from `-steps` to `steps`.
+    /// Returns the position of a residual [m] on the colour bar, from `-steps` to `steps`; each step has length one.
     pub fn place(&self, residual: f64) -> f64 {
         let size = residual.abs();
         let step = self.bounds.partition_point(|&bound| bound <= size);
         let low = if step == 0 { 0.0 } else { self.bounds[step - 1] };
-        // The open step is drawn as wide as one that doubles.
+        // The open step is drawn as if its bound doubled, too.
         let high = self.bounds.get(step).copied().unwrap_or(2.0 * low);
         (step as f64 + ((size - low) / (high - low)).min(0.999)).copysign(residual)
     }
 
-    /// Colour of a residual [m].
+    /// Returns the colour of a residual [m].
     pub fn colour(&self, residual: f64) -> Rgb<u8> {
         if !residual.is_finite() {
             return MISSING;
@@ -66,10 +67,10 @@ impl ColourScale {
         self.step_colour(step, residual < 0.0)
     }
 
-    /// Colour of a step, counted from zero outwards.
+    /// Returns the colour of a step, counted from zero outwards.
     pub fn step_colour(&self, step: usize, below: bool) -> Rgb<u8> {
         let anchors = if below { BELOW } else { ABOVE };
-        // Within the band the colour stays pale.
+        // Colours within the band are pale.
         let depth = match step {
             0 => 0.06,
             1 => 0.28,
@@ -83,7 +84,7 @@ impl ColourScale {
     }
 }
 
-/// A colour as CSS writes it.
+/// Formats a colour for CSS.
 pub(crate) fn css(Rgb([r, g, b]): Rgb<u8>) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }

@@ -1,4 +1,4 @@
-//! The head of the page: verdict, figures at a glance, what was compared.
+//! Head of the page: verdict, key figures, and the data compared.
 
 use super::number::{fixed_cell, percent, share_cell, significant};
 use super::waterfall::VOLUME;
@@ -8,10 +8,10 @@ use study::with_raised_powers;
 use study::{Compared, Stated, StudyReport, Verdict};
 use study::{ComparedPass, PassVolume, Waterfall, WaterfallStep};
 
-/// Turns in a minute of 1 rad/s.
+/// Angular speed of 1 rpm [rad/s].
 const RPM: f64 = std::f64::consts::TAU / 60.0;
 
-/// Appends the verdict and the figures at a glance.
+/// Appends the verdict and the key figures.
 pub(super) fn add_verdict(page: &mut Page, report: &StudyReport) {
     let (word, means) = (report.verdict.word(), meaning(report.verdict));
     page.block(&format!(
@@ -42,7 +42,8 @@ fn meaning(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Base model and best model side by side, each error of a kind of passes beside the noise floor of the same passes.
+/// Builds the tiles of base model and best model, with the error of each kind of passes beside the noise floor of the
+/// same passes.
 fn glance(waterfall: &Waterfall) -> String {
     let [.., best, floor] = &waterfall.steps[..] else { return String::new() };
     let base = waterfall.steps.iter().find(|step| step.unexplained.is_some()).filter(|base| base.name != best.name);
@@ -65,7 +66,7 @@ fn glance(waterfall: &Waterfall) -> String {
     format!("<dl class=\"glance\">\n{tiles}</dl>\n")
 }
 
-/// An error of a kind of passes with their noise floor; `None` where there are no such passes.
+/// Builds the line of one kind of passes: their error and noise floor; `None` without such passes.
 fn line(unit: &Stated, (passes, error, floor): (&str, Option<f64>, Option<f64>)) -> Option<String> {
     let error = error?;
     let floor = floor.map_or(String::new(), |floor| {
@@ -80,7 +81,7 @@ fn line(unit: &Stated, (passes, error, floor): (&str, Option<f64>, Option<f64>))
     ))
 }
 
-/// Appends what was compared.
+/// Appends the data compared.
 pub(super) fn add(page: &mut Page, compared: &Compared) {
     page.part("compared", "What was compared");
     let mut facts = vec![("model", compared.model.clone()), ("tool", compared.tool.clone())];
@@ -149,7 +150,7 @@ pub(super) fn add_volumes(page: &mut Page, volumes: &[PassVolume]) {
     page.block(&table.to_html());
 }
 
-/// Appends how scans were aligned and read.
+/// Appends the registration of the scans and the notes of the reader.
 pub(super) fn add_method(page: &mut Page, compared: &Compared) {
     let aligned = compared.passes.iter().any(|pass| pass.alignment.is_some());
     if !aligned && compared.method.is_empty() && compared.notes.is_empty() {

@@ -1,4 +1,4 @@
-//! Residual against what the simulator knows of each place.
+//! Residual over each covariate of the simulation.
 
 use std::fmt::Write;
 

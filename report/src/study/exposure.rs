@@ -1,4 +1,4 @@
-//! Exposed substrate after sanding: where measurement and simulation agree.
+//! Maps of exposed substrate after sanding: agreement of measurement and simulation.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ use crate::map_image::{MapImage, Values};
 use crate::{Cell, Page, Table, escape};
 use study::{ExposureMaps, Maps, ScanComparison};
 
-/// What a pixel may be, and its colour.
+/// Classes of a pixel, and their colours.
 const WORDS: [&str; 5] =
     ["coated in both", "exposed in both", "exposed only as measured", "exposed only in the simulation", "unknown"];
 const COLOURS: [Rgb<u8>; 5] =

@@ -1,4 +1,4 @@
-//! Residual maps before and after, with their figures.
+//! Residual maps of base model and best model, with their statistics.
 
 use std::fmt::Write;
 
@@ -10,17 +10,17 @@ use crate::map_image::{MapImage, Values};
 use crate::{Cell, Page, Table, escape, short};
 use study::{HeightMaps, Maps, ScanComparison};
 
-/// Width of a map beside another, and alone [px].
+/// Width of a map beside another, and of a single map [px].
 pub(super) const BESIDE: f64 = 480.0;
 pub(super) const ALONE: f64 = 900.0;
-/// Bins of the histogram in each step of the scale.
+/// Histogram bins in each step of the colour scale.
 const BINS: usize = 4;
 /// Height of the histogram and of the colour bar below it [px].
 const HISTOGRAM: f64 = 44.0;
 const BAR: f64 = 12.0;
 const LEFT: f64 = 34.0;
 const RIGHT: f64 = 8.0;
-/// Room below the colour bar for the numbers, the bracket of the band and its name with descenders [px].
+/// Space below the colour bar for the numbers, the bracket of the band and its name with descenders [px].
 const BELOW: f64 = 38.0;
 
 /// Appends the residual maps of all height scans.
@@ -47,7 +47,7 @@ pub(super) fn add(page: &mut Page, scans: &[ScanComparison]) {
     }
 }
 
-/// Scan noise from which the one tolerance band of the page follows: the greatest of all scans [m].
+/// Returns the greatest scan noise of all scans [m], from which the tolerance band of the page follows.
 pub(super) fn page_noise(scans: &[ScanComparison]) -> f64 {
     let noise = |scan: &ScanComparison| if let Maps::Heights(maps) = &scan.maps { maps.noise_floor } else { 0.0 };
     scans.iter().map(noise).fold(0.0, f64::max)
@@ -99,7 +99,7 @@ fn scan_html(scan: &ScanComparison, maps: &HeightMaps, scale: &ColourScale) -> S
     )
 }
 
-/// The residual maps there are, with what was simulated.
+/// Returns the residual maps with their names: base model, and with effect if there is one.
 fn residual_maps(maps: &HeightMaps) -> impl Iterator<Item = (&'static str, &Vec<f64>)> {
     let after = maps.with_effect.as_ref().map(|map| ("with effect", map));
     [("base model", &maps.base)].into_iter().chain(after)
@@ -125,7 +125,7 @@ fn row(label: &str, residuals: impl Iterator<Item = f64> + Clone, band: f64) -> 
     ]
 }
 
-/// The colour bar with the histogram of the judged residuals on it, as an SVG element.
+/// Draws the colour bar with the histogram of the residuals as an SVG element.
 fn histogram(residuals: impl Iterator<Item = f64>, scale: &ColourScale, width: f64, pass: &str) -> String {
     let steps = scale.steps();
     let mut counts = vec![0usize; 2 * steps * BINS];

@@ -1,7 +1,7 @@
-//! The report of a study: one HTML file that says what was compared, what is missing and what to do next.
+//! Report of a study: one HTML file with the data compared, the missing effects and the next steps.
 //!
-//! [`StudyReport`] holds what a study found, in SI units (`data`, and `scan_data` for what belongs to one scan).
-//! [`page`] draws it; nothing here reads a file, simulates or judges.
+//! [`StudyReport`] holds the results of a study, in SI units (`data`, and `scan_data` for those of one scan). [`page`]
+//! draws it; this module reads no file, simulates nothing and judges nothing.
 
 pub(crate) mod colour_scale;
 mod compared;
@@ -28,17 +28,17 @@ use crate::page::STYLE as OF_PAGES;
 use serde::{Deserialize, Serialize};
 use study::{StudyReport, Verdict};
 
-/// Rules of the report's look, and of every page's before them.
+/// Style sheets of a report: that of every page, then that of the report.
 pub const STYLE: [&str; 2] = [OF_PAGES, include_str!("style.css")];
-/// The script that says the values of maps under the pointer; the document needs an element `tip`.
+/// Script that shows the values of maps under the pointer; the document needs an element `tip`.
 pub const HOVER: &str = include_str!("hover.js");
 
-/// Sections of a report as HTML, for another document that has [`STYLE`] and [`HOVER`].
+/// Sections of a report as HTML, for another document that includes [`STYLE`] and [`HOVER`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Sections {
-    /// How the error falls, step by step.
+    /// Error after each step of the study.
     pub waterfall: String,
-    /// Where the model fails: volumes, tests, maps, sections, covariates.
+    /// Misfits of the model: volumes, tests, maps, sections, covariates.
     pub failures: String,
     /// Fitted parameters.
     pub parameters: String,
@@ -47,7 +47,7 @@ pub struct Sections {
 }
 
 impl Sections {
-    /// Draws them.
+    /// Draws the sections of a report.
     ///
     /// # Panics
     /// As [`page`].
@@ -69,10 +69,10 @@ impl Sections {
     }
 }
 
-/// The report as an HTML document that loads nothing. The same study gives the same bytes.
+/// Returns the report as an HTML document that loads nothing. The same study gives the same bytes.
 ///
 /// # Panics
-/// When a map has not as many values as its pixels, which is a bug of the caller.
+/// If the number of a map's values differs from its number of pixels, which is a bug of the caller.
 pub fn page(report: &StudyReport) -> String {
     let campaign = &report.compared.campaign;
     let mut page = Page::new(&format!("{campaign}: measured against simulated"), "Report of a study, by RoboFin");
@@ -105,7 +105,7 @@ pub fn page(report: &StudyReport) -> String {
     page.finish()
 }
 
-/// Where measurement and model differ: tests, maps, sections, covariates.
+/// Appends the differences between measurement and model: tests, maps, sections, covariates.
 fn add_residuals(page: &mut Page, report: &StudyReport) {
     page.part("residuals", "Where the model fails");
     suspects::add_tests(page, &report.tests);

@@ -1,10 +1,11 @@
-//! Numbers as people read them.
+//! Numbers formatted for people.
 
 use study::superscript;
 
 use crate::Cell;
 
-/// A number with so many significant digits, a true minus sign, and a power of ten where it is very small or large.
+/// Formats a number with `digits` significant digits, a true minus sign, and a power of ten if it is very small or
+/// large.
 pub(super) fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -22,17 +23,17 @@ pub(super) fn significant(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// A share as a percentage with one decimal.
+/// Formats a share as a percentage with one decimal.
 pub(super) fn percent(share: f64) -> String {
     if share.is_finite() { format!("{} %", fixed(100.0 * share, 1)) } else { "–".to_owned() }
 }
 
-/// A p-value as tables state it: never zero.
+/// Formats a p-value, never as zero.
 pub(super) fn p_value(p: f64) -> String {
     if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
 }
 
-/// A cell with an SI value shown in another unit with so many significant digits.
+/// Makes a cell of an SI value, shown in another unit with `digits` significant digits.
 pub(super) fn cell(si: Option<f64>, si_per_unit: f64, digits: usize) -> Cell {
     match si.filter(|value| value.is_finite()) {
         Some(value) => Cell::number(significant(value / si_per_unit, digits), value),
@@ -40,7 +41,7 @@ pub(super) fn cell(si: Option<f64>, si_per_unit: f64, digits: usize) -> Cell {
     }
 }
 
-/// A cell with an SI value shown in another unit with so many decimals.
+/// Makes a cell of an SI value, shown in another unit with `decimals` decimals.
 pub(super) fn fixed_cell(si: Option<f64>, si_per_unit: f64, decimals: usize) -> Cell {
     match si.filter(|value| value.is_finite()) {
         Some(value) => Cell::number(fixed(value / si_per_unit, decimals), value),
@@ -48,7 +49,7 @@ pub(super) fn fixed_cell(si: Option<f64>, si_per_unit: f64, decimals: usize) -> 
     }
 }
 
-/// A number with so many decimals and a true minus sign, never "−0".
+/// Formats a number with `decimals` decimals and a true minus sign, never "−0".
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) {
@@ -58,7 +59,7 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A cell with a share as a percentage.
+/// Makes a cell of a share as a percentage.
 pub(super) fn share_cell(share: Option<f64>) -> Cell {
     match share.filter(|share| share.is_finite()) {
         Some(share) => Cell::number(percent(share), share),

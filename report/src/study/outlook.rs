@@ -1,11 +1,11 @@
-//! What these passes could have shown, what to do next, and a form for what the library lacks.
+//! Detectable sizes, next steps, and a proposed form for an unlisted effect.
 
 use super::number::{cell, percent, significant};
 use super::words::list;
 use crate::{Cell, Page, Table};
 use study::{Detectable, MenuRow, ParameterEstimate, StudyReport, Verdict};
 
-/// Appends the least sizes of effects that would have shown.
+/// Appends the detectable size of each effect.
 pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
     if detectable.is_empty() {
         return;
@@ -61,7 +61,7 @@ pub(super) fn add_next(page: &mut Page, report: &StudyReport) {
     }
 }
 
-/// The best trials of the menu, with what each costs and is expected to tell.
+/// Appends the best trials of the menu, with their costs and expected information.
 fn add_menu(page: &mut Page, menu: &[MenuRow]) {
     if menu.is_empty() {
         return;
@@ -86,7 +86,7 @@ fn add_menu(page: &mut Page, menu: &[MenuRow]) {
     );
 }
 
-/// What another trial would buy where no two effects are in play.
+/// Describes the benefit of another trial if no two effects have to be distinguished.
 fn worth_of_another(report: &StudyReport) -> String {
     let open = |parameter: &&ParameterEstimate| !parameter.fixed && !parameter.identifiable;
     let open: Vec<&str> = report.parameters.iter().filter(open).map(|parameter| parameter.name.as_str()).collect();
@@ -96,7 +96,7 @@ fn worth_of_another(report: &StudyReport) -> String {
             format!(" Other settings of force, feed or speed could show what these leave open: {}.", names.join(", "))
         }
     };
-    // The standard error of a mean falls with the root of the number of measurements.
+    // The standard error of a mean falls with the square root of the number of measurements.
     let buys = match report.verdict {
         Verdict::Identified => {
             "One effect is left, so no trial has to separate two. The same passes on another workpiece would make the intervals of its parameters about 0.7 times as wide."

@@ -6,7 +6,7 @@ use super::number::{cell, fixed};
 use crate::{Cell, Page, Table, escape, exact};
 use study::{Correlations, ParameterEstimate};
 
-/// Size from which a correlation is stressed.
+/// Absolute correlation from which a cell is emphasised.
 const STRONG: f64 = 0.9;
 
 /// Appends parameters and correlations.
@@ -47,7 +47,7 @@ fn remark(parameter: &ParameterEstimate) -> String {
     remarks.join(", ")
 }
 
-/// The lower triangle, rows numbered so that columns stay narrow.
+/// Draws the lower triangle of the correlations; rows are numbered to keep columns narrow.
 fn matrix(correlations: &Correlations) -> String {
     let count = correlations.names.len();
     let heads: String = (1..count).map(|k| format!("<th scope=\"col\" class=\"n\">{k}</th>")).collect();

@@ -1,11 +1,11 @@
-//! Proposed effects: curve, file, and the other forms that were fitted.
+//! Proposed effects: curve, file, and the other fitted forms.
 
 use super::number::{p_value, significant};
 use crate::{Cell, Chart, Page, Series, Stroke, Table, escape};
 use lab::{FittedForm, Proposal, ProposedForm};
 use study::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, with_raised_powers};
 
-/// Files of a form: its own, and its curve.
+/// Files of each form: the form, and its curve.
 const FILES_PER_FORM: usize = 2;
 const SIZE: (f64, f64) = (640.0, 300.0);
 const CURVE: Stroke = Stroke { colour: "#0072b2", dashed: false };
@@ -31,7 +31,7 @@ pub(super) fn add(page: &mut Page, proposal: &Proposal) {
     ));
 }
 
-/// How the error falls, in words.
+/// Returns a sentence with the error after each step of the proposal.
 fn fall(proposal: &Proposal) -> String {
     let symbol = proposal.error_unit.symbol();
     let all = |errors: Vec<f64>| errors.iter().map(|error| significant(*error, 3)).collect::<Vec<_>>().join(", then ");
@@ -64,7 +64,7 @@ fn drawing(form: &ProposedForm) -> String {
     .to_svg()
 }
 
-/// All forms that were fitted.
+/// Builds the table of all fitted forms.
 fn forms(forms: &[FittedForm]) -> String {
     let mut table = Table::new("Forms that were fitted", &["form", "in words", "Δχ²", "predicts better by", "p-value"]);
     for form in forms {

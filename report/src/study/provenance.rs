@@ -1,4 +1,4 @@
-//! From what and by what the report was made, and the answer of the diagnosis for programs.
+//! Inputs and program versions of the report, and the diagnosis as JSON for programs.
 
 use serde_json::Value;
 
@@ -21,9 +21,9 @@ pub(super) fn add(page: &mut Page, provenance: &Provenance) {
     }
 }
 
-/// Appends the answer of the diagnosis as JSON that programs find by its id.
+/// Appends the diagnosis as JSON that programs find by its element id.
 pub(super) fn add_diagnosis(page: &mut Page, diagnosis: &Value) {
-    // Outside strings JSON has no "<", and within them this is the same letter.
+    // "<" occurs in JSON only within strings, where this escape stands for the same character.
     let json = diagnosis.to_string().replace('<', "\\u003c");
     page.block(&format!("<script type=\"application/json\" id=\"diagnosis\">{json}</script>\n"));
 }

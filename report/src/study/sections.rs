@@ -1,4 +1,4 @@
-//! Sections: measured against simulated heights, and their difference below.
+//! Sections: measured and simulated heights, and their difference below.
 
 use super::colour_scale::BAND_FLOORS;
 use super::number::fixed;
@@ -17,7 +17,7 @@ const WITH_EFFECT: Stroke = Stroke { colour: "#0072b2", dashed: false };
 
 /// Appends all sections.
 ///
-/// - `noise`: scan noise behind the tolerance band of the maps [m]
+/// - `noise`: scan noise that sets the tolerance band of the maps [m]
 pub(super) fn add(page: &mut Page, sections: &[ScanSection], noise: f64) {
     if sections.is_empty() {
         return;
@@ -27,7 +27,7 @@ pub(super) fn add(page: &mut Page, sections: &[ScanSection], noise: f64) {
         "Above, the heights; below, measured minus simulated, where the grey strip is the tolerance band of the maps. The pointer shows the values.",
     );
     for section in sections {
-        // Without maps the section's own noise is all there is.
+        // Without maps, the section's own noise floor sets the band.
         let band = BAND_FLOORS * if noise > 0.0 { noise } else { section.noise_floor };
         page.drawing(&drawing(section, band), &caption(section, band));
     }
@@ -80,7 +80,7 @@ fn drawing(section: &ScanSection, band: f64) -> String {
     stacked(&title, &[profile, difference])
 }
 
-/// Measured - simulated [m].
+/// Returns measured minus simulated heights [m].
 fn residuals(section: &ScanSection, simulated: &[f64]) -> Vec<f64> {
     section.measured.iter().zip(simulated).map(|(m, s)| m - s).collect()
 }

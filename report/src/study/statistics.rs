@@ -1,9 +1,9 @@
-//! Figures of a residual map.
+//! Statistics of a residual map.
 
-/// What a report states of a set of residuals.
+/// Statistics of a set of residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Statistics {
-    /// Residuals counted.
+    /// Number of finite residuals.
     pub(super) count: usize,
     /// Share within the tolerance band [1].
     pub(super) within: f64,
@@ -18,7 +18,7 @@ pub(super) struct Statistics {
 }
 
 impl Statistics {
-    /// Figures of the finite residuals [m]; `None` without one.
+    /// Computes the statistics of the finite residuals [m]; `None` without one.
     pub(super) fn new(residuals: impl Iterator<Item = f64>, band: f64) -> Option<Self> {
         let mut sorted: Vec<f64> = residuals.filter(|r| r.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
@@ -38,7 +38,7 @@ impl Statistics {
     }
 }
 
-/// Quantile between the order statistics (Hyndman & Fan 1996, type 7).
+/// Returns a quantile, interpolated between the order statistics (Hyndman & Fan 1996, type 7).
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let at = share * (sorted.len() - 1) as f64;
     let (low, part) = (at as usize, at.fract());

@@ -1,5 +1,5 @@
-//! A study on one picture: what was hidden, where the model fails, the suspects, what was added, how the error fell, and
-//! what the seal held.
+//! A study on one picture: the hidden effects, the misfit of the base model, the suspects, the added effects, the fall
+//! of the error, and the content of the seal.
 
 use std::fmt::Write;
 
@@ -13,35 +13,35 @@ use trials::trial::Role;
 
 const WIDTH: f64 = 1000.0;
 const MARGIN: f64 = 20.0;
-/// Width of a column of three, and the gap between two [px].
+/// Width of one of three columns, and the gap between two [px].
 const COLUMN: f64 = 306.0;
 const GAP: f64 = 21.0;
 const INK: &str = "#1c2330";
 const PALE: &str = "#4b5566";
-/// Room for the head of the picture, and for a panel's number and title [px].
+/// Space for the head of the picture, and for a panel's number and title [px].
 const HEAD: f64 = 34.0;
 const TITLE: f64 = 30.0;
-/// Room below the maps for their words and the scale [px].
+/// Space below the maps for their words and the scale [px].
 const BELOW: f64 = 64.0;
 /// Height of a map and of the panels of the last row [px].
 const MAP: f64 = 130.0;
 const LAST_ROW: f64 = 220.0;
-/// Suspects that are named.
+/// Greatest number of suspects named.
 const SUSPECTS: usize = 4;
 
-/// What a synthetic campaign kept hidden, and whether the study found it.
+/// Sealed answer of a virtual experiment, and the result of the study.
 pub struct Sealed {
-    /// SHA-256 that the seal committed to before anyone looked.
+    /// SHA-256 of the answer, published before the study.
     pub sha256: String,
-    /// The effects that were hidden with their parameters, a line each; none: nothing.
+    /// Hidden effects with their parameters, one a line; empty if none were hidden.
     pub hidden: Vec<String>,
-    /// What the study found, a line each.
+    /// Conclusions of the study, one a line.
     pub found: Vec<String>,
-    /// Whether the study was right.
+    /// True if the study was right.
     pub is_right: bool,
 }
 
-/// The picture as an SVG document. Empty panels stand for what the study has not.
+/// Returns the picture as an SVG document. Panels without data stay empty.
 pub fn story(report: &StudyReport, sealed: &Sealed) -> String {
     let (falls, falls_height) = waterfall::drawing(&report.waterfall);
     let wide = 2.0 * COLUMN + GAP;
@@ -73,7 +73,7 @@ pub fn story(report: &StudyReport, sealed: &Sealed) -> String {
     svg + "</svg>\n"
 }
 
-/// Left edge of a column of three [px].
+/// Returns the left edge of column `k` of three [px].
 fn column(k: usize) -> f64 {
     MARGIN + k as f64 * (COLUMN + GAP)
 }
@@ -86,7 +86,7 @@ fn text(svg: &mut String, (x, y): (f64, f64), (size, colour): (f64, &str), words
     );
 }
 
-/// Number and title of a panel.
+/// Draws number and title of a panel.
 fn panel(svg: &mut String, (x, y): (f64, f64), number: &str, title: &str) {
     let (middle, line) = (x + 10.0, y + 22.0);
     let _ = writeln!(svg, "<circle cx=\"{middle}\" cy=\"{:.1}\" r=\"10\" fill=\"#1f5f99\"/>", y + 17.0);
@@ -99,7 +99,7 @@ fn panel(svg: &mut String, (x, y): (f64, f64), number: &str, title: &str) {
     );
 }
 
-/// The scan in which the base model fails worst, held-out ones first, without and with the effects.
+/// Finds the scan with the largest error of the base model, held-out scans first; returns it with its maps.
 fn worst(report: &StudyReport) -> Option<(&ScanComparison, &HeightMaps)> {
     let heights = report.scans.iter().filter_map(|scan| match &scan.maps {
         Maps::Heights(maps) => Some((scan, maps)),
@@ -109,7 +109,7 @@ fn worst(report: &StudyReport) -> Option<(&ScanComparison, &HeightMaps)> {
     heights.max_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))
 }
 
-/// Root mean square over the judged pixels [m].
+/// Returns the root mean square over the judged pixels [m].
 fn rms(maps: &HeightMaps, residuals: &[f64]) -> f64 {
     let judged = residuals.iter().zip(&maps.judged).filter(|(residual, judged)| **judged && residual.is_finite());
     let (sum, count) = judged.fold((0.0, 0.0), |(sum, count), (residual, _)| (sum + residual * residual, count + 1.0));
@@ -139,7 +139,7 @@ fn add_maps(svg: &mut String, report: &StudyReport) {
     legend(svg, &scale, (column(0), below + 14.0));
 }
 
-/// Draws a map as runs of one colour; returns where it ends below.
+/// Draws a map as runs of one colour; returns its lower end [px].
 fn draw_map(
     svg: &mut String,
     (maps, residuals): (&HeightMaps, &[f64]),
@@ -161,7 +161,7 @@ fn draw_map(
     y + pixel * ny as f64
 }
 
-/// The steps of the scale from the strongest below to the strongest above.
+/// Draws the steps of the scale, from the lowest to the highest.
 fn legend(svg: &mut String, scale: &ColourScale, (x, y): (f64, f64)) {
     let steps = scale.bounds.len() as i64;
     let wide = 13.0;

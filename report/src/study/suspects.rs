@@ -1,4 +1,4 @@
-//! The effects that were scored, and the tests that say whether anything is missing.
+//! Scored effects, and the tests for missing effects.
 
 use super::number::{cell, p_value, percent, significant};
 use crate::{Cell, Page, Table, escape};

@@ -1,4 +1,4 @@
-//! How the error falls from the raw difference to the noise floor: bars and table.
+//! Error after each step, from the raw difference to the noise floor: bars and table.
 
 use std::fmt::Write;
 
@@ -15,12 +15,12 @@ const TOP: f64 = 30.0;
 /// Height of a step, and of each of its two bars [px].
 const STEP: f64 = 40.0;
 const BAR: f64 = 13.0;
-/// The longest bar is cut at this many times the second longest, so that the last steps stay readable.
+/// Greatest ratio of the longest bar to the second longest; a longer bar is cut, so that the last steps stay readable.
 const MOST_RATIO: f64 = 1.15;
 const CALIBRATION: &str = "#1f5f99";
 const EVALUATION: &str = "#e08a2e";
 
-/// The one volume of which the page states errors.
+/// Name of the removed volume whose errors the page states.
 pub(super) const VOLUME: &str =
     "the volume that each pass removed, with the scan's pose as the untouched surface has it,";
 
@@ -47,7 +47,7 @@ fn caption(waterfall: &Waterfall) -> String {
     )
 }
 
-/// Value at the end of the axis [SI], and whether a bar is longer.
+/// Returns the value at the end of the axis [SI]; the second value is true if a bar is longer.
 fn longest(waterfall: &Waterfall) -> (f64, bool) {
     let of = |step: &WaterfallStep| step.calibration.unwrap_or(0.0).max(step.evaluation.unwrap_or(0.0));
     let mut lengths: Vec<f64> = waterfall.steps.iter().map(of).collect();
@@ -65,7 +65,7 @@ fn picture(waterfall: &Waterfall) -> String {
     )
 }
 
-/// The bars as SVG elements, [`WIDTH`] wide, and their height [px].
+/// Draws the bars as SVG elements, [`WIDTH`] wide; returns them with their height [px].
 pub(super) fn drawing(waterfall: &Waterfall) -> (String, f64) {
     let (end, _) = longest(waterfall);
     let height = TOP + STEP * waterfall.steps.len() as f64 + 8.0;
@@ -117,7 +117,7 @@ fn draw_bar(svg: &mut String, waterfall: &Waterfall, (value, end): (f64, f64), y
     );
 }
 
-/// A dashed line for either kind of passes at the last step, which is the floor.
+/// Draws a dashed line at the last step, the noise floor, for each kind of passes.
 fn draw_floor(svg: &mut String, waterfall: &Waterfall, end: f64, height: f64) {
     let floor = waterfall.steps.last().filter(|_| waterfall.steps.len() > 1);
     let floors = floor
@@ -154,7 +154,7 @@ fn table(waterfall: &Waterfall) -> Table {
     }
 }
 
-/// Volume error of each pass after each step that has one; `None` where no step has.
+/// Builds the table of each pass's volume error after each step; `None` if no step has one.
 fn volumes(waterfall: &Waterfall) -> Option<Table> {
     let steps: Vec<&WaterfallStep> =
         waterfall.steps.iter().filter(|step| step.volume_errors.iter().any(Option::is_some)).collect();

@@ -1,9 +1,9 @@
-//! Words that several parts of the page use.
+//! Words shared by several parts of the page.
 
 use study::with_raised_powers;
 use trials::trial::Role;
 
-/// What a pass was used for.
+/// Returns the name of a pass's role.
 pub(super) fn role(role: Role) -> &'static str {
     match role {
         Role::Calibration => "calibration",
@@ -11,7 +11,7 @@ pub(super) fn role(role: Role) -> &'static str {
     }
 }
 
-/// A list as HTML; nothing where it is empty.
+/// Builds an HTML list; empty without items.
 pub(super) fn list(items: &[String]) -> String {
     if items.is_empty() {
         return String::new();

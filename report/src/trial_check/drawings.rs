@@ -14,19 +14,19 @@ use crate::{Chart, Page, Series, Stroke, WIDE};
 
 /// Width of a map [px].
 const MAP: f64 = 900.0;
-/// Colours of the path while the tool pressed, and while it did not.
+/// Colours of the path with the tool pressed, and without.
 const PRESSED: &str = "#d6006c";
 const IN_AIR: &str = "#f0a000";
-/// Lines of a section.
+/// Strokes of a section's lines.
 const BEFORE: Stroke = Stroke { colour: "#1c2330", dashed: false };
 const AFTER: Stroke = Stroke { colour: "#0072b2", dashed: false };
 const TOOL: Stroke = Stroke { colour: "#d55e00", dashed: true };
-/// Points across the outline of a tool.
+/// Number of points across the outline of a tool.
 const OUTLINE: usize = 120;
-/// Part of the tool's depth into the picture that is drawn [m].
+/// Height of the tool's sides in the drawing [m].
 const OUTLINE_HEIGHT: f64 = 3e-3;
 
-/// The scan before, and what each pass removed, under the paths.
+/// Appends the scan before the first pass, and the removal of each pass, under the paths.
 pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
     let trial = check.trial;
     page.paragraph(
@@ -64,7 +64,7 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
     }
 }
 
-/// The height after a pass above that before it [m], levelled where no tool came.
+/// Returns the height after a pass minus the height before it [m], registered on the untouched surface.
 fn change(trial: &Trial, pass: usize, before: &HeightMap, after: &HeightMap) -> Vec<f64> {
     let path = path_of(trial, pass);
     let free = untouched(before, &path, &trial.tool, CLEARANCE);
@@ -78,7 +78,7 @@ fn path_of(trial: &Trial, pass: usize) -> ToolPath {
     ToolPath::of(&trial.passes[pass].log, &trial.tool, trial.passes[pass].force_setpoint)
 }
 
-/// The paths of some passes, in the air below and while pressed above.
+/// Returns the paths of some passes; pressed parts are drawn over those in the air.
 fn lines(trial: &Trial, passes: std::ops::Range<usize>) -> Vec<Line> {
     let of = |pass: usize| {
         let path = path_of(trial, pass);
@@ -93,7 +93,7 @@ fn lines(trial: &Trial, passes: std::ops::Range<usize>) -> Vec<Line> {
     passes.flat_map(of).collect()
 }
 
-/// A map of heights in shades of grey.
+/// Draws a map of heights in shades of grey.
 fn heights(map: &HeightMap, lines: Vec<Line>) -> String {
     let known = || map.heights.iter().copied().filter(|height| height.is_finite());
     let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
@@ -114,7 +114,7 @@ fn heights(map: &HeightMap, lines: Vec<Line>) -> String {
     image.to_svg()
 }
 
-/// A mask in three colours.
+/// Draws an exposure mask in three colours.
 fn exposed(mask: &ExposureMask) -> String {
     const WORDS: [&str; 3] = ["coated", "exposed", "unknown"];
     let classes: Vec<usize> = mask.exposed.iter().map(|seen| seen.map_or(2, usize::from)).collect();
@@ -131,7 +131,7 @@ fn exposed(mask: &ExposureMask) -> String {
     image.to_svg()
 }
 
-/// A section across the path in the middle of the contact, with the tool as the log has it there.
+/// Appends a section across the path in the middle of the contact, with the tool at its logged pose.
 pub(super) fn add_section(page: &mut Page, trial: &Trial) {
     for k in 0..trial.passes.len() {
         let path = path_of(trial, k);
@@ -187,12 +187,12 @@ fn section(trial: &Trial, pass: usize, (pose, across): (&ToolPose, DVec2)) -> Ve
     series
 }
 
-/// The lowest line of the tool across the path [mm].
+/// Returns the lower outline of the tool across the path [mm].
 fn outline(tool: &HeldTool, pose: &ToolPose, across: DVec2) -> Vec<(f64, f64)> {
     let half = tool.half_width();
     let drop = tool.shape.drop();
     let side = DVec3::new(across.x, across.y, 0.0);
-    // A tilted tool's face rises to one side.
+    // The face of a tilted tool rises to one side.
     let slope = match tool.shape {
         Tool::Wheel(_) => pose.axis.dot(DVec3::Z) / pose.axis.dot(side).abs().max(0.1) * pose.axis.dot(side).signum(),
         _ => -pose.approach.dot(side) / pose.approach.z.max(0.1),
@@ -205,7 +205,7 @@ fn outline(tool: &HeldTool, pose: &ToolPose, across: DVec2) -> Vec<(f64, f64)> {
     points
 }
 
-/// Force and gap along each log.
+/// Appends force and gap over time for each log.
 pub(super) fn add_logs(page: &mut Page, trial: &Trial) {
     let passes: Vec<ToolPath> = (0..trial.passes.len()).map(|k| path_of(trial, k)).collect();
     let series = |value: &dyn Fn(&ToolPose) -> f64| -> Vec<Series> {

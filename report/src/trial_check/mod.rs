@@ -1,4 +1,4 @@
-//! The page of a trial's checks: findings, maps, logs and tool drawn over each other, before any fit.
+//! Page of a trial's checks: findings, and maps, logs and tool in one frame, before any fit.
 
 mod drawings;
 
@@ -9,26 +9,26 @@ use trials::trial::{Checked, Finding, ForceInput, Pass, PassScan, RPM, Role, Sev
 use crate::Page;
 use robot::Controller;
 
-/// A trial that was checked.
+/// A checked trial.
 pub struct TrialCheck<'a> {
     /// The trial.
     pub trial: &'a Trial,
     /// Every check with its findings.
     pub checks: &'a [Checked],
-    /// The noise of its scans.
+    /// Noise of the trial's scans.
     pub noise: &'a ScanNoise,
 }
 
-/// A trial that was checked, for machines.
+/// Summary of a checked trial for programs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Name of the trial.
     trial: String,
-    /// Number of findings that keep it from being used.
+    /// Number of findings that make the trial unusable.
     refused: usize,
     /// Noise of one scan [µm].
     noise_um: f64,
-    /// Where that is seen.
+    /// Source of the noise estimate.
     noise_source: NoiseSource,
     /// Notes of the reader, one sentence each.
     notes: Vec<String>,
@@ -37,7 +37,7 @@ pub struct Summary {
 }
 
 impl TrialCheck<'_> {
-    /// The same for machines.
+    /// Returns the summary for programs.
     pub fn summary(&self) -> Summary {
         Summary {
             trial: self.trial.name.clone(),
@@ -49,13 +49,13 @@ impl TrialCheck<'_> {
         }
     }
 
-    /// Findings that keep the trial from being used.
+    /// Returns the number of findings that make the trial unusable.
     pub fn refused(&self) -> usize {
         let findings = self.checks.iter().flat_map(|check| &check.findings);
         findings.filter(|finding| finding.severity == Severity::Refused).count()
     }
 
-    /// Why the trial is refused, a sentence each.
+    /// Returns the reasons why the trial is refused, one sentence each.
     pub fn refusals(&self) -> impl Iterator<Item = String> {
         let findings = self.checks.iter().flat_map(|check| &check.findings);
         findings.filter(|finding| finding.severity == Severity::Refused).map(|finding| {
@@ -65,7 +65,7 @@ impl TrialCheck<'_> {
         })
     }
 
-    /// The verdict on the trial, in a sentence.
+    /// Returns the verdict on the trial in one sentence.
     pub fn verdict(&self) -> String {
         let noted = self.checks.iter().map(|check| check.findings.len()).sum::<usize>() - self.refused();
         match (self.refused(), noted) {
@@ -78,7 +78,7 @@ impl TrialCheck<'_> {
     }
 }
 
-/// The page of checked trials.
+/// Builds the page of checked trials.
 pub fn page(name: &str, checks: &[TrialCheck]) -> String {
     let verdicts: Vec<String> = match checks {
         [only] => vec![only.verdict()],
