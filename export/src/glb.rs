@@ -1,8 +1,8 @@
 //! Writes a welded workpiece as binary glTF 2.0 (`.glb`).
 //!
-//! One mesh and node per part, under a root node that turns our z-up frame into glTF's y-up: the stored positions are
-//! the part's own, in metres. Every vertex carries `_WELD_ID` (0 for the base, else the weld's number) as an unsigned
-//! short. Same parts, same bytes.
+//! The file has one mesh and one node per part, under a root node that rotates the z-up frame into glTF's y-up. The
+//! stored positions are in the part's frame, in metres. Every vertex has `_WELD_ID` (0 for the base, else the weld's
+//! number) as an unsigned short. The same parts give the same bytes.
 
 use glam::Vec3;
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
@@ -18,13 +18,13 @@ use serde_json::{Map, Value};
 
 use super::shading::{CREASE_ANGLE, ShadedMesh, shade};
 
-/// Program and version, as files name it.
+/// Program and version, written into files.
 pub const GENERATOR: &str = concat!("RoboFin ", env!("CARGO_PKG_VERSION"));
 
-/// Turns z-up into y-up: minus 90 degrees about x, as (x, y, z, w).
+/// Rotation from z-up to y-up: minus 90 degrees about x, as the quaternion (x, y, z, w).
 const Z_UP_TO_Y_UP: [f32; 4] = [-std::f32::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f32::consts::FRAC_1_SQRT_2];
 
-/// What a part is made of; decides how it is drawn.
+/// Material of a part; it sets the appearance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum GlbMaterial {
     /// The CAD part: bare steel.
@@ -42,54 +42,55 @@ pub struct GlbPart<'a> {
     pub mesh: &'a Mesh,
     /// 0 for the base, else the weld's number.
     pub weld_id: u16,
-    /// How it is drawn.
+    /// Material, which sets the appearance.
     pub material: GlbMaterial,
 }
 
-/// Why a workpiece cannot be written as glTF.
+/// Reason why a workpiece cannot be written as glTF.
 #[derive(Debug, thiserror::Error)]
 pub enum GlbWriteError {
-    /// A glTF file without geometry is not valid.
+    /// There are no parts; a glTF file without geometry is not valid.
     #[error("no parts to write: a glTF file needs at least one")]
     NoParts,
-    /// Nothing to draw.
+    /// A part has no triangles.
     #[error("part \"{part}\" has no triangle with three different corners in single precision")]
     NoTriangles {
         /// Name of the part.
         part: String,
     },
-    /// Index beyond the vertices.
+    /// A triangle has an index beyond the vertices.
     #[error("part \"{part}\": triangle {triangle} uses a vertex beyond the {vertices} there are")]
     IndexOutOfRange {
         /// Name of the part.
         part: String,
-        /// Number of the triangle.
+        /// Index of the triangle.
         triangle: usize,
         /// Number of vertices.
         vertices: usize,
     },
-    /// NaN, infinite, or beyond single precision.
+    /// A coordinate is NaN, infinite, or beyond single precision.
     #[error("part \"{part}\": vertex {vertex} is not a finite single-precision position")]
     NotFinite {
         /// Name of the part.
         part: String,
-        /// Number of the vertex.
+        /// Index of the vertex.
         vertex: usize,
     },
-    /// The container's lengths are 32-bit.
+    /// The geometry exceeds the container's 32-bit lengths.
     #[error("{bytes} bytes of geometry do not fit into one .glb file (4 GiB)")]
     TooLarge {
-        /// Size of the geometry.
+        /// Size of the geometry [bytes].
         bytes: usize,
     },
-    /// The JSON part could not be made.
+    /// The JSON chunk cannot be serialised.
     #[error("glTF header: {0}")]
     Json(#[from] serde_json::Error),
 }
 
 /// Writes the parts as one `.glb` file.
 ///
-/// `extras` goes into `asset.extras` beside our own `unit`, `up` and `weld_ids`, which win over entries of that name.
+/// `extras` is written to `asset.extras`; the entries `unit`, `up` and `weld_ids` of this writer replace entries of the
+/// same name.
 pub fn write_glb(parts: &[GlbPart<'_>], extras: Map<String, Value>) -> Result<Vec<u8>, GlbWriteError> {
     if parts.is_empty() {
         return Err(GlbWriteError::NoParts);
@@ -106,9 +107,10 @@ pub fn write_glb(parts: &[GlbPart<'_>], extras: Map<String, Value>) -> Result<Ve
     file.finish(asset_extras(parts, extras)?)
 }
 
-/// Writes the pieces of one surface as one mesh of a `.glb` file, a primitive for each piece.
+/// Writes the pieces of one surface as one mesh of a `.glb` file, with a primitive for each piece.
 ///
-/// Positions are kept along the borders of the pieces, so a surface that was closed is closed once they are merged.
+/// Positions along the borders of the pieces are kept, so a closed surface is closed again once equal positions are
+/// merged.
 pub fn write_surface_glb(name: &str, pieces: &[GlbPart<'_>]) -> Result<Vec<u8>, GlbWriteError> {
     if pieces.is_empty() {
         return Err(GlbWriteError::NoParts);
@@ -143,14 +145,14 @@ fn asset_extras(parts: &[GlbPart<'_>], mut extras: Map<String, Value>) -> Result
     to_raw_value(&extras)
 }
 
-/// The file in the making: its JSON part and its binary part.
+/// A file under construction: its JSON chunk and its binary chunk.
 #[derive(Default)]
 struct Glb {
     root: json::Root,
     bytes: Vec<u8>,
 }
 
-/// One array of the binary part, as its accessor describes it.
+/// One array of the binary chunk, as its accessor describes it.
 struct Array<'a> {
     bytes: &'a [u8],
     stride: Option<usize>,
@@ -162,7 +164,7 @@ struct Array<'a> {
 }
 
 impl Glb {
-    /// Adds the materials in use, base first.
+    /// Adds the materials used, base first.
     fn push_materials(&mut self, parts: &[GlbPart<'_>]) -> Vec<(GlbMaterial, Index<json::Material>)> {
         let kinds = [GlbMaterial::Base, GlbMaterial::Weld];
         let used = kinds.into_iter().filter(|kind| parts.iter().any(|part| part.material == *kind));
@@ -235,7 +237,8 @@ impl Glb {
         })
     }
 
-    /// Vertex attributes start on multiples of four bytes, so each unsigned short is followed by two bytes of padding.
+    /// Adds the weld id of each vertex. Vertex attributes start at multiples of four bytes, so two bytes of padding
+    /// follow each unsigned short.
     fn push_weld_ids(&mut self, weld_id: u16, count: usize) -> Index<json::Accessor> {
         self.push_array(Array {
             bytes: &u32::from(weld_id).to_le_bytes().repeat(count),

@@ -1,14 +1,14 @@
-//! Reads a `.glb` of ours back and checks it: what comes out has passed.
+//! Reads and checks a `.glb` file of this program; parts that are returned have passed all checks.
 //!
-//! Checked: the container and its JSON, the attributes we promise, finite positions within the stated bounds, unit
-//! normals, indices in range, one weld id per part, the turn from z-up to y-up.
+//! The checks cover the container and its JSON, the required attributes, finite positions within the stated bounds,
+//! unit normals, indices in range, one weld id per part, and the rotation from z-up to y-up.
 
 use glam::{DVec3, Vec3};
 use gltf::accessor::{DataType, Dimensions, Iter};
 use gltf::{Document, Glb, Primitive, Semantic};
 use sdf_bake::Mesh;
 
-/// A part, or a piece of a surface, as it stands in the file.
+/// A part, or a piece of a surface, read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadPart {
     /// Name of its mesh.
@@ -23,19 +23,19 @@ pub struct ReadPart {
     pub normals: Vec<Vec3>,
 }
 
-/// What is wrong with a `.glb` file.
+/// Defect of a `.glb` file.
 #[derive(Debug, thiserror::Error)]
 pub enum GlbReadError {
     /// Damaged container or JSON.
     #[error("not a glTF 2.0 binary file: {0}")]
     Container(#[from] gltf::Error),
-    /// No mesh, or no binary part.
+    /// The file has no mesh, or no binary chunk.
     #[error("the file holds no geometry")]
     NoGeometry,
-    /// The root node does not turn z-up into y-up.
+    /// The root node does not rotate z-up into y-up.
     #[error("the scene has no root node that turns z-up into y-up, so positions cannot be told to be in metres, z up")]
     NotTurned,
-    /// A promised attribute is absent or of another type.
+    /// A required attribute is missing or has another type.
     #[error("mesh \"{mesh}\": {attribute} is missing, of another type, or reaches beyond the file")]
     Attribute {
         /// Name of the mesh.
@@ -48,12 +48,12 @@ pub enum GlbReadError {
     Values {
         /// Name of the mesh.
         mesh: String,
-        /// What was found.
+        /// Description of the contradiction.
         fault: &'static str,
     },
 }
 
-/// Reads and checks the parts of a file, in its order; pieces of one mesh are parts of one name.
+/// Reads and checks the parts of a file, in its order; pieces of one mesh are parts with the same name.
 pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
     let container = Glb::from_slice(bytes)?;
     let binary = container.bin.as_deref().ok_or(GlbReadError::NoGeometry)?;
@@ -74,9 +74,10 @@ pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
     if parts.is_empty() { Err(GlbReadError::NoGeometry) } else { Ok(parts) }
 }
 
-/// Parses and validates the JSON part.
+/// Parses and validates the JSON chunk.
 ///
-/// The validation in gltf-json 1.4 looks accessors up before it checks their numbers, and panics; so we check first.
+/// The validation in gltf-json 1.4 looks up accessors before it checks their indices, and panics; so the indices are
+/// checked first.
 fn document(header: &[u8]) -> Result<Document, GlbReadError> {
     let root: gltf_json::Root = gltf_json::deserialize::from_slice(header).map_err(gltf::Error::Deserialize)?;
     for mesh in &root.meshes {
@@ -159,7 +160,7 @@ fn triangles(primitive: &Primitive<'_>, binary: &[u8]) -> Option<Vec<[u32; 3]>> 
     rest.is_empty().then(|| triangles.to_vec())
 }
 
-/// The values of an accessor, if it is of the type asked for and lies within the file.
+/// Returns the values of an accessor, if it has the requested type and lies within the file.
 fn array<T: gltf::accessor::Item>(typed: bool, accessor: gltf::Accessor<'_>, binary: &[u8]) -> Option<Vec<T>> {
     let view = accessor.view().filter(|_| typed && accessor.count() > 0 && accessor.sparse().is_none())?;
     let stride = view.stride().unwrap_or(accessor.size());

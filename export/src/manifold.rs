@@ -1,4 +1,4 @@
-//! Volume that beads add to a part, by manifold3d: an opinion from outside on the volume in our field.
+//! Volume that beads add to a part, computed by manifold3d: an independent check of the volume in the field.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -22,7 +22,7 @@ pub struct AddedVolume {
     pub beads: f64,
 }
 
-/// Why there is no volume.
+/// Reason why the volume cannot be computed.
 #[derive(Debug, thiserror::Error)]
 pub enum ManifoldError {
     /// Python could not run the check.
@@ -44,7 +44,7 @@ struct Answer {
     beads_mm3: Option<f64>,
 }
 
-/// Volume that closed `beads` add to a closed `part`, from double-precision meshes in metres.
+/// Computes the volume that closed `beads` add to a closed `part`, from double-precision meshes in metres.
 pub fn added_volume(part: &Mesh, beads: &[&Mesh], python: &Python) -> Result<AddedVolume, ManifoldError> {
     if beads.is_empty() {
         return Err(ManifoldError::Unusable { status: "empty: there is no bead".to_owned() });
@@ -59,7 +59,8 @@ pub fn added_volume(part: &Mesh, beads: &[&Mesh], python: &Python) -> Result<Add
     volumes(python.run_script(Script::CheckBeadVolume, &paths)?)
 }
 
-/// The same for a `welded.glb`: its `base` is the part, its other meshes are the beads, in single precision.
+/// Computes the same volume from a `welded.glb`: its `base` is the part, its other meshes are the beads, in single
+/// precision.
 pub fn added_volume_in_glb(welded: &Path, python: &Python) -> Result<AddedVolume, ManifoldError> {
     volumes(python.run_script(Script::CheckBeadVolume, [welded])?)
 }
@@ -81,7 +82,7 @@ fn volumes(answer: Value) -> Result<AddedVolume, ManifoldError> {
     }
 }
 
-/// Rust prints the shortest decimal that reads back as the same `f64`, so text loses nothing.
+/// Writes a mesh as OBJ text. Rust prints the shortest decimal that parses to the same `f64`, so no precision is lost.
 fn obj(mesh: &Mesh) -> String {
     let mut text = String::new();
     for p in &mesh.positions {

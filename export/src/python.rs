@@ -1,15 +1,15 @@
-//! The Python environment that the outside libraries live in (usd-core, manifold3d, pycocotools), found or made.
+//! Python environment of the external libraries (usd-core, manifold3d, pycocotools): found, or created.
 //!
-//! Looked for in this order, as described in `docs/usd.md`:
+//! Search order, as described in `docs/usd.md`:
 //!
 //! 1. `ROBOFIN_PYTHON`: exactly this interpreter, or an error.
-//! 2. `VIRTUAL_ENV`, if it has the libraries.
-//! 3. `<project>/.venv`, where the project is the nearest folder above the current one, else above the program, that
-//!    holds our `scripts/requirements.txt`; without a project, a per-user cache folder.
-//! 4. Otherwise that last place is filled (bootstrapped) from the pinned requirements, unless that is forbidden.
+//! 2. `VIRTUAL_ENV`, if the libraries are installed in it.
+//! 3. `<project>/.venv`, where the project is the nearest folder above the current one, or else above the program, that
+//!    contains RoboFin's `scripts/requirements.txt`; without a project, a per-user cache folder.
+//! 4. Otherwise that last folder is filled (bootstrapped) from the pinned requirements, unless that is forbidden.
 //!
-//! The scripts are part of the program; they get file names as arguments and answer with one line of JSON.
-//! This module prints nothing: a bootstrap announces itself through a callback.
+//! The scripts are embedded in the program; they take file names as arguments and answer with one line of JSON. This
+//! module prints nothing: a bootstrap is announced through a callback.
 
 mod bootstrap;
 mod process;
@@ -22,11 +22,11 @@ use std::time::Duration;
 /// The pinned requirements, embedded so that an installed program needs no source tree.
 pub const REQUIREMENTS: &str = include_str!("../../scripts/requirements.txt");
 
-/// How long one script may run. A batch of hundreds of assets takes minutes, never this long per process.
+/// Time limit of one script; even a batch of hundreds of assets takes a few minutes.
 const SCRIPT_LIMIT: Duration = Duration::from_secs(300);
 const PROBE_LIMIT: Duration = Duration::from_secs(60);
 
-/// Answers with the versions found; fails on what is missing.
+/// Script that prints the versions found; it fails with the missing library.
 const PROBE: &str = "
 import sys
 if not (3, 11) <= sys.version_info[:2] <= (3, 14):
@@ -36,21 +36,21 @@ from pxr import Usd, UsdValidation
 print('Python %d.%d.%d' % sys.version_info[:3] + ', USD %d.%d.%d' % Usd.GetVersion() + ', numpy ' + numpy.__version__)
 ";
 
-/// A program of `scripts/`.
+/// A script of `scripts/`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Script {
     /// Writes `welded.usdc` into asset folders.
     ExportUsd,
     /// Checks USD files.
     CheckUsd,
-    /// Volume that beads add to a part, by manifold3d.
+    /// Computes the volume that beads add to a part, with manifold3d.
     CheckBeadVolume,
-    /// COCO files of a set of images, by pycocotools.
+    /// Checks the COCO files of a set of images, with pycocotools.
     CheckCoco,
 }
 
 impl Script {
-    /// File name under `scripts/`.
+    /// Returns the file name under `scripts/`.
     pub fn file_name(self) -> &'static str {
         match self {
             Script::ExportUsd => "export_usd.py",
@@ -61,7 +61,7 @@ impl Script {
     }
 }
 
-/// The programs above and the modules they import, by file name.
+/// File names and texts of the scripts and of the modules that they import.
 const FILES: [(&str, &str); 5] = [
     ("glb.py", include_str!("../../scripts/glb.py")),
     ("export_usd.py", include_str!("../../scripts/export_usd.py")),
@@ -70,62 +70,62 @@ const FILES: [(&str, &str); 5] = [
     ("check_coco.py", include_str!("../../scripts/check_coco.py")),
 ];
 
-/// Why Python could not be found, made or used.
+/// Reason why Python cannot be found, created or used.
 #[derive(Debug, thiserror::Error)]
 pub enum PythonError {
-    /// `ROBOFIN_PYTHON` names something that does not work.
+    /// `ROBOFIN_PYTHON` names an interpreter that cannot be used.
     #[error("ROBOFIN_PYTHON is {}, which cannot be used: {cause}; unset it, or name a Python 3.11 to 3.14 with \
              scripts/requirements.txt installed", .path.display())]
     Chosen {
-        /// The interpreter named.
+        /// Path of the interpreter.
         path: PathBuf,
-        /// What it said.
+        /// Error message of the interpreter.
         cause: String,
     },
-    /// The project has a virtual environment that someone else made and that lacks the libraries.
+    /// The project has a virtual environment that RoboFin did not create and that lacks the libraries.
     #[error("{} lacks what scripts/requirements.txt lists ({cause}); install that there, or delete the folder and \
              run again", .venv.display())]
     Incomplete {
-        /// The environment.
+        /// Folder of the environment.
         venv: PathBuf,
-        /// What was missing.
+        /// Missing library.
         cause: String,
     },
-    /// Nothing found, and making an environment is forbidden.
+    /// No environment is found, and creating one is forbidden.
     #[error("no Python environment with usd-core at {}, and making one is not allowed here; unset \
              ROBOFIN_NO_BOOTSTRAP, or set ROBOFIN_PYTHON to one that has scripts/requirements.txt", .venv.display())]
     Forbidden {
-        /// Where one would be made.
+        /// Folder in which one would be created.
         venv: PathBuf,
     },
-    /// No place for an environment is known.
+    /// No folder for an environment is known.
     #[error("no folder to keep a Python environment in: set HOME or XDG_CACHE_HOME, or set ROBOFIN_PYTHON")]
     NoPlace,
-    /// Nothing to make an environment with.
+    /// There is no interpreter to create an environment with.
     #[error("no Python 3.11 to 3.14 on PATH ({found}): apt-get install -y python3 python3-venv, or install uv")]
     NoInterpreter {
-        /// What was there instead.
+        /// Unsuitable interpreter that was found instead.
         found: String,
     },
-    /// Debian splits `venv` off.
+    /// The module `venv` is missing; Debian packages it separately.
     #[error("python3-venv is missing: apt-get install -y python3-venv")]
     NoVenvModule,
-    /// The environment could not be made or filled.
+    /// The environment cannot be created or filled.
     #[error("could not make the Python environment {}: {step}: {cause}", .venv.display())]
     Bootstrap {
-        /// The environment.
+        /// Folder of the environment.
         venv: PathBuf,
-        /// What was being done.
+        /// Step that failed.
         step: &'static str,
-        /// What it said last.
+        /// Last error message of the step.
         cause: String,
     },
-    /// A file or process of ours could not be made.
+    /// A temporary file or a process cannot be created.
     #[error("{what}: {source}")]
     Io {
-        /// What was being done.
+        /// Action that failed.
         what: String,
-        /// The system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A script failed.
@@ -133,53 +133,53 @@ pub enum PythonError {
     Script {
         /// File name of the script.
         script: &'static str,
-        /// Its exit status.
+        /// Exit status.
         status: String,
-        /// The last lines of its standard error.
+        /// Last lines of standard error.
         stderr: String,
     },
-    /// A script, or a step of the bootstrap, did not end in time.
+    /// A script, or a step of the bootstrap, exceeded its time limit.
     #[error("{what} did not finish within {seconds} s and was stopped")]
     TimedOut {
-        /// What was running.
+        /// Name of the script or step.
         what: String,
-        /// The limit, in seconds.
+        /// Time limit [s].
         seconds: u64,
     },
-    /// A script ended well but its last line is not the JSON expected.
+    /// A script succeeded, but its last line is not the expected JSON.
     #[error("{script} answered {answer:?} instead of the JSON expected ({cause})")]
     Answer {
         /// File name of the script.
         script: &'static str,
-        /// Its last line.
+        /// Last line of its standard output.
         answer: String,
-        /// What the parser said.
+        /// Error message of the parser.
         cause: String,
     },
 }
 
-/// An interpreter that has the libraries.
+/// An interpreter with the libraries installed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Python {
     executable: PathBuf,
     versions: String,
 }
 
-/// Where to look for Python; [`Places::from_environment`] fills it as the module's page says.
+/// Places to search for Python; [`Places::from_environment`] fills them in the order of the module's documentation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Places {
     /// `ROBOFIN_PYTHON`: exactly this interpreter.
     pub chosen: Option<PathBuf>,
     /// `VIRTUAL_ENV`.
     pub active: Option<PathBuf>,
-    /// The environment that is ours to make: `<project>/.venv` or one in the cache folder.
+    /// Environment that the program may create: `<project>/.venv` or one in the cache folder.
     pub own: Option<PathBuf>,
-    /// `ROBOFIN_NO_BOOTSTRAP` is not set.
+    /// True if `ROBOFIN_NO_BOOTSTRAP` is not set.
     pub bootstrap_allowed: bool,
 }
 
 impl Places {
-    /// Reads the environment variables, the current folder and the program's own place.
+    /// Reads the environment variables, the current folder and the program's own path.
     pub fn from_environment() -> Places {
         let path = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
@@ -193,7 +193,7 @@ impl Places {
         }
     }
 
-    /// Finds an interpreter, or makes an environment when `announce` is given and bootstrapping is allowed.
+    /// Finds an interpreter, or creates an environment if `announce` is given and bootstrapping is allowed.
     ///
     /// `announce` is called with one line for people before each slow step.
     pub fn find(&self, announce: Option<&mut dyn FnMut(&str)>) -> Result<Python, PythonError> {
@@ -220,12 +220,12 @@ pub fn find(announce: Option<&mut dyn FnMut(&str)>) -> Result<Python, PythonErro
 }
 
 impl Python {
-    /// The interpreter.
+    /// Returns the path of the interpreter.
     pub fn executable(&self) -> &Path {
         &self.executable
     }
 
-    /// Versions of Python, USD and numpy, for people and for records.
+    /// Returns the versions of Python, USD and numpy, for people and for records.
     pub fn versions(&self) -> &str {
         &self.versions
     }
@@ -256,7 +256,7 @@ impl Python {
         })
     }
 
-    /// Checks that an interpreter has what is needed; the error is its last words.
+    /// Checks that an interpreter has the libraries; the error is its last line of standard error.
     fn probe(executable: &Path) -> Result<Python, String> {
         let mut python = Python { executable: executable.to_owned(), versions: String::new() };
         let mut command = python.command();
@@ -270,7 +270,7 @@ impl Python {
         Ok(python)
     }
 
-    /// The interpreter, shielded from variables that would mix another installation into it.
+    /// Makes a command for the interpreter, without the variables that would mix another installation into it.
     fn command(&self) -> Command {
         let mut command = Command::new(&self.executable);
         command.env_remove("PYTHONPATH").env_remove("PYTHONHOME").env("PYTHONHASHSEED", "0");
@@ -287,12 +287,12 @@ fn unpack_scripts() -> Result<tempfile::TempDir, PythonError> {
     Ok(folder)
 }
 
-/// The interpreter of a virtual environment.
+/// Returns the interpreter of a virtual environment.
 fn interpreter_in(venv: &Path) -> PathBuf {
     if cfg!(windows) { venv.join("Scripts").join("python.exe") } else { venv.join("bin").join("python") }
 }
 
-/// The nearest folder with our requirements; a file of that name in someone else's project does not count.
+/// Finds the nearest folder with RoboFin's requirements; a requirements file of another project does not count.
 fn project_above(start: &Path) -> Option<PathBuf> {
     let ours = |folder: &&Path| {
         let text = std::fs::read_to_string(folder.join("scripts").join("requirements.txt"));

@@ -1,8 +1,8 @@
-//! Run-length encoding of masks as COCO has it (Lin et al. 2014; the reference is `maskApi.c` of pycocotools).
+//! Run-length encoding of masks in COCO's format (Lin et al. 2014; the reference is `maskApi.c` of pycocotools).
 //!
-//! A mask is read column by column; the runs are those of background and mask in turn, background first. As text, a run
-//! is the difference from the one before the last (from the fourth on), in groups of five bits, lowest first, each with a
-//! sixth bit where more follow, and 48 added to be a letter.
+//! A mask is read column by column; runs of background and mask alternate, background first. In the text form, each run
+//! from the fourth on is stored as its difference from the run two places before. The number is split into groups of
+//! five bits, lowest first, each with a sixth bit that marks a following group; 48 is added to make a character.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,14 +11,14 @@ use serde::{Deserialize, Serialize};
 pub struct Rle {
     /// Rows and columns.
     pub size: [usize; 2],
-    /// Runs as text.
+    /// Encoded runs.
     pub counts: String,
 }
 
-/// A mask's size, whatever its form.
+/// Area and bounding box of a mask.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Extent {
-    /// Pixels in the mask.
+    /// Number of pixels in the mask.
     pub area: u64,
     /// Left, top, width, height [pixels]; zeros for an empty mask.
     pub bounds: [usize; 4],
@@ -42,7 +42,7 @@ impl Rle {
 }
 
 impl Extent {
-    /// Area and bounds of a mask, row by row from the top left.
+    /// Computes area and bounding box of a mask given row by row from the top left.
     pub fn of(width: usize, height: usize, mask: impl Fn(usize) -> bool) -> Self {
         let mut area = 0;
         let (mut low, mut high) = ([width, height], [0, 0]);
@@ -58,7 +58,7 @@ impl Extent {
     }
 }
 
-/// A signed number in letters.
+/// Encodes a signed number as characters.
 fn word(mut number: i64) -> String {
     let mut text = String::new();
     loop {
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn texts_are_those_of_pycocotools() {
-        // As `pycocotools.mask.encode` 2.0.11 gives them.
+        // Expected texts are those of `pycocotools.mask.encode` 2.0.11.
         assert_eq!(encode(&["....", "....", "...."]), "<");
         assert_eq!(encode(&["####", "####", "####"]), "0<");
         assert_eq!(encode(&["....", ".##.", "...."]), "41202");

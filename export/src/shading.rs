@@ -1,16 +1,16 @@
-//! Vertex normals that keep creases: from an indexed solid to what a renderer draws.
+//! Vertex normals that preserve creases: turns an indexed solid into a mesh for rendering.
 //!
-//! A renderer stores one normal per vertex, so a vertex on a sharp edge must be split. Around each point the
-//! triangles fall into fans: two neighbours belong to one fan when the angle between their normals stays below the
-//! crease angle. Every fan becomes one output vertex, whose normal is the mean of its triangles' normals weighted by
-//! corner angle (Thürmer & Wüthrich 1998) and by area, so that slivers, whose normals are noise, count for nothing.
+//! A renderer stores one normal per vertex, so a vertex on a sharp edge must be split. Around each point the triangles
+//! form fans: two neighbours belong to one fan if the angle between their normals is below the crease angle. Every fan
+//! becomes one output vertex, whose normal is the mean of its triangles' normals, weighted by corner angle (Thürmer &
+//! Wüthrich 1998) and by area, so that slivers, whose normals are noise, have no weight.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-/// Edges sharper than this, in radians, are drawn as creases: 30 degrees.
+/// Crease angle: edges with a larger angle are drawn sharp [rad]; 30 degrees.
 pub const CREASE_ANGLE: f64 = std::f64::consts::FRAC_PI_6;
 
 /// A mesh in single precision with one unit normal per vertex; vertices are split along creases.
@@ -26,8 +26,8 @@ pub struct ShadedMesh {
 
 /// Casts a mesh to single precision and splits it along edges sharper than `crease_angle` radians.
 ///
-/// Triangles with two corners in the same place after the cast are left out, which keeps a closed surface closed
-/// once equal positions are merged. Positions are expected to be finite in `f32` and indices in range.
+/// Triangles with two equal corners after the cast are left out, which keeps a closed surface closed once equal
+/// positions are merged. Positions must be finite in `f32` and indices in range.
 pub fn shade(mesh: &Mesh, crease_angle: f64) -> ShadedMesh {
     let (points, point_of_vertex) = merge_equal_positions(mesh);
     let faces = faces(mesh, &point_of_vertex);
@@ -50,12 +50,12 @@ pub fn shade(mesh: &Mesh, crease_angle: f64) -> ShadedMesh {
     shaded
 }
 
-/// A triangle over merged points.
+/// A triangle over merged positions.
 struct Face {
     points: [u32; 3],
     /// Twice the area along the normal [m²], from the double-precision mesh.
     doubled_area: DVec3,
-    /// Unit normal; zero when the triangle has no area.
+    /// Unit normal; zero if the triangle has no area.
     unit: DVec3,
     /// Corner angles [rad].
     angles: [f64; 3],
@@ -67,7 +67,7 @@ struct Corner {
     slot: u32,
 }
 
-/// Single-precision points without repetition, in order of first use, and the point of each vertex.
+/// Merges equal single-precision positions, in order of first use; also returns the point of each vertex.
 fn merge_equal_positions(mesh: &Mesh) -> (Vec<[f32; 3]>, Vec<u32>) {
     let mut points = Vec::with_capacity(mesh.positions.len());
     let mut known = HashMap::with_capacity(mesh.positions.len());
@@ -122,23 +122,24 @@ fn corners_by_point(points: usize, faces: &[Face]) -> (Vec<usize>, Vec<Corner>) 
     (starts, corners)
 }
 
-/// The fans around one point: its corners, split so that each fan is smooth across every inner edge.
+/// Fans around one point: its corners, grouped so that each fan is smooth across every inner edge.
 #[derive(Default)]
 struct Fans {
     /// Cosine of the crease angle.
     smooth: f64,
     /// Far end of each edge at the point, and the corner on one side of it.
     sides: Vec<(u32, usize)>,
-    /// Sets of corners that belong together.
+    /// Disjoint sets of corners: a smaller member of the same set, or the corner itself.
     leader: Vec<usize>,
     /// Number of the fan of each corner.
     fan_of: Vec<usize>,
 }
 
 impl Fans {
-    /// Finds the fans of the corners around a point, numbered by their first corner; how many there are.
+    /// Groups the corners around a point into fans, numbered by their first corner; returns the number of fans.
     fn find(&mut self, faces: &[Face], around: &[Corner]) -> usize {
-        // Every corner touches two edges of the point; sorting by the far end brings the sides of an edge together.
+        // Every corner touches two edges of the point; sorting by the far end places the two sides of an edge next to
+        // each other.
         self.sides.clear();
         for (local, corner) in around.iter().enumerate() {
             let [next, last] = [1, 2].map(|step| faces[corner.face as usize].points[(corner.slot as usize + step) % 3]);
@@ -170,13 +171,13 @@ impl Fans {
         count
     }
 
-    /// Corners of a fan, in their order.
+    /// Returns the corners of a fan in their order.
     fn corners<'a>(&'a self, around: &'a [Corner], fan: usize) -> impl Iterator<Item = &'a Corner> {
         around.iter().zip(&self.fan_of).filter(move |(_, of)| **of == fan).map(|(corner, _)| corner)
     }
 }
 
-/// The smallest member of a set, with path halving.
+/// Finds the smallest member of a set, with path halving.
 fn find(leader: &mut [usize], mut member: usize) -> usize {
     while leader[member] != member {
         leader[member] = leader[leader[member]];
@@ -185,7 +186,7 @@ fn find(leader: &mut [usize], mut member: usize) -> usize {
     member
 }
 
-/// Unit mean normal of a fan; `None` when its triangles have no area.
+/// Returns the unit mean normal of a fan; `None` if its triangles have no area.
 fn fan_normal<'a>(faces: &[Face], fan: impl Iterator<Item = &'a Corner>) -> Option<DVec3> {
     let weighted = |corner: &Corner| {
         let face = &faces[corner.face as usize];

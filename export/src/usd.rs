@@ -1,6 +1,7 @@
 //! OpenUSD export and checks, by the scripts that use usd-core.
 //!
-//! One Python process serves a whole batch: starting it costs more than writing a stage. Layout of a stage: `docs/usd.md`.
+//! One Python process serves a whole batch, because starting it takes longer than writing a stage. For the layout of a
+//! stage see `docs/usd.md`.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -11,16 +12,16 @@ use serde_json::{Value, json};
 use super::glb::GENERATOR;
 use crate::python::{Python, PythonError, Script};
 
-/// What usd-core says about one file.
+/// Report of usd-core on one file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct UsdReport {
     /// The `.usdc` file.
     pub path: PathBuf,
     /// Number of prims.
     pub prims: usize,
-    /// Lowest and highest corner in metres, z up, of what is drawn by default; `None` if nothing is.
+    /// Lowest and highest corner [m], z up, of the geometry drawn by default; `None` if there is none.
     pub bbox: Option<[[f64; 3]; 2]>,
-    /// What is wrong with the file, or why it could not be written; empty when it is clean.
+    /// Defects of the file, or the reason why it was not written; empty if there are none.
     pub errors: Vec<String>,
 }
 
@@ -31,7 +32,7 @@ struct Reports {
 
 /// Writes `welded.usdc` into each asset folder from its `welded.glb` and `welds.json`, and checks it.
 ///
-/// The reports come in the order of `assets`; a folder that fails says so in its report and does not stop the others.
+/// The reports are in the order of `assets`; a folder that fails has errors in its report and does not stop the others.
 pub fn export(assets: &[PathBuf], python: &Python) -> Result<Vec<UsdReport>, PythonError> {
     let io = |source| PythonError::Io { what: "writing the job for the USD export".to_owned(), source };
     let mut job = tempfile::Builder::new().prefix("robofin-usd-").suffix(".json").tempfile().map_err(io)?;
@@ -40,12 +41,12 @@ pub fn export(assets: &[PathBuf], python: &Python) -> Result<Vec<UsdReport>, Pyt
     reports(Script::ExportUsd, python.run_script(Script::ExportUsd, [job.path()])?)
 }
 
-/// Checks USD files: all of usd-core's validators, and what they leave out.
+/// Checks USD files with all of usd-core's validators, and with checks that these lack.
 pub fn check(files: &[PathBuf], python: &Python) -> Result<Vec<UsdReport>, PythonError> {
     reports(Script::CheckUsd, python.run_script(Script::CheckUsd, files)?)
 }
 
-/// Messages then name a folder that can be found from anywhere.
+/// Returns an absolute path, so that messages are valid in any current folder.
 fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }

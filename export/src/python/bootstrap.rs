@@ -1,8 +1,8 @@
-//! Makes a virtual environment from the pinned requirements, once, even when several processes start together.
+//! Creates a virtual environment from the pinned requirements, once, even if several processes start together.
 //!
-//! Everything is built in `<venv>.tmp` under a file lock and renamed at the end, so a half-made environment is never
-//! used. A copy of the requirements inside marks the environment as ours: one that is out of date is replaced, one
-//! that somebody else made is left alone.
+//! The environment is built in `<venv>.tmp` under a file lock and renamed at the end, so an incomplete environment is
+//! never used. A copy of the requirements inside marks an environment created by RoboFin: an outdated one is replaced;
+//! one created by somebody else is left alone.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::{Python, PythonError, REQUIREMENTS, interpreter_in, process};
 const STAMP: &str = "robofin-requirements.txt";
 const STEP_LIMIT: Duration = Duration::from_secs(600);
 
-/// The environment at `venv` if it can be used; `None` if it is absent or ours and out of date.
+/// Returns the environment at `venv` if it can be used; `None` if it is absent, or RoboFin's own and outdated.
 pub(super) fn present(venv: &Path) -> Result<Option<Python>, PythonError> {
     if !venv.exists() {
         return Ok(None);
@@ -30,7 +30,7 @@ pub(super) fn present(venv: &Path) -> Result<Option<Python>, PythonError> {
     }
 }
 
-/// Makes the environment, or waits for the process that is making it.
+/// Creates the environment, or waits for the process that is creating it.
 pub(super) fn make(venv: &Path, announce: &mut dyn FnMut(&str)) -> Result<Python, PythonError> {
     let failed = |step: &'static str| {
         move |error: std::io::Error| PythonError::Bootstrap { venv: venv.to_owned(), step, cause: error.to_string() }
@@ -52,7 +52,7 @@ pub(super) fn make(venv: &Path, announce: &mut dyn FnMut(&str)) -> Result<Python
         fs::rename(&fresh, venv).map_err(failed("renaming"))
     });
     if built.is_err() {
-        // The cause is in `built`; what cannot be removed now is removed by the next attempt.
+        // The cause is in `built`; the next attempt removes what cannot be removed now.
         let _ = fs::remove_dir_all(&fresh);
     }
     built?;
@@ -63,7 +63,8 @@ pub(super) fn make(venv: &Path, announce: &mut dyn FnMut(&str)) -> Result<Python
     })
 }
 
-/// With uv if there is one, else (or if uv fails) with the standard library's venv and pip.
+/// Builds the environment with uv if it is installed, otherwise (or if uv fails) with the standard library's venv and
+/// pip.
 fn build(fresh: &Path, venv: &Path) -> Result<(), PythonError> {
     if runs("uv") && build_with_uv(fresh, venv).is_ok() {
         return Ok(());
@@ -96,7 +97,7 @@ fn build_with_uv(fresh: &Path, venv: &Path) -> Result<(), PythonError> {
     expect(process::run(install, "uv pip install", STEP_LIMIT)?, venv, "uv pip install")
 }
 
-/// The first `python3` on PATH that is new enough and not too new for usd-core.
+/// Finds the first `python3` on PATH with a version that usd-core supports.
 fn base_interpreter() -> Result<&'static str, PythonError> {
     let mut found = Vec::new();
     for name in ["python3", "python3.14", "python3.13", "python3.12", "python3.11", "python"] {
@@ -132,7 +133,7 @@ fn expect(done: process::Finished, venv: &Path, step: &'static str) -> Result<()
     Err(PythonError::Bootstrap { venv: venv.to_owned(), step, cause: done.last_lines(2) })
 }
 
-/// Writes the requirements into the environment and returns where.
+/// Writes the requirements into the environment and returns the file's path.
 fn stamp(fresh: &Path, venv: &Path) -> Result<PathBuf, PythonError> {
     let path = fresh.join(STAMP);
     fs::write(&path, REQUIREMENTS).map_err(|error| PythonError::Bootstrap {

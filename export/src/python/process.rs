@@ -1,4 +1,4 @@
-//! Runs a program with a time limit and keeps what it printed.
+//! Runs a program with a time limit and captures its output.
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::PythonError;
 
-/// What a program that ended left behind.
+/// Exit status and output of a finished program.
 pub(super) struct Finished {
     pub(super) status: ExitStatus,
     pub(super) stdout: String,
@@ -15,21 +15,21 @@ pub(super) struct Finished {
 }
 
 impl Finished {
-    /// The last lines of standard error that say something, joined into one.
+    /// Returns the last non-empty lines of standard error, joined into one line.
     pub(super) fn last_lines(&self, count: usize) -> String {
         let lines: Vec<&str> = self.stderr.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
         lines[lines.len().saturating_sub(count)..].join(" | ")
     }
 
-    /// Whether either stream contains a phrase.
+    /// Returns true if either stream contains a phrase.
     pub(super) fn says(&self, phrase: &str) -> bool {
         self.stdout.contains(phrase) || self.stderr.contains(phrase)
     }
 }
 
-/// Runs `command`, stopping it after `limit`. `what` names it in errors.
+/// Runs `command` and kills it after `limit`. `what` names it in errors.
 ///
-/// The streams go to files and not to pipes: a pipe held open by a grandchild would outlive the limit.
+/// The streams go to files, not pipes: a grandchild could keep a pipe open beyond the limit.
 pub(super) fn run(mut command: Command, what: &str, limit: Duration) -> Result<Finished, PythonError> {
     let io = |source| PythonError::Io { what: format!("running {what}"), source };
     let (mut out, mut err) = (tempfile::tempfile().map_err(io)?, tempfile::tempfile().map_err(io)?);
