@@ -1,31 +1,32 @@
-//! Actions: how the tool goes on and how hard it presses.
+//! Actions: motion of the tool and its force.
 
 use crate::curve::Curve;
 
-/// Numbers of an action, each from -1 to 1: feed along the weld, feed to its left, rates of roll and pitch, and force.
+/// Number of values in an action, each from -1 to 1: feed along the weld, feed to its left, rates of roll and pitch,
+/// and force.
 pub const ACTION: usize = 5;
 
-/// A shorter way in a step is none [m]: the tool stands.
+/// Least distance of a step [m]; below it the tool stays in place.
 const LEAST_WAY: f64 = 1e-5;
 
-/// Speeds, forces and periods between which an action chooses.
+/// Period of a step, and ranges of speed, tilt and force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Time of a step [s].
+    /// Duration of a step [s].
     pub period: f64,
-    /// Fastest feed along the weld [m/s].
+    /// Greatest feed along the weld [m/s].
     pub feed: f64,
-    /// Fastest feed across it [m/s].
+    /// Greatest feed across the weld [m/s].
     pub across: f64,
-    /// Fastest change of roll and pitch [rad/s].
+    /// Greatest rate of roll and pitch [rad/s].
     pub turning: f64,
-    /// Largest roll and pitch [rad].
+    /// Greatest roll and pitch [rad].
     pub tilt: f64,
-    /// Largest force [N].
+    /// Greatest force [N].
     pub force: f64,
     /// Force below which the tool is lifted [N].
     pub least_force: f64,
-    /// Fastest change of the force's setpoint [N/s].
+    /// Greatest rate of change of the setpoint [N/s].
     pub slew: f64,
 }
 
@@ -44,23 +45,23 @@ impl Default for Limits {
     }
 }
 
-/// Place and tilt of the tool in the frame of the curve, and the force that is asked for.
+/// Position and tilt of the tool in the frame of the curve, and the setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Stance {
     /// Arc length [m].
     pub(crate) arc: f64,
-    /// To the left of the curve [m].
+    /// Offset to the left of the curve [m].
     pub(crate) offset: f64,
-    /// About the curve [rad].
+    /// Rotation about the curve [rad].
     pub(crate) roll: f64,
-    /// About the vector to the left [rad].
+    /// Rotation about the vector to the left [rad].
     pub(crate) pitch: f64,
-    /// Setpoint [N]; 0 while the tool is lifted.
+    /// Setpoint [N]; 0 if the tool is lifted.
     pub(crate) setpoint: f64,
 }
 
 impl Stance {
-    /// The stance after a step under an action. What is no number counts as 0, what is beyond 1 as 1.
+    /// Returns the stance after a step under an action. NaN counts as 0; other values are clamped to -1 to 1.
     pub(crate) fn after(&self, action: &[f32; ACTION], limits: &Limits, (curve, half_width): (&Curve, f64)) -> Self {
         let [along, across, roll, pitch, force] = action.map(|value| {
             let value = f64::from(value);

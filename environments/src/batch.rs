@@ -9,32 +9,33 @@ use crate::environment::{Environment, Outcome, Setup};
 use crate::error::EnvironmentError;
 use crate::metrics::METRICS;
 
-/// Environments of one setup. One whose episode has ended begins the next one in the step after, whose action it ignores.
+/// Environments of one setup. An environment whose episode has ended begins the next one in the following step, and
+/// ignores that step's action.
 pub struct Batch {
     environments: Vec<Environment>,
     ended: Vec<bool>,
     size: usize,
 }
 
-/// Where a batch writes what its environments came to, one row for each.
+/// Output arrays of a batch, one row for each environment.
 pub struct Outputs<'a> {
     /// Observations, shape `[environments, ...]`.
     pub observations: &'a mut [f32],
-    /// Shape `[environments]`.
+    /// Rewards of the step, shape `[environments]`.
     pub rewards: &'a mut [f64],
-    /// Shape `[environments]`.
+    /// True where the task is done or the part is spoilt, shape `[environments]`.
     pub terminated: &'a mut [bool],
-    /// Shape `[environments]`.
+    /// True where the time is up, shape `[environments]`.
     pub truncated: &'a mut [bool],
-    /// Figures of the episodes so far, shape `[environments, METRICS]`.
+    /// Metrics of the episodes so far, shape `[environments, METRICS]`.
     pub metrics: &'a mut [f64],
 }
 
 impl Batch {
-    /// So many environments, with seeds that follow each other.
+    /// Makes `count` environments with consecutive seeds.
     ///
     /// # Errors
-    /// Without environments or tasks.
+    /// If there are no environments or no tasks.
     pub fn new(setup: Setup, count: usize, seed: u64) -> Result<Self, EnvironmentError> {
         if count == 0 || setup.tasks.is_empty() {
             return Err(EnvironmentError::None(if count == 0 { "environments" } else { "tasks" }));
@@ -45,25 +46,25 @@ impl Batch {
         Ok(Self { environments, ended: vec![false; count], size })
     }
 
-    /// The environments.
+    /// Returns the environments.
     pub fn environments(&self) -> &[Environment] {
         &self.environments
     }
 
-    /// One of them, to be put back.
+    /// Returns one environment, to restore a snapshot.
     ///
     /// # Panics
-    /// If there is none of this number.
+    /// If there is no environment of this number.
     pub fn environment_mut(&mut self, number: usize) -> &mut Environment {
         self.ended[number] = false;
         &mut self.environments[number]
     }
 
-    /// Begins an episode in those environments that a mask names: the first of a seed where one is given, else the next one.
+    /// Begins an episode in each environment of a mask: the first one of a seed if one is given, else the next one.
     /// Writes all observations.
     ///
     /// # Errors
-    /// Arrays that do not fit.
+    /// If the arrays do not have the expected sizes.
     pub fn reset(
         &mut self,
         (seeds, mask): (&[Option<u64>], &[bool]),
@@ -87,7 +88,7 @@ impl Batch {
     /// Steps all environments under actions, shape `[environments, ACTION]`.
     ///
     /// # Errors
-    /// Arrays that do not fit, or the first pass that failed.
+    /// If the arrays do not have the expected sizes, or the error of the first pass that failed.
     pub fn step(&mut self, actions: &[f32], out: &mut Outputs) -> Result<(), EnvironmentError> {
         let count = self.environments.len();
         check("actions", actions.len(), count * ACTION)?;

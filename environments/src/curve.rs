@@ -1,4 +1,4 @@
-//! The curve that a tool follows: a weld's centreline, even in arc length.
+//! The curve that a tool follows: a weld's centreline, sampled evenly in arc length.
 
 use glam::DVec3;
 
@@ -7,19 +7,19 @@ use crate::error::EnvironmentError;
 /// Distance between stations [m].
 const PITCH: f64 = 1e-3;
 
-/// A place on the curve with its frame.
+/// A point on the curve with its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station {
-    /// On the part's surface below the weld [m].
+    /// Position on the part's surface below the weld [m].
     pub position: DVec3,
     /// Unit normal out of the part.
     pub normal: DVec3,
-    /// Unit direction of travel, across the normal.
+    /// Unit direction of travel, perpendicular to the normal.
     pub tangent: DVec3,
 }
 
 impl Station {
-    /// Unit vector to the left of travel.
+    /// Returns the unit vector to the left of travel.
     pub fn side(&self) -> DVec3 {
         self.normal.cross(self.tangent)
     }
@@ -33,10 +33,10 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A curve through points [m] with normals, in order of travel.
+    /// Makes a curve through points [m] with normals, in order of travel.
     ///
     /// # Errors
-    /// [`EnvironmentError::Curve`] for less than two points or a millimetre.
+    /// [`EnvironmentError::Curve`] for fewer than two points or a length below a millimetre.
     pub fn new(points: &[(DVec3, DVec3)]) -> Result<Self, EnvironmentError> {
         let mut arc = vec![0.0];
         for pair in points.windows(2) {
@@ -66,22 +66,22 @@ impl Curve {
         Ok(Self { stations, pitch })
     }
 
-    /// The stations, in order of travel.
+    /// Returns the stations in order of travel.
     pub fn stations(&self) -> &[Station] {
         &self.stations
     }
 
-    /// Distance between stations [m].
+    /// Returns the distance between stations [m].
     pub fn pitch(&self) -> f64 {
         self.pitch
     }
 
-    /// Length [m].
+    /// Returns the length [m].
     pub fn length(&self) -> f64 {
         self.pitch * (self.stations.len() - 1) as f64
     }
 
-    /// The place at an arc length [m], held at the ends.
+    /// Returns the station at an arc length [m], clamped to the ends.
     pub fn at(&self, arc: f64) -> Station {
         let at = (arc / self.pitch).clamp(0.0, (self.stations.len() - 1) as f64);
         let before = (at as usize).min(self.stations.len() - 2);

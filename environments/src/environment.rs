@@ -18,44 +18,44 @@ use crate::reward::{cost, is_done, is_spoilt};
 use crate::strip::Strip;
 use crate::task::Task;
 
-/// The tool begins this far above the weld [m].
+/// Height of the tool above the weld at the start of a pass [m].
 const CLEARANCE: f64 = 2e-4;
-/// Reward lost over the whole duration of an episode [1].
+/// Reward lost to elapsed time over a whole episode [1].
 const HASTE: f64 = 0.1;
-/// The surface may change this far along from a wheel's or ball's lowest point if it sinks in so deep [m].
+/// Assumed greatest depth of the tool in the surface [m]; the changed stretch of surface follows from it.
 const SINK: f64 = 3e-4;
-/// Time to sand the strip once at a tenth of the fastest feed, and some more.
+/// Default time for sanding, in travels to and fro at a tenth of the greatest feed [1].
 const SANDINGS: f64 = 2.0;
 
 /// Settings that all environments of a batch share.
 #[derive(Clone)]
 pub struct Setup {
-    /// One is drawn for each episode.
+    /// Tasks; one is drawn for each episode.
     pub tasks: Vec<Arc<Task>>,
-    /// The tool.
+    /// Tool of all environments.
     pub tool: Tool,
-    /// Laws and effects, before anything is drawn.
+    /// Laws and effects before randomisation.
     pub model: Arc<CompiledModel>,
-    /// Drawn for each episode.
+    /// Parameters drawn for each episode.
     pub randomisations: Vec<Randomisation>,
-    /// Bounds of actions.
+    /// Limits of actions.
     pub limits: Limits,
-    /// Controller of the force.
+    /// Force controller.
     pub controller: Controller,
-    /// Kind of observation.
+    /// Type of observation.
     pub observation: Observation,
-    /// Length of an episode [s]; without one it follows from the task.
+    /// Duration of an episode [s]; by default it follows from the task.
     pub time_limit: Option<f64>,
 }
 
-/// Reward of a step.
+/// Reward and end flags of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Fall of the cost.
+    /// Reward: the fall of the cost, minus the share of elapsed time.
     pub reward: f64,
-    /// The task is done, or the part is spoilt.
+    /// True if the task is done or the part is spoilt.
     pub terminated: bool,
-    /// The time is up.
+    /// True if the time is up.
     pub truncated: bool,
 }
 
@@ -70,22 +70,22 @@ pub struct Environment {
     pub(crate) underway: Underway,
     pub(crate) stance: Stance,
     pub(crate) metrics: Metrics,
-    /// At the end of the last step [N].
+    /// Force at the end of the last step [N].
     pub(crate) force: f64,
     pub(crate) cost: f64,
     pub(crate) time_limit: f64,
     pub(crate) seed: u64,
     pub(crate) episode: u64,
-    /// Passes so far: the tool came down so often.
+    /// Number of passes so far; a pass begins when the tool comes down.
     pub(crate) passes: usize,
-    /// Time since the last of them began [s].
+    /// Time since the current pass began [s].
     pub(crate) pass_time: f64,
     /// Integral of the squared error of the force in contact [N² s].
     pub(crate) squared_error: f64,
 }
 
 impl Environment {
-    /// The first episode of a seed.
+    /// Makes an environment at the first episode of a seed.
     pub fn new(setup: Arc<Setup>, seed: u64) -> Self {
         let (task, model) = (setup.tasks[0].clone(), setup.model.clone());
         let mut environment = Self {
@@ -132,7 +132,8 @@ impl Environment {
         self.metrics.look(&self.task, &self.strip);
     }
 
-    /// Twice the time that half of the largest force needs, and that of a way to and fro [s].
+    /// Returns the default time limit [s]: for grinding, twice the removal time at half the greatest force, plus one
+    /// travel to and fro; for sanding, [`SANDINGS`].
     fn usual_time(&self) -> f64 {
         let limits = &self.setup.limits;
         let way = 2.0 * self.task.curve.length() / limits.feed;
@@ -144,25 +145,25 @@ impl Environment {
         }
     }
 
-    /// Figures of the episode so far.
+    /// Returns the metrics of the episode so far.
     pub fn metrics(&self) -> &Metrics {
         &self.metrics
     }
 
-    /// The workpiece.
+    /// Returns the workpiece.
     pub fn part(&self) -> &Arc<BrickGrid> {
         &self.part
     }
 
-    /// Writes what the policy sees.
+    /// Writes the observation.
     pub fn observe(&self, out: &mut [f32]) {
         self.setup.observation.look(self, out);
     }
 
-    /// One step under an action.
+    /// Does one step under an action.
     ///
     /// # Errors
-    /// As [`run_stretch`].
+    /// Those of [`run_stretch`].
     pub fn step(&mut self, action: &[f32; ACTION]) -> Result<Outcome, PassError> {
         let period = self.setup.limits.period;
         let (before, room) = (self.stance, (&self.task.curve, 0.5 * self.task.weld.width));
@@ -187,7 +188,7 @@ impl Environment {
         })
     }
 
-    /// The tool presses on its way to the stance.
+    /// Presses the tool while it moves to the stance.
     fn press(&mut self, before: &Stance) -> Result<PassRecord, PassError> {
         let Setup { tool, limits, controller, .. } = &*self.setup;
         if self.pass_time == 0.0 {
@@ -208,13 +209,13 @@ impl Environment {
         Ok(record)
     }
 
-    /// The tool is in the air.
+    /// Lifts the tool, which ends the pass.
     fn lift(&mut self) {
         self.underway = Underway::default();
         (self.pass_time, self.force) = (0.0, 0.0);
     }
 
-    /// The path's sample of a stance: at the crown of the weld, from where the controller goes down.
+    /// Returns the path's sample of a stance, at the crown of the weld; the controller moves down from there.
     fn sample(&self, stance: &Stance, time: f64) -> PathSample {
         let station = self.task.curve.at(stance.arc);
         let level = CLEARANCE + if self.task.process == Process::Grinding { self.task.weld.height } else { 0.0 };
@@ -235,7 +236,7 @@ impl Environment {
         }
     }
 
-    /// Stations whose surface the tool may have changed in a step.
+    /// Returns the stations whose surface the tool may have changed in a step.
     fn touched(&self, before: &Stance) -> Range<usize> {
         let (reach, _) = self.setup.tool.half_footprint(SINK);
         let (pitch, stations) = (self.task.curve.pitch(), self.strip.shape()[0]);

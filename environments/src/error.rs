@@ -3,55 +3,55 @@
 use sim::PassError;
 use thiserror::Error;
 
-/// Why a task or an environment cannot be made, or cannot go on.
+/// Reason why a task or an environment cannot be made, or cannot continue.
 #[derive(Debug, Error)]
 pub enum EnvironmentError {
-    /// A curve that cannot be followed.
+    /// The curve is too short to follow.
     #[error("the weld's curve has {points} points over {length} mm; at least 2 points over 1 mm are accepted")]
     Curve {
-        /// Points found.
+        /// Number of points found.
         points: usize,
         /// Length found [mm].
         length: f64,
     },
-    /// Nothing to finish.
+    /// There is nothing to finish.
     #[error("{why}; a weld on smooth ground is accepted")]
     Nothing {
-        /// Value found.
+        /// Reason.
         why: &'static str,
     },
-    /// A parameter to be drawn that the model does not have.
+    /// The model lacks a parameter that is to be drawn.
     #[error("the model has no parameter `{0}` to draw; add its effect to the model")]
     Parameter(String),
-    /// A range that cannot be drawn from.
+    /// The range of a parameter is invalid.
     #[error("`{name}` is to be drawn from {low} to {high}; two finite values, the lesser first, are accepted")]
     Range {
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// Least value [SI].
+        /// Lower bound [SI].
         low: f64,
-        /// Greatest value [SI].
+        /// Upper bound [SI].
         high: f64,
     },
-    /// An array of the wrong size.
+    /// An array has the wrong size.
     #[error("{name} has {found} values, and {expected} are accepted")]
     Size {
-        /// Which array.
+        /// Name of the array.
         name: &'static str,
-        /// Values found.
+        /// Size found.
         found: usize,
-        /// Values needed.
+        /// Size expected.
         expected: usize,
     },
-    /// No task, or no environment.
+    /// There is no task, or no environment.
     #[error("{0}: at least one is accepted")]
     None(&'static str),
     /// The simulation failed.
     #[error("environment {environment}: {error}")]
     Pass {
-        /// Its number, from 0.
+        /// Number of the environment, from 0.
         environment: usize,
-        /// Why.
+        /// Error of the pass.
         error: PassError,
     },
 }

@@ -1,11 +1,11 @@
 //! Environments in which policies grind and sand welds.
 //!
-//! A [`Task`] is a weld to be finished: the part around it, what it should become, and the curve that the tool follows. An
-//! [`Environment`] is a tool on a copy of it; an action moves the tool along and across the weld, tilts it and sets the
-//! force that its controller holds. A [`Batch`] steps many of them over threads.
+//! A [`Task`] is a weld to be finished: the part around it, the target, and the curve that the tool follows. An
+//! [`Environment`] is a tool on a copy of that part; an action moves the tool along and across the weld, tilts it and
+//! sets the force of its controller. A [`Batch`] steps many environments on several threads.
 //!
-//! All is in SI units, in the part's frame. This crate opens no file, never prints, and draws only from seeds: the same
-//! seed and actions give the same bytes on any number of threads.
+//! All quantities are in SI units, in the part's frame. This crate opens no file, prints nothing, and draws only from
+//! seeds: the same seed and actions give the same bytes on any number of threads.
 
 mod action;
 mod batch;

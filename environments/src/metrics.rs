@@ -1,4 +1,4 @@
-//! Figures of an episode.
+//! Metrics of an episode.
 
 use effects::Process;
 
@@ -6,7 +6,7 @@ use crate::reward::{OVER, left};
 use crate::strip::Strip;
 use crate::task::Task;
 
-/// Names of the figures, in their order.
+/// Names of the metrics, in their order.
 pub const METRICS: [&str; 10] = [
     "left",
     "gouge_depth",
@@ -20,20 +20,20 @@ pub const METRICS: [&str; 10] = [
     "return",
 ];
 
-/// Figures of an episode so far.
+/// Metrics of an episode so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Metrics {
-    /// Share of the bead, or of the strip's coating, that is left.
+    /// Remaining share of the bead, or of the strip that is still coated.
     pub left: f64,
-    /// Largest depth below the target [m].
+    /// Greatest depth below the target [m].
     pub gouge_depth: f64,
-    /// Volume missing below the target [m³].
+    /// Missing volume below the target [m³].
     pub gouge_volume: f64,
-    /// Volume removed, Eq. (1) [m³].
+    /// Removed volume, Eq. (1) [m³].
     pub removed_volume: f64,
-    /// Its difference from the bead's volume, as a share of that; 0 when sanding.
+    /// Removed volume minus the bead's volume, relative to the bead's volume; 0 for sanding.
     pub removed_error: f64,
-    /// Share of the strip whose dose is four times what takes the coating off.
+    /// Share of the strip with a dose of four or more; the coating is gone at one.
     pub oversanded: f64,
     /// Root mean square of force minus setpoint in contact [N].
     pub force_error: f64,
@@ -41,12 +41,12 @@ pub struct Metrics {
     pub contact_time: f64,
     /// Time of the episode [s].
     pub time: f64,
-    /// Sum of the rewards.
+    /// Sum of the rewards so far.
     pub total: f64,
 }
 
 impl Metrics {
-    /// Brings the figures of the surface up to date.
+    /// Updates the metrics that depend on the surface.
     pub(crate) fn look(&mut self, task: &Task, strip: &Strip) {
         self.left = left(task, strip);
         self.gouge_depth = strip.deepest();
@@ -57,7 +57,7 @@ impl Metrics {
         }
     }
 
-    /// The figures in the order of [`METRICS`].
+    /// Returns the metrics in the order of [`METRICS`].
     pub fn values(&self) -> [f64; METRICS.len()] {
         [
             self.left,

@@ -5,40 +5,41 @@ use sim::surface::way_to_surface;
 
 use crate::environment::Environment;
 
-/// Zones along the weld whose heights the state holds: behind the tool, below it, ahead of it.
+/// Number of zones along the weld in the state: behind the tool, below it, ahead of it.
 const ZONES: usize = 3;
-/// Bins across the weld in each.
+/// Number of bins across the weld in each zone.
 const BINS: usize = 5;
-/// Length of a zone and width of a bin [m].
+/// Length of a zone, and width of a bin [m].
 const ZONE: f64 = 4e-3;
 const BIN: f64 = 2e-3;
-/// Figures of the tool and the task.
+/// Number of values for the tool and the task.
 const FIGURES: usize = 11;
 
-/// Numbers of the state.
+/// Size of the state.
 pub const STATE: usize = FIGURES + ZONES * BINS;
-/// Stations and points of the height map.
+/// Shape of the height map: stations along the weld, points across it.
 pub const HEIGHTS: [usize; 2] = [32, 16];
-/// Pixels of the depth image.
+/// Shape of the depth image [pixels].
 pub const DEPTH: [usize; 2] = [32, 32];
-/// Length that the depth image shows along each side [m].
+/// Side length of the area in the depth image [m].
 const SHOWN: f64 = 30e-3;
-/// Height of its camera above the surface below the weld [m].
+/// Height of the depth camera above the surface below the weld [m].
 const CAMERA: f64 = 40e-3;
 
-/// A way to look at an environment.
+/// Type of observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observation {
-    /// Tool, force, progress, and mean heights around the tool: [`STATE`] numbers of about 1.
+    /// Tool, force, progress, and mean remaining heights around the tool: [`STATE`] values of order 1.
     State,
-    /// Heights above the target around the tool [mm], or doses, on stations of the weld: shape [`HEIGHTS`].
+    /// Remaining height above the target [mm], or remaining coating [1], at the stations around the tool: shape
+    /// [`HEIGHTS`].
     Heights,
-    /// Depth [m] from a camera above the tool, parallel rays: shape [`DEPTH`].
+    /// Distance [m] from an orthographic camera above the tool: shape [`DEPTH`].
     Depth,
 }
 
 impl Observation {
-    /// Shape of what is seen.
+    /// Returns the shape of the observation.
     pub fn shape(self) -> Vec<usize> {
         match self {
             Self::State => vec![STATE],
@@ -47,12 +48,12 @@ impl Observation {
         }
     }
 
-    /// Numbers of it.
+    /// Returns the number of values.
     pub fn size(self) -> usize {
         self.shape().iter().product()
     }
 
-    /// Looks at an environment.
+    /// Writes the observation of an environment.
     pub(crate) fn look(self, environment: &Environment, out: &mut [f32]) {
         match self {
             Self::State => state(environment, out),
@@ -62,7 +63,8 @@ impl Observation {
     }
 }
 
-/// Height left over a point of the strip [1], about 1 at the beginning; 0 beyond the strip.
+/// Returns the remaining height at a point of the strip, relative to the weld's height, or one minus the dose [1]; 0
+/// outside the strip.
 fn left_at(environment: &Environment, station: isize, place: isize) -> f64 {
     let [stations, across] = environment.strip.shape();
     if !(0..stations as isize).contains(&station) || !(0..across as isize).contains(&place) {
@@ -75,7 +77,7 @@ fn left_at(environment: &Environment, station: isize, place: isize) -> f64 {
     }
 }
 
-/// Station and place across that are nearest to the tool.
+/// Returns the station and the point across the weld nearest to the tool.
 fn nearest(environment: &Environment) -> (isize, isize) {
     let stance = environment.stance;
     let station = (stance.arc / environment.task.curve.pitch()).round() as isize;

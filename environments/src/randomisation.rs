@@ -5,7 +5,7 @@ use random::Stream;
 
 use crate::error::EnvironmentError;
 
-/// A parameter that is drawn for each episode.
+/// A parameter drawn for each episode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Randomisation {
     index: usize,
@@ -14,10 +14,11 @@ pub struct Randomisation {
 }
 
 impl Randomisation {
-    /// The parameter `effect.parameter` of a model, from a range [SI]; without one, from that of its file.
+    /// Makes a randomisation of the parameter `effect.parameter` over a range [SI]; the default is the range in its
+    /// file.
     ///
     /// # Errors
-    /// A parameter that the model does not have, or a range that is none.
+    /// If the model lacks the parameter, or the range is invalid.
     pub fn new(model: &CompiledModel, name: &str, range: Option<[f64; 2]>) -> Result<Self, EnvironmentError> {
         let index = model.index(name).ok_or_else(|| EnvironmentError::Parameter(name.to_owned()))?;
         let slot = &model.parameters()[index];
@@ -28,7 +29,7 @@ impl Randomisation {
         Ok(Self { index, range: [low, high], is_log: slot.scale == Scale::Log && low > 0.0 })
     }
 
-    /// Draws a value, in even ratios where its file varies it so.
+    /// Draws a value, uniformly in its logarithm if the parameter's scale is logarithmic.
     pub(crate) fn draw(&self, model: &mut CompiledModel, stream: &mut Stream) {
         let value = if self.is_log { stream.ratio_between(self.range) } else { stream.between(self.range) };
         model.set(self.index, value);

@@ -1,24 +1,24 @@
-//! Costs whose fall is the reward, and the ends of an episode.
+//! Costs, whose fall is the reward, and the ends of an episode.
 
 use effects::Process;
 
 use crate::strip::Strip;
 use crate::task::Task;
 
-/// Cost of a volume below the target, in volumes above it [1].
+/// Cost of volume below the target, relative to volume above it [1].
 const GOUGE: f64 = 5.0;
-/// Cost of an oversanded point, in points that are not sanded [1].
+/// Cost of an oversanded point, relative to an unsanded point [1].
 const OVERSANDED: f64 = 0.5;
-/// Dose at which the coating is gone.
+/// Dose at which the coating is gone [1].
 pub(crate) const SANDED: f32 = 1.0;
-/// Dose from which a point counts as oversanded.
+/// Dose from which a point is oversanded [1].
 pub(crate) const OVER: f32 = 4.0;
-/// Share of the bead, or of the coated strip, at which a task is done.
+/// Remaining share of the bead, or of the coated strip, at which a task is done.
 const DONE: f64 = 0.03;
 /// Depth below the target at which an episode ends [m].
 const DEEPEST: f64 = 1e-3;
 
-/// Left to do, as a share, with what was done too much.
+/// Returns the cost: the remaining share, plus the weighted share of gouges or oversanding.
 pub(crate) fn cost(task: &Task, strip: &Strip) -> f64 {
     match task.process {
         Process::Grinding => {
@@ -29,7 +29,7 @@ pub(crate) fn cost(task: &Task, strip: &Strip) -> f64 {
     }
 }
 
-/// Left to do, as a share.
+/// Returns the remaining share of the bead or of the coated strip.
 pub(crate) fn left(task: &Task, strip: &Strip) -> f64 {
     match task.process {
         Process::Grinding => strip.volumes()[0] / task.volume,
@@ -37,12 +37,12 @@ pub(crate) fn left(task: &Task, strip: &Strip) -> f64 {
     }
 }
 
-/// True once the task is done.
+/// Returns true if the task is done.
 pub(crate) fn is_done(task: &Task, strip: &Strip) -> bool {
     left(task, strip) <= DONE
 }
 
-/// True once the part is spoilt.
+/// Returns true if the part is spoilt.
 pub(crate) fn is_spoilt(strip: &Strip) -> bool {
     strip.deepest() >= DEEPEST
 }

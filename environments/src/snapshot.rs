@@ -1,4 +1,4 @@
-//! An environment at one moment.
+//! State of an environment at one moment.
 
 use std::sync::Arc;
 
@@ -12,7 +12,8 @@ use crate::metrics::Metrics;
 use crate::strip::Strip;
 use crate::task::Task;
 
-/// An environment at one moment: the workpiece is shared until it changes. Who goes on from it gets the same bytes.
+/// State of an environment at one moment; the workpiece is shared until it changes. Continuing from it gives the same
+/// bytes.
 pub struct Snapshot {
     task: Arc<Task>,
     model: Arc<CompiledModel>,
@@ -22,7 +23,7 @@ pub struct Snapshot {
     underway: Underway,
     stance: Stance,
     metrics: Metrics,
-    /// Force, cost, time limit, time of the pass, squared error.
+    /// Force, cost, time limit, time in the pass, integral of the squared force error.
     figures: [f64; 5],
     seed: u64,
     episode: u64,
@@ -30,7 +31,7 @@ pub struct Snapshot {
 }
 
 impl Environment {
-    /// The environment as it is now.
+    /// Returns the current state.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
             task: self.task.clone(),
@@ -48,7 +49,7 @@ impl Environment {
         }
     }
 
-    /// Puts a moment back.
+    /// Restores a state.
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.task = snapshot.task.clone();
         self.model = snapshot.model.clone();

@@ -1,4 +1,4 @@
-//! Heights above the target along a weld, on a lattice of points: the basis of rewards and metrics.
+//! Heights above the target on a lattice of points along a weld, on which rewards and metrics are based.
 
 use std::ops::Range;
 
@@ -11,31 +11,31 @@ use crate::curve::Curve;
 
 /// Distance between points across the weld [m].
 const PITCH: f64 = 1e-3;
-/// A surface is sought this far below where it was last [m].
+/// Search range for the surface below its last height [m].
 const DOWN: f64 = 3e-3;
-/// And from this far above, where rounding may have it now [m].
+/// Search range above its last height, which allows for rounding [m].
 const UP: f64 = 1e-4;
 
-/// Points of the target's surface along a weld, and the surface of the workpiece over them.
+/// Points of the target's surface along a weld, and heights of the workpiece above them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
-    /// Points across the weld.
+    /// Number of points across the weld.
     across: usize,
-    /// Area that a point stands for [m²].
+    /// Area of one point [m²].
     area: f64,
-    /// Of the target's surface [m], shape `[stations, across]`; `None` beyond the part's edge.
+    /// Positions on the target's surface [m], shape `[stations, across]`; `None` beyond the part's edge.
     points: Vec<Option<DVec3>>,
     /// Unit normals, one for each station.
     normals: Vec<DVec3>,
     /// Heights of the workpiece above the points [m], shape `[stations, across]`; 0 beyond the edge.
     pub heights: Vec<f32>,
-    /// Coating dose there, same shape; empty where nothing is coated.
+    /// Dose at the points, same shape; empty without a coating.
     pub doses: Vec<f32>,
 }
 
 impl Strip {
-    /// The strip `half_width` [m] to both sides of a curve on a target, with the heights of a workpiece that stands at most
-    /// `highest` [m] above it.
+    /// Makes the strip that reaches `half_width` [m] to both sides of a curve on a target, with the heights of a
+    /// workpiece that is at most `highest` [m] above it.
     pub fn new(curve: &Curve, (target, part): (&BrickGrid, &BrickGrid), half_width: f64, highest: f64) -> Self {
         let to_side = (half_width / PITCH).ceil() as i32;
         let across = 2 * to_side as usize + 1;
@@ -61,27 +61,27 @@ impl Strip {
         strip
     }
 
-    /// Number of stations and of points across the weld.
+    /// Returns the number of stations and the number of points across the weld.
     pub fn shape(&self) -> [usize; 2] {
         [self.normals.len(), self.across]
     }
 
-    /// Area that a point stands for [m²].
+    /// Returns the area of one point [m²].
     pub fn area(&self) -> f64 {
         self.area
     }
 
-    /// Number of points on the part.
+    /// Returns the number of points on the part.
     pub fn count(&self) -> usize {
         self.points.iter().flatten().count()
     }
 
-    /// True of a point that lies on the part.
+    /// Returns true if the point lies on the part.
     pub fn is_on_part(&self, at: usize) -> bool {
         self.points[at].is_some()
     }
 
-    /// Measures the workpiece again over some stations; its surface only ever sinks.
+    /// Updates the heights and doses at some stations; a height never rises.
     pub fn measure(&mut self, part: &BrickGrid, stations: Range<usize>) {
         for at in stations.start * self.across..stations.end * self.across {
             let (Some(point), normal) = (self.points[at], self.normals[at / self.across]) else { continue };
@@ -95,18 +95,18 @@ impl Strip {
         }
     }
 
-    /// Volume above the target, and volume missing below it [m³].
+    /// Returns the volume above the target and the missing volume below it [m³].
     pub fn volumes(&self) -> [f64; 2] {
         let sum = |sign: f32| self.heights.iter().map(|&height| f64::from((sign * height).max(0.0))).sum::<f64>();
         [sum(1.0) * self.area, sum(-1.0) * self.area]
     }
 
-    /// Largest depth below the target [m].
+    /// Returns the greatest depth below the target [m].
     pub fn deepest(&self) -> f64 {
         f64::from(-self.heights.iter().copied().fold(0.0, f32::min))
     }
 
-    /// Share of the points on the part whose dose is at least `least`; 0 without a coating.
+    /// Returns the share of the points on the part whose dose is at least `least`; 0 without a coating.
     pub fn share_dosed(&self, least: f32) -> f64 {
         let dosed = self.doses.iter().enumerate().filter(|(at, dose)| self.is_on_part(*at) && **dose >= least).count();
         dosed as f64 / self.count().max(1) as f64
@@ -117,7 +117,7 @@ impl Strip {
 mod tests {
     use super::*;
 
-    /// A plate with a ridge of parabolic section along x, 6 mm wide and 1.5 mm high.
+    /// Makes a plate with a ridge of parabolic section along x, 6 mm wide and 1.5 mm high.
     fn plate(sunk: f64) -> BrickGrid {
         let half = DVec3::new(0.03, 0.015, 0.004);
         let ridge = |y: f64| (1.5e-3 * (1.0 - (y / 3e-3).powi(2))).max(0.0);
@@ -138,7 +138,7 @@ mod tests {
         let strip = Strip::new(&curve(), (&flat(), &plate(0.0)), 5e-3, 4e-3);
         assert_eq!(strip.shape(), [41, 11]);
         let [above, below] = strip.volumes();
-        // 41 stations stand for 41 mm; the section is 2/3 of width times height.
+        // 41 stations represent 41 mm; the area of the section is 2/3 of width times height.
         let exact = 41e-3 * 2.0 / 3.0 * 6e-3 * 1.5e-3;
         assert!((above / exact - 1.0).abs() < 0.05, "{above} {exact}");
         assert!(below < 1e-3 * exact);

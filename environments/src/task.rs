@@ -1,4 +1,4 @@
-//! A weld to be finished: the part around it, what it should become, and the curve that the tool follows.
+//! A weld to be finished: the part around it, the target, and the curve that the tool follows.
 
 use effects::Process;
 use glam::DVec3;
@@ -9,9 +9,9 @@ use crate::curve::Curve;
 use crate::error::EnvironmentError;
 use crate::strip::Strip;
 
-/// Room around the weld that is kept of the part [m]: the tool never reads the surface beyond.
+/// Margin of the part kept around the weld [m]; the tool never reads the surface beyond it.
 const ROOM: f64 = 25e-3;
-/// Half width of the strip that is looked at, in widths of the weld.
+/// Half width of the strip [weld widths].
 const HALF_WIDTHS: f64 = 0.75;
 /// Least volume of a bead [m³].
 const LEAST_VOLUME: f64 = 1e-9;
@@ -28,27 +28,27 @@ pub struct WeldFacts {
 /// A weld to be finished.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// Grinding takes the bead off; sanding takes the coating off a strip where the bead was.
+    /// Process: grinding removes the bead; sanding removes the coating from a strip in place of the bead.
     pub process: Process,
-    /// The workpiece around the weld, before.
+    /// Workpiece around the weld, before finishing.
     pub part: BrickGrid,
-    /// The weld's sizes.
+    /// Sizes of the weld.
     pub weld: WeldFacts,
     /// Centreline of the weld.
     pub curve: Curve,
-    /// The strip along it, before.
+    /// Strip along the weld, before finishing.
     pub strip: Strip,
-    /// Volume above the target in it [m³].
+    /// Volume above the target in the strip [m³].
     pub volume: f64,
 }
 
 impl Task {
-    /// The task to grind a weld off a part, down to the `target` that the part was.
+    /// Makes the task to grind a weld off a part, down to the `target`, the part before welding.
     ///
     /// - `points`: positions [m] and normals of the centreline, in order
     ///
     /// # Errors
-    /// A curve that cannot be followed, or a weld that adds nothing to the target.
+    /// If the curve cannot be followed, or the weld adds nothing to the target.
     pub fn grinding(
         welded: &BrickGrid,
         target: &BrickGrid,
@@ -65,10 +65,10 @@ impl Task {
         Ok(Self { process: Process::Grinding, part, weld, curve, strip, volume })
     }
 
-    /// The task to sand the coating off a strip of a part along a weld that was ground flush.
+    /// Makes the task to sand the coating off a strip of a part, along a weld that was ground flush.
     ///
     /// # Errors
-    /// As [`Task::grinding`].
+    /// Those of [`Task::grinding`].
     pub fn sanding(target: &BrickGrid, weld: WeldFacts, points: &[(DVec3, DVec3)]) -> Result<Self, EnvironmentError> {
         let curve = Curve::new(points)?;
         let mut part = around(target, &curve);
@@ -81,7 +81,7 @@ impl Task {
     }
 }
 
-/// The bricks of a field near a curve.
+/// Returns the bricks of a field near a curve.
 fn around(grid: &BrickGrid, curve: &Curve) -> BrickGrid {
     let positions = || curve.stations().iter().map(|station| station.position);
     let low = positions().fold(DVec3::INFINITY, DVec3::min) - ROOM;

@@ -12,7 +12,7 @@ use sdf_bake::BrickGrid;
 
 const WELD: WeldFacts = WeldFacts { width: 6e-3, height: 1.5e-3 };
 
-/// A plate with a ridge 30 mm long.
+/// Makes a plate with a ridge 30 mm long.
 fn plate(height: f64) -> BrickGrid {
     let half = DVec3::new(0.025, 0.015, 0.004);
     let ridge = move |p: DVec3| match p.x.abs() <= 15e-3 {
@@ -49,7 +49,7 @@ fn setup(process: Process, observation: Observation) -> Setup {
     }
 }
 
-/// Observations, rewards and ends that a batch writes.
+/// Output arrays of a batch.
 struct Written {
     observations: Vec<f32>,
     rewards: Vec<f64>,
