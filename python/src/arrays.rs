@@ -1,4 +1,4 @@
-//! NumPy arrays: arguments are read in place, results are handed over without a copy.
+//! NumPy arrays: arguments are read in place, results are returned without a copy.
 
 use std::borrow::Cow;
 
@@ -8,10 +8,10 @@ use pyo3::prelude::*;
 
 use crate::errors::refused;
 
-/// An argument of three columns; lists and other types of numbers are converted, an array of float64 is not copied.
+/// An argument with three columns; lists and other number types are converted, a float64 array is not copied.
 pub type Triples<'py> = PyArrayLike2<'py, f64, AllowTypeChange>;
 
-/// The rows of an argument of shape `[n, 3]`, in place where they lie one after the other.
+/// Returns the rows of an argument of shape `[n, 3]`, without a copy if they are contiguous.
 pub fn rows<'a>(name: &str, array: &'a Triples) -> PyResult<Cow<'a, [[f64; 3]]>> {
     let shape = array.shape();
     if shape[1] != 3 {
@@ -23,22 +23,22 @@ pub fn rows<'a>(name: &str, array: &'a Triples) -> PyResult<Cow<'a, [[f64; 3]]>>
     })
 }
 
-/// Those rows as vectors.
+/// Returns the rows of an argument as vectors.
 pub fn vectors(name: &str, array: &Triples) -> PyResult<Vec<DVec3>> {
     Ok(rows(name, array)?.iter().copied().map(DVec3::from_array).collect())
 }
 
-/// Vectors as an array of shape `[n, 3]`.
+/// Returns vectors as an array of shape `[n, 3]`.
 pub fn from_vectors(py: Python<'_>, vectors: impl IntoIterator<Item = DVec3>) -> PyResult<Bound<'_, PyArray2<f64>>> {
     table(py, vectors.into_iter().map(|vector| vector.to_array()).collect())
 }
 
-/// Vectors of float32 as an array of shape `[n, 3]`.
+/// Returns float32 vectors as an array of shape `[n, 3]`.
 pub fn from_vectors_f32(py: Python<'_>, vectors: Vec<Vec3>) -> PyResult<Bound<'_, PyArray2<f32>>> {
     table(py, vectors.into_iter().map(|vector| vector.to_array()).collect())
 }
 
-/// Rows as an array of shape `[n, N]`, without a copy.
+/// Returns rows as an array of shape `[n, N]`, without a copy.
 pub fn table<T: Element, const N: usize>(py: Python<'_>, rows: Vec<[T; N]>) -> PyResult<Bound<'_, PyArray2<T>>> {
     let count = rows.len();
     PyArray1::from_vec(py, rows.into_flattened()).reshape([count, N])

@@ -21,7 +21,7 @@ pub struct Task {
 
 #[pymethods]
 impl Task {
-    /// The task to grind a weld of a workpiece off; the workpiece knows the part before welding.
+    /// The task to grind off a weld of a workpiece whose part before welding is known.
     #[staticmethod]
     #[pyo3(signature = (workpiece, weld = 0))]
     fn grinding(py: Python<'_>, workpiece: &Workpiece, weld: usize) -> PyResult<Self> {
@@ -73,7 +73,7 @@ impl Task {
     }
 }
 
-/// Sizes of a weld, and its centreline.
+/// Returns the sizes of a weld, and its centreline.
 fn weld_of(workpiece: &Workpiece, number: usize) -> PyResult<(WeldFacts, Vec<(DVec3, DVec3)>)> {
     let weld = workpiece.weld_at(number)?;
     let points = weld.curve.position.iter().copied().zip(weld.curve.normal.iter().copied()).collect();
@@ -84,14 +84,14 @@ fn target_of(workpiece: &Workpiece) -> PyResult<&sdf_bake::BrickGrid> {
     workpiece.target.as_deref().ok_or_else(|| refused("the workpiece has no target; one of `weld` or an asset has"))
 }
 
-/// Many environments, stepped together over threads.
+/// Many environments, stepped together on several threads.
 #[pyclass(module = "robofin")]
 pub struct Batch {
     inner: Mutex<environments::Batch>,
     observation: Observation,
 }
 
-/// An environment at one moment.
+/// State of an environment at one moment.
 #[pyclass(frozen, module = "robofin")]
 pub struct EnvironmentSnapshot {
     inner: Mutex<environments::Snapshot>,
@@ -102,7 +102,7 @@ type Written<'py> = PyReadwriteArrayDyn<'py, f32>;
 
 #[pymethods]
 impl Batch {
-    /// Environments with seeds that follow each other.
+    /// Makes environments with consecutive seeds.
     #[new]
     #[pyo3(signature = (tasks, tool, model, count, *, seed = 0, observation = "state", randomise = Vec::new(),
                         controller = (2.0, 1500.0, 4e-3), time_limit = None, limits = Vec::new()))]
@@ -157,7 +157,7 @@ impl Batch {
         py.detach(|| batch.reset((&seeds, mask), seen)).map_err(of)
     }
 
-    /// Steps all environments under actions, shape `[n, 5]`, and writes what they came to into the other arrays.
+    /// Steps all environments under actions, shape `[n, 5]`, and writes the results into the other arrays.
     #[expect(clippy::too_many_arguments, reason = "arrays that are written in place")]
     fn step(
         &mut self,
@@ -181,7 +181,7 @@ impl Batch {
         py.detach(|| batch.step(actions, &mut outputs)).map_err(of)
     }
 
-    /// Shape of what one environment shows.
+    /// Shape of one environment's observation.
     #[getter]
     fn observation_shape(&self) -> Vec<usize> {
         self.observation.shape()
@@ -193,19 +193,19 @@ impl Batch {
         METRICS.to_vec()
     }
 
-    /// The workpiece of an environment as it is now; it shares the bricks.
+    /// The current workpiece of an environment; it shares the bricks.
     fn workpiece(&mut self, number: usize) -> PyResult<Workpiece> {
         let batch = batch(&mut self.inner);
         Ok(Workpiece::of(environment(batch, number)?.part().clone()))
     }
 
-    /// An environment as it is now, to be put back.
+    /// The current state of an environment, for `restore`.
     fn snapshot(&mut self, number: usize) -> PyResult<EnvironmentSnapshot> {
         let inner = environment(batch(&mut self.inner), number)?.snapshot();
         Ok(EnvironmentSnapshot { inner: Mutex::new(inner) })
     }
 
-    /// Puts an environment back as it was; its next step is that of the snapshot, bit for bit.
+    /// Restores an environment's state; its next step is that of the snapshot, bit for bit.
     fn restore(&mut self, number: usize, snapshot: &EnvironmentSnapshot) -> PyResult<()> {
         let batch = batch(&mut self.inner);
         environment(batch, number)?;
@@ -214,7 +214,7 @@ impl Batch {
         Ok(())
     }
 
-    /// What one environment shows, as one row of numbers.
+    /// Observation of one environment, as one row of numbers.
     fn observe<'py>(&mut self, py: Python<'py>, number: usize) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let mut seen = vec![0.0; self.observation.size()];
         environment(batch(&mut self.inner), number)?.observe(&mut seen);
@@ -222,7 +222,7 @@ impl Batch {
     }
 }
 
-/// The batch, which nobody else holds.
+/// Returns the batch behind the lock with exclusive access.
 fn batch(inner: &mut Mutex<environments::Batch>) -> &mut environments::Batch {
     inner.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
@@ -245,7 +245,7 @@ fn observation_of(name: &str) -> PyResult<Observation> {
     })
 }
 
-/// The usual limits with those that are given.
+/// Returns the default limits, with the given ones replaced.
 fn limits_of(given: &[(String, f64)]) -> PyResult<Limits> {
     let mut limits = Limits::default();
     for (name, value) in given {

@@ -1,4 +1,4 @@
-//! Exceptions with the program's messages.
+//! Exceptions with the program's error messages.
 
 use std::error::Error;
 
@@ -13,18 +13,18 @@ create_exception!(
     "A call or a file that is refused; the message says what is accepted."
 );
 
-/// The exception of the program's own error, with its causes in one line.
+/// Returns the exception for an error of the program, with its causes in one line.
 pub fn failed(error: &anyhow::Error) -> PyErr {
     let message = robofin::in_full(error);
     if robofin::is_wrong_use(error) { WrongUse::new_err(message) } else { RoboFinError::new_err(message) }
 }
 
-/// The exception of a library's error.
+/// Returns the exception for an error of a library.
 pub fn of(error: impl Error + Send + Sync + 'static) -> PyErr {
     failed(&anyhow::Error::new(error))
 }
 
-/// The exception of a call that is refused.
+/// Returns the exception for a refused call.
 pub fn refused(message: impl Into<String>) -> PyErr {
     WrongUse::new_err(message.into())
 }

@@ -20,7 +20,7 @@ use crate::arrays::{Triples, from_vectors, from_vectors_f32, rows, table};
 use crate::errors::{failed, of, refused};
 use crate::mesh::Mesh;
 
-/// Points that one thread samples at a time.
+/// Least number of points that a thread samples at a time.
 const BLOCK: usize = 1024;
 
 /// Brick coordinates and distances.
@@ -33,12 +33,12 @@ pub struct Field {
 }
 
 impl Field {
-    /// A field that shares its bricks.
+    /// Makes a field that shares the bricks.
     pub fn of(inner: Arc<BrickGrid>) -> Self {
         Self { inner }
     }
 
-    /// What a function gives for each point [m], by all threads and without Python's lock.
+    /// Evaluates a function at each point [m], on all threads and without Python's global interpreter lock.
     fn each<T: Send>(
         &self,
         py: Python<'_>,
@@ -54,8 +54,8 @@ impl Field {
 
 #[pymethods]
 impl Field {
-    /// Bakes a mesh with a distance between voxels [m]. The band reaches `band_voxels` to both sides; `sign` is "auto",
-    /// "normal" or "winding".
+    /// Bakes a mesh; `voxel` is the distance between voxels [m]. The band reaches `band_voxels` to both sides; `sign`
+    /// is "auto", "normal" or "winding".
     #[staticmethod]
     #[pyo3(signature = (mesh, voxel, *, band_voxels = 3.0, sign = "auto"))]
     fn bake(py: Python<'_>, mesh: &Mesh, voxel: f64, band_voxels: f64, sign: &str) -> PyResult<Self> {
@@ -65,7 +65,7 @@ impl Field {
         Ok(Self::of(Arc::new(grid)))
     }
 
-    /// Reads a level set of a NanoVDB file; one called `phi` with its labels and channels.
+    /// Reads a level set of a NanoVDB file; one named `phi` with its labels and channels.
     #[staticmethod]
     #[pyo3(signature = (path, grid = "phi"))]
     fn read(py: Python<'_>, path: PathBuf, grid: &str) -> PyResult<Self> {
@@ -83,18 +83,19 @@ impl Field {
         Ok(())
     }
 
-    /// The field as the bytes of a NanoVDB file, uncompressed: what `warp.Volume.load_from_nvdb` takes.
+    /// The field as the bytes of an uncompressed NanoVDB file, the input of `warp.Volume.load_from_nvdb`.
     fn to_nanovdb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py.detach(|| nvdb::write_field(&self.inner, Codec::None)).map_err(of)?;
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Signed distance [m] at points [m], shape `[n, 3]`: trilinear, ±band beyond the band. Returns shape `[n]`.
+    /// Signed distance [m] at points [m], shape `[n, 3]`: trilinear, clamped to ±band. Returns shape `[n]`.
     fn sample<'py>(&self, py: Python<'py>, points: Triples) -> PyResult<Bound<'py, PyArray1<f32>>> {
         Ok(PyArray1::from_vec(py, self.each(py, &points, BrickGrid::sample)?))
     }
 
-    /// Gradient of the distance [1] at points [m]: exact of the trilinear interpolant. Returns shape `[n, 3]`.
+    /// Gradient of the distance [1] at points [m]: the exact gradient of the trilinear interpolant. Returns shape `[n,
+    /// 3]`.
     fn gradient<'py>(&self, py: Python<'py>, points: Triples) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let gradients: Vec<Vec3> = self.each(py, &points, |grid, point| grid.sample_gradient(point).1)?;
         from_vectors_f32(py, gradients)
@@ -149,7 +150,7 @@ impl Field {
         self.inner.voxel
     }
 
-    /// Distance at which values are cut [m].
+    /// Distance at which values are clamped [m].
     #[getter]
     fn band(&self) -> f32 {
         self.inner.band
@@ -163,13 +164,13 @@ impl Field {
         from_vectors(py, [low, high])
     }
 
-    /// Bytes held by bricks and index.
+    /// Bytes of memory of bricks and index.
     #[getter]
     fn nbytes(&self) -> usize {
         self.inner.bytes()
     }
 
-    /// True if both are the same file: the same values and channels at the same places, bit for bit.
+    /// True if both fields have the same values and channels at the same positions, bit for bit.
     fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
         if Arc::ptr_eq(&self.inner, &other.inner) || *self.inner == *other.inner {
             return Ok(true);
@@ -184,7 +185,7 @@ impl Field {
     }
 }
 
-/// Reads a level set with its labels and channels where it is called `phi`, alone where it is called otherwise.
+/// Reads a level set: named `phi` with its labels and channels, otherwise alone.
 fn read(path: &std::path::Path, grid: &str) -> anyhow::Result<BrickGrid> {
     let file = nvdb::read(&input::read(path, MOST_MESH_BYTES)?)?;
     let Some(found) = file.grid(grid) else {
@@ -194,7 +195,7 @@ fn read(path: &std::path::Path, grid: &str) -> anyhow::Result<BrickGrid> {
     Ok(if grid == nvdb::PHI { file.to_field()? } else { found.to_bricks()? })
 }
 
-/// The sign rule by its name.
+/// Returns the sign rule of a name.
 pub fn sign_choice(name: &str) -> PyResult<SignChoice> {
     Ok(match name {
         "auto" => SignChoice::Auto,

@@ -1,5 +1,5 @@
-//! The Python package of RoboFin: it converts and calls. What it offers is described in `robofin/_robofin.pyi` and
-//! `docs/python.md`.
+//! The Python package of RoboFin: it converts arguments and calls the crates. Its interface is described in
+//! `robofin/_robofin.pyi` and `docs/python.md`.
 
 mod arrays;
 mod environment;

@@ -15,12 +15,12 @@ use crate::errors::{failed, refused};
 #[pyclass(frozen, module = "robofin")]
 pub struct Mesh {
     pub inner: Arc<sdf_bake::Mesh>,
-    /// Source of a mesh that was read.
+    /// Source of a mesh read from a file.
     pub part: Option<Arc<Part>>,
 }
 
 impl Mesh {
-    /// A mesh that comes from no file.
+    /// Makes a mesh without a file.
     pub fn of(mesh: sdf_bake::Mesh) -> Self {
         Self { inner: Arc::new(mesh), part: None }
     }
@@ -32,8 +32,8 @@ impl Mesh {
 
 #[pymethods]
 impl Mesh {
-    /// A mesh from positions [m], shape `[n, 3]`, and corner indices, shape `[m, 3]`, counter-clockwise seen from outside. It is
-    /// cleaned as a file is.
+    /// A mesh from positions [m], shape `[n, 3]`, and corner indices, shape `[m, 3]`, counter-clockwise seen from
+    /// outside. It is cleaned like a file.
     #[new]
     fn new(positions: Triples, triangles: PyArrayLike2<'_, u32, AllowTypeChange>) -> PyResult<Self> {
         let positions = vectors("positions", &positions)?;
@@ -66,7 +66,7 @@ impl Mesh {
         py.detach(|| Part::load(&path, unit)).map(Self::of_part).map_err(|error| failed(&error))
     }
 
-    /// The bracket that comes with the program.
+    /// The bracket bundled with the program.
     #[staticmethod]
     fn bundled() -> PyResult<Self> {
         Part::bundled().map(Self::of_part).map_err(|error| failed(&error))

@@ -18,7 +18,7 @@ pub struct Model {
     pub compiled: Arc<CompiledModel>,
 }
 
-/// A value: SI, or text with its unit.
+/// A value: an SI number, or text with a unit.
 #[derive(FromPyObject)]
 enum Value {
     Si(f64),
@@ -31,12 +31,12 @@ impl Model {
         Ok(Self { library, stated, compiled: Arc::new(compiled) })
     }
 
-    /// The same for a trial of so many passes.
+    /// Compiles the model for a trial with `passes` passes.
     pub fn for_passes(&self, passes: usize) -> PyResult<CompiledModel> {
         CompiledModel::new(&self.stated, &self.library, RowCounts { passes, scans: passes }).map_err(of)
     }
 
-    /// The SI value of a parameter of a law or effect.
+    /// Returns the SI value of a parameter of a law or effect.
     fn si(&self, owner: &str, name: &str, value: &Value) -> PyResult<f64> {
         let text = match value {
             Value::Si(value) => return Ok(*value),
@@ -76,7 +76,7 @@ impl Model {
         Self::of(Arc::new(library), stated)
     }
 
-    /// Reads the text of a model file.
+    /// Parses the text of a model file.
     #[staticmethod]
     fn parse(text: &str) -> PyResult<Self> {
         let library = Library::builtin();
@@ -84,7 +84,7 @@ impl Model {
         Self::of(Arc::new(library.clone()), stated)
     }
 
-    /// The model with an effect of the library. Values are SI numbers, or text with a unit such as "350 mm^3".
+    /// The model with an effect of the library added. Values are SI numbers, or text with a unit such as "350 mm^3".
     #[pyo3(signature = (name, **values))]
     fn with_effect(&self, name: &str, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut given = Vec::new();
@@ -97,7 +97,8 @@ impl Model {
         Self::of(self.library.clone(), stated)
     }
 
-    /// The model with an effect from one line, such as `rate * exp(-ground_volume / a)`; its unknown names need values.
+    /// The model with an effect from a formula added, such as `rate * exp(-ground_volume / a)`; its unknown names need
+    /// values.
     #[pyo3(signature = (line, name = "formula", **values))]
     fn with_formula(&self, line: &str, name: &str, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut given = Vec::new();
@@ -115,7 +116,7 @@ impl Model {
         Self::of(Arc::new(library), self.stated.clone().with(name))
     }
 
-    /// The model with another value of a parameter such as "winkler.stiffness".
+    /// The model with a new value of a parameter such as "winkler.stiffness".
     fn with_value(&self, path: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         let names = path.split_once('.');
         let (owner, name) =
@@ -135,7 +136,7 @@ impl Model {
         self.stated.process.name()
     }
 
-    /// The model as a file.
+    /// The text of the model file.
     #[getter]
     fn text(&self) -> String {
         self.stated.to_text(&self.library)
@@ -151,7 +152,7 @@ impl Model {
         Ok(values)
     }
 
-    /// Plausible values of all parameters [SI] by `effect.parameter`: those of their files.
+    /// Plausible ranges of all parameters [SI] by `effect.parameter`, from their files.
     #[getter]
     fn ranges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let ranges = PyDict::new(py);
@@ -172,7 +173,7 @@ fn process_of(name: &str) -> PyResult<Process> {
         .ok_or_else(|| refused(format!("process is {name:?}, and \"grinding\" or \"sanding\" is accepted")))
 }
 
-/// Names and titles of the effects that come with the program.
+/// Returns names and titles of the effects of the program's library.
 #[pyfunction]
 pub fn effects_of_library() -> Vec<(String, String)> {
     Library::builtin().effects().iter().map(|effect| (effect.name.clone(), effect.title.clone())).collect()

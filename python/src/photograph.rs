@@ -1,4 +1,4 @@
-//! Photographs of workpieces, with the buffers behind them.
+//! Photographs of workpieces, with their geometry buffers.
 
 use numpy::{Element, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -9,7 +9,7 @@ use crate::arrays::{from_vectors, from_vectors_f32};
 use crate::errors::refused;
 use crate::workpiece::Workpiece;
 
-/// Pixels along a side that are accepted.
+/// Accepted range of a picture's sides [pixels].
 const SIZES: std::ops::RangeInclusive<usize> = 16..=4096;
 
 /// A photograph of a workpiece from a direction.
@@ -54,7 +54,7 @@ pub fn photograph<'py>(
     Ok(shown)
 }
 
-/// Values of pixels as an array of shape `[height, width]`, without a copy.
+/// Returns values of pixels as an array of shape `[height, width]`, without a copy.
 fn image<'py, T: Element>(
     py: Python<'py>,
     values: Vec<T>,

@@ -1,4 +1,4 @@
-//! Simulation of passes: whole ones, or step by step.
+//! Simulation of passes: complete ones, or step by step.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -25,10 +25,10 @@ pub struct Simulation {
     model: Arc<effects::CompiledModel>,
     settings: PassSettings,
     states: States,
-    /// Passes done.
+    /// Number of passes done.
     #[pyo3(get)]
     passes: usize,
-    /// Time of those [s].
+    /// Duration of the passes done [s].
     time: f64,
     steps: Steps,
 }
@@ -37,13 +37,13 @@ pub struct Simulation {
 #[derive(Default)]
 struct Steps {
     underway: Mutex<Underway>,
-    /// Since the pass began [s].
+    /// Time since the pass began [s].
     time: f64,
-    /// Where the tool is.
+    /// Position of the tool.
     place: Option<PathSample>,
 }
 
-/// Workpiece and tool at one moment.
+/// State of workpiece and tool at one moment.
 #[pyclass(frozen, module = "robofin")]
 pub struct SimulationSnapshot {
     part: Arc<BrickGrid>,
@@ -57,9 +57,9 @@ pub struct SimulationSnapshot {
 
 #[pymethods]
 impl Simulation {
-    /// A tool on a workpiece, which its passes change. `force` [N] is what the controller holds: "ideal", "replay", or
-    /// "admittance" with `mass` [kg], `damping` [N s/m] and `period` [s]. `spindle_speed` [rad/s], `coating` and
-    /// `search_reach` [m] have the program's defaults.
+    /// A tool on a workpiece that its passes change. `force` [N] is the setpoint of the controller, which is "ideal",
+    /// "replay", or "admittance" with `mass` [kg], `damping` [N s/m] and `period` [s]. `spindle_speed` [rad/s],
+    /// `coating` and `search_reach` [m] have the program's defaults.
     #[new]
     #[pyo3(signature = (workpiece, tool, model, *, force = 15.0, controller = "ideal", mass = 2.0, damping = 1500.0,
                         period = 5e-4, spindle_speed = None, coating = None, search_reach = None))]
@@ -99,7 +99,7 @@ impl Simulation {
         })
     }
 
-    /// Runs a whole pass along a path; the tool keeps its wear from pass to pass.
+    /// Runs a complete pass along a path; tool wear continues from pass to pass.
     #[pyo3(signature = (path, *, force = None))]
     fn run(&mut self, py: Python<'_>, path: &Path, force: Option<f64>) -> PyResult<Record> {
         self.end_pass();
@@ -118,8 +118,8 @@ impl Simulation {
         Ok(Record::of(record))
     }
 
-    /// Moves the tool on within a pass, to a nominal contact point [m] with an approach and a tool axis, in `duration` [s].
-    /// The controller goes on where the step before left it.
+    /// Moves the tool within a pass to a nominal contact point [m] with an approach and a tool axis, in `duration` [s].
+    /// The controller continues from the state of the previous step.
     #[pyo3(signature = (to, duration, *, force = None))]
     fn step(&mut self, py: Python<'_>, to: Place, duration: f64, force: Option<f64>) -> PyResult<Record> {
         let end = sample(to, self.steps.time + duration)?;
@@ -148,7 +148,7 @@ impl Simulation {
         record.map(Record::of).map_err(of)
     }
 
-    /// How far the controller has lifted the tool from its nominal place, along the approach axis [m].
+    /// Distance by which the controller has lifted the tool from its nominal position, along the approach axis [m].
     #[getter]
     fn travel(&self) -> f64 {
         held(&self.steps.underway).motion().travel
@@ -163,10 +163,10 @@ impl Simulation {
         }
     }
 
-    /// Workpiece, tool and controller as they are now; bricks are shared.
+    /// Current state of workpiece, tool and controller; bricks are shared.
     fn snapshot(&self, py: Python<'_>) -> PyResult<SimulationSnapshot> {
         let workpiece = self.workpiece.try_borrow(py)?;
-        // Every step has settled.
+        // Every step is complete at this point.
         let underway = held(&self.steps.underway).copy();
         Ok(SimulationSnapshot {
             part: workpiece.part.clone(),
@@ -179,7 +179,7 @@ impl Simulation {
         })
     }
 
-    /// Puts a moment back; the same steps give the same bytes.
+    /// Restores a state; the same steps give the same bytes.
     fn restore(&mut self, py: Python<'_>, snapshot: &SimulationSnapshot) -> PyResult<()> {
         self.workpiece.try_borrow_mut(py)?.part = snapshot.part.clone();
         let SimulationSnapshot { states, passes, time, underway, step_time, place, .. } = snapshot;
@@ -190,12 +190,12 @@ impl Simulation {
     }
 }
 
-/// What is behind a lock that nobody else holds.
+/// Returns the value behind a lock with exclusive access.
 fn lock(underway: &mut Mutex<Underway>) -> &mut Underway {
     underway.get_mut().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What is behind a lock that is held for a moment.
+/// Locks the value for a short time.
 fn held(underway: &Mutex<Underway>) -> MutexGuard<'_, Underway> {
     underway.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -211,7 +211,7 @@ fn sample((position, approach, axis): Place, time: f64) -> PyResult<PathSample> 
     Ok(PathSample { time, position, approach, axis })
 }
 
-/// Where the tool is after a step more, if it goes on so: the surface is read as far.
+/// Extrapolates the tool's position by one more step; the surface is read up to there.
 fn beyond(begin: &PathSample, end: &PathSample) -> PathSample {
     let way = end.position - begin.position;
     PathSample { time: 2.0 * end.time - begin.time, position: end.position + way, ..*end }

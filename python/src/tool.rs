@@ -1,4 +1,4 @@
-//! Tools, their paths, and what a pass leaves.
+//! Tools, their paths, and the records of passes.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use sim::{CurvePoint, PassRecord, PathSample};
 use crate::arrays::{Triples, from_vectors, vectors};
 use crate::errors::{of, refused};
 
-/// A rigid tool that works the surface.
+/// A rigid abrasive tool.
 #[pyclass(frozen, module = "robofin")]
 pub struct Tool {
     pub inner: robot::Tool,
@@ -40,7 +40,7 @@ impl Tool {
     }
 }
 
-/// The way of a tool's nominal contact point.
+/// The path of a tool's nominal contact point.
 #[pyclass(frozen, module = "robofin")]
 pub struct Path {
     pub inner: Arc<sim::Path>,
@@ -83,7 +83,8 @@ impl Path {
         sim::Path::from_samples(samples).map(Self::of).map_err(of)
     }
 
-    /// Follows a curve of positions [m] with normals, shape `[n, 3]` each, at a feed [m/s], the tool's axis across it.
+    /// Follows a curve of positions [m] with normals, shape `[n, 3]` each, at a feed [m/s], with the tool's axis across
+    /// it.
     #[staticmethod]
     fn along(positions: Triples, normals: Triples, feed: f64) -> PyResult<Self> {
         let (positions, normals) = (vectors("positions", &positions)?, vectors("normals", &normals)?);
@@ -95,7 +96,7 @@ impl Path {
         sim::Path::along(&curve, feed).map(Self::of).map_err(of)
     }
 
-    /// The same way in the other direction.
+    /// The same path in the other direction.
     fn reversed(&self) -> Self {
         Self::of(self.inner.reversed())
     }
@@ -129,7 +130,7 @@ impl Path {
     }
 }
 
-/// Log and figures of a pass.
+/// Log and integrals of a pass.
 #[pyclass(frozen, module = "robofin")]
 pub struct Record {
     inner: PassRecord,
@@ -147,25 +148,25 @@ impl Record {
 
 #[pymethods]
 impl Record {
-    /// Volume that Eq. (1) removes [m³].
+    /// Volume removed by Eq. (1) [m³].
     #[getter]
     fn removed_volume(&self) -> f64 {
         self.inner.removed_volume
     }
 
-    /// Volume of coating taken off, Eq. (2) [m³].
+    /// Volume of coating removed by Eq. (2) [m³].
     #[getter]
     fn coating_volume(&self) -> f64 {
         self.inner.coating_volume
     }
 
-    /// ∫ F dt [N s].
+    /// Impulse ∫ F dt [N s].
     #[getter]
     fn impulse(&self) -> f64 {
         self.inner.impulse
     }
 
-    /// ∫∫ p dA dt [N s].
+    /// Load impulse ∫∫ p dA dt [N s].
     #[getter]
     fn load_impulse(&self) -> f64 {
         self.inner.load_impulse
@@ -183,31 +184,31 @@ impl Record {
         self.inner.contact_time
     }
 
-    /// Highest pressure met [Pa].
+    /// Greatest pressure [Pa].
     #[getter]
     fn pressure_max(&self) -> f64 {
         self.inner.pressure_max
     }
 
-    /// Largest area under pressure [m²].
+    /// Greatest area under pressure [m²].
     #[getter]
     fn area_max(&self) -> f64 {
         self.inner.area_max
     }
 
-    /// Time simulated [s].
+    /// Simulated time [s].
     #[getter]
     fn duration(&self) -> f64 {
         self.inner.duration
     }
 
-    /// Steps taken.
+    /// Number of steps.
     #[getter]
     fn steps(&self) -> usize {
         self.inner.steps
     }
 
-    /// Times of the log's rows [s], shape `[n]`.
+    /// Times of the log [s], shape `[n]`.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.time)
@@ -225,7 +226,7 @@ impl Record {
         self.column(py, |row| row.spindle_speed)
     }
 
-    /// The tool's reference points of the log [m], shape `[n, 3]`.
+    /// Positions of the tool's reference point in the log [m], shape `[n, 3]`.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         from_vectors(py, self.inner.log.iter().map(|row| row.position))
@@ -237,7 +238,7 @@ impl Record {
         from_vectors(py, self.inner.log.iter().map(|row| row.approach))
     }
 
-    /// The log as the program writes it.
+    /// The log in the program's CSV format.
     fn log_csv(&self) -> String {
         robofin::finishing::log_csv(&self.inner.log)
     }
@@ -253,7 +254,7 @@ impl Record {
     }
 }
 
-/// The controller of a name and its values.
+/// Makes a controller from its name and parameters.
 pub fn controller(kind: &str, mass: f64, damping: f64, period: f64) -> PyResult<Controller> {
     Ok(match kind {
         "ideal" => Controller::Ideal,

@@ -1,4 +1,4 @@
-//! Trials: measured ones, simulated as they were logged.
+//! Measured trials, simulated as they were logged.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ impl Trial {
         py.detach(|| MeasuredTrial::read(&folder)).map(|inner| Self { inner }).map_err(of)
     }
 
-    /// Its name.
+    /// Name of the trial.
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name
@@ -57,7 +57,7 @@ impl Trial {
         self.inner.passes.iter().map(|pass| scan(py, &pass.scan)).collect()
     }
 
-    /// The workpiece that the scan before the first pass shows; voxels [m] as wide as its pixels unless told otherwise.
+    /// The workpiece in the scan before the first pass; `voxel` [m] defaults to the pitch of the scan.
     #[pyo3(signature = (voxel = None))]
     fn workpiece(&self, py: Python<'_>, voxel: Option<f64>) -> PyResult<Workpiece> {
         let voxel = voxel.unwrap_or(self.inner.scans.before.pixels.pitch);
@@ -65,7 +65,7 @@ impl Trial {
         Ok(Workpiece::of(Arc::new(part.map_err(of)?)))
     }
 
-    /// Simulates the trial as it was logged. Returns record and scan of each pass, and the field at the end.
+    /// Simulates the trial as it was logged. Returns record and scan of each pass, and the final field.
     #[pyo3(signature = (model, *, voxel = None, replay = false))]
     fn simulate(
         &self,
@@ -90,7 +90,7 @@ impl Trial {
     }
 }
 
-/// Values of a scan, shape `[ny, nx]`, with its pixels: heights [m], or 1 where exposed; NaN where missing.
+/// Returns the values of a scan, shape `[ny, nx]`, with its pixels: heights [m], or 1 where exposed; NaN where missing.
 fn scan<'py>(py: Python<'py>, scan: &PassScan) -> PyResult<Bound<'py, PyAny>> {
     let (pixels, name, values) = match scan {
         PassScan::Heights(map) => (map.pixels, "heights", map.heights.clone()),

@@ -11,7 +11,7 @@ use crate::field::sign_choice;
 use crate::mesh::Mesh;
 use crate::workpiece::{Made, Workpiece};
 
-/// Welds a part that was read from a file.
+/// Welds a part read from a file.
 #[pyfunction]
 #[pyo3(signature = (mesh, *, seed = 1, voxel = None, difficulty = "medium", place = "surface", width = None, height = None,
                     length = None, sign = "auto"))]

@@ -1,4 +1,4 @@
-//! Workpieces: a field that tools change, and the weld on it.
+//! Workpieces: a field that tools change, and its welds.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::errors::{failed, of, refused};
 use crate::field::Field;
 use crate::tool::{Path, Tool};
 
-/// A welded part as it was made.
+/// A welded part with the result of its welding.
 pub struct Made {
     pub workpiece: robofin::workpiece::Workpiece,
     pub options: WeldingOptions,
@@ -35,19 +35,19 @@ pub struct Workpiece {
     made: Option<Arc<Made>>,
 }
 
-/// A workpiece at one moment; it shares the bricks until the workpiece changes.
+/// State of a workpiece at one moment; it shares the bricks until the workpiece changes.
 #[pyclass(frozen, module = "robofin")]
 pub struct Snapshot {
     part: Arc<BrickGrid>,
 }
 
 impl Workpiece {
-    /// A part without a weld.
+    /// Makes a workpiece without a weld.
     pub fn of(part: Arc<BrickGrid>) -> Self {
         Self { part, target: None, welds: Vec::new(), made: None }
     }
 
-    /// A part that was welded.
+    /// Makes a workpiece from a welded part.
     pub fn welded(made: Made) -> Self {
         let robofin::workpiece::Workpiece { welded, target, welds, .. } = &made.workpiece;
         Self {
@@ -58,7 +58,7 @@ impl Workpiece {
         }
     }
 
-    /// The weld of a number, from 0.
+    /// Returns a weld by its number, from 0.
     pub fn weld_at(&self, number: usize) -> PyResult<&WeldTruth> {
         let count = self.welds.len();
         self.welds.get(number).ok_or_else(|| refused(format!("weld {number} is asked for, and there are {count}")))
@@ -67,7 +67,7 @@ impl Workpiece {
 
 #[pymethods]
 impl Workpiece {
-    /// A part without a weld from its field, whose bricks it shares.
+    /// A workpiece without a weld; it shares the field's bricks.
     #[new]
     fn new(field: &Field) -> Self {
         Self::of(field.inner.clone())
@@ -84,13 +84,13 @@ impl Workpiece {
         Ok(Self { part: Arc::new(fields.welded), target: Some(Arc::new(fields.target)), welds, made: None })
     }
 
-    /// The field as it is now; it shares the bricks until the workpiece changes.
+    /// The current field; it shares the bricks until the workpiece changes.
     #[getter]
     fn field(&self) -> Field {
         Field::of(self.part.clone())
     }
 
-    /// The part without its welds, where it is known.
+    /// The part without its welds, if known.
     #[getter]
     fn target(&self) -> Option<Field> {
         self.target.clone().map(Field::of)
@@ -102,20 +102,21 @@ impl Workpiece {
         self.welds.iter().map(|weld| facts(py, weld)).collect()
     }
 
-    /// The path that `robofin simulate` follows on a weld at a feed [m/s], and how far above and below it the tool is
-    /// sought [m].
+    /// The path that `robofin simulate` follows on a weld at a feed [m/s], and the search range for the tool above and
+    /// below it [m].
     #[pyo3(signature = (tool, feed, weld = 0))]
     fn weld_path(&self, tool: &Tool, feed: f64, weld: usize) -> PyResult<(Path, f64)> {
         let (curve, reach): (Vec<CurvePoint>, f64) = followed(self.weld_at(weld)?, &tool.inner);
         Ok((Path::of(sim::Path::along(&curve, feed).map_err(of)?), reach))
     }
 
-    /// The workpiece as it is now. Bricks are shared, so that this copies nothing; the next change copies them once.
+    /// The current state of the workpiece. Bricks are shared, so nothing is copied now; the next change copies them
+    /// once.
     fn snapshot(&self) -> Snapshot {
         Snapshot { part: self.part.clone() }
     }
 
-    /// Puts a moment back, bit for bit.
+    /// Restores a state, bit for bit.
     fn restore(&mut self, snapshot: &Snapshot) {
         self.part = snapshot.part.clone();
     }
@@ -138,7 +139,7 @@ impl Workpiece {
     }
 }
 
-/// Sizes and centreline of a weld in SI units.
+/// Returns sizes and centreline of a weld in SI units.
 fn facts<'py>(py: Python<'py>, weld: &WeldTruth) -> PyResult<Bound<'py, PyDict>> {
     let facts = PyDict::new(py);
     facts.set_item("id", weld.id)?;
