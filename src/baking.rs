@@ -1,4 +1,4 @@
-//! From a part to the bytes of its field, with what is worth telling of it.
+//! Bakes a part into the bytes of its field, with a report of the field.
 
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +15,7 @@ use crate::part::Part;
 use crate::workpiece::{Fineness, describe_baking};
 use files::output::FileKind;
 
-/// What a user asks of a field.
+/// User's settings of a field.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldWishes {
     /// Unit of the file's coordinates.
@@ -26,12 +26,12 @@ pub struct FieldWishes {
     pub band_voxels: f64,
     /// Sign rule.
     pub sign: SignChoice,
-    /// Thickness of the shell that is baked instead of a solid [m].
+    /// Thickness of a shell baked instead of a solid [m].
     pub shell: Option<f64>,
 }
 
 impl FieldWishes {
-    /// The options of baking a part.
+    /// Returns the options of baking a part.
     pub fn options(&self, part: &Part) -> BakeOptions {
         BakeOptions {
             voxel: self.fineness.voxel(part),
@@ -42,32 +42,32 @@ impl FieldWishes {
     }
 }
 
-/// What is known of a field; nothing of it depends on the machine.
+/// Properties of a field; none depends on the machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FieldFacts {
     /// Distance between voxels [mm].
     pub voxel_mm: f64,
     /// Half width of the band [voxels].
     pub band_voxels: f64,
-    /// Where inside and outside came from.
+    /// Method of the sign.
     pub sign_method: SignMethod,
-    /// Why that was chosen.
+    /// Reason for the method.
     pub sign_reason: String,
-    /// Triangles that lie inside another body, at least partly.
+    /// Number of triangles that lie at least partly inside another body.
     pub inner_triangles: usize,
-    /// Triangles of the cleaned mesh.
+    /// Number of triangles of the cleaned mesh.
     pub triangles: usize,
-    /// Edges with one triangle only.
+    /// Number of edges with one triangle only.
     pub open_edges: usize,
-    /// Edges of more than two triangles.
+    /// Number of edges with more than two triangles.
     pub non_manifold_edges: usize,
-    /// Share of the judged voxels without a clear side.
+    /// Share of the classified voxels whose sign is ambiguous.
     pub ambiguous_share: f64,
-    /// Bricks in the pool.
+    /// Number of bricks in the pool.
     pub bricks: usize,
-    /// Voxels with |φ| < band.
+    /// Number of voxels with |φ| < band.
     pub active_voxels: usize,
-    /// What about the part's size is implausible; absent in records of earlier versions.
+    /// Warnings on an implausible size of the part; absent in records of earlier versions.
     #[serde(default)]
     pub warnings: Vec<String>,
     /// Volume of {φ < 0} [mm³].
@@ -77,28 +77,28 @@ pub struct FieldFacts {
 }
 
 impl FieldFacts {
-    /// Volume and area, for people.
+    /// Describes volume and area for people.
     pub fn integrals(&self) -> String {
         format!("volume inside {:.3} mm³, area {:.3} mm²", self.volume_mm3, self.area_mm2)
     }
 }
 
-/// A field in the form of its file.
+/// A field as the bytes of its file.
 pub struct BakedField {
-    /// A `.nvdb` file with the level set `phi`.
+    /// Content of the `.nvdb` file with the level set `phi`.
     pub bytes: Vec<u8>,
-    /// What is known of it.
+    /// Properties of the field.
     pub facts: FieldFacts,
-    /// A sentence or two for people.
+    /// Description in a sentence or two for people.
     pub description: String,
-    /// Time that baking alone took [s].
+    /// Time of baking alone [s].
     pub bake_s: f64,
 }
 
 /// A field of `robofin bake`: NanoVDB with `phi` alone.
 pub const FIELD: FileKind = FileKind { what: "a field", is_own: is_field };
 
-/// Looks at the head alone, as fields are large.
+/// Recognises a field by its file's head alone, because fields are large.
 fn is_field(file: &Path) -> bool {
     let mut head = Vec::new();
     let read = File::open(file).and_then(|file| file.take(nvdb::HEAD_BYTES as u64).read_to_end(&mut head));
@@ -108,7 +108,7 @@ fn is_field(file: &Path) -> bool {
 /// Bakes a part.
 ///
 /// # Errors
-/// A surface that encloses nothing, or that is too open for the sign rule.
+/// If the surface encloses nothing, or is too open for the sign rule.
 pub fn bake_part(part: &Part, options: &BakeOptions) -> Result<BakedField> {
     let started = Instant::now();
     let (grid, report) = bake(&part.mesh, options)?;

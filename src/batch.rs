@@ -1,4 +1,4 @@
-//! One trial under many parameter sets: a table of them, and what each makes of the trial.
+//! One trial simulated with many parameter sets: reads the table of sets, and writes a result line for each.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,43 +13,43 @@ use files::output::FolderKind;
 use trial_simulation::{ModelRun, SimulatedPass};
 use trials::trial::Trial;
 
-/// Name of the result file: one JSON object a line, in the order of the table.
+/// Name of the result file: one line of JSON for each set, in the order of the table.
 pub const BATCH_FILE: &str = "batch.jsonl";
-/// The result folder.
+/// Kind of the result folder.
 pub const BATCH: FolderKind = FolderKind { marker: BATCH_FILE, key: "impulse_ns", names: &[] };
-/// First column of the table.
+/// Name of the table's first column.
 const NAME: &str = "name";
 
 /// A parameter set.
 pub struct BatchRun {
-    /// Its name in the table.
+    /// Name in the table.
     pub name: String,
-    /// The model with its values.
+    /// Model with the values of the set.
     pub model: CompiledModel,
-    /// What the table gives, in the parameters' own units.
+    /// Values of the table, in the parameters' own units.
     parameters: BTreeMap<String, f64>,
 }
 
-/// A line of the result.
+/// A line of the result file.
 #[derive(Serialize)]
 pub struct BatchLine {
     name: String,
     parameters: BTreeMap<String, f64>,
-    /// Volume that Eq. (1) removes in each pass [mm³].
+    /// Volume removed by Eq. (1) in each pass [mm³].
     removed_by_law_mm3: Vec<f64>,
-    /// Volume of coating that Eq. (2) takes off in each pass [mm³].
+    /// Volume of coating removed by Eq. (2) in each pass [mm³].
     coating_mm3: Vec<f64>,
-    /// Share of the scanned area that is exposed after each pass; empty when grinding.
+    /// Exposed share of the scanned area after each pass; empty for grinding.
     exposed_share: Vec<f64>,
     /// Root mean square of force minus setpoint in contact [N].
     force_rms_error_n: Vec<f64>,
-    /// ∫ F dt of each pass [N s].
+    /// Impulse ∫ F dt of each pass [N s].
     impulse_ns: Vec<f64>,
-    /// Measured minus simulated heights [µm rms]; empty when sanding.
+    /// Root mean square of measured minus simulated heights [µm]; empty for sanding.
     residual_rms_um: Vec<f64>,
-    /// Steps of all passes.
+    /// Number of steps in all passes.
     steps: usize,
-    /// Why the run ended before its last pass; absent where it did not.
+    /// Reason why the run ended before its last pass; absent if it did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     stopped: Option<String>,
 }
@@ -58,7 +58,7 @@ pub struct BatchLine {
 /// `effect.parameter` in their own units.
 ///
 /// # Errors
-/// The first fault, with file and line.
+/// The first fault, with file and line number.
 pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
     let at = |line: usize| format!("--batch {}:{line}", file.display());
     let bytes = input::read(file, MOST_TABLE_BYTES).context("--batch")?;
@@ -100,7 +100,7 @@ pub fn read(file: &Path, model: &CompiledModel) -> Result<Vec<BatchRun>> {
     Ok(runs)
 }
 
-/// A cell of the table, in the parameter's own unit.
+/// Reads a cell of the table, in the parameter's own unit.
 fn value(slot: &ParameterSlot, text: &str) -> Result<f64> {
     let value: f64 =
         text.trim().parse().ok().filter(|value: &f64| !value.is_nan()).with_context(|| {
@@ -111,7 +111,7 @@ fn value(slot: &ParameterSlot, text: &str) -> Result<f64> {
 }
 
 impl BatchLine {
-    /// What a parameter set made of a trial.
+    /// Makes the result line of a parameter set.
     pub fn new(run: &BatchRun, trial: &Trial, ModelRun { passes, stopped }: &ModelRun) -> Self {
         let each = |figure: fn(&SimulatedPass) -> f64| passes.iter().map(figure).collect();
         Self {

@@ -54,8 +54,8 @@ impl Path {
 
 #[pymethods]
 impl Path {
-    /// A path from samples: times [s], shape `[n]`; nominal contact points [m], approach axes out of the part and tool axes
-    /// across the feed, shape `[n, 3]` each.
+    /// A path from samples: times [s], shape `[n]`; nominal contact points [m], approach axes out of the part and tool
+    /// axes across the feed, shape `[n, 3]` each.
     #[new]
     fn new(
         times: PyArrayLike1<'_, f64, AllowTypeChange>,

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{AssetFields, Manifest, Meshes, UsdMode, Welds};
 
-/// One thing that was checked.
+/// Result of one check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// File or files that were opened.
@@ -25,27 +25,27 @@ impl Check {
     }
 }
 
-/// Results of a validation: checks that were made, and those that could not be made.
+/// Results of a validation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Validation {
-    /// Everything that was checked.
+    /// Results of all checks made.
     pub checks: Vec<Check>,
-    /// Checks that were not made, each with the reason; neither passed nor failed.
+    /// Checks that could not be made, each with the reason; they neither passed nor failed.
     pub not_checked: Vec<String>,
 }
 
-/// The files of an asset, opened; `None` for those that cannot be.
+/// Opened files of an asset; `None` for those that cannot be opened.
 pub struct Opened<'a> {
-    /// The asset.
+    /// Folder of the asset.
     pub folder: &'a Path,
-    /// Its manifest.
+    /// Manifest.
     pub manifest: &'a Manifest,
-    /// Its glTF files.
+    /// Meshes of the glTF files.
     pub meshes: Option<Meshes>,
-    /// Its NanoVDB files.
+    /// Fields of the NanoVDB files.
     pub fields: Option<AssetFields>,
-    /// Its truth.
+    /// Ground truth of the welds.
     pub truth: Option<Welds>,
-    /// Mode of the check of USD: `Off` leaves it out.
+    /// Mode of the USD check; `Off` leaves it out.
     pub usd: UsdMode,
 }

@@ -9,39 +9,39 @@ use super::{Extras, Welds};
 use crate::console::Console;
 use crate::workpiece::Workpiece;
 
-/// A file that is written into every asset.
+/// A type of file written into every asset.
 pub trait Exporter {
     /// Name of the file.
     const FILE: &'static str;
-    /// Its media type (IANA), as catalogues of data sets say it.
+    /// Media type (IANA) for the catalogues of data sets.
     const MEDIA_TYPE: &'static str;
-    /// False for a file that an asset may lack.
+    /// False if an asset may lack the file.
     const ALWAYS: bool = true;
 
-    /// Writes it at `place`, beside the files that stand before it in [`super::EXPORTS`].
+    /// Writes the file at `place`, beside those that precede it in [`super::EXPORTS`].
     ///
     /// # Errors
-    /// When it cannot be made or written.
+    /// If it cannot be made or written.
     fn write(content: &Content<'_>, place: &Path) -> Result<()>;
 
-    /// Compares the file of an asset with the others, beyond what [`crate::validate`] compares.
+    /// Compares the file with the others of the asset, beyond the comparisons of [`crate::validate`].
     ///
     /// # Errors
-    /// When a program that the check needs cannot be had; a file that is wrong is a failed check.
+    /// If a program that the check needs is not available; a wrong file is a failed check, not an error.
     fn check(_opened: &Opened<'_>, _found: &mut Validation) -> Result<()> {
         Ok(())
     }
 }
 
-/// Inputs of the exporters of an asset.
+/// Inputs of an asset's exporters.
 pub struct Content<'a> {
-    /// The welded workpiece.
+    /// Welded workpiece.
     pub workpiece: &'a Workpiece,
-    /// The truth of its welds.
+    /// Ground truth of its welds.
     pub truth: &'a Welds,
     /// Settings of the picture and of USD.
     pub extras: Extras,
-    /// Console that reports what was left out.
+    /// Console for messages on files left out.
     pub console: &'a Console,
 }
 
@@ -60,7 +60,7 @@ pub struct Export {
 }
 
 impl Export {
-    /// The row of an exporter.
+    /// Makes the row of an exporter.
     pub const fn of<E: Exporter>() -> Self {
         Self { file: E::FILE, media_type: E::MEDIA_TYPE, always: E::ALWAYS, write: E::write, check: E::check }
     }

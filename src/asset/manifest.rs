@@ -1,4 +1,4 @@
-//! `asset.json`: what an asset was made from, with what parameters, and the hash of every file.
+//! `asset.json`: the source of an asset, its parameters, and the hash of every file.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,7 +18,7 @@ pub const MANIFEST_FILE: &str = "asset.json";
 /// Value of the `format` key.
 pub const ASSET_FORMAT: &str = "robofin-asset/1";
 
-/// The manifest of an asset. It holds no date, machine or folder: the same input gives the same bytes.
+/// Manifest of an asset. It holds no date, machine or folder: the same input gives the same bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// [`ASSET_FORMAT`].
@@ -27,21 +27,21 @@ pub struct Manifest {
     pub version: String,
     /// Seed of every random choice.
     pub seed: u64,
-    /// The file the part came from.
+    /// Source file of the part.
     pub source: Source,
     /// All options of the run.
     pub options: Value,
-    /// What cleaning found and changed.
+    /// Counts of the defects that cleaning found and repaired.
     pub cleaning: Value,
-    /// What cleaning found and changed, in sentences.
+    /// Repairs of the mesh, one sentence each.
     pub repairs: Vec<String>,
     /// Voxel size, bricks, sign.
     pub baking: BakeReport,
-    /// Why the weld is as it is, one sentence each.
+    /// Reasons for the choices of the weld, one sentence each.
     pub choices: Vec<String>,
     /// Figures checked when the asset was made.
     pub checks: BTreeMap<String, f64>,
-    /// Files of the folder by name, without this one.
+    /// Records of the other files of the folder, by name.
     pub files: BTreeMap<String, FileRecord>,
 }
 
@@ -55,24 +55,24 @@ pub struct FileRecord {
 }
 
 impl FileRecord {
-    /// Hashes a file.
+    /// Computes size and hash of a file.
     ///
     /// # Errors
-    /// When the file cannot be read.
+    /// If the file cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
         Ok(Self::of_bytes(&input::read(path, MOST_MESH_BYTES)?))
     }
 
-    /// Hashes the content of a file.
+    /// Computes size and hash of a file's content.
     pub fn of_bytes(content: &[u8]) -> Self {
         Self { sha256: sha256(content), bytes: content.len() as u64 }
     }
 }
 
-/// Records of all files in a folder, by name; folders in it are left out.
+/// Returns the records of all files in a folder, by name; subfolders are left out.
 ///
 /// # Errors
-/// When the folder or a file cannot be read.
+/// If the folder or a file cannot be read.
 pub fn record_files(folder: &Path) -> Result<BTreeMap<String, FileRecord>> {
     let mut files = BTreeMap::new();
     for entry in fs::read_dir(folder).with_context(|| format!("{}: cannot be read", folder.display()))? {
@@ -90,7 +90,7 @@ impl Manifest {
     /// Reads the manifest of an asset folder.
     ///
     /// # Errors
-    /// When the folder is no asset, or of another format.
+    /// If the folder is not an asset, or has another format.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST_FILE);
         let text =

@@ -1,4 +1,4 @@
-//! The meshes of an asset: its glTF files, written and read.
+//! Meshes of an asset: writes and reads its glTF files.
 
 use std::fs;
 use std::path::Path;
@@ -12,9 +12,9 @@ use super::{SURFACE_FILE, WELDED_FILE, WORKPIECE_FILE};
 use export::glb::{GlbMaterial, GlbPart, write_glb};
 use export::glb_read::{ReadPart, read_glb};
 
-/// `workpiece.glb`: the bare part.
+/// Exporter of `workpiece.glb`: the bare part.
 pub(super) struct PartMesh;
-/// `welded.glb`: the bare part, and a closed bead for each weld.
+/// Exporter of `welded.glb`: the bare part, and a closed bead for each weld.
 pub(super) struct WeldedMeshes;
 
 /// Media type of binary glTF.
@@ -55,9 +55,9 @@ fn base<'a>(content: &Content<'a>) -> GlbPart<'a> {
 pub struct Meshes {
     /// The bare part.
     pub part: ReadPart,
-    /// The welded workpiece: the part, then one bead for each weld.
+    /// Welded workpiece: the part, then one bead for each weld.
     pub welded: Vec<ReadPart>,
-    /// The pieces of the welded surface, one for each weld id.
+    /// Pieces of the welded surface, one for each weld id.
     pub surface: Vec<ReadPart>,
 }
 
@@ -65,7 +65,7 @@ impl Meshes {
     /// Reads the meshes of an asset folder.
     ///
     /// # Errors
-    /// When a file is missing, damaged, or lacks the part, a bead or the surface.
+    /// If a file is missing or damaged, or lacks the part, a bead or the surface.
     pub fn open(folder: &Path) -> Result<Self> {
         let read = |name: &str| -> Result<Vec<ReadPart>> {
             let bytes = input::read(&folder.join(name), MOST_MESH_BYTES).with_context(|| name.to_owned())?;
@@ -84,13 +84,13 @@ impl Meshes {
         Ok(Self { part, welded, surface })
     }
 
-    /// Box around all meshes of the welded workpiece [m].
+    /// Returns the bounding box of all meshes of the welded workpiece [m].
     pub fn welded_bounds(&self) -> Option<(DVec3, DVec3)> {
         let boxes = self.welded.iter().filter_map(|part| part.mesh.bounds());
         boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
-    /// The beads with their weld ids.
+    /// Returns the beads with their weld ids.
     pub fn beads(&self) -> impl Iterator<Item = &ReadPart> {
         self.welded.iter().filter(|part| part.weld_id != 0)
     }

@@ -1,7 +1,7 @@
-//! The asset folder: everything that is known of a welded workpiece, in formats that others read.
+//! The asset folder: meshes, fields, labels and ground truth of a welded workpiece, in standard formats.
 //!
-//! Each file is an [`Exporter`] in a source file of its own, and a row of [`EXPORTS`]; `asset.json`, the [`Manifest`], comes
-//! last and has the hashes of all.
+//! Each file has an [`Exporter`] in a source file of its own, and a row in [`EXPORTS`]; `asset.json`, the [`Manifest`],
+//! is written last and holds the hashes of all.
 
 mod check;
 mod exporter;
@@ -34,7 +34,7 @@ pub use truth::{CurveTruth, Imperfection, WELDS_FORMAT, WeldTruth, Welds};
 pub use usd::UsdMode;
 pub use volumes::{AssetFields, PHI_FILE, WELD_FILE};
 
-/// Name of the truth file.
+/// Name of the ground truth file.
 pub const WELDS_FILE: &str = "welds.json";
 /// Name of the bare part's mesh file.
 pub const WORKPIECE_FILE: &str = "workpiece.glb";
@@ -47,7 +47,7 @@ pub const USD_FILE: &str = "welded.usdc";
 /// Name of the picture.
 pub const PREVIEW_FILE: &str = "preview.png";
 
-/// The files of an asset beside its manifest, in the order in which they are written: USD is made from those before it.
+/// Exporters in the order in which they run, the manifest apart: USD is made from the files before it.
 pub const EXPORTS: &[Export] = &[
     Export::of::<meshes::PartMesh>(),
     Export::of::<meshes::WeldedMeshes>(),
@@ -69,31 +69,31 @@ pub const ASSET_NAMES: &[&str] = &{
     }
     names
 };
-/// The folder of an asset.
+/// Kind of an asset's folder.
 pub const ASSET: FolderKind = FolderKind { marker: MANIFEST_FILE, key: "baking", names: &[("", ASSET_NAMES)] };
 
-/// What goes into an asset beside meshes, fields and truth.
+/// Settings of the picture and of the USD file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extras {
-    /// What to do about USD.
+    /// Mode of the USD file.
     pub usd: UsdMode,
     /// Width and height of the picture [pixels].
     pub preview: (usize, usize),
-    /// Samples along each side of a pixel of the picture.
+    /// Samples along each side of the picture's pixels.
     pub samples_per_side: usize,
 }
 
 impl Extras {
-    /// A large picture, and USD as asked.
+    /// Settings with a large picture, and USD as requested.
     pub fn full(usd: UsdMode) -> Self {
         Self { usd, preview: VIEW_SIZE, samples_per_side: SAMPLES_PER_SIDE }
     }
 }
 
-/// Writes a welded workpiece into a folder in the making, which becomes an asset, complete or not at all.
+/// Writes a welded workpiece into a staged folder, which becomes an asset, complete or not at all.
 ///
 /// # Errors
-/// When a file cannot be written, or USD is required and cannot be had.
+/// If a file cannot be written, or USD is required and not available.
 pub fn write(
     workpiece: &Workpiece,
     options: &WeldingOptions,
@@ -138,7 +138,7 @@ fn manifest_of(workpiece: &Workpiece, options: &WeldingOptions, folder: &Path) -
 /// Writes a value as indented JSON.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// If the file cannot be written.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let mut text = serde_json::to_string_pretty(value)?;
     text.push('\n');

@@ -9,7 +9,7 @@ use super::PREVIEW_FILE;
 use super::exporter::{Content, Exporter};
 use crate::picture::{overview, to_png};
 
-/// The picture.
+/// Exporter of `preview.png`.
 pub(super) struct Preview;
 
 impl Exporter for Preview {

@@ -1,4 +1,4 @@
-//! The surface of the welded workpiece as one mesh.
+//! Surface of the welded workpiece as one mesh.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,10 +13,10 @@ use super::meshes::GLB;
 use crate::workpiece::Workpiece;
 use export::glb::{GlbMaterial, GlbPart, write_surface_glb};
 
-/// A triangle is weld metal when its middle is farther than this outside the bare part [voxels].
+/// Least distance of a triangle's centre outside the bare part for weld metal [voxels].
 const OFF_PART: f32 = 0.1;
 
-/// `surface.glb`: the surface, in pieces by weld id.
+/// Exporter of `surface.glb`: the surface, in pieces by weld id.
 pub(super) struct Surface;
 
 impl Exporter for Surface {
@@ -41,7 +41,7 @@ impl Exporter for Surface {
 /// Name of the mesh.
 const SURFACE_NAME: &str = "surface";
 
-/// The triangles of each weld id, with the vertices that they use.
+/// Splits the triangles by weld id; each piece has its own vertices.
 fn pieces(surface: &Mesh, welded: &BrickGrid, target: &BrickGrid) -> BTreeMap<u16, Mesh> {
     let off_part = OFF_PART * welded.voxel as f32;
     let mut pieces: BTreeMap<u16, (Mesh, Vec<u32>)> = BTreeMap::new();

@@ -28,12 +28,12 @@ pub struct Welds {
     pub welds: Vec<WeldTruth>,
 }
 
-/// One weld: its size, its volume and its centreline.
+/// Ground truth of one weld: size, volume and centreline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WeldTruth {
     /// Weld id in labels and vertex attributes; 0 is base metal.
     pub id: u16,
-    /// What it joins.
+    /// Type of joint.
     pub joint: Joint,
     /// Cross-section of the bead.
     pub profile: BeadShape,
@@ -41,7 +41,7 @@ pub struct WeldTruth {
     pub width_mm: f64,
     /// Height of the crown above the surface [mm].
     pub height_mm: f64,
-    /// How far the bead mesh reaches below the surface [mm].
+    /// Depth of the bead mesh below the surface [mm].
     pub root_depth_mm: f64,
     /// Arc length of the centreline [mm].
     pub length_mm: f64,
@@ -57,18 +57,18 @@ pub struct WeldTruth {
     pub exposure_min: f64,
     /// Mean tool access along the centreline, 0 to 1.
     pub access_mean: f64,
-    /// Number of the curve that it lies on; the beads of an intermittent weld share one.
+    /// Number of the weld's curve; the beads of an intermittent weld share one.
     pub run: usize,
     /// Height of the toes above the centreline [mm]: 0 on a face, more in a corner.
     pub toe_height_mm: f64,
-    /// Least radius of the toes in the fields [mm]; 0 for sharp ones, as all were before it was told.
+    /// Least radius of the toes in the fields [mm]; 0 for sharp toes and in files of earlier versions.
     #[serde(default)]
     pub toe_radius_mm: f64,
     /// Angle between the surface and the bead at its toes [deg].
     pub toe_angle_deg: f64,
-    /// Imperfections, as they were made.
+    /// Imperfections of the bead.
     pub imperfections: Vec<Imperfection>,
-    /// What was asked of each dial; the fields above are what was measured.
+    /// Requested dials; the fields above are measured.
     pub requested: RequestedDials,
     /// Area under the bead [mm²]: between its toes along the centreline, with the round ends.
     pub footprint_mm2: f64,
@@ -79,22 +79,22 @@ pub struct WeldTruth {
 /// An imperfection of a bead.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Imperfection {
-    /// Its name.
+    /// Name of the kind.
     pub kind: String,
-    /// Its number in ISO 6520-1.
+    /// Number in ISO 6520-1.
     pub iso_6520: u16,
-    /// Arc length of its middle [mm].
+    /// Arc length of its centre [mm].
     pub arc_length_mm: f64,
-    /// Offset of its middle to the left of the centreline [mm].
+    /// Offset of its centre to the left of the centreline [mm].
     pub offset_mm: f64,
-    /// Diameter of a pore, drop or hole, length of the others along the weld [mm].
+    /// Diameter of a pore, drop or hole; for the others, length along the weld [mm].
     pub size_mm: f64,
-    /// Depth below the surface without it [mm]; for spatter the height above it, for an overlap how far it hangs over.
+    /// Depth below the surface without it [mm]; for spatter its height above, for an overlap its overhang.
     pub depth_mm: f64,
 }
 
 impl Imperfection {
-    /// Whether it takes metal from the part.
+    /// Returns true if it removes metal from the part.
     pub fn cuts(&self) -> bool {
         [DefectKind::Undercut, DefectKind::BurnThrough].iter().any(|kind| kind.iso_6520() == self.iso_6520)
     }
@@ -119,18 +119,18 @@ impl Imperfection {
     }
 }
 
-/// The dials of one weld as they were asked.
+/// Requested dials of one weld.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RequestedDials {
     /// Arc length of the centreline [mm].
     pub length_mm: f64,
-    /// Root mean square of the geodesic curvature [1/m]; absent along a seam or a cut, which have their own.
+    /// Root mean square of the geodesic curvature [1/m]; absent along a seam or a cut, whose curvature is given.
     pub geodesic_curvature_rms_per_m: Option<f64>,
-    /// Bound of the geodesic curvature [1/m]; likewise.
+    /// Bound of the geodesic curvature [1/m]; absent in the same cases.
     pub geodesic_curvature_max_per_m: Option<f64>,
     /// Range of the least exposure, 0 to 1.
     pub exposure: [f64; 2],
-    /// What lies farther hides nothing [mm].
+    /// Length of the rays of the exposure [mm]; geometry farther away does not shade.
     pub exposure_reach_mm: f64,
     /// Least mean tool access, 0 to 1.
     pub access_mean: f64,
@@ -140,7 +140,7 @@ pub struct RequestedDials {
     pub height_mm: f64,
 }
 
-/// The centreline, one entry per point; vectors in the part's frame [m].
+/// Centreline, one entry per point; vectors in the part's frame [m].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CurveTruth {
     /// Points on the part's surface [m].
@@ -155,9 +155,9 @@ pub struct CurveTruth {
     pub arc_length: Vec<f64>,
     /// Geodesic curvature [1/m].
     pub geodesic_curvature: Vec<f64>,
-    /// Cosine-weighted share of the hemisphere that is free, 0 to 1.
+    /// Exposure: cosine-weighted free share of the hemisphere, 0 to 1.
     pub exposure: Vec<f64>,
-    /// Share of the tool's poses that are clear of the part, 0 to 1.
+    /// Tool access: share of the tool's poses without collision, 0 to 1.
     pub access: Vec<f64>,
     /// Width of the bead [m].
     pub width: Vec<f64>,
@@ -165,7 +165,7 @@ pub struct CurveTruth {
     pub height: Vec<f64>,
 }
 
-/// The truth as a file.
+/// Exporter of `welds.json`.
 pub(super) struct Truth;
 
 impl Exporter for Truth {
@@ -178,10 +178,10 @@ impl Exporter for Truth {
 }
 
 impl Welds {
-    /// Reads the truth of an asset folder.
+    /// Reads the ground truth of an asset folder.
     ///
     /// # Errors
-    /// When the file is missing, damaged or of another format.
+    /// If the file is missing, damaged or of another format.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(WELDS_FILE);
         let what = format!(
@@ -198,7 +198,7 @@ impl Welds {
         Ok(welds)
     }
 
-    /// The truth of all welds.
+    /// Collects the ground truth of all welds.
     pub fn of(welds: &[PlacedWeld]) -> Self {
         Self {
             format: WELDS_FORMAT.to_owned(),

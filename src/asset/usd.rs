@@ -1,4 +1,4 @@
-//! `welded.usdc`: whether an asset gets one, which needs Python, and whether usd-core finds it clean.
+//! `welded.usdc`: written if Python is available, and checked with usd-core.
 
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,10 @@ use super::{Meshes, USD_FILE};
 use export::python;
 use export::usd::{self, UsdReport};
 
-/// Boxes of the glTF and the USD file hold the same single-precision numbers.
+/// Greatest difference between the boxes of glTF and USD file [m]; both hold the same single-precision numbers.
 const BOX_TOLERANCE: f64 = 1e-6;
 
-/// What to do about USD.
+/// Mode of the USD file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum UsdMode {
     /// Make it if Python can be had; otherwise say what was left out.
@@ -26,7 +26,7 @@ pub enum UsdMode {
     Off,
 }
 
-/// The USD file, made from `welded.glb` and `welds.json`.
+/// Exporter of the USD file, made from `welded.glb` and `welds.json`.
 pub(super) struct Usd;
 
 impl Exporter for Usd {

@@ -1,4 +1,4 @@
-//! The NanoVDB files of an asset.
+//! NanoVDB files of an asset.
 
 use std::fs;
 use std::path::Path;
@@ -13,25 +13,25 @@ use crate::workpiece::Workpiece;
 
 /// Level sets `phi` (welded workpiece) and `target` (bare part) [m].
 pub const PHI_FILE: &str = "phi.nvdb";
-/// `weld_id` (0 base metal) and `weld_share` (share of the voxel's cell that is weld metal, 0 to 1).
+/// Labels `weld_id` (0 for base metal) and `weld_share` (share of the voxel's cell that is weld metal, 0 to 1).
 pub const WELD_FILE: &str = "weld.nvdb";
 
-/// The fields of an asset, as its files hold them.
+/// Fields of an asset, read from its files.
 pub struct AssetFields {
-    /// The welded workpiece with weld ids.
+    /// Welded workpiece with weld ids.
     pub welded: BrickGrid,
-    /// The part without its welds: the target of finishing.
+    /// Part without its welds: the target of finishing.
     pub target: BrickGrid,
     /// Share of each voxel's cell that is weld metal, in the order of `welded.phi`.
     pub share: Vec<f32>,
 }
 
-/// `phi.nvdb`: the level sets.
+/// Exporter of `phi.nvdb`: the level sets.
 pub(super) struct Phi;
-/// `weld.nvdb`: the weld of each voxel.
+/// Exporter of `weld.nvdb`: the weld of each voxel.
 pub(super) struct WeldLabels;
 
-/// Media type of NanoVDB, which has none of its own.
+/// Media type of the NanoVDB files; none is registered for NanoVDB.
 const NANOVDB: &str = "application/octet-stream";
 
 impl Exporter for Phi {
@@ -64,7 +64,7 @@ impl AssetFields {
     /// Reads the fields of an asset folder.
     ///
     /// # Errors
-    /// When a file or a grid is missing, damaged, or its checksum is wrong.
+    /// If a file or a grid is missing or damaged, or its checksum is wrong.
     pub fn open(folder: &Path) -> Result<Self> {
         let phi = read(folder, PHI_FILE)?;
         let weld = read(folder, WELD_FILE)?;

@@ -1,4 +1,4 @@
-//! Many meshes into a cache, several at once, each on its own account.
+//! Bakes many meshes into a cache, several at once; a mesh that fails does not affect the others.
 
 use std::collections::{BTreeMap, HashMap};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,19 +20,19 @@ use sdf_bake::memory_budget;
 
 /// Meshes to bake into a cache.
 pub struct Batch<'a> {
-    /// Where to.
+    /// Cache of the results.
     pub cache: &'a Cache,
-    /// How.
+    /// Settings of the fields.
     pub wishes: FieldWishes,
-    /// Meshes at once.
+    /// Number of meshes baked at once.
     pub jobs: usize,
 }
 
-/// What became of one mesh.
+/// Outcome of one mesh.
 pub struct Outcome {
     /// The mesh file.
     pub mesh: PathBuf,
-    /// Its entry, or why there is none.
+    /// Its entry, or the reason of the failure.
     pub result: Result<Entry>,
     /// Time from opening the file to the end [s].
     pub process_s: f64,
@@ -40,30 +40,31 @@ pub struct Outcome {
 
 /// A mesh's entry in the cache.
 pub struct Entry {
-    /// Its name.
+    /// Name of the entry.
     pub key: String,
-    /// What is known of it.
+    /// Record of the field.
     pub record: Record,
-    /// Time that this run spent baking it [s]; `None` when it was there already.
+    /// Baking time in this run [s]; `None` if the entry existed already.
     pub bake_s: Option<f64>,
 }
 
-/// A mesh file, and why it cannot be looked for, if so.
+/// A mesh file, and the reason if it cannot be searched for.
 type Source = (PathBuf, Option<String>);
 
-/// What the jobs share.
+/// State shared by the jobs.
 struct Work<'a> {
     batch: &'a Batch<'a>,
-    /// Time spent on each entry that this run made [s].
+    /// Baking time of each entry made in this run [s].
     baked: Mutex<HashMap<String, f64>>,
     room: Room,
 }
 
 impl Batch<'_> {
-    /// Bakes what the cache does not hold yet, calls `done` for each mesh in the order of `sources`, updates the index.
+    /// Bakes the meshes that the cache lacks, calls `done` for each mesh in the order of `sources`, and updates the
+    /// index.
     ///
     /// # Errors
-    /// When the index cannot be written, or `done` fails; a mesh that fails is an outcome.
+    /// If the index cannot be written, or `done` fails; a mesh that fails is an outcome.
     pub fn run(&self, sources: Sources, mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
         let meshes: Vec<Source> = sources.into_iter().collect();
         let room = Room::new(memory_budget::MOST_BRICKS);
@@ -85,7 +86,7 @@ impl Batch<'_> {
 }
 
 impl Work<'_> {
-    /// Finds or makes the entry of one mesh; `None` when someone else is making it and there is no patience.
+    /// Finds or makes the entry of one mesh; `None` if another job is making it and `patience` does not allow waiting.
     fn entry(&self, mesh: &Path, patience: Patience) -> Result<Option<Entry>> {
         let Batch { cache, wishes, .. } = self.batch;
         let bytes = MeshBytes::load(mesh)?;
@@ -101,7 +102,7 @@ impl Work<'_> {
                 let options = wishes.options(&part);
                 let _share = self.room.share(memory_budget::check(&part.mesh, &options)?);
                 let baked = bake_part(&part, &options)?;
-                // Before the entry can be found by the other jobs, so that none takes it for an old one.
+                // Stored before other jobs can find the entry, so that it does not count as an earlier one.
                 lock(&self.baked).insert(key.clone(), baked.bake_s);
                 cache.keep(&recipe, baked)
             },
@@ -116,13 +117,13 @@ impl Work<'_> {
             Some(reason) => bail!("{reason}"),
             None => self.entry(mesh, patience),
         };
-        // A bug that one mesh brings to light must not cost the others.
+        // A bug that one mesh triggers must not affect the others.
         let result = catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|_| Err(anyhow!("a bug in this program")));
         let result = result.with_context(|| mesh.display().to_string()).transpose()?;
         Some(Outcome { mesh: mesh.to_owned(), result, process_s: started.elapsed().as_secs_f64() })
     }
 
-    /// Of meshes with the same entry the first one is said to have been baked, whichever job was faster.
+    /// Credits the baking time to the first of the meshes with the same entry, whichever job was faster.
     fn credit(&self, outcome: &mut Outcome) {
         if let Ok(entry) = &mut outcome.result {
             entry.bake_s = lock(&self.baked).remove(&entry.key);
@@ -130,7 +131,7 @@ impl Work<'_> {
     }
 }
 
-/// Hands on outcomes in the order of their turns, however they come in.
+/// Passes on outcomes in the order of the sources, in whatever order they arrive.
 #[derive(Default)]
 struct InOrder {
     waiting: BTreeMap<usize, Outcome>,
@@ -148,7 +149,7 @@ impl InOrder {
     }
 }
 
-/// What a job that panicked left behind is still whole: no lock is held while anything can fail.
+/// Locks a mutex. The data of a job that panicked are consistent, because no operation under the lock can fail.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! An entry: a field and the record that vouches for it.
+//! An entry of the cache: a field, and the record that verifies it.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,18 +14,18 @@ use files::folder::write_file;
 use files::json_file::read_json;
 use files::sha256;
 
-/// What the cache knows of a field.
+/// Record of a field in the cache.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// The recipe; its compact JSON text, hashed, is the entry's name.
     pub recipe: Value,
     /// Length and hash of the `.nvdb` file.
     pub field: FileRecord,
-    /// Measures of the field.
+    /// Properties of the field.
     pub facts: FieldFacts,
 }
 
-/// A record as it lies in its file, with a hash of itself.
+/// A record as stored in its file, with a hash of itself.
 #[derive(Serialize, Deserialize)]
 struct Sealed {
     #[serde(flatten)]
@@ -34,7 +34,7 @@ struct Sealed {
 }
 
 impl Cache {
-    /// Path of an entry's field.
+    /// Returns the path of an entry's field.
     pub fn field_path(&self, key: &str) -> PathBuf {
         self.folder().join(format!("{key}.nvdb"))
     }
@@ -43,18 +43,18 @@ impl Cache {
         self.folder().join(format!("{key}.json"))
     }
 
-    /// The record of an entry whose field is there, whole and unchanged.
+    /// Returns the record of an entry if its field exists, complete and unchanged.
     pub(super) fn find(&self, key: &str) -> Option<Record> {
         let Sealed { record, record_sha256 } = read_json(&self.record_path(key), "a record").ok()?;
         let field = self.field_path(key);
         let unchanged = seal(&record).is_ok_and(|sha256| sha256 == record_sha256)
-            // The length costs nothing, and tells most damage before the whole file is read.
+            // The length is checked first, because it is cheap and detects most damage.
             && fs::metadata(&field).is_ok_and(|file| file.len() == record.field.bytes)
             && FileRecord::of(&field).is_ok_and(|found| found == record.field);
         unchanged.then_some(record)
     }
 
-    /// Keeps a field: first the field, then the record that makes it an entry. For who holds the claim on it.
+    /// Stores a field: first the field, then the record that makes it an entry. The caller must hold the claim.
     pub(super) fn keep(&self, recipe: &Recipe, baked: BakedField) -> Result<Record> {
         let key = recipe.key()?;
         let field = FileRecord::of_bytes(&baked.bytes);
@@ -71,7 +71,7 @@ fn seal(record: &Record) -> serde_json::Result<String> {
     Ok(sha256(serde_json::to_string(record)?.as_bytes()))
 }
 
-/// Whether a file name is one that an entry uses, finished or in the making.
+/// Returns true if the file name belongs to an entry, finished or under construction.
 pub(super) fn is_of_an_entry(name: &str) -> bool {
     let key = |name: &str| name.len() == 64 && name.bytes().all(|byte| byte.is_ascii_hexdigit());
     match (name.strip_prefix('.'), name.rsplit_once('.')) {

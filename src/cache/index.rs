@@ -1,4 +1,4 @@
-//! Which mesh file became which entry.
+//! Index of the mesh files and their entries.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,10 +22,10 @@ struct Line {
 impl Cache {
     /// Brings the index up to date: `keys` holds the meshes of this run, with `None` for those that failed.
     ///
-    /// Lines of other meshes stay as long as their field does, so that several folders can share a cache.
+    /// Lines of other meshes are kept as long as their field exists, so that several folders can share a cache.
     ///
     /// # Errors
-    /// When the folder cannot be written.
+    /// If the folder cannot be written.
     pub(super) fn update_index(&self, keys: &BTreeMap<String, Option<String>>) -> Result<()> {
         let _claim = self.claim_catalogue()?;
         let path = self.folder().join(INDEX_FILE);
@@ -45,7 +45,7 @@ impl Cache {
     }
 }
 
-/// The lines that can be read; the entries are the truth, so a damaged line is only left out.
+/// Reads the valid lines; damaged lines are dropped, because the entries are authoritative.
 fn read(path: &Path) -> BTreeMap<String, String> {
     let text = input::read(path, MOST_TEXT_BYTES).unwrap_or_default();
     let lines = text.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Line>(line).ok());

@@ -1,15 +1,15 @@
-//! Baked fields by content: a folder in which each mesh, baked in a certain way, has one file that is never made twice.
+//! Cache of baked fields by content: a folder with one file for each mesh and each set of options, made only once.
 //!
 //! ```text
 //! cache.json                    marks the folder as a cache
 //! 3f…c2.nvdb, 3f…c2.json        an entry: the field, and its record
-//! index.jsonl                   which mesh file became which entry
-//! .3f…c2.…                      while an entry is made
+//! index.jsonl                   mesh files and their entries
+//! .3f…c2.…                      an entry under construction
 //! ```
 //!
-//! The name of an entry is the SHA-256 of its [`Recipe`]: the mesh's bytes and everything else that decides the field. A
-//! record is written after its field, both by renaming, and holds the field's length and hash; so an entry is
-//! complete or it is none, whenever the program is killed, and damage is noticed.
+//! The name of an entry is the SHA-256 of its [`Recipe`]: the mesh's bytes and all options that affect the field. A
+//! record is written after its field, both by renaming, and holds the field's length and hash. So an entry is complete
+//! or does not exist, whenever the program is killed, and damage is detected.
 
 mod batch;
 mod entry;
@@ -35,10 +35,10 @@ pub const MARKER_FILE: &str = "cache.json";
 /// Value of the `format` key of the marker and of every recipe.
 pub const CACHE_FORMAT: &str = "robofin-cache/1";
 
-/// A folder of entries.
+/// Folder of cached fields.
 pub type Cache = Store<CacheMarker>;
 
-/// The marker of a cache; each entry has a recipe of its own.
+/// Marker of a cache; each entry has a recipe of its own.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CacheMarker {
     format: String,
@@ -65,14 +65,14 @@ impl Marker for CacheMarker {
 }
 
 impl Cache {
-    /// Makes a cache in a folder that is empty or not there, or opens one; to be replaced, it loses its entries.
+    /// Makes a cache in an empty or new folder, or opens one; replacing a cache removes its entries.
     ///
     /// # Errors
-    /// As [`Store::start`].
+    /// Those of [`Store::start`].
     pub fn prepare(folder: &Path, occupied: Occupied) -> Result<Self> {
         let cache = Self::start(folder, CacheMarker { format: CACHE_FORMAT.to_owned() }, occupied)?;
         if occupied == Occupied::Replace {
-            // Other files are not the cache's to remove.
+            // Files that do not belong to the cache stay.
             for name in names(folder)?.iter().filter(|name| *name == INDEX_FILE || entry::is_of_an_entry(name)) {
                 remove(&folder.join(name))?;
             }

@@ -1,4 +1,4 @@
-//! What decides a field, and the name that follows from it.
+//! Recipe of a field: all inputs that affect its bytes, and the name of its entry.
 
 use std::sync::OnceLock;
 
@@ -13,7 +13,7 @@ use crate::baking::FieldWishes;
 use crate::part::{Part, sha256};
 use crate::workpiece::Fineness;
 
-/// Everything that decides the bytes of a field. Its JSON text, hashed, is the name of the entry.
+/// All inputs that affect the bytes of a field. The hash of its JSON text is the name of the entry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recipe {
     format: &'static str,
@@ -30,12 +30,12 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// The recipe of a mesh with wishes.
+    /// Makes the recipe of a mesh with a user's settings.
     ///
     /// # Errors
-    /// Never for the program as shipped: it bakes the bundled part to know itself.
+    /// Never in a released program: the bundled part is baked to identify the baker.
     pub fn new(mesh: &MeshBytes, wishes: &FieldWishes) -> Result<Self> {
-        // Every wish by name: one that is added has to find its place here.
+        // The pattern lists every field, so that a new one cannot be forgotten here.
         let FieldWishes { unit, fineness, band_voxels, sign, shell } = *wishes;
         Ok(Self {
             format: CACHE_FORMAT,
@@ -52,7 +52,7 @@ impl Recipe {
         })
     }
 
-    /// Name of the entry: 64 hexadecimal digits.
+    /// Returns the name of the entry: 64 hexadecimal digits.
     ///
     /// # Errors
     /// Never: a recipe is plain data.
@@ -61,9 +61,9 @@ impl Recipe {
     }
 }
 
-/// The program's version and a hash of what its baker makes of the bundled part, whole and open.
+/// Returns the program's version and a hash of the field that it bakes from the bundled part, closed and open.
 ///
-/// So a change of the baker gives all entries new names, whether or not somebody thought of a version number.
+/// A change of the baker thus gives all entries new names, even if the version number stays.
 fn baker() -> Result<String> {
     static BAKER: OnceLock<String> = OnceLock::new();
     if let Some(known) = BAKER.get() {
@@ -126,7 +126,7 @@ mod tests {
         ];
         let distinct: std::collections::BTreeSet<&String> = others.iter().chain([&first]).collect();
         assert_eq!(distinct.len(), others.len() + 1);
-        // With the unit given, what the name says of it no longer counts.
+        // With a given unit, the unit in the file's name has no influence.
         let given = FieldWishes { unit: UnitChoice::Metre, ..wishes };
         assert_eq!(key("a.obj", text, &given), key("a_mm.obj", text, &given));
     }

@@ -1,4 +1,4 @@
-//! The mesh files that were asked for.
+//! Search for mesh files.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -11,15 +11,15 @@ use crate::wrong_use;
 /// Extensions of mesh files, in lower case.
 const EXTENSIONS: [&str; 5] = ["obj", "stl", "ply", "glb", "gltf"];
 
-/// What is to be baked: each path once, sorted, with the reason where a place could not be searched.
+/// Mesh files to bake: each path once, sorted, with the reason where a place could not be searched.
 pub type Sources = BTreeMap<PathBuf, Option<String>>;
 
-/// Mesh files named, and those below the folders named; hidden ones are left out, links are followed.
+/// Finds the mesh files named, and those below the folders named; hidden ones are left out, links are followed.
 ///
-/// A file that is named is taken whatever its extension.
+/// A file that is named directly is accepted with any extension.
 ///
 /// # Errors
-/// Wrong use when a path is not there, or a folder holds no mesh file.
+/// Wrong use if a path does not exist, or a folder holds no mesh file.
 pub fn find_meshes(places: &[PathBuf]) -> Result<Sources> {
     let mut sources = Sources::new();
     for place in places {
@@ -43,7 +43,7 @@ pub fn find_meshes(places: &[PathBuf]) -> Result<Sources> {
     Ok(sources)
 }
 
-/// The same place without `./`, so that an index names a file in one way.
+/// Removes `./` from a path, so that an index names a file in one way.
 fn tidy(place: &Path) -> PathBuf {
     let parts: PathBuf = place.components().filter(|part| *part != Component::CurDir).collect();
     if parts.as_os_str().is_empty() { PathBuf::from(".") } else { parts }

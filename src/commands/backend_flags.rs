@@ -1,4 +1,4 @@
-//! Where work runs that a graphics processor can do.
+//! Flag for the backend of work that a GPU can do.
 
 use anyhow::Result;
 use clap::Args;
@@ -17,19 +17,20 @@ pub(super) struct BackendFlags {
     backend: BackendChoice,
 }
 
-/// Name of a backend for records: `cpu`, or the adapter.
+/// Returns the name of a backend for records: `cpu`, or the adapter.
 pub(super) fn name_of(device: Option<&Device>) -> String {
     device.map_or_else(|| "cpu".to_owned(), |device| device.adapter().to_string())
 }
 
 impl BackendFlags {
-    /// Whether a device was asked for by name.
+    /// Returns true if `--backend gpu` was given.
     pub(super) fn is_gpu(&self) -> bool {
         self.backend == BackendChoice::Gpu
     }
 
-    /// The device, or `None` for the CPU; one line says which and why. `refusal` is what of the run the device cannot do.
-    /// Drivers may write to standard error as they are loaded: call it when the input has been checked.
+    /// Returns the device, or `None` for the CPU; reports the choice and its reason in one line. `refusal` names the
+    /// part of the run that the device does not support. Drivers may write to standard error while they load, so the
+    /// input must be checked before.
     pub(super) fn device(&self, refusal: Option<String>, console: &Console) -> Result<Option<Device>> {
         match (refusal, self.backend) {
             (Some(what), BackendChoice::Gpu) => {

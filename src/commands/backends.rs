@@ -1,4 +1,4 @@
-//! `robofin backends`: what can compute here, and whether it agrees with the CPU.
+//! `robofin backends`: lists the devices, and compares them with the CPU.
 
 use anyhow::{Result, bail};
 use clap::Args;
@@ -17,7 +17,7 @@ pub(super) struct BackendsArgs {}
 /// The answer of `backends --json`.
 #[derive(Serialize)]
 struct BackendsAnswer {
-    /// What `auto` uses, and why.
+    /// Backend chosen by `auto`, and the reason.
     auto: String,
     adapters: Vec<AdapterAnswer>,
     /// Largest difference of a sampled field between the first adapter and the CPU [voxels].

@@ -1,4 +1,4 @@
-//! `robofin bake`: from mesh files to NanoVDB signed distance fields.
+//! `robofin bake`: bakes mesh files into NanoVDB signed distance fields.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -62,7 +62,7 @@ struct BakeAnswer<'a> {
     cached: bool,
 }
 
-/// The line of a mesh that failed.
+/// The answer for a mesh that failed.
 #[derive(Serialize)]
 struct Failure<'a> {
     mesh: &'a str,
@@ -83,7 +83,7 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
     }
 }
 
-/// One mesh to one file.
+/// Bakes one mesh into one file.
 fn bake_one(mesh: &Path, wishes: &FieldWishes, out: &OutFlags, console: &Console) -> Result<()> {
     let started = Instant::now();
     let file = StagedFile::new(&out.beside(&[mesh]), &FIELD)?;
@@ -107,7 +107,7 @@ fn bake_one(mesh: &Path, wishes: &FieldWishes, out: &OutFlags, console: &Console
     })
 }
 
-/// How many of a folder's meshes ended in which way.
+/// Numbers of meshes by outcome.
 #[derive(Default)]
 struct Tally {
     baked: usize,
@@ -115,7 +115,7 @@ struct Tally {
     failed: usize,
 }
 
-/// Many meshes to a cache.
+/// Bakes many meshes into a cache.
 fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<()> {
     let started = Instant::now();
     let sources = find_meshes(&args.meshes)?;
@@ -145,7 +145,7 @@ fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<
     Ok(())
 }
 
-/// One line for people and one for machines.
+/// Reports the outcome of one mesh, for people and as JSON.
 fn tell(outcome: &Outcome, cache: &Cache, tally: &mut Tally, console: &Console) -> Result<()> {
     let mesh = outcome.mesh.to_string_lossy();
     let Entry { key, record, bake_s } = match &outcome.result {

@@ -9,9 +9,9 @@ use super::values::{number, positive, whole};
 
 /// Heading of the help for a bead's sizes.
 pub(super) const BEAD: &str = "Bead";
-/// Heading of the help for what a welder's hand leaves.
+/// Heading of the help for irregularities of manual welding.
 const FORM: &str = "Form";
-/// Heading of the help for faults that a weld may have.
+/// Heading of the help for imperfections.
 const IMPERFECTIONS: &str = "Imperfections";
 
 /// The section of a bead, and what a welder's hand leaves on it.
@@ -46,7 +46,7 @@ pub(super) struct BeadFlags {
         help_heading = FORM
     )]
     ripple_height: f64,
-    /// How far ripples trail behind at the toes [bead widths].
+    /// Distance by which ripples trail behind at the toes [bead widths].
     #[arg(
         long,
         value_name = "WIDTHS",
@@ -136,7 +136,7 @@ pub(super) struct BeadFlags {
         help_heading = IMPERFECTIONS
     )]
     sagging: f64,
-    /// How far a lobe of metal hangs over a toe (ISO 6520-1: 506) [bead widths].
+    /// Overhang of a lobe of metal over a toe (ISO 6520-1: 506) [bead widths].
     #[arg(
         long,
         value_name = "WIDTHS",
@@ -190,7 +190,7 @@ enum ProfileFlag {
     Superellipse,
 }
 
-/// Reads a number of defects.
+/// Parses a number of imperfections up to `most`.
 fn up_to(most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
     whole([0, u64::from(most)])
 }
@@ -204,12 +204,12 @@ impl BeadFlags {
         }
     }
 
-    /// Least radius of the toes [m].
+    /// Returns the least radius of the toes [m].
     pub(super) fn toe_radius(&self) -> Option<f64> {
         metres(self.toe_radius_mm)
     }
 
-    /// The form asked for; what depends on the bead's width is checked when that is known.
+    /// Returns the requested form; limits that depend on the bead's width are checked once that is known.
     pub(super) fn request(&self) -> FormRequest {
         let (height, chevron) = (self.ripple_height, self.ripple_chevron);
         let crater = Crater { depth: self.crater, hump: self.start_hump };

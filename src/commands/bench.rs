@@ -1,4 +1,4 @@
-//! `robofin bench`: how often a study is right.
+//! `robofin bench`: counts how often a study is right.
 
 use std::ffi::OsString;
 use std::fs;
@@ -19,13 +19,13 @@ use files::json_file::read_json;
 use files::output::{FolderKind, UNFINISHED};
 use virtual_lab::Size;
 
-/// The folder of a benchmark: its tables, its picture, and a file for each finished case.
+/// Kind of a benchmark's folder: tables, picture, and a file for each finished case.
 const BENCHMARK: FolderKind = FolderKind {
     marker: "benchmark.json",
     key: "outcomes",
     names: &[("", &["benchmark.md", "reliability.svg", "*-*.json"])],
 };
-/// Cases of each family that are accepted. One takes a minute or two, so that so many of all nine take months.
+/// Accepted numbers of cases in each family. One case takes a minute or two, so the greatest number takes months.
 const CASES: [u64; 2] = [1, 10_000];
 /// Size of the campaigns.
 const SIZE: Size = Size::Small;
@@ -96,7 +96,7 @@ impl std::fmt::Display for FamilyFlag {
 struct Answer<'a> {
     seed: u64,
     summary: &'a Summary,
-    /// Cases that the laboratory could not make, and why.
+    /// Cases that the virtual laboratory could not make, with the reasons.
     not_made: &'a [(String, String)],
     outcomes: &'a [Outcome],
 }
@@ -136,7 +136,7 @@ pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
 }
 
 impl DiagnoseArgs {
-    /// The cases that are asked for.
+    /// Returns the requested cases.
     fn cases(&self, library: &Library) -> Vec<Case> {
         let flags = FamilyFlag::ALL.iter().zip(Family::ALL);
         let chosen: Vec<Family> =
@@ -146,14 +146,14 @@ impl DiagnoseArgs {
     }
 }
 
-/// An outcome in a line.
+/// Describes an outcome in one line.
 fn line(outcome: &Outcome) -> String {
     let (hidden, said) = (outcome.case.hidden.join(" + "), &outcome.said);
     let word = outcome.judgement.word();
     format!("hidden [{hidden}], {} [{}], {word}, {:.0} s", said.verdict_word(), said.names(), outcome.seconds)
 }
 
-/// A case's outcome, from its file where it was finished before.
+/// Returns the outcome of a case, from its file if it is finished already.
 fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
     let file = folder.join(format!("{}-{}.json", case.id(), case.design.id()));
     let known: Option<Outcome> = read(&file)?;
@@ -170,7 +170,7 @@ fn outcome(case: &Case, folder: &Path, library: &Library) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// Where the trials of a case lie while they are studied: beside the folder.
+/// Returns the folder of a case's trials during the study, beside the benchmark's folder.
 fn scratch(folder: &Path, case: &Case) -> PathBuf {
     let mut name: OsString = folder.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}{UNFINISHED}", case.id()));

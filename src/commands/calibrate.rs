@@ -1,4 +1,4 @@
-//! `robofin calibrate`: the values with which a model describes a campaign best.
+//! `robofin calibrate`: fits the parameters of a model to a campaign.
 
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use lab::{Calibration, Order};
 use report::study::page;
 use study::{CALIBRATION_FILE, CalibrationAnswer, Data, Measurements};
 
-/// The result folder.
+/// Kind of the result folder.
 const CALIBRATION: FolderKind =
     FolderKind { marker: CALIBRATION_FILE, key: "noise_floor_um", names: &[("", &["model.toml", "report.html"])] };
 
@@ -80,7 +80,7 @@ pub(super) fn run(args: &CalibrateArgs, console: &Console) -> Result<()> {
     console.answer(&answer)
 }
 
-/// Fits the model and those that it grew from.
+/// Fits the model after the smaller models that it extends.
 fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console: &Console) -> Result<Calibration> {
     let model = data.fitting(args.model.model(data.evidence().process(), library)?, library)?;
     let start = data.start(&model, library)?;

@@ -1,4 +1,4 @@
-//! `robofin compare`: where a model fails, without fitting its physics.
+//! `robofin compare`: shows where a model fails, without fitting its physics.
 
 use std::path::{Path, PathBuf};
 
@@ -22,11 +22,11 @@ use study::{Direction, StudyReport};
 use trials::table::{TABLE_FILE, Table};
 use trials::trial::Campaign;
 
-/// The file by which a result folder is known.
+/// File that marks a result folder.
 const COMPARISON_FILE: &str = "comparison.json";
-/// The result folder.
+/// Kind of the result folder.
 const COMPARISON: FolderKind = FolderKind { marker: COMPARISON_FILE, key: "agrees", names: &[("", &["report.html"])] };
-/// Covariates that are told on the console.
+/// Number of covariates shown on the console.
 const TOLD: usize = 5;
 
 #[derive(Debug, Args)]
@@ -59,12 +59,12 @@ pub(super) struct CompareArgs {
 }
 
 impl CompareArgs {
-    /// The only model, and where a user's own effects are.
+    /// Returns the flags of the only model, with the folder of the user's own effects.
     fn model(&self) -> ModelFlags {
         ModelFlags { model: self.models.first().cloned(), own: self.own.clone() }
     }
 
-    /// What is read.
+    /// Returns all input paths.
     pub(super) fn inputs(&self) -> Vec<&Path> {
         let own = self.own.effects.iter().chain(&self.models).map(PathBuf::as_path);
         std::iter::once(self.campaign.as_path()).chain(own).collect()
@@ -126,7 +126,7 @@ fn of_rows(args: &CompareArgs, asked: &Asked, console: &Console) -> Result<(Comp
     Ok(compare_rows(&evidence, &CompiledModel::new(&model, &library, evidence.rows())?, asked)?)
 }
 
-/// `x=20mm` or `y=-3mm`.
+/// Parses `x=20mm` or `y=-3mm`.
 fn parse_section(text: &str) -> Result<Direction, String> {
     let bad = || "x=20mm or y=-3mm is expected".to_owned();
     let (axis, place) = text.split_once('=').ok_or_else(bad)?;
@@ -139,7 +139,7 @@ fn parse_section(text: &str) -> Result<Direction, String> {
     }
 }
 
-/// Refuses a section beside the map.
+/// Refuses a section outside the map.
 fn check(section: Direction, pixels: &PixelGrid) -> Result<()> {
     let last = pixels.position(pixels.nx - 1, pixels.ny - 1);
     let (axis, place, low, high) = match section {

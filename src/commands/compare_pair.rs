@@ -1,4 +1,4 @@
-//! `robofin compare` with two models: both as they are against the same data, block by block.
+//! `robofin compare` with two models: compares both, unfitted, with the same data, block by block.
 
 use std::path::PathBuf;
 
@@ -16,16 +16,16 @@ use lab::{Better, ErrorUnit, Paired};
 use report::study::page;
 use study::{Data, Measurements, StudyReport, Verdict, pair_in_words, pair_report};
 
-/// The file by which a result folder is known.
+/// File that marks a result folder.
 const PAIR_FILE: &str = "pair.json";
-/// The result folder.
+/// Kind of the result folder.
 const PAIR: FolderKind = FolderKind { marker: PAIR_FILE, key: "better", names: &[("", &["report.html"])] };
 
 /// The answer of `compare --json` with two models, and `pair.json`.
 #[derive(Serialize)]
 struct PairAnswer<'a> {
     models: [&'a PathBuf; 2],
-    /// Which of them is better, by the data that are held out where there are any.
+    /// The better model, by the held-out data if there are any.
     better: Better,
     sentence: String,
     error_unit: ErrorUnit,

@@ -33,7 +33,7 @@ pub(super) fn run(args: &CompletionsArgs, program: Command, console: &Console) -
     console.answer(&CompletionsAnswer { shell: args.shell.to_string(), script: &script })
 }
 
-/// The program without verbs that its help hides.
+/// Returns the program without the verbs hidden from its help.
 fn listed(program: Command) -> Command {
     let verbs: Vec<Command> = program.get_subcommands().filter(|verb| !verb.is_hide_set()).cloned().collect();
     let flags: Vec<_> = program.get_arguments().cloned().collect();

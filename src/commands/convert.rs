@@ -1,4 +1,4 @@
-//! `robofin convert`: a scan or a robot's program in another format.
+//! `robofin convert`: writes a scan or a robot's program in another format.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use instruments::surface::{self, Source, Window};
 use paths::program::{Unsaid, log_of};
 use trials::trial::{RPM, log_csv};
 
-/// A converted file; none is replaced, as nothing tells it from a measurement.
+/// A converted file; it never replaces a file, because it cannot be distinguished from a measurement.
 const CONVERTED: FileKind = FileKind { what: "a converted file", is_own: |_| false };
 
 #[derive(Debug, Args)]
@@ -81,7 +81,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<()> {
 }
 
 impl ConvertArgs {
-    /// A program as the file to make asks for it.
+    /// Writes a program in the format of the output file; `None` without one.
     fn program(&self, program: &Program) -> Result<Option<Vec<u8>>> {
         let Some(out) = &self.out else { return Ok(None) };
         let extension = out.extension().unwrap_or_default().to_string_lossy();

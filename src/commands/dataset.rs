@@ -1,4 +1,4 @@
-//! `robofin dataset`: from folders of meshes to thousands of assets.
+//! `robofin dataset`: makes thousands of assets from folders of meshes.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,7 +23,7 @@ use crate::store::process::Ending;
 use crate::store::progress::{Progress, Summary};
 use crate::store::run::Outcome;
 
-/// Items of one part that are accepted; their names have four digits.
+/// Greatest number of items of one part; their names have four digits.
 const MOST_PER_PART: u64 = 10_000;
 
 /// Other kinds of sets.
@@ -104,7 +104,7 @@ pub(super) struct DatasetArgs {
     items: ItemFlags,
 }
 
-/// A line of the answer of `dataset --json`, for one item.
+/// A line of `dataset --json`, for one item.
 #[derive(Serialize)]
 struct ItemAnswer<'a> {
     item: &'a str,
@@ -119,7 +119,7 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     if let Some(Kind::Images(images)) = &args.kind {
         return dataset_images::run(images, console);
     }
-    // Without a word in front the parser insists on it.
+    // clap requires `--out` unless a subcommand follows.
     let out = args.out.as_deref().unwrap_or(Path::new(""));
     let jobs = jobs(args.jobs);
     let (wishes, limits) = (args.items.wishes(), args.items.limits());
@@ -151,12 +151,12 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     }
 }
 
-/// Makes the items of a run and tells of each.
+/// Makes the items of a run and reports each.
 pub(super) fn make(run: &Run, console: &Console) -> Result<Summary> {
     tell(run.plan.items.len() + run.plan.unreadable.len(), console, |done| run.run(done))
 }
 
-/// Tells of each of so many items that `work` reports.
+/// Reports each item that `work` finishes.
 pub(super) fn tell(
     items: usize,
     console: &Console,
@@ -167,7 +167,7 @@ pub(super) fn tell(
     work(&mut |outcome| {
         let line = progress.count(outcome);
         bar.inc(1);
-        // A bar says all but failures.
+        // With a progress bar, only failures have a text.
         if let (about, Some(text)) = (line.about, line.text(bar.is_hidden())) {
             bar.suspend(|| console.step(about, text));
         }
@@ -183,7 +183,7 @@ fn answer(outcome: &Outcome, console: &Console) -> Result<()> {
     console.answer_line(&ItemAnswer { item: id, source, ending, usage: *usage, seconds: *seconds })
 }
 
-/// How many items at once.
+/// Returns the number of items made at once.
 pub(super) fn jobs(asked: Option<usize>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get().min(JOBS[1] as usize));
     asked.unwrap_or_else(cores)
@@ -216,7 +216,7 @@ fn describe(plan: &Plan) -> String {
     text
 }
 
-/// A line of the answer of `dataset --dry-run --json`.
+/// A line of `dataset --dry-run --json`.
 #[derive(Serialize)]
 struct PlanAnswer<'a> {
     item: &'a str,

@@ -1,4 +1,4 @@
-//! `robofin dataset images`: labelled images of coated workpieces in the course of sanding.
+//! `robofin dataset images`: labelled images of coated workpieces during sanding.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -24,10 +24,10 @@ use crate::store::progress::Summary;
 use crate::store::run::{Run, SetItem};
 use crate::wrong_use;
 
-/// Placements or stages that are accepted; names of placements have two digits.
+/// Accepted numbers of placements or stages; names of placements have two digits.
 const COUNTS: [u64; 2] = [1, 99];
 
-/// Heading of the help for what decides the images.
+/// Heading of the help for flags that define the images.
 const CONTENTS: &str = "Contents";
 
 #[derive(Debug, Args)]
@@ -136,10 +136,10 @@ pub(super) struct ImagesArgs {
     limits: LimitFlags,
 }
 
-/// Usual limits of time [s] and memory [GB].
+/// Default limits of time [s] and memory [GB].
 const USUAL_LIMITS: (f64, f64) = (600.0, 4.0);
 
-/// What the process of one image may use.
+/// Limits of the process of one image.
 #[derive(Clone, Debug, Args)]
 pub(super) struct LimitFlags {
     /// Time by the clock that an image or simulation may take [s].
@@ -165,7 +165,7 @@ pub(super) struct LimitFlags {
 }
 
 impl LimitFlags {
-    /// As without flags.
+    /// Returns the default limits.
     pub(super) fn usual() -> Self {
         Self { time_limit: USUAL_LIMITS.0, memory_limit: USUAL_LIMITS.1 }
     }
@@ -184,7 +184,7 @@ struct ImagesAnswer<'a> {
     images: Summary,
 }
 
-/// A line of the answer of `dataset images --dry-run --json`.
+/// A line of `dataset images --dry-run --json`.
 #[derive(Serialize)]
 struct PlanAnswer<'a> {
     task: &'a str,
@@ -216,7 +216,7 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     }
 }
 
-/// Does the tasks of all steps and tells of each.
+/// Does the tasks of all steps and reports each.
 pub(super) fn make(run: &Run<'_, ImageRecipe>, steps: &[Vec<Task>; 3], console: &Console) -> Result<[Summary; 3]> {
     let mut summaries = [Summary::default(), Summary::default(), Summary::default()];
     for (tasks, summary) in steps.iter().zip(&mut summaries) {
@@ -249,7 +249,7 @@ impl ImagesArgs {
         })
     }
 
-    /// The tasks to do.
+    /// Returns the tasks to do.
     fn steps(&self, recipe: &ImageRecipe) -> Result<[Vec<Task>; 3]> {
         let Some(id) = &self.only else {
             let images = recipe.images_within(self.limit.unwrap_or(usize::MAX));
@@ -263,7 +263,7 @@ impl ImagesArgs {
     }
 }
 
-/// Says what would be made.
+/// Reports the tasks without doing them.
 fn rehearse(steps: &[Vec<Task>; 3], set: Option<&ImageSet>, console: &Console) -> Result<()> {
     let mut missing = 0;
     for task in steps.iter().flatten() {

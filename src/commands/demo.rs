@@ -1,4 +1,4 @@
-//! `robofin demo`: the whole road on the bundled part, and a study of the bundled sealed example.
+//! `robofin demo`: all steps on the bundled part, and a study of the bundled sealed example.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,9 +30,9 @@ use study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
 use trials::trial::PLAN_NAMES;
 use virtual_lab::write::CAMPAIGN_NAMES;
 
-/// Name of the figures file in a demo folder.
+/// Name of the result file in a demo folder.
 const DEMO_FILE: &str = "demo.json";
-/// The folder of a demo.
+/// Kind of a demo's folder.
 const DEMO: FolderKind = FolderKind {
     marker: DEMO_FILE,
     key: "real_time_factor",
@@ -53,15 +53,15 @@ const DEMO: FolderKind = FolderKind {
 };
 /// Folder of the study in a demo folder.
 const STUDY_FOLDER: &str = "study";
-/// Radius of the wheel [m]: small enough to turn beside the plate at the end of the gusset.
+/// Radius of the wheel [m]: small enough to fit beside the plate at the end of the gusset.
 const WHEEL_RADIUS: f64 = 0.008;
-/// Width of the wheel [m]: half that of the fillet, so that it does not touch the walls beside it.
+/// Width of the wheel [m]: half of the fillet's width, so that it does not touch the adjacent walls.
 const WHEEL_WIDTH: f64 = 0.004;
-/// Speed along the fillet [m/s]: two passes then take less than a millimetre off its face.
+/// Feed along the fillet [m/s]: two passes remove less than a millimetre.
 const FEED: f64 = 10e-3;
-/// Seed of the weld: it decides in which corner of the bracket the fillet is.
+/// Seed of the weld; it selects the corner of the bracket for the fillet.
 const DEFAULT_SEED: u64 = 7;
-/// Seed of the study's draws.
+/// Seed of the study's permutations.
 const STUDY_SEED: u64 = 1;
 
 #[derive(Debug, Args)]
@@ -92,7 +92,7 @@ struct DemoAnswer<'a> {
     study: Opened,
 }
 
-/// Takes a study to its end.
+/// Runs a study to its end.
 type Search<'a> = &'a dyn Fn(&mut StudyState) -> Result<()>;
 
 pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
@@ -121,7 +121,7 @@ fn make(args: &DemoArgs, search: Search, console: &Console) -> Result<()> {
     console.answer(&answer)
 }
 
-/// Welds, bakes, grinds and draws the bundled part.
+/// Welds, bakes, grinds and renders the bundled part.
 fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<Ground> {
     let part = Part::bundled()?;
     part.describe(console);
@@ -167,8 +167,8 @@ fn study(folder: &Path, search: Search, console: &Console) -> Result<Opened> {
     Ok(opened)
 }
 
-/// A fillet in a corner, clear of walls at its ends. With the default seed it joins the foot of the gusset to the base
-/// plate, facing up, so that the wheel reaches all of it.
+/// Returns options for a fillet in a corner, clear of walls at its ends. With the default seed it joins the foot of the
+/// gusset to the base plate, facing up, so that the wheel reaches all of it.
 fn demo_options(seed: u64) -> WeldingOptions {
     WeldingOptions {
         seed,
@@ -204,7 +204,7 @@ mod tests {
         let place = tempfile::tempdir().expect("a temporary folder");
         let out = place.path().join("demo");
         let args = DemoArgs { out: Some(out.clone()), force: false, seed: DEFAULT_SEED, usd: UsdMode::Off };
-        // A search of minutes is cut short: it compares, and finds nothing.
+        // The search takes minutes; here it is replaced by a comparison that finds nothing.
         let search = |course: &mut StudyState| {
             course.step(&|_, _, _| {})?;
             course.record.verdict = Some(Verdict::NothingMissing);
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn the_demo_welds_the_foot_of_the_gusset_from_above() {
-        // The weld does not depend on the voxel; a coarse one is baked sooner.
+        // The weld does not depend on the voxel; a coarse field bakes faster.
         let options = WeldingOptions { fineness: Fineness::Voxel(1.6e-3), ..demo_options(DEFAULT_SEED) };
         let part = Part::bundled().expect("the bundled part");
         let workpiece = weld_part(part, &options, &Console::silent()).expect("a welded bracket");
@@ -247,7 +247,7 @@ mod tests {
             assert!((at.y - 25.0).abs() < 0.01 || (at.y - 33.0).abs() < 0.01, "{at}");
             assert!(point.normal.z > 0.7, "the fillet faces {}", point.normal);
         }
-        // The wheel turns beside the upright plate at x = -70 mm.
+        // The wheel must fit beside the upright plate at x = -70 mm.
         let room = placed.weld.curve.points.iter().map(|point| point.position.x + 0.070).fold(f64::INFINITY, f64::min);
         assert!(room > WHEEL_RADIUS, "{room} m to the upright plate");
     }

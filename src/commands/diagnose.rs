@@ -1,4 +1,4 @@
-//! `robofin diagnose`: what a model lacks, from the scans of a campaign.
+//! `robofin diagnose`: finds the effects that a model lacks, from the scans of a campaign.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -17,9 +17,9 @@ use report::study::page;
 use study::{MODEL_WITH_PROPOSAL, Measurements, NEXT_TRIAL_NAMES as NEXT, ReportInput};
 use study::{proposal, report, summary, write_next_trial, write_proposal};
 
-/// The file by which a result folder is known.
+/// File that marks a result folder.
 const DIAGNOSIS_FILE: &str = "diagnosis.json";
-/// The result folder.
+/// Kind of the result folder.
 const DIAGNOSIS: FolderKind = FolderKind {
     marker: DIAGNOSIS_FILE,
     key: "verdict",

@@ -1,4 +1,4 @@
-//! `robofin effects`: the laws and effects that are known, a check for new ones, and which of them a model has.
+//! `robofin effects`: lists, shows and checks laws and effects, and edits the effects of a model.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -140,7 +140,7 @@ fn list(args: &ListArgs, console: &Console) -> Result<()> {
     console.answer(&ListAnswer { laws: answers(library.laws()), effects: answers(library.effects()) })
 }
 
-/// One line of the list.
+/// Formats one line of the list.
 fn row(effect: &Effect) -> String {
     let processes: Vec<&str> =
         Process::ALL.into_iter().filter(|process| effect.acts_in(*process)).map(Process::name).collect();
@@ -178,8 +178,8 @@ fn check(args: &CheckArgs, console: &Console) -> Result<()> {
     console.answer(&EffectAnswer::new(effect))
 }
 
-/// Refuses formulas too large for the base model of a process in which they act. A law or effect that needs other laws is
-/// judged with them, when a model has both.
+/// Refuses formulas too large for the base model of a process in which they act. A law or effect that needs other laws
+/// is checked together with them, once a model has both.
 fn fits(effect: &Effect, library: &Library) -> Result<(), ModelError> {
     let key = if effect.kind == Kind::Law { "law" } else { "effect" };
     for process in Process::ALL.into_iter().filter(|process| effect.acts_in(*process)) {
@@ -209,7 +209,7 @@ fn remove(args: &RemoveArgs, console: &Console) -> Result<()> {
     change(&args.model, console, |source| Model::remove_from_text(source, &args.name, &library))
 }
 
-/// Changes a model file: the new one is written beside it and renamed.
+/// Changes a model file: the new text is written beside it and renamed.
 fn change(path: &Path, console: &Console, edit: impl Fn((&str, &str)) -> Result<Edit, ModelError>) -> Result<()> {
     let text = read_text(path)?;
     let file = path.display().to_string();
@@ -217,7 +217,7 @@ fn change(path: &Path, console: &Console, edit: impl Fn((&str, &str)) -> Result<
         ModelError::File(error) => error.into(),
         other => anyhow::Error::from(other).context(file.clone()),
     })?;
-    // Through a link, so that the file behind it is replaced and not the link.
+    // Links are resolved, so that their target is replaced.
     let place = fs::canonicalize(path).with_context(|| path.display().to_string())?;
     write_file(&place, edit.text.as_bytes())?;
     console.step("model", edit.changes.join("\n"));

@@ -1,4 +1,4 @@
-//! Faults of a command line, all reported at once. The parser by itself stops at the first fault.
+//! Reports all faults of a command line at once; clap itself stops at the first one.
 
 use std::error::Error as _;
 use std::ffi::{OsStr, OsString};
@@ -10,11 +10,11 @@ use clap::{Arg, Command};
 
 use crate::wrong_use;
 
-/// Characters of a value that a message repeats.
+/// Greatest number of characters of a value repeated in a message.
 const LONGEST_VALUE: usize = 60;
 
-/// Ends the program with all that is wrong with the words of the command line, of which the parser found `first`: a line
-/// for each value, then what is wrong beside the values.
+/// Ends the program with all faults of the command line, of which the parser found `first`: one line for each wrong
+/// value, then the first other fault.
 pub(super) fn refuse(program: &Command, words: &[OsString], first: clap::Error) -> ! {
     if !first.use_stderr() {
         first.exit()
@@ -32,21 +32,21 @@ pub(super) fn refuse(program: &Command, words: &[OsString], first: clap::Error) 
     std::process::exit(2)
 }
 
-/// Prints an error of the parser; of missing words in one line.
+/// Prints an error of the parser; missing arguments on one line.
 fn print_error(error: &clap::Error) {
     match missing(error) {
         Some(needed) => eprintln!("error: required, and not given: {needed}; --help says more"),
-        // Where standard error is closed, that cannot be reported.
+        // If standard error is closed, the error cannot be reported.
         None => drop(error.print()),
     }
 }
 
-/// Wrong use with all these faults, a line for each; nothing if there is none.
+/// Returns an error of wrong use with all faults, one a line; no error without faults.
 pub(super) fn refuse_all(faults: Vec<String>) -> Result<()> {
     if faults.is_empty() { Ok(()) } else { Err(wrong_use(faults.join("\nerror: "))) }
 }
 
-/// Faults of the values of all flags, in the order of the words.
+/// Collects the faults of all flags' values, in the order of the arguments.
 fn of_values(program: &Command, words: &[OsString]) -> Vec<String> {
     let (mut verb, mut verbs) = (program, vec![program.get_name()]);
     let mut faults = Vec::new();
@@ -64,7 +64,7 @@ fn of_values(program: &Command, words: &[OsString]) -> Vec<String> {
             continue;
         };
         let value = value.or_else(|| words.next_if(|next| !next.starts_with("--")).map(Into::into));
-        // A flag whose value is missing is no fault of a value.
+        // A missing value is not a faulty value.
         let Some(value) = value else { continue };
         let listed: Vec<&str> = known.get_value_delimiter().map_or(vec![&*value], |comma| value.split(comma).collect());
         for value in listed {
@@ -76,7 +76,7 @@ fn of_values(program: &Command, words: &[OsString]) -> Vec<String> {
     faults
 }
 
-/// The words that are needed and not there; `None` of an error of another kind.
+/// Lists the missing required arguments; `None` for errors of another kind.
 fn missing(error: &clap::Error) -> Option<String> {
     match (error.kind(), error.get(ContextKind::InvalidArg)) {
         (ErrorKind::MissingRequiredArgument, Some(ContextValue::Strings(needed))) => Some(needed.join(", ")),
@@ -84,7 +84,7 @@ fn missing(error: &clap::Error) -> Option<String> {
     }
 }
 
-/// The fault of a flag's value in the words of the other refusals; none for errors of another kind.
+/// Describes a faulty value of a flag in the form of the other refusals; `None` for errors of another kind.
 fn of_value(flag: &str, error: &clap::Error) -> Option<String> {
     let why = match (error.kind(), error.get(ContextKind::ValidValue)) {
         (ErrorKind::ValueValidation, _) => error.source()?.to_string(),
@@ -103,7 +103,7 @@ fn of_value(flag: &str, error: &clap::Error) -> Option<String> {
     Some(format!("--{flag} {value}: {why}"))
 }
 
-/// The program with flags and words that take any value.
+/// Returns the program with arguments that accept any value.
 fn with_any_values(program: Command) -> Command {
     let any = |argument: Arg| {
         if argument.get_action().takes_values() { argument.value_parser(ValueParser::os_string()) } else { argument }

@@ -1,4 +1,4 @@
-//! Flags that several verbs share.
+//! Flags shared by several verbs.
 
 use std::path::{Path, PathBuf};
 
@@ -12,13 +12,13 @@ use files::output::Out;
 
 /// Default number of voxels along the longest side.
 const DEFAULT_RESOLUTION: u32 = 256;
-/// Voxels along a side or diagonal that are accepted.
+/// Accepted numbers of voxels along a side or diagonal.
 const VOXELS: [u64; 2] = [8, 4096];
-/// Processes or meshes at once that are accepted; no machine for this can hold more.
+/// Accepted numbers of processes or meshes at once.
 pub(super) const JOBS: [u64; 2] = [1, 256];
-/// Items that a run may be limited to.
+/// Accepted limits on the number of items.
 pub(super) const LIMITS: [u64; 2] = [1, u64::MAX];
-/// Seeds: any number of 64 bits.
+/// Accepted seeds: any 64-bit number.
 pub(super) const SEEDS: [u64; 2] = [0, u64::MAX];
 
 /// Unit of a mesh file.
@@ -46,7 +46,7 @@ impl From<UnitFlag> for UnitChoice {
     }
 }
 
-/// How inside and outside are told apart.
+/// Rule that distinguishes inside from outside.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(super) enum SignFlag {
     /// Whatever suits the surface; refuses an open one whose inside is unclear.
@@ -70,7 +70,7 @@ impl From<SignFlag> for SignChoice {
 
 /// Heading of the help for reading and baking a mesh.
 pub(super) const MESH: &str = "Mesh and field";
-/// Heading of the help for the order, the number and the limits of jobs.
+/// Heading of the help for order, number and limits of jobs.
 pub(super) const RUNS: &str = "Runs";
 
 /// Reading and baking a mesh.
@@ -109,7 +109,7 @@ pub(super) struct MeshFlags {
         value_parser = number([2.0, 64.0])
     )]
     pub(super) band: f64,
-    /// How inside and outside are told apart.
+    /// Rule that distinguishes inside from outside.
     #[arg(long, value_enum, default_value_t)]
     pub(super) sign: SignFlag,
     /// Bake the surface itself as a shell of this thickness [mm], instead of what it encloses.
@@ -118,18 +118,18 @@ pub(super) struct MeshFlags {
 }
 
 impl MeshFlags {
-    /// The voxel size asked for.
+    /// Returns the requested voxel size.
     pub(super) fn fineness(&self) -> Fineness {
         self.fineness_or(Fineness::Resolution(DEFAULT_RESOLUTION))
     }
 
-    /// The voxel size asked for, or another default.
+    /// Returns the requested voxel size, or another default.
     pub(super) fn fineness_or(&self, default: Fineness) -> Fineness {
         let across = self.diagonal.map(Fineness::Diagonal).or(self.resolution.map(Fineness::Resolution));
         metres(self.voxel_mm).map(Fineness::Voxel).or(across).unwrap_or(default)
     }
 
-    /// The thickness of the shell asked for [m].
+    /// Returns the requested thickness of the shell [m].
     pub(super) fn shell(&self) -> Option<f64> {
         metres(self.shell_mm)
     }
@@ -147,24 +147,24 @@ pub(super) struct OutFlags {
 }
 
 impl OutFlags {
-    /// The place asked for, with what the verb reads.
+    /// Returns the output path, with the inputs of the verb.
     pub(super) fn beside<'a>(&'a self, inputs: &'a [&'a Path]) -> Out<'a> {
         Out { place: &self.out, force: self.force, inputs }
     }
 }
 
-/// `--shell-mm` of a verb that needs a solid part: refused, and not in the help.
+/// Refuses and hides `--shell-mm` of a verb that needs a solid part.
 pub(super) fn solid_only(shell: Arg) -> Arg {
     shell
         .hide(true)
         .value_parser(|_: &str| Err::<f64, _>("only `robofin bake` takes it, and a weld needs a solid part".to_owned()))
 }
 
-/// Contact stiffness that verbs accept [Pa/m]: from the softest foam that the law is calibrated for to ten times its
-/// hardest wheel.
+/// Accepted contact stiffness [Pa/m]: from the softest foam that the law is calibrated for to ten times its hardest
+/// wheel.
 pub(super) const STIFFNESS: [f64; 2] = [1e5, 1e14];
 
-/// Millimetres in metres, where they are given.
+/// Converts millimetres to metres, if given.
 pub(super) fn metres(mm: Option<f64>) -> Option<f64> {
     mm.map(|mm| mm * 1e-3)
 }

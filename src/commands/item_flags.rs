@@ -1,4 +1,4 @@
-//! Flags that decide the items of a data set.
+//! Flags that define the items of a data set.
 
 use anyhow::Result;
 use clap::parser::ValueSource;
@@ -13,19 +13,19 @@ use crate::dataset::{DATASET_FORMAT, Recipe};
 use crate::store::limits::Limits;
 use crate::workpiece::{Fineness, WeldingOptions};
 
-/// Voxels along the diagonal, unless asked otherwise.
+/// Default number of voxels along the diagonal.
 const DIAGONAL_VOXELS: u32 = 256;
 /// Width and height of an item's picture [pixels]; `robofin render` draws larger ones.
 const PREVIEW_SIZE: (usize, usize) = (320, 240);
 
-/// Heading of the help for what decides items.
+/// Heading of the help for flags that define items.
 pub(super) const ITEMS: &str = "Items";
-/// Time that an item may be given [s].
+/// Accepted time limits of an item [s].
 pub(super) const SECONDS: [f64; 2] = [0.1, 1e6];
-/// Memory that an item may be given [GB].
+/// Accepted memory limits of an item [GB].
 pub(super) const GIGABYTES: [f64; 2] = [0.1, 1e4];
 
-/// What decides an item beside its part and its number, and what its process may use.
+/// Settings of an item beside its part and number, and the limits of its process.
 #[derive(Clone, Debug, Args)]
 #[command(mut_arg("shell_mm", solid_only))]
 pub(super) struct ItemFlags {
@@ -42,7 +42,7 @@ pub(super) struct ItemFlags {
     mesh: MeshFlags,
     #[command(flatten)]
     weld: WeldFlags,
-    /// What is known of the licence of the parts; it is written beside each item.
+    /// Licence of the parts; it is written beside each item.
     #[arg(long, value_name = "TEXT", default_value = "not stated", help_heading = ITEMS)]
     licence: String,
     /// Time by the clock that an item may take [s].
@@ -67,7 +67,7 @@ pub(super) struct ItemFlags {
     memory_limit: f64,
 }
 
-/// The flags alone, as a data set's marker keeps them.
+/// The flags alone, as stored in a data set's marker.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
 struct Kept {
@@ -76,7 +76,7 @@ struct Kept {
 }
 
 impl ItemFlags {
-    /// The flags of this kind that were given, as they were given, in the order of their declaration.
+    /// Returns the given flags of this struct as they were written, in the order of their declaration.
     pub(super) fn given(matches: &ArgMatches) -> Vec<String> {
         let mut given = Vec::new();
         for flag in Self::augment_args(Command::new("items")).get_arguments() {
@@ -89,7 +89,7 @@ impl ItemFlags {
         given
     }
 
-    /// Reads flags that were kept.
+    /// Parses stored flags.
     pub(super) fn read(kept: &[String]) -> Result<Self> {
         Ok(Kept::try_parse_from(kept)?.items)
     }
@@ -98,7 +98,7 @@ impl ItemFlags {
         self.mesh.unit.into()
     }
 
-    /// What all items have in common.
+    /// Returns the settings shared by all items.
     pub(super) fn wishes(&self) -> ItemWishes {
         let options = WeldingOptions {
             seed: self.seed,
@@ -110,12 +110,12 @@ impl ItemFlags {
         ItemWishes { unit: self.unit(), options }
     }
 
-    /// What an item may use.
+    /// Returns the limits of an item's process.
     pub(super) fn limits(&self) -> Limits {
         Limits { time: self.time_limit, memory: (self.memory_limit * 1e9) as u64 }
     }
 
-    /// The recipe that follows from the flags.
+    /// Makes the recipe of the flags.
     pub(super) fn recipe(&self, wishes: &ItemWishes, flags: &[String], sources: Vec<String>) -> Result<Recipe> {
         Ok(Recipe {
             format: DATASET_FORMAT.to_owned(),

@@ -1,4 +1,4 @@
-//! `robofin ledger`: what was tried on a campaign, and which model is current.
+//! `robofin ledger`: shows the attempts on a campaign, and sets the current model.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::wrong_use;
 use study::{Entry, LEDGER_FILE, Ledger, Standing};
 
-/// Suffix of a ledger's default name.
+/// Suffix of a ledger's default folder.
 const SUFFIX: &str = "-ledger";
 
 /// Where a ledger is.
@@ -24,7 +24,7 @@ pub(super) struct LedgerFlag {
 }
 
 impl LedgerFlag {
-    /// The folder of the ledger of a campaign.
+    /// Returns the folder of a campaign's ledger.
     pub(super) fn of(&self, campaign: &Path) -> PathBuf {
         let usual = || {
             let whole = std::path::absolute(campaign).unwrap_or_else(|_| campaign.to_owned());

@@ -1,4 +1,4 @@
-//! `robofin man`: the manual page of the program or of a verb, in roff.
+//! `robofin man`: prints the manual page of the program or of a verb, in roff.
 
 use anyhow::Result;
 use clap::{Args, Command};
@@ -37,7 +37,7 @@ pub(super) fn run(args: &ManArgs, program: Command, console: &Console) -> Result
     console.answer(&ManAnswer { page: &format!("{page}.1"), roff: &roff })
 }
 
-/// The verb of this name below a command, one word for each level.
+/// Finds a verb below a command, one word for each level.
 fn find<'a>(command: &'a Command, words: &[String]) -> Result<&'a Command> {
     let Some((word, rest)) = words.split_first() else { return Ok(command) };
     let listed = || command.get_subcommands().filter(|verb| !verb.is_hide_set());

@@ -1,4 +1,4 @@
-//! The command line: one verb, one file. Work lives in the libraries; a verb parses, calls and reports.
+//! The command line: one verb per file. A verb parses, calls the libraries and reports.
 
 mod backend_flags;
 mod backends;
@@ -52,7 +52,7 @@ use crate::console::Console;
 use crate::{in_full, interrupt, is_wrong_use};
 use files::named_file;
 
-/// Threads that are accepted; tens of thousands would only wait for each other.
+/// Accepted numbers of threads.
 const THREADS: [u64; 2] = [1, 1024];
 
 /// Make welded workpieces, bake them into signed distance fields, grind them in simulation.
@@ -134,7 +134,8 @@ enum Verb {
     Man(man::ManArgs),
 }
 
-/// Parses a command line, the program's name first, and runs the verb: exit code 0 done, 1 the work failed, 2 wrong use.
+/// Parses a command line, whose first word is the program's name, and runs the verb. Returns the exit code: 0 success,
+/// 1 failure, 2 wrong use.
 pub fn run(words: Vec<OsString>) -> u8 {
     let parsed = Cli::command().try_get_matches_from(&words);
     let matches = parsed.unwrap_or_else(|error| faults::refuse(&Cli::command(), &words, error));
@@ -153,13 +154,13 @@ pub fn run(words: Vec<OsString>) -> u8 {
     }
 }
 
-/// The answer for machines where the files of a trial contradict each other, or one cannot be used.
+/// JSON answer for a trial whose files contradict each other or cannot be used.
 #[derive(Serialize)]
 struct Refusal {
     refused: Finding,
 }
 
-/// Answers with the refusal of a trial's files, if the machine's answer was asked for; another error has none.
+/// Prints the JSON answer if the error is a refusal of a trial's files and JSON was requested.
 fn answer_refusal(error: &anyhow::Error, console: &Console) {
     let trial = |cause: &(dyn std::error::Error + 'static)| match cause.downcast_ref::<LabError>() {
         Some(LabError::Trial(error)) => Finding::of(error),
@@ -167,7 +168,7 @@ fn answer_refusal(error: &anyhow::Error, console: &Console) {
     };
     let refused = error.chain().find_map(trial);
     if let Some(refused) = refused {
-        // Who closed the output wants no answer, and the error was told.
+        // The error was reported already; a closed output is ignored.
         let _ = console.answer(&Refusal { refused });
     }
 }

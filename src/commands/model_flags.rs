@@ -1,4 +1,4 @@
-//! Which model a run uses, and where a user's own effects are.
+//! Flags for the model of a run, and for the user's own effects.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,12 +29,12 @@ pub(super) struct OwnFlags {
 }
 
 impl OwnFlags {
-    /// The built-in library with the user's own files.
+    /// Returns the built-in library with the user's own effects.
     pub(super) fn library(&self) -> Result<Library> {
         self.library_with(None)
     }
 
-    /// As [`OwnFlags::library`], with one file more, which may lie in the folder.
+    /// Returns [`OwnFlags::library`] with one more file, which may lie in the folder.
     pub(super) fn library_with(&self, more: Option<&Path>) -> Result<Library> {
         let mut files: Vec<PathBuf> = self.files()?;
         if let Some(more) = more {
@@ -64,13 +64,13 @@ impl OwnFlags {
 }
 
 impl ModelFlags {
-    /// What is read beside `first`: the model's file and the folder of effects.
+    /// Returns the input paths: `first`, the model's file and the folder of effects.
     pub(super) fn inputs<'a>(&'a self, first: &'a Path) -> Vec<&'a Path> {
         let own = [&self.model, &self.own.effects].into_iter().flatten().map(PathBuf::as_path);
         std::iter::once(first).chain(own).collect()
     }
 
-    /// The model file, or the text of the base law, whose values the flags bound.
+    /// Reads the model file, or the text of the base law with the values of the flags.
     fn read(&self, process: Process, law: &str, library: &Library) -> Result<Model> {
         let Some(path) = &self.model else {
             let text = format!("process = \"{}\"\n{law}", process.name());
@@ -88,12 +88,12 @@ impl ModelFlags {
         Ok(model)
     }
 
-    /// The model file, or the base law of the process with its defaults.
+    /// Reads the model file, or makes the base law of the process with its defaults.
     pub(super) fn model(&self, process: Process, library: &Library) -> Result<Model> {
         self.read(process, "", library)
     }
 
-    /// As [`ModelFlags::compile`], for whichever process the file is for; without a file, for grinding.
+    /// Compiles the model for the process of its file; without a file, for grinding.
     pub(super) fn compile_any(&self, law: &str, rows: RowCounts) -> Result<CompiledModel> {
         let library = self.own.library()?;
         let model = match &self.model {
@@ -103,14 +103,14 @@ impl ModelFlags {
         Ok(CompiledModel::new(&model, &library, rows)?)
     }
 
-    /// The compiled model. `law` states values of the base law, as in a model file, for when no file is given.
+    /// Compiles the model. Without a file, `law` states values of the base law in the format of a model file.
     pub(super) fn compile(&self, process: Process, law: &str, rows: RowCounts) -> Result<CompiledModel> {
         let library = self.own.library()?;
         Ok(CompiledModel::new(&self.read(process, law, &library)?, &library, rows)?)
     }
 }
 
-/// Text of a file.
+/// Reads the text of a file.
 pub(super) fn read_text(path: &Path) -> Result<String> {
     if !path.exists() {
         return Err(wrong_use(format!("{}: no such file", path.display())));

@@ -1,4 +1,4 @@
-//! `robofin path`: plan a tool path along a weld or over a patch of an asset.
+//! `robofin path`: plans a tool path along a weld or over a patch of an asset.
 
 use std::path::{Path, PathBuf};
 
@@ -20,11 +20,11 @@ use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
 use robot::{Tool, ToolText};
 use trials::trial::{Log, LogRow, RPM, log_csv, read_log};
 
-/// Sizes of a tool that are accepted [mm], as `robofin simulate` has them for its wheel.
+/// Accepted sizes of a tool [mm], the same as for the wheel of `robofin simulate`.
 const SIZES_MM: (f64, f64) = (0.1, 1000.0);
-/// Heading of the help for the tool and how it moves.
+/// Heading of the help for tool and motion.
 const MOTION: &str = "Tool and motion";
-/// Farthest place of a raster [mm]: the longest part is 100 m.
+/// Greatest coordinate of a raster [mm]: the longest part is 100 m.
 const FARTHEST_MM: f64 = 1e5;
 
 #[derive(Debug, Args)]
@@ -155,7 +155,8 @@ enum DirectionFlag {
     Y,
 }
 
-/// A planned path. It has the columns of a log, but no sensor: the force is the setpoint or zero, the speed one.
+/// A planned path. It has the columns of a log, but no sensor: the force is zero or the setpoint, the spindle speed is
+/// constant.
 const PLAN: FileKind = FileKind { what: "a planned path", is_own: is_plan };
 
 fn is_plan(file: &Path) -> bool {
@@ -171,12 +172,12 @@ fn is_plan(file: &Path) -> bool {
     log.content.covariates.is_empty() && rows.iter().all(is_planned)
 }
 
-/// The language of a program that a file's name asks for.
+/// Returns the robot language of a file's extension.
 fn language(file: &Path) -> Option<Language> {
     file.extension().and_then(|extension| Language::of_extension(&extension.to_string_lossy()))
 }
 
-/// A plan as the file's name asks for it: a program of a robot, or rows.
+/// Writes a plan in the format of the file's name: a robot's program, or rows.
 fn text_of(log: &Log, file: &Path) -> Result<String> {
     match language(file) {
         Some(language) => Ok(program::write(&points_of(log), language)?),
@@ -270,7 +271,7 @@ impl PathArgs {
     }
 }
 
-/// `X0,Y0,X1,Y1` [mm].
+/// Parses `X0,Y0,X1,Y1` [mm].
 fn parse_raster(text: &str) -> Result<[f64; 4], String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let corners = numbers.and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
@@ -283,7 +284,7 @@ fn parse_raster(text: &str) -> Result<[f64; 4], String> {
     })
 }
 
-/// `wheel:radius=50mm,width=20mm` or `pad:radius=25mm`.
+/// Parses `wheel:radius=50mm,width=20mm` or `pad:radius=25mm`.
 fn parse_tool(text: &str) -> Result<Tool, String> {
     let (least, most) = SIZES_MM;
     let accepted = |why: String| format!("{why}; sizes of {least:?} to {most:?} mm are accepted");

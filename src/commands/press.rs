@@ -1,4 +1,4 @@
-//! `robofin press`: a tool is pressed into a part and held still; what does it meet?
+//! `robofin press`: presses a tool into a part, holds it still, and prints force, patch and pressures.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,9 +28,9 @@ use sdf_bake::memory_budget;
 
 /// Heading of the help for the laws of the contact.
 const MODEL: &str = "Model";
-/// Times that a contact is sought again under effects that follow its own force.
+/// Greatest number of iterations under effects that depend on the contact's own force.
 const SETTLING: usize = 30;
-/// Half width of the band of a tool from a file [voxels]; one with walls inside can be pressed no deeper.
+/// Half width of the band of a tool from a file [voxels]; a tool with inner walls can be pressed no deeper.
 const TOOL_BAND: f64 = 8.0;
 
 #[derive(Debug, Args)]
@@ -74,7 +74,7 @@ pub(super) struct PressArgs {
     /// Unit of the coordinates in mesh files.
     #[arg(long, value_enum, default_value_t, help_heading = "Part")]
     unit: UnitFlag,
-    /// How inside and outside of a mesh are told apart.
+    /// Rule that distinguishes inside from outside of a mesh.
     #[arg(long, value_enum, default_value_t, help_heading = "Part")]
     sign: SignFlag,
     #[command(flatten, next_help_heading = MODEL)]
@@ -107,19 +107,19 @@ impl GoalFlags {
 #[derive(Serialize)]
 struct PressAnswer {
     force_n: f64,
-    /// Depth below the first touch.
+    /// Depth below the first touch [mm].
     depth_mm: f64,
-    /// Projected along z.
+    /// Area projected along z [mm²].
     area_mm2: f64,
-    /// Along the tool's x: along the feed, across a wheel's axis.
+    /// Length along the tool's x axis: along the feed, across a wheel's axis [mm].
     patch_length_mm: f64,
-    /// Along the tool's y: along a wheel's axis.
+    /// Width along the tool's y axis: along a wheel's axis [mm].
     patch_width_mm: f64,
     pressure_max_pa: f64,
     pressure_mean_pa: f64,
-    /// About the tool's reference point.
+    /// Moment about the tool's reference point [N m].
     moment_nm: [f64; 3],
-    /// The tool's reference point.
+    /// Position of the tool's reference point [mm].
     position_mm: [f64; 3],
     voxel_mm: f64,
 }
@@ -169,35 +169,35 @@ fn describe(held: &Held) -> String {
     )
 }
 
-/// Where a tool comes down, and how far it may go.
+/// Start pose of a tool, and its range.
 struct Place {
     pose: Pose,
-    /// Way up and down from the pose within which the part lies [m].
+    /// Distance above and below the pose within which the part lies [m].
     reach: f64,
-    /// For messages: place and extent of the part.
+    /// Position and extent of the part, for messages.
     words: String,
 }
 
-/// How hard to press.
+/// Goal of the press.
 #[derive(Clone, Copy)]
 enum Goal {
-    /// Below the first touch [m].
+    /// Depth below the first touch [m].
     Depth(f64),
-    /// [N]
+    /// Force [N].
     Force(f64),
 }
 
-/// A tool held in a part.
+/// A tool held in contact with a part.
 struct Held {
     contact: Contact,
-    /// Length and width of the patch [m].
+    /// Length and width of the contact patch [m].
     patch: (f64, f64),
     depth: f64,
     position: DVec3,
 }
 
 impl Place {
-    /// Over the part at (x, y) [m].
+    /// Places a tool over the part at (x, y) [m].
     fn over(part: &BrickGrid, (x, y): (f64, f64), tool: &Tool) -> Result<Self> {
         let (low, high) = surface_bounds(part).context("the field of the part has no surface")?;
         let words = format!(
@@ -227,9 +227,9 @@ impl Place {
         let Some(touch) = press.touch(&mut physics)? else {
             return Err(wrong_use(format!("{}; the tool meets nothing there", self.words)));
         };
-        // The part's whole height where no underside is found below the touch.
+        // If no underside is found below the touch, the part's whole height is its thickness.
         let thickness = press.thickness(part).unwrap_or(2.0 * self.reach);
-        // Effects may follow the force that they change.
+        // Effects may depend on the force that they change, so the contact is iterated.
         let mut last = f64::NAN;
         let mut settle = || -> Result<(f64, Contact)> {
             let travel = match goal {
@@ -267,7 +267,7 @@ impl Place {
     }
 }
 
-/// Why a tool cannot be pressed into a part that is `thickness` [m] thick below it.
+/// Message why a tool cannot be pressed into a part that is `thickness` [m] thick below it.
 fn goes_through(goal: Goal, thickness: f64) -> String {
     let thickness = format!("which is {:.3} mm thick below the first touch", thickness * 1e3);
     match goal {
@@ -282,7 +282,7 @@ fn goes_through(goal: Goal, thickness: f64) -> String {
     }
 }
 
-/// A tool from a file that has walls inside knows depths as far as its band.
+/// Checks the depth against the band of a tool from a file with inner walls.
 fn check_band(tool: &Tool, depth: f64) -> Result<()> {
     match tool {
         Tool::Field(field) if field.mesh.is_none() && depth > 0.9 * f64::from(field.field.band) => bail!(
@@ -295,7 +295,7 @@ fn check_band(tool: &Tool, depth: f64) -> Result<()> {
     }
 }
 
-/// Corners of a box around the zero set, to a voxel [m].
+/// Returns the corners of a box around the zero set, accurate to a voxel [m].
 fn surface_bounds(grid: &BrickGrid) -> Option<(DVec3, DVec3)> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (slot, &brick) in grid.bricks.iter().enumerate() {
@@ -316,7 +316,7 @@ impl PressArgs {
         Ok((mesh, options))
     }
 
-    /// The part's field.
+    /// Reads or bakes the part's field.
     fn part(&self, voxel: f64) -> Result<BrickGrid> {
         let path = &self.part;
         if path.is_dir() {
@@ -336,7 +336,7 @@ impl PressArgs {
         Ok(bake(&mesh, &options).map_err(needs_solid).with_context(context)?.0)
     }
 
-    /// The tool asked for.
+    /// Returns the requested tool.
     fn tool(&self, voxel: f64) -> Result<Tool> {
         match &self.tool {
             ToolText::Solid(tool) => Ok(tool.clone()),
@@ -344,7 +344,7 @@ impl PressArgs {
         }
     }
 
-    /// A tool from a file, lowered until its lowest point is at z = 0.
+    /// Makes a tool from a mesh file, lowered until its lowest point is at z = 0.
     fn tool_of_mesh(&self, path: &Path, voxel: f64) -> Result<Tool> {
         let (mut mesh, options) = self.mesh(path, (voxel, TOOL_BAND))?;
         let lowest = mesh.bounds().map_or(0.0, |(low, _)| low.z);
@@ -356,7 +356,7 @@ impl PressArgs {
     }
 }
 
-/// `X,Y` [mm], in metres.
+/// Parses `X,Y` [mm]; returns metres.
 fn parse_place(text: &str) -> Result<(f64, f64), String> {
     let place = text.split_once(',').and_then(|(x, y)| {
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|mm| mm.abs() < 1e6);

@@ -1,4 +1,4 @@
-//! `robofin render`: a picture of an asset or a field, photographs with float buffers, a turntable, a time-lapse.
+//! `robofin render`: a drawing of an asset or a field, photographs with float buffers, a turntable, a time-lapse.
 
 use std::path::{Path, PathBuf};
 
@@ -43,12 +43,12 @@ pub(super) struct RenderArgs {
     photo: PhotoFlags,
 }
 
-/// Colour samples of all pictures that are accepted: hours of work on a CPU.
+/// Greatest number of colour samples in all pictures, which take hours on a CPU.
 const MOST_RAYS: f64 = 1e11;
-/// Usual colour samples along each side of a pixel.
+/// Default number of colour samples along each side of a pixel.
 const SAMPLES: usize = 2;
 
-/// What only photographs have.
+/// Flags of photographs only.
 #[derive(Clone, Debug, Args)]
 struct PhotoFlags {
     /// Where the camera stands, seen from the part: azimuth from x towards y and elevation [deg] [default: a
@@ -112,7 +112,7 @@ impl RenderArgs {
         self.out.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
     }
 
-    /// Flags that do not fit together, one sentence each.
+    /// Lists the flags that contradict each other, one sentence each.
     fn faults(&self) -> Vec<String> {
         let mut faults = Vec::from_iter(self.photo.sensor.fault());
         if self.is_drawing() {
@@ -173,10 +173,10 @@ fn photograph(args: &RenderArgs, console: &Console) -> Result<usize> {
     Ok(pictures)
 }
 
-/// A folder of pictures in the making.
+/// A staged folder of pictures.
 struct Album<'a> {
     folder: &'a Path,
-    /// A sequence keeps only pictures, a single photograph its buffers, too.
+    /// True for a sequence, which keeps only pictures; a single photograph keeps its buffers, too.
     is_sequence: bool,
     raster: Raster,
     sensor: Sensor,
@@ -189,7 +189,7 @@ impl<'a> Album<'a> {
         Self { folder, is_sequence, raster, sensor, shown: Vec::new(), records: Vec::new() }
     }
 
-    /// Files of the next picture and of its buffers.
+    /// Returns the file names of the next picture and of its buffers.
     fn names(&self) -> (String, Option<String>) {
         if self.is_sequence {
             return (format!("picture-{:04}.png", self.records.len()), None);
@@ -208,7 +208,7 @@ impl<'a> Album<'a> {
         })
     }
 
-    /// Writes the animation and the record; gives the number of pictures.
+    /// Writes the animation and the record; returns the number of pictures.
     fn finish(self, source: String, backend: String) -> Result<usize> {
         if self.is_sequence {
             let file = self.folder.join("animation.png");
@@ -245,7 +245,7 @@ impl PhotoFlags {
         Ok(scene)
     }
 
-    /// The flags that were given and that a drawing does not take.
+    /// Returns the given flags that do not apply to a drawing.
     fn given(&self) -> impl Iterator<Item = &'static str> {
         let flags = [
             (self.camera.is_some(), "--camera"),
@@ -268,7 +268,7 @@ impl PhotoFlags {
         };
         let (mut low, mut high) = surface_bounds(part)?;
         if self.turntable.is_some() {
-            // The cylinder that the part sweeps.
+            // The turning part sweeps a cylinder.
             let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
             let reach = half.truncate().length();
             (low, high) = (centre - DVec3::new(reach, reach, half.z), centre + DVec3::new(reach, reach, half.z));
@@ -285,7 +285,7 @@ impl PhotoFlags {
         Ok(Camera { distortion: self.sensor.distortion.unwrap_or_default(), ..camera })
     }
 
-    /// One photograph, or those of one turn about the upright axis through the part's middle.
+    /// Returns the views of one photograph, or of one turn about the vertical axis through the part's centre.
     fn turns<'a>(&self, part: &BrickGrid, scene: Scene<'a>, camera: Camera) -> Result<Vec<(Scene<'a>, Camera)>> {
         let Some(pictures) = self.turntable else { return Ok(vec![(scene, camera)]) };
         let (low, high) = surface_bounds(part)?;
@@ -303,7 +303,7 @@ fn surface_bounds(part: &BrickGrid) -> Result<(DVec3, DVec3)> {
     part.surface_bounds().or_else(|| part.near_surface_bounds()).context("the field holds no surface to draw")
 }
 
-/// The field to draw, and the weld that should be seen.
+/// Reads the field to draw, and the weld that should be visible.
 fn open(source: &Path) -> Result<(BrickGrid, Option<WeldTruth>)> {
     if source.is_dir() {
         if let Some(state) = kept_fields(source).ok().and_then(|mut states| states.pop()) {
@@ -330,7 +330,7 @@ fn read_field(source: &Path) -> Result<BrickGrid> {
     file.to_field().with_context(context)
 }
 
-/// `AZIMUTH,ELEVATION` [deg].
+/// Parses `AZIMUTH,ELEVATION` [deg].
 fn parse_camera(text: &str) -> Result<[f64; 2], String> {
     let angles = text.split_once(',').and_then(|(azimuth, elevation)| {
         let azimuth = azimuth.trim().parse().ok().filter(|azimuth: &f64| azimuth.is_finite())?;
@@ -349,7 +349,7 @@ fn parse_direction(text: &str) -> Result<DVec3, String> {
     direction.filter(is_one).ok_or_else(|| "X,Y,Z is expected, not all zero, for example 1,0,0".to_owned())
 }
 
-/// `WIDTHxHEIGHT` [pixels].
+/// Parses `WIDTHxHEIGHT` [pixels].
 pub(super) fn parse_size(text: &str) -> Result<(usize, usize), String> {
     let side = |text: &str| text.parse().ok().filter(|side| (16..=4096).contains(side));
     let size = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));

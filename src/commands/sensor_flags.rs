@@ -54,13 +54,13 @@ pub(super) struct SensorFlags {
 }
 
 impl SensorFlags {
-    /// Whether anything but the defaults was asked for.
+    /// Returns true if a flag differs from its default.
     pub(super) fn is_given(&self) -> bool {
         let Self { exposure, blur, full_well, read_noise, distortion, .. } = self;
         (*exposure, *blur, *read_noise) != (1.0, 0.0, 0.0) || full_well.is_some() || distortion.is_some()
     }
 
-    /// Flags that do not fit together, in a sentence; `None` if all do.
+    /// Returns the contradiction between flags as a sentence; `None` without one.
     pub(super) fn fault(&self) -> Option<String> {
         let noise = self.read_noise;
         (self.full_well.is_none() && noise != 0.0).then(|| {
@@ -68,7 +68,7 @@ impl SensorFlags {
         })
     }
 
-    /// The sensor asked for.
+    /// Returns the requested sensor.
     pub(super) fn sensor(&self) -> Sensor {
         Sensor {
             exposure: self.exposure as f32,

@@ -1,4 +1,4 @@
-//! `robofin simulate`: a trial as it was run, or passes along the weld of an asset.
+//! `robofin simulate`: simulates a trial as it was run, or passes along the weld of an asset.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,9 +23,9 @@ use study::snapshot::{Keeping, Resume, kept};
 use trial_simulation::Simulation;
 use trials::trial::Trial;
 
-/// Passes that are accepted; each takes seconds.
+/// Accepted numbers of passes; each takes seconds.
 const PASSES: [u64; 2] = [1, 200];
-/// Sizes of a wheel that are accepted [mm].
+/// Accepted sizes of a wheel [mm].
 const WHEEL_MM: [f64; 2] = [0.1, 1e3];
 
 #[derive(Debug, Args)]
@@ -87,7 +87,7 @@ pub(super) struct StateFlags {
 }
 
 impl StateFlags {
-    /// What to keep of a run of so many passes, and where it begins.
+    /// Returns the snapshots to keep in a run of `passes` passes, and the state to begin from.
     fn keeping(&self, passes: usize) -> Result<Keeping> {
         let resume = self.resume.as_ref().map(|folder| Resume::new(folder, self.after_pass, passes)).transpose()?;
         Ok(Keeping { snapshots: self.snapshot, resume })
@@ -142,7 +142,7 @@ pub(super) struct ProcessFlags {
 }
 
 impl ProcessFlags {
-    /// Refuses all that a trial states itself.
+    /// Refuses flags whose values a trial states itself.
     fn refuse_for_trial(&self, trial: &Path) -> Result<()> {
         let by_trial = "the trial states it";
         let by_model = "a trial takes it from --model";
@@ -161,12 +161,12 @@ impl ProcessFlags {
         refuse_all(given.map(fault).collect())
     }
 
-    /// The wheel asked for.
+    /// Returns the requested wheel.
     fn wheel(&self) -> Wheel {
         Wheel::cylinder(self.wheel_radius_mm.unwrap_or(50.0) * 1e-3, self.wheel_width_mm.unwrap_or(20.0) * 1e-3)
     }
 
-    /// The passes asked for.
+    /// Returns the requested passes.
     fn plan(&self) -> Plan {
         Plan {
             passes: self.passes.unwrap_or(2),
@@ -175,7 +175,7 @@ impl ProcessFlags {
         }
     }
 
-    /// The base law asked for, as in a model file.
+    /// Returns the text of the requested base law, in the format of a model file.
     fn law(&self) -> String {
         let (stiffness, grind_rate) = (self.stiffness.unwrap_or(1e10), self.grind_rate.unwrap_or(1e-9));
         let threshold = self.threshold_mpa.unwrap_or(0.0);
@@ -186,7 +186,7 @@ impl ProcessFlags {
     }
 }
 
-/// The answer of `simulate --json`: the figures, and what this run took.
+/// The answer of `simulate --json`: the results, and the time of this run.
 #[derive(Serialize)]
 struct SimulateAnswer<'a> {
     out: &'a Path,
@@ -219,7 +219,7 @@ struct BatchAnswer<'a> {
 }
 
 impl SimulateArgs {
-    /// All that a run reads.
+    /// Returns all input paths of a run.
     fn inputs(&self) -> Vec<&Path> {
         let others = [&self.batch, &self.state.resume].into_iter().flatten().map(PathBuf::as_path);
         self.model.inputs(&self.folder).into_iter().chain(others).collect()
@@ -264,7 +264,7 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     console.answer(&TrialAnswer { out, notes, backend, real_time_factor, summary })
 }
 
-/// The trial under every parameter set of a table.
+/// Simulates the trial with every parameter set of a table.
 fn run_batch(
     (runs, folder): (&[BatchRun], StagedFolder),
     simulation: &Simulation,

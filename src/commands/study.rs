@@ -1,4 +1,4 @@
-//! `robofin study`: compare, calibrate, diagnose, add, calibrate again, until nothing more can be found.
+//! `robofin study`: compares, calibrates, diagnoses, adds effects and repeats until nothing more is found.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -20,11 +20,11 @@ use study::{
 };
 use study::{MODEL_WITH_PROPOSAL, NEXT_TRIAL_NAMES as NEXT, StudyReport, write_next_trial, write_proposal};
 
-/// The model's file in a study's folder.
+/// Name of the model's file in a study's folder.
 const MODEL_FILE: &str = "model.toml";
 /// Files of a study beside its record.
 pub(super) const STUDY_NAMES: &[&str] = &[MODEL_FILE, "report.html", MODEL_WITH_PROPOSAL];
-/// The folder of a study.
+/// Kind of a study's folder.
 const STUDY: FolderKind = FolderKind {
     marker: STUDY_FILE,
     key: "measurements_sha256",
@@ -83,14 +83,14 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
     console.answer(&course.record)
 }
 
-/// A study that begins.
+/// Starts a study.
 fn begun<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<StudyState<'a>> {
     let record = StudyRecord::new(inputs_sha256(&args.campaign)?, args.seed);
     let model = args.model.model(data.evidence().process(), library)?;
     Ok(StudyState::new(data, library, model, record)?)
 }
 
-/// A study that goes on from its folder.
+/// Continues a study from its folder.
 fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result<StudyState<'a>> {
     let out = &args.out.out;
     if args.model.model.is_some() {
@@ -106,7 +106,7 @@ fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result
     Ok(StudyState::new(data, library, model, record)?)
 }
 
-/// Does the next step, or all steps to the end, says what each did, and lets `note` keep it.
+/// Does the next step, or all steps to the end; reports each, and lets `note` store it.
 pub(super) fn advance(
     course: &mut StudyState,
     one: bool,
@@ -134,7 +134,7 @@ pub(super) fn advance(
     Ok(())
 }
 
-/// Says within a minute what can be said so soon, and how long the rest will take.
+/// Reports a first answer within a minute, and the expected duration of the rest.
 fn first_answer(course: &mut StudyState, console: &Console) -> Result<()> {
     let started = Instant::now();
     course.simulate_once()?;
@@ -167,7 +167,7 @@ fn write(course: &mut StudyState, folder: StagedFolder, library: &Library, conso
     Ok(())
 }
 
-/// Writes the files of a study into a folder; returns the report that its page shows.
+/// Writes the files of a study into a folder; returns the report shown on its page.
 pub(super) fn write_files(
     course: &mut StudyState,
     folder: &Path,

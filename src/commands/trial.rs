@@ -19,9 +19,9 @@ use crate::wrong_use;
 use virtual_lab::write::{ANSWER_FILE, Places, SEAL_FILE, key_place, unseal, write_into};
 use virtual_lab::{Choice, Experiment, FrontEnd, Hidden, Key, Made, MakeError, Plan, Size};
 
-/// Heading of the help for what measurements hide.
+/// Heading of the help for hidden effects.
 const HIDDEN: &str = "Hidden";
-/// Trials that are accepted; each takes seconds.
+/// Accepted numbers of trials; each takes seconds.
 const TRIALS: [u64; 2] = [1, 64];
 
 #[derive(Debug, Args)]
@@ -57,7 +57,7 @@ enum Action {
 struct SynthArgs {
     #[command(flatten)]
     out: OutFlags,
-    /// What the tool does.
+    /// Process of the trials.
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     process: ProcessFlag,
     /// Effect to hide; may be given several times. Parameters that are not given get a visible size; of one per pass or scan the value
@@ -75,7 +75,7 @@ struct SynthArgs {
     /// Encrypt the answer; the key goes to a file beside the folder.
     #[arg(long, help_heading = HIDDEN)]
     sealed: bool,
-    /// How the passes differ.
+    /// Plan of the passes.
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     plan: PlanFlag,
     /// Number of trials [default: 1 for the plan paper, else 4].
@@ -87,7 +87,7 @@ struct SynthArgs {
         help_heading = "Measurements"
     )]
     trials: Option<usize>,
-    /// How large workpieces and scans are.
+    /// Size of workpieces and scans.
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     size: SizeFlag,
     /// Errors of scanner, robot and tool besides the hidden effects.
@@ -145,7 +145,7 @@ struct UnsealArgs {
     key: PathBuf,
 }
 
-/// The answer of `trial synth --json`; it does not tell what is hidden.
+/// The answer of `trial synth --json`; it does not reveal the hidden effects.
 #[derive(Serialize)]
 struct SynthAnswer<'a> {
     out: &'a Path,
@@ -275,7 +275,7 @@ fn open(args: &UnsealArgs, console: &Console) -> Result<()> {
     console.answer(&UnsealAnswer { measurements_unchanged, answer: unsealed.answer })
 }
 
-/// An effect with its parameters in one line.
+/// Describes an effect with its parameters in one line.
 fn shown(effect: &Value) -> String {
     let parameter = |(name, quantity): (&String, &Value)| {
         let values: Vec<&str> = quantity["values"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();

@@ -1,4 +1,4 @@
-//! `robofin trial init` and `trial check`: from a folder of scans and logs to a trial.
+//! `robofin trial init` and `trial check`: make a trial from a folder of scans and logs.
 
 use std::path::{Path, PathBuf};
 
@@ -15,9 +15,9 @@ use trials::init::guess;
 use trials::measure::ScanNoise;
 use trials::trial::{Campaign, Checked, TRIAL_FILE, Trial};
 
-/// The file by which a result folder is known.
+/// File that marks a result folder.
 const CHECK_FILE: &str = "check.json";
-/// The result folder.
+/// Kind of the result folder.
 const CHECK: FolderKind = FolderKind { marker: CHECK_FILE, key: "usable", names: &[("", &["report.html"])] };
 
 #[derive(Debug, Args)]
@@ -53,7 +53,7 @@ struct CheckAnswer {
     trials: Vec<Summary>,
 }
 
-/// Looks at a folder and writes its `trial.toml`.
+/// Inspects a folder and writes its `trial.toml`.
 pub(super) fn init(args: &InitArgs, console: &Console) -> Result<()> {
     let file = args.folder.join(TRIAL_FILE);
     if !args.print && file.exists() {
@@ -75,7 +75,7 @@ pub(super) fn init(args: &InitArgs, console: &Console) -> Result<()> {
     console.answer(&InitAnswer { file: &file, seen: &guess.seen, open: &guess.open, text: &guess.text })
 }
 
-/// Checks trials and draws them.
+/// Checks trials and draws their data.
 pub(super) fn check(args: &CheckArgs, console: &Console) -> Result<()> {
     let folder = StagedFolder::new(&args.out.beside(&[&args.folder]), &CHECK)?;
     let checked =

@@ -1,4 +1,4 @@
-//! `robofin try`: one hypothesis beside the current model of a campaign, from a formula, a file or the library.
+//! `robofin try`: fits one hypothesis beside the current model of a campaign, from a formula, a file or the library.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -96,8 +96,8 @@ pub(super) fn run(args: &TryArgs, console: &Console) -> Result<()> {
     })
 }
 
-/// The current model: of the ledger, or that of the flags where the ledger is empty; its number, and whether its values come
-/// from a fit.
+/// Returns the current model: of the ledger, or that of the flags if the ledger is empty; with its number, and true if
+/// its values come from a fit.
 fn current(args: &TryArgs, ledger: &Ledger, data: &Data, library: &Library) -> Result<(usize, Model, bool)> {
     let process = data.evidence().process();
     let Some(standing) = ledger.current() else {

@@ -1,4 +1,4 @@
-//! `robofin validate`: is this asset, or this data set, whole and consistent?
+//! `robofin validate`: checks that an asset, or a data set, is complete and consistent.
 
 use std::path::{Path, PathBuf};
 
@@ -67,7 +67,7 @@ pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
     validate_asset(&args.folder, args.usd, console)
 }
 
-/// Format of the data set that a folder is.
+/// Reads the format of the data set in a folder.
 fn format_of(folder: &Path) -> Option<String> {
     let marker: Value = read_json(&folder.join(MARKER_FILE), "a mark").ok()?;
     Some(marker.get("format")?.as_str()?.to_owned())

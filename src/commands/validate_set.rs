@@ -24,7 +24,8 @@ struct SetAnswer<'a> {
     validation: &'a SetValidation,
 }
 
-/// `from`: where sources are searched for a repair, instead of where they were.
+/// Validates a data set, and repairs it on request. `from` names the folders searched for sources in a repair, instead
+/// of the original ones.
 pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: usize, console: &Console) -> Result<()> {
     let dataset = Dataset::open(folder)?;
     let mut found = look(&dataset, jobs, console)?;
@@ -35,7 +36,7 @@ pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: u
     conclude(folder, repair, &found, console)
 }
 
-/// Answers what was found at last.
+/// Reports the final result.
 pub(super) fn conclude(folder: &Path, repair: bool, found: &SetValidation, console: &Console) -> Result<()> {
     console.answer(&SetAnswer { dataset: folder, valid: found.holds(), validation: found })?;
     let SetValidation { items, checks, broken, catalogue } = found;
@@ -51,7 +52,7 @@ fn look(dataset: &Dataset, jobs: usize, console: &Console) -> Result<SetValidati
     tell(dataset.ids()?.len(), console, |done| check(dataset, jobs, done))
 }
 
-/// Tells of each of so many items in which `check` finds faults.
+/// Reports each item in which `check` finds faults.
 pub(super) fn tell(
     items: usize,
     console: &Console,
@@ -68,7 +69,7 @@ pub(super) fn tell(
     Ok(found)
 }
 
-/// Makes broken items anew, then the catalogue.
+/// Makes broken items again, then the catalogue.
 fn mend(
     dataset: &Dataset,
     found: &SetValidation,

@@ -1,10 +1,10 @@
-//! Readers of the values of flags, with one message for all that a flag does not accept.
+//! Parsers of flags' values, with one form of message for values that are not accepted.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// Reads one of the values of a library's enumeration.
+/// Parses a value of a library's enumeration.
 ///
-/// - `known`: name and meaning of each
+/// - `known`: name and meaning of each value
 pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     known: impl Fn(T) -> [&'static str; 2] + Clone + Send + Sync + 'static,
@@ -15,7 +15,7 @@ pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// Reads a whole number between bounds, both included.
+/// Parses a whole number between bounds, both included.
 pub(super) fn whole<T: TryFrom<u64>>(
     [least, most]: [u64; 2],
 ) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync {
@@ -28,19 +28,19 @@ pub(super) fn whole<T: TryFrom<u64>>(
     }
 }
 
-/// Reads a number between bounds, both included.
+/// Parses a number between bounds, both included.
 pub(super) fn number([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
     move |text| {
         accepted(text, &format!("from {} to {}", shown(least), shown(most)), |number| (least..=most).contains(&number))
     }
 }
 
-/// Reads a finite number above zero.
+/// Parses a finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     accepted(text, "above zero", |number| number > 0.0 && number.is_finite())
 }
 
-/// Reads a number, or two with `..` between: a range to draw from, both ends included. Both are read as `end` says.
+/// Parses a number, or two with `..` between: a range to draw from, both ends included. `end` parses each number.
 pub(super) fn range(
     end: impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync,
 ) -> impl Fn(&str) -> Result<[f64; 2], String> + Clone + Send + Sync {
@@ -61,7 +61,7 @@ fn accepted(text: &str, range: &str, is_accepted: impl Fn(f64) -> bool) -> Resul
     }
 }
 
-/// A bound in few digits.
+/// Formats a bound with few digits.
 fn shown(bound: f64) -> String {
     if bound == 0.0 || (1e-3..1e5).contains(&bound.abs()) { format!("{bound}") } else { format!("{bound:e}") }
 }

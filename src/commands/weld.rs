@@ -1,4 +1,4 @@
-//! `robofin weld`: from a mesh file to an asset folder.
+//! `robofin weld`: makes an asset folder from a mesh file.
 
 use std::path::{Path, PathBuf};
 
@@ -17,9 +17,9 @@ use crate::part::Part;
 use crate::workpiece::{WeldWishes, WeldingOptions, weld_part};
 use files::folder::StagedFolder;
 
-/// Heading of the help for where a weld runs.
+/// Heading of the help for the weld's curve.
 const CURVE: &str = "Curve";
-/// Heading of the help for what gets at a weld.
+/// Heading of the help for exposure and tool access.
 const ACCESS: &str = "Exposure and access";
 
 /// Example: robofin weld part.obj --out out/part --seed 7
@@ -49,7 +49,8 @@ pub(super) struct WeldArgs {
     wishes: WeldFlags,
 }
 
-/// What is fixed of the weld; the rest is chosen for the part. Ranges are written `40..80`; the seed draws from them.
+/// Requested properties of the weld; the others are chosen for the part. Ranges are written `40..80`; the seed draws
+/// from them.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct WeldFlags {
     /// Preset of length, curvature and exposure; each can be fixed beside it.
@@ -138,7 +139,7 @@ pub(super) struct WeldFlags {
         help_heading = ACCESS
     )]
     min_exposure: Option<f64>,
-    /// What lies farther hides nothing [mm] [default: a quarter of the part's diagonal].
+    /// Length of exposure rays: geometry farther away does not shade [mm] [default: a quarter of the part's diagonal].
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, help_heading = ACCESS)]
     exposure_reach_mm: Option<f64>,
     /// Tool whose access to the weld is measured.
@@ -175,7 +176,7 @@ pub(super) struct WeldFlags {
     min_access: Option<f64>,
 }
 
-/// How hard the weld is to finish.
+/// Difficulty of finishing the weld.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum DifficultyFlag {
     /// Short, nearly straight, in the open.
@@ -187,7 +188,7 @@ enum DifficultyFlag {
     Hard,
 }
 
-/// Where the weld runs.
+/// Placement of the weld.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum PlaceFlag {
     /// On smooth ground.
@@ -201,7 +202,7 @@ enum PlaceFlag {
     Mixed,
 }
 
-/// What touches the weld.
+/// Tool for the access to the weld.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum AccessToolFlag {
     /// A wheel on its rim.
@@ -266,7 +267,7 @@ impl WeldFlags {
 struct WeldAnswer<'a> {
     asset: &'a Path,
     seconds: f64,
-    /// What is implausible, or short of what was asked.
+    /// Warnings on implausible or unmet properties.
     warnings: Vec<String>,
     #[serde(flatten)]
     manifest: Manifest,

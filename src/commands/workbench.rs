@@ -1,4 +1,4 @@
-//! `robofin workbench`: a page on which one sees where a model fails, tries a cause, and watches the error fall.
+//! `robofin workbench`: a page on which users see where a model fails, try a cause, and watch the error fall.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -64,7 +64,7 @@ pub(super) fn run(args: &WorkbenchArgs, console: &Console) -> Result<()> {
     Ok(bench.run()?)
 }
 
-/// 128 bits that nobody guesses, in hexadecimal digits.
+/// Draws a random token of 128 bits, in hexadecimal digits.
 fn token() -> Result<String> {
     let mut bits = [0; 16];
     SysRng.try_fill_bytes(&mut bits).context("the system gives no random numbers for a token")?;
