@@ -11,8 +11,8 @@ use crate::wrong_use;
 /// Choice of the backend.
 #[derive(Clone, Debug, Args)]
 pub(super) struct BackendFlags {
-    /// Where it runs: `auto` takes a graphics processor where there is a real one, else the CPU; `gpu` any adapter, software
-    /// drivers included.
+    /// Where it runs: `auto` takes a graphics processor where there is a real one, else the CPU; `gpu` any adapter,
+    /// software drivers included.
     #[arg(long, value_name = "auto|cpu|gpu", default_value = "auto")]
     backend: BackendChoice,
 }

@@ -52,8 +52,8 @@ struct DiagnoseArgs {
     /// Folder for the cases and the tables; finished cases in it are kept.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Families: N nothing hidden, S one effect, L one left out of the library, U outside it, H hard front ends, A absorbed, D
-    /// two, P two equal passes, W a few effects for their detectable size.
+    /// Families: N nothing hidden, S one effect, L one left out of the library, U outside it, H hard front ends, A
+    /// absorbed, D two, P two equal passes, W a few effects for their detectable size.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = FamilyFlag::ALL)]
     families: Vec<FamilyFlag>,
     /// Cases of each family.

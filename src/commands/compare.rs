@@ -38,8 +38,8 @@ pub(super) struct CompareArgs {
     pub(super) campaign: PathBuf,
     #[command(flatten)]
     pub(super) out: OutFlags,
-    /// Model file: base law, effects and their parameters [default: the base law of the process]. Two compare both with the
-    /// same data, block by block.
+    /// Model file: base law, effects and their parameters [default: the base law of the process]. Two compare both with
+    /// the same data, block by block.
     #[arg(long = "model", value_name = "FILE")]
     models: Vec<PathBuf>,
     #[command(flatten)]

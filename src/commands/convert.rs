@@ -26,8 +26,8 @@ const CONVERTED: FileKind = FileKind { what: "a converted file", is_own: |_| fal
 pub(super) struct ConvertArgs {
     /// A scan in any format, or a program: G-code, KRL (.src), RAPID, URScript or a list of poses.
     input: PathBuf,
-    /// File to make: a scan as .sur, .x3p or .asc; a program as .csv, a path as `robofin path` writes it, or as .nc, .src,
-    /// .mod, .script or .pose [default: only tell what is in the input].
+    /// File to make: a scan as .sur, .x3p or .asc; a program as .csv, a path as `robofin path` writes it, or as .nc,
+    /// .src, .mod, .script or .pose [default: only tell what is in the input].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Force setpoint of the moves of a program that have a speed of their own [N].

@@ -56,8 +56,8 @@ pub(super) struct SimulateArgs {
     /// Write what each pixel of a trial's scan went through: pressure, time, sliding, removal, as CSV maps.
     #[arg(long, help_heading = "Trial")]
     covariates: bool,
-    /// Table of parameter sets for a trial (CSV: name, then parameters as effect.parameter in their own units); one JSON
-    /// line for each.
+    /// Table of parameter sets for a trial (CSV: name, then parameters as effect.parameter in their own units); one
+    /// JSON line for each.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["covariates", "snapshot", "resume"], help_heading = "Trial")]
     batch: Option<PathBuf>,
     #[command(flatten, next_help_heading = "States")]

@@ -60,8 +60,8 @@ struct SynthArgs {
     /// Process of the trials.
     #[arg(long, value_enum, default_value_t, help_heading = "Measurements")]
     process: ProcessFlag,
-    /// Effect to hide; may be given several times. Parameters that are not given get a visible size; of one per pass or scan the value
-    /// is the standard deviation [default: none].
+    /// Effect to hide; may be given several times. Parameters that are not given get a visible size; of one per pass or
+    /// scan the value is the standard deviation [default: none].
     #[arg(
         long = "effect",
         value_name = "NAME[:PARAMETER=VALUE,...]",
