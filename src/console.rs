@@ -1,4 +1,5 @@
-//! What people and machines see: sentences and bars on standard error, one JSON object on standard output, or one a line.
+//! Output of the program: messages and progress bars on standard error; one JSON object, or one a line, on standard
+//! output.
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,7 +9,7 @@ use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-/// A long work that tells how far it is.
+/// Progress of long work.
 pub struct Progress {
     about: String,
     bar: ProgressBar,
@@ -17,7 +18,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// `done` of `all` parts are done; `what` is the last of them.
+    /// Reports that `done` of `all` parts are done; `what` is the last of them.
     pub fn tell(&self, what: &str, done: usize, all: usize) {
         self.bar.set_position((100 * done / all.max(1)) as u64);
         let quarter = 4 * done / all.max(1);
@@ -34,7 +35,7 @@ impl Drop for Progress {
     }
 }
 
-/// The outcome of writing to standard output: no fault where the reader closed it.
+/// Ignores a broken pipe on standard output, which means that the reader closed it.
 fn unless_closed(written: std::io::Result<()>) -> Result<()> {
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
@@ -42,8 +43,8 @@ fn unless_closed(written: std::io::Result<()>) -> Result<()> {
     }
 }
 
-/// The program's voice. A verb makes one and lends it to the long works of this crate; the other crates report by values
-/// and callbacks.
+/// Console of the program. A verb makes one and lends it to the long work of this crate; the other crates report
+/// through return values and callbacks.
 pub struct Console {
     json: bool,
     bars: bool,
@@ -51,22 +52,22 @@ pub struct Console {
 }
 
 impl Console {
-    /// `json`: whether the answer is one JSON object on standard output, or one a line.
+    /// Makes a console; `json` is true for JSON answers on standard output.
     pub fn new(json: bool) -> Self {
         Self { json, bars: std::io::stderr().is_terminal(), steps: true }
     }
 
-    /// Says nothing, neither to people nor to machines.
+    /// Makes a console without any output.
     pub fn silent() -> Self {
         Self { json: false, bars: false, steps: false }
     }
 
-    /// Whether it tells steps of the work.
+    /// Returns true if steps of the work are reported.
     pub fn tells_steps(&self) -> bool {
         self.steps
     }
 
-    /// One step of the work, in one line: what it is about, and what came out.
+    /// Reports one step of the work: its subject, and the outcome.
     pub fn step(&self, about: &str, outcome: impl AsRef<str>) {
         if !self.steps {
             return;
@@ -78,11 +79,11 @@ impl Console {
         }
     }
 
-    /// A result that people asked to see, laid out like a step: on standard output, or on standard error where the
-    /// machine's answer goes to the output. Who closes the output has seen enough.
+    /// Prints a result in the layout of a step: on standard output, or on standard error if standard output carries
+    /// JSON. A closed output is no error.
     ///
     /// # Errors
-    /// When standard output cannot be written.
+    /// If standard output cannot be written.
     pub fn result(&self, about: &str, text: impl AsRef<str>) -> Result<()> {
         if self.json {
             self.step(about, text);
@@ -94,10 +95,10 @@ impl Console {
         unless_closed(lines.try_for_each(|(line, about)| writeln!(out, "{about:>10}  {line}")))
     }
 
-    /// A text for another program, as it is, on standard output; nothing where the machine's answer goes there.
+    /// Prints a text for another program unchanged on standard output; nothing if standard output carries JSON.
     ///
     /// # Errors
-    /// When standard output cannot be written.
+    /// If standard output cannot be written.
     pub fn document(&self, text: &str) -> Result<()> {
         if self.json {
             return Ok(());
@@ -105,7 +106,7 @@ impl Console {
         unless_closed(std::io::stdout().lock().write_all(text.as_bytes()))
     }
 
-    /// A bar on a terminal, nothing in a pipe.
+    /// Makes a progress bar on a terminal; a hidden one in a pipe.
     pub fn bar(&self, about: &str, length: u64) -> ProgressBar {
         if !self.bars {
             return ProgressBar::hidden();
@@ -121,16 +122,16 @@ impl Console {
         bar
     }
 
-    /// How far a long work is: a bar on a terminal, a line for each quarter in a pipe.
+    /// Makes a progress report: a bar on a terminal, a line for each quarter in a pipe.
     pub fn progress(&self, about: &str) -> Progress {
         let started = Instant::now();
         Progress { about: about.to_owned(), bar: self.bar(about, 100), started, quarters: AtomicUsize::new(0) }
     }
 
-    /// One of several answers to the machine, as one line of JSON, if it was asked for.
+    /// Prints one of several answers as one line of JSON, if JSON was requested.
     ///
     /// # Errors
-    /// When the value cannot be written as JSON or standard output is closed.
+    /// If the value cannot be written as JSON or standard output is closed.
     pub fn answer_line(&self, value: &impl Serialize) -> Result<()> {
         if self.json {
             let mut out = std::io::stdout().lock();
@@ -140,10 +141,10 @@ impl Console {
         Ok(())
     }
 
-    /// The machine's answer, if it was asked for.
+    /// Prints the answer as JSON, if JSON was requested.
     ///
     /// # Errors
-    /// When the value cannot be written as JSON or standard output is closed.
+    /// If the value cannot be written as JSON or standard output is closed.
     pub fn answer(&self, value: &impl Serialize) -> Result<()> {
         if self.json {
             let mut out = std::io::stdout().lock();

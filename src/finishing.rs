@@ -1,4 +1,4 @@
-//! Grinding the weld of an asset: planned passes along its centreline, and what they leave.
+//! Grinds the weld of an asset in planned passes along its centreline, and reports the result.
 
 mod passes;
 
@@ -32,10 +32,10 @@ use study::snapshot::{Keeping, STATE_NAMES};
 
 /// Name of the result file in a grinding folder.
 pub const GRIND_FILE: &str = "grind.json";
-/// Files of a grinding folder beside its figures.
+/// Other files of a grinding folder.
 pub const GROUND_NAMES: &[&str] =
     &["ground.nvdb", "pass-*.csv", "before.png", "after.png", "removed.png", "sheet.png", PAGE_FILE];
-/// The folder of a grinding.
+/// Kind of a grinding folder.
 pub const GROUND: FolderKind =
     FolderKind { marker: GRIND_FILE, key: "asset_sha256", names: &[("", GROUND_NAMES), ("", STATE_NAMES)] };
 /// Name of the page in a grinding folder.
@@ -50,7 +50,7 @@ pub struct Plan {
     pub force_setpoint: f64,
     /// Speed along the weld [m/s].
     pub feed: f64,
-    /// Passes, to and fro.
+    /// Number of passes, to and fro.
     pub passes: u32,
 }
 
@@ -70,16 +70,16 @@ pub struct Grinding {
     pub model: CompiledModel,
 }
 
-/// Backend that runs passes, and the console to which it reports.
+/// Backend for passes, and the console for reports.
 #[derive(Clone, Copy)]
 pub struct Executor<'a> {
-    /// The graphics processor; `None` for the CPU.
+    /// GPU; `None` for the CPU.
     pub device: Option<&'a Device>,
-    /// Progress and results for people.
+    /// Console for progress and results.
     pub console: &'a Console,
 }
 
-/// A weld that has been ground.
+/// A ground weld.
 pub struct Ground {
     /// Source of the part.
     pub source: Source,
@@ -99,15 +99,15 @@ pub struct Ground {
     pub after: BrickGrid,
     /// One record for each pass.
     pub passes: Vec<PassRecord>,
-    /// Volume that the field lost in each pass [m³].
+    /// Volume lost by the field in each pass [m³].
     pub lost: Vec<f64>,
-    /// Weld metal that still stands above the part [m³].
+    /// Weld metal left above the part [m³].
     pub weld_left: f64,
-    /// Base metal that was ground away [m³]: what was removed less what the weld lost; rounding below zero is cut.
+    /// Removed base metal [m³]: total removal minus the weld's loss, cut at zero because of rounding.
     pub base_removed: f64,
-    /// Time the simulation took [s].
+    /// Computing time [s].
     pub seconds: f64,
-    /// Why it ended before its last pass.
+    /// Reason why the run ended before its last pass.
     pub stopped: Option<Error>,
 }
 
@@ -124,11 +124,11 @@ pub struct GrindSummary {
     model: BTreeMap<String, String>,
     /// Volume lost by the field in each pass [mm³].
     pub removed_mm3: Vec<f64>,
-    /// Volume that Eq. (1) asks for, integrated over the contact [mm³].
+    /// Volume removed by Eq. (1), integrated over the contact [mm³].
     pub removed_by_law_mm3: Vec<f64>,
-    /// ∫ F dt of each pass [N s].
+    /// Impulse ∫ F dt of each pass [N s].
     pub impulse_ns: Vec<f64>,
-    /// ∫∫ p dA dt of each pass [N s]: without a threshold, k times this is removed.
+    /// Load impulse ∫∫ p dA dt of each pass [N s]; without a threshold, k times this is removed.
     pub load_impulse_ns: Vec<f64>,
     /// Root mean square of force minus setpoint in contact [N].
     pub force_rms_error_n: Vec<f64>,
@@ -136,26 +136,26 @@ pub struct GrindSummary {
     pub pressure_max_mpa: Vec<f64>,
     /// Simulated time of each pass [s].
     pub duration_s: Vec<f64>,
-    /// Steps of all passes.
+    /// Number of steps in all passes.
     pub steps: usize,
     /// Weld metal above the part before grinding [mm³].
     pub weld_mm3: f64,
     /// Weld metal above the part after grinding [mm³].
     pub weld_left_mm3: f64,
-    /// Base metal ground away [mm³].
+    /// Removed base metal [mm³].
     pub base_removed_mm3: f64,
-    /// Why the run ended before its last pass; absent where it did not.
+    /// Reason why the run ended before its last pass; absent if it did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     stopped: Option<String>,
 }
 
-/// Grinds the first weld of an asset along its centreline, pass after pass to and fro.
+/// Grinds the first weld of an asset along its centreline, in passes to and fro.
 ///
-/// - `keeping`, `folder`: which states are kept, and where; see [`crate::snapshot`]
+/// - `keeping`, `folder`: states to keep, and their folder; see [`crate::snapshot`]
 ///
 /// # Errors
-/// When the asset or a state cannot be read, a setting does not fit it, or its first pass fails. A later pass that fails is
-/// no error: [`Ground::stopped`] tells of it.
+/// If the asset or a state cannot be read, a setting does not fit it, or the first pass fails. A later pass that fails
+/// is not an error; it is reported in [`Ground::stopped`].
 pub fn grind_asset(
     asset: &Path,
     grinding: Grinding,
@@ -207,7 +207,7 @@ pub fn grind_asset(
     })
 }
 
-/// A wheel smaller than a voxel falls between the voxels.
+/// Checks the wheel's size: a wheel smaller than a voxel falls between the voxels.
 fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
     for (flag, size) in [("--wheel-radius-mm", wheel.radius), ("--wheel-width-mm", wheel.width)] {
         ensure!(
@@ -220,7 +220,7 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
     Ok(())
 }
 
-/// All that a state of a ground weld depends on.
+/// Collects all inputs that the state of a ground weld depends on.
 fn origin(asset_sha256: &str, Grinding { wheel, plan, model }: &Grinding) -> Origin {
     let mut origin = model_origin(model);
     origin.insert("asset".into(), asset_sha256.to_owned());
@@ -230,7 +230,7 @@ fn origin(asset_sha256: &str, Grinding { wheel, plan, model }: &Grinding) -> Ori
     origin
 }
 
-/// Parameters of a model as `effect.parameter` and value with unit.
+/// Lists the parameters of a model as `effect.parameter` and value with unit.
 pub fn model_facts(model: &CompiledModel) -> Vec<(String, String)> {
     let value = |(i, slot): (usize, &effects::ParameterSlot)| {
         (slot.name(), format!("{} {}", slot.unit.from_si(model.value(i)), slot.unit_text))
@@ -238,7 +238,7 @@ pub fn model_facts(model: &CompiledModel) -> Vec<(String, String)> {
     model.parameters().iter().enumerate().map(value).collect()
 }
 
-/// What a run left of the weld and took of the part, for people.
+/// Describes the remaining weld metal and the removed base metal.
 pub fn describe_rest(ground: &Ground) -> String {
     format!(
         "{:.2} of {:.2} mm³ of weld metal left, {:.3} mm³ of base metal ground away",
@@ -249,12 +249,12 @@ pub fn describe_rest(ground: &Ground) -> String {
 }
 
 impl Ground {
-    /// Simulated time by the time that the simulation took.
+    /// Returns simulated time over computing time.
     pub fn real_time_factor(&self) -> f64 {
         self.passes.iter().map(|pass| pass.duration).sum::<f64>() / self.seconds
     }
 
-    /// The figures of the run; they do not depend on the machine.
+    /// Returns the results of the run; they do not depend on the machine.
     pub fn summary(&self) -> GrindSummary {
         let each = |figure: fn(&PassRecord) -> f64| self.passes.iter().map(figure).collect();
         GrindSummary {
@@ -282,10 +282,10 @@ impl Ground {
     }
 }
 
-/// Writes a grinding folder: the field, a log for each pass, pictures, figures, the page. Returns the page.
+/// Writes a grinding folder: the field, a log for each pass, pictures, results, the page. Returns the page.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Console) -> Result<String> {
     let place = |name: &str| staged.path().join(name);
     let grids = [
@@ -314,7 +314,7 @@ pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Cons
     Ok(page)
 }
 
-/// A pass log in the columns of the trial format, with the approach axis.
+/// Returns a pass log in the columns of the trial format, with the approach axis.
 pub fn log_csv(rows: &[LogRow]) -> String {
     let mut text = String::from("t_s,x_mm,y_mm,z_mm,force_n,spindle_rpm,nx,ny,nz\n");
     for row in rows {

@@ -1,4 +1,4 @@
-//! The data set's own README: what is in it, how it was made, what it lacks.
+//! README of a data set: contents, method and failures.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -8,10 +8,10 @@ use super::difficulty::Difficulty;
 use super::row::Seen;
 use crate::store::Failure;
 
-/// A row of the table of figures: its name, and where its values are.
+/// A row of the table of statistics: its name, and a function that reads its value.
 type Figure = (&'static str, fn(&Seen) -> f64);
 
-/// Writes the card in Markdown.
+/// Writes the README in Markdown.
 pub(super) fn write(recipe: &Recipe, items: &[Seen], failures: &[Failure]) -> String {
     let parts: BTreeSet<&str> = items.iter().map(|item| item.row.source_sha256.as_str()).collect();
     let mut text = format!(

@@ -1,4 +1,4 @@
-//! The files that describe a data set; each follows from the marker, the items and the failures.
+//! Files that describe a data set; all follow from the marker, the items and the failures.
 
 use std::collections::BTreeMap;
 
@@ -11,11 +11,11 @@ use crate::asset::FileRecord;
 use crate::store::Failure;
 use crate::store::catalogue::{CARD_FILE, CONTACT_FILE, Catalogue, Described, FAILURES_FILE, lines};
 
-/// One line of JSON for each item.
+/// Name of the catalogue with one line of JSON for each item.
 pub const ROWS_FILE: &str = "manifest.jsonl";
-/// The same as a table.
+/// Name of the same catalogue as a table.
 pub const TABLE_FILE: &str = "manifest.csv";
-/// For machines that look for data sets.
+/// Name of the metadata for search engines of data sets.
 pub const CROISSANT_FILE: &str = "croissant.json";
 
 impl Described for Recipe {

@@ -1,4 +1,4 @@
-//! Holding a data set against itself: every item rehashed and rechecked, the catalogue made again and compared.
+//! Check of a data set: every item is hashed and validated again, the catalogue is made again and compared.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -21,24 +21,24 @@ use crate::store::{self, remove};
 use crate::validate::validate;
 use files::file_lock::Patience;
 
-/// Checks all items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they come in.
+/// Checks all items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they arrive.
 ///
 /// # Errors
-/// When a folder cannot be read, or `done` fails.
+/// If a folder cannot be read, or `done` fails.
 pub fn check(dataset: &Dataset, jobs: usize, done: impl FnMut(&str, &[String]) -> Result<()>) -> Result<SetValidation> {
     let ids: BTreeSet<String> = listed(dataset).into_iter().chain(dataset.ids()?).collect();
     let items: Vec<(String, ())> = ids.into_iter().map(|id| (id, ())).collect();
     store::check::check(dataset, jobs, &items, |id, ()| check_item(dataset, id), done)
 }
 
-/// Names of the items that the manifest lists, as far as it can be read.
+/// Returns the names of the items in the catalogue, as far as it can be read.
 fn listed(dataset: &Dataset) -> BTreeSet<String> {
     let text = input::read(&dataset.folder().join(ROWS_FILE), MOST_TEXT_BYTES).unwrap_or_default();
     let rows = text.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice::<Row>(line).ok());
     rows.map(|row| row.id).filter(|id| index_of(id).is_some()).collect()
 }
 
-/// How many checks were made of an item, and what they found.
+/// Checks an item; returns the number of checks, and the faults found.
 fn check_item(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
     let folder = dataset.asset_folder(id);
     if !folder.is_dir() {
@@ -52,7 +52,7 @@ fn check_item(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
         let faults = failed.map(|check| format!("{}: {}: {}", check.file, check.rule, check.found)).collect();
         Ok((checks.len() + 1, faults))
     };
-    // A file made to bring down the one who opens it is a fault of that item.
+    // A panic on a hostile file is a fault of that item.
     match catch_unwind(AssertUnwindSafe(checked)) {
         Ok(Ok(found)) => found,
         Ok(Err(error)) => (1, vec![in_full(&error)]),
@@ -60,10 +60,10 @@ fn check_item(dataset: &Dataset, id: &str) -> (usize, Vec<String>) {
     }
 }
 
-/// Removes broken items and plans them anew from the sources below `places`.
+/// Removes broken items and plans them again from the sources below `places`.
 ///
 /// # Errors
-/// When a source is no longer there, named by its item; nothing is removed then.
+/// If a source is missing; the error names its item, and nothing is removed.
 pub fn plan_repair(dataset: &Dataset, broken: &[Broken], places: &[PathBuf], unit: UnitChoice) -> Result<Plan> {
     let keys: Vec<(String, PathBuf)> = find_meshes(places)?
         .into_keys()
@@ -83,7 +83,7 @@ pub fn plan_repair(dataset: &Dataset, broken: &[Broken], places: &[PathBuf], uni
     for Item { id, .. } in &items {
         let _claim = dataset.claim(id, Patience::Endless)?;
         let folder = dataset.asset_folder(id);
-        // Without its manifest an item is not taken for whole, should this be interrupted.
+        // The manifest goes first, so that an interrupted removal leaves no item that seems complete.
         let _ = fs::remove_file(folder.join(MANIFEST_FILE));
         remove(&folder)?;
     }

@@ -1,4 +1,4 @@
-//! A contact sheet: items at random, and those that are hardest to reach and to follow.
+//! Contact sheet: random items, and those with the least exposure and the sharpest turns.
 
 use anyhow::{Context, Result};
 use render::{Panel, Picture, contact_sheet};
@@ -9,15 +9,15 @@ use crate::asset::PREVIEW_FILE;
 use crate::picture::{stacked, to_png};
 use crate::store::number_from;
 
-/// Pictures in a row.
+/// Number of pictures in a row.
 const COLUMNS: usize = 6;
-/// Rows of items at random.
+/// Number of rows with random items.
 const CHANCE_ROWS: usize = 3;
 
-/// Draws the sheet as PNG from the items' own pictures.
+/// Draws the contact sheet as PNG from the items' own pictures.
 ///
 /// # Errors
-/// When a picture cannot be read.
+/// If a picture cannot be read.
 pub(super) fn draw(dataset: &Dataset, items: &[Seen]) -> Result<Vec<u8>> {
     let mut drawn: Vec<&Seen> = items.iter().collect();
     drawn.sort_by_key(|item| number_from(&format!("contact sheet {}", item.row.id)));
@@ -37,7 +37,7 @@ pub(super) fn draw(dataset: &Dataset, items: &[Seen]) -> Result<Vec<u8>> {
     to_png(&stacked(&strips))
 }
 
-/// A title above pictures side by side.
+/// Draws a title above pictures side by side.
 fn strip(dataset: &Dataset, title: &str, items: &[&Seen], words: impl Fn(&Seen) -> String) -> Result<Picture> {
     let panel = |item: &&Seen| -> Result<Panel> {
         let path = dataset.asset_folder(&item.row.id).join(PREVIEW_FILE);

@@ -11,7 +11,7 @@ use super::table::Table;
 use crate::asset::{EXPORTS, Export, FileRecord};
 use crate::store::catalogue::{CONTACT_FILE, FAILURES_FILE};
 
-/// Files of the set itself with their media types.
+/// Files of the set itself, with their media types.
 const FILES: [(&str, &str); 4] = [
     (TABLE_FILE, "text/csv"),
     (ROWS_FILE, "application/jsonlines"),
@@ -19,7 +19,7 @@ const FILES: [(&str, &str); 4] = [
     (CONTACT_FILE, "image/png"),
 ];
 
-/// Terms of the vocabulary that stand for themselves in `cr:`.
+/// Terms of the vocabulary that map to themselves in `cr:`.
 const TERMS: [&str; 23] = [
     "citeAs",
     "column",
@@ -46,10 +46,10 @@ const TERMS: [&str; 23] = [
     "source",
 ];
 
-/// Writes the metadata; `records`: size and hash of the other files of the catalogue.
+/// Writes the metadata; `records` holds size and hash of the other files of the catalogue.
 ///
 /// # Errors
-/// Never: it is plain data.
+/// Never: the metadata are plain data.
 pub(super) fn write(recipe: &Recipe, table: &Table, records: &BTreeMap<&str, FileRecord>) -> Result<Vec<u8>> {
     let object = |&(name, media): &(&str, &str)| {
         let record = records.get(name);
@@ -108,7 +108,7 @@ fn field(table: &Table, column: &str) -> Value {
     })
 }
 
-/// The context that the specification prescribes.
+/// Returns the context that the specification prescribes.
 fn context() -> Value {
     let mut context: Map<String, Value> =
         TERMS.iter().map(|&term| (term.to_owned(), format!("cr:{term}").into())).collect();

@@ -1,36 +1,36 @@
-//! How hard an item is, from what was measured along its welds.
+//! Difficulty of an item, from measurements along its welds.
 
 use serde::{Deserialize, Serialize};
 
 use crate::asset::WeldTruth;
 
-/// Least exposure of an easy and of a medium weld.
+/// Least exposure for an easy and for a medium weld.
 const EXPOSURE: [f64; 2] = [0.9, 0.7];
-/// Largest turn over one bead width, |κ_g|·w [rad], of an easy and of a medium weld.
+/// Greatest turn over one bead width, |κ_g|·w [rad], for an easy and for a medium weld.
 const TURN: [f64; 2] = [0.15, 0.3];
 
-/// Class of an item: that of its hardest weld under its harder dial.
+/// Difficulty of an item: that of its hardest weld by the harder of two measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Difficulty {
-    /// Open to every side and nearly straight.
+    /// Free to all sides and nearly straight.
     Easy,
-    /// Somewhat hidden or bent.
+    /// Partly shaded or bent.
     Medium,
-    /// Hidden or bent.
+    /// Shaded or bent.
     Hard,
 }
 
-/// Largest turn of a weld over one bead width, |κ_g|·w [rad].
+/// Returns the greatest turn of a weld over one bead width, |κ_g|·w [rad].
 pub(super) fn turn(weld: &WeldTruth) -> f64 {
     weld.geodesic_curvature_max_per_m * 1e-3 * weld.width_mm
 }
 
 impl Difficulty {
-    /// Names in order.
+    /// All classes in order.
     pub const ALL: [Self; 3] = [Self::Easy, Self::Medium, Self::Hard];
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Easy => "easy",
@@ -39,7 +39,7 @@ impl Difficulty {
         }
     }
 
-    /// The class of an item with these welds.
+    /// Returns the class of an item with these welds.
     pub fn of(welds: &[WeldTruth]) -> Self {
         welds.iter().map(Self::of_weld).max().unwrap_or(Self::Easy)
     }
@@ -53,7 +53,7 @@ impl Difficulty {
         }
     }
 
-    /// What the class means, for people.
+    /// Describes the rule of the classes for people.
     pub fn rule() -> String {
         format!(
             "easy: exposure {} or more everywhere and a turn of {} rad or less over one bead width; medium: {} and {}; \

@@ -1,4 +1,4 @@
-//! Making one item; runs in a process of its own.
+//! Makes one item; runs in a process of its own.
 
 use std::path::Path;
 
@@ -16,19 +16,19 @@ use crate::workpiece::{WeldingOptions, weld_part};
 use files::file_lock::Patience;
 use files::folder::StagedFolder;
 
-/// Samples along each side of a picture's pixel: four times as many would take most of an item's time.
+/// Samples along each side of a picture's pixel; more would take most of an item's time.
 const SAMPLES_PER_SIDE: usize = 1;
 
-/// What is the same for all items of a set.
+/// Settings shared by all items of a set.
 #[derive(Clone, Debug)]
 pub struct ItemWishes {
     /// Unit of the files' coordinates.
     pub unit: UnitChoice,
-    /// Options of welding; the seed is the set's.
+    /// Options of welding; their seed is that of the set.
     pub options: WeldingOptions,
 }
 
-/// Makes the item `id` of a source, or says why there is none; the folder is complete or it is not there.
+/// Makes the item `id` of a source, or returns the reason of the failure; the folder is complete or does not exist.
 pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -> Ending {
     let there = || dataset.holds(id).then_some(());
     Ending::of(id, dataset.fill(id, Patience::None, there, || make_again(dataset, source, id, wishes)))
@@ -45,7 +45,7 @@ fn make_again(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -
     Ok(())
 }
 
-/// An empty place for the item; what is there is not complete, and goes.
+/// Returns an empty staged folder for the item; an incomplete folder in its place is removed.
 fn place(dataset: &Dataset, id: &str) -> Result<StagedFolder> {
     let folder = dataset.asset_folder(id);
     remove(&folder)?;

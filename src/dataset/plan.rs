@@ -1,4 +1,4 @@
-//! Which items a list of parts has: names, seeds, order, shards.
+//! Items of a list of parts: names, seeds, order, shards.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use crate::in_full;
 use crate::store::number_from;
 use files::sha256;
 
-/// Hexadecimal digits of the source in an item's name: 64 bits, so that millions of parts do not share a name.
+/// Hexadecimal digits of the source's key in an item's name: 64 bits, so that millions of parts have different names.
 const KEY_DIGITS: usize = 16;
 
 /// One welded workpiece to make.
@@ -19,66 +19,67 @@ const KEY_DIGITS: usize = 16;
 pub struct Item {
     /// The mesh file.
     pub source: PathBuf,
-    /// Name: what identifies the source's content, and the index.
+    /// Name: key of the source's content, and index.
     pub id: String,
-    /// Number among the items of the part, from 0.
+    /// Index among the items of the part, from 0.
     pub index: u32,
 }
 
-/// A source that cannot be read, so that its items have no names.
+/// A source that cannot be read and thus has no items.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreadable {
     /// The mesh file.
     pub source: PathBuf,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
-/// Items to make, and sources that have none.
+/// Items to make, and the sources without items.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
-    /// Every part's first item comes before any part's second.
+    /// Items, the first of every part before the second of any part.
     pub items: Vec<Item>,
-    /// Files that can be read, copies among them.
+    /// Readable files, copies included.
     pub readable: Vec<PathBuf>,
-    /// What cannot be read at all.
+    /// Sources that cannot be read.
     pub unreadable: Vec<Unreadable>,
-    /// Different parts.
+    /// Number of different parts.
     pub parts: usize,
-    /// Files with the content of another; they have no items of their own.
+    /// Number of files with the same content as another one; they have no items of their own.
     pub copies: usize,
 }
 
-/// One of several shares of a data set, which may be made on several machines.
+/// A shard of a data set, for several machines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Number of the share, from 1.
+    /// Number of the shard, from 1.
     pub number: u32,
-    /// How many shares there are.
+    /// Number of shards.
     pub of: u32,
 }
 
 impl Shard {
-    /// The whole.
+    /// The whole data set as one shard.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    /// Reads `i/n`.
+    /// Parses `i/n`.
     pub fn parse(text: &str) -> Option<Self> {
         let (number, of) = text.split_once('/')?;
         let shard = Self { number: number.parse().ok()?, of: of.parse().ok()? };
         (1..=shard.of).contains(&shard.number).then_some(shard)
     }
 
-    /// Whether an item or source of this name is in the share; the name decides, not the order.
+    /// Returns true if an item or source of this name belongs to the shard; it depends on the name, not on the order.
     fn has(self, name: &str) -> bool {
         number_from(&format!("shard {name}")) % u64::from(self.of) == u64::from(self.number - 1)
     }
 }
 
-/// What identifies a source: its bytes, and as far as they matter its format and the unit in its name.
+/// Returns the key of a source: a hash of its bytes and, where they have an influence, its format and the unit in its
+/// name.
 ///
 /// # Errors
-/// A file that cannot be read, or is no mesh.
+/// If the file cannot be read, or is not a mesh.
 pub fn source_key(source: &Path, unit: UnitChoice) -> Result<String> {
     let mesh = MeshBytes::load(source)?;
     let buffers: Vec<String> = mesh.buffers().map(sha256).collect();
@@ -87,23 +88,24 @@ pub fn source_key(source: &Path, unit: UnitChoice) -> Result<String> {
     Ok(sha256(serde_json::to_string(&content)?.as_bytes())[..KEY_DIGITS].to_owned())
 }
 
-/// Name of an item of a source.
+/// Returns the name of an item of a source.
 pub fn item_id(key: &str, index: u32) -> String {
     format!("{key}-{index:04}")
 }
 
-/// Key of the source in an item's name.
+/// Returns the source's key in an item's name.
 pub(super) fn key_of(id: &str) -> &str {
     id.split_once('-').map_or(id, |(key, _)| key)
 }
 
-/// Index in an item's name.
+/// Returns the index in an item's name.
 pub(super) fn index_of(id: &str) -> Option<u32> {
     id.split_once('-')?.1.parse().ok()
 }
 
 impl Plan {
-    /// The items with the given indices of each source, at most `limit` of them; of those, the ones in the shard.
+    /// Plans the items with the given indices of each source: at most `limit` of them, and of those the ones in the
+    /// shard.
     pub fn new(sources: Sources, unit: UnitChoice, indices: std::ops::Range<u32>, limit: usize, shard: Shard) -> Self {
         let mut plan = Self::default();
         let (mut keys, mut known) = (Vec::new(), BTreeSet::new());
@@ -155,7 +157,7 @@ mod tests {
         let plan = |sources: Sources, indices| Plan::new(sources, UnitChoice::Auto, indices, usize::MAX, Shard::WHOLE);
         let ids = |plan: &Plan| plan.items.iter().map(|item| item.id.clone()).collect::<BTreeSet<_>>();
         let first = plan(parts(one.path(), &["a.obj", "b.obj", "c.obj"]), 0..4);
-        // The same contents under names in another order.
+        // The same contents under other names, in another order.
         let other = plan(parts(two.path(), &["z.obj", "y.obj", "x.obj"]), 0..4);
         assert_eq!(ids(&first).len(), 12);
         assert_eq!(ids(&first), ids(&other));

@@ -1,4 +1,4 @@
-//! What decides the items of a data set, and the seed of each.
+//! Recipe of a data set's items, and the seed of each.
 
 use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ use crate::workpiece::WeldingOptions;
 /// Value of the `format` key.
 pub const DATASET_FORMAT: &str = "robofin-dataset/1";
 
-/// The marker of a data set: what decides every item, and how the set was started.
+/// Marker of a data set: all inputs that define its items, and its command line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recipe {
     /// [`DATASET_FORMAT`].
@@ -21,22 +21,22 @@ pub struct Recipe {
     pub version: String,
     /// Seed of the set; see [`Recipe::seed_of`].
     pub seed: u64,
-    /// Unit asked for.
+    /// Requested unit.
     pub unit: Value,
-    /// Options of welding without their seed, as an item's manifest holds them.
+    /// Options of welding without their seed, in the form of an item's manifest.
     pub options: Value,
     /// Width and height of the pictures [pixels].
     pub preview: (usize, usize),
-    /// What is known of the licence of the sources.
+    /// Licence of the sources.
     pub licence: String,
-    /// The flags that decide the items, as they were given.
+    /// Flags that define the items, as they were given.
     pub flags: Vec<String>,
-    /// Where the sources were, as it was given.
+    /// Paths of the sources, as they were given.
     pub sources: Vec<String>,
 }
 
 impl Recipe {
-    /// Options in the form that [`Recipe::options`] has.
+    /// Returns options in the form of [`Recipe::options`].
     ///
     /// # Errors
     /// Never: options are plain data.
@@ -48,15 +48,15 @@ impl Recipe {
         Ok(options)
     }
 
-    /// Seed of an item: from the set's seed and the item's name, which is the source's content and the index.
+    /// Returns the seed of an item, from the set's seed and the item's name.
     pub fn seed_of(&self, id: &str) -> u64 {
         number_from(&format!("{DATASET_FORMAT} {} {id}", self.seed))
     }
 
-    /// Whether an item was made by this recipe.
+    /// Checks that an item was made by this recipe.
     ///
     /// # Errors
-    /// What differs, in words.
+    /// The difference, in words.
     pub fn fits(&self, id: &str, manifest: &Manifest) -> Result<()> {
         let mut options = manifest.options.clone();
         if let Some(fields) = options.as_object_mut() {

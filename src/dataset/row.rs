@@ -1,4 +1,4 @@
-//! What the catalogue says of one item, read from its folder.
+//! Row of the catalogue for one item, read from its folder.
 
 use std::collections::BTreeMap;
 
@@ -12,50 +12,50 @@ use super::{ASSETS_FOLDER, Dataset};
 use crate::asset::{CurveTruth, FileRecord, MANIFEST_FILE, Manifest, WeldTruth, Welds};
 use crate::store::number_from;
 
-/// Tenths of the parts for training; one of the others is for validation and one for tests.
+/// Tenths of the parts for training; one tenth each is for validation and for tests.
 const TRAINING: u64 = 8;
 
-/// A line of the catalogue.
+/// A row of the catalogue.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Name of the item.
     pub id: String,
     /// `train`, `validation` or `test`: all items of a part have the same.
     pub split: String,
-    /// Class by what was measured.
+    /// Difficulty, from measurements.
     pub difficulty: Difficulty,
     /// File name of the source.
     pub source: String,
     /// SHA-256 of the source.
     pub source_sha256: String,
-    /// Number among the items of the part.
+    /// Index among the items of the part.
     pub index: u32,
-    /// What is known of the source's licence.
+    /// Licence of the source.
     pub licence: String,
     /// Seed of the item.
     pub seed: u64,
-    /// Its folder, from the data set's.
+    /// Folder of the item, relative to the data set's.
     pub folder: String,
-    /// Options as in the item's manifest (SI); `null` was chosen for the part.
+    /// Options as in the item's manifest (SI); `null` values were chosen for the part.
     pub requested: Value,
-    /// What the item has: voxel, checks, and each weld's figures.
+    /// Measured properties: voxel, checks, and each weld's figures.
     pub measured: Value,
     /// Files of the folder by name.
     pub files: BTreeMap<String, FileRecord>,
 }
 
-/// A row with what only the card and the contact sheet look at.
+/// A row with further figures for the README and the contact sheet.
 pub(super) struct Seen {
     pub(super) row: Row,
-    /// The least exposure of its welds.
+    /// Least exposure of its welds.
     pub(super) exposure: f64,
-    /// The largest turn of its welds over one bead width [rad].
+    /// Greatest turn of its welds over one bead width [rad].
     pub(super) turn: f64,
-    /// Length of all its welds [mm].
+    /// Total length of its welds [mm].
     pub(super) length_mm: f64,
 }
 
-/// Which split all items of a part belong to; the part's name decides.
+/// Returns the split of all items of a part, which follows from the part's key.
 pub(super) fn split_of(key: &str) -> &'static str {
     match number_from(&format!("split {key}")) % 10 {
         0..TRAINING => "train",
@@ -65,10 +65,10 @@ pub(super) fn split_of(key: &str) -> &'static str {
 }
 
 impl Seen {
-    /// Reads an item.
+    /// Reads an item from its folder.
     ///
     /// # Errors
-    /// When its folder is not whole.
+    /// If its folder is incomplete.
     pub(super) fn read(dataset: &Dataset, id: &str) -> Result<Self> {
         let folder = dataset.asset_folder(id);
         let index = index_of(id).with_context(|| format!("{}: not the name of an item", folder.display()))?;
@@ -98,7 +98,7 @@ impl Seen {
     }
 }
 
-/// Figures of an item, without the points of its curves.
+/// Returns the figures of an item, without the points of its curves.
 fn measured(manifest: &Manifest, welds: Vec<WeldTruth>) -> Result<Value> {
     let figures = |weld: WeldTruth| {
         let mut figures = serde_json::to_value(WeldTruth { curve: CurveTruth::default(), ..weld })?;

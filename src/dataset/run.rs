@@ -1,4 +1,4 @@
-//! Making the items of a plan, several at once.
+//! Makes the items of a plan, several at once.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,28 +13,28 @@ use crate::store::run::{self, Outcome, SetItem};
 use crate::store::{Failure, Stage, command_line};
 use files::sha256;
 
-/// Verb that makes one item in the process that is started.
+/// Verb of the process that makes one item.
 pub const ITEM_VERB: &str = "dataset-item";
 
 /// Items to make.
 pub struct Run<'a> {
-    /// Where to.
+    /// Data set of the items.
     pub dataset: &'a Dataset,
-    /// Which.
+    /// Items to make.
     pub plan: &'a Plan,
-    /// The flags that decide an item, with limits.
+    /// Flags that define an item, limits included.
     pub flags: &'a [String],
-    /// What each item may use.
+    /// Limits of each item's process.
     pub limits: Limits,
-    /// Items at once.
+    /// Number of items made at once.
     pub jobs: usize,
 }
 
 impl Run<'_> {
-    /// Makes what is not there yet and calls `done` for each item as it ends, sources without items first.
+    /// Makes the missing items and calls `done` for each item as it ends, sources without items first.
     ///
     /// # Errors
-    /// When the data set cannot be written, or `done` fails; an item that fails is an outcome.
+    /// If the data set cannot be written, or `done` fails; an item that fails is an outcome.
     pub fn run(&self, mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
         for source in &self.plan.readable {
             self.dataset.forget_failure(&source_id(source))?;
@@ -52,7 +52,7 @@ impl Run<'_> {
     }
 }
 
-/// An item with the flags that decide it, limits among them.
+/// An item with the flags that define it, limits included.
 struct FlaggedItem<'a> {
     item: &'a Item,
     flags: &'a [String],
@@ -89,7 +89,7 @@ impl SetItem<Recipe> for FlaggedItem<'_> {
     }
 }
 
-/// The failure of a source without items.
+/// Returns the failure of a source without items.
 fn failure_of_source(Unreadable { source, reason }: &Unreadable, flags: &[String]) -> Failure {
     Failure {
         id: source_id(source),
@@ -101,7 +101,7 @@ fn failure_of_source(Unreadable { source, reason }: &Unreadable, flags: &[String
     }
 }
 
-/// Name under which the failure of a source without items is kept.
+/// Returns the name for the failure of a source without items.
 fn source_id(source: &Path) -> String {
     format!("source-{}", &sha256(source.to_string_lossy().as_bytes())[..16])
 }

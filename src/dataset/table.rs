@@ -1,4 +1,4 @@
-//! The catalogue as a table: one column for each figure, whatever figures the rows have.
+//! The catalogue as a table: one column for each figure of any row.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,17 +7,17 @@ use serde_json::Value;
 
 use super::row::Row;
 
-/// Columns that come first; the others follow in the order of their names.
+/// Columns that come first; the others follow in alphabetical order.
 const FIRST: [&str; 6] = ["id", "split", "difficulty", "source", "index", "folder"];
 
-/// A table of text, as it lies in `manifest.csv`.
+/// Table of text, as in `manifest.csv`.
 pub(super) struct Table {
     pub(super) columns: Vec<String>,
     lines: Vec<BTreeMap<String, String>>,
 }
 
 impl Table {
-    /// Figures inside of others become columns such as `measured.welds.0.length_mm`.
+    /// Makes the table; nested figures become columns such as `measured.welds.0.length_mm`.
     ///
     /// # Errors
     /// Never: rows are plain data.
@@ -34,7 +34,7 @@ impl Table {
         Ok(Self { columns: first.chain(others).collect(), lines })
     }
 
-    /// The text of the file, RFC 4180 with line feeds.
+    /// Returns the text of the file (RFC 4180, with line feeds).
     ///
     /// # Errors
     /// Never: it is written to memory.
@@ -47,7 +47,7 @@ impl Table {
         writer.into_inner().ok().context("the table cannot be written")
     }
 
-    /// Whether every cell of a column that holds something holds a number.
+    /// Returns true if a column has values and all of them are numbers.
     pub(super) fn is_numeric(&self, column: &str) -> bool {
         let mut cells =
             self.lines.iter().filter_map(|line| line.get(column)).filter(|cell| !cell.is_empty()).peekable();

@@ -1,4 +1,4 @@
-//! The passes of a plan along a weld, one after the other; where one fails, those before it are kept.
+//! Passes of a plan along a weld, one after the other; if one fails, those before it are kept.
 
 use std::path::PathBuf;
 
@@ -13,10 +13,10 @@ use crate::asset::WeldTruth;
 use lab::Origin;
 use study::snapshot::{self, Resume, Snapshot};
 
-/// Steps that a pass may take; a step takes less than a millisecond.
+/// Greatest number of steps in a pass; a step is shorter than a millisecond.
 const MOST_STEPS: f64 = 2e5;
 
-/// Refuses a pass that would take too long.
+/// Refuses a pass that takes too many steps.
 fn check_steps(path: &sim::Path, settings: &PassSettings, voxel: f64) -> Result<()> {
     let steps = settings.expected_steps(path, voxel);
     ensure!(
@@ -30,24 +30,24 @@ fn check_steps(path: &sim::Path, settings: &PassSettings, voxel: f64) -> Result<
     Ok(())
 }
 
-/// Passes that are done.
+/// Passes done.
 #[derive(Default)]
 pub(super) struct Done {
     pub(super) passes: Vec<PassRecord>,
-    /// Volume that the field lost in each [m³].
+    /// Volume lost by the field in each pass [m³].
     pub(super) lost: Vec<f64>,
-    /// Volume that it lost in a pass that failed, up to its last good step [m³].
+    /// Volume lost in a failed pass, up to its last good step [m³].
     pub(super) lost_since: f64,
-    /// Why no further pass was run.
+    /// Reason why no further pass was run.
     pub(super) stopped: Option<Error>,
-    /// What the wheel remembers; `None`: it is fresh.
+    /// States of the wheel; `None` for a fresh wheel.
     tool: Option<States>,
-    /// Where the states of further passes are written, and what they come from.
+    /// Folder for the states after further passes, and the inputs that they depend on.
     pub(super) folder: Option<(PathBuf, Origin)>,
 }
 
 impl Done {
-    /// Reads the passes up to a state of an earlier run; `grid` is left as it was then.
+    /// Reads the passes up to a state of an earlier run, and sets `grid` to that state.
     pub(super) fn read(resume: &Resume, grid: &mut BrickGrid, model: &CompiledModel, origin: &Origin) -> Result<Self> {
         let mut done = Self::default();
         for pass in 1..=resume.passes {
@@ -61,7 +61,7 @@ impl Done {
     }
 }
 
-/// Runs the passes of a plan that are not done yet.
+/// Runs the remaining passes of a plan.
 pub(super) fn run_passes(
     grid: &mut BrickGrid,
     mut done: Done,
@@ -105,10 +105,10 @@ pub(super) fn run_passes(
     Ok(done)
 }
 
-/// The line that the tool follows on a weld, and how far above and below it the surface is sought [m].
+/// Returns the line that the tool follows on a weld, and the search range for the surface above and below it [m].
 ///
-/// A fillet's centreline is the crease below it, and its approach is slanted: the tool is sought from the crown, within half
-/// of its width or the bead's height, so that the way there does not lead past the walls beside it.
+/// A fillet's centreline is the crease below it, and its approach is oblique. The search starts from the crown, within
+/// half of the weld's width or the bead's height, so that it does not reach the adjacent walls.
 pub fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
     let is_fillet = weld.toe_height_mm > 0.0;
     let lift = if is_fillet { weld.height_mm * 1e-3 } else { 0.0 };
@@ -143,7 +143,7 @@ fn run_one(
     Ok(record)
 }
 
-/// A pass for people; `lost`: volume that the field lost [m³], which is what files and pages call removed.
+/// Describes a pass for people; `lost` is the volume lost by the field [m³], called removed volume in files and pages.
 fn describe(record: &PassRecord, lost: f64) -> String {
     format!(
         "{:.2} mm³ removed from the field in {:.1} s ({} steps), force off by {:.2e} N rms, peak pressure {:.2} MPa",

@@ -12,10 +12,10 @@ use crate::picture::{GrindPictures, to_png};
 use files::input::{self, MOST_MESH_BYTES};
 use report::{Chart, Page, Series, WIDE};
 
-/// The summary of a ground asset: workpiece, grinding, figures, files.
+/// Builds the page of a ground asset: workpiece, grinding, results, files.
 ///
 /// # Errors
-/// When the manifest, the picture or a file of the asset cannot be read.
+/// If the manifest, the picture or a file of the asset cannot be read.
 pub fn grinding_page(asset: &Path, ground: &Ground, pictures: &GrindPictures) -> Result<String> {
     let manifest = Manifest::read(asset)?;
     let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead(ground));

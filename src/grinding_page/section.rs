@@ -7,12 +7,12 @@ use crate::asset::WeldTruth;
 use crate::finishing::Ground;
 use report::{Chart, Series, WIDE};
 
-/// Points of an outline.
+/// Number of points of an outline.
 const POINTS: usize = 240;
-/// Half width of a section, in bead widths.
+/// Half width of a section [bead widths].
 const REACH: f64 = 0.85;
 
-/// The outline across the middle of the weld as welded and as ground, as an SVG drawing.
+/// Draws the outline across the middle of the weld, as welded and as ground, as SVG.
 pub(super) fn middle_section(ground: &Ground) -> String {
     let middle = ground.weld.curve.position.len() / 2;
     let outline = |name: &str, grid: &BrickGrid| Series::new(name, outline(grid, &ground.weld, middle));
@@ -29,8 +29,8 @@ pub(super) fn middle_section(ground: &Ground) -> String {
     .to_svg()
 }
 
-/// Offsets across the weld and heights above its centreline [mm] at a point of the curve; where a line along the normal
-/// meets no surface there is no point.
+/// Returns offsets across the weld and heights above its centreline [mm] at a point of the curve; a line along the
+/// normal that meets no surface gives no point.
 fn outline(grid: &BrickGrid, weld: &WeldTruth, at: usize) -> Vec<(f64, f64)> {
     let curve = &weld.curve;
     let (centre, normal, side) = (curve.position[at], curve.normal[at], curve.side[at]);

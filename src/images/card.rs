@@ -1,4 +1,4 @@
-//! The set's own README: what is in it, how it was made, what it lacks.
+//! README of a set of images: contents, method and failures.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use super::record::ImageRecord;
 use crate::store::Failure;
 use render::label::{LEAST_CONTRAST, SANDED_FROM, UNSANDED_TO};
 
-/// Writes the card in Markdown.
+/// Writes the README in Markdown.
 pub(super) fn write(recipe: &ImageRecipe, records: &[ImageRecord], failures: &[Failure]) -> String {
     let planned = recipe.images().len();
     let names: Vec<&str> = recipe.workpieces.iter().map(|coated| coated.name.as_str()).collect();

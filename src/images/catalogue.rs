@@ -1,4 +1,4 @@
-//! The files that describe a set of images; each follows from the marker, the records, the labels and the failures.
+//! Files that describe a set of images; all follow from the marker, the records, the labels and the failures.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use super::record::{ImageRecord, file_path};
 use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageRecipe, ImageSet, card, check, sheet};
 use crate::store::catalogue::{CARD_FILE, CONTACT_FILE, Catalogue, Described, FAILURES_FILE, lines};
 
-/// One line of JSON for each image.
+/// Name of the file with one line of JSON for each image.
 pub const METADATA_FILE: &str = "metadata.jsonl";
 
-/// COCO files of each kind of label, by split as in [`Split::ALL`].
+/// COCO files of each kind of label, one for each split in the order of [`Split::ALL`].
 const ANNOTATIONS: [(&str, [&str; 3]); 2] = [
     (
         APPEARANCE_FOLDER,
@@ -53,7 +53,7 @@ impl Described for ImageRecipe {
     }
 }
 
-/// The COCO file of one kind of label in one split.
+/// Writes the COCO file of one kind of label in one split.
 fn annotations(set: &ImageSet, (folder, split): (&str, Split), records: &[ImageRecord]) -> Result<Vec<u8>> {
     let size = set.recipe.size;
     let records: Vec<&ImageRecord> = records.iter().filter(|record| record.split == split).collect();
@@ -65,10 +65,10 @@ fn annotations(set: &ImageSet, (folder, split): (&str, Split), records: &[ImageR
 }
 
 impl ImageSet {
-    /// Labels of an image, row by row from the top left.
+    /// Reads the labels of an image, row by row from the top left.
     ///
     /// # Errors
-    /// When the file is absent, no picture of one channel, or of another size.
+    /// If the file is missing, does not have one channel, or has another size.
     pub fn read_labels(&self, folder: &str, id: &str) -> Result<Vec<u8>> {
         let path = self.folder().join(file_path(folder, id));
         let image = image::open(&path).with_context(|| format!("{}: not a picture", path.display()))?;

@@ -1,4 +1,4 @@
-//! Check of a set of images: every file is rehashed, every label read again, the catalogue made again and compared.
+//! Check of a set of images: every file is hashed again, every label read again, the catalogue made again and compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,22 +17,23 @@ use crate::store::{self, names, remove};
 use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 use render::label::{IGNORE, SANDED, UNSANDED, agreement, counts};
 
-/// Checks all things of a set with `jobs` threads, then the catalogue; calls `done` with each one's faults.
+/// Checks all items of a set with `jobs` threads, then the catalogue; calls `done` with each item's faults.
 ///
 /// # Errors
-/// When a folder cannot be read, or `done` fails.
+/// If a folder cannot be read, or `done` fails.
 pub fn check(set: &ImageSet, jobs: usize, done: impl FnMut(&str, &[String]) -> Result<()>) -> Result<SetValidation> {
     let tasks: Vec<(String, Task)> =
         expected(set)?.into_iter().flatten().map(|task| (task.id().to_owned(), task)).collect();
     store::check::check(set, jobs, &tasks, |_, task| check_task(set, task), done)
 }
 
-/// Records that belong to no image of the set, and contradictions between whole images, one sentence each.
+/// Finds records that belong to no image of the set, and contradictions between complete images, one sentence each.
 pub(super) fn contradictions(set: &ImageSet) -> Result<Vec<String>> {
     Ok([strange_records(set)?, courses(set)?].concat())
 }
 
-/// Things that the set should hold: the images that its metadata lists or that have a record, and what they need.
+/// Returns the items that the set must contain: images listed in its metadata or with a record, and their
+/// prerequisites.
 pub fn expected(set: &ImageSet) -> Result<[Vec<Task>; 3]> {
     let text = input::read(&set.folder().join(super::catalogue::METADATA_FILE), MOST_TEXT_BYTES).unwrap_or_default();
     let listed = text.split(|&byte| byte == b'\n').filter_map(|line| {
@@ -45,7 +46,7 @@ pub fn expected(set: &ImageSet) -> Result<[Vec<Task>; 3]> {
     Ok(Task::chosen(&set.recipe, &known))
 }
 
-/// How many checks were made, and what they found.
+/// Checks an item; returns the number of checks, and the faults found.
 fn check_task(set: &ImageSet, task: &Task) -> (usize, Vec<String>) {
     let mut checks = Checks::default();
     let checked = match task {
@@ -143,7 +144,7 @@ impl Checks {
     }
 }
 
-/// Records of images that the set does not have.
+/// Finds records of images that do not belong to the set.
 fn strange_records(set: &ImageSet) -> Result<Vec<String>> {
     let known: BTreeSet<String> = set.recipe.images().into_iter().map(|image| format!("{}.json", image.id)).collect();
     let found = names(&set.folder().join(RECORDS_FOLDER))?.into_iter();
@@ -151,10 +152,11 @@ fn strange_records(set: &ImageSet) -> Result<Vec<String>> {
     Ok(strange.map(|name| format!("{RECORDS_FOLDER}/{name}: no part of this set")).collect())
 }
 
-/// Stages of a pattern, with the share that each leaves exposed.
+/// Stages of a pattern, with the exposed share after each.
 type StudyState = Vec<(u32, f64)>;
 
-/// Sanding only takes off: in one view, the exposed share of a pattern never falls from stage to stage.
+/// Checks that in one view the exposed share of a pattern never falls from stage to stage, because sanding only
+/// removes.
 fn courses(set: &ImageSet) -> Result<Vec<String>> {
     let mut courses: BTreeMap<(String, u32, &str), StudyState> = BTreeMap::new();
     for planned in set.recipe.images().iter().filter(|image| set.holds_image(image)) {
@@ -173,10 +175,10 @@ fn courses(set: &ImageSet) -> Result<Vec<String>> {
         .collect())
 }
 
-/// Removes what is broken, so that another run makes it anew.
+/// Removes broken items, so that another run makes them again.
 ///
 /// # Errors
-/// When the file system refuses.
+/// If the file system refuses.
 pub fn remove_broken(set: &ImageSet, broken: &[Broken]) -> Result<()> {
     for Broken { id, .. } in broken {
         match Task::named(&set.recipe, id) {

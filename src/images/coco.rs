@@ -1,4 +1,4 @@
-//! Annotations in the form of COCO (Lin et al. 2014): a mask for each class of each image, empty ones included.
+//! Annotations in COCO's format (Lin et al. 2014): a mask for each class of each image, empty ones included.
 
 use anyhow::Result;
 use export::rle::{Extent, Rle};
@@ -8,7 +8,7 @@ use super::IMAGES_FOLDER;
 use super::record::{ImageRecord, file_path};
 use render::label::{SANDED, UNSANDED};
 
-/// Classes by number and name.
+/// Numbers and names of the classes.
 pub const CATEGORIES: [(u8, &str); 2] = [(SANDED, "sanded"), (UNSANDED, "unsanded")];
 
 #[derive(Serialize)]
@@ -40,7 +40,7 @@ struct Category {
     supercategory: &'static str,
 }
 
-/// The mask of one class in one image.
+/// Mask of one class in one image.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Annotation {
     id: u64,
@@ -52,7 +52,7 @@ pub struct Annotation {
     iscrowd: u8,
 }
 
-/// The annotations of an image from its labels; their numbers follow from the image's.
+/// Makes the annotations of an image from its labels; their numbers follow from the image's.
 pub fn annotations(image: u64, (width, height): (usize, usize), labels: &[u8]) -> Vec<Annotation> {
     let of = |(place, (class, _)): (usize, (u8, &str))| {
         let mask = |pixel: usize| labels[pixel] == class;
@@ -70,10 +70,10 @@ pub fn annotations(image: u64, (width, height): (usize, usize), labels: &[u8]) -
     CATEGORIES.into_iter().enumerate().map(of).collect()
 }
 
-/// A file of images and their annotations.
+/// Writes a file of images and their annotations.
 ///
 /// # Errors
-/// Never: it is plain data.
+/// Never: the annotations are plain data.
 pub fn write(
     description: &str,
     (width, height): (usize, usize),

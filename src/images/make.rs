@@ -1,4 +1,4 @@
-//! Making one thing of a set, a workpiece, a simulation or an image; runs in a process of its own.
+//! Makes one item of a set, a workpiece, a simulation or an image; runs in a process of its own.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -17,22 +17,22 @@ use crate::store::run::SetItem;
 use crate::store::{Failure, Stage, command_line};
 use files::file_lock::Patience;
 
-/// Verb that does one task in the process that is started.
+/// Verb of the process that does one task.
 pub const TASK_VERB: &str = "dataset-image";
 
-/// A thing to make.
+/// An item to make.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Task {
-    /// The field of a workpiece.
+    /// Field of a workpiece.
     Workpiece(Coated),
-    /// The doses of a way.
+    /// Doses of a sanding path.
     Sanding(PlannedSanding),
-    /// An image with its labels.
+    /// Image with its labels.
     Image(Planned),
 }
 
 impl Task {
-    /// All tasks of a set in three steps, each of which needs the ones before: workpieces, simulations, images.
+    /// Returns all tasks of a set in three steps, each of which needs the ones before: workpieces, simulations, images.
     pub fn all(recipe: &ImageRecipe) -> [Vec<Self>; 3] {
         [
             recipe.workpieces.iter().cloned().map(Self::Workpiece).collect(),
@@ -41,7 +41,7 @@ impl Task {
         ]
     }
 
-    /// The tasks of these names, and what they need.
+    /// Returns the tasks of these names, and their prerequisites.
     pub fn chosen(recipe: &ImageRecipe, ids: &BTreeSet<String>) -> [Vec<Self>; 3] {
         let mut steps = Self::all(recipe);
         let mut wanted = ids.clone();
@@ -52,12 +52,12 @@ impl Task {
         steps
     }
 
-    /// The task of this name.
+    /// Returns the task of this name.
     pub fn named(recipe: &ImageRecipe, id: &str) -> Option<Self> {
         Self::all(recipe).into_iter().flatten().find(|task| task.id() == id)
     }
 
-    /// Name of its workpiece.
+    /// Returns the name of its workpiece.
     pub fn workpiece<'a>(&'a self, recipe: &'a ImageRecipe) -> &'a str {
         match self {
             Self::Workpiece(coated) => &coated.name,
@@ -66,14 +66,14 @@ impl Task {
         }
     }
 
-    /// Names of the tasks that must be done before.
+    /// Returns the names of its prerequisites.
     pub fn needs(&self, recipe: &ImageRecipe) -> Vec<String> {
         let sanding = if let Self::Image(image) = self { recipe.sanding_of(image) } else { None };
         let workpiece = (!matches!(self, Self::Workpiece(_))).then(|| self.workpiece(recipe).to_owned());
         workpiece.into_iter().chain(sanding).collect()
     }
 
-    /// Where on the road it fails, if it does.
+    /// Returns the stage at which this task fails, if it does.
     pub fn stage(&self) -> Stage {
         match self {
             Self::Workpiece(_) => Stage::Part,
@@ -131,7 +131,7 @@ impl SetItem<ImageRecipe> for Task {
     }
 }
 
-/// Does a task, or says why it cannot be done; what it makes is complete or not there.
+/// Does a task, or returns the reason of its failure; its result is complete or does not exist.
 pub fn make(set: &ImageSet, id: &str) -> Ending {
     let Some(task) = Task::named(&set.recipe, id) else {
         return Ending::of(id, Err(Stage::Part.fault(anyhow!("{id}: no part of this set"))));

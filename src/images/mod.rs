@@ -1,21 +1,21 @@
-//! Labelled images of coated workpieces in the course of sanding, for perception.
+//! Labelled images of coated workpieces during sanding, for perception.
 //!
 //! ```text
-//! dataset.json                       what decides every image
-//! fields/bracket/                    a workpiece: field, and where the pad can go
-//! fields/bracket-spiral/             a way of the pad, simulated: the dose after each stage
+//! dataset.json                       recipe of every image
+//! fields/bracket/                    a workpiece: its field, and the region that the pad can reach
+//! fields/bracket-spiral/             a simulated path of the pad: the dose after each stage
 //! images/bracket-p03-spiral-s2.png   the image
-//! appearance/...png, dose/...png     its index labels, from what is seen and from the dose
-//! records/...json                    how it was made; written last, so an image with a record is whole
-//! failures/...json                   what could not be made, and why
+//! appearance/...png, dose/...png     its index labels, from appearance and from dose
+//! records/...json                    its record; written last, so an image with a record is complete
+//! failures/...json                   items that could not be made, with the reason
 //! annotations/*.json, metadata.jsonl, failures.jsonl, README.md, contact-sheet.png
 //! ```
 //!
-//! The road: [`plan`] names the images of a [`recipe`], `order` says which of them a limit takes; [`workpiece`] gives each workpiece its field, [`patch`] finds
-//! where a pad can go and [`pattern`] which ways; [`sanding`] simulates them; [`scene`] draws light, material and
-//! camera, [`shot`] renders, [`render::label`] compares; [`record`] keeps; [`make`] makes each thing, in a
-//! process of its own that [`crate::store`] starts. `catalogue` describes what is there, and [`check`] holds it against
-//! itself.
+//! [`plan`] names the images of a [`recipe`], and `order` selects those within a limit. [`workpiece`] makes the field
+//! of each workpiece, [`patch`] finds the region that a pad can reach, and [`pattern`] the paths on it. [`sanding`]
+//! simulates them. [`scene`] draws light, material and camera at random, [`shot`] renders, [`render::label`] compares,
+//! [`record`] stores. [`make`] makes each item, in a process of its own that [`crate::store`] starts. `catalogue`
+//! describes the set, and [`check`] compares the set with it.
 
 mod card;
 mod catalogue;
@@ -36,16 +36,16 @@ use crate::store::{FAILURES_FOLDER, Store};
 
 pub use recipe::{IMAGES_FORMAT, ImageRecipe};
 
-/// The folder of a set of images.
+/// Folder of a set of images.
 pub type ImageSet = Store<ImageRecipe>;
 
-/// Folder of the records, in which images are claimed.
+/// Folder of the records; claims on images are made here.
 pub const RECORDS_FOLDER: &str = "records";
 /// Folder of the images.
 pub const IMAGES_FOLDER: &str = "images";
-/// Folder of the labels by what is seen.
+/// Folder of the labels from appearance.
 pub const APPEARANCE_FOLDER: &str = "appearance";
-/// Folder of the labels by the dose.
+/// Folder of the labels from dose.
 pub const DOSE_FOLDER: &str = "dose";
 /// Folder of workpieces and simulations.
 pub const FIELDS_FOLDER: &str = "fields";

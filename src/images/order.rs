@@ -1,17 +1,18 @@
-//! The order in which limited sets take the images, so that any number of them shows all that the whole set shows.
+//! Order of the images in limited sets, such that any number of images is representative of the whole set.
 //!
 //! Images are pairs of a treatment and a view; a view is a pair of a placement and a workpiece; a treatment other than
-//! the two references is a pair of a stage and a pattern. Each of these pairings goes through [`pairs`], which keeps both
-//! sides even. So the first N images have each treatment, stage, workpiece, placement and split within one of N times its
-//! share of the whole set, and N images are among the first N + 1.
+//! the two references is a pair of a stage and a pattern. Each pairing uses [`pairs`], which keeps both sides even. So
+//! the count of each treatment, stage, workpiece, placement and split in the first N images is within one of N times
+//! its share in the whole set, and N images are among the first N + 1.
 
 use super::plan::{Planned, Split};
 use super::recipe::ImageRecipe;
 
-/// Every pair of one of `first` and one of `second` once: any prefix has each of either side equally often, within one.
+/// Yields every pair of one of `first` and one of `second` once; in any prefix the counts of either side differ by at
+/// most one.
 ///
 /// Pair k is (k mod `first`, (k + ⌊k / m⌋) mod `second`) with m the least common multiple of both. A run of m pairs has
-/// those with one difference modulo the greatest common divisor, and the next run begins with the next difference.
+/// one difference modulo the greatest common divisor, and the next run begins with the next difference.
 fn pairs(first: usize, second: usize) -> impl Iterator<Item = (usize, usize)> {
     let run = first / greatest_common_divisor(first, second) * second;
     (0..first * second).map(move |k| (k % first, (k + k / run) % second))
@@ -22,7 +23,7 @@ fn greatest_common_divisor(a: usize, b: usize) -> usize {
 }
 
 impl ImageRecipe {
-    /// The first `limit` images in the order of this module; a greater limit adds to those of a smaller one.
+    /// Returns the first `limit` images in the order of this module; a greater limit adds to those of a smaller one.
     pub fn images_within(&self, limit: usize) -> Vec<Planned> {
         let all = self.images();
         let (treatments, views) = (self.treatment_order(), self.view_order());
@@ -35,7 +36,8 @@ impl ImageRecipe {
         positions.take(limit).map(|position| all[position].clone()).collect()
     }
 
-    /// Positions in the list of treatments: the unsanded reference first, the bare one halfway, stages in turn between.
+    /// Returns positions in the list of treatments: the unsanded reference first, the bare one halfway, stages in turn
+    /// between.
     fn treatment_order(&self) -> Vec<usize> {
         let (patterns, stages) = (self.patterns.len(), self.stages as usize);
         let bare = patterns * stages + 1;
@@ -46,7 +48,7 @@ impl ImageRecipe {
         order
     }
 
-    /// Workpiece and placement of every view.
+    /// Returns workpiece and placement of every view.
     fn view_order(&self) -> Vec<(usize, usize)> {
         let placements = spread(&self.splits());
         let views = pairs(placements.len(), self.workpieces.len());
@@ -54,7 +56,7 @@ impl ImageRecipe {
     }
 }
 
-/// Placements in an order in which the splits alternate: the i-th of n in a split stands at (i + ½) / n of the way.
+/// Orders placements such that the splits alternate: the i-th of n in a split has the relative position (i + ½) / n.
 fn spread(splits: &[Split]) -> Vec<usize> {
     let count = |split: Split| splits.iter().filter(|&&other| other == split).count();
     let mut taken = [0; Split::ALL.len()];
@@ -64,7 +66,7 @@ fn spread(splits: &[Split]) -> Vec<usize> {
         order.push((2 * *rank + 1, 2 * count(split), split, placement));
         *rank += 1;
     }
-    // Fractions are compared by their cross products, so that equal ones are equal.
+    // Fractions are compared by their cross products, so that equal fractions compare equal.
     order.sort_by(|a, b| (a.0 * b.1).cmp(&(b.0 * a.1)).then((a.2, a.3).cmp(&(b.2, b.3))));
     order.into_iter().map(|(.., placement)| placement).collect()
 }

@@ -1,4 +1,4 @@
-//! Which images a set has: names, seeds, splits.
+//! Images of a set: names, seeds, splits.
 
 use paths::Pattern;
 use serde::{Deserialize, Serialize};
@@ -6,68 +6,68 @@ use serde::{Deserialize, Serialize};
 use super::recipe::ImageRecipe;
 use crate::store::number_from;
 
-/// What was done to the coating before an image.
+/// State of the coating in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Treatment {
-    /// Nothing: the dose is 0 everywhere.
+    /// Unsanded: the dose is 0 everywhere.
     Unsanded,
-    /// A pattern, as far as a stage.
+    /// Sanded along a pattern, up to a stage.
     Stage {
-        /// Way of the pad.
+        /// Path of the pad.
         pattern: Pattern,
-        /// Parts of the way that were travelled, from 1.
+        /// Number of completed parts of the path, from 1.
         stage: u32,
     },
-    /// Everything: the dose is 1 everywhere.
+    /// Bare: the dose is 1 everywhere.
     Bare,
 }
 
-/// Which set an image belongs to.
+/// Split of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Split {
-    /// For training.
+    /// Training.
     Train,
-    /// For choosing.
+    /// Validation.
     Validation,
-    /// For judging.
+    /// Test.
     Test,
 }
 
-/// One image to make.
+/// An image to make.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
     /// Name, for example `bracket-p03-spiral-s2`.
     pub id: String,
-    /// Number in the whole set, from 1, also where only some are made.
+    /// Number in the whole set, from 1, even if only some images are made.
     pub number: u64,
-    /// Position of the workpiece in the recipe.
+    /// Index of the workpiece in the recipe.
     pub workpiece: usize,
-    /// Number of the placement, from 0.
+    /// Index of the placement, from 0.
     pub placement: u32,
     /// State of the coating.
     pub treatment: Treatment,
-    /// By the placement.
+    /// Split, which follows from the placement.
     pub split: Split,
 }
 
-/// A way of the pad on a workpiece to simulate, with all its stages.
+/// A path of the pad on a workpiece, simulated with all its stages.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedSanding {
     /// Name, for example `bracket-spiral`.
     pub id: String,
-    /// Position of the workpiece in the recipe.
+    /// Index of the workpiece in the recipe.
     pub workpiece: usize,
-    /// Way of the pad.
+    /// Path of the pad.
     pub pattern: Pattern,
 }
 
 impl Split {
-    /// All of them.
+    /// All splits.
     pub const ALL: [Self; 3] = [Self::Train, Self::Validation, Self::Test];
 
-    /// Its name in files.
+    /// Returns the name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Train => "train",
@@ -78,7 +78,7 @@ impl Split {
 }
 
 impl ImageRecipe {
-    /// All images of the set: workpiece by workpiece, placement by placement, each from unsanded to bare.
+    /// Returns all images of the set: by workpiece, then by placement, each from unsanded to bare.
     pub fn images(&self) -> Vec<Planned> {
         let splits = self.splits();
         let treatments = self.treatments();
@@ -100,7 +100,7 @@ impl ImageRecipe {
         images
     }
 
-    /// All simulations that the images need.
+    /// Returns all simulations that the images need.
     pub fn sandings(&self) -> Vec<PlannedSanding> {
         let of = |(workpiece, pattern): (usize, Pattern)| PlannedSanding {
             id: format!("{}-{}", self.workpieces[workpiece].name, pattern.name()),
@@ -111,7 +111,7 @@ impl ImageRecipe {
         pairs.map(of).collect()
     }
 
-    /// Name of the simulation that an image needs.
+    /// Returns the name of the simulation that an image needs.
     pub fn sanding_of(&self, planned: &Planned) -> Option<String> {
         match planned.treatment {
             Treatment::Stage { pattern, .. } => {
@@ -127,8 +127,8 @@ impl ImageRecipe {
         std::iter::once(Treatment::Unsanded).chain(stages).chain([Treatment::Bare]).collect()
     }
 
-    /// Split of each placement, the same for all workpieces: a sixth of the placements is for validation and a sixth for
-    /// tests, at least one each where there are three; the seed decides which.
+    /// Returns the split of each placement, the same for all workpieces: a sixth of the placements is for validation
+    /// and a sixth for tests, with at least one each if there are three placements; the seed selects them.
     pub fn splits(&self) -> Vec<Split> {
         let count = self.placements as usize;
         let held_out = if count < 3 { 0 } else { (count / 6).max(1) };
@@ -141,13 +141,13 @@ impl ImageRecipe {
         splits
     }
 
-    /// Seed of what all images of a placement share.
+    /// Returns the seed shared by all images of a placement.
     pub fn placement_seed(&self, planned: &Planned) -> u64 {
         let name = &self.workpieces[planned.workpiece].name;
         number_from(&format!("placement {} {name} {}", self.seed, planned.placement))
     }
 
-    /// Seed of what an image has alone.
+    /// Returns the seed of one image.
     pub fn image_seed(&self, planned: &Planned) -> u64 {
         number_from(&format!("image {} {}", self.seed, planned.id))
     }
@@ -168,7 +168,7 @@ pub(crate) mod fixture {
     use super::{ImageRecipe, Pattern};
     use crate::images::workpiece::{Coated, Origin};
 
-    /// A recipe with so many workpieces and placements, of so many patterns in so many stages.
+    /// Makes a recipe with these numbers of workpieces, placements, patterns and stages.
     pub(crate) fn recipe_of(workpieces: usize, placements: u32, (patterns, stages): (usize, u32)) -> ImageRecipe {
         let coated = |number: usize| {
             let name = format!("workpiece{number}");

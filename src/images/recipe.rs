@@ -1,4 +1,4 @@
-//! What decides the images of a set.
+//! Recipe of a set of images.
 
 use paths::Pattern;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use crate::store::Marker;
 /// Value of the `format` key.
 pub const IMAGES_FORMAT: &str = "robofin-images/1";
 
-/// The marker of a set of images: what decides every one of them.
+/// Marker of a set of images: all inputs that define its images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImageRecipe {
     /// [`IMAGES_FORMAT`].
@@ -20,22 +20,22 @@ pub struct ImageRecipe {
     pub version: String,
     /// Seed of the set.
     pub seed: u64,
-    /// The workpieces, in their order.
+    /// Workpieces, in their order.
     pub workpieces: Vec<Coated>,
-    /// Views of each workpiece.
+    /// Number of placements of each workpiece.
     pub placements: u32,
-    /// Ways of the pad, in their order.
+    /// Paths of the pad, in their order.
     pub patterns: Vec<Pattern>,
-    /// Parts into which each way is divided.
+    /// Number of parts of each path.
     pub stages: u32,
     /// Width and height of the images [pixels].
     pub size: (usize, usize),
-    /// Distance between voxels of the workpieces that are no assets [mm].
+    /// Distance between voxels of the workpieces other than assets [mm].
     pub voxel_mm: f64,
 }
 
 impl ImageRecipe {
-    /// The flags that lead to it.
+    /// Returns the flags that give this recipe.
     pub fn flags(&self) -> Vec<String> {
         let listed = |words: Vec<String>| words.join(",");
         vec![

@@ -1,4 +1,4 @@
-//! What is kept of each image: how it was made, and what it shows.
+//! Record of an image: how it was made, and what it shows.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -19,41 +19,41 @@ use files::folder::write_file;
 use files::json_file::read_json;
 use render::label::{agreement, counts};
 
-/// Line of `metadata.jsonl`, and file of its own until all are made.
+/// Line of `metadata.jsonl`, and a file of its own until all images are made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImageRecord {
     /// Name.
     pub id: String,
     /// Number in the whole set, from 1.
     pub number: u64,
-    /// By the placement.
+    /// Split, which follows from the placement.
     pub split: Split,
     /// Name of the workpiece.
     pub workpiece: String,
-    /// Number of the placement, from 0.
+    /// Index of the placement, from 0.
     pub placement: u32,
     /// State of the coating.
     pub treatment: Treatment,
-    /// Share of the workpiece's pixels on which the dose is 1 or more.
+    /// Share of the workpiece's pixels with a dose of 1 or more.
     pub exposed_share: f64,
-    /// Share of the pixels known to both labels on which they agree.
+    /// Share of agreement, among the pixels known to both labels.
     pub agreement: Option<f64>,
-    /// Pixels of each class by appearance: background, sanded, unsanded, ignored.
+    /// Number of pixels of each class by appearance: background, sanded, unsanded, ignored.
     pub appearance_pixels: [u64; 4],
-    /// The same by the dose.
+    /// The same numbers by dose.
     pub dose_pixels: [u64; 4],
     /// Workpiece, camera, light, material, sensor.
     pub scene: Scene,
     /// SHA-256 of the workpiece's field and of the dose.
     pub sources: BTreeMap<String, String>,
-    /// The image and its labels by their paths.
+    /// Files of the image and its labels, by path.
     pub files: BTreeMap<String, FileRecord>,
 }
 
-/// Folders of an image's files.
+/// Folders of the three files.
 const FILE_FOLDERS: [&str; 3] = [IMAGES_FOLDER, APPEARANCE_FOLDER, DOSE_FOLDER];
 
-/// Path of an image's file in a folder, from the set's.
+/// Returns the path of an image's file in a folder, relative to the set.
 pub fn file_path(folder: &str, id: &str) -> String {
     format!("{folder}/{id}.png")
 }
@@ -61,7 +61,7 @@ pub fn file_path(folder: &str, id: &str) -> String {
 /// Encodes labels as PNG with one channel of eight bits.
 ///
 /// # Errors
-/// When there are not as many labels as pixels.
+/// If the number of labels differs from the number of pixels.
 pub fn label_png((width, height): (usize, usize), labels: &[u8]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
@@ -75,18 +75,18 @@ impl ImageSet {
         self.folder().join(RECORDS_FOLDER).join(format!("{id}.json"))
     }
 
-    /// The record of an image.
+    /// Reads the record of an image.
     ///
     /// # Errors
-    /// When it is absent or damaged.
+    /// If it is missing or damaged.
     pub fn read_record(&self, id: &str) -> Result<ImageRecord> {
         let path = self.record_path(id);
         Ok(read_json(&path, "the record of an image")?)
     }
 
-    /// Whether an image is there: its record is that of the plan, and its files have their lengths.
+    /// Returns true if an image is complete: its record matches the plan, and its files have the listed lengths.
     ///
-    /// Their hashes are the business of [`super::check`].
+    /// Hashes are checked by [`super::check`].
     pub fn holds_image(&self, planned: &Planned) -> bool {
         let has_length = |(name, record): (&String, &FileRecord)| {
             std::fs::metadata(self.folder().join(name)).is_ok_and(|file| file.len() == record.bytes)
@@ -100,7 +100,7 @@ impl ImageSet {
     /// Writes an image, its labels, and last its record.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub fn write_image(
         &self,
         planned: &Planned,
@@ -135,10 +135,10 @@ impl ImageSet {
         Ok(write_file(&self.record_path(&planned.id), text.as_bytes())?)
     }
 
-    /// Removes an image, its record first, so that it is not taken for whole should this be interrupted.
+    /// Removes an image, its record first, so that an interrupted removal leaves no image that seems complete.
     ///
     /// # Errors
-    /// When the file system refuses.
+    /// If the file system refuses.
     pub fn remove_image(&self, id: &str) -> Result<()> {
         let files = FILE_FOLDERS.iter().map(|folder| self.folder().join(file_path(folder, id)));
         std::iter::once(self.record_path(id)).chain(files).try_for_each(|path| remove(&path))
@@ -146,10 +146,10 @@ impl ImageSet {
 }
 
 impl ImageRecord {
-    /// Whether it is the record of a planned image with its three files.
+    /// Checks that this is the record of a planned image with its three files.
     ///
     /// # Errors
-    /// What differs, in words.
+    /// The difference, in words.
     pub fn fits(&self, planned: &Planned, workpiece: &str) -> Result<()> {
         let same = self.id == planned.id
             && self.number == planned.number

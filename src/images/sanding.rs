@@ -1,8 +1,8 @@
-//! Sanding a workpiece along a pattern, stage by stage, and the dose fields that it leaves.
+//! Simulates sanding of a workpiece along a pattern, stage by stage, and stores the dose fields.
 //!
-//! Pressure, spindle speed and feed are chosen so that one straight line of the pad leaves a dose D of 1.6 on its
-//! middle: with a pad of radius R under the mean pressure p, ∫ p ω r dt along its middle line is p ω R² / v, so Eq. (2)
-//! asks for the feed v = (K_P/h_c) p ω R² / D.
+//! Pressure, spindle speed and feed are chosen so that one straight stroke of the pad leaves a dose D of 1.6 on its
+//! centre line. With a pad of radius R under the mean pressure p, ∫ p ω r dt along the centre line is p ω R² / v, so
+//! Eq. (2) gives the feed v = (K_P/h_c) p ω R² / D.
 
 use std::path::{Path, PathBuf};
 
@@ -29,16 +29,16 @@ use paths::{PadPatch, Pattern, Stroke};
 /// Name of the record in a simulation's folder.
 pub const SANDING_FILE: &str = "sanding.json";
 
-/// Dose on the middle line of one straight pass.
+/// Dose on the centre line of one straight stroke.
 const LINE_DOSE: f64 = 1.6;
 /// Mean pressure under the pad [Pa].
 const PRESSURE: f64 = 14e3;
 /// Spindle speed [rad/s]: 3000 rpm.
 const SPINDLE: f64 = 100.0 * std::f64::consts::PI;
-/// The model: the base laws of sanding.
+/// Text of the model: the base laws of sanding.
 const MODEL: &str = "process = \"sanding\"\n";
 
-/// How a way was sanded, and what it left.
+/// Record of a simulated sanding path: settings and results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SandingRecord {
     /// Name.
@@ -47,41 +47,41 @@ pub struct SandingRecord {
     pub workpiece_sha256: String,
     /// Radius of the pad [mm].
     pub pad_radius_mm: f64,
-    /// Force that it is pressed on with [N].
+    /// Force on the pad [N].
     pub force_n: f64,
-    /// Speed along the way [mm/s].
+    /// Feed along the path [mm/s].
     pub feed_mm_s: f64,
     /// Speed of the spindle [rpm].
     pub spindle_rpm: f64,
-    /// One for each stage.
+    /// Records of the stages.
     pub stages: Vec<StageRecord>,
 }
 
-/// One stage of a way.
+/// Record of one stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageRecord {
-    /// What happened.
+    /// Results of the stage.
     #[serde(flatten)]
     pub figures: StageFigures,
-    /// The dose after it.
+    /// File of the dose after it.
     pub file: FileRecord,
 }
 
-/// What happened in one stage.
+/// Results of one stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageFigures {
     /// Time in contact [s].
     pub contact_s: f64,
-    /// ∫ F dt [N s].
+    /// Impulse ∫ F dt [N s].
     pub impulse_ns: f64,
-    /// Coating taken off in this stage [mm³].
+    /// Volume of coating removed in this stage [mm³].
     pub coating_mm3: f64,
 }
 
-/// Simulates the stages of a way on a workpiece; `done` gets the part after each of them.
+/// Simulates the stages of a path on a workpiece; `done` gets the part after each stage.
 ///
 /// # Errors
-/// When the pad can lie nowhere, a pass fails, or `done` does.
+/// If no region is large enough for the pad, a pass fails, or `done` fails.
 pub fn sand(
     part: &mut BrickGrid,
     (pattern, stages): (Pattern, u32),
@@ -108,14 +108,14 @@ pub fn sand(
     Ok(setting)
 }
 
-/// What a way is sanded with.
+/// Settings of the sanding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// Radius of the pad [m].
     pub radius: f64,
     /// Normal force [N].
     pub force: f64,
-    /// Speed along the way [m/s].
+    /// Feed along the path [m/s].
     pub feed: f64,
 }
 
@@ -127,7 +127,7 @@ impl Setting {
     }
 }
 
-/// A stroke at constant feed, the pad flat on what lies under it.
+/// Makes a stroke at constant feed, with the pad flat on the surface.
 fn path(stroke: &Stroke, patch: &PadPatch, feed: f64) -> Result<sim::Path> {
     let mut time = 0.0;
     let mut before = None;
@@ -146,16 +146,16 @@ impl ImageSet {
         self.folder().join(FIELDS_FOLDER).join(id)
     }
 
-    /// The record of a simulation.
+    /// Reads the record of a simulation.
     ///
     /// # Errors
-    /// When it is absent or damaged.
+    /// If it is missing or damaged.
     pub fn read_sanding(&self, id: &str) -> Result<SandingRecord> {
         let path = self.sanding_folder(id).join(SANDING_FILE);
         Ok(read_json(&path, "the record of a simulation")?)
     }
 
-    /// Whether a simulation is there, all its files at their lengths.
+    /// Returns true if a simulation is complete, with all its files at their lengths.
     pub fn holds_sanding(&self, id: &str) -> bool {
         let folder = self.sanding_folder(id);
         let has_length = |(stage, record): (usize, &StageRecord)| {
@@ -166,10 +166,10 @@ impl ImageSet {
         })
     }
 
-    /// Simulates a way and keeps the doses; the folder is complete or it is not there.
+    /// Simulates a path and stores the doses; the folder is complete or does not exist.
     ///
     /// # Errors
-    /// As [`sand`], and when a file cannot be read or written.
+    /// Those of [`sand`], and if a file cannot be read or written.
     pub fn make_sanding(&self, planned: &PlannedSanding) -> Result<()> {
         let (mut part, workpiece_sha256) = self.read_workpiece(&self.recipe.workpieces[planned.workpiece].name)?;
         let folder = self.sanding_folder(&planned.id);
@@ -196,10 +196,10 @@ impl ImageSet {
         Ok(())
     }
 
-    /// Gives a workpiece the dose after a stage, and returns the hash of its file.
+    /// Attaches the dose after a stage to a workpiece, and returns the hash of its file.
     ///
     /// # Errors
-    /// When it is absent, damaged, or of another workpiece.
+    /// If it is missing, damaged, or belongs to another workpiece.
     pub fn attach_dose(&self, part: &mut BrickGrid, sanding: &str, stage: u32) -> Result<String> {
         let path = self.sanding_folder(sanding).join(stage_file(stage as usize));
         let context = || format!("{}: no dose of this workpiece", path.display());
@@ -212,7 +212,7 @@ impl ImageSet {
     }
 }
 
-/// File name of the dose after a stage, from 1.
+/// Returns the file name of the dose after a stage, from 1.
 pub fn stage_file(stage: usize) -> String {
     format!("stage-{stage}.nvdb")
 }
@@ -248,7 +248,7 @@ mod tests {
         assert!(panel.phi == phi, "sanding moved the surface");
         let line = patch.rest(DVec2::new(0.5 * (patch.low.x + patch.high.x), patch.low.y));
         let dose = f64::from(panel.sample_dose(line.contact));
-        // The neighbouring line's pad reaches over this one: the dose of one line is the least.
+        // Neighbouring strokes overlap here, so the dose of one stroke is the least.
         assert!(dose > 0.9 * LINE_DOSE && dose < 2.0 * LINE_DOSE, "{dose}, {setting:?}");
         let beside = patch.rest(patch.low).contact - DVec3::new(1.2 * patch.radius, 0.0, 0.0);
         assert_eq!(panel.sample_dose(beside), 0.0);

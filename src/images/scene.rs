@@ -1,4 +1,4 @@
-//! What surrounds a workpiece in an image, drawn at random.
+//! Scene of an image, drawn at random: placement, camera, light, materials, sensor.
 
 use anyhow::{Context, Result};
 use glam::{DQuat, DVec2, DVec3};
@@ -10,35 +10,35 @@ use super::ImageRecipe;
 use super::plan::Planned;
 use random::Stream;
 
-/// Everything that an image shows beside the state of its coating. The frame has z up.
+/// Scene of an image, apart from the state of the coating. Its frame has z up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
-    /// From the part's frame to the scene's.
+    /// Transform from the part's frame to the scene's.
     pub placement: PlacementDraw,
-    /// One for all images of a placement.
+    /// Camera, the same for all images of a placement.
     pub camera: CameraDraw,
-    /// Lamps, the strongest first.
+    /// Lamps, the brightest first.
     pub lamps: Vec<LampDraw>,
-    /// Of the light from all around against a bright workshop's.
+    /// Ambient light, relative to a bright workshop.
     pub environment: f64,
-    /// The coating, the metal below, and the table.
+    /// Materials of the coating, the metal below, and the table.
     pub material: MaterialDraw,
-    /// Exposure, blur, noise.
+    /// Exposure, blur and noise of the sensor.
     pub sensor: SensorDraw,
 }
 
-/// Where a workpiece stands.
+/// Placement of a workpiece.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlacementDraw {
-    /// Unit quaternion x, y, z, w that turns it about its frame's origin.
+    /// Rotation about the origin of the part's frame, as a unit quaternion x, y, z, w.
     pub rotation: DQuat,
-    /// Then it is moved [m].
+    /// Translation after the rotation [m].
     pub translation_m: DVec3,
     /// Height of the table's top, which the workpiece touches [m].
     pub table_m: f64,
 }
 
-/// A pinhole with distortion.
+/// Pinhole camera with lens distortion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CameraDraw {
     /// Centre of projection [m].
@@ -51,18 +51,18 @@ pub struct CameraDraw {
     pub distortion: [f64; 2],
 }
 
-/// A lamp far away.
+/// A distant lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LampDraw {
     /// Unit vector from the scene to the lamp.
     pub towards: DVec3,
     /// Irradiance on a surface that faces it, linear RGB; π lights a white surface to 1.
     pub irradiance: DVec3,
-    /// Tangent of its half angle.
+    /// Tangent of its angular radius.
     pub spread: f64,
 }
 
-/// Coating and metal, linear RGB.
+/// Materials, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MaterialDraw {
     /// Albedo of the coating.
@@ -79,12 +79,12 @@ pub struct MaterialDraw {
     pub table_roughness: f64,
 }
 
-/// What the sensor does to the light.
+/// Exposure, blur and noise of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorDraw {
-    /// Mean signal of the workpiece that the exposure aims at, 0 to 1.
+    /// Target of the exposure: mean signal of the workpiece, 0 to 1.
     pub aim: f64,
-    /// Signal of linear light 1, as it was set for that.
+    /// Signal of linear light 1 at this exposure.
     pub exposure: f64,
     /// Standard deviation of the blur [pixels].
     pub blur: f64,
@@ -92,7 +92,7 @@ pub struct SensorDraw {
     pub full_well: f64,
     /// Standard deviation of the read-out [electrons].
     pub read_noise: f64,
-    /// Of the noise.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
@@ -100,7 +100,7 @@ impl Scene {
     /// Draws a scene: placement and camera from the seed of the placement, the rest from that of the image.
     ///
     /// # Errors
-    /// When the field holds no surface.
+    /// If the field has no surface.
     pub fn draw(part: &BrickGrid, recipe: &ImageRecipe, planned: &Planned) -> Result<Self> {
         let (low, high) = part.surface_bounds().context("the field holds no surface")?;
         let placement_seed = recipe.placement_seed(planned);
@@ -126,7 +126,7 @@ impl Scene {
 }
 
 impl PlacementDraw {
-    /// Turned by any angle about z, then tilted a little as on a wedge, then moved; the table is below all corners [m].
+    /// Draws a rotation by any angle about z, a small tilt, and a translation; the table lies below all corners [m].
     fn draw(corners: &[DVec3; 8], stream: &mut Stream) -> Self {
         let turn = DQuat::from_rotation_z(stream.between([0.0, std::f64::consts::TAU]));
         let about = stream.between([0.0, std::f64::consts::TAU]);
@@ -144,7 +144,7 @@ impl PlacementDraw {
 }
 
 impl CameraDraw {
-    /// A camera that looks down on the corners of a box [m] and shows all of them, from closer or farther.
+    /// Draws a camera that looks down on the corners of a box [m] and shows all of them, at a random distance.
     fn draw(corners: &[DVec3; 8], aspect: f64, stream: &mut Stream) -> Self {
         let vertical_field_of_view = stream.between([0.3, 0.75]);
         let direction = outward(stream.between([0.0, std::f64::consts::TAU]), stream.between([0.66, 1.31]));
@@ -155,14 +155,15 @@ impl CameraDraw {
         let right = level.right * cosine + level.up * sine;
         let up = level.up * cosine - level.right * sine;
         let slope = (0.5 * vertical_field_of_view).tan() * DVec2::new(aspect, 1.0);
-        // A corner (u, v) at height w above the centre is seen from a distance d if |u| ≤ slope (d − w), so with v.
+        // A corner (u, v) at height w above the centre is visible from a distance d if |u| ≤ slope (d − w), and
+        // likewise for v.
         let least = |corner: &DVec3| {
             let away = *corner - centre;
             let across = DVec2::new(away.dot(right), away.dot(up)).abs() / (slope * fill);
             across.max_element() + away.dot(direction)
         };
         let distance = corners.iter().map(least).fold(0.0, f64::max);
-        // What room is left may lie on any side.
+        // The remaining margin is distributed at random.
         let room = (1.0 - fill) * distance * slope;
         let shift = right * stream.between([-0.5, 0.5]) * room.x + up * stream.between([-0.5, 0.5]) * room.y;
         let eye_m = centre + shift + direction * distance;
@@ -171,13 +172,13 @@ impl CameraDraw {
     }
 }
 
-/// One or two lamps from above, the second weaker than the first.
+/// Draws one or two lamps from above, the second weaker than the first.
 fn lamps(stream: &mut Stream) -> Vec<LampDraw> {
     let count = 1 + stream.below(2);
     let mut power = std::f64::consts::PI * stream.between([0.5, 1.1]);
     let lamp = |_| {
         let towards = outward(stream.between([0.0, std::f64::consts::TAU]), stream.between([0.45, 1.4]));
-        // From the yellow of a bulb to the blue of a clear sky.
+        // From the yellow of a light bulb to the blue of a clear sky.
         let warmth = stream.between([-0.2, 0.25]);
         let irradiance = power * DVec3::new(1.0 + warmth, 1.0, 1.0 - warmth);
         power *= stream.between([0.15, 0.6]);
@@ -187,7 +188,7 @@ fn lamps(stream: &mut Stream) -> Vec<LampDraw> {
 }
 
 impl MaterialDraw {
-    /// A coating of any hue, dull or strong, dark or light; steel from which it was sanded.
+    /// Draws a coating of any hue, saturation and brightness, and the sanded steel below.
     fn draw(stream: &mut Stream) -> Self {
         let hue = stream.between([0.0, 6.0]);
         let strength = stream.between([0.0, 0.9]);
@@ -207,7 +208,7 @@ impl MaterialDraw {
     }
 }
 
-/// A colour of hue 0 to 6 on the circle of red, yellow, green, cyan, blue and magenta (Smith 1978).
+/// Returns a colour of hue 0 to 6 on the circle of red, yellow, green, cyan, blue and magenta (Smith 1978).
 fn paint(hue: f64, strength: f64, value: f64) -> DVec3 {
     let channel = |offset: f64| {
         let place = (hue + offset).rem_euclid(6.0);

@@ -1,4 +1,4 @@
-//! A contact sheet: images at random with their labels, and one way stage by stage.
+//! Contact sheet: random images with their labels, and one pattern stage by stage.
 
 use anyhow::{Context, Result};
 use image::imageops::{FilterType, resize};
@@ -11,19 +11,19 @@ use crate::picture::{stacked, to_png};
 use crate::store::number_from;
 use render::label::{SANDED, UNSANDED};
 
-/// Images in a row.
+/// Number of images in a row.
 const COLUMNS: usize = 6;
-/// Rows of images at random.
+/// Number of rows with random images.
 const CHANCE_ROWS: usize = 2;
-/// Width of an image on the sheet [pixels].
+/// Width of an image on the contact sheet [pixels].
 const WIDTH: u32 = 320;
 /// Colours of sanded, unsanded and ignored pixels.
 const COLOURS: [[u8; 3]; 3] = [[230, 120, 20], [30, 110, 200], [250, 230, 60]];
 
-/// Draws the sheet as PNG.
+/// Draws the contact sheet as PNG.
 ///
 /// # Errors
-/// When an image or a label cannot be read.
+/// If an image or a label cannot be read.
 pub(super) fn draw(set: &ImageSet, records: &[ImageRecord]) -> Result<Vec<u8>> {
     let mut drawn: Vec<&ImageRecord> = records.iter().collect();
     drawn.sort_by_key(|record| number_from(&format!("contact sheet {}", record.id)));
@@ -39,7 +39,7 @@ pub(super) fn draw(set: &ImageSet, records: &[ImageRecord]) -> Result<Vec<u8>> {
     to_png(&stacked(&strips))
 }
 
-/// The unsanded image and the stages of one pattern in the view of a record, as far as they are there.
+/// Returns the unsanded image and the existing stages of one pattern, in the view of a record.
 fn course<'a>(records: &'a [ImageRecord], of: Option<&ImageRecord>) -> Vec<&'a ImageRecord> {
     let Some(of) = of else { return Vec::new() };
     let view = || records.iter().filter(|r| r.workpiece == of.workpiece && r.placement == of.placement);
@@ -71,7 +71,7 @@ fn picture(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
     Ok(Picture { width: WIDTH as usize, height: height as usize, rgb: small.into_raw() })
 }
 
-/// The image in grey under the colours of its labels.
+/// Draws the image in grey, tinted with the colours of its labels.
 fn labelled(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
     let mut picture = picture(set, record)?;
     let labels = set.read_labels(APPEARANCE_FOLDER, &record.id)?;

@@ -1,4 +1,4 @@
-//! Photographs of a part in a scene, and the labels that follow from comparing them.
+//! Photographs of a part in a scene, and the labels from comparing them.
 
 use glam::Vec3;
 use render::{
@@ -10,7 +10,7 @@ use sdf_bake::BrickGrid;
 use super::scene::{MaterialDraw, Scene};
 use render::label::{Colour, labels, seen_share};
 
-/// Exponent that makes equal steps of light look about equal: that of sRGB as a whole.
+/// Exponent for perceptually even steps of light, an approximation of sRGB.
 const GAMMA: f32 = 2.2;
 /// Weights of red, green and blue in luminance (ITU-R BT.709).
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
@@ -19,28 +19,28 @@ const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 pub struct Shot {
     /// Eight-bit sRGB.
     pub image: Picture,
-    /// Labels by what is seen.
+    /// Labels from appearance.
     pub appearance: Vec<u8>,
-    /// Labels by the dose.
+    /// Labels from dose.
     pub dose: Vec<u8>,
-    /// Share of the workpiece's pixels on which the dose is 1 or more.
+    /// Share of the workpiece's pixels with a dose of 1 or more.
     pub exposed_share: f64,
-    /// Signal of linear light 1 that the camera chose.
+    /// Signal of linear light 1 at the camera's exposure.
     pub exposure: f64,
 }
 
-/// What is on the metal of a photographed part.
+/// Coating on a photographed part.
 #[derive(Clone, Copy)]
 enum Coat {
-    /// As much as the dose has left.
+    /// Coating left by the dose.
     AsDosed,
-    /// All of it.
+    /// Full coating.
     Whole,
-    /// None of it.
+    /// No coating.
     Gone,
 }
 
-/// Photographs a part with its dose, and labels it by the same part unsanded and bare in the same scene.
+/// Photographs a part with its dose; labels it by comparison with the same part unsanded and bare in the same scene.
 pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
     let camera = camera(scene);
     let stage = stage(part, scene);
@@ -71,7 +71,7 @@ pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -
     }
 }
 
-/// The camera as it stands in the scene.
+/// Returns the camera of the scene.
 fn camera(scene: &Scene) -> Camera {
     let [right, up, forward] = scene.camera.axes;
     let [k1, k2] = scene.camera.distortion;
@@ -125,7 +125,7 @@ fn appearance(material: &MaterialDraw, coat: Coat) -> Appearance {
     Appearance { coating: Some(coating), ground, ..Appearance::default() }
 }
 
-/// The exposure that brings the mean luminance of the part to `aim`.
+/// Returns the exposure at which the mean luminance of the part is `aim`.
 fn exposure(frame: &Frame, aim: f64) -> f64 {
     let lit = frame.colour.iter().zip(&frame.seen).filter(|(_, seen)| **seen == Seen::Part);
     let (sum, count) =
@@ -174,7 +174,7 @@ mod tests {
         assert!(matches!(planned.treatment, Treatment::Stage { .. }));
         let scene = Scene::draw(&part, &recipe, planned).unwrap();
         let shot = shoot(&part, &scene, recipe.size);
-        // What the part shows of its upper side, seen from above, is divided as that is.
+        // Seen from above, the visible share equals the share of the upper side.
         let share = (0.075 - bare_from) / 0.15;
         assert!((shot.exposed_share - share).abs() < 0.08, "{}", shot.exposed_share);
         let [background, sanded, unsanded, ignored] = counts(&shot.dose);

@@ -1,4 +1,4 @@
-//! The coated workpieces: the bundled bracket with a weld, a curved panel, and assets.
+//! Coated workpieces: the bundled bracket with a weld, a curved panel, and assets.
 
 use std::path::Path;
 
@@ -17,10 +17,10 @@ use crate::workpiece::{DEFAULT_BAND, Fineness, WeldWishes, WeldingOptions, weld_
 use crate::wrong_use;
 use files::folder::write_file;
 
-/// Letters of an asset's hash in its name.
+/// Number of characters of an asset's hash in its name.
 const KEY_LETTERS: usize = 8;
 
-/// Where a workpiece comes from.
+/// Origin of a workpiece.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Origin {
@@ -30,29 +30,30 @@ pub enum Origin {
     Panel,
     /// A folder made by `robofin weld`.
     Asset {
-        /// As it was given.
+        /// Path as given.
         folder: String,
     },
 }
 
-/// A workpiece that is coated all over.
+/// A fully coated workpiece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coated {
-    /// Name in the names of its images.
+    /// Name, which is part of its images' names.
     pub name: String,
-    /// What decides its field; for an asset the hash of its manifest.
+    /// Key of its field: all inputs that define it; for an asset the hash of its manifest.
     pub key: String,
-    /// Where it comes from.
+    /// Origin.
     pub origin: Origin,
     /// Distance between voxels [mm].
     pub voxel_mm: f64,
 }
 
 impl Coated {
-    /// A workpiece by its name: `bracket`, `panel` or an asset folder; `voxel_mm` is for those without a field.
+    /// Finds a workpiece by its name: `bracket`, `panel` or an asset folder; `voxel_mm` applies to those without a
+    /// field.
     ///
     /// # Errors
-    /// Wrong use when there is no such workpiece.
+    /// Wrong use if there is no such workpiece.
     pub fn named(word: &str, voxel_mm: f64) -> Result<Self> {
         let own = |origin: Origin| Self {
             name: word.to_owned(),
@@ -70,7 +71,7 @@ impl Coated {
         }
     }
 
-    /// The word that names it in a flag.
+    /// Returns the word that names it in a flag.
     pub fn word(&self) -> String {
         match &self.origin {
             Origin::Bracket | Origin::Panel => self.name.clone(),
@@ -88,10 +89,10 @@ impl Coated {
         Ok(Self { name, key, origin, voxel_mm: 1e3 * manifest.baking.voxel_m })
     }
 
-    /// The field without a dose; `seed` is the set's.
+    /// Makes or reads the field without a dose; `seed` is that of the set.
     ///
     /// # Errors
-    /// When a weld finds no place or an asset cannot be read any more.
+    /// If a weld cannot be placed, or an asset cannot be read.
     pub fn field(&self, seed: u64) -> Result<BrickGrid> {
         match &self.origin {
             Origin::Bracket => {
@@ -128,12 +129,12 @@ const DOME: f64 = 0.45;
 /// Height of its top [m].
 const PANEL_TOP: f64 = 0.02;
 const PANEL_THICKNESS: f64 = 5e-3;
-/// Middle and radius of its hole [m].
+/// Centre and radius of its hole [m].
 const HOLE: (DVec2, f64) = (DVec2::new(0.054, 0.034), 8e-3);
-/// Distance of the groove from the long middle line, and its radius [m].
+/// Distance of the groove from the longitudinal centre line, and its radius [m].
 const GROOVE: (f64, f64) = (-0.042, 2.5e-3);
 
-/// A domed sheet with rounded corners, a hole and a groove along one side.
+/// Makes the field of a domed sheet with rounded corners, a hole and a groove along one side.
 fn panel(voxel: f64) -> BrickGrid {
     let distance = |p: DVec3| {
         let above = p.distance(DVec3::Z * (PANEL_TOP - DOME)) - DOME;
@@ -152,15 +153,15 @@ impl ImageSet {
         self.folder().join(FIELDS_FOLDER).join(format!("{name}.nvdb"))
     }
 
-    /// Whether a workpiece's field is there.
+    /// Returns true if a workpiece's field exists.
     pub fn holds_workpiece(&self, name: &str) -> bool {
         self.workpiece_path(name).is_file()
     }
 
-    /// Makes the field of a workpiece.
+    /// Makes and stores the field of a workpiece.
     ///
     /// # Errors
-    /// As [`Coated::field`], and when it cannot be written.
+    /// Those of [`Coated::field`], and if it cannot be written.
     pub fn make_workpiece(&self, coated: &Coated) -> Result<()> {
         let field = coated.field(self.recipe.seed)?;
         let bytes = nvdb::write_field(&field, Codec::Zip)?;
@@ -170,7 +171,7 @@ impl ImageSet {
     /// Reads the field of a workpiece, and the hash of its file.
     ///
     /// # Errors
-    /// When it is absent or damaged.
+    /// If it is missing or damaged.
     pub fn read_workpiece(&self, name: &str) -> Result<(BrickGrid, String)> {
         let path = self.workpiece_path(name);
         let bytes = input::read(&path, MOST_MESH_BYTES)?;
@@ -193,7 +194,7 @@ mod tests {
         let flat = 4.0 * PANEL_HALF.x * PANEL_HALF.y - (4.0 - std::f64::consts::PI) * PANEL_CORNER * PANEL_CORNER;
         let holes = std::f64::consts::PI * (HOLE.1 * HOLE.1 * PANEL_THICKNESS + 0.5 * GROOVE.1 * GROOVE.1 * 0.15);
         let volume = flat * PANEL_THICKNESS - holes;
-        // The dome is a little longer than its plan.
+        // The dome's area is slightly larger than its projection.
         assert!((field.volume() / volume - 1.0).abs() < 0.02, "{} and {volume}", field.volume());
     }
 
