@@ -1,16 +1,16 @@
-//! Signals that end the program: what was staged is removed, then it ends with 128 and the signal's number.
+//! Signals that end the program: staged files are removed, then it exits with 128 plus the signal's number.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// True while a signal is ending the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Listens to SIGINT, SIGTERM and SIGHUP from now on, but for those that the caller had the program ignore.
+/// Installs a handler of SIGINT, SIGTERM and SIGHUP, except for those that the caller has set to be ignored.
 #[cfg(unix)]
 pub(crate) fn listen() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
-    // Without a listener the program ends at once, as it would without this; the next run removes what is left.
+    // Without the handler a signal ends the program at once, and the next run removes the leftovers.
     let Ok(mut signals) = signal_hook::iterator::Signals::new(wanted) else { return };
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
@@ -22,11 +22,12 @@ pub(crate) fn listen() {
     });
 }
 
-/// On this system a signal ends the program at once; the next run removes what is left.
+/// Does nothing: on this system a signal ends the program at once, and the next run removes the leftovers.
 #[cfg(not(unix))]
 pub(crate) fn listen() {}
 
-/// Whether a signal was ignored when the program began, as `nohup` has it; Linux says so in hexadecimal digits.
+/// Returns true if a signal was ignored when the program started, for example by `nohup`; Linux reports it as a
+/// hexadecimal mask.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -35,7 +36,7 @@ fn is_ignored(signal: i32) -> bool {
     ignored.is_some_and(|ignored| ignored >> (signal - 1) & 1 == 1)
 }
 
-/// Waits for the end where a signal has begun it: what fails meanwhile fails because its place was removed.
+/// Waits for the exit if a signal has begun it, because failures at that time come from the removal of staged files.
 pub(crate) fn wait_if_ending() {
     while ENDING.load(Ordering::SeqCst) {
         std::thread::park();

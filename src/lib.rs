@@ -1,22 +1,24 @@
 //! RoboFin: welded workpieces, signed distance fields, grinding and sanding in simulation.
 //!
-//! The road of the data, and the module or crate for each step:
+//! Modules and crates in the order of the data:
 //!
 //! 1. [`part`] reads and cleans a mesh ([`sdf_bake::read`], [`sdf_bake::clean`]).
 //! 2. [`workpiece`] places a weld on it ([`weldgen`]) and bakes part and bead ([`sdf_bake::bake`]).
-//!    [`baking`] does it for the part alone, and [`cache`] for many parts, each once.
-//! 3. [`asset`] writes all of it to a folder, with [`export`] for glTF and USD; [`dataset`] does it for thousands, and
-//!    [`images`] makes labelled pictures of coated ones in the course of sanding. Both, and [`cache`], are a [`store`] that
-//!    can be gone on with.
-//! 4. [`finishing`] grinds the weld ([`sim`]) and [`grinding_page`] shows what happened ([`report`]).
-//! 5. [`paths`] plans tool paths; [`trials`] reads measurements, [`trial_run`] simulates them ([`snapshot`], [`batch`]).
-//! 6. [`virtual_lab`] makes virtual experiments with hidden effects, and the answers.
-//! 7. [`lab`] fits a model to measurements and finds what it lacks; [`lab::study`] is the whole course, and
-//!    [`report::study`] its page; [`benchmark`] counts how often it is right, and [`sealed_example`] is there to try it on.
-//! 8. [`validate`] opens what was written and compares its files with each other.
+//!    [`baking`] does the same for the part alone, and [`cache`] for many parts, each once.
+//! 3. [`asset`] writes the result to a folder, with [`export`] for glTF and USD; [`dataset`] does the same for
+//!    thousands, and [`images`] makes labelled pictures of coated ones during sanding. Both, and [`cache`], are
+//!    [`store`]s, which can be resumed.
+//! 4. [`finishing`] grinds the weld ([`sim`]) and [`grinding_page`] shows the result ([`report`]).
+//! 5. [`paths`] plans tool paths; [`trials`] reads measurements, [`trial_run`] simulates them ([`snapshot`],
+//!    [`batch`]).
+//! 6. [`virtual_lab`] makes virtual experiments with hidden effects, and their answers.
+//! 7. [`lab`] fits a model to measurements and finds the effects that it lacks; [`lab::study`] is the whole study, and
+//!    [`report::study`] its page; [`benchmark`] counts how often it is right, and [`sealed_example`] is an example to
+//!    try it on.
+//! 8. [`validate`] opens the files of an asset and compares them with each other.
 //!
-//! SI units inside, right-handed frames with z up, inside is negative. Only this crate prints. `ARCHITECTURE.md` has the
-//! crates and what each may use.
+//! Units are SI; frames are right-handed with z up; inside is negative. Only this crate prints. `ARCHITECTURE.md` lists
+//! the crates and their dependencies.
 
 pub mod asset;
 pub mod baking;
@@ -40,7 +42,7 @@ pub mod workpiece;
 
 use files::WrongUse;
 
-/// An error with its causes in one line, without those that the words before them quote already.
+/// Formats an error with its causes in one line; causes already quoted by the outer messages are left out.
 pub fn in_full(error: &anyhow::Error) -> String {
     error.chain().fold(String::new(), |told, cause| {
         let cause = cause.to_string();
@@ -52,7 +54,7 @@ pub fn in_full(error: &anyhow::Error) -> String {
     })
 }
 
-/// An error that ends the program with exit code 2.
+/// Makes an error that ends the program with exit code 2.
 pub fn wrong_use(message: String) -> anyhow::Error {
     WrongUse(message).into()
 }

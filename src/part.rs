@@ -1,4 +1,4 @@
-//! A part as it comes from a CAD file: read, measured, cleaned, with a record of where it came from.
+//! A part from a CAD file: read, measured and cleaned, with a record of its source.
 
 use std::path::Path;
 
@@ -12,24 +12,24 @@ use sha2::{Digest, Sha256};
 use crate::console::Console;
 use crate::wrong_use;
 
-/// Name under which the bundled part appears.
+/// File name of the bundled part.
 pub const BUNDLED_NAME: &str = "bracket.obj";
 
 /// The bundled part: a bracket of plates, tube and flange, made by `data/make_bracket.py`.
 const BUNDLED: &[u8] = include_bytes!("../data/bracket.obj");
 
-/// Shortest part [m]: below it, cleaning and welding are lost in rounding.
+/// Least size of a part [m]; below it, rounding dominates cleaning and welding.
 const LEAST_SIZE: f64 = 1e-5;
-/// Longest part [m]: single precision in glTF then still places points within 0.01 mm.
+/// Greatest size of a part [m]; single precision in glTF then still places points within 0.01 mm.
 const MOST_SIZE: f64 = 100.0;
 
-/// Parts shorter than this [m] have welds thinner than the thinnest wire: their usual bead is 1/20 of the diagonal, and
-/// wires begin at 0.6 mm.
+/// Least usual size of a part [m]; a smaller part has welds thinner than the thinnest wire, because the default bead is
+/// 1/20 of the diagonal, and wires begin at 0.6 mm.
 const LEAST_USUAL_SIZE: f64 = 0.01;
-/// Parts longer than this [m] are out of reach of the arm that would finish them.
+/// Greatest usual size of a part [m], set by the reach of a robot arm.
 const MOST_USUAL_SIZE: f64 = 3.0;
 
-/// Where a part came from.
+/// Source of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Source {
     /// File name without its folder.
@@ -40,22 +40,22 @@ pub struct Source {
     pub bytes: u64,
     /// Unit of the file's coordinates.
     pub unit: String,
-    /// Why this unit.
+    /// Reason for the unit.
     pub unit_reason: String,
 }
 
-/// A cleaned mesh and its history.
+/// A cleaned mesh with its source and reports.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Origin of the mesh.
+    /// Source of the mesh.
     pub source: Source,
     /// The cleaned mesh [m], z up.
     pub mesh: Mesh,
-    /// What reading noticed.
+    /// Notes of the reader.
     pub notes: Vec<String>,
-    /// What about its size is implausible, and what to do about it.
+    /// Warnings on an implausible size, with remedies.
     pub warnings: Vec<String>,
-    /// What cleaning did.
+    /// Report of the cleaning.
     pub cleaning: CleanReport,
 }
 
@@ -63,7 +63,7 @@ impl Part {
     /// Reads and cleans a mesh file.
     ///
     /// # Errors
-    /// A missing or unreadable file, a damaged mesh; the message names the file and the repair.
+    /// If the file is missing or unreadable, or the mesh is damaged; the message names the file and the remedy.
     pub fn load(path: &Path, unit: UnitChoice) -> Result<Self> {
         if !path.exists() {
             return Err(wrong_use(format!("{}: no such file", path.display())));
@@ -81,24 +81,24 @@ impl Part {
     /// Parses and cleans a mesh file in memory.
     ///
     /// # Errors
-    /// A damaged mesh, or a size that no part has; the message does not name the file.
+    /// If the mesh is damaged, or its size is not accepted; the message does not name the file.
     pub fn from_bytes(bytes: &MeshBytes, unit: UnitChoice) -> Result<Self> {
         Self::from_file(bytes.parse(unit)?, bytes.name(), bytes.bytes())
     }
 
-    /// The part that comes with the program.
+    /// Returns the bundled part.
     ///
     /// # Errors
-    /// Never for the part as shipped.
+    /// Never in a released program.
     pub fn bundled() -> Result<Self> {
         let file = parse_mesh(BUNDLED, Format::Obj, UnitChoice::Millimetre, BUNDLED_NAME)?;
         Self::from_file(file, BUNDLED_NAME, BUNDLED)
     }
 
-    /// Cleans a mesh that was read from `bytes`, or comes from memory.
+    /// Cleans a mesh read from `bytes`, or made in memory.
     ///
     /// # Errors
-    /// As [`Part::from_bytes`].
+    /// Those of [`Part::from_bytes`].
     pub fn from_file(file: MeshFile, name: &str, bytes: &[u8]) -> Result<Self> {
         let (mesh, cleaning) = clean(file.mesh)?;
         let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
@@ -118,12 +118,12 @@ impl Part {
         Ok(Self { source, mesh, notes: file.notes, warnings, cleaning })
     }
 
-    /// Extent of the bounding box [m].
+    /// Returns the extent of the bounding box [m].
     pub fn extent(&self) -> glam::DVec3 {
         self.mesh.bounds().map_or(glam::DVec3::ZERO, |(low, high)| high - low)
     }
 
-    /// Tells people what was read, assumed and repaired.
+    /// Reports size, notes, warnings and repairs on the console.
     pub fn describe(&self, console: &Console) {
         console.step("part", self.summary());
         for note in &self.notes {
@@ -135,13 +135,13 @@ impl Part {
         console.step("clean", self.cleaning_summary());
     }
 
-    /// What cleaning changed, in one paragraph.
+    /// Describes the repairs, one a line.
     pub fn cleaning_summary(&self) -> String {
         let notes = self.cleaning.notes();
         if notes.is_empty() { "nothing to repair".to_owned() } else { notes.join("\n") }
     }
 
-    /// One line for people: size, triangles, closedness, unit.
+    /// Describes size, triangles, closedness and unit in two lines.
     pub fn summary(&self) -> String {
         let mm = self.extent() * 1e3;
         let closed = match self.cleaning.boundary_edges {
@@ -160,7 +160,7 @@ impl Part {
     }
 }
 
-/// What is implausible about the longest side [m] of a part, with its length in the other units.
+/// Returns a warning if the longest side [m] of a part is implausible, with its length in the other units.
 fn size_warning(longest: f64, (unit, is_doubtful): (Unit, bool)) -> Option<String> {
     let why = match longest {
         _ if longest < LEAST_USUAL_SIZE => "very small for a welded part",
@@ -180,12 +180,12 @@ fn size_warning(longest: f64, (unit, is_doubtful): (Unit, bool)) -> Option<Strin
     ))
 }
 
-/// A number to three digits, without an exponent.
+/// Rounds a number to three significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 
-/// SHA-256 as lower-case hexadecimal digits.
+/// Returns SHA-256 as lower-case hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

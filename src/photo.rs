@@ -1,4 +1,4 @@
-//! Photographs of workpieces as files: pictures, float buffers and what they were taken with.
+//! Photographs of workpieces as files: pictures, float buffers and a record of their settings.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use shaders::Device;
 use crate::picture::to_png;
 use files::output::FolderKind;
 
-/// The file that a folder of photographs has.
+/// File that marks a folder of photographs.
 pub const RENDER_FILE: &str = "render.json";
 /// The folder of photographs.
 pub const PHOTOGRAPHS: FolderKind = FolderKind {
@@ -21,22 +21,22 @@ pub const PHOTOGRAPHS: FolderKind = FolderKind {
     key: "samples_per_side",
     names: &[("", &["picture.png", "buffers.exr", "picture-*.png", "animation.png"])],
 };
-/// Pictures a second of an animation.
+/// Frame rate of an animation [1/s].
 const PICTURES_PER_SECOND: u16 = 12;
 
-/// Where photographs are made.
+/// Backend of photographs.
 pub enum Darkroom<'a> {
-    /// On the CPU.
+    /// CPU.
     Cpu,
-    /// On a device.
+    /// GPU.
     Device(Photographer<'a>),
 }
 
 impl<'a> Darkroom<'a> {
-    /// On the device, or on the CPU without one.
+    /// Uses the device, or the CPU without one.
     ///
     /// # Errors
-    /// When the driver refuses the kernels.
+    /// If the driver refuses the kernels.
     pub fn new(device: Option<&'a Device>) -> Result<Self> {
         Ok(match device {
             None => Self::Cpu,
@@ -44,8 +44,8 @@ impl<'a> Darkroom<'a> {
         })
     }
 
-    /// Photographs one part from placements and cameras, as `shots` says; `each` gets the frames in order, to do with them
-    /// what it likes.
+    /// Photographs one part from the placements and cameras in `shots`; `each` gets the frames in order and may change
+    /// them.
     ///
     /// # Errors
     /// Those of the device and of `each`.
@@ -74,22 +74,22 @@ impl<'a> Darkroom<'a> {
     }
 }
 
-/// `render.json`: what the pictures of a folder were taken with.
+/// `render.json`: settings of the pictures in a folder.
 #[derive(Serialize)]
 pub struct RenderRecord {
     /// Version of the program.
     pub version: &'static str,
-    /// What was photographed.
+    /// Name of the photographed asset or field.
     pub source: String,
-    /// Pixels along a row and rows.
+    /// Width and height [pixels].
     pub size: [usize; 2],
     /// Colour samples along each side of a pixel.
     pub samples_per_side: usize,
     /// `cpu`, or the device's name.
     pub backend: String,
-    /// Of the sensor.
+    /// Sensor.
     pub sensor: SensorRecord,
-    /// One for each picture.
+    /// Records of the pictures.
     pub pictures: Vec<PictureRecord>,
 }
 
@@ -98,7 +98,7 @@ pub struct RenderRecord {
 pub struct SensorRecord {
     exposure: f32,
     blur_px: f32,
-    /// `None` without noise.
+    /// Electrons of a saturated pixel; `None` without noise.
     full_well_electrons: Option<f32>,
     read_noise_electrons: f32,
     seed: u64,
@@ -109,23 +109,23 @@ pub struct SensorRecord {
 pub struct PictureRecord {
     /// File name.
     pub picture: String,
-    /// File name of the float buffers, where they were kept.
+    /// File name of the float buffers, if they were kept.
     pub buffers: Option<String>,
-    /// Camera's place, axes and lens in the scene's frame.
+    /// Position, axes and lens of the camera in the scene's frame.
     eye_m: [f64; 3],
     right: [f64; 3],
     up: [f64; 3],
     forward: [f64; 3],
     vertical_field_of_view_deg: Option<f64>,
-    /// k1, k2, p1, p2, k3.
+    /// Distortion k1, k2, p1, p2, k3.
     distortion: [f64; 5],
-    /// Where the part stands: rotation as a quaternion x, y, z, w and translation [m].
+    /// Placement of the part: rotation as a quaternion x, y, z, w, and translation [m].
     part_rotation_xyzw: [f64; 4],
     part_translation_m: [f64; 3],
 }
 
 impl PictureRecord {
-    /// The record of one photograph.
+    /// Makes the record of one photograph.
     pub fn new(picture: String, buffers: Option<String>, (scene, camera): &(Scene, Camera)) -> Self {
         let ([k1, k2, k3], [p1, p2]) = (camera.distortion.radial, camera.distortion.tangential);
         Self {
@@ -158,10 +158,10 @@ impl From<&Sensor> for SensorRecord {
     }
 }
 
-/// Writes a frame's picture as the sensor takes it, and its float buffers as they are where `buffers` names a file.
+/// Writes a frame's picture after the sensor model, and its float buffers before it if `buffers` names a file.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn write_frame(
     folder: &Path,
     frame: &mut Frame,
@@ -177,10 +177,10 @@ pub fn write_frame(
     Ok(shown)
 }
 
-/// Encodes pictures of one size as an animated PNG that runs for ever.
+/// Encodes pictures of one size as an endlessly repeating animated PNG.
 ///
 /// # Errors
-/// Without pictures, or when they differ in size.
+/// If there are no pictures, or they differ in size.
 pub fn to_animated_png(pictures: &[Picture]) -> Result<Vec<u8>> {
     let first = pictures.first().context("an animation has one picture at least")?;
     let mut bytes = Vec::new();

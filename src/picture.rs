@@ -20,13 +20,13 @@ pub const VIEW_SIZE: (usize, usize) = (960, 720);
 /// Samples along each side of a pixel.
 pub const SAMPLES_PER_SIDE: usize = 2;
 
-/// Keyword and text by which a picture says who made it.
+/// Keyword and text of the PNG chunk that names the program.
 const MARK: (&str, &str) = ("Software", "RoboFin");
 
 /// Encodes a picture as PNG.
 ///
 /// # Errors
-/// When the pixel buffer does not match the picture's size.
+/// If the pixel buffer does not match the picture's size.
 pub fn to_png(picture: &Picture) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, picture.width as u32, picture.height as u32);
@@ -41,7 +41,7 @@ pub fn to_png(picture: &Picture) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A drawing of `robofin render`: a PNG that says by which program it was made.
+/// A drawing of `robofin render`: a PNG with the mark of this program.
 pub const DRAWING: FileKind = FileKind { what: "a picture", is_own: is_drawing };
 
 fn is_drawing(file: &Path) -> bool {
@@ -50,10 +50,10 @@ fn is_drawing(file: &Path) -> bool {
     texts.iter().any(|text| (text.keyword.as_str(), text.text.as_str()) == MARK)
 }
 
-/// The whole workpiece from the three-quarter view that shows the most of its weld, or from the front right above.
+/// Draws the whole workpiece from the three-quarter view that shows most of its weld, or from the front right above.
 ///
 /// # Errors
-/// When the field holds no surface.
+/// If the field has no surface.
 pub fn overview(
     grid: &BrickGrid,
     weld: Option<&WeldTruth>,
@@ -67,16 +67,16 @@ pub fn overview(
     Ok(render(grid, &camera, &View { samples_per_side, ..view(width, height, None) }).to_srgb8())
 }
 
-/// Where the camera of a standard view may stand.
+/// Range of the camera in a standard view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Horizon {
-    /// Above the horizon only: the part stands on something.
+    /// Above the horizon only, because the part stands on a surface.
     Above,
-    /// Above it, or below it where a weld can be seen from there only.
+    /// Above the horizon, or below it if a weld is visible only from there.
     Either,
 }
 
-/// Azimuth and elevation [rad] of the standard view that shows the most of a weld.
+/// Returns azimuth and elevation [rad] of the standard view that shows most of a weld.
 pub fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>, horizon: Horizon) -> (f64, f64) {
     let elevations = match horizon {
         Horizon::Above => &[32f64][..],
@@ -96,19 +96,19 @@ fn view<'a>(width: usize, height: usize, removed: Option<RemovedView<'a>>) -> Vi
     View { width, height, samples_per_side: SAMPLES_PER_SIDE, removed }
 }
 
-/// Close-up of a weld before and after grinding, and the removed depth, each as a picture of its own.
+/// Close-ups of a weld before and after grinding, and of the removed depth.
 pub struct GrindPictures {
     /// Before the first pass.
     pub before: Picture,
     /// After the last pass.
     pub after: Picture,
-    /// Removed depth as colours.
+    /// Removed depth in colours.
     pub removed: Picture,
     /// All three side by side with titles and the legend.
     pub sheet: Picture,
 }
 
-/// Pictures one below the other, on white.
+/// Stacks pictures vertically on white.
 pub fn stacked(strips: &[Picture]) -> Picture {
     let width = strips.iter().map(|strip| strip.width).max().unwrap_or(1);
     let mut sheet = Picture::filled(width, strips.iter().map(|strip| strip.height).sum(), [255; 3]);

@@ -1,4 +1,5 @@
-//! The bundled sealed example: a small synthetic campaign with a sealed answer, a study of it, and the seal opened.
+//! The bundled sealed example: a small synthetic campaign with a sealed answer. A study of it is compared with the
+//! opened seal.
 
 use std::fs;
 use std::path::Path;
@@ -36,30 +37,30 @@ const FILES: &[(&str, &[u8])] = bundled!("first-look":
 /// The key of its seal.
 const KEY: &[u8] = include_bytes!("../data/campaigns/first-look.key");
 
-/// The seal opened, held against what a study found.
+/// Opened seal, compared with the result of a study.
 #[derive(Clone, Debug, Serialize)]
 pub struct Opened {
-    /// SHA-256 that the seal committed to.
+    /// SHA-256 of the answer, as published in the seal.
     pub sha256: String,
-    /// Names of the hidden effects that the library has, in order of the alphabet.
+    /// Names of the hidden effects that the library contains, in alphabetical order.
     pub hidden: Vec<String>,
-    /// Whether something was hidden that the library lacks.
+    /// True if an unlisted effect was hidden.
     pub hidden_is_foreign: bool,
-    /// Names of the effects that the study found, in order of the alphabet.
+    /// Names of the effects that the study found, in alphabetical order.
     pub found: Vec<String>,
-    /// The study's verdict.
+    /// Verdict of the study.
     pub verdict: Verdict,
-    /// Whether the study was right: the hidden effects by name, `unknown` where the library lacks what was hidden, or that
-    /// nothing is missing where nothing was hidden.
+    /// True if the study was right: it named the hidden effects, found `unknown` for an unlisted effect, or found
+    /// nothing missing if nothing was hidden.
     pub is_right: bool,
-    /// Whether the measurements are those that the answer was sealed with.
+    /// True if the measurements are those of the seal.
     pub measurements_unchanged: bool,
 }
 
 /// Writes the bundled campaign into a folder, and its key beside it.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn unpack(folder: &Path, key: &Path) -> Result<()> {
     for (name, bytes) in FILES {
         let file = folder.join(name);
@@ -70,10 +71,10 @@ pub fn unpack(folder: &Path, key: &Path) -> Result<()> {
     fs::write(key, KEY).with_context(|| format!("{}: cannot write this file", key.display()))
 }
 
-/// Opens the seal of a campaign and holds a study that has ended against it.
+/// Opens the seal of a campaign and compares it with a finished study.
 ///
 /// # Errors
-/// When the key does not open the seal, or the study has no verdict yet.
+/// If the key does not open the seal, or the study has no verdict yet.
 pub fn open(folder: &Path, key: &Path, course: &StudyState) -> Result<(Opened, Sealed)> {
     let verdict = course.record.verdict.context("the study has not come to a verdict")?;
     let unsealed = unseal(folder, key)?;
@@ -104,7 +105,7 @@ pub fn open(folder: &Path, key: &Path, course: &StudyState) -> Result<(Opened, S
     Ok((Opened { sha256, hidden, hidden_is_foreign, found, verdict, is_right, measurements_unchanged }, sealed))
 }
 
-/// Name of a hidden effect, and those of its parameters that are not at their null.
+/// Lists the name of a hidden effect, and its parameters that differ from their null values.
 fn hidden_lines(effect: &Value) -> Vec<String> {
     let name = effect["name"].as_str().unwrap_or_default();
     let known = Library::builtin().find(name);
@@ -120,7 +121,7 @@ fn hidden_lines(effect: &Value) -> Vec<String> {
     [name.to_owned()].into_iter().chain(parameters).collect()
 }
 
-/// Names and fitted parameters of the effects that a study added.
+/// Lists names and fitted parameters of the effects that a study added.
 fn found_lines(course: &StudyState) -> Vec<String> {
     let parameters = course.parameters();
     let own = |name: &String| {

@@ -1,5 +1,5 @@
-//! A rehearsed trial on disk: logs and scans in the trial's own form, the field, and how far it is from the measurement.
-//! Where a pass fails, what was good until then is kept.
+//! A simulated trial on disk: logs and scans in the trial's format, the field, and the residuals against the
+//! measurement. If a pass fails, the passes before it are kept.
 
 use std::fs;
 use std::path::Path;
@@ -27,9 +27,9 @@ use trials::trial::{HeldTool, PassScan, ToolPath, Trial, exposure_csv, heights_c
 
 /// Name of the result file.
 pub const REHEARSAL_FILE: &str = "simulation.json";
-/// Files of a simulated trial beside its figures.
+/// Other files of a simulated trial.
 const REHEARSAL_NAMES: &[&str] = &["after.nvdb", "pass*_log.csv", "pass*_after.csv", "pass*_exposed.csv"];
-/// The folder of a simulated trial.
+/// Kind of a simulated trial's folder.
 pub const TRIAL_RUN: FolderKind = FolderKind {
     marker: REHEARSAL_FILE,
     key: "trial",
@@ -42,9 +42,9 @@ const REHEARSAL_FORMAT: &str = "robofin-simulation/1";
 pub struct TrialRun {
     passes: Vec<SimulatedPass>,
     state: TrialState,
-    /// Why it ended before its last pass.
+    /// Reason why it ended before its last pass.
     pub stopped: Option<SimulationError>,
-    /// Time simulated over time taken.
+    /// Simulated time over computing time.
     pub real_time_factor: f64,
 }
 
@@ -56,37 +56,38 @@ pub struct TrialRunSummary {
     trial: String,
     voxel_mm: f64,
     model: std::collections::BTreeMap<String, String>,
-    /// Volume that Eq. (1) removes in each pass [mm³].
+    /// Volume removed by Eq. (1) in each pass [mm³].
     removed_by_law_mm3: Vec<f64>,
-    /// Volume of coating that Eq. (2) takes off in each pass [mm³].
+    /// Volume of coating removed by Eq. (2) in each pass [mm³].
     coating_mm3: Vec<f64>,
-    /// Share of the scanned area that is exposed after each pass, simulated and measured; empty when grinding.
+    /// Exposed share of the scanned area after each pass, simulated and measured; empty for grinding.
     exposed_share: Vec<f64>,
     measured_exposed_share: Vec<f64>,
     /// Root mean square of force minus setpoint in contact [N].
     force_rms_error_n: Vec<f64>,
-    /// ∫ F dt of each pass [N s].
+    /// Impulse ∫ F dt of each pass [N s].
     impulse_ns: Vec<f64>,
-    /// Measured minus simulated heights after laying the scans on the untouched area [µm rms]; empty when sanding.
+    /// Root mean square of measured minus simulated heights after registration on the untouched surface [µm]; empty for
+    /// sanding.
     residual_rms_um: Vec<f64>,
     /// Noise of one scan, from the repeated scan [µm]; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     noise_floor_um: Option<f64>,
-    /// Steps of all passes.
+    /// Number of steps in all passes.
     steps: usize,
-    /// Why the run ended before its last pass; absent where it did not.
+    /// Reason why the run ended before its last pass; absent if it did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     stopped: Option<String>,
 }
 
 impl TrialRun {
-    /// Simulates a trial with a fresh tool, or what is left of it after an earlier state.
+    /// Simulates a trial with a fresh tool, or its remaining passes after an earlier state.
     ///
-    /// - `folder`: where the states are written that `keeping` asks for
+    /// - `folder`: folder of the states that `keeping` requests
     ///
     /// # Errors
-    /// When a state cannot be read or written, or was made by another trial or model. A pass that fails is no error:
-    /// [`TrialRun::stopped`] tells of it.
+    /// If a state cannot be read or written, or belongs to another trial or model. A pass that fails is not an error;
+    /// it is reported in [`TrialRun::stopped`].
     pub fn run(
         simulation: &Simulation,
         model: &CompiledModel,
@@ -141,12 +142,12 @@ impl TrialRun {
         Ok(snapshot::write(folder, passes, &state, origin(simulation, model, passes))?)
     }
 
-    /// Passes that were done.
+    /// Returns the number of passes done.
     pub fn done(&self) -> usize {
         self.passes.len()
     }
 
-    /// The figures of the run; they do not depend on the machine.
+    /// Returns the results of the run; they do not depend on the machine.
     pub fn summary(&self, trial: &Trial, model: &CompiledModel) -> TrialRunSummary {
         let each = |figure: fn(&SimulatedPass) -> f64| self.passes.iter().map(figure).collect();
         let clean = |map| despiked(map).0;
@@ -178,10 +179,10 @@ impl TrialRun {
         }
     }
 
-    /// Writes logs and scans in the trial's form, the field and the figures.
+    /// Writes logs and scans in the trial's format, the field and the results.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub fn write(
         &self,
         summary: &TrialRunSummary,
@@ -210,7 +211,7 @@ impl TrialRun {
         Ok(())
     }
 
-    /// The figures of each pass, for people.
+    /// Reports the results of each pass on the console.
     pub fn describe(&self, summary: &TrialRunSummary, console: &Console) {
         for (i, pass) in self.passes.iter().enumerate() {
             let mut text = match pass.exposed_share {
@@ -234,8 +235,8 @@ impl TrialRun {
     }
 }
 
-/// Root mean square of measured minus simulated heights after a pass [m], the scans laid on each other where no
-/// pass so far touched the part; `None` for exposure masks and where too little is untouched.
+/// Returns the root mean square of measured minus simulated heights after a pass [m], registered where no pass so far
+/// touched the part; `None` for exposure masks, and if too little is untouched.
 pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Option<f64> {
     let (PassScan::Heights(measured), PassScan::Heights(simulated)) = (&trial.passes[pass].scan, &simulated[pass].scan)
     else {
@@ -253,7 +254,7 @@ pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Opti
     Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())
 }
 
-/// All that the state after so many passes of a trial depends on.
+/// Collects all inputs that the state after `passes` passes of a trial depends on.
 fn origin(simulation: &Simulation, model: &CompiledModel, passes: usize) -> Origin {
     let trial = simulation.trial;
     let mut origin = model_origin(model);
@@ -274,7 +275,7 @@ fn origin(simulation: &Simulation, model: &CompiledModel, passes: usize) -> Orig
     origin
 }
 
-/// A tool in the words of snapshots.
+/// A tool as identified in snapshots.
 #[derive(Serialize)]
 enum ToolForm {
     Wheel { radius: f64, width: f64, axis: DVec3 },
@@ -291,7 +292,7 @@ impl ToolForm {
     }
 }
 
-/// A controller in the words of snapshots.
+/// A controller as identified in snapshots.
 #[derive(Serialize)]
 enum ControllerForm {
     Admittance { mass: f64, damping: f64, period: f64 },
@@ -299,7 +300,7 @@ enum ControllerForm {
 }
 
 impl ControllerForm {
-    /// `None` for a replay.
+    /// Returns `None` for a replay.
     fn of(controller: Controller) -> Option<Self> {
         match controller {
             Controller::Admittance { mass, damping, period } => Some(Self::Admittance { mass, damping, period }),
@@ -309,7 +310,7 @@ impl ControllerForm {
     }
 }
 
-/// Whether a folder is a trial.
+/// Returns true if a folder is a trial.
 pub fn is_trial(folder: &Path) -> bool {
     folder.join(trials::trial::TRIAL_FILE).is_file()
 }

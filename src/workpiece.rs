@@ -1,4 +1,4 @@
-//! From a part to a welded workpiece: a weld is placed, swept and united with the part in the field.
+//! Welds a part: a weld is placed, swept and united with the part in the field.
 
 mod limits;
 
@@ -17,22 +17,22 @@ use sdf_bake::memory_budget;
 /// Weld id of the first weld.
 pub const FIRST_WELD: u16 = 1;
 
-/// Half width of the band, unless asked otherwise [voxels].
+/// Default half width of the band [voxels].
 pub const DEFAULT_BAND: f64 = 3.0;
 
-/// How fine to bake.
+/// Voxel size of a field, given in one of three ways.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fineness {
-    /// Voxels along the part's longest side.
+    /// Number of voxels along the part's longest side.
     Resolution(u32),
-    /// Voxels along the diagonal of the part's bounding box.
+    /// Number of voxels along the diagonal of the part's bounding box.
     Diagonal(u32),
     /// Distance between voxels [m].
     Voxel(f64),
 }
 
-/// What to make of a part.
+/// Options of welding a part.
 #[derive(Clone, Debug, Serialize)]
 pub struct WeldingOptions {
     /// Seed of every random choice.
@@ -43,18 +43,18 @@ pub struct WeldingOptions {
     pub band_voxels: f64,
     /// Sign rule.
     pub sign: SignChoice,
-    /// Changes to the weld that would be chosen for the part.
+    /// Requested properties of the weld; the others are chosen for the part.
     pub wishes: WeldWishes,
 }
 
-/// What the user fixes of the weld; the rest is chosen for the part.
+/// User's settings of the weld; the other properties are chosen for the part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WeldWishes {
-    /// Preset of the dials that are not fixed below.
+    /// Preset of the dials that are not set below.
     pub difficulty: Difficulty,
-    /// Number of welds; one unless asked otherwise.
+    /// Number of welds; the default is one.
     pub count: Option<u16>,
-    /// Where they run.
+    /// Placement of the welds.
     pub placement: Placement,
     /// Intermittent welds instead of continuous ones.
     pub stitch: Option<Stitch>,
@@ -80,9 +80,9 @@ pub struct WeldWishes {
     pub correlation: Option<f64>,
     /// Least exposure along the weld, a range within 0 to 1.
     pub exposure: Option<[f64; 2]>,
-    /// What lies farther than this [m] hides nothing.
+    /// Length of the exposure rays [m]; geometry farther away does not shade.
     pub exposure_reach: Option<f64>,
-    /// The tool whose access is measured.
+    /// Tool of the access measurement.
     pub tool: ToolShape,
     /// Least mean tool access along the weld, 0 to 1.
     pub min_access: Option<f64>,
@@ -98,7 +98,7 @@ pub struct Workpiece {
     pub target: BrickGrid,
     /// Field of part and welds, with weld labels.
     pub welded: BrickGrid,
-    /// How the part was baked.
+    /// Report of baking the part.
     pub baking: BakeReport,
 }
 
@@ -114,7 +114,7 @@ pub struct PlacedWeld {
     pub toe_radius: f64,
 }
 
-/// Why a part cannot be baked where it must be a solid: what only `robofin bake` can do is not proposed.
+/// Describes why a part that must be a solid cannot be baked, without remedies that only `robofin bake` offers.
 pub fn needs_solid(error: BakeError) -> anyhow::Error {
     match error {
         BakeError::Open { boundary_edges, share } => anyhow!(
@@ -133,7 +133,7 @@ pub fn needs_solid(error: BakeError) -> anyhow::Error {
 }
 
 impl Workpiece {
-    /// What of it is implausible, or short of what was asked, one sentence each.
+    /// Lists implausible or unmet properties, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let of_welds = self.welds.iter().flat_map(|placed| limits::bead_warnings(&placed.weld));
         self.part.warnings.iter().cloned().chain(of_welds).collect()
@@ -141,7 +141,7 @@ impl Workpiece {
 }
 
 impl Fineness {
-    /// Distance between voxels [m] on a part.
+    /// Returns the distance between voxels [m] for a part.
     pub fn voxel(self, part: &Part) -> f64 {
         match self {
             Self::Resolution(across) => part.extent().max_element() / f64::from(across),
@@ -154,7 +154,7 @@ impl Fineness {
 /// Welds a part: bake the part, place a weld, sweep its bead, bake the bead, unite.
 ///
 /// # Errors
-/// When the part has no clear inside, or no weld fits it; the message says what would.
+/// If the part has no clear inside, or no weld fits it; the message states what would help.
 pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Result<Workpiece> {
     let baking = BakeOptions {
         voxel: options.fineness.voxel(&part),
@@ -193,10 +193,11 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     Ok(Workpiece { part, welds: placed, target, welded, baking: report })
 }
 
-/// The welds that a part gets, or why it gets none, which is told only if the part can be baked.
+/// Places the welds on a part. The inner error is the reason why none fits; it is reported only if the part can be
+/// baked.
 ///
 /// # Errors
-/// When the toes of a weld cannot be as round as was asked.
+/// If the toes of a weld cannot have the requested radius.
 fn place(
     part: &Part,
     options: &WeldingOptions,
@@ -211,7 +212,7 @@ fn place(
     Ok(placed)
 }
 
-/// The field with a weld: its bead united with sharp or rounded toes.
+/// Adds a weld to the field: its bead is united with sharp or rounded toes.
 fn add(
     welded: &BrickGrid,
     weld: &Weld,
@@ -224,8 +225,8 @@ fn add(
     blended.with_context(|| format!("--toe-radius-mm {:?}", 1e3 * radius))
 }
 
-/// The field less what a weld's imperfections take away. What they lay open moves the border of the weld metal, so voxels
-/// that hold some now and held none before get the weld's id.
+/// Subtracts a weld's imperfections from the field. Newly open surface moves the border of the weld metal, so
+/// unlabelled voxels that now hold some get the weld's id.
 fn cut(welded: &BrickGrid, weld: &Weld, (baking, target): (&BakeOptions, &BrickGrid), id: u16) -> Result<BrickGrid> {
     let (cuts, _) = bake(&weld.cuts, baking)?;
     let mut left = welded.combined_with(&cuts, Combine::Difference)?;
@@ -237,13 +238,13 @@ fn cut(welded: &BrickGrid, weld: &Weld, (baking, target): (&BakeOptions, &BrickG
 }
 
 impl WeldWishes {
-    /// The request for a part with what the user fixed; fixed sizes are never shrunk.
+    /// Makes the request for a part with the user's settings; sizes set by the user are never shrunk.
     fn request(&self, part: &Part, voxel: f64) -> WeldRequest {
         let chosen = WeldRequest::of_difficulty(&part.mesh, voxel, self.difficulty);
         let width = self.width.unwrap_or(chosen.width);
         let sized = self.length.is_some() || self.width.is_some() || self.height.is_some();
         let fixed = sized || self.exposure.is_some() || self.min_access.is_some();
-        // A range asked for may pass what suits the part; three times the root mean square is room for any shape.
+        // A requested range may exceed the part's default; three times the root mean square allows any shape.
         let sharpest = self.curvature.map_or(chosen.curvature_max, |[_, high]| 3.0 * high);
         WeldRequest {
             placement: self.placement,
@@ -290,10 +291,10 @@ fn describe_weld(weld: &Weld) -> String {
     )
 }
 
-/// Relative difference of the volumes of mesh and field that is worth a word.
+/// Relative difference between the volumes of mesh and field from which it is reported.
 const VOLUME_NOTE: f64 = 0.05;
 
-/// Says so if the field does not hold the volume of the mesh.
+/// Returns a note if the field does not hold the volume of the mesh.
 fn describe_volume(mesh: &Mesh, field: &BrickGrid) -> Option<String> {
     let share = field.volume() / mesh.volume();
     if (share - 1.0).abs() <= VOLUME_NOTE {
@@ -306,7 +307,7 @@ fn describe_volume(mesh: &Mesh, field: &BrickGrid) -> Option<String> {
     ))
 }
 
-/// How a part was baked, for people.
+/// Describes the baking of a part for people.
 pub fn describe_baking(report: &BakeReport, grid: &BrickGrid) -> String {
     let mut line = format!(
         "voxel {:.4} mm, {} bricks, {} active voxels, {:.1} MB\ninside by {} ({})",

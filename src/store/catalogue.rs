@@ -1,4 +1,4 @@
-//! The files that describe a set; each follows from the marker, the items and the failures.
+//! Files that describe a set; all follow from the marker, the items and the failures.
 
 use std::collections::BTreeMap;
 
@@ -9,30 +9,30 @@ use serde::Serialize;
 use super::{Marker, Store, remove_stale};
 use files::folder::write_file;
 
-/// One line of JSON for each failure.
+/// Name of the file with one line of JSON for each failure.
 pub const FAILURES_FILE: &str = "failures.jsonl";
-/// For people.
+/// Name of the README for people.
 pub const CARD_FILE: &str = "README.md";
-/// Pictures of some items.
+/// Name of the contact sheet.
 pub const CONTACT_FILE: &str = "contact-sheet.png";
 
-/// A kind of set that is described by files of its own.
+/// A type of set with a catalogue.
 pub trait Described: Marker {
-    /// Name of its items in messages, in the plural.
+    /// Plural name of its items in messages.
     const ITEMS: &'static str;
 
-    /// Describes what is there.
+    /// Makes the catalogue of the existing items.
     ///
     /// # Errors
-    /// When an item or the record of a failure cannot be read.
+    /// If an item or the record of a failure cannot be read.
     fn describe(set: &Store<Self>) -> Result<Catalogue>
     where
         Self: Sized;
 
-    /// Contradictions between whole items of the set, one sentence each.
+    /// Finds contradictions between complete items of the set, one sentence each.
     ///
     /// # Errors
-    /// As [`Described::describe`].
+    /// Those of [`Described::describe`].
     fn contradictions(_set: &Store<Self>) -> Result<Vec<String>>
     where
         Self: Sized,
@@ -41,21 +41,21 @@ pub trait Described: Marker {
     }
 }
 
-/// The files of a catalogue by name.
+/// Files of a catalogue by name.
 pub struct Catalogue {
-    /// Their contents.
+    /// Contents of the files.
     pub files: BTreeMap<&'static str, Vec<u8>>,
-    /// Number of items that it lists.
+    /// Number of items listed.
     pub items: usize,
 }
 
 impl Catalogue {
-    /// Describes what is there and writes the description, in place of an older one.
+    /// Makes the catalogue of the existing items and writes it in place of an older one.
     ///
     /// # Errors
-    /// As [`Described::describe`], and when a file cannot be written.
+    /// Those of [`Described::describe`], and if a file cannot be written.
     pub fn update<M: Described>(set: &Store<M>) -> Result<Self> {
-        // Shards that end together describe the set one after the other.
+        // Shards that end together write the catalogue one after the other.
         let _claim = set.claim_catalogue()?;
         let catalogue = M::describe(set)?;
         for (name, bytes) in &catalogue.files {

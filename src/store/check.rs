@@ -1,4 +1,4 @@
-//! Check of a set: every item is looked at, the catalogue is made again and compared.
+//! Check of a set: every item is checked, the catalogue is made again and compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,10 +11,10 @@ use super::{Marker, Store, names};
 use crate::in_full;
 use files::job_queue::take_turns;
 
-/// An item that does not hold.
+/// An item with faults.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Broken {
-    /// Its name.
+    /// Name of the item.
     pub id: String,
     /// Faults of the item, one sentence each.
     pub faults: Vec<String>,
@@ -23,11 +23,11 @@ pub struct Broken {
 /// Result of the check of a set.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SetValidation {
-    /// Items that were checked.
+    /// Number of items checked.
     pub items: usize,
-    /// Checks that were made in them.
+    /// Number of checks made.
     pub checks: usize,
-    /// Items that do not hold, by name.
+    /// Items with faults, by name.
     pub broken: Vec<Broken>,
     /// Faults of the set's own files, one sentence each.
     pub catalogue: Vec<String>,
@@ -40,13 +40,13 @@ impl SetValidation {
     }
 }
 
-/// Checks items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they come in.
+/// Checks items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they arrive.
 ///
-/// - `items`: their names, and what `look` needs of them
-/// - `look`: how many checks it made of an item, and what they found
+/// - `items`: names, and the inputs of `look`
+/// - `look`: returns the number of checks made of an item, and the faults found
 ///
 /// # Errors
-/// When a folder cannot be read, or `done` fails.
+/// If a folder cannot be read, or `done` fails.
 pub fn check<M: Described, I: Sync>(
     set: &Store<M>,
     jobs: usize,
@@ -74,8 +74,8 @@ pub fn check<M: Described, I: Sync>(
     Ok(found)
 }
 
-/// Faults of the set's own files, one sentence each. They follow from the items, so they are compared only if these
-/// hold.
+/// Returns the faults of the set's own files, one sentence each. These files follow from the items, so they are
+/// compared only if the items have no faults.
 fn check_catalogue<M: Described>(set: &Store<M>, items_hold: bool) -> Result<Vec<String>> {
     if !items_hold {
         return Ok(vec![format!("not compared with the {}, some of which are broken", M::ITEMS)]);
@@ -86,7 +86,7 @@ fn check_catalogue<M: Described>(set: &Store<M>, items_hold: bool) -> Result<Vec
     }
 }
 
-/// Files of a set's catalogue that differ from what they should hold, and names that are no part of the set.
+/// Finds catalogue files with unexpected content, and names that do not belong to the set.
 fn compare_files<M: Marker>(set: &Store<M>, files: &BTreeMap<&'static str, Vec<u8>>) -> Result<Vec<String>> {
     let found = |name: &str| input::read(&set.folder().join(name), MOST_TEXT_BYTES).ok();
     let mut faults: Vec<String> =

@@ -1,4 +1,4 @@
-//! Items that could not be made, each with its reason and the line that shows it again.
+//! Failed items, each with its reason and the command line that reproduces it.
 
 use std::path::PathBuf;
 
@@ -10,10 +10,10 @@ use files::file_lock::Patience;
 use files::folder::write_file;
 use files::json_file::read_json;
 
-/// Folder of the records of failures in a set.
+/// Folder of the failures' records in a set.
 pub const FAILURES_FOLDER: &str = "failures";
 
-/// Stage of the making at which an item failed.
+/// Stage at which an item failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -21,11 +21,11 @@ pub enum Stage {
     Part,
     /// Baking, placing the weld, uniting.
     Weld,
-    /// Sanding the coating off.
+    /// Sanding.
     Sand,
     /// Drawing and labelling an image.
     Render,
-    /// Writing what was made.
+    /// Writing the result.
     Write,
     /// Time or memory beyond the limit.
     Limit,
@@ -34,7 +34,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Its name in files.
+    /// Returns the name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Part => "part",
@@ -48,34 +48,34 @@ impl Stage {
     }
 }
 
-/// An item that could not be made.
+/// A failed item.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Name of the item; of a source that cannot be read, `source-` and a hash of its path.
+    /// Name of the item; for an unreadable source, `source-` and a hash of its path.
     pub id: String,
-    /// Path of the source that it is made from, as it was given.
+    /// Path of its source, as given.
     pub source: String,
-    /// Number among the items of the source.
+    /// Index among the items of the source.
     pub index: u32,
-    /// Where it failed.
+    /// Stage at which it failed.
     pub stage: Stage,
-    /// Reason of the failure, with its causes.
+    /// Reason with its causes.
     pub reason: String,
-    /// The command line that makes this item alone.
+    /// Command line that makes this item alone.
     pub command: String,
 }
 
-/// Error that kept an item from being made, with its stage: writing, unless another is stated.
+/// Error in making an item, with its stage; the default stage is writing.
 #[derive(Debug)]
 pub struct Fault {
-    /// Where it failed.
+    /// Stage at which it failed.
     pub stage: Stage,
-    /// The error with its causes.
+    /// Error with its causes.
     pub error: anyhow::Error,
 }
 
 impl Stage {
-    /// A fault at this stage.
+    /// Makes a fault at this stage.
     pub fn fault(self, error: anyhow::Error) -> Fault {
         Fault { stage: self, error }
     }
@@ -87,12 +87,12 @@ impl From<anyhow::Error> for Fault {
     }
 }
 
-/// Words as one line that a POSIX shell takes apart into them.
+/// Joins words into one line that a POSIX shell splits into the same words.
 pub fn command_line<'a>(words: impl Iterator<Item = &'a String>) -> String {
     words.map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
 
-/// A word as a POSIX shell takes it.
+/// Quotes a word for a POSIX shell.
 fn quoted(word: &str) -> String {
     let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-./=:,+@%".contains(letter);
     match !word.is_empty() && word.chars().all(is_plain) {
@@ -106,10 +106,10 @@ impl<M: Marker> Store<M> {
         self.folder().join(FAILURES_FOLDER).join(format!("{id}.json"))
     }
 
-    /// Keeps the record of a failure.
+    /// Writes the record of a failure.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn keep_failure(&self, failure: &Failure) -> Result<()> {
         let _claim = self.claim(&failure.id, Patience::Endless)?;
         remove_stale(&self.folder().join(FAILURES_FOLDER), &failure.id)?;
@@ -117,18 +117,18 @@ impl<M: Marker> Store<M> {
         Ok(write_file(&self.failure_path(&failure.id), text.as_bytes())?)
     }
 
-    /// Forgets the failure of an item or source that is well now.
+    /// Removes the record of a failure that no longer exists.
     ///
     /// # Errors
-    /// When the file system refuses.
+    /// If the file system refuses.
     pub fn forget_failure(&self, id: &str) -> Result<()> {
         remove(&self.failure_path(id))
     }
 
-    /// All failures, by name.
+    /// Reads all failures, by name.
     ///
     /// # Errors
-    /// When a record cannot be read.
+    /// If a record cannot be read.
     pub fn failures(&self) -> Result<Vec<Failure>> {
         let folder = self.folder().join(FAILURES_FOLDER);
         let read = |name: &String| {

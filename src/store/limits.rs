@@ -8,40 +8,40 @@ use std::time::Duration;
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
-/// Exit code of a process whose time was up.
+/// Exit code of a process that exceeded its time limit.
 pub const TIME_IS_UP: i32 = 124;
-/// Exit code of a process whose parent is gone.
+/// Exit code of a process whose parent has ended.
 const ORPHANED: i32 = 125;
 
-/// Time and memory that the process of one item may use.
+/// Limits of time and memory for the process of one item.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Time by the clock [s].
+    /// Wall time [s].
     pub time: f64,
     /// Address space [bytes].
     pub memory: u64,
 }
 
-/// What a process has used.
+/// Resources used by a process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Usage {
-    /// Time on all processors [s].
+    /// Processor time of all threads [s].
     pub cpu_s: f64,
-    /// Largest resident memory [bytes]; 0 where the system does not report it.
+    /// Peak resident memory [bytes]; 0 if the system does not report it.
     pub peak_bytes: u64,
 }
 
 impl Limits {
-    /// Binds this process: it ends when it is out of time or memory, and when its standard input is closed, which the
-    /// system does when its parent ends in whatever way.
+    /// Applies the limits to this process: it ends when it exceeds its time or memory, and when its standard input is
+    /// closed, which happens when its parent ends in any way.
     ///
     /// # Errors
-    /// When the system refuses a limit, or has none.
+    /// If the system refuses a limit, or does not support it.
     pub fn bind(&self) -> Result<()> {
         limit_memory(self.memory)?;
         let (sender, parent) = channel();
         thread::spawn(move || {
-            // Nothing is ever sent; the end of the stream, or an error, is the message.
+            // Nothing is ever sent; the end of the stream, or an error, means that the parent has ended.
             let _ = std::io::stdin().read_to_end(&mut Vec::new());
             let _ = sender.send(());
         });
@@ -55,7 +55,7 @@ impl Limits {
 }
 
 impl Usage {
-    /// What this process has used so far.
+    /// Returns the resources that this process has used so far.
     pub fn now() -> Self {
         Self { cpu_s: cpu_s(), peak_bytes: peak_bytes().unwrap_or_default() }
     }
@@ -84,7 +84,7 @@ fn cpu_s() -> f64 {
     0.0
 }
 
-/// Linux reports it in kibibytes, as `VmHWM: 12345 kB`.
+/// Reads the peak memory from Linux, in kibibytes, as `VmHWM: 12345 kB`.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

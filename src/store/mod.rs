@@ -1,13 +1,13 @@
-//! Folders that are filled item by item and may be gone on with: caches, data sets, sets of images.
+//! Folders filled item by item, which can be resumed: caches, data sets, sets of images.
 //!
-//! A store has a [`Marker`] that decides every item in it. An item is made under a lock of the operating system and
-//! appears by renaming, so it is whole or it is not there, whenever a run is killed; [`Store::fill`] finds it or makes it,
-//! and [`Store::work_through`] does so for many, beside other runs that do the same. Neither order nor jobs nor
-//! interruptions change a byte.
+//! A store has a [`Marker`] that defines every item in it. An item is made under a lock of the operating system and
+//! published by renaming, so it is complete or does not exist, whenever a run is killed. [`Store::fill`] finds or makes
+//! an item, and [`Store::work_through`] does so for many, even with other runs at the same time. Order, jobs and
+//! interruptions do not change a byte.
 //!
 //! A set is a store whose items are made by processes of their own: [`run`] starts them ([`process`], [`limits`]) and
-//! counts ([`progress`]), `failure` keeps what could not be made, [`catalogue`] describes what is there, and [`check`]
-//! compares it with what it should be.
+//! counts ([`progress`]), `failure` records failed items, [`catalogue`] describes the items, and [`check`] compares the
+//! set with its expected content.
 
 pub mod catalogue;
 pub mod check;
@@ -35,19 +35,19 @@ use files::json_file::read_json;
 pub use failure::{FAILURES_FOLDER, Failure, Fault, Stage, command_line};
 pub use marker::Marker;
 
-/// Treatment of a folder that is a store of the same kind already.
+/// Treatment of a folder that already is a store of the same type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupied {
-    /// Leave it alone and say so.
+    /// Refuse with an error.
     Refuse,
-    /// Go on: what is complete is kept.
+    /// Continue; complete items are kept.
     Resume,
     /// The caller empties it first.
     Replace,
 }
 
 impl Occupied {
-    /// Treatment that follows from the flag `--resume`, where nothing is replaced.
+    /// Returns the treatment for the flag `--resume` of verbs that replace nothing.
     pub fn resumed(resume: bool) -> Self {
         if resume { Self::Resume } else { Self::Refuse }
     }
@@ -57,25 +57,25 @@ impl Occupied {
 #[derive(Clone, Debug)]
 pub struct Store<M> {
     folder: PathBuf,
-    /// Recipe from which its items follow.
+    /// Recipe of its items.
     pub recipe: M,
 }
 
-/// An item of a store.
+/// An item of a store, found or made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filled<T> {
-    /// It was there.
+    /// It existed already.
     There(T),
-    /// It was made.
+    /// It was made now.
     Made(T),
 }
 
 impl<M: Marker> Store<M> {
-    /// Starts a store in a folder that is empty or not there, or opens one of the same recipe.
+    /// Starts a store in an empty or new folder, or opens one with the same recipe.
     ///
     /// # Errors
-    /// Wrong use when the folder holds something else, or a store and `occupied` does not say what to do with it;
-    /// otherwise when the folder cannot be written.
+    /// Wrong use if the folder holds something else, or a store that `occupied` does not allow; otherwise if the folder
+    /// cannot be written.
     pub fn start(folder: &Path, recipe: M, occupied: Occupied) -> Result<Self> {
         let (place, marker) = (folder.display(), folder.join(M::FILE));
         if folder.exists() && !folder.is_dir() {
@@ -103,7 +103,7 @@ impl<M: Marker> Store<M> {
         store.begun_alike(&recipe)
     }
 
-    /// Marks a folder that is empty or not there.
+    /// Marks an empty or new folder.
     fn begin(folder: &Path, recipe: M) -> Result<Self> {
         for name in M::FOLDERS {
             let place = folder.join(name);
@@ -112,7 +112,7 @@ impl<M: Marker> Store<M> {
         let store = Self { folder: folder.to_owned(), recipe };
         let _claim = store.claim_catalogue()?;
         remove_stale(folder, M::FILE)?;
-        // Another process may have come first, with a recipe of its own.
+        // Another process may have marked it first, with another recipe.
         if folder.join(M::FILE).exists() {
             return Self::open(folder)?.begun_alike(&store.recipe);
         }
@@ -123,7 +123,7 @@ impl<M: Marker> Store<M> {
     /// Opens a store.
     ///
     /// # Errors
-    /// When its marker is missing, damaged or of another format.
+    /// If its marker is missing, damaged or of another format.
     pub fn open(folder: &Path) -> Result<Self> {
         let marker = folder.join(M::FILE);
         let recipe: M = read_json(&marker, &format!("the mark of {} of format {}", M::WHAT, M::FORMAT))?;
@@ -147,31 +147,32 @@ impl<M: Marker> Store<M> {
         }
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The right to write an item; `None` when another process has it and there is no patience.
+    /// Claims the right to write an item; `None` if another process has it and `patience` does not allow waiting.
     ///
     /// # Errors
-    /// When the file system refuses.
+    /// If the file system refuses.
     pub fn claim(&self, id: &str, patience: Patience) -> Result<Option<FileLock>> {
         Ok(FileLock::take(&self.folder.join(M::FOLDERS[0]).join(format!(".{id}.lock")), patience)?)
     }
 
-    /// The right to write the store's own files; another run that has it is waited for.
+    /// Claims the right to write the store's own files; waits for another run that has it.
     ///
     /// # Errors
-    /// When the file system refuses.
+    /// If the file system refuses.
     pub fn claim_catalogue(&self) -> Result<Option<FileLock>> {
         Ok(FileLock::take(&self.folder.join(format!(".{}.lock", stem::<M>())), Patience::Endless)?)
     }
 
-    /// Finds an item, or makes it under its claim; `None` when someone else is making it and there is no patience.
+    /// Finds an item, or makes it under its claim; `None` if another process is making it and `patience` does not allow
+    /// waiting.
     ///
     /// # Errors
-    /// Those of `make`, and when the file system refuses.
+    /// Those of `make`, and if the file system refuses.
     pub fn fill<T, E: From<anyhow::Error>>(
         &self,
         id: &str,
@@ -183,7 +184,7 @@ impl<M: Marker> Store<M> {
             return Ok(Some(Filled::There(there)));
         }
         let Some(_claim) = self.claim(id, patience)? else { return Ok(None) };
-        // Whoever held the claim before may have finished it.
+        // The previous holder of the claim may have finished it.
         if let Some(there) = find() {
             return Ok(Some(Filled::There(there)));
         }
@@ -193,11 +194,11 @@ impl<M: Marker> Store<M> {
         Ok(Some(Filled::Made(make()?)))
     }
 
-    /// Does `work` for each of `items` with `jobs` threads, then removes what killed runs left; `done` gets the position
-    /// and what came of it, as it comes in. Where `work` gives `None`, it is asked again at the end, with patience.
+    /// Does `work` for each of `items` with `jobs` threads, then removes leftovers of killed runs; `done` gets index
+    /// and result of each item as it arrives. If `work` returns `None`, it is called again at the end and may wait.
     ///
     /// # Errors
-    /// Those of `done`, and when the folder cannot be written.
+    /// Those of `done`, and if the folder cannot be written.
     pub fn work_through<I: Sync, T: Send>(
         &self,
         items: &[I],
@@ -209,16 +210,16 @@ impl<M: Marker> Store<M> {
         self.sweep()
     }
 
-    /// Removes what killed runs left of items that no one is writing.
+    /// Removes leftovers of killed runs for items that no process is writing.
     fn sweep(&self) -> Result<()> {
-        // The writer of the store's own files may stage them in a folder of items.
+        // The store's own files may be staged in a folder of items.
         let _claim = self.claim_catalogue()?;
         remove_stale(&self.folder, stem::<M>())?;
         for folder in M::FOLDERS {
             let place = self.folder.join(folder);
             for name in names(&place)?.iter().filter(|name| name.starts_with('.')) {
                 let id = name[1..].split('.').next().unwrap_or_default();
-                // Taking and releasing the claim removes the lock file as well.
+                // Taking and releasing the claim also removes the lock file.
                 if let Some(_claim) = self.claim(id, Patience::None)? {
                     remove_stale(&place, id)?;
                 }
@@ -228,12 +229,12 @@ impl<M: Marker> Store<M> {
     }
 }
 
-/// Name of the marker file without its ending; hidden files of the store's own begin with it.
+/// Returns the name of the marker file without its extension; the store's own hidden files begin with it.
 fn stem<M: Marker>() -> &'static str {
     M::FILE.split('.').next().unwrap_or_default()
 }
 
-/// True if a folder is absent, or holds at most what a run that was killed at its start leaves behind.
+/// Returns true if a folder does not exist, or holds at most the leftovers of a run killed at its start.
 fn is_unused<M: Marker>(folder: &Path) -> bool {
     let Ok(entries) = fs::read_dir(folder) else { return folder.symlink_metadata().is_err() };
     entries.flatten().all(|entry| {
@@ -243,10 +244,10 @@ fn is_unused<M: Marker>(folder: &Path) -> bool {
     })
 }
 
-/// Names in a folder, sorted.
+/// Returns the names in a folder, sorted.
 ///
 /// # Errors
-/// When it cannot be read.
+/// If it cannot be read.
 pub fn names(folder: &Path) -> Result<Vec<String>> {
     let context = || format!("{}: cannot be read", folder.display());
     let mut names = Vec::new();
@@ -257,10 +258,10 @@ pub fn names(folder: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Removes what was staged in `folder` for `stem` and never renamed; only for who holds the claim on it.
+/// Removes staged files of `stem` in `folder` that were never renamed; the caller must hold the claim.
 ///
 /// # Errors
-/// When the file system refuses.
+/// If the file system refuses.
 pub fn remove_stale(folder: &Path, stem: &str) -> Result<()> {
     let prefix = format!(".{stem}.");
     for name in names(folder)? {
@@ -272,10 +273,10 @@ pub fn remove_stale(folder: &Path, stem: &str) -> Result<()> {
     Ok(())
 }
 
-/// Removes a file or folder, if it is there.
+/// Removes a file or folder, if it exists.
 ///
 /// # Errors
-/// When the file system refuses.
+/// If the file system refuses.
 pub fn remove(path: &Path) -> Result<()> {
     let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     match removed {
@@ -284,7 +285,7 @@ pub fn remove(path: &Path) -> Result<()> {
     }
 }
 
-/// The first eight bytes of a text's SHA-256, as a number: seeds, splits and shares follow from names by it.
+/// Returns the first eight bytes of a text's SHA-256 as a number, from which seeds, splits and shards follow.
 pub fn number_from(text: &str) -> u64 {
     Sha256::digest(text.as_bytes()).iter().take(8).fold(0, |number, &byte| number << 8 | u64::from(byte))
 }

@@ -1,4 +1,4 @@
-//! Starting the process of an item, and what its end means.
+//! Starts the process of an item, and interprets its end.
 
 use std::process::{Command, ExitStatus, Output, Stdio};
 
@@ -12,7 +12,7 @@ use crate::in_full;
 
 /// Exit code of a Rust program that panicked.
 const PANICKED: i32 = 101;
-/// What the allocator says before it gives up.
+/// Start of the allocator's message when memory runs out.
 const OUT_OF_MEMORY: &str = "memory allocation of";
 
 /// Outcome of making an item.
@@ -21,28 +21,29 @@ const OUT_OF_MEMORY: &str = "memory allocation of";
 pub enum Ending {
     /// It was made.
     Made,
-    /// It was there already.
+    /// It existed already.
     There,
     /// Another process is making it.
     Busy,
     /// It cannot be made.
     Failed {
-        /// Where it failed.
+        /// Stage at which it failed.
         stage: Stage,
-        /// Reason of the failure, with its causes.
+        /// Reason with its causes.
         reason: String,
     },
 }
 
 impl Ending {
-    /// The ending of the item `id`, which this process made or not.
+    /// Converts the result for the item `id` into an outcome.
     pub fn of(id: &str, filled: Result<Option<Filled<()>>, Fault>) -> Self {
         match filled {
             Ok(None) => Self::Busy,
             Ok(Some(Filled::There(()))) => Self::There,
             Ok(Some(Filled::Made(()))) => Self::Made,
             Err(Fault { stage, error }) => {
-                // Staged names hold the number of this process, and reasons are the same in every run.
+                // Names of staged files contain the process id; it is removed, so that reasons are the same in every
+                // run.
                 let ending = format!(".part-{}", std::process::id());
                 let reason = in_full(&error).replace(&format!(".{id}{ending}"), id).replace(&ending, "");
                 Self::Failed { stage, reason }
@@ -56,31 +57,31 @@ impl Ending {
 pub struct Answer {
     /// Outcome of making the item.
     pub ending: Ending,
-    /// Time and memory that the process used.
+    /// Time and memory used by the process.
     pub usage: Usage,
 }
 
-/// Runs this program with the arguments that `words` adds, on one thread, as a process that binds itself to `limits`
+/// Runs this program with the arguments that `words` adds, on one thread, as a process that applies `limits` to itself
 /// and prints an [`Answer`].
 ///
 /// # Errors
-/// When no process can be started.
+/// If no process can be started.
 pub fn run_apart(limits: Limits, words: impl FnOnce(&mut Command) -> &mut Command) -> Result<Answer> {
     let program = Program::of_this_process().context("this program cannot be found, to start it for an item")?;
     let mut command = Command::new(&program.start[0]);
     words(command.args(&program.start[1..]).args(["--threads", "1"]));
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().context("no process can be started for an item")?;
-    // Held open as long as we live, which is what the child watches.
+    // The child's standard input stays open as long as this process lives; the child watches it.
     let lifeline = child.stdin.take();
     let output = child.wait_with_output().context("the process of an item cannot be waited for")?;
     drop(lifeline);
-    // A signal from the keyboard ends both; the item did not fail.
+    // A signal from the keyboard ends both processes; it is not a failure of the item.
     crate::interrupt::wait_if_ending();
     Ok(answer(&output, limits))
 }
 
-/// Answer that a process printed, or one that follows from its exit status where it printed none.
+/// Returns the answer that a process printed, or one derived from its exit status.
 fn answer(output: &Output, limits: Limits) -> Answer {
     if let (true, Ok(answer)) = (output.status.success(), serde_json::from_slice(&output.stdout)) {
         return answer;
@@ -97,7 +98,7 @@ fn answer(output: &Output, limits: Limits) -> Answer {
     Answer { ending: Ending::Failed { stage, reason }, usage: Usage::default() }
 }
 
-/// Place and words of a panic, without the name of the thread and the hint that follows.
+/// Returns location and message of a panic, without the thread's name and the hint that follows.
 fn panic_text(errors: &str) -> String {
     let lines = errors.lines().skip_while(|line| !line.contains("panicked at "));
     let lines = lines.take_while(|line| !line.starts_with("note: ")).map(str::trim).filter(|line| !line.is_empty());

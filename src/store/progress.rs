@@ -1,4 +1,4 @@
-//! How a run of many items goes: counts, times, what is left.
+//! Progress of a run of many items: counts, times, time left.
 
 use std::time::Instant;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::process::Ending;
 use super::run::Outcome;
 
-/// Parts in the training data of the first model of this kind; the time they would take is reported after a run.
+/// Number of parts in the training data of the first model of this kind; a run reports the time they would take.
 const KNOWN_SET: f64 = 8918.0;
 
 /// Counts items while they are made.
@@ -18,49 +18,49 @@ pub struct Progress {
     cpu_s: Vec<f64>,
 }
 
-/// What a run did.
+/// Summary of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
-    /// Items of the run.
+    /// Number of items in the run.
     pub items: usize,
-    /// Items that were made.
+    /// Number of items made.
     pub made: usize,
-    /// Items that were there.
+    /// Number of items that existed already.
     pub there: usize,
-    /// Items that failed.
+    /// Number of items that failed.
     pub failed: usize,
-    /// Median of the processor time of an item that was made [s].
+    /// Median processor time of the items made [s].
     pub median_cpu_s: Option<f64>,
-    /// Largest memory of an item [MB].
+    /// Peak memory of an item [MB].
     pub peak_mb: Option<f64>,
-    /// Time by the clock [s].
+    /// Wall time [s].
     pub seconds: f64,
-    /// Items made in an hour by the clock.
+    /// Items made per hour of wall time.
     pub items_per_hour: Option<f64>,
 }
 
-/// What to say of one item.
+/// Message on one item.
 pub struct Line {
-    /// Word in front.
+    /// Label of the message.
     pub about: &'static str,
     text: String,
 }
 
 impl Line {
-    /// The text; where a bar shows how it goes, only failures have one.
+    /// Returns the text; with a progress bar, only failures have one.
     pub fn text(&self, without_bar: bool) -> Option<&str> {
         (without_bar || self.about == "failed").then_some(&self.text)
     }
 }
 
 impl Progress {
-    /// Nothing is done yet of `items`.
+    /// Starts the count of `items` items.
     pub fn new(items: usize, started: Instant) -> Self {
         let summary = Summary { items, ..Default::default() };
         Self { started, summary, done: 0, cpu_s: Vec::new() }
     }
 
-    /// Counts an item and says what became of it.
+    /// Counts an item and returns its message.
     pub fn count(&mut self, outcome: &Outcome) -> Line {
         self.done += 1;
         let usage = outcome.usage;
@@ -86,7 +86,7 @@ impl Progress {
         Line { about, text: format!("{}/{of} {} of {name}: {found}{}", self.done, outcome.id, self.time_left()) }
     }
 
-    /// What is left at the pace so far; nothing at the end and before the first item was made.
+    /// Describes the time left at the current pace; empty at the end and before the first item was made.
     fn time_left(&self) -> String {
         let worked = self.summary.made + self.summary.failed;
         let left = self.summary.items - self.done;
@@ -97,7 +97,7 @@ impl Progress {
         format!("; about {} left", duration(seconds))
     }
 
-    /// What the run did.
+    /// Returns the summary of the run.
     pub fn summary(mut self) -> Summary {
         self.cpu_s.sort_by(f64::total_cmp);
         self.summary.median_cpu_s = self.cpu_s.get(self.cpu_s.len() / 2).copied();
@@ -109,7 +109,7 @@ impl Progress {
 }
 
 impl Summary {
-    /// For people.
+    /// Describes the run for people.
     pub fn describe(&self, jobs: usize) -> String {
         let Self { made, there, failed, seconds, .. } = self;
         let mut text = format!("{made} made, {there} there, {failed} failed in {}", duration(*seconds));
@@ -122,14 +122,14 @@ impl Summary {
         text
     }
 
-    /// How long a known set of parts would take at this pace, for people.
+    /// Describes the time for a known set of parts at this pace.
     pub fn outlook(&self) -> Option<String> {
         let whole = duration(3600.0 * KNOWN_SET / self.items_per_hour?);
         Some(format!("{KNOWN_SET:.0} parts, one item each, take {whole}"))
     }
 }
 
-/// A duration for people.
+/// Formats a duration for people.
 fn duration(seconds: f64) -> String {
     match seconds {
         0.0..90.0 => format!("{seconds:.0} s"),

@@ -1,4 +1,4 @@
-//! Making the items of a set, several at once, each in a process of its own.
+//! Makes the items of a set, several at once, each in a process of its own.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -11,18 +11,18 @@ use super::process::{Answer, Ending, run_apart};
 use super::{Failure, Marker, Stage, Store};
 use files::file_lock::Patience;
 
-/// An item of a set of the kind `M`.
+/// An item of a set of type `M`.
 pub trait SetItem<M>: Sync {
-    /// Its name.
+    /// Returns its name.
     fn id(&self) -> &str;
 
-    /// Path of what it is made from, for messages.
+    /// Returns the path of its source, for messages.
     fn source(&self, set: &Store<M>) -> PathBuf;
 
-    /// True if it is there already.
+    /// Returns true if it exists already.
     fn is_there(&self, set: &Store<M>) -> bool;
 
-    /// Failure without an attempt, for items that need others which failed; `None` if it can be tried.
+    /// Returns a failure without an attempt if an item that it needs has failed; `None` if it can be tried.
     fn obstacle(&self, _set: &Store<M>) -> Option<Ending> {
         None
     }
@@ -30,50 +30,50 @@ pub trait SetItem<M>: Sync {
     /// Adds the arguments of the process that makes it.
     fn words<'c>(&self, command: &'c mut Command, set: &Store<M>, limits: Limits) -> &'c mut Command;
 
-    /// The record of its failure.
+    /// Makes the record of its failure.
     fn failure(&self, set: &Store<M>, stage: Stage, reason: String) -> Failure;
 }
 
 /// A run that makes the items of a set.
 pub struct Run<'a, M> {
-    /// The set to which they belong.
+    /// Set of the items.
     pub set: &'a Store<M>,
-    /// Time and memory that each item may use.
+    /// Limits of each item's process.
     pub limits: Limits,
-    /// Items at once.
+    /// Number of items made at once.
     pub jobs: usize,
 }
 
 /// Outcome of an item in a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Its name.
+    /// Name of the item.
     pub id: String,
-    /// Path of what it is made from.
+    /// Path of its source.
     pub source: PathBuf,
     /// Outcome of making it; never [`Ending::Busy`].
     pub ending: Ending,
-    /// Processor time and memory that making it took.
+    /// Processor time and memory used.
     pub usage: Usage,
-    /// The same by the clock [s].
+    /// Wall time [s].
     pub seconds: f64,
 }
 
 impl<M: Marker> Run<'_, M> {
-    /// Makes what is not there yet and calls `done` for each item as it ends.
+    /// Makes the missing items and calls `done` for each item as it ends.
     ///
     /// # Errors
-    /// When the set cannot be written, or `done` fails; an item that fails is an outcome.
+    /// If the set cannot be written, or `done` fails; an item that fails is an outcome.
     pub fn run<I: SetItem<M>>(&self, items: &[I], mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
         let work = |item: &I, patience| self.outcome(item, patience).transpose();
         self.set.work_through(items, self.jobs, work, |_, outcome| done(&outcome?))
     }
 
-    /// Finds or makes one item; `None` when someone else is making it and there is no patience.
+    /// Finds or makes one item; `None` if another process is making it and `patience` does not allow waiting.
     fn outcome(&self, item: &impl SetItem<M>, patience: Patience) -> Result<Option<Outcome>> {
         let started = Instant::now();
         if patience == Patience::Endless {
-            // Whoever makes it is done when the claim is free.
+            // The claim is free when the other process is done.
             drop(self.set.claim(item.id(), Patience::Endless)?);
         }
         let Answer { ending, usage } = self.answer(item)?;

@@ -1,4 +1,4 @@
-//! The dials measured anew, more finely than when the weld was placed.
+//! The dials of a weld, measured again with more rays than in its placement.
 
 use glam::DVec3;
 use sdf_bake::Mesh;
@@ -7,11 +7,11 @@ use weldgen::exposure::{ExposureRays, exposures};
 
 use crate::asset::{Check, WELDS_FILE, WeldTruth, Welds};
 
-/// Rays at each point: 16 times those that placed the weld.
+/// Rays at each point: 16 times as many as in the placement of the weld.
 const RAYS: u32 = 16 * 256;
-/// Largest number of points measured anew, the least exposed first.
+/// Greatest number of points measured again, the least exposed first.
 const POINTS: usize = 16;
-/// Height of the rays' origins above the surface, in heights of a bead on a face.
+/// Height of the rays' origins above the surface [heights of a bead on a face].
 const LIFT: f64 = 0.05;
 
 pub(super) fn check(truth: &Welds, part: &Mesh) -> Vec<Check> {
@@ -19,7 +19,8 @@ pub(super) fn check(truth: &Welds, part: &Mesh) -> Vec<Check> {
     truth.welds.iter().map(|weld| check_exposure(weld, &query)).collect()
 }
 
-/// The least exposure along a weld is within the range asked; not where the range was let go, which its figure tells.
+/// Checks that the least exposure along a weld lies within the requested range; passes if the range was relaxed, as the
+/// recorded exposure shows.
 fn check_exposure(weld: &WeldTruth, query: &MeshQuery) -> Check {
     let [low, high] = weld.requested.exposure;
     let rule = format!("weld {}: {RAYS} rays find its exposure within {low} to {high}", weld.id);

@@ -1,11 +1,11 @@
-//! The NanoVDB files: sane values, boxes that agree with the meshes, labels that cover the weld metal.
+//! Checks of the NanoVDB files: sane values, boxes that agree with the meshes, labels that cover the weld metal.
 
 use glam::DVec3;
 use sdf_bake::BrickGrid;
 
 use crate::asset::{AssetFields, Check, Imperfection, Meshes, PHI_FILE, WELD_FILE, WeldTruth, Welds};
 
-/// Boxes of mesh and field may differ by this [voxels].
+/// Greatest difference between the boxes of mesh and field [voxels].
 const BOX_TOLERANCE: f64 = 1.0;
 
 pub(super) fn check(fields: &AssetFields, meshes: &Meshes, truth: Option<&Welds>) -> Vec<Check> {
@@ -36,7 +36,7 @@ fn compare_boxes(rule: &str, grid: &BrickGrid, mesh: Option<(DVec3, DVec3)>) -> 
     Check::new(PHI_FILE, rule, crossed.min(near) <= BOX_TOLERANCE, found)
 }
 
-/// Balls [m] around what imperfections cut out of the part: a groove or a hole, and the band around it.
+/// Returns balls [m] around the parts that imperfections removed: a groove or a hole, and the band around it.
 fn cut_open(truth: &Welds, grid: &BrickGrid) -> Vec<(DVec3, f64)> {
     let ball = |weld: &WeldTruth, cut: &Imperfection| {
         let curve = &weld.curve;
@@ -54,7 +54,7 @@ fn cut_open(truth: &Welds, grid: &BrickGrid) -> Vec<(DVec3, f64)> {
         .collect()
 }
 
-/// Welding only adds, but for what imperfections cut out: nowhere else is the welded field above the bare part's.
+/// Checks that welding only adds metal: outside the cut-out balls, the welded field is nowhere above the bare part's.
 fn check_union(fields: &AssetFields, cut_open: &[(DVec3, f64)]) -> Check {
     let is_cut = |voxel| {
         let place = fields.welded.position(voxel);
@@ -73,7 +73,7 @@ fn check_union(fields: &AssetFields, cut_open: &[(DVec3, f64)]) -> Check {
     Check::new(PHI_FILE, rule, above == 0, format!("{above} voxels above"))
 }
 
-/// Every voxel that holds weld metal carries a weld id.
+/// Checks that every voxel with weld metal has a weld id.
 fn check_labels(fields: &AssetFields) -> Check {
     let bare = fields.share.iter().zip(&fields.welded.label).filter(|&(&share, &id)| share > 0.0 && id == 0).count();
     let range = fields.share.iter().all(|share| (0.0..=1.0).contains(share));

@@ -1,4 +1,4 @@
-//! Presence, size and hash of every file.
+//! Checks of presence, size and hash of every file.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub(super) fn check(folder: &Path, manifest: &Manifest) -> Vec<Check> {
     checks
 }
 
-/// An asset is flat.
+/// Checks that an asset has no subfolders.
 fn check_folders(folder: &Path) -> Vec<Check> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries

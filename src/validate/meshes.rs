@@ -1,4 +1,4 @@
-//! The glTF files: the bare part, the part with its beads, and the surface of the whole.
+//! Checks of the glTF files: the bare part, the part with its beads, and the welded surface.
 
 use sdf_bake::clean::clean;
 

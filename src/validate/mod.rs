@@ -1,4 +1,4 @@
-//! Opens every file of an asset and holds it against the others.
+//! Opens every file of an asset and compares it with the others.
 
 mod dials;
 mod fields;
@@ -13,12 +13,12 @@ use anyhow::Result;
 
 use crate::asset::{AssetFields, Check, EXPORTS, Manifest, Meshes, Opened, UsdMode, Validation, WELDS_FILE, Welds};
 
-/// Checks an asset folder: hashes, then everything that the files say of each other.
+/// Checks an asset folder: first the hashes, then the agreement of the files.
 ///
-/// A file that cannot be opened is a failed check, not an error, so that one run names all that is wrong.
+/// A file that cannot be opened is a failed check, not an error, so that one run reports all faults.
 ///
 /// # Errors
-/// When the folder has no readable manifest.
+/// If the folder has no readable manifest.
 pub fn validate(folder: &Path, usd: UsdMode) -> Result<Validation> {
     let manifest = Manifest::read(folder)?;
     let mut checks = files::check(folder, &manifest);

@@ -1,4 +1,4 @@
-//! The welded surface as one mesh: closed, with the ids of the truth and the volume of the field.
+//! Checks of the welded surface as one mesh: closed, with the weld ids of the ground truth and the volume of the field.
 
 use std::collections::BTreeSet;
 
@@ -8,11 +8,11 @@ use sdf_bake::{Merged, Mesh};
 use crate::asset::{AssetFields, Check, SURFACE_FILE, Welds};
 use export::glb_read::ReadPart;
 
-/// Largest |φ| of the trilinear field at a vertex [voxels]: on sharp edges and corners, which interpolation rounds off,
-/// extraction allows 0.6.
+/// Greatest |φ| of the trilinear field at a vertex [voxels]; extraction allows 0.6 on sharp edges and corners, which
+/// interpolation rounds off.
 const OFF_FIELD: f64 = 0.61;
-/// Largest difference between the volumes of mesh and field, over the mesh's area [voxels]. Mostly it is below 0.03; a
-/// real part of 1 m at voxels of 8 mm, whose walls are thinner than a voxel and partly absent from the mesh, has 0.15.
+/// Greatest difference between the volumes of mesh and field, over the mesh's area [voxels]. It is mostly below 0.03; a
+/// real part of 1 m at voxels of 8 mm, whose walls are thinner than a voxel and partly missing from the mesh, has 0.15.
 const OFF_VOLUME: f64 = 0.2;
 
 pub(super) fn check(pieces: &[ReadPart], fields: &AssetFields, truth: Option<&Welds>) -> Vec<Check> {

@@ -1,4 +1,4 @@
-//! The truth file against meshes and fields: the curve is on the part, the labels hold the bead's volume.
+//! Checks of the ground truth against meshes and fields: the curve lies on the part, the labels hold the bead's volume.
 
 use std::collections::BTreeSet;
 
@@ -8,11 +8,11 @@ use crate::asset::{
     AssetFields, Check, CurveTruth, MANIFEST_FILE, Manifest, Meshes, WELD_FILE, WELDS_FILE, WeldTruth, Welds,
 };
 
-/// Largest distance of the centreline from the part's surface [m].
+/// Greatest distance of the centreline from the part's surface [m].
 const ON_SURFACE: f64 = 1e-5;
-/// Largest relative difference between the volume of the labels and of the bead.
+/// Greatest relative difference between the volume of the labels and of the bead.
 const VOLUME_TOLERANCE: f64 = 0.02;
-/// Figures that are said twice may differ by this, relative.
+/// Greatest relative difference between two copies of a number.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(truth: &Welds, meshes: &Meshes, fields: &AssetFields) -> Vec<Check> {
@@ -27,7 +27,7 @@ pub(super) fn check(truth: &Welds, meshes: &Meshes, fields: &AssetFields) -> Vec
     checks
 }
 
-/// Truth, beads and labels name the same welds.
+/// Checks that ground truth, beads and labels name the same welds.
 pub(super) fn check_ids(truth: &Welds, meshes: &Meshes, fields: &AssetFields) -> Check {
     let sorted = |mut ids: Vec<u16>| {
         ids.sort_unstable();
@@ -42,7 +42,7 @@ pub(super) fn check_ids(truth: &Welds, meshes: &Meshes, fields: &AssetFields) ->
     Check::new(WELDS_FILE, "truth, beads and labels name the same weld ids, each once", passed, found)
 }
 
-/// The manifest repeats figures of the truth.
+/// Checks that the manifest repeats the numbers of the ground truth.
 pub(super) fn check_manifest(truth: &Welds, manifest: &Manifest) -> Vec<Check> {
     let sum = |figure: fn(&WeldTruth) -> f64| truth.welds.iter().map(figure).sum::<f64>();
     let figures = [("weld_volume_mm3", sum(|weld| weld.volume_mm3)), ("weld_length_mm", sum(|weld| weld.length_mm))];
@@ -54,12 +54,12 @@ pub(super) fn check_manifest(truth: &Welds, manifest: &Manifest) -> Vec<Check> {
     figures.map(check).into()
 }
 
-/// Whether two figures are one up to rounding.
+/// Returns true if two numbers are equal up to rounding.
 fn agree(one: f64, two: f64) -> bool {
     (one - two).abs() <= ROUNDING * one.abs().max(two.abs()).max(ROUNDING)
 }
 
-/// The figures of a weld follow from its centreline.
+/// Checks that the numbers of a weld follow from its centreline.
 fn check_figures(weld: &WeldTruth) -> Check {
     let curve = &weld.curve;
     let count = curve.position.len().max(1) as f64;
@@ -106,7 +106,7 @@ fn is_complete(curve: &CurveTruth) -> bool {
         && scalars.iter().all(|list| list.len() == count && list.iter().all(|x| x.is_finite()))
 }
 
-/// Unit axes with side = normal × tangent.
+/// Checks that the axes are unit vectors with side = normal × tangent.
 fn is_framed(curve: &CurveTruth) -> bool {
     let axes = curve.tangent.iter().zip(&curve.normal).zip(&curve.side);
     axes.into_iter().all(|((tangent, normal), side)| {

@@ -1,4 +1,4 @@
-//! What is asked of a weld, checked before anything is baked, and what of a weld is worth a warning.
+//! Checks of a requested weld before anything is baked, and warnings on a placed weld.
 
 use anyhow::{Result, anyhow, bail};
 use sdf_bake::{BLEND_REACH, BakeOptions};
@@ -7,28 +7,28 @@ use weldgen::{BeadProfile, DialFault, Placement, Weld, WeldRequest};
 
 use super::WeldWishes;
 
-/// The thinnest welding wire [m]; no bead is narrower.
+/// Diameter of the thinnest welding wire [m]; no bead is narrower.
 const THINNEST_WIRE: f64 = 0.6e-3;
 
-/// Refuses what cannot be, whatever the part's shape, with the flag that asks for it.
+/// Refuses values that are impossible for a part of any shape, naming their flags.
 pub(super) fn check(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
     check_sizes(wishes, baking.voxel)?;
     request.check().map_err(|fault| anyhow!("{}{fault}", flag_of(&fault)))?;
     check_toe_radius(wishes, request, baking)
 }
 
-/// The flag that sets a dial, for the front of a message; nothing for what no flag sets.
+/// Returns the flag of a dial as the prefix of a message; empty if no flag sets it.
 fn flag_of(fault: &DialFault) -> String {
     Dial::named(fault.dial).map_or(String::new(), |dial| format!("--{}: ", dial.key))
 }
 
-/// What is far below the voxel would be in the truth and not in the field.
+/// Refuses sizes far below the voxel, because the ground truth would have them and the field would not.
 fn check_sizes(wishes: &WeldWishes, voxel: f64) -> Result<()> {
     for (dial, wish, voxels) in [
         (LENGTH, wishes.length.map(|[low, _]| low), 1.0),
         (WIDTH, wishes.width, 1.0),
         (HEIGHT, wishes.height, 0.05),
-        // A wave needs two samples (Shannon 1949).
+        // A wave needs two samples per period (Shannon 1949).
         (RIPPLE_PITCH, wishes.form.ripples.map(|ripples| ripples.pitch), 2.0),
         (WEAVE_PITCH, wishes.form.weave.map(|weave| weave.pitch), 2.0),
     ] {
@@ -45,7 +45,8 @@ fn check_sizes(wishes: &WeldWishes, voxel: f64) -> Result<()> {
     Ok(())
 }
 
-/// A bead on a face must have room for round toes. The angle of a fillet is that of its seam, so it is checked once placed.
+/// Checks the round toes of a bead on a face. The angle of a fillet is that of its seam, so a fillet is checked after
+/// its placement.
 fn check_toe_radius(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
     if matches!(request.placement, Placement::Seam | Placement::Mixed) {
         return Ok(());
@@ -54,11 +55,11 @@ fn check_toe_radius(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOpt
     check_blend(&profile, wishes.toe_radius, baking)
 }
 
-/// The round toes [m] of a bead must stay within the band.
+/// Checks that the round toes [m] of a bead stay within the band.
 pub(super) fn check_blend(profile: &BeadProfile, toe_radius: Option<f64>, baking: &BakeOptions) -> Result<()> {
     let Some(radius) = toe_radius else { return Ok(()) };
     let band = baking.band_voxels * baking.voxel;
-    // The blend's radius goes with that of the toes.
+    // The blend's radius is proportional to that of the toes.
     let most = BLEND_REACH * band * radius / profile.blend_radius(radius);
     if radius <= most {
         return Ok(());
@@ -75,7 +76,7 @@ pub(super) fn check_blend(profile: &BeadProfile, toe_radius: Option<f64>, baking
     )
 }
 
-/// What of a weld is implausible, or short of what was asked.
+/// Lists implausible or unmet properties of a weld.
 pub(super) fn bead_warnings(weld: &Weld) -> Vec<String> {
     let width = weld.profile.width;
     let thin = (width < THINNEST_WIRE).then(|| {
