@@ -1,4 +1,4 @@
-//! README and documents against the project: links lead somewhere, the commands shown exist, and the words are those of
+//! README and documents against the project: links have targets, the commands shown exist, and the words are those of
 //! the glossary.
 
 use std::fs;
@@ -22,7 +22,7 @@ fn documents() -> Vec<PathBuf> {
     documents
 }
 
-/// Targets of `](target)` in a Markdown text.
+/// Returns the targets of `](target)` in a Markdown text.
 fn links(text: &str) -> Vec<&str> {
     text.split("](").skip(1).filter_map(|rest| rest.split_once(')').map(|(target, _)| target)).collect()
 }
@@ -61,7 +61,7 @@ fn every_verb_that_a_document_shows_has_help_with_an_example() {
     }
 }
 
-/// Lines of prose with their numbers from 1: no code, formulas, tables, pictures or comments.
+/// Returns the lines of prose with their numbers from 1: no code, formulas, tables, pictures or comments.
 fn prose(text: &str) -> Vec<(usize, &str)> {
     let mut fenced = false;
     let mut prose = Vec::new();
@@ -77,7 +77,7 @@ fn prose(text: &str) -> Vec<(usize, &str)> {
     prose
 }
 
-/// The text without what stands in code font, in lower case, with one space between words.
+/// Returns the text without code, in lower case, with one space between words.
 fn words(text: &str) -> String {
     let outside = text.split('`').step_by(2).collect::<Vec<_>>().join("`");
     outside.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase()
@@ -87,7 +87,7 @@ fn glossary() -> String {
     fs::read_to_string(root().join("docs/glossary.md")).unwrap()
 }
 
-/// Phrases in bold in the first cells of the glossary's table of words not to use.
+/// Returns the phrases in bold in the first cells of the glossary's table of words not to use.
 fn given_up() -> Vec<String> {
     let glossary = glossary();
     let (_, table) = glossary.split_once("## Words not to use").expect("the table of words not to use");
@@ -143,7 +143,7 @@ fn the_glossary_defines_each_term_once_and_says_where_it_is_used() {
     assert!(twice.is_empty(), "{twice:?}");
 }
 
-/// Files of the project and its folders, relative to the root; folders end with a slash.
+/// Lists files and folders of the project, relative to the root; folders end with a slash.
 fn places() -> Vec<String> {
     let is_own = |name: &str| !name.starts_with('.') && name != "target" && name != "out";
     let entries = WalkDir::new(root()).min_depth(1).into_iter();
@@ -155,13 +155,13 @@ fn places() -> Vec<String> {
     entries.map(|entry| place(entry.unwrap())).collect()
 }
 
-/// Whether a name begins with a folder at the project's root.
+/// Returns true if a name begins with a folder at the project's root.
 fn is_rooted(name: &str, places: &[String]) -> bool {
     let (top, _) = name.split_once('/').unwrap_or_default();
     places.iter().any(|place| place.strip_suffix('/') == Some(top))
 }
 
-/// Whether what stands in code font is a source file of the project or a folder below one at its root.
+/// Returns true if text in code font names a source file of the project or a folder below one at its root.
 fn is_place(code: &str, places: &[String]) -> bool {
     let is_source = ["rs", "wgsl", "py", "mjs", "cpp"].iter().any(|end| code.ends_with(&format!(".{end}")));
     let is_folder = code.ends_with('/') || code.ends_with(".toml");
@@ -169,7 +169,7 @@ fn is_place(code: &str, places: &[String]) -> bool {
     is_plain && (is_source || (is_folder && is_rooted(code, places)))
 }
 
-/// The names behind one with `{a,b}` in it.
+/// Expands a name with `{a,b}` in it.
 fn expanded(code: &str) -> Vec<String> {
     match (code.split_once('{'), code.split_once('}')) {
         (Some((before, _)), Some((list, after))) => {
@@ -180,8 +180,8 @@ fn expanded(code: &str) -> Vec<String> {
     }
 }
 
-/// Whether a place of the project has this name, or ends with it if the name begins below the root; `*` stands for any
-/// characters.
+/// Returns true if a path of the project has this name, or ends with it if the name begins below the root; `*` stands
+/// for any characters.
 fn exists(name: &str, places: &[String]) -> bool {
     let (start, end) = name.split_once('*').unwrap_or((name, ""));
     let begun = format!("/{start}");

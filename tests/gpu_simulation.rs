@@ -1,4 +1,4 @@
-//! The field on the device against the field on the CPU: same constants, same samples.
+//! The field on the GPU against the field on the CPU: same constants, same samples.
 
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use sdf_bake::{BrickGrid, grid};
 use shaders::{GridBuffers, GridHeader, SELF_CHECK_LIMIT, Sampler, constants, testing};
 
-/// A torus of ring radius 20 mm and tube radius 7 mm, away from the origin.
+/// Makes a torus of ring radius 20 mm and tube radius 7 mm, away from the origin.
 fn torus() -> BrickGrid {
     let centre = DVec3::new(0.013, -0.021, 0.004);
     let reach = DVec3::new(0.027, 0.027, 0.007);

@@ -1,4 +1,4 @@
-//! The crates and the arrows between them, as `ARCHITECTURE.md` states them.
+//! The crates and their dependencies, as stated in `ARCHITECTURE.md`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 use walkdir::WalkDir;
 
-/// Each folder with the crates of the workspace that it may use.
+/// Folder of each crate, with the crates of the workspace that it may use.
 const MAY_USE: [(&str, &[&str]); 22] = [
     ("shaders", &[]),
     ("random", &[]),
@@ -56,16 +56,16 @@ const MAY_USE: [(&str, &[&str]); 22] = [
         ],
     ),
 ];
-/// Packages of the command line, which only the program itself may use.
+/// Packages for the command line, which only the main crate may use.
 const OF_THE_PROGRAM: [&str; 3] = ["anyhow", "clap", "indicatif"];
-/// Most lines of product code in a crate.
+/// Greatest number of lines of product code in a crate.
 const MOST_LINES: usize = 15_000;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The packages of the workspace by their folder.
+/// Returns the packages of the workspace by folder.
 fn packages() -> BTreeMap<String, Value> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let answer = Command::new(cargo)
@@ -79,14 +79,14 @@ fn packages() -> BTreeMap<String, Value> {
     packages.iter().map(|package| (folder_of(&package["manifest_path"]), package.clone())).collect()
 }
 
-/// Folder of a manifest below the root, empty for the root's own.
+/// Returns the folder of a manifest below the root; empty for the root's own.
 fn folder_of(manifest: &Value) -> String {
     let manifest = PathBuf::from(manifest.as_str().expect("a path"));
     let folder = manifest.parent().expect("a folder");
     folder.strip_prefix(root()).expect("a folder below the root").display().to_string()
 }
 
-/// What a package depends on when it is built, in the workspace by folder and elsewhere by name.
+/// Returns the build dependencies of a package: by folder in the workspace, by name otherwise.
 fn dependencies(package: &Value) -> BTreeSet<String> {
     let all = package["dependencies"].as_array().expect("dependencies");
     let product = all.iter().filter(|dependency| dependency["kind"].is_null());
@@ -170,7 +170,7 @@ fn no_crate_is_too_large_to_know() {
     }
 }
 
-/// Lines of a source file above its tests.
+/// Counts the lines of a source file above its tests.
 fn product_lines(file: &Path) -> usize {
     let is_test = file.components().any(|part| part.as_os_str() == "tests") || file.ends_with("tests.rs");
     let text = std::fs::read_to_string(file).expect("a source file");

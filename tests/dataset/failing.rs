@@ -1,4 +1,4 @@
-//! Parts that cannot be welded, and limits that are met: each costs its own items alone.
+//! Parts that cannot be welded, and exceeded limits: each affects only its own items.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::program::{names, run};
 use crate::set::{dataset, items, lines, plates, tree};
 
-/// Parts that are broken in different ways, by name.
+/// Breaks parts in different ways, by name.
 fn break_parts(parts: &Path) {
     let plate = fs::read_to_string(parts.join("a.obj")).expect("a part");
     let files: [(&str, Vec<u8>); 6] = [
@@ -110,7 +110,7 @@ fn files_that_cannot_grow_fail_their_item_and_leave_nothing_half_done() {
     let (parts, out) = (plates(place.path()), place.path().join("set"));
     let inner = dataset(&parts, &out);
     let mut shell = Command::new("sh");
-    // As a full disk would: writes beyond 32 blocks fail.
+    // Simulates a full disk: writes beyond 32 blocks fail.
     shell.args(["-c", "trap '' XFSZ; ulimit -f 32; exec \"$@\"", "sh"]).arg(inner.get_program()).args(inner.get_args());
     run(&mut shell).is_refused(1, &["6 of 6 items failed"]);
     let failures = lines(&out.join("failures.jsonl"));

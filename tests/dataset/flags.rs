@@ -1,4 +1,4 @@
-//! Wrong use, named before any work.
+//! Wrong use is reported before any work.
 
 use std::fs;
 use std::path::Path;

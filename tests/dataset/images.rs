@@ -1,4 +1,4 @@
-//! Sets of labelled images: made, interrupted, damaged, mended, and opened by pycocotools.
+//! Sets of labelled images: made, interrupted, damaged, repaired, and opened by pycocotools.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -16,15 +16,15 @@ use tempfile::TempDir;
 use crate::program::{names, robofin, run};
 use crate::set::{assert_same, lines, tree};
 
-/// Images of the small set: one workpiece, three placements, two patterns in two stages, two references.
+/// Number of images in the small set: one workpiece, three placements, two patterns in two stages, two references.
 const IMAGES: usize = 3 * (2 * 2 + 2);
 
-/// `robofin dataset images`, small and coarse.
+/// Returns `robofin dataset images` for a small, coarse set.
 fn images(out: &Path) -> Command {
     images_of(out, ["5", "1.5"])
 }
 
-/// The same with another seed and voxel [mm].
+/// Returns the same command with another seed and voxel [mm].
 fn images_of(out: &Path, [seed, voxel]: [&str; 2]) -> Command {
     let mut command = robofin(["dataset", "images", "--workpieces", "panel", "--placements", "3"]);
     command.args(["--patterns", "spiral,spots", "--stages", "2", "--size", "64x48"]);
@@ -32,7 +32,7 @@ fn images_of(out: &Path, [seed, voxel]: [&str; 2]) -> Command {
     command
 }
 
-/// A small set made in one go; not to be changed.
+/// Returns a small set made in one run; tests must not change it.
 fn undisturbed() -> &'static Path {
     static PLACE: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
         let place = tempfile::tempdir().expect("a temporary folder");
@@ -227,7 +227,7 @@ fn a_dry_run_names_everything_and_makes_nothing() {
 
 #[test]
 fn pycocotools_finds_the_masks_areas_and_boxes_of_the_labels() {
-    // Past the test harness's capture.
+    // Written to standard error directly, because the test harness captures `eprintln!`.
     let mut say = |line: &str| writeln!(std::io::stderr(), "{line}").expect("standard error is open");
     let python = match find(Some(&mut say)) {
         Ok(python) => python,

@@ -1,4 +1,4 @@
-//! Runs that are killed, and runs that want the same items.
+//! Runs that are killed, and runs that make the same items at the same time.
 
 use std::process::Stdio;
 use std::thread::sleep;
@@ -20,7 +20,7 @@ fn killed_and_resumed_is_byte_for_byte_what_an_undisturbed_run_makes() {
         sleep(Duration::from_millis(delay));
         child.kill().expect("the program can be killed");
         interrupted += usize::from(!child.wait().expect("the program ends").success());
-        // Whatever is under a final name is whole.
+        // Every item under its final name must be complete.
         for item in if out.join("assets").exists() { items(&out) } else { Vec::new() } {
             let name = item.file_name().expect("a name").to_string_lossy().into_owned();
             if !name.starts_with('.') {
@@ -55,7 +55,7 @@ fn items_end_with_the_run_that_asked_for_them() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("set");
     let mut command = dataset(parts, &out);
-    // Fine enough to be in the middle of an item for long.
+    // Fine voxels, so that an item takes long and can be interrupted.
     command.args(["--jobs", "1", "--resolution", "512"]).stdout(Stdio::null()).stderr(Stdio::null());
     let arguments: Vec<_> =
         command.get_args().filter(|word| *word != "--diagonal" && *word != "48").map(Into::into).collect();

@@ -1,4 +1,4 @@
-//! What a data set holds, and that nothing but parts and flags decides it.
+//! Content of a data set, which depends on parts and flags alone.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -103,7 +103,7 @@ fn a_item_is_what_weld_makes_of_its_part_and_seed() {
     let extras = Extras { usd: UsdMode::Off, preview: (16, 12), samples_per_side: 1 };
     asset::write(&workpiece, &options, folder, extras, &silent).expect("an asset");
     let (mut alone, mut item) = (files(&out), files(&set.join(row["folder"].as_str().expect("a folder"))));
-    // Its picture is smaller, and the manifest holds the picture's hash.
+    // The two pictures differ in size, and the manifest holds the picture's hash.
     for name in ["preview.png", "asset.json"] {
         alone.remove(name).expect("it is there");
         item.remove(name).expect("it is there");

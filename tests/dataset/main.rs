@@ -1,4 +1,4 @@
-//! Data sets as their users meet them: made, interrupted, damaged and mended by the program as a process.
+//! Data sets as users see them: made, interrupted, damaged and repaired by the program as a process.
 
 #[path = "../program/program.rs"]
 #[allow(dead_code, reason = "the helpers of the program's tests, of which these need some")]

@@ -1,4 +1,4 @@
-//! A small data set of plates, and how to look at one.
+//! A small data set of plates, and functions that inspect it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,10 +11,10 @@ use tempfile::TempDir;
 
 use crate::program::{robofin, run};
 
-/// Items of the small data set: two of each of three plates.
+/// Number of items in the small data set: two of each of three plates.
 pub(crate) const ITEMS: usize = 6;
 
-/// A plate in millimetres, as OBJ; each number gives another.
+/// Returns a plate in millimetres as OBJ; each number gives a different one.
 fn plate(number: usize) -> String {
     let size = [80.0 + 10.0 * number as f64, 60.0, 8.0 + number as f64];
     let corner = |i: usize| {
@@ -25,7 +25,7 @@ fn plate(number: usize) -> String {
     (0..8).map(corner).chain(faces).collect()
 }
 
-/// A folder of three plates, one of them in a folder below.
+/// Writes a folder of three plates, one of them in a subfolder.
 pub(crate) fn plates(place: &Path) -> PathBuf {
     let parts = place.join("parts");
     fs::create_dir_all(parts.join("below")).expect("a folder");
@@ -35,14 +35,14 @@ pub(crate) fn plates(place: &Path) -> PathBuf {
     parts
 }
 
-/// `robofin dataset`, on a coarse grid, with two items of each part.
+/// Returns `robofin dataset` with coarse voxels and two items of each part.
 pub(crate) fn dataset(parts: &Path, out: &Path) -> Command {
     let mut command = robofin(["dataset", "--per-part", "2", "--seed", "7", "--diagonal", "48"]);
     command.arg(parts).arg("--out").arg(out);
     command
 }
 
-/// The plates, and their data set made in one go; not to be changed.
+/// Returns the plates and their data set made in one run; tests must not change them.
 pub(crate) fn undisturbed() -> (&'static Path, &'static Path) {
     static PLACE: LazyLock<(TempDir, PathBuf, PathBuf)> = LazyLock::new(|| {
         let place = tempfile::tempdir().expect("a temporary folder");
@@ -53,7 +53,7 @@ pub(crate) fn undisturbed() -> (&'static Path, &'static Path) {
     (&PLACE.1, &PLACE.2)
 }
 
-/// A copy of the undisturbed set to damage, in a folder of its own.
+/// Copies the undisturbed set to a folder of its own, where a test may damage it.
 pub(crate) fn copy_of_set(place: &Path) -> PathBuf {
     let out = place.join("set");
     for (name, content) in tree(undisturbed().1) {
@@ -65,7 +65,7 @@ pub(crate) fn copy_of_set(place: &Path) -> PathBuf {
     out
 }
 
-/// Every file below a folder by its path, hidden ones as well.
+/// Reads all files below a folder by path, hidden ones included.
 pub(crate) fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut files = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("the folder can be read") {
@@ -80,7 +80,7 @@ pub(crate) fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// Two sets have the same files with the same bytes.
+/// Asserts that two sets have the same files with the same bytes.
 #[track_caller]
 pub(crate) fn assert_same(one: &Path, two: &Path) {
     let (one, two) = (tree(one), tree(two));
@@ -90,13 +90,13 @@ pub(crate) fn assert_same(one: &Path, two: &Path) {
     assert!(differing.is_empty(), "{differing:?} differ");
 }
 
-/// The lines of a `.jsonl` file.
+/// Reads the lines of a `.jsonl` file.
 pub(crate) fn lines(path: &Path) -> Vec<Value> {
     let text = fs::read_to_string(path).expect("the file can be read");
     text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
 }
 
-/// Folders of the items, sorted.
+/// Lists the folders of the items, sorted.
 pub(crate) fn items(set: &Path) -> Vec<PathBuf> {
     let names = crate::program::names(&set.join("assets"));
     names.iter().map(|name| set.join("assets").join(name)).collect()

@@ -1,4 +1,4 @@
-//! Damage to a data set: found, named, and mended without touching the rest.
+//! Damage to a data set is found, named, and repaired without changing the other items.
 
 use std::fs;
 use std::path::Path;

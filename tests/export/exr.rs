@@ -1,4 +1,4 @@
-//! The float buffers of a frame as outside readers of OpenEXR see them.
+//! The float buffers of a frame, read by other programs for OpenEXR.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -11,12 +11,12 @@ use serde_json::Value;
 
 use crate::outside::untested;
 
-/// Attribute of a named part as the format writes it: name, type, each closed by a zero.
+/// Name and type of the attribute that names a part, each closed by a zero.
 const PART_NAME: &[u8] = b"name\0string\0";
 /// Bit of the version field for files of several parts (OpenEXR file layout, "Version Field").
 const MULTIPART: u8 = 0x10;
 
-/// A frame of other values in every buffer and pixel.
+/// Makes a frame with a different value in every buffer and pixel.
 fn frame() -> Frame {
     let mut frame = Frame::empty(5, 3);
     for pixel in 0..15 {
@@ -75,10 +75,10 @@ fn openexr_and_opencv_read_the_buffers_bit_by_bit() {
     assert_eq!(answer["channels"], channels);
 }
 
-/// Readers of OpenEXR. The program itself needs neither, so they stay out of `scripts/requirements.txt`.
+/// Packages that read OpenEXR. The program does not need them, so they are not in `scripts/requirements.txt`.
 const EXR_READERS: [&str; 3] = ["OpenEXR==3.5.3", "opencv-python-headless==4.14.0.94", "numpy>=2,<3"];
 
-/// Python with [`EXR_READERS`], filled once per build folder; `None` after saying what stays untested.
+/// Returns a Python with [`EXR_READERS`], installed once per build folder; `None` after reporting a skipped test.
 fn exr_python(what: &str) -> Option<PathBuf> {
     exr_readers().map_err(|cause| untested(what, &cause)).ok()
 }

@@ -19,7 +19,7 @@ fn round_trip(mesh: &Mesh) -> ReadPart {
     read_glb(&bytes).expect("what we write can be read").remove(0)
 }
 
-/// Edges of the surface after equal positions are merged that do not have exactly one opposite.
+/// Counts the edges, after merging equal positions, that do not have exactly one opposite edge.
 fn unpaired_edges(mesh: &Mesh) -> usize {
     let key = |v: u32| mesh.positions[v as usize].to_array().map(f64::to_bits);
     let sides = |[a, b, c]: [u32; 3]| [(key(a), key(b)), (key(b), key(c)), (key(c), key(a))];
@@ -28,10 +28,11 @@ fn unpaired_edges(mesh: &Mesh) -> usize {
     edges.len() - once.len() + edges.iter().filter(|(a, b)| !once.contains(&(*b, *a))).count()
 }
 
-/// A plate cut from corner to corner, with a seam of needle triangles `width` wide [m] between the halves.
+/// Makes a plate cut along a diagonal, with a seam of needle triangles `width` wide [m] between the halves.
 fn plate_with_needles(centre: DVec3, width: f64) -> Mesh {
     let mut mesh = cuboid(centre - DVec3::splat(0.02), centre + DVec3::splat(0.02));
-    // The top face (4, 5, 7, 6) is a fan of two triangles over the diagonal 4-7: put two vertices on that diagonal.
+    // The top face (4, 5, 7, 6) is a fan of two triangles at the diagonal 4-7: two vertices are inserted on that
+    // diagonal.
     mesh.triangles.retain(|t| t.iter().any(|v| *v < 4));
     let [a, b] = [mesh.positions[4], mesh.positions[7]];
     mesh.positions.extend([a.midpoint(b), a.midpoint(b) + dvec3(width, -width, 0.0)]);
@@ -87,7 +88,7 @@ fn a_rim_has_one_normal_for_the_cap_and_one_for_the_wall() {
     }
 }
 
-/// A cylinder of 20 mm radius, z = -10..10 mm, with fans as caps.
+/// Makes a cylinder of 20 mm radius, z = -10..10 mm, with fans as caps.
 fn drum(segments: u32) -> Mesh {
     let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(segments);
     let rim = |z: f64| (0..segments).map(move |i| dvec3(0.02 * turn(i).cos(), 0.02 * turn(i).sin(), z));
@@ -105,7 +106,7 @@ fn needles_that_collapse_in_single_precision_leave_a_closed_surface_with_unit_no
         let mesh = plate_with_needles(centre, width);
         assert_eq!(unpaired_edges(&round_trip(&mesh).mesh), 0, "at {centre}, {width} m wide");
     }
-    // Three different corners on one line have no normal of their own.
+    // A triangle of three different collinear corners has no normal of its own.
     let mut mesh = plate();
     mesh.positions.extend([dvec3(0.1, 0.0, 0.0), dvec3(0.2, 0.0, 0.0), dvec3(0.3, 0.0, 0.0)]);
     mesh.triangles.push([8, 9, 10]);

@@ -1,7 +1,7 @@
-//! Exports against the programs that read them: the gltf crate, Khronos' validator, usd-core, manifold3d, OpenEXR, OpenCV.
+//! Exports checked with other programs: the gltf crate, Khronos' validator, usd-core, manifold3d, OpenEXR, OpenCV.
 //!
-//! Where node or Python cannot be had, the tests that need them say so on standard error; with
-//! `ROBOFIN_REQUIRE_OUTSIDE=1` they fail instead.
+//! If node or Python is not available, the tests that need it report so on standard error and are skipped; with
+//! `ROBOFIN_REQUIRE_OUTSIDE=1` they fail.
 
 mod exr;
 mod glb;

@@ -16,7 +16,7 @@ fn a_bead_half_sunk_into_a_plate_adds_half_its_volume() {
     assert!((found.added / (0.5 * bead().volume()) - 1.0).abs() < 1e-9, "{found:?}");
     assert!((found.part / plate().volume() - 1.0).abs() < 1e-12, "{found:?}");
     assert!((found.beads / bead().volume() - 1.0).abs() < 1e-12, "{found:?}");
-    // Two beads in the same place are one.
+    // Two beads at the same position add the volume of one.
     let twice = added_volume(&plate(), &[&bead(), &bead()], &python).expect("both are solids");
     assert!((twice.added / found.added - 1.0).abs() < 1e-9, "{twice:?}");
 }
@@ -52,7 +52,7 @@ fn what_is_not_a_solid_gets_a_reason_and_no_number() {
     assert!(reason(&unreal, &[&bead()]).starts_with("not finite: "));
     assert!(reason(&plate(), &[]).starts_with("empty: "));
     assert!(reason(&plate(), &[&Mesh::default()]).starts_with("empty: "));
-    // Two boxes that overlap in one mesh, with the bead on the overlap: their union is not what the mesh says.
+    // Two overlapping boxes in one mesh, with the bead on the overlap: the mesh does not define their union.
     let mut overlapping = plate();
     overlapping.append(&cuboid(dvec3(-0.01, -0.01, -0.012), dvec3(0.01, 0.01, 0.001)));
     let status = reason(&overlapping, &[&bead()]);

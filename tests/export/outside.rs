@@ -1,4 +1,4 @@
-//! Programs from outside: Python with usd-core and manifold3d, Python with readers of OpenEXR, node with gltf-validator.
+//! External programs: Python with usd-core and manifold3d, Python with readers of OpenEXR, node with gltf-validator.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -8,14 +8,14 @@ use std::process::Command;
 use export::python::{Python, find};
 use serde_json::Value;
 
-/// Says what stays untested, past the test harness's capture; fails where outside programs were promised.
+/// Reports a skipped test, bypassing the test harness's capture; fails if outside programs are required.
 pub(crate) fn untested(what: &str, cause: &str) {
     let promised = std::env::var_os("ROBOFIN_REQUIRE_OUTSIDE").is_some_and(|value| value == "1");
     assert!(!promised, "ROBOFIN_REQUIRE_OUTSIDE=1, but {what} cannot be tested: {cause}");
     writeln!(std::io::stderr(), "NOT TESTED: {what}: {cause}").expect("standard error is open");
 }
 
-/// Python with the pinned libraries, found or made; `None` after saying what stays untested.
+/// Returns Python with the pinned libraries, found or created; `None` after reporting a skipped test.
 pub(crate) fn python(what: &str) -> Option<Python> {
     let mut announce = |line: &str| writeln!(std::io::stderr(), "{line}").expect("standard error is open");
     match find(Some(&mut announce)) {
@@ -27,7 +27,7 @@ pub(crate) fn python(what: &str) -> Option<Python> {
     }
 }
 
-/// What gltf-validator says about each file; `None` after saying what stays untested.
+/// Returns the report of gltf-validator on each file; `None` after reporting a skipped test.
 pub(crate) fn gltf_validator(what: &str, files: &[PathBuf]) -> Option<Vec<Value>> {
     let modules = match validator_modules() {
         Ok(modules) => modules,
@@ -47,7 +47,7 @@ pub(crate) fn gltf_validator(what: &str, files: &[PathBuf]) -> Option<Vec<Value>
     Some(reports)
 }
 
-/// A folder with gltf-validator: that of `NODE_PATH`, or one that npm fills once per build folder.
+/// Returns a folder with gltf-validator: that of `NODE_PATH`, or one that npm fills once per build folder.
 fn validator_modules() -> Result<PathBuf, String> {
     let probe = Command::new("node").arg("--version").output().map_err(|error| format!("node: {error}"))?;
     if !probe.status.success() {

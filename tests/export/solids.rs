@@ -7,7 +7,7 @@ use export::glb::{GlbMaterial, GlbPart, write_glb};
 use glam::{DVec3, dvec3};
 use sdf_bake::Mesh;
 
-/// A box [m] with 8 vertices and 12 outward triangles.
+/// Makes a box [m] with 8 vertices and 12 outward triangles.
 pub(crate) fn cuboid(low: DVec3, high: DVec3) -> Mesh {
     let corner = |i: u32| {
         let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
@@ -20,7 +20,7 @@ pub(crate) fn cuboid(low: DVec3, high: DVec3) -> Mesh {
     }
 }
 
-/// An ellipsoid with given semi-axes [m], symmetric about its equator plane: half its volume lies above.
+/// Makes an ellipsoid with given semi-axes [m], symmetric about its equator plane: half of its volume lies above.
 pub(crate) fn lens(centre: DVec3, semi_axes: DVec3) -> Mesh {
     let (rings, segments) = (23, 48);
     let point = |ring: u32, segment: u32| {
@@ -47,17 +47,17 @@ pub(crate) fn lens(centre: DVec3, semi_axes: DVec3) -> Mesh {
     mesh
 }
 
-/// A plate, 60 x 40 x 10 mm, with its upper face in the plane z = 0.
+/// Makes a plate, 60 x 40 x 10 mm, with its upper face in the plane z = 0.
 pub(crate) fn plate() -> Mesh {
     cuboid(dvec3(-0.03, -0.02, -0.01), dvec3(0.03, 0.02, 0.0))
 }
 
-/// A weld bead of lens shape, 40 x 6 x 3 mm, half sunk into the plate.
+/// Makes a lens-shaped weld bead, 40 x 6 x 3 mm, half below the plate's surface.
 pub(crate) fn bead() -> Mesh {
     lens(DVec3::ZERO, dvec3(0.02, 0.003, 0.0015))
 }
 
-/// The plate as `base` and the bead as `weld-1`.
+/// Writes the plate as `base` and the bead as `weld-1`.
 pub(crate) fn welded_glb() -> Vec<u8> {
     let (plate, bead) = (plate(), bead());
     let parts = [

@@ -1,4 +1,4 @@
-//! Every file of an asset, by the table of exporters.
+//! Every file of an asset, listed by the table of exporters.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use sdf_bake::SignChoice;
 
 use crate::outside::python;
 
-/// A welded bracket of coarse voxels.
+/// Makes a welded bracket with coarse voxels.
 fn workpiece() -> (Workpiece, WeldingOptions) {
     let options = WeldingOptions {
         seed: 3,
@@ -32,7 +32,7 @@ fn written(folder: &Path, (workpiece, options): &(Workpiece, WeldingOptions), us
     asset::write(workpiece, options, staged, extras, &Console::silent()).expect("an asset")
 }
 
-/// Failed checks that name a file.
+/// Lists the failed checks that name a file.
 fn faults(asset: &Path, file: &str, usd: UsdMode) -> Vec<String> {
     let checks = validate(asset, usd).expect("a manifest").checks;
     let failed = checks.into_iter().filter(|check| !check.passed);
@@ -40,7 +40,7 @@ fn faults(asset: &Path, file: &str, usd: UsdMode) -> Vec<String> {
     named.map(|check| format!("{}: {} ({})", check.file, check.rule, check.found)).collect()
 }
 
-/// Cuts a file in half, and lets the manifest say that it is as it should be.
+/// Truncates a file to half, and updates its hash in the manifest.
 fn cut(asset: &Path, file: &str) {
     let whole = fs::read(asset.join(file)).expect("a file");
     fs::write(asset.join(file), &whole[..whole.len() / 2]).expect("written");

@@ -9,7 +9,7 @@ use crate::solids::{asset, bead, plate};
 
 const WHAT: &str = "USD files under usd-core";
 
-/// Prints what a simulator reads from a stage, one JSON value a line.
+/// Script that prints a simulator's view of a stage, one JSON value a line.
 const READER: &str = r#"
 import json, sys
 from pxr import Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade
@@ -101,7 +101,7 @@ fn a_welded_workpiece_is_clean_and_as_large_as_its_meshes() {
     let (low, high) = whole.bounds().expect("it has vertices");
     let found = reports[0].bbox.expect("something is drawn").map(glam::DVec3::from);
     for (corner, expected) in found.into_iter().zip([low, high]) {
-        // Nothing but the cast to single precision lies between them; JSON may cost the last bit of a double.
+        // They differ only by the cast to single precision; JSON may lose the last bit of a double.
         assert!(corner.abs_diff_eq(expected.as_vec3().as_dvec3(), 1e-15), "{corner}, expected {expected}");
     }
     assert_eq!(usd::check(&[asset.join("welded.usdc")], &python).expect("the check runs"), reports);
@@ -113,7 +113,7 @@ fn the_same_asset_gives_the_same_usd_bytes_in_another_process() {
     let Some(python) = python(WHAT) else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let assets = ["one", "two", "three"].map(|name| asset(folder.path(), name));
-    // One process writes two, another writes one and the first again.
+    // One process writes two stages, another writes one and the first again.
     usd::export(&assets[..2], &python).expect("the export runs");
     let stages = || assets.each_ref().map(|asset| fs::read(asset.join("welded.usdc")).unwrap_or_default());
     let before = stages();

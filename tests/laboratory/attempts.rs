@@ -1,4 +1,4 @@
-//! Hypotheses that are tried: a formula becomes an effect, both models are compared, and the ledger keeps it.
+//! Attempts: a formula becomes an effect, both models are compared, and the ledger records the result.
 
 use std::fs;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn refused(folder: &Path, words: &[&str]) -> String {
     told
 }
 
-/// A small campaign whose tool dulls by 1/e after 60 mm³, and none of whose trials begins with a fresh one but the first.
+/// Makes a small campaign whose tool dulls by 1/e after 60 mm³; only its first trial begins with a fresh tool.
 fn dulling(folder: &Path) {
     let synth = ["trial", "synth", "--size", "small", "--seed", "11", "--out", "trials"];
     let output = robofin(folder, &[&synth[..], &["--effect", "grit-dulling:dulling_volume=60 mm^3"]].concat());

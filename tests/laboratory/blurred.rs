@@ -1,10 +1,10 @@
-//! The instrument's blur on a surface with a cut, holes and borders.
+//! Lateral blur of the instrument on a surface with a cut, holes and borders.
 
 use glam::DVec2;
 use lab::blurred;
 use sdf_bake::{HeightMap, PixelGrid};
 
-/// A rough surface; where it is cut, 50 µm lower.
+/// Makes a rough surface; the cut part is 50 µm lower.
 fn surface(cut: bool) -> HeightMap {
     let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.25e-3, nx: 31, ny: 17 };
     let mut map = HeightMap::from_function(pixels, |at| {
@@ -17,7 +17,8 @@ fn surface(cut: bool) -> HeightMap {
     map
 }
 
-/// The mean of the pixels around one, with the weights of a Gaussian of `sigma` [pixels] that fades out within a pixel.
+/// Returns the Gaussian-weighted mean of the pixels around one, for `sigma` [pixels]; beyond 3 sigma the weights fade
+/// out within a pixel.
 fn mean_around(map: &HeightMap, at: usize, sigma: f64) -> f64 {
     let place = |k: usize| [(k % map.pixels.nx) as f64, (k / map.pixels.nx) as f64];
     let weight = |d: f64| (3.0 * sigma + 1.0 - d.abs()).clamp(0.0, 1.0) * (-0.5 * (d / sigma).powi(2)).exp();

@@ -1,4 +1,4 @@
-//! A model compared as it is: where it fails, and that the true one does not.
+//! Comparison of an unfitted model: it finds the misfit of a wrong model, and none of the true one.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
-//! Robot's frame and clock: found where they are off, within their intervals, and left alone where they are right.
+//! Frame and clock of the robot: estimated within their intervals where they are off, and left unchanged where they are
+//! right.
 
 use effects::{Library, Model, Process};
 use glam::DVec2;
@@ -6,7 +7,7 @@ use lab::{FrameCause, FrameEstimate, ScanEvidence, aligned, calibrate_scans};
 use trials::trial::{LogRow, Trial};
 use virtual_lab::{Choice, Experiment, FrontEnd, Plan, Size};
 
-/// Three small trials with nothing hidden behind a front end.
+/// Makes three small trials without hidden effects, with a front end.
 fn made(front: FrontEnd) -> Vec<Trial> {
     let new = Experiment::new(Process::Grinding, Library::builtin(), 12).unwrap();
     let choice = Choice::These(Vec::new());
@@ -14,7 +15,7 @@ fn made(front: FrontEnd) -> Vec<Trial> {
     small.behind(front).make().unwrap().trials
 }
 
-/// Mean by which the true places differ from those of a log.
+/// Returns the mean offset of the true positions from those of a log.
 fn off(front: &[Trial]) -> DVec2 {
     let rows = |trials: &[Trial]| -> Vec<LogRow> { trials[0].passes[0].log.rows.clone() };
     let (clean, off) = (rows(&made(FrontEnd::Clean)), rows(front));
@@ -22,7 +23,7 @@ fn off(front: &[Trial]) -> DVec2 {
     sum / clean.len() as f64
 }
 
-/// Where the logs lie beside the calibrated base law, and the error that it leaves over the noise floor.
+/// Returns the frame offset estimated beside the calibrated base law, and the remaining error over the noise floor.
 fn estimate(trials: &[Trial]) -> (FrameEstimate, f64) {
     let mut evidence = ScanEvidence::new(trials, None).unwrap();
     let calibration = calibrate_scans(&mut evidence, &Model::new(Process::Grinding), Library::builtin()).unwrap();
@@ -67,7 +68,7 @@ fn logs_that_are_right_stay_where_they_are() {
 
 #[test]
 fn what_an_effect_makes_of_exact_logs_is_no_frame() {
-    // In the bundled campaign the wheel dulls, which frame and clock together would explain in part.
+    // In the bundled campaign the wheel dulls, and frame and clock together could explain a part of that.
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look");
     let trials = trials::trial::Campaign::read(&folder).unwrap().trials;
     assert_eq!(moved(&trials[..1]), None);

@@ -1,4 +1,4 @@
-//! Campaigns as they should not be: refused by name, or survived with the same answer.
+//! Invalid campaigns: refused with the file's name, or read with the same answer.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use lab::{Agreement, Evidence, ScanEvidence, Split, calibrate_scans};
 use tempfile::TempDir;
 use trials::trial::{Campaign, Trial};
 
-/// The first trial of the bundled campaign, to be damaged.
+/// Copies the first trial of the bundled campaign, where a test may damage it.
 fn trial() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look/trial-1");
@@ -19,7 +19,7 @@ fn trial() -> TempDir {
     folder
 }
 
-/// Changes the cells of a table without a header, or of its rows below one.
+/// Changes the cells of a table without a header, or of the rows below one.
 fn cells(folder: &Path, name: &str, header: usize, change: impl Fn(usize, usize, &str) -> String) {
     let place = folder.join(name);
     let text = fs::read_to_string(&place).unwrap();
@@ -42,7 +42,7 @@ fn refused(folder: &Path, words: &[&str]) {
     words.iter().for_each(|word| assert!(message.contains(word), "{word:?} is missing in: {message}"));
 }
 
-/// Number of tiles, and how the base law agrees with each scan: with its defaults, or fitted.
+/// Returns the number of tiles, and the agreement of the base law with each scan, with its defaults or fitted.
 fn judged(folder: &Path, is_fitted: bool) -> (usize, Vec<Agreement>) {
     let trials = Campaign::read(folder).unwrap().trials;
     let mut evidence = ScanEvidence::new(&trials, None).unwrap();
@@ -56,13 +56,13 @@ fn judged(folder: &Path, is_fitted: bool) -> (usize, Vec<Agreement>) {
     (tiles, evidence.agreement(&law, Split::Calibration).unwrap())
 }
 
-/// Asserts that a change of the files changes no error of the base law with its defaults by more than this share.
+/// Asserts that a change of the files changes no error of the base law with its defaults by more than `tolerance` [1].
 #[track_caller]
 fn survives(tolerance: f64, damage: impl Fn(&Path)) {
     survives_judged((tolerance, false), damage);
 }
 
-/// As [`survives`], with the law fitted if so.
+/// Same as [`survives`], optionally with a fitted law.
 #[track_caller]
 fn survives_judged((tolerance, is_fitted): (f64, bool), damage: impl Fn(&Path)) {
     let (sound, damaged) = (trial(), trial());
@@ -133,7 +133,7 @@ fn a_tilted_map_is_survived_and_noted() {
 }
 
 #[test]
-// What a law that was not fitted leaves, the scans' poses take up in part, and that depends on the noise.
+// The law is fitted, because the scans' poses absorb a part of the misfit of an unfitted law, depending on the noise.
 fn a_fifth_of_the_pixels_may_be_missing() {
     survives_judged((0.15, true), |folder| {
         for (number, name) in

@@ -1,5 +1,5 @@
-//! What is seen of an effect once the base parameters have followed it: in a campaign of the virtual laboratory, and in data made
-//! by hand, depths that are a removal rate times a break-in.
+//! Detectable size and expected Δχ² of an effect after the base parameters are refitted: in a campaign of the virtual
+//! laboratory, and in synthetic data whose depths are a removal rate times a break-in.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use lab::{
@@ -9,14 +9,14 @@ use lab::{
 use virtual_lab::{Choice, Experiment, Hidden, Instrument, Plan, Robot, Size};
 
 const DATA: usize = 200;
-/// Depth without a break-in [standard deviations].
+/// Depth without break-in [standard deviations].
 const DEPTH: f64 = 60.0;
-/// Sliding distance of all data together [m].
+/// Sliding distance over all data [m].
 const SLID: f64 = 50.0;
 const BREAK_IN: &str = "break-in";
 const DISTANCE: f64 = 200.0;
 
-/// Depths without noise, behind a break-in of this excess.
+/// Noise-free depths of a break-in with this excess.
 struct Depths {
     excess: f64,
 }
@@ -83,7 +83,7 @@ impl Evidence for Depths {
     }
 }
 
-/// The base law fitted to depths behind a break-in.
+/// Fits the base law to depths with a break-in.
 fn base(excess: f64) -> (Depths, Fit) {
     let (evidence, model) = (Depths { excess }, Model::new(Process::Grinding));
     let compiled = CompiledModel::new(&model, Library::builtin(), evidence.rows()).unwrap();
@@ -91,7 +91,7 @@ fn base(excess: f64) -> (Depths, Fit) {
     (evidence, fit)
 }
 
-/// The first look at an effect beside it.
+/// Screens an effect beside the base law.
 fn screened(evidence: &dyn Evidence, fit: &Fit, effect: &str) -> Screened {
     let effect = Library::builtin().find(effect).unwrap();
     let model = with_values(&Model::new(Process::Grinding), fit);
@@ -114,7 +114,7 @@ fn a_base_law_fitted_to_a_detectable_size_leaves_what_is_seen() {
     }
 }
 
-/// Fall of the sum of squares that the best probe of an effect promises, by the slopes of the base law alone.
+/// Returns the Δχ² that the best probe of an effect predicts from the Jacobian of the base law alone.
 fn promised_by_slopes(first: &Screened, fit: &Fit) -> f64 {
     let projector = Projector::new(fit);
     let promised = first.responses.iter().flatten().map(|response| {

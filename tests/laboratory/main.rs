@@ -1,5 +1,5 @@
-//! The laboratory: data that are whitened, evaluation that stays unseen, hidden effects that come out, and the verbs that take
-//! it step by step.
+//! The laboratory: whitening of data, held-out passes that stay unseen, hidden effects that are found, and the verbs
+//! that run it step by step.
 
 mod attempts;
 mod blurred;

@@ -1,4 +1,4 @@
-//! The joint and the staged order of a calibration, on one trial of two passes.
+//! Joint and staged order of a calibration, on one trial of two passes.
 
 use effects::{Library, Model};
 use lab::{Calibration, CalibrationSummary, Evidence, Order, ScanEvidence, Split, Totals, uncalibrated};
@@ -8,7 +8,7 @@ use trials::trial::{Campaign, PassScan, Role, Trial};
 
 use crate::unseen::bundled;
 
-/// The first trial of the bundled campaign, its second pass held out.
+/// Reads the first trial of the bundled campaign, with its second pass held out.
 fn one_trial() -> Vec<Trial> {
     let mut trials = bundled();
     trials.truncate(1);
@@ -50,7 +50,7 @@ fn a_scan_held_out_moves_no_calibrated_value() {
     let mut spoilt = trials.clone();
     let PassScan::Heights(map) = &mut spoilt[0].passes[1].scan else { panic!("a ground surface") };
     map.heights.iter_mut().enumerate().for_each(|(at, height)| *height += 1e-4 * (at % 7) as f64);
-    // The staged order looks at totals and at profiles; that the profiles alone are unseen says `unseen`.
+    // The staged order uses totals and profiles; the test `unseen` covers profiles alone.
     let values = |trials: &[Trial]| {
         let evidence = ScanEvidence::new(trials, None).unwrap();
         let calibration = calibrated(&evidence, Order::Staged);

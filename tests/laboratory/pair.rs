@@ -1,4 +1,5 @@
-//! Two effects that are found only together, in data made by hand: each effect of a few shifts the data along its own pattern.
+//! Two effects that are found only together, in synthetic data: each of a few effects shifts the data along its own
+//! pattern.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use lab::{Agreement, Diagnosis, Evidence, EvidenceError, Fit, FitOptions, PassTrend, Split, Verdict};
@@ -8,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 const DATA: usize = 240;
 const BLOCK: usize = 6;
 
-/// Change of the data [standard deviations] behind a change of a parameter by its unit here.
+/// Shift of the data [standard deviations] that a change of a parameter by `unit` causes.
 struct Pattern {
     effect: &'static str,
     parameter: &'static str,
@@ -24,7 +25,7 @@ fn ramp(at: f64) -> f64 {
     2.0 * at - 1.0
 }
 
-/// The third takes a part of both others for its own, and does the opposite to what is held out.
+/// The third effect mimics parts of both others, and shifts the held-out data the opposite way.
 const PATTERNS: [Pattern; 3] = [
     Pattern { effect: "cutting-direction", parameter: "asymmetry", unit: 0.1, shift: |at, _| wave(at) },
     Pattern { effect: "force-bias", parameter: "bias", unit: 2.0, shift: |at, _| ramp(at) },
@@ -39,7 +40,7 @@ const PATTERNS: [Pattern; 3] = [
     },
 ];
 
-/// Both do nearly the same to the calibration data, and one of them the opposite to what is held out.
+/// Two effects shift the calibration data nearly alike, and one of them shifts the held-out data the opposite way.
 const LOOK_ALIKES: [Pattern; 3] = [
     Pattern { effect: "cutting-direction", parameter: "asymmetry", unit: 0.1, shift: |at, _| wave(at) },
     Pattern { effect: "force-bias", parameter: "bias", unit: 2.0, shift: |_, _| 0.0 },
@@ -51,11 +52,11 @@ const LOOK_ALIKES: [Pattern; 3] = [
     },
 ];
 
-/// Measurements of a truth, with noise of one standard deviation.
+/// Synthetic measurements with given amounts of the effects, and noise of one standard deviation.
 struct ByHand {
     patterns: &'static [Pattern; 3],
     truth: [f64; 3],
-    /// What else is in the calibration data.
+    /// Additional shift of the calibration data.
     besides: fn(f64) -> f64,
 }
 
@@ -78,7 +79,7 @@ impl ByHand {
         };
         let amounts = self.patterns.each_ref().map(value);
         let mut random = Pcg64Mcg::seed_from_u64(if split == Split::Calibration { 7 } else { 8 });
-        // The sum of twelve uniform numbers is normal enough.
+        // The sum of twelve uniform numbers is close to a normal distribution.
         let mut noise = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
         let left =
             |n| self.shift(self.truth, n, split) - self.shift(amounts, n, split) + self.beside(n, split) + noise();
@@ -178,7 +179,8 @@ fn one_effect_is_not_made_into_two() {
     assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Identified, vec!["force-bias"]));
 }
 
-/// A diagnosis where the calibration data hold so much of what the look-alike does besides, and by how much they prefer it.
+/// Diagnoses data with an additional shift that only the indistinguishable effect explains; also returns the Δχ² by
+/// which the calibration data prefer that effect.
 fn of_look_alikes(besides: fn(f64) -> f64) -> (Diagnosis, f64) {
     let diagnosis = diagnosed_from(&ByHand { patterns: &LOOK_ALIKES, truth: [1.0, 0.0, 0.0], besides }, 3);
     let gain = |name: &str| {

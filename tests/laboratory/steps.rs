@@ -1,4 +1,4 @@
-//! The verbs `calibrate` and `study`: what they write, what they never touch, and what they refuse.
+//! The verbs `calibrate` and `study`: results, files that stay unchanged, and refusals.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use serde_json::Value;
 use trials::table::Table;
 use trials::trial::Role;
 
-/// A table whose removal grows with the pressure to the power of 0.75, in a folder of its own.
+/// Writes a table whose removal grows with the pressure to the power of 0.75, in a folder of its own.
 fn belt(place: &Path) -> PathBuf {
     let (from, to) =
         (Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tables/belt-sanding"), place.join("belt-sanding"));

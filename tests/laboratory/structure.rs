@@ -1,4 +1,4 @@
-//! Tests of structure and shares of covariates on data whose answer is known.
+//! Tests of structure and Shapley shares of covariates on data with a known answer.
 
 use glam::DVec2;
 use lab::{CovariateField, ResidualGrid, covariate_study, spline_columns, structure_tests};
@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use sdf_bake::PixelGrid;
 use trials::measure::{Across, plateau_pixels};
 
-/// Random numbers.
+/// Random number generator.
 struct Chance(Pcg64Mcg);
 
 impl Chance {
@@ -41,7 +41,7 @@ fn noise_alone_alarms_in_few_of_many_data_sets() {
     let alarms = |seed: &u64| structure_tests(&[noise(*seed)], 0, &[], *seed).iter().any(|test| test.rejects);
     let count = (0..60).filter(alarms).count();
     println!("{count} alarms in 60 data sets of noise");
-    // At 5 % three are expected; eight or more have a chance below 1 %.
+    // At 5 % three are expected; eight or more have a probability below 1 %.
     assert!(count < 8, "{count}");
 }
 
@@ -57,7 +57,7 @@ fn a_wave_below_the_noise_is_found_by_its_neighbours_and_not_by_its_size() {
 
 const NOISE: f64 = 0.03;
 
-/// Four scans of a track with noise that neighbours share; the residual depends on the first of three covariates.
+/// Makes four scans of a track with correlated noise; the residual depends on the first of three covariates.
 fn fields(slope: f64, seed: u64) -> Vec<CovariateField> {
     let (nx, ny) = (40, 8);
     let field = |scan: usize| {
@@ -106,7 +106,7 @@ fn shared_noise_alone_is_no_dependence() {
     };
     let alarms = (0..20).filter(|&seed| least(seed) <= 0.05).count();
     println!("{alarms} alarms in 20 sets of shared noise");
-    // At 5 % one is expected; five or more have a chance below 0.3 %.
+    // At 5 % one is expected; five or more have a probability below 0.3 %.
     assert!(alarms < 5, "{alarms}");
 }
 

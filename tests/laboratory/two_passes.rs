@@ -1,4 +1,4 @@
-//! Two equal passes of which the second removes more, where the law says less: no parameters can follow.
+//! Two equal passes: the second removes more, where the law predicts less, so no parameters can fit both.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -88,7 +88,7 @@ fn the_verb_says_what_the_law_cannot_and_proposes_a_row() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let answer: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
     assert!(answer["sentence"].as_str().unwrap().contains("no values of its parameters can follow"), "{answer}");
-    // Two conditions, and as many parameters or more: what is named fits anything, and nothing tests it.
+    // With two conditions and at least as many parameters, any named effect fits, and nothing tests it.
     assert_eq!(answer["verdict"], "ambiguous", "{answer}");
     let name = answer["effects"][0]["name"].as_str().unwrap();
     assert!(["break-in", "running-in"].contains(&name), "{name}");

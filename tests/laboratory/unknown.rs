@@ -1,11 +1,11 @@
-//! What the library lacks gets a form; what data cannot tell apart gets a trial that can.
+//! An unlisted effect is described by a form; for indistinguishable effects a distinguishing trial is proposed.
 
 use effects::{CompiledModel, Library, Model, Process, check_file};
 use lab::{Evidence, Fit, FitOptions, Hypothesis, ScanEvidence, calibrate, calibrate_scans, next_trial, propose};
 use trials::trial::Trial;
 use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 
-/// An effect that no library holds: the rate rises along the path.
+/// An unlisted effect: the rate rises along the path.
 const ALONG: &str = "name = \"along\"\ntitle = \"Along\"\nsource = \"a test\"\nsignature = \"more along the way\"\nconfused_with = []\n\n\
     [parameters.amount]\nsymbol = \"a\"\nunit = \"1\"\nnull = 0.0\nrange = [-3.0, 3.0]\ndefault = 0.5\nabout = \"rise over 50 mm\"\n\n\
     [modify]\nrate = \"rate * (1 + amount * path_position / 0.05 m)\"\n";
@@ -33,7 +33,7 @@ fn what_the_library_lacks_gets_a_form() {
         "{}: {}, Δχ² {:.0} of {:.0}, {:?}",
         form.name, form.summary, proposal.delta_chi2, fit.chi2, proposal.errors
     );
-    // At one feed the way and the time in contact are one.
+    // At one feed, position and contact time are proportional.
     let (mm_per_unit, alike) = match &form.variable {
         [_, unit] if unit == "mm" => (1.0, "-of-path-position"),
         _ => (1e3 * trials[0].passes[0].feed, "-of-contact-time"),

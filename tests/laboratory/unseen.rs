@@ -1,4 +1,4 @@
-//! Evaluation passes take no part in any fit.
+//! Held-out passes take no part in any fit.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ pub fn bundled() -> Vec<Trial> {
     Campaign::read(&folder).expect("the bundled campaign").trials
 }
 
-/// A short fit, and the residuals it began from.
+/// Runs a short fit; returns the residuals at its start, and the fitted coordinates.
 fn fitted(trials: &[Trial]) -> (Vec<f64>, Vec<f64>) {
     let mut evidence = ScanEvidence::new(trials, None).unwrap();
     let model = CompiledModel::new(&Model::new(evidence.process()), Library::builtin(), evidence.rows()).unwrap();

@@ -1,12 +1,12 @@
-//! A base law with two valleys, in data made by hand: the one that the library's values lie in is not the deeper one.
+//! A base law whose χ² has two minima, in synthetic data: the one near the library's values is not the deeper one.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use lab::{Agreement, Evidence, EvidenceError, Fit, FitOptions, PassTrend, Split, Total, Totals, calibrate};
 
 const DATA: usize = 100;
-/// Logarithm of the deeper valley's removal rate over the library's.
+/// Logarithm of the removal rate at the deeper minimum, relative to the library's.
 const DEEPER: f64 = -0.6;
-/// Height of the ridge between the two, and what is left in the nearer one [standard deviations].
+/// Height of the ridge between the minima, and residual at the nearer one [standard deviations].
 const RIDGE: f64 = 150.0;
 const LEFT: f64 = 8.0;
 
@@ -55,7 +55,7 @@ impl Evidence for TwoValleys {
 }
 
 impl Totals for TwoValleys {
-    /// What is removed in all says nothing here.
+    /// Returns a total that carries no information.
     fn totals(&self, _: &CompiledModel, _: Split) -> Result<Vec<Total>, EvidenceError> {
         Ok(vec![Total { about: String::new(), measured: 1.0, predicted: 1.0, sigma: 1.0 }])
     }

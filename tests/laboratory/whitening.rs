@@ -1,4 +1,4 @@
-//! Whitened noise is white, and degrees of freedom are no evidence.
+//! Whitened noise has unit covariance, and fitted nuisance parameters do not count as evidence.
 
 use lab::{Freedom, Kernel, TileGrid, TileNoise, Tiles, Whitener};
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -8,7 +8,7 @@ use sdf_bake::PixelGrid;
 
 const TILES: usize = 120;
 
-/// Tiles of four pixels by four, 1 mm apart.
+/// Makes tiles of 4 by 4 pixels, 1 mm apart.
 fn tiles() -> Tiles {
     let origin = glam::DVec2::splat(-0.375e-3);
     TileGrid { pixels: PixelGrid { origin, pitch: 0.25e-3, nx: 80, ny: 24 }, side: 4 }.tiles(|_| true)
@@ -22,7 +22,7 @@ fn noise() -> TileNoise {
     TileNoise { alone: 0.6e-6, shared: 1.5e-6, length: 2.5e-3, kernel: Kernel::Exponential }
 }
 
-/// A height and a tilt of the scan, up to 50 µm.
+/// Returns a height offset and a tilt of the scan, up to 50 µm.
 fn pose() -> Freedom {
     let place = centres();
     let columns = DMatrix::from_fn(TILES, 2, |row, k| if k == 0 { 1.0 } else { place[row].x / 0.02 });

@@ -1,4 +1,4 @@
-//! `--backend` and `--batch`: the same figures wherever a trial runs, and a plain word where it cannot run.
+//! `--backend` and `--batch`: the same results on every backend, and a clear refusal where a trial cannot run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::trial_road::{BREAKING, simulate, trial, written};
 const SOFT: &str = "process = \"grinding\"\n[law.winkler]\nstiffness = \"20 MPa/mm\"\n[law.preston-threshold]\ngrind_rate = \"1.4 mm/(MPa s)\"\n";
 const TABLE: &str = "name,winkler.stiffness,preston-threshold.grind_rate\nsoft,20,1.4\nhard,40,1.1\n";
 
-/// The first pass of the plate's trial up to this time [s].
+/// Makes the plate's trial with its first pass cut at this time [s].
 fn short_trial(until: f64) -> (TempDir, PathBuf) {
     let (folder, place) = trial();
     let mut trial = Trial::read(&place).unwrap();
@@ -30,19 +30,19 @@ fn short_trial(until: f64) -> (TempDir, PathBuf) {
     (folder, place)
 }
 
-/// Whether there is an adapter; says loudly what is not tested without one.
+/// Returns true if there is an adapter; otherwise reports the skipped test.
 fn has_adapter(untested: &str) -> bool {
     shaders::testing::device(untested).is_some()
 }
 
-/// On any adapter, without what Mesa says about the session.
+/// Runs on any adapter, with Mesa's messages on the session suppressed.
 fn on_device(trial: &Path, out: &Path, flags: &[&str]) -> Command {
     let mut command = simulate(trial, out, &[&["--backend", "gpu"], flags].concat());
     command.env("NODEVICE_SELECT", "1");
     command
 }
 
-/// Where every driver is hidden.
+/// Hides all drivers from a command.
 fn without_drivers(mut command: Command) -> Command {
     command
         .env("VK_DRIVER_FILES", "/nonexistent")
@@ -55,7 +55,7 @@ fn field(folder: &Path) -> BrickGrid {
     nvdb::read(&fs::read(folder.join("after.nvdb")).unwrap()).unwrap().to_field().unwrap()
 }
 
-/// Largest difference of φ [voxels], bricks that only one of the two has included.
+/// Returns the greatest difference of φ [voxels], bricks in only one of the fields included.
 fn apart(a: &BrickGrid, b: &BrickGrid) -> f64 {
     let one_way = |from: &BrickGrid, other: &BrickGrid| {
         let apart = |(at, phi): (usize, &f32)| f64::from((phi - other.phi_at(from.voxel_of(at))).abs()) / from.voxel;
@@ -64,7 +64,8 @@ fn apart(a: &BrickGrid, b: &BrickGrid) -> f64 {
     one_way(a, b).max(one_way(b, a))
 }
 
-/// Numbers within a thousandth; the error of the force, a difference itself, within a thousandth of the setpoint.
+/// Asserts agreement within a thousandth; for the force error, which is a difference itself, within a thousandth of the
+/// setpoint.
 #[track_caller]
 fn agree(a: &Value, b: &Value) {
     for key in ["removed_by_law_mm3", "coating_mm3", "impulse_ns", "residual_rms_um", "force_rms_error_n", "steps"] {
@@ -80,7 +81,7 @@ fn agree(a: &Value, b: &Value) {
     }
 }
 
-/// The objects of a file with one in a line.
+/// Reads a file with one JSON object a line.
 fn lines(folder: &Path) -> Vec<Value> {
     let text = fs::read_to_string(folder.join("batch.jsonl")).unwrap();
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
@@ -151,7 +152,7 @@ fn sets_of_a_batch_are_single_runs_and_a_bad_line_is_named_by_its_number() {
         batch(&text, "bad").is_refused(code, words);
         assert!(!out("bad").exists());
     }
-    // A set with which the trial cannot end leaves the others, and says why it ended.
+    // A parameter set whose run fails does not affect the others, and its line states the reason.
     let own = out("own");
     fs::create_dir(&own).unwrap();
     written(&own, "my-effect.toml", BREAKING);
@@ -173,7 +174,8 @@ fn a_formula_without_a_number_on_the_device_is_named_and_leaves_the_last_good_st
     let out = |name: &str| folder.path().join(name);
     let own = out("own");
     fs::create_dir(&own).unwrap();
-    // Until it has no value this one changes next to nothing: its slope has a pole, which no rounding would follow.
+    // This formula has almost no influence until it becomes undefined; its slope has a pole there, so rounding cannot
+    // match.
     let formula = "rate * (1 + 1e-6 * (1 - sqrt(1 - path_position / reach)))";
     written(&own, "my-effect.toml", &BREAKING.replace("rate * sqrt(1 - path_position / reach)", formula));
     let model = written(folder.path(), "model.toml", "process = \"grinding\"\n[effect.my-effect]\n");

@@ -1,4 +1,4 @@
-//! `bake` of folders: each mesh once, whatever happens in between.
+//! `bake` of folders: each mesh is baked once, even after interruptions.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,13 +10,13 @@ use serde_json::Value;
 
 use crate::program::{Outcome, bracket, files, names, robofin, run};
 
-/// A closed wedge in millimetres, as OBJ; no two numbers give the same mesh.
+/// Returns a closed wedge in millimetres as OBJ; each number gives a different mesh.
 fn wedge(number: usize) -> String {
     let top = 20.0 + 0.5 * number as f64;
     format!("v 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 {top}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
 }
 
-/// A folder of `count` wedges, the last of them in a folder below.
+/// Writes a folder of `count` wedges, the last of them in a subfolder.
 fn wedges(place: &Path, count: usize) -> PathBuf {
     let parts = place.join("parts");
     fs::create_dir_all(parts.join("below")).expect("a folder");
@@ -41,7 +41,7 @@ fn cached(outcome: &Outcome) -> Vec<bool> {
     lines(outcome).iter().map(|line| line["cached"].as_bool().expect("it did not fail")).collect()
 }
 
-/// Lines without what depends on the clock.
+/// Returns the lines without values that depend on the clock.
 fn timeless(outcome: &Outcome) -> Vec<Value> {
     let mut lines = lines(outcome);
     for line in lines.iter_mut().filter_map(Value::as_object_mut) {
@@ -208,7 +208,7 @@ fn modified(path: &Path) -> std::time::SystemTime {
     fs::metadata(path).and_then(|file| file.modified()).expect("the file is there")
 }
 
-/// Records that are there, with their time; each has its whole field.
+/// Returns the existing records with their modification times; asserts that each has its complete field.
 fn entries(out: &Path, whole: &BTreeMap<String, Vec<u8>>) -> BTreeMap<String, std::time::SystemTime> {
     if !out.exists() {
         return BTreeMap::new();

@@ -1,4 +1,4 @@
-//! `validate` notices every damage, and not by the hashes alone.
+//! `validate` detects every damage, and not by the hashes alone.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::program::{Outcome, copy_of_asset, names, robofin, run};
 
-/// Lets the manifest say that everything in the folder is as it should be.
+/// Rewrites the manifest with the hashes of the folder's current files.
 fn forge_manifest(asset: &Path) {
     let mut manifest = Manifest::read(asset).expect("a manifest");
     manifest.files = record_files(asset).expect("a folder");
@@ -20,7 +20,7 @@ fn validated(asset: &Path) -> Outcome {
     run(robofin(["validate", "--json", "--usd", "off"]).arg(asset))
 }
 
-/// Files and rules of the checks that failed.
+/// Lists files and rules of the failed checks.
 fn failures(outcome: &Outcome) -> Vec<String> {
     let answer = outcome.answer();
     let checks = answer["checks"].as_array().expect("a list of checks").clone();
@@ -31,7 +31,7 @@ fn failures(outcome: &Outcome) -> Vec<String> {
         .collect()
 }
 
-/// Damages a copy; returns what `validate` says with the old manifest and with one that knows the new hashes.
+/// Damages a copy; returns the failed checks with the old manifest and with one that has the new hashes.
 fn damaged(damage: impl Fn(&Path)) -> [Vec<String>; 2] {
     [false, true].map(|forged| {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -96,7 +96,7 @@ fn a_field_with_bad_bytes_is_noticed_without_the_hash() {
     for name in ["phi.nvdb", "weld.nvdb"] {
         let [_, forged] = damaged(|asset| {
             rewrite(&asset.join(name), |bytes| {
-                // One bit of packed bytes may leave what they unpack to as it was.
+                // One bit of compressed bytes may leave the decompressed content unchanged.
                 let at = bytes.len() / 2;
                 bytes[at..at + 256].iter_mut().for_each(|byte| *byte ^= 0x55);
             });
@@ -248,7 +248,7 @@ fn a_truth_file_of_an_earlier_version_is_refused_with_the_field_it_lacks() {
             assert_named(&forged, words);
         }
     }
-    // Toes were sharp before their radius was told.
+    // Files of earlier versions have no toe radius, and their toes are sharp.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let asset = copy_of_asset(folder.path());
     edit_json(&asset.join("welds.json"), |truth| {

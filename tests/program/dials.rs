@@ -1,4 +1,4 @@
-//! The dials of `robofin weld`: what was asked is in the truth beside what was measured, and the asset is whole.
+//! The dials of `robofin weld`: the ground truth holds requested and measured values, and the asset is valid.
 
 use std::path::Path;
 use std::process::Command;
@@ -16,7 +16,7 @@ fn weld(out: &Path) -> Command {
     command
 }
 
-/// The truth of an asset made with these flags, which validates.
+/// Welds an asset with these flags, validates it, and returns its ground truth.
 fn welds(folder: &Path, name: &str, flags: &[&str]) -> Vec<Value> {
     let asset = folder.join(name);
     run(weld(&asset).args(flags)).succeeds();
@@ -88,7 +88,7 @@ fn imperfections_that_cut_and_hang_over_and_rounded_toes_make_a_whole_asset() {
     assert_eq!(numbers, [506, 5012, 510]);
     assert_eq!(number(&found[0], "toe_radius_mm"), 1.5);
     assert_eq!(found[0]["joint"], "bead-on-plate");
-    // The fields show them: the hole is open where the part was, the groove below its face.
+    // The fields show the imperfections: the hole is open in place of the part, the groove lies below its face.
     let fields = AssetFields::open(&folder.path().join("imperfect")).expect("fields");
     let at = |kind: &str| {
         let truth = Welds::read(&folder.path().join("imperfect")).expect("a truth file");
@@ -127,7 +127,7 @@ fn every_dial_has_a_flag_that_refuses_what_the_table_refuses() {
         for value in outside {
             let mut command = weld(&folder.path().join("out"));
             command.arg(format!("--{key}={value}"));
-            // These go in pairs.
+            // These flags are given in pairs.
             let partner = match key {
                 "stitch-mm" => Some("--stitch-pitch-mm=40"),
                 "stitch-pitch-mm" => Some("--stitch-mm=20"),

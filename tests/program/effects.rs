@@ -1,4 +1,4 @@
-//! `robofin effects`: the library, checks of files, and changes to a model in place.
+//! `robofin effects`: the library, checks of files, and edits of a model file.
 
 use std::fs;
 
@@ -30,7 +30,7 @@ fn what_effects_is_asked_for_goes_to_standard_output() {
     assert_eq!(list.stderr, "");
     let shown = run(&mut robofin(["effects", "show", "grit-dulling"])).succeeds();
     assert!(shown.stdout.contains("ground_volume / dulling_volume"), "{}", shown.stdout);
-    // One JSON object and nothing else where machines read.
+    // With `--json`, standard output holds one JSON object and nothing else.
     let json = run(&mut robofin(["effects", "list", "--json"])).succeeds();
     assert!(json.stdout.starts_with('{') && json.stderr.contains("grit-dulling"));
 }
@@ -54,7 +54,7 @@ fn check_refuses_what_a_run_with_the_file_refuses() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("own.toml");
     let (name, own) = (file.to_str().unwrap(), folder.path().to_str().unwrap());
-    // Two sums over many parts in opposite order: all parts are kept until the second.
+    // Two sums over many parts in opposite order: all parts must be kept until the second sum.
     let parts: Vec<String> = (0..150).map(|k| format!("b{k}")).collect();
     let back: Vec<&str> = parts.iter().rev().map(String::as_str).collect();
     let defined: String = (0..150).map(|k| format!("b{k} = \"(pressure / 1 [Pa] + {k})^1.5\"\n")).collect();

@@ -1,4 +1,4 @@
-//! Faults of a driver while the program works: what was done is kept, and one line says what failed and what to do.
+//! Faults of a driver during work: finished results are kept, and one line states the failure and the remedy.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,14 +12,14 @@ use crate::faulty_driver::{can_be_made, counted, with_faults};
 use crate::program::{asset, names, robofin, run};
 use crate::trial_road::{simulate, trial, written};
 
-/// A short grinding of the asset's weld on the device.
+/// Returns a command for a short grinding of the asset's weld on the GPU.
 fn grind(passes: &str, out: &Path, flags: &[&str]) -> Command {
     let mut command = robofin(["simulate", "--json", "--backend", "gpu", "--feed-mm-s", "100", "--passes", passes]);
     command.args(flags).arg(asset()).arg("--out").arg(out);
     command
 }
 
-/// The plate's trial with its first passes up to this time of each [s].
+/// Makes the plate's trial with its first passes, each cut at this time [s].
 fn short_trial(folder: &Path, passes: usize, until: f64) -> PathBuf {
     let (_kept, place) = trial();
     let mut trial = Trial::read(&place).unwrap();
@@ -34,7 +34,7 @@ fn short_trial(folder: &Path, passes: usize, until: f64) -> PathBuf {
     place
 }
 
-/// Submissions of a run of the first pass alone.
+/// Counts the submissions of a run of the first pass alone.
 fn submissions(folder: &TempDir, mut first_pass: Command) -> usize {
     let notes = folder.path().join("notes");
     run(with_faults(&mut first_pass, &[("NOTES", notes.to_str().unwrap())])).succeeds();
@@ -43,12 +43,12 @@ fn submissions(folder: &TempDir, mut first_pass: Command) -> usize {
     submissions
 }
 
-/// The middle of a second pass that has about as many as the first.
+/// Returns the submission in the middle of a second pass that has about as many as the first.
 fn middle_of_second(first: usize) -> String {
     (first + first.div_ceil(2)).to_string()
 }
 
-/// The same file in two folders.
+/// Asserts that a file is the same in two folders.
 #[track_caller]
 fn same(a: &Path, b: &Path, file: &str) {
     assert_eq!(fs::read(a.join(file)).unwrap(), fs::read(b.join(file)).unwrap(), "{file}");

@@ -1,6 +1,6 @@
-//! A driver whose faults are made to happen: a Vulkan layer, `faulty_driver.c`, between the loader and the real driver.
+//! A driver with injected faults: a Vulkan layer, `faulty_driver.c`, between the loader and the real driver.
 //!
-//! It is compiled when a test first asks for it, with the `cc` that Rust links programs with on Linux.
+//! It is compiled on first use, with the `cc` with which Rust links programs on Linux.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 const LAYER: &str = "VK_LAYER_ROBOFIN_faulty_driver";
 
-/// Where the layer lies.
+/// Folder of the layer.
 static FOLDER: LazyLock<TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let place = |name: &str| folder.path().join(name);
@@ -28,7 +28,7 @@ static FOLDER: LazyLock<TempDir> = LazyLock::new(|| {
     folder
 });
 
-/// Whether faults can be made to happen here: with a Vulkan driver, on Linux. Says loudly what is not tested elsewhere.
+/// Returns true if faults can be injected: with a Vulkan driver, on Linux. Otherwise reports the skipped test.
 pub(crate) fn can_be_made(untested: &str) -> bool {
     let Some(device) = shaders::testing::device(untested) else { return false };
     let there = cfg!(target_os = "linux") && device.adapter().backend == "vulkan";
@@ -38,7 +38,7 @@ pub(crate) fn can_be_made(untested: &str) -> bool {
     there
 }
 
-/// Puts the layer before the driver of a program; `settings` as `faulty_driver.c` lists them.
+/// Places the layer before a program's driver; `settings` are listed in `faulty_driver.c`.
 pub(crate) fn with_faults<'a>(command: &'a mut Command, settings: &[(&str, &str)]) -> &'a mut Command {
     command.envs([("VK_LAYER_PATH", FOLDER.path())]).env("VK_INSTANCE_LAYERS", LAYER).env("NODEVICE_SELECT", "1");
     for (name, value) in settings {
@@ -47,7 +47,7 @@ pub(crate) fn with_faults<'a>(command: &'a mut Command, settings: &[(&str, &str)
     command
 }
 
-/// Submissions that a program made and allocations that it was refused, which was told to take `NOTES` in a file.
+/// Returns the numbers of submissions and of refused allocations that the layer wrote to the file in `NOTES`.
 pub(crate) fn counted(notes: &Path) -> (usize, usize) {
     let notes = fs::read(notes).expect("a file with notes");
     let count = |what: u8| notes.iter().filter(|note| **note == what).count();

@@ -1,4 +1,4 @@
-//! From scans and logs to a trial, and files of instruments and robots in other formats, as a user does it.
+//! Making a trial from scans and logs, and files of instruments and robots in other formats, as a user does it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use trials::trial::read_log;
 use crate::program::{asset, robofin, run};
 use crate::trial_road::trial;
 
-/// The files of a sound trial without its `trial.toml`.
+/// Writes the files of a valid trial without its `trial.toml`.
 fn files_alone(folder: &Path) -> PathBuf {
     let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look/trial-1");
     let place = folder.join("plate");
@@ -31,7 +31,7 @@ fn init_writes_once_and_check_says_what_is_wrong_and_what_is_not() {
     assert!(open.contains(&"[scan] pitch_mm"), "{open:?}");
     run(robofin(["trial", "init"]).arg(&place)).is_refused(1, &["trial.toml", "this file is there", "--print"]);
 
-    // Keys marked FILL IN are refused by their line until they have a value.
+    // Keys marked FILL IN are refused with their line until they have a value.
     let out = folder.path().join("check");
     let mut check = robofin(["trial", "check", "--json"]);
     run(check.arg(&place).arg("--out").arg(&out)).is_refused(1, &["trial.toml, line", "pitch_mm is 0"]);

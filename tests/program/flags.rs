@@ -1,4 +1,4 @@
-//! Flags that make no sense: exit code 2 and the range, or exit code 1 where the part decides.
+//! Invalid flags: exit code 2 with the accepted range, or exit code 1 if it depends on the part.
 
 use crate::program::{asset, bracket, names, robofin, run, weld_bracket};
 
@@ -130,7 +130,7 @@ fn a_voxel_larger_than_the_part_is_refused() {
     assert_eq!(names(folder.path()), Vec::<String>::new());
 }
 
-/// Words of a command line, and words of each fault that its refusal reports.
+/// Arguments of a command line, and words of each fault that its refusal must report.
 type Refusal<'a> = (&'a [&'a str], &'a [&'a [&'a str]]);
 
 #[test]
@@ -327,7 +327,7 @@ fn what_is_wrong_beside_the_values_is_told_with_them() {
         .is_refused_for_all(&[&["--tool"], &["required"]]);
     run(&mut robofin(["bench", "diagnose", "--out", "o", "--families", "X,N,Y"]))
         .is_refused_for_all(&[&["--families X"], &["--families Y"]]);
-    // What follows `--` is no flag.
+    // Arguments after `--` are not flags.
     run(&mut robofin(["bake", "--band", "1", "--out", "o", "--", "--resolution=1"])).is_refused_for_all(&[&["--band"]]);
 }
 

@@ -1,4 +1,4 @@
-//! Mesh files that are damaged, empty or absurd.
+//! Damaged, empty or absurd mesh files.
 
 use std::ffi::OsStr;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::program::{asset, names, robofin, run};
 
-/// A cube of side `size` in an OBJ file.
+/// Returns a cube with sides of `size` as OBJ.
 fn cube(size: f64) -> String {
     let mut text = String::new();
     for i in 0..8 {
@@ -27,7 +27,7 @@ fn binary_stl(announced: u32, triangles: u32) -> Vec<u8> {
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                    element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n";
 
-/// Refuses `content` by `bake` and by `weld`, with one line that names the file and holds `words`.
+/// Asserts that `bake` and `weld` refuse `content` with one line that names the file and contains `words`.
 #[track_caller]
 fn assert_refused(name: &str, content: &[u8], words: &[&str]) {
     let folder = tempfile::tempdir().expect("a temporary folder");

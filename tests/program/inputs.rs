@@ -1,5 +1,5 @@
-//! What is read: regular files alone, of a size that their heads announce, in the folder of the manifest that names them;
-//! and what an error repeats of them.
+//! Limits on inputs: only regular files are read, of the size that their header announces, in the folder of the
+//! manifest that names them; and error messages do not quote foreign content.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,10 +10,10 @@ use tempfile::TempDir;
 
 use crate::program::{Outcome, robofin, run};
 
-/// Words that no message may hold.
+/// Words that no message may contain.
 const SECRETS: [&str; 3] = ["root:x:0:0", "hunter2", "correct horse battery staple"];
 
-/// A small sealed campaign, made once.
+/// Returns a small sealed campaign, made once.
 fn campaign() -> &'static Path {
     static FOLDER: LazyLock<TempDir> = LazyLock::new(|| {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -25,7 +25,7 @@ fn campaign() -> &'static Path {
     FOLDER.path()
 }
 
-/// A copy of the campaign to damage, and its trial.
+/// Copies the campaign, where a test may damage it; returns it with its trial.
 fn copy_of_campaign(folder: &Path) -> (PathBuf, PathBuf) {
     let (trials, trial) = (folder.join("trials"), folder.join("trials/trial-1"));
     fs::create_dir_all(&trial).expect("a folder for the copy");

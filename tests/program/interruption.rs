@@ -1,4 +1,4 @@
-//! Runs that are killed, and runs that want the same place.
+//! Runs that are killed, and runs that write to the same place.
 
 #[cfg(unix)]
 use std::path::Path;
@@ -30,7 +30,7 @@ fn two_runs_at_once_leave_one_whole_asset() {
 
 #[test]
 fn a_killed_run_leaves_nothing_under_the_final_name() {
-    // A picture, a field and a folder take long enough here to be interrupted on the way.
+    // A picture, a field and a folder take long enough here to be interrupted.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("asset");
     let mut unfinished = 0;
@@ -55,7 +55,7 @@ fn a_killed_run_leaves_nothing_under_the_final_name() {
     assert!(unfinished > 0, "all runs were finished before they were killed");
 }
 
-/// Ends a run with a signal once it has begun to write, and says how it ended and what lies there then.
+/// Sends a signal to a run once it has begun to write; returns its exit code and the files that remain.
 #[cfg(unix)]
 fn signalled(command: &mut Command, (signal, folder): (&str, &Path)) -> (Option<i32>, Vec<String>) {
     let before = names(folder);

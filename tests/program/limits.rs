@@ -1,5 +1,4 @@
-//! Work that would have no end, and numbers that make no sense: refused before anything is done, with flag or key, value
-//! and range.
+//! Endless work and absurd numbers are refused before any work, with flag or key, value and range.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +6,7 @@ use std::path::Path;
 use crate::program::{asset, bracket, names, robofin, run, weld_bracket};
 use crate::trial_road::trial;
 
-/// A file with this text replaced.
+/// Replaces the text of a file.
 fn edit(file: &Path, change: impl Fn(&str) -> String) {
     let text = fs::read_to_string(file).expect("a text");
     let changed = change(&text);
@@ -66,7 +65,7 @@ fn a_trial_of_endless_work_is_refused_before_it_is_simulated() {
         format!("{head}{}", format!("[[pass]]{pass}\n").repeat(20_000))
     };
     refused(manifest, &passes, &["trial.toml", "20000 passes", "at most 1000"]);
-    // Steps of a period that is accepted, over logs with a pause that lasts.
+    // Many controller steps: an accepted period, over logs with a long pause.
     let slow = |text: &str| {
         let mut rows = text.lines();
         let head = rows.next().expect("a header").to_owned();

@@ -1,7 +1,7 @@
-//! The program as its users meet it: started as a process, judged by its exit code, its words and its files.
+//! The program as users see it: started as a process, judged by its exit code, its messages and its files.
 //!
-//! Where Python, node or the shared parts (`ROBOFIN_SHARED`) cannot be had, the tests that need them say so on
-//! standard error; with `ROBOFIN_REQUIRE_OUTSIDE=1` they fail instead.
+//! If Python, node or the shared parts (`ROBOFIN_SHARED`) are not available, the tests that need them report so on
+//! standard error and are skipped; with `ROBOFIN_REQUIRE_OUTSIDE=1` they fail.
 
 mod backends;
 mod bake_folder;

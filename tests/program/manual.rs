@@ -1,11 +1,11 @@
-//! `robofin completions` and `robofin man`: what shells and manual readers get.
+//! `robofin completions` and `robofin man`: completion scripts and manual pages.
 
 use std::fs;
 use std::process::Command;
 
 use crate::program::{robofin, run};
 
-/// Verbs that `robofin --help` lists.
+/// Returns the verbs listed by `robofin --help`.
 fn listed() -> Vec<String> {
     let help = run(&mut robofin(["--help"])).succeeds().stdout;
     let (_, commands) = help.split_once("Commands:\n").expect("a list of verbs");

@@ -1,4 +1,4 @@
-//! The volume and the area that `bake` prints.
+//! Volume and area printed by `bake`.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use crate::program::{robofin, run};
 
-/// A box of 30 x 30 x 20 mm with a corner at the origin, as OBJ, its coordinates turned by a matrix that is exact but for
-/// what a sine leaves of zero.
+/// Returns a box of 30 x 30 x 20 mm with a corner at the origin, as OBJ, turned by a matrix that is exact apart from
+/// the sine's rounding at zero.
 fn box_turned(turn: [[f64; 3]; 3]) -> String {
     let corner =
         |i: u32| [(i & 1, 30.0), (i >> 1 & 1, 30.0), (i >> 2 & 1, 20.0)].map(|(bit, size)| f64::from(bit) * size);
@@ -19,7 +19,7 @@ fn box_turned(turn: [[f64; 3]; 3]) -> String {
     vertices.chain(quads.map(|quad| format!("f {quad}\n"))).collect()
 }
 
-/// Turns by quarters about x and y, and one by 0.3 rad about z.
+/// Returns quarter turns about x and y, and one by 0.3 rad about z.
 fn turns() -> [(&'static str, [[f64; 3]; 3]); 4] {
     let about_x = |angle: f64| [[1.0, 0.0, 0.0], [0.0, angle.cos(), -angle.sin()], [0.0, angle.sin(), angle.cos()]];
     let about_y = |angle: f64| [[angle.cos(), 0.0, angle.sin()], [0.0, 1.0, 0.0], [-angle.sin(), 0.0, angle.cos()]];
@@ -27,7 +27,7 @@ fn turns() -> [(&'static str, [[f64; 3]; 3]); 4] {
     [("x180", about_x(PI)), ("y180", about_y(PI)), ("y270", about_y(1.5 * PI)), ("z17", about_z(0.3))]
 }
 
-/// Volume [mm³] and area [mm²] of a line are those of the box, to 0.1 %.
+/// Asserts that volume [mm³] and area [mm²] of a line are those of the box, within 0.1 %.
 fn assert_is_box(line: &Value) {
     for (key, expected) in [("volume_mm3", 18_000.0), ("area_mm2", 4_200.0)] {
         let found = line[key].as_f64().unwrap_or(f64::NAN);

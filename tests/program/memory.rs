@@ -1,13 +1,13 @@
-//! Absurdly fine grids are refused before anything is allocated.
+//! Absurdly fine voxels are refused before anything is allocated.
 
 use std::process::Command;
 
 use crate::program::{bracket, names, run};
 
-/// Address space that a refusal may use [KiB].
+/// Address space that suffices for a refusal [KiB].
 const MEMORY: &str = "3000000";
 
-/// The program in a shell that limits its memory.
+/// Returns the program in a shell that limits its memory.
 fn limited(verb: &str, flags: &[&str]) -> Command {
     let mut command = Command::new("sh");
     command.args(["-c", &format!("ulimit -v {MEMORY}; exec \"$@\""), "sh", env!("CARGO_BIN_EXE_robofin"), verb]);

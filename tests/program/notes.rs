@@ -1,4 +1,4 @@
-//! What is odd about a user's files: said to people and to machines alike, and refused with file, key and remedy.
+//! Notes on implausible files: reported to people and in JSON alike, and refusals with file, key and remedy.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ fn changed(place: &Path, change: impl Fn(&str) -> String) {
     fs::write(file, change(&text)).unwrap();
 }
 
-/// The notes of an answer are those that standard error holds.
+/// Returns the notes of a JSON answer; asserts that standard error shows the same ones.
 #[track_caller]
 fn notes(outcome: &Outcome, label: &str) -> Vec<String> {
     let answer = outcome.answer();

@@ -1,4 +1,4 @@
-//! What `--force` may replace: the result of the same command, and nothing else, least of all an input.
+//! Outputs that `--force` may replace: results of the same command, and nothing else, least of all an input.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::program::{asset, bracket, copy_of_asset, files, names, robofin, run, weld_bracket};
 
-/// Runs a command with `--force` that must be refused with these words and leave `kept` as it is.
+/// Asserts that a command with `--force` is refused with these words and leaves `kept` unchanged.
 #[track_caller]
 fn assert_kept(words: &[&dyn AsRef<OsStr>], kept: &Path, said: &[&str]) {
     let before = fs::read(kept).expect("a file");

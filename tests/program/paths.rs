@@ -1,4 +1,4 @@
-//! Planned paths: what the program writes is a log of the trial format that lies on the part.
+//! Planned paths: the output is a log of the trial format that lies on the part.
 
 use std::path::Path;
 
@@ -54,7 +54,7 @@ fn a_path_follows_the_crown_of_the_weld_at_the_feed() {
 fn a_raster_covers_the_patch_line_by_line() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let field = AssetFields::open(asset()).expect("the fields").target;
-    // A point of the top that is level, from the field itself.
+    // A level point of the top, found in the field itself.
     let weld = Welds::read(asset()).expect("the truth").welds.remove(0);
     let middle = weld.curve.position[weld.curve.position.len() / 2] * 1e3;
     let patch = format!("{},{},{},{}", middle.x - 2.0, middle.y - 1.0, middle.x + 2.0, middle.y + 1.0);

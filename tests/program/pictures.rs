@@ -1,4 +1,4 @@
-//! Where pictures are taken from.
+//! Camera positions of pictures.
 
 use crate::program::{asset, robofin, run};
 

@@ -1,4 +1,4 @@
-//! Where results go: nothing is overwritten, nothing is left half done.
+//! Output paths: nothing is overwritten, nothing incomplete is left.
 
 use std::fs;
 use std::path::Path;
@@ -77,7 +77,7 @@ fn places_that_cannot_be_written_are_named_before_the_work() {
     run(&mut weld_bracket(Path::new("/"))).is_refused(2, &["already exists"]);
 }
 
-/// A source that no drawing can be made of: whoever names it has begun the work.
+/// Returns a source that cannot be drawn; an error that names it shows that the work has begun.
 #[cfg(target_os = "linux")]
 fn folder_without_asset() -> &'static Path {
     Path::new("/dev")

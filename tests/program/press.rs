@@ -1,4 +1,4 @@
-//! `robofin press` on a box, against the closed forms of a wheel, a pad and a ball on flat work.
+//! `robofin press` on a box, against closed-form solutions for a wheel, a pad and a ball on a flat surface.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -10,7 +10,7 @@ use crate::program::{Outcome, asset, robofin, run};
 
 const K: f64 = 1e10;
 
-/// A box of 60 x 40 x 10 mm as a file in millimetres, its top at z = 10.3.
+/// Writes a box of 60 x 40 x 10 mm, in millimetres, with its top at z = 10.3.
 fn plate(folder: &Path) -> PathBuf {
     let mut text = String::new();
     for corner in 0..8 {
@@ -75,7 +75,7 @@ fn a_tool_may_be_a_file_and_a_part_an_asset_with_effects() {
     let part = plate(folder.path());
     let tool = format!("mesh:{}", part.display());
     let held = press(&part, &["--tool", &tool, "--depth-mm", "0.1"]).succeeds().answer();
-    // The tool's last half voxel is on the part's walls.
+    // The outermost half voxel of the tool meets the part's side faces.
     near(&held, "force_n", K * 0.06 * 0.04 * 1e-4, 4e-2);
 
     let model = folder.path().join("model.toml");
@@ -89,7 +89,7 @@ fn a_tool_may_be_a_file_and_a_part_an_asset_with_effects() {
     near(&held.answer(), "force_n", 15.0, 1e-6);
 }
 
-/// A prism of `sides` sides and `radius` [mm] about (0.07, -0.11), 6 mm high, as a file in millimetres.
+/// Writes a prism with `sides` sides and `radius` [mm] about (0.07, -0.11), 6 mm high, in millimetres.
 fn prism(folder: &Path, name: &str, (sides, radius): (usize, f64)) -> PathBuf {
     let mut text = String::new();
     for z in [0.0, 6.0] {
@@ -109,12 +109,12 @@ fn prism(folder: &Path, name: &str, (sides, radius): (usize, f64)) -> PathBuf {
     file
 }
 
-/// A ball of `radius` [mm] over z = 0 as a file in millimetres, its corners on the sphere.
+/// Writes a ball of `radius` [mm] above z = 0, in millimetres, with its vertices on the sphere.
 fn globe(folder: &Path, radius: f64) -> PathBuf {
     let (rings, sides) = (200, 120);
     let mut text = String::new();
     for ring in 0..=rings {
-        // Finest below, where it touches.
+        // The rings are finest at the bottom, where the ball touches.
         let down = PI * (1.0 - (1.0 - ring as f64 / rings as f64).powi(2));
         for side in 0..sides {
             let turn = 2.0 * PI * side as f64 / sides as f64;
@@ -234,7 +234,7 @@ fn effects_follow_the_force_and_the_size_of_a_tool_that_is_held() {
     fs::write(&model, text).expect("it can be written");
     let name = model.to_str().expect("a name");
     let (tool, radius, force) = ("pad:radius=12mm", 0.012f64, 15.0);
-    // A pad that leans by θ in full contact: K sin θ π ρ⁴/4.
+    // Moment of a pad tilted by θ in full contact: K sin θ π ρ⁴/4.
     for (goal, value) in [("--force-n", force), ("--depth-mm", force / (1e8 * PI * radius * radius) * 1e3)] {
         let held = press(&part, &["--tool", tool, goal, &value.to_string(), "--model", name]).succeeds().answer();
         let force = number(&held, "force_n");

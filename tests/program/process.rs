@@ -1,4 +1,4 @@
-//! `simulate` with processes that no one runs: a refusal that names the flag, never a hang.
+//! `simulate` with absurd process parameters: a refusal that names the flag, never a hang.
 
 use crate::program::{asset, names, robofin, run};
 

@@ -1,4 +1,4 @@
-//! Runs the program and holds what it did against the promises that every verb makes.
+//! Runs the program and checks the properties that every verb guarantees.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -11,29 +11,29 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// A run that takes longer hangs.
+/// Time after which a run counts as hung.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// The bundled part as a file.
+/// Returns the path of the bundled part.
 pub(crate) fn bracket() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data/bracket.obj")
 }
 
-/// What a run said, and how it ended.
+/// Output and exit status of a run.
 pub(crate) struct Outcome {
     pub(crate) status: ExitStatus,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
 
-/// A call of the program with arguments that are not checked yet.
+/// Returns a command for the program with unchecked arguments.
 pub(crate) fn robofin<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_robofin"));
     command.args(arguments);
     command
 }
 
-/// `robofin weld` of the bundled part on a coarse grid.
+/// Returns `robofin weld` of the bundled part with coarse voxels.
 pub(crate) fn weld_bracket(out: &Path) -> Command {
     let mut command = robofin(["weld", "--seed", "7", "--usd", "off", "--resolution", "64"]);
     command.arg(bracket()).arg("--out").arg(out);
@@ -65,7 +65,7 @@ pub(crate) fn run(command: &mut Command) -> Outcome {
 }
 
 impl Outcome {
-    /// The run succeeded and found nothing to complain about.
+    /// Asserts that the run succeeded and did not panic.
     #[track_caller]
     pub(crate) fn succeeds(self) -> Self {
         assert_eq!(self.status.code(), Some(0), "{}", self.stderr);
@@ -73,7 +73,8 @@ impl Outcome {
         self
     }
 
-    /// The run ended with this exit code and one `error:` line that holds all of `words`; returns that line.
+    /// Asserts that the run ended with this exit code and one `error:` line that contains all of `words`; returns that
+    /// line.
     #[track_caller]
     pub(crate) fn is_refused(&self, code: i32, words: &[&str]) -> String {
         let text = &self.stderr;
@@ -87,7 +88,8 @@ impl Outcome {
         errors[0].to_owned()
     }
 
-    /// The run ended as wrong use, with one `error:` line for each of `faults` in this order, which holds all its words.
+    /// Asserts that the run ended as wrong use, with one `error:` line for each of `faults` in this order, which
+    /// contains all its words.
     #[track_caller]
     pub(crate) fn is_refused_for_all(&self, faults: &[&[&str]]) {
         let text = &self.stderr;
@@ -99,7 +101,7 @@ impl Outcome {
         }
     }
 
-    /// The one JSON object on standard output.
+    /// Returns the single JSON object on standard output.
     #[track_caller]
     pub(crate) fn answer(&self) -> Value {
         let value: Value = serde_json::from_str(&self.stdout).expect("standard output is one JSON value");
@@ -108,7 +110,7 @@ impl Outcome {
     }
 }
 
-/// An asset of the bundled part, made once.
+/// Returns an asset of the bundled part, made once.
 pub(crate) fn asset() -> &'static Path {
     static ASSET: LazyLock<TempDir> = LazyLock::new(|| {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -119,7 +121,7 @@ pub(crate) fn asset() -> &'static Path {
     &PLACE
 }
 
-/// A copy of [`asset`] to damage.
+/// Copies [`asset`], where a test may damage it.
 pub(crate) fn copy_of_asset(folder: &Path) -> PathBuf {
     let place = folder.join("asset");
     fs::create_dir(&place).expect("a folder for the copy");
@@ -129,12 +131,12 @@ pub(crate) fn copy_of_asset(folder: &Path) -> PathBuf {
     place
 }
 
-/// Every file of a flat folder by name.
+/// Reads all files of a flat folder by name.
 pub(crate) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     names(folder).into_iter().map(|name| (name.clone(), fs::read(folder.join(name)).expect("a file"))).collect()
 }
 
-/// Names in a folder, sorted.
+/// Returns the names in a folder, sorted.
 pub(crate) fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("the folder can be read");
     let mut names: Vec<String> =

@@ -1,10 +1,10 @@
-//! The whole road on the bundled part.
+//! All steps on the bundled part.
 
 use serde_json::Value;
 
 use crate::program::{bracket, names, robofin, run, weld_bracket};
 
-/// The files that `robofin::asset` promises, without USD.
+/// Files of an asset according to `robofin::asset`, without USD.
 const ASSET_FILES: [&str; 8] =
     ["asset.json", "phi.nvdb", "preview.png", "surface.glb", "weld.nvdb", "welded.glb", "welds.json", "workpiece.glb"];
 

@@ -1,4 +1,4 @@
-//! Real CAD parts from outside: each becomes an asset that holds, or is refused for a reason.
+//! Real CAD parts from outside: each gives a valid asset, or is refused with a reason.
 
 use std::path::{Path, PathBuf};
 
@@ -8,16 +8,16 @@ use robofin::asset::Welds;
 use crate::outside::{gltf_validator, python, untested};
 use crate::program::{Outcome, names, robofin, run};
 
-/// Parts in the shared folder.
+/// Number of parts in the shared folder.
 const PARTS: usize = 24;
-/// At least so many of them become assets.
+/// Least number of parts that give assets.
 const ASSETS: usize = 20;
-/// The open part: refused unless its inside may be guessed.
+/// The open part: refused unless guessing its inside is allowed.
 const OPEN_PART: &str = "other_cmu_WP_outerface.STL";
-/// Largest relative difference between the volume in the field and manifold3d's.
+/// Greatest relative difference between the volume in the field and manifold3d's.
 const VOLUME_TOLERANCE: f64 = 0.02;
 
-/// The folder of the shared parts; `None` after saying what stays untested.
+/// Returns the folder of the shared parts; `None` after reporting a skipped test.
 pub(crate) fn shared(what: &str) -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
     let place = std::env::var_os("ROBOFIN_SHARED").map_or_else(beside, PathBuf::from).join("data/abc");
@@ -61,7 +61,7 @@ fn every_shared_part_becomes_a_valid_asset_or_is_refused_for_a_reason() {
     check_gltf(&assets);
 }
 
-/// The field's volume against manifold3d's, wherever the meshes have a well-defined union.
+/// Compares the field's volume with manifold3d's, if the meshes have a well-defined union.
 fn check_volumes(parts: &Path, assets: &[PathBuf]) {
     let Some(python) = python("bead volumes of real parts by manifold3d") else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");

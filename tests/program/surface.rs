@@ -1,4 +1,5 @@
-//! The welded surface as one mesh: closed, where part and beads are, with the part's sharp edges and manifold3d's volume.
+//! The welded surface as one mesh: closed, close to part and beads, with the part's sharp edges and manifold3d's
+//! volume.
 
 use std::collections::HashMap;
 use std::fs;
@@ -15,21 +16,22 @@ use weldgen::topology::{Across, Topology};
 use crate::outside::python;
 use crate::program::{bracket, robofin, run};
 
-/// Voxels along the bracket's longest side.
+/// Number of voxels along the bracket's longest side.
 const RESOLUTION: &str = "160";
 
-/// Largest distance of a sharp edge of the part from the surface [voxels], found on the rims of the bracket's round holes.
+/// Greatest distance of a sharp edge of the part from the surface [voxels], found on the rims of the bracket's round
+/// holes.
 const ALONG_EDGES: f64 = 0.2;
 
-/// Largest distance of a vertex from part and bead [voxels]. At 96 voxels across it is 0.32 where a rib's foot ends beside
-/// a hole, at 160 it is 0.15.
+/// Greatest distance of a vertex from part and bead [voxels]. With 96 voxels across it is 0.32 where a rib's foot ends
+/// beside a hole, with 160 it is 0.15.
 const OFF_SURFACE: f64 = 0.35;
 
 fn parts(file: &Path) -> Vec<ReadPart> {
     read_glb(&fs::read(file).expect("a GLB")).expect("what we write can be read")
 }
 
-/// Ends of the mesh's edges sharper than 60°.
+/// Returns the end points of the mesh's edges sharper than 60°.
 fn sharp_edges(mesh: &Mesh) -> Vec<[DVec3; 2]> {
     let across = Topology::new(mesh).across;
     let of_face = |(face, edges): (usize, &[Across; 3])| {
@@ -43,7 +45,7 @@ fn sharp_edges(mesh: &Mesh) -> Vec<[DVec3; 2]> {
     across.iter().enumerate().flat_map(of_face).collect()
 }
 
-/// Edges that are not passed exactly once each way, where vertices in one place are one.
+/// Counts the edges that do not have exactly one triangle on each side, after merging equal positions.
 fn open_or_crowded_edges(surface: &Mesh) -> usize {
     let place = |vertex: u32| surface.positions[vertex as usize].to_array().map(|x| (x + 0.0).to_bits());
     let mut passes: HashMap<[[u64; 3]; 2], u32> = HashMap::new();
@@ -55,14 +57,14 @@ fn open_or_crowded_edges(surface: &Mesh) -> usize {
     passes.iter().filter(|&(&[from, to], &uses)| uses != 1 || passes.get(&[to, from]) != Some(&1)).count()
 }
 
-/// The mesh of an asset's `surface.glb`.
+/// Reads the mesh of an asset's `surface.glb`.
 fn whole_surface(asset: &Path) -> Mesh {
     let mut surface = Mesh::default();
     parts(&asset.join("surface.glb")).iter().for_each(|piece| surface.append(&piece.mesh));
     surface
 }
 
-/// Once equal positions are merged, as the file holds them.
+/// Asserts a closed manifold, after merging equal positions of the file.
 fn assert_manifold(surface: &Mesh) {
     assert_eq!(open_or_crowded_edges(surface), 0, "edges without exactly two triangles");
     let flat = (0..surface.triangles.len()).filter(|&t| surface.doubled_area_normal(t).length() == 0.0).count();
@@ -115,7 +117,7 @@ fn it_is_closed_lies_on_part_and_bead_and_keeps_sharp_edges() {
     check_volume(&asset, &part, &surface);
 }
 
-/// Against the boolean of manifold3d.
+/// Compares the volume with that of manifold3d's union.
 fn check_volume(asset: &Path, part: &Mesh, surface: &Mesh) {
     let Some(python) = python("the welded surface's volume by manifold3d") else { return };
     let union = added_volume_in_glb(&asset.join("welded.glb"), &python).expect("both are solids");

@@ -1,4 +1,4 @@
-//! `simulate` of a trial: figures, states, refusals.
+//! `simulate` of a trial: results, states, refusals.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,12 +15,12 @@ use trials::trial::{
 use crate::program::{asset, files, names, robofin, run};
 
 const RADIUS: f64 = 0.02;
-/// A formula of one's own that has no value once the tool has gone 3 mm.
+/// An effect whose formula is undefined once the tool has moved 3 mm.
 pub(crate) const BREAKING: &str = "name = \"my-effect\"\ntitle = \"Mine\"\nsource = \"none\"\n\n[parameters.reach]\nunit = \"mm\"\n\
                         null = inf\nrange = [1.0, 1e3]\ndefault = 3.0\n\n\
                         [modify]\nrate = \"rate * sqrt(1 - path_position / reach)\"\n";
 
-/// Down, 6 mm along the crown at 5 mm/s, up.
+/// Makes a log: down, 6 mm along the crown at 5 mm/s, up.
 fn log(back: bool) -> Log {
     let row = |k: i32| {
         let time = 0.01 * f64::from(k);
@@ -39,7 +39,7 @@ fn log(back: bool) -> Log {
     Log { temperature: vec![f64::NAN; rows.len()], rows, has_approach: false, covariates: Vec::new() }
 }
 
-/// A plate of 18 mm by 8 mm with a bead along x, ground twice, to and fro.
+/// Makes a trial of a plate of 18 mm by 8 mm with a bead along x, ground twice, to and fro.
 pub(crate) fn trial() -> (TempDir, PathBuf) {
     let pixels = PixelGrid { origin: DVec2::new(-0.004, -0.004), pitch: 0.25e-3, nx: 73, ny: 33 };
     let bead = |p: DVec2| (0.8e-3 * (1.0 - (p.y / 2.5e-3).powi(2))).max(0.0);
@@ -102,7 +102,7 @@ fn a_trial_gives_its_figures_and_the_same_bytes_on_any_number_of_threads() {
     assert_eq!(files(&out("one")), files(&out("two")));
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     for (pass, removed) in answer["removed_by_law_mm3"].as_array().unwrap().iter().enumerate() {
-        // 15 N over 1.2 s: k F t of the default law, less what the threshold spares.
+        // 15 N over 1.2 s: k F t of the default law, minus the loss to the threshold.
         assert!((5.0..40.0).contains(&number(removed)), "{answer}");
         assert!((0.0..8.0).contains(&number(&answer["force_rms_error_n"][pass])), "{answer}");
     }
@@ -170,7 +170,7 @@ fn covariates_are_maps_over_the_scan() {
     let rows: Vec<Vec<f64>> =
         text.lines().map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
     assert!(rows.len() == 33 && rows.iter().all(|row| row.len() == 73));
-    // MPa s times mm² is N s; the tool comes from above, so the lattice's area is the projected one.
+    // MPa s times mm² is N s; the tool comes from above, so the area of the lattice is the projected one.
     let impulse = rows.iter().flatten().sum::<f64>() * 0.25 * 0.25;
     let expected = answer["impulse_ns"][0].as_f64().unwrap();
     assert!((impulse / expected - 1.0).abs() < 1e-5, "{impulse} {expected}");

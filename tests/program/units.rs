@@ -1,4 +1,4 @@
-//! The unit trap: the same part in metres and in millimetres.
+//! Confusion of units: the same part in metres and in millimetres.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ fn a_unit_that_is_given_is_believed() {
     }
 }
 
-/// A box of these sides in an OBJ or ASCII STL file.
+/// Writes a box with these sides as OBJ or ASCII STL.
 fn cuboid(file: &Path, sides: [f64; 3]) {
     let corner = |i: usize| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f64);
     let at = |i: usize| (0..3).map(|axis| format!("{}", corner(i)[axis] * sides[axis])).collect::<Vec<_>>().join(" ");

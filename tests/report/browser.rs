@@ -1,4 +1,4 @@
-//! The page in headless Chromium: no error on the console, all numbers in the document, values under the pointer, A4.
+//! The page in headless Chromium: empty error console, all numbers in the document, values under the pointer, A4.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -11,17 +11,17 @@ use serde_json::Value;
 
 use crate::study::{bare, grinding, sanding};
 
-/// Names under which systems install it.
+/// Names of the executable on different systems.
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// Says what stays untested, past the test harness's capture; fails where outside programs were promised.
+/// Reports a skipped test, bypassing the test harness's capture; fails if outside programs are required.
 fn untested(cause: &str) {
     let promised = std::env::var_os("ROBOFIN_REQUIRE_OUTSIDE").is_some_and(|value| value == "1");
     assert!(!promised, "ROBOFIN_REQUIRE_OUTSIDE=1, but the report cannot be opened: {cause}");
     writeln!(std::io::stderr(), "NOT TESTED: the report in a browser: {cause}").expect("standard error is open");
 }
 
-/// A Chromium that starts; `None` after saying what stays untested.
+/// Returns a Chromium that starts; `None` after reporting a skipped test.
 fn chromium() -> Option<&'static str> {
     let starts = |program: &&&str| Command::new(program).arg("--version").output().is_ok_and(|o| o.status.success());
     let found = PROGRAMS.iter().find(starts).copied();
@@ -31,7 +31,7 @@ fn chromium() -> Option<&'static str> {
     found
 }
 
-/// Opens a file in a browser with a profile of its own.
+/// Opens a file in a browser with a temporary profile.
 fn open<A: AsRef<OsStr>>(program: &str, file: &Path, arguments: &[A]) -> Output {
     let profile = tempfile::tempdir().expect("a temporary folder");
     let mut command = Command::new(program);
@@ -42,13 +42,13 @@ fn open<A: AsRef<OsStr>>(program: &str, file: &Path, arguments: &[A]) -> Output 
     output
 }
 
-/// Lines that the page wrote on the console.
+/// Returns the console messages of the page.
 fn console(output: &Output) -> Vec<String> {
     let text = String::from_utf8_lossy(&output.stderr);
     text.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect()
 }
 
-/// Writes a page where it can be looked at after the test.
+/// Writes a page to a folder that is kept after the test.
 fn written(name: &str, html: &str) -> PathBuf {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::write(&file, html).expect("the page can be written");
@@ -86,7 +86,7 @@ fn a_browser_opens_the_pages_without_an_error_and_finds_the_numbers() {
     }
 }
 
-/// An error in a script is seen: the test above could fail.
+/// Shows that the test above can fail: an error in a script is detected.
 #[test]
 fn an_error_on_the_console_would_be_seen() {
     let Some(program) = chromium() else { return };

@@ -1,4 +1,4 @@
-//! What a reader finds: every number, safe text, the full values behind rounded ones.
+//! Content of the page: every number, escaped text, full values of rounded numbers.
 
 use report::study::page;
 use serde_json::Value;
@@ -6,7 +6,7 @@ use study::{Maps, Stated, Verdict};
 
 use crate::study::grinding;
 
-/// The JSON block of a page.
+/// Parses the JSON block of a page.
 fn diagnosis(html: &str) -> Value {
     let start = "<script type=\"application/json\" id=\"diagnosis\">";
     let (_, rest) = html.split_once(start).expect("the block is there");
@@ -83,7 +83,7 @@ fn figures_of_a_map_are_those_of_its_judged_pixels() {
     assert!(html.contains("±6.3 µm"), "the band is stated");
 }
 
-/// The text of an element's content from a mark on, without tags.
+/// Returns the text after a mark, up to another one, without tags.
 fn text_between<'a>(html: &'a str, from: &str, to: &str) -> &'a str {
     let (_, rest) = html.split_once(from).expect(from);
     rest.split_once(to).expect(to).0

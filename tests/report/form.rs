@@ -1,13 +1,13 @@
-//! The page's form: well-formed, self-contained, small, the same each time.
+//! Form of the page: well-formed, self-contained, small, reproducible.
 
 use report::study::page;
 
 use crate::study::{bare, grinding, sanding};
 
-/// Elements that have no end tag.
+/// Elements without an end tag.
 const VOID: [&str; 4] = ["meta", "img", "br", "hr"];
 
-/// Names of the tags in order; the text of scripts and styles is not searched.
+/// Returns the names of the tags in order; the text of scripts and styles is skipped.
 fn tags(html: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut rest = html;

@@ -1,4 +1,4 @@
-//! The report of a study: what it holds, its form, and how a browser takes it.
+//! The report of a study: its content, its form, and its display in a browser.
 
 mod browser;
 mod content;

@@ -1,8 +1,8 @@
-//! A proposal as a study makes it.
+//! A proposal in the form that a study makes.
 
 use lab::{CurvePoint, ErrorUnit, FittedForm, Proposal, ProposedForm, WaterfallStep};
 
-/// A form with its curve.
+/// Makes a form with its curve.
 pub fn proposal() -> Proposal {
     let step = |step: &str, rms: f64| WaterfallStep {
         step: step.into(),

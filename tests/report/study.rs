@@ -1,4 +1,4 @@
-//! Studies made up for the page: a bead that was ground twice, a panel that was sanded, a table of rows.
+//! Invented studies for the page: a bead ground twice, a sanded panel, a table of rows.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use crate::proposal::proposal;
 const FLOOR: f64 = 2.1e-6;
 const UM: f64 = 1e-6;
 
-/// A campaign of so many scans of so many pixels with a dulled wheel.
+/// Makes a campaign of `scans` scans of `nx` by `ny` pixels with a dulled wheel.
 pub fn grinding(scans: usize, nx: usize, ny: usize) -> StudyReport {
     let pass = |k: usize| format!("plate-{:02}, pass {}", k / 2 + 1, k % 2 + 1);
     let role = |k: usize| if k % 4 < 3 { Role::Calibration } else { Role::Evaluation };
@@ -80,7 +80,7 @@ fn compared_pass(name: String, role: Role, k: usize) -> ComparedPass {
     }
 }
 
-/// Residual maps: a trough and a ripple in the track that the effect explains, over noise with holes.
+/// Makes residual maps: a trough and a ripple in the track that the effect explains, with noise and holes.
 fn heights(seed: usize, nx: usize, ny: usize) -> Maps {
     let pixels = PixelGrid { origin: DVec2::new(0.0, -10e-3), pitch: 0.25e-3, nx, ny };
     let mut random = Pcg64Mcg::seed_from_u64(seed as u64);
@@ -335,7 +335,7 @@ fn diagnosis() -> serde_json::Value {
     })
 }
 
-/// A sanded panel: exposure masks, no heights.
+/// Makes a sanded panel: exposure masks, no heights.
 pub fn sanding() -> StudyReport {
     let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 120, ny: 60 };
     let disc = |at: usize, radius: f64| {
@@ -355,7 +355,7 @@ pub fn sanding() -> StudyReport {
     report
 }
 
-/// A study with nothing but its verdict, as of a table of rows.
+/// Makes a study with nothing but its verdict, as of a table of rows.
 pub fn bare(campaign: &str) -> StudyReport {
     StudyReport {
         compared: Compared { campaign: campaign.into(), ..Compared::default() },

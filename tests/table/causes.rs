@@ -1,4 +1,4 @@
-//! Verdicts on tables: a column that matters is named, noise is not, and nothing is named where nothing is hidden.
+//! Verdicts on tables: an influential column is named, noise is not, and nothing is named if nothing is hidden.
 
 use effects::{Library, Model};
 use lab::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate};
@@ -8,7 +8,7 @@ use trials::table::Table;
 use crate::hidden::table;
 use crate::synthetic::{Hidden, MANIFEST, NOISE, Work, csv, folder, work};
 
-/// A diagnosis as the program makes it.
+/// Runs a diagnosis as the program does.
 pub(crate) fn diagnosed(table: &Table) -> DiagnosisSummary {
     let evidence = RowEvidence::new(table).unwrap();
     let library = evidence.library(Library::builtin()).unwrap();
@@ -22,7 +22,7 @@ pub(crate) fn diagnosed(table: &Table) -> DiagnosisSummary {
     summary
 }
 
-/// Rows whose rate falls by a share for each unit of their wear [mm³].
+/// Makes rows whose rate falls by a share for each unit of wear [mm³].
 fn falling(per_unit: f64, seed: u64) -> Vec<Work> {
     let mut rows = work(Hidden::Nothing, NOISE, seed);
     rows.iter_mut().for_each(|row| row.depth *= (-per_unit * row.wear * 1e9).exp());

@@ -1,4 +1,4 @@
-//! The form in which the rate depends on a column is found again with an interval; a permuted column is not named.
+//! The form of the rate's dependence on a column is recovered with an interval; a permuted column is not named.
 
 use lab::{DiagnosisSummary, Verdict};
 use rand::{RngExt, SeedableRng};
@@ -10,10 +10,10 @@ use crate::causes::diagnosed;
 use crate::hidden::table;
 use crate::synthetic::{Hidden, MANIFEST, NOISE, Work, csv, work};
 
-/// Permutations of a column.
+/// Number of permutations of a column.
 const PERMUTATIONS: u64 = 20;
 
-/// Rows whose column is not that of time: it is permuted, and then the rate is a function of it.
+/// Makes rows whose column is permuted, so that it differs from time, and whose rate is a function of it.
 fn rows(factor: impl Fn(f64) -> f64, seed: u64) -> Vec<Work> {
     let mut rows = work(Hidden::Nothing, NOISE, seed);
     rows.iter_mut().for_each(|row| row.wear += 20e-9);
@@ -39,7 +39,7 @@ fn diagnosis(rows: &[Work]) -> DiagnosisSummary {
     diagnosed(&declared(rows))
 }
 
-/// Median of the column in calibration rows, at which a line is the rate of the base law [h].
+/// Returns the median of the column in calibration rows [h], at which a linear form equals the base law's rate.
 fn middle(table: &Table) -> f64 {
     let rows = table.rows.iter().filter(|row| row.role == Role::Calibration);
     let mut values: Vec<f64> = rows.map(|row| row.usage[0] / 3600.0).collect();
@@ -47,7 +47,7 @@ fn middle(table: &Table) -> f64 {
     values[values.len() / 2]
 }
 
-/// Finds a form by its effect, and a parameter of it within its interval.
+/// Asserts that a form is found by its effect, and one of its parameters within its interval.
 fn finds(factor: impl Fn(f64) -> f64, effect: &str, (parameter, truth): (&str, f64), said: &str) {
     let summary = diagnosis(&rows(factor, 11));
     assert_eq!(summary.verdict, Verdict::Identified, "{effect}");
@@ -59,7 +59,7 @@ fn finds(factor: impl Fn(f64) -> f64, effect: &str, (parameter, truth): (&str, f
     assert!(low - 0.3 * width < truth && truth < high + 0.3 * width, "{effect}: {low} to {high} for {truth}");
     assert!(width < 0.5 * truth.abs(), "{effect}: {low} to {high}");
     assert!(summary.sentence.contains(said), "{}", summary.sentence);
-    // The other forms are listed, each with the reason why it is not the one.
+    // The other forms are listed, each with the reason why it is rejected.
     let others: Vec<_> = summary.suspects.iter().filter(|other| other.name.ends_with("column-wear")).collect();
     assert!(others.len() > 1, "{effect}");
     let is_out = |other: &&&lab::EffectSummary| other.name != effect && other.ruled_out.is_none() && other.search == 1;
@@ -89,7 +89,7 @@ fn a_floor_is_found() {
     finds(floor, "floor-of-column-wear", ("scale", 80.0), "1/e of that is left after");
 }
 
-/// Each permutation is named with a probability below the level of 5 %, so that one of twenty may be.
+/// A permutation may be named with a probability below the level of 5 %, so one of twenty is allowed.
 #[test]
 fn a_permuted_column_is_not_named() {
     let mut named = 0;

@@ -1,4 +1,4 @@
-//! What evaluation rows removed reaches no fit.
+//! Removal of held-out rows does not influence any fit.
 
 use lab::{Evidence, RowEvidence, Split};
 use trials::trial::Role;
@@ -6,7 +6,7 @@ use trials::trial::Role;
 use crate::hidden::{fit, model, table};
 use crate::synthetic::{Hidden, MANIFEST, NOISE, Work, csv, work};
 
-/// The text of a table whose every fourth row has another recipe.
+/// Returns the text of a table in which every fourth row has another recipe.
 fn with_recipes(rows: &[Work]) -> String {
     let line = |(k, line): (usize, &str)| match k {
         0 => format!("{line},recipe\n"),
@@ -15,7 +15,7 @@ fn with_recipes(rows: &[Work]) -> String {
     csv(rows).lines().enumerate().map(line).collect()
 }
 
-/// Places of the rows that evaluate.
+/// Returns the indices of the held-out rows.
 fn held_out(rows: &[Work]) -> Vec<usize> {
     let table = table(MANIFEST, &csv(rows));
     (0..table.rows.len()).filter(|&at| table.rows[at].role == Role::Evaluation).collect()
@@ -28,7 +28,7 @@ fn changed_evaluation_rows_leave_every_calibration_residual_as_it_was() {
     let group = format!("{MANIFEST}group = {{ column = \"recipe\" }}\n");
     let grouped = table(&group, &with_recipes(&rows));
     let evaluates = |at: &usize| grouped.rows[*at].role == Role::Evaluation;
-    // Rows that evaluate in both tables.
+    // Rows held out in both tables.
     let held: Vec<usize> = held_out(&rows).into_iter().filter(evaluates).collect();
     assert!(held.len() > 5, "{held:?}");
     for (k, row) in other.iter_mut().enumerate().filter(|(k, _)| held.contains(k)) {

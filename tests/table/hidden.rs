@@ -1,4 +1,4 @@
-//! What is hidden in a table is found again, and nothing where nothing is hidden.
+//! Effects hidden in a table are found, and none if nothing is hidden.
 
 use effects::{CompiledModel, Library, Model, RowCounts};
 use lab::{Estimate, Evidence, Fit, FitOptions, RowEvidence, Split, robust_sum};
@@ -16,7 +16,7 @@ pub(crate) fn table(manifest: &str, csv: &str) -> Table {
     Table::read(folder(manifest, csv).path()).unwrap()
 }
 
-/// The base law, and an effect, on a table.
+/// Compiles the base law, and an effect, for a table.
 pub(crate) fn model(evidence: &RowEvidence, effect: Option<&str>) -> CompiledModel {
     let base = Model::new(evidence.process());
     let model = effect.map_or(base.clone(), |effect| base.with(effect));
@@ -50,7 +50,7 @@ fn recovers(fit: &Fit, name: &str, truth: f64, narrow: f64) {
     assert!(off.abs() < 3.0 * found.sigma, "{name}: {} for {truth}, sigma {}", found.value, found.sigma);
 }
 
-/// Mean square of the whitened residuals that no fit saw.
+/// Returns the mean square of the whitened residuals of held-out rows.
 fn held_out(evidence: &RowEvidence, fit: &Fit) -> f64 {
     let residuals = evidence.residuals(&fit.model, Split::Evaluation).unwrap();
     robust_sum(&residuals) / residuals.len() as f64
@@ -61,7 +61,7 @@ fn manifest(hidden: Hidden) -> String {
     format!("{MANIFEST}{usage}")
 }
 
-/// How much each tried effect lowers chi2.
+/// Returns the Δχ² of each tried effect.
 fn gains(evidence: &RowEvidence) -> [f64; 3] {
     let base = fit(evidence, None).chi2;
     TRIED.map(|effect| base - fit(evidence, Some(effect)).chi2)

@@ -1,4 +1,4 @@
-//! Tables as they should not be: each is refused by name, or survived with a note.
+//! Invalid tables: each is refused with its name, or read with a note.
 
 use trials::table::Table;
 
@@ -23,7 +23,7 @@ fn noted(csv: &str, words: &[&str]) -> Table {
     table
 }
 
-/// The CSV with one cell of a line replaced.
+/// Returns the CSV with one cell of a line replaced.
 fn with_cell(line: usize, column: usize, cell: &str) -> String {
     let change = |(k, text): (usize, &str)| {
         let mut cells: Vec<&str> = text.split(',').collect();

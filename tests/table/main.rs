@@ -1,4 +1,4 @@
-//! Tables as users bring them: read, damaged, predicted and fitted.
+//! Tables from users: read, damaged, predicted and fitted.
 
 mod causes;
 mod columns;

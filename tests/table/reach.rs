@@ -1,4 +1,4 @@
-//! Which effects a table can show, and what is said of the others.
+//! Effects that a table can show, and the reasons why others cannot be shown.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts, check_file};
 use lab::{Evidence, RowEvidence, Split};

@@ -1,4 +1,4 @@
-//! Tables made by formulas of their own, with one effect hidden in them.
+//! Tables made by independent formulas, with one hidden effect.
 
 use std::fs;
 use std::path::Path;
@@ -7,13 +7,13 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use tempfile::TempDir;
 
-/// Rows of a table.
+/// Number of rows in a table.
 pub(crate) const ROWS: usize = 90;
 /// Rate constant [m/(Pa s)]: 0.002 mm/(MPa s).
 pub(crate) const RATE: f64 = 2e-12;
 /// Area of the contact [m²].
 pub(crate) const AREA: f64 = 1e-4;
-/// Standard deviation of a row's removal.
+/// Relative standard deviation of a row's removal.
 pub(crate) const NOISE: f64 = 0.02;
 /// Volume after which a tool is dull to 1/e [m³].
 pub(crate) const DULLING: f64 = 350e-9;
@@ -21,7 +21,7 @@ pub(crate) const DULLING: f64 = 350e-9;
 pub(crate) const PRESSURE_EXPONENT: f64 = 0.8;
 pub(crate) const SPEED_EXPONENT: f64 = 0.6;
 
-/// What is hidden.
+/// Hidden effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Hidden {
     Nothing,
@@ -29,7 +29,7 @@ pub(crate) enum Hidden {
     Dulling,
     Pressure,
     Speed,
-    /// The rate falls with a wear that a column gives.
+    /// The rate falls with a wear given by a column.
     Usage,
 }
 
@@ -39,12 +39,12 @@ pub(crate) struct Work {
     pub(crate) force: f64,
     pub(crate) speed: f64,
     pub(crate) duration: f64,
-    /// Wear that the column gives [m³].
+    /// Wear in the column [m³].
     pub(crate) wear: f64,
     pub(crate) depth: f64,
 }
 
-/// Rows with an effect hidden, with noise of a relative standard deviation.
+/// Makes rows with a hidden effect and noise of a relative standard deviation.
 pub(crate) fn work(hidden: Hidden, noise: f64, seed: u64) -> Vec<Work> {
     let mut random = Pcg64::seed_from_u64(seed);
     let (mut ground, mut wear) = (0.0, 0.0);
@@ -73,7 +73,7 @@ pub(crate) fn work(hidden: Hidden, noise: f64, seed: u64) -> Vec<Work> {
     (0..ROWS).map(one).collect()
 }
 
-/// The CSV of rows: load [N], belt [m/s], t [s], wear [mm³], depth [µm].
+/// Returns the CSV of rows: load [N], belt [m/s], t [s], wear [mm³], depth [µm].
 pub(crate) fn csv(rows: &[Work]) -> String {
     let line = |row: &Work| {
         let (wear, depth) = (row.wear * 1e9, row.depth * 1e6);
@@ -83,7 +83,7 @@ pub(crate) fn csv(rows: &[Work]) -> String {
     format!("load,belt,t,wear,depth\n{lines}")
 }
 
-/// A manifest for [`csv`].
+/// Manifest for [`csv`].
 pub(crate) const MANIFEST: &str = r#"format = "finishing-table/1"
 name = "synthetic"
 process = "grinding"
@@ -96,10 +96,10 @@ duration = { column = "t", unit = "s" }
 removed = { column = "depth", unit = "um" }
 "#;
 
-/// The line that makes the wear a state.
+/// Line that makes the wear a state.
 pub(crate) const USAGE: &str = "usage = { column = \"wear\", unit = \"mm^3\" }\n";
 
-/// A folder with a manifest and a CSV.
+/// Writes a folder with a manifest and a CSV.
 pub(crate) fn folder(manifest: &str, csv: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), manifest, csv);

@@ -1,4 +1,4 @@
-//! Trials that are begun from files of other programs: what `trial init` guesses, and what `trial check` says of it.
+//! Trials started from files of other programs: guesses of `trial init`, and findings of `trial check`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,14 +10,14 @@ use trials::init::guess;
 use trials::measure::NoiseSource;
 use trials::trial::{ForceInput, Log, PassScan, RPM, Severity, Trial};
 
-/// Where the zero of the scanner lies in the frame of the log [m].
+/// Origin of the scanner in the frame of the log [m].
 const SCANNER: DVec2 = DVec2::new(-0.1, -0.05);
 
 fn bundled() -> Trial {
     Trial::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look/trial-1")).expect("a trial")
 }
 
-/// Writes a map as the extension of its name says, in the frame of the scanner.
+/// Writes a map in the format of its extension, in the frame of the scanner.
 fn write_map(place: PathBuf, map: &HeightMap) {
     let surface = Surface {
         format: "test",
@@ -31,7 +31,7 @@ fn write_map(place: PathBuf, map: &HeightMap) {
     fs::write(&place, surface::write(&place, &surface).expect("a map")).unwrap();
 }
 
-/// Writes a log as a controller in Germany might: metres, decimal commas, a force that reads negative, no spindle.
+/// Writes a log in the style of a German controller: metres, decimal commas, a negative force, no spindle.
 fn write_log(place: PathBuf, log: &Log) {
     let number = |value: f64| format!("{value:.6}").replace('.', ",");
     let row = |row: &trials::trial::LogRow| {
@@ -42,7 +42,7 @@ fn write_log(place: PathBuf, log: &Log) {
     fs::write(place, format!("Zeit [s];TCP.X [m];TCP.Y [m];TCP.Z [m];Kraft [N]\r\n{}\r\n", rows.join("\r\n"))).unwrap();
 }
 
-/// A folder with the bundled trial in files of other programs, whose names say nothing.
+/// Writes the bundled trial to a folder of files of other programs, with meaningless names.
 fn begun() -> tempfile::TempDir {
     let (trial, place) = (bundled(), tempfile::tempdir().unwrap());
     let file = |name: &str| place.path().join(name);
@@ -59,7 +59,7 @@ fn begun() -> tempfile::TempDir {
     place
 }
 
-/// The line of a text that begins with a key.
+/// Returns the line of a text that begins with a key.
 #[track_caller]
 fn line<'a>(text: &'a str, key: &str) -> &'a str {
     text.lines().find(|line| line.starts_with(key)).unwrap_or_else(|| panic!("no {key} in {text}"))
@@ -152,7 +152,7 @@ fn a_scan_with_a_place_of_its_own_is_brought_onto_the_pixels_of_the_first() {
     let guess = guess(place.path()).expect("a guess");
     let text = guess.text.replace("spindle_rpm = 0.0", "spindle_rpm = 6000").replace("width_mm = ", "width_mm = 20 # ");
     fs::write(place.path().join("trial.toml"), text).unwrap();
-    // The last scan again, a part of it only and half a pixel beside.
+    // The last scan again, but only a part of it and shifted by half a pixel.
     let known = bundled();
     let PassScan::Heights(map) = &known.passes[1].scan else { panic!("ground") };
     let mut pixels = map.pixels;
@@ -204,7 +204,7 @@ fn a_trial_without_a_repeated_scan_says_where_its_noise_is_seen() {
 #[test]
 fn masks_after_the_passes_are_sanding() {
     let (mut trial, place) = (crate::files::sanding(), tempfile::tempdir().unwrap());
-    // Scans have noise, and so is one above the other here and below it there.
+    // Scans have noise, so one lies above the other at some pixels and below it at others.
     let noise = |k: usize| 2e-6 * ((12.9898 * k as f64).sin() * 43758.5453).rem_euclid(1.0);
     let before = &trial.scans.before.heights;
     trial.scans.repeats[0].heights = before.iter().enumerate().map(|(k, height)| height + noise(k)).collect();

@@ -1,4 +1,4 @@
-//! Further columns of logs and values of trials, for formulas.
+//! Additional columns of logs and values of trials, for formulas.
 
 use std::path::Path;
 
@@ -88,7 +88,7 @@ fn a_column_that_no_state_can_have_is_noted() {
     noted(place.path(), &["pressure", "name of a variable"]);
 }
 
-/// What the simulation of a trial says whose model reads `humidity` in percent.
+/// Returns the message of simulating a trial with a model that reads `humidity` in percent.
 fn simulated(folder: &Path) -> String {
     let text = "name = \"own\"\n[parameters.change]\nunit = \"1\"\nnull = 0.0\nrange = [-9.0, 9.0]\ndefault = 1.0\n\
         [state.humidity]\nper = \"tool\"\nunit = \"%\"\nrate = \"0\"\nreset = \"pass\"\n\

@@ -1,4 +1,4 @@
-//! A small trial in a temporary folder, to read and to damage.
+//! A small trial in a temporary folder, to be read and damaged.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,12 +19,12 @@ pub(crate) fn pixels() -> PixelGrid {
     PixelGrid { origin: DVec2::new(0.0, -0.004), pitch: 0.25e-3, nx: 61, ny: 33 }
 }
 
-/// A bead along x, 6 mm wide and 1.5 mm high.
+/// Returns the height of a bead along x, 6 mm wide and 1.5 mm high.
 pub(crate) fn bead(place: DVec2) -> f64 {
     (1.5e-3 * (1.0 - (place.y / 3e-3).powi(2))).max(0.0)
 }
 
-/// Heights to a whole micrometre with a few holes, as an instrument gives them.
+/// Makes heights rounded to a micrometre with a few holes, as an instrument does.
 fn scan(lowered: f64) -> HeightMap {
     let mut map = HeightMap::from_function(pixels(), |p| ((bead(p) - lowered).max(0.0) * 1e6).round() * 1e-6);
     for hole in [0, 5, 700, 701] {
@@ -33,7 +33,7 @@ fn scan(lowered: f64) -> HeightMap {
     map
 }
 
-/// Down to the crown, 10 mm along it at 5 mm/s, up again.
+/// Makes a log: down to the crown, 10 mm along it at 5 mm/s, up again.
 fn log() -> Log {
     let row = |k: i32| {
         let time = 0.02 * f64::from(k);
@@ -105,7 +105,7 @@ pub(crate) fn sanding() -> Trial {
     trial
 }
 
-/// A folder with the grinding trial.
+/// Writes a folder with the grinding trial.
 pub(crate) fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write_trial(&grinding(), folder.path()).expect("the trial is written");
@@ -119,7 +119,7 @@ pub(crate) fn edit(folder: &Path, name: &str, change: impl FnOnce(String) -> Str
     fs::write(place, change(text)).expect("the changed file");
 }
 
-/// The trial of a folder is refused with all of these words; returns the message.
+/// Asserts that the trial of a folder is refused with all of these words; returns the message.
 #[track_caller]
 pub(crate) fn refused(folder: &Path, words: &[&str]) -> String {
     let error: TrialError = Trial::read(folder).expect_err("the trial must be refused");
@@ -130,7 +130,7 @@ pub(crate) fn refused(folder: &Path, words: &[&str]) -> String {
     message
 }
 
-/// The trial of a folder is read, and one of its notes holds all of these words.
+/// Asserts that the trial of a folder is read, and that one of its notes contains all of these words.
 #[track_caller]
 pub(crate) fn noted(folder: &Path, words: &[&str]) -> Trial {
     let trial = Trial::read(folder).expect("the trial can be read");

@@ -1,4 +1,4 @@
-//! Files as they arrive: cut, in other units, with other separators, with a clock that jumps.
+//! Files as received from users: truncated, in other units, with other separators, with a clock that jumps.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Measured maps as workpieces, and the instrument that measured them, on campaigns made elsewhere.
+//! Measured maps as workpieces, and the measuring instrument, on campaigns made elsewhere.
 
 use sdf_bake::heights::SlabOptions;
 use sdf_bake::{BrickGrid, HeightMap};
@@ -8,7 +8,7 @@ use trials::trial::{Campaign, PassScan, Trial};
 
 use crate::shared::campaigns;
 
-/// Clearance that makes a pixel untouched [m].
+/// Least clearance of an untouched pixel [m].
 const CLEARANCE: f64 = 0.1e-3;
 
 fn floor_of(trial: &Trial) -> NoiseFloor {
@@ -27,7 +27,7 @@ fn a_measured_map_returns_through_bricks_and_instrument() {
     let rest = residual(&seen, before, |at| !report.spikes.contains(&at));
     println!("{} spikes, {} missing, returned within {:.1e} m rms", report.spikes.len(), report.missing, rest.rms);
     assert!(rest.rms < 0.3e-6, "{rest:?}");
-    // The laboratory plants spikes; a map without any found, or with one in a hundred, would be odd.
+    // The laboratory adds spikes; no spike at all, or one in a hundred pixels, would be implausible.
     assert!((1..before.pixels.len() / 100).contains(&report.spikes.len()));
 }
 
@@ -70,7 +70,7 @@ fn repeated_scans_give_the_noise_floor_and_untouched_pixels_the_registration() {
     }
 }
 
-/// Volume between two maps where the tool was [mm³].
+/// Returns the volume between two maps where the tool was [mm³].
 fn volume(before: &HeightMap, after: &HeightMap, free: &[bool]) -> f64 {
     let lost = residual(before, after, |at| !free[at]);
     lost.mean * lost.pixels as f64 * before.pixels.pitch.powi(2) * 1e9

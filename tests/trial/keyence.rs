@@ -1,4 +1,4 @@
-//! Height exports of an instrument in place of plain grids.
+//! Height exports of an instrument instead of plain grids.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,7 +8,7 @@ use trials::trial::{ScanFrame, Trial, read_heights};
 
 use crate::files::{bead, edit, folder, noted, pixels, refused};
 
-/// An export in the layout of the VR series, heights in `unit` per metre.
+/// Returns an export in the layout of the VR series, heights in `unit` per metre.
 fn export(keys: [&str; 5], unit: (&str, f64), rows: usize) -> String {
     let [calibration, horizontal, vertical, unit_key, title] = keys;
     let mut text = String::new();

@@ -1,7 +1,7 @@
-//! Trials as users bring them: whole, damaged, in other units and in other programs' formats.
+//! Trials from users: complete, damaged, in other units and in other programs' formats.
 //!
-//! Campaigns that were made elsewhere are read from `ROBOFIN_SHARED`; where they are not there the test says so, and
-//! fails if `ROBOFIN_REQUIRE_SHARED` is 1.
+//! Campaigns made elsewhere are read from `ROBOFIN_SHARED`; if they are missing, the test reports so, and fails if
+//! `ROBOFIN_REQUIRE_SHARED` is 1.
 
 mod begun;
 mod columns;

@@ -8,7 +8,7 @@ use trials::trial::{PassScan, Trial};
 
 use crate::files::{edit, folder, grinding, noted, refused};
 
-/// Vertices of a map's known pixels [mm], and two triangles for each square whose corners are known.
+/// Returns the vertices of a map's known pixels [mm], and two triangles for each cell whose corners are all known.
 fn surface(map: &HeightMap) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let pixels = map.pixels;
     let corner = |at: usize| {
@@ -68,7 +68,7 @@ fn surfaces_give_the_heights_that_grids_give() {
         assert_eq!((found.pixels.nx, found.pixels.ny), (plain.pixels.nx, plain.pixels.ny));
         let off = found.heights.iter().zip(&plain.heights).map(|(a, b)| (a - b).abs()).filter(|off| off.is_finite());
         assert!(off.fold(0.0, f64::max) < 1e-9);
-        // Corner pixels of the holes' squares have no surface around them.
+        // The corner pixels of the holes' cells have no surface around them.
         assert!((plain.missing()..plain.missing() + 12).contains(&found.missing()), "{}", found.missing());
     }
 }

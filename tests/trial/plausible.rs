@@ -1,5 +1,5 @@
-//! Files that contradict each other as only a wrong unit, sign, frame or copy can: refused by name, gap and guess; and
-//! campaigns that are odd but sound, which pass.
+//! Files that contradict each other through a wrong unit, sign, frame or copy: refused with name, gap and guess.
+//! Unusual but valid campaigns are accepted.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ fn first_look() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data/campaigns/first-look/trial-1")
 }
 
-/// The first trial of the bundled campaign: a bead ground twice by a wheel of 50 mm.
+/// Copies the first trial of the bundled campaign: a bead ground twice by a wheel of 50 mm.
 fn sound() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(first_look()).unwrap() {
@@ -225,7 +225,7 @@ fn a_mirrored_scan_is_refused_by_name() {
     says(&folder, &["before.csv", "half a turn"]);
 }
 
-/// A plate, ground over 10 mm by a narrow wheel, whose groove lies 3 mm beside the path.
+/// Makes a plate, ground over 10 mm by a narrow wheel, whose groove lies 3 mm beside the path.
 fn beside() -> Trial {
     let mut trial = grinding();
     let plate = |seed: usize, depth: f64| {
@@ -273,7 +273,7 @@ fn copies_are_refused_by_name() {
     says(&folder, &["before_repeat.csv", "the same heights as before.csv"]);
 }
 
-/// A scan of a ground surface made again: other noise, 3 µm high and low, on the heights of another file.
+/// Repeats a scan of a ground surface: other noise, shifted by ±3 µm, on the heights of another file.
 fn scanned_again(folder: &Path, from: &str, to: &str) {
     let text = std::fs::read_to_string(folder.join(from)).unwrap();
     let noise = |at: usize| 3e-3 * ((at.wrapping_mul(7919) % 1009) as f64 / 504.0 - 1.0);

@@ -1,4 +1,4 @@
-//! A log as the path of the tool.
+//! A log as the tool's path.
 
 use glam::DVec3;
 use trials::trial::{HeldTool, ToolPath};

@@ -1,7 +1,7 @@
-//! The shared campaigns simulated with their true laws: another laboratory's simulation must come out again.
+//! The shared campaigns simulated with their true laws reproduce another laboratory's simulation.
 //!
-//! `residual` compares a scan with a simulation that began from the scan before: untouched pixels differ by the noise of
-//! both scans, √2 times that of one. The measure is that of two scans.
+//! `residual` compares a scan with a simulation that starts from the previous scan: untouched pixels differ by the
+//! noise of both scans, √2 times that of one. Residuals are therefore divided by the noise of two scans.
 
 use effects::{CompiledModel, Library, Model};
 use robofin::trial_run::residual;
@@ -18,7 +18,8 @@ const GRINDING: &str = "process = \"grinding\"\n[law.winkler]\nstiffness = \"30 
 const SANDING: &str = "process = \"sanding\"\n[law.winkler]\nstiffness = \"0.012 MPa/mm\"\n[law.preston-sanding]\n\
                        sanding_rate = \"0.026 1/(MPa mm)\"\n[effect.pad-loading]\nloading_volume = \"260 mm^3\"\n";
 
-/// The trials of a campaign, their passes simulated by a model, and its answers; `None` where they are not there.
+/// Simulates the passes of a campaign's trials with a model; also returns its answers; `None` if the campaign is
+/// missing.
 fn simulated(name: &str, first: usize, model: &str) -> Option<(Vec<Trial>, Vec<Vec<SimulatedPass>>, Value)> {
     let place = campaigns()?;
     let mut trials = Campaign::read(&place.join(name)).unwrap().trials;
@@ -30,18 +31,19 @@ fn simulated(name: &str, first: usize, model: &str) -> Option<(Vec<Trial>, Vec<V
     Some((trials, passes, answers[name]["trials"].clone()))
 }
 
-/// Residuals of each pass over the noise of two scans.
+/// Returns the residual of each pass over the noise of two scans.
 fn residuals(trial: &Trial, passes: &[SimulatedPass]) -> Vec<f64> {
     let (before, repeat) = (despiked(&trial.scans.before).0, despiked(&trial.scans.repeats[0]).0);
     let noise = 2f64.sqrt() * noise_floor(&before, &repeat).unwrap().rms;
     (0..passes.len()).map(|pass| residual(trial, passes, pass).unwrap() / noise).collect()
 }
 
-/// Share of a volume by which two laboratories' simulations may differ: each is some tenths of a per cent off by its steps.
+/// Greatest relative difference between the volumes of two laboratories' simulations; the time steps of each cause some
+/// tenths of a per cent.
 const VOLUME_TOLERANCE: f64 = 0.006;
 
-/// Holds removed volumes, which the answers add up over the passes, and residuals against their bars: [`VOLUME_TOLERANCE`],
-/// and `most` times the noise of two scans.
+/// Compares removed volumes, which the answers sum over the passes, with the tolerance [`VOLUME_TOLERANCE`], and
+/// residuals with `most` times the noise of two scans.
 fn grinding_comes_out(name: &str, effects: &str, most: f64) {
     let Some((trials, passes, answers)) = simulated(name, usize::MAX, &format!("{GRINDING}{effects}")) else { return };
     for (trial, passes) in trials.iter().zip(&passes) {

@@ -1,4 +1,4 @@
-//! The scanner of a model at work in a whole trial, and the same passes seen again with other values.
+//! The scanner effects of a model in a whole trial, and the same passes scanned again with other values.
 
 use effects::{CompiledModel, Library, Model, RowCounts};
 use trial_simulation::{SimulatedPass, Simulation};
@@ -24,7 +24,7 @@ fn scans_carry_the_scanner_and_passes_are_seen_again_without_being_simulated() {
     let run = |model: &CompiledModel| -> Vec<SimulatedPass> {
         simulation.run(model, &mut Simulation::fresh_states(model), 1, &mut |_, _| {}).unwrap().0
     };
-    // The first row belongs to a trial before this one.
+    // The first row belongs to an earlier trial.
     let tilted = model(
         "[effect.scan-tilt]\npiston = [\"1 um\", \"2 um\", \"-3 um\"]\ntilt_x = \"0 rad\"\ntilt_y = \"0 rad\"\n\
          [effect.height-gain]\ngain = \"0 %\"\n",

@@ -9,7 +9,7 @@ use trials::trial::{Campaign, PassScan};
 
 use crate::shared_folder::shared;
 
-/// The shared campaigns, where they are there.
+/// Returns the shared campaigns, if they exist.
 pub(crate) fn campaigns() -> Option<PathBuf> {
     shared("campaigns")
 }

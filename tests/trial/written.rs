@@ -1,4 +1,4 @@
-//! What is written is read again as it was.
+//! Written files are read back unchanged.
 
 use robot::Controller;
 use sdf_bake::HeightMap;
@@ -61,7 +61,7 @@ fn a_sanding_trial_returns() {
     assert_eq!(trial.passes[0].scan, read.passes[0].scan);
 }
 
-/// The grinding trial with readings of its own.
+/// Makes the grinding trial with different readings.
 fn measured_anew(number: usize, name: &str) -> Trial {
     let mut trial = Trial { name: name.into(), ..grinding() };
     let by = 1e-6 * number as f64;

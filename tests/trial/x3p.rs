@@ -1,4 +1,4 @@
-//! X3P files: every type of heights, missing pixels, and files that are none.
+//! X3P files: every number type of heights, missing pixels, and invalid files.
 
 use std::fs;
 use std::io::{Cursor, Write as _};
@@ -10,7 +10,7 @@ use zip::write::SimpleFileOptions;
 
 use crate::files::{bead, pixels};
 
-/// `main.xml` in the layout of ISO 25178-72.
+/// Returns `main.xml` in the layout of ISO 25178-72.
 fn main_xml(kind: &str, increment: f64, extra: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?><p:ISO5436_2 xmlns:p=\"http://www.opengps.eu/2008/ISO5436_2\"><Record1><Axes>\
@@ -34,7 +34,7 @@ fn archive(members: &[(&str, &[u8])]) -> Vec<u8> {
 
 fn read(bytes: &[u8]) -> Result<Read<HeightMap>, TrialError> {
     let folder = tempfile::tempdir().unwrap();
-    // The name says nothing: the content does.
+    // The format is recognised by content, not by name.
     let file = folder.path().join("scan.dat");
     fs::write(&file, bytes).unwrap();
     read_heights(&file, ScanFrame { origin: Some(pixels().origin), pitch: Some(0.25e-3), ..ScanFrame::default() })

@@ -1,4 +1,4 @@
-//! Hard front ends: each does what its name says and nothing else, and the files can be read.
+//! Hard front ends: each has the effect of its name and no other, and the files can be read.
 
 use effects::Process;
 use glam::DVec2;
@@ -39,7 +39,7 @@ fn a_frame_moves_the_log_and_no_scan() {
 fn a_late_clock_delays_places_and_no_force() {
     let late = made(FrontEnd::Clock, &[]);
     let pairs = || rows(&late).iter().zip(rows(clean()));
-    // The force falls when the tool leaves, whatever the place says.
+    // The force falls when the tool leaves, whatever the logged position is.
     assert!(pairs().all(|(a, b)| (a.time, a.force) == (b.time, b.force)));
     // Eight rows of 10 ms; jitter and rounding are a few micrometres.
     let off = rows(&late)[8..].iter().zip(rows(clean())).map(|(a, b)| (a.position - b.position).length());
@@ -80,12 +80,12 @@ fn marks_lie_where_the_tool_was_and_along_its_way() {
     let [here, there] = [&ground, &away].map(|of| rms(of.iter().map(|&k| mark(k))));
     println!("{:.2} µm where it was ground, {:.2} µm elsewhere", here * 1e6, there * 1e6);
     assert!(ground.len() > 500 && away.len() > 500 && (3e-6..5e-6).contains(&here));
-    // A place that seems untouched may lie on the border of the track: scans are off by 10 µm in height.
+    // A position that seems untouched may lie on the border of the track: scans differ by 10 µm in height.
     assert!(there < 0.4 * here, "{there}");
     let like = |step: usize| {
         ground.iter().map(|&k| mark(k) * mark(k + step)).filter(|product| product.is_finite()).sum::<f64>()
     };
-    // Pixels are 0.3 mm apart: exp(−(0.3 / 4)²) = 0.99 along the way, exp(−(0.3 / 0.4)²) = 0.57 across.
+    // Pixels are 0.3 mm apart: exp(−(0.3 / 4)²) = 0.99 along the path, exp(−(0.3 / 0.4)²) = 0.57 across.
     let [along, across] = [1, nx].map(|step| like(step) / like(0));
     assert!(along > 0.9 && (0.4..0.7).contains(&across), "{along}, {across}");
 }

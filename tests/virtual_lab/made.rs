@@ -1,4 +1,4 @@
-//! Experiments that tests share, and what every one of them must be.
+//! Experiments shared by tests, and properties of every experiment.
 
 use std::fs;
 use std::sync::LazyLock;
@@ -9,19 +9,19 @@ use trials::trial::{Campaign, PassScan, Role, Trial};
 use virtual_lab::write::write;
 use virtual_lab::{Choice, Experiment, Hidden, Made, Plan, Size};
 
-/// A small experiment of one trial of two equal passes.
+/// Makes a small experiment of one trial of two equal passes.
 pub(crate) fn experiment(process: Process, hidden: &[Hidden]) -> Experiment {
     let base = Experiment::new(process, Library::builtin(), 11).unwrap();
     Experiment { plan: Plan::Paper, trials: 1, size: Size::Small, choice: Choice::These(hidden.to_vec()), ..base }
 }
 
-/// Grinding with nothing hidden.
+/// Returns grinding without hidden effects.
 pub(crate) fn clean() -> &'static Made {
     static CLEAN: LazyLock<Made> = LazyLock::new(|| experiment(Process::Grinding, &[]).make().unwrap());
     &CLEAN
 }
 
-/// The heights after a pass.
+/// Returns the heights after a pass.
 pub(crate) fn heights(trial: &Trial, pass: usize) -> &HeightMap {
     match &trial.passes[pass].scan {
         PassScan::Heights(map) => map,
@@ -91,7 +91,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let same = experiment.make().unwrap();
     assert!(!same_heights(&other.trials[0].scans.before, &same.trials[0].scans.before));
     assert_ne!(other.answer.base, same.answer.base);
-    // A gain of every pass for itself.
+    // Each pass has a gain of its own.
     let gains = &same.answer.effects[0].parameters["gain"].values;
     assert!(gains.len() == 4 && gains[0] != gains[1], "{gains:?}");
 }

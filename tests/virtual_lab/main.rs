@@ -1,5 +1,5 @@
-//! The virtual laboratory: what it measures can be read, has the noise that was put in, and comes out again under the true
-//! model; what it hides stays hidden.
+//! The virtual laboratory: its measurements can be read, have the specified noise, and are reproduced by the true
+//! model; its hidden effects stay hidden.
 
 mod front_ends;
 mod made;

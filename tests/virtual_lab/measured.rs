@@ -1,4 +1,4 @@
-//! What scanner and robot put into the measurements.
+//! Errors that scanner and robot add to the measurements.
 
 use effects::{CompiledModel, Model, Process};
 use sdf_bake::HeightMap;
@@ -14,14 +14,14 @@ fn floor_of(trial: &Trial) -> NoiseFloor {
     noise_floor(&despiked(&trial.scans.before).0, &despiked(&trial.scans.repeats[0]).0).unwrap()
 }
 
-/// The trials of an experiment simulated with the model that truly acted.
+/// Simulates the trials of an experiment with its true model.
 fn rehearsed(experiment: &Experiment, made: &Made) -> Vec<Vec<SimulatedPass>> {
     let simulation = CampaignSimulation::new(&made.trials, None, false).unwrap();
     let model = Model::parse("answer", &made.answer.model, &experiment.library).unwrap();
     simulation.run(&CompiledModel::new(&model, &experiment.library, simulation.rows()).unwrap()).unwrap()
 }
 
-/// Robust deviation of a scan from a simulated one, over that of two scans' noise.
+/// Returns the robust deviation of a scan from a simulated one, over that of two scans' noise.
 fn deviation(trial: &Trial, pass: usize, simulated: &HeightMap) -> f64 {
     let (measured, _) = despiked(heights(trial, pass));
     let mut free = vec![true; measured.heights.len()];
@@ -36,7 +36,7 @@ fn deviation(trial: &Trial, pass: usize, simulated: &HeightMap) -> f64 {
 
 #[test]
 fn repeated_scans_have_the_noise_that_was_put_in() {
-    // The plane that the registration takes away holds a part of the shared noise of a small map.
+    // The plane removed by the registration contains a part of the correlated noise of a small map.
     for (instrument, likeness) in [(Instrument::clean(), 0.12), (Instrument::hard(), 0.15)] {
         let experiment = Experiment { plan: Plan::Varied, trials: 3, instrument, ..experiment(Process::Grinding, &[]) };
         let floors: Vec<NoiseFloor> = experiment.make().unwrap().trials.iter().map(floor_of).collect();
@@ -87,7 +87,7 @@ fn the_true_model_reproduces_a_ground_campaign() {
         assert_ne!(off, 0.0, "the measurements are the model's own");
         volumes_off.push(off);
     }
-    // One volume may come near by chance.
+    // A single volume may agree at random.
     assert!(volumes_off.iter().any(|off| off.abs() > 1e-4), "{volumes_off:?}");
 }
 
@@ -118,13 +118,13 @@ fn a_log_tells_what_the_robot_believed() {
     let (biased, plain) = (mean(&made, |row| row.force), mean(clean(), |row| row.force));
     let speeds = (mean(&made, |row| row.spindle_speed), made.trials[0].passes[0].spindle_speed);
     println!("{plain:.2} N logged, {biased:.2} N with 3 N of bias; {:.1} rad/s of {:.1}", speeds.0, speeds.1);
-    // An admittance that follows a falling surface holds a little less than its setpoint.
+    // Admittance control on a falling surface holds a little less than its setpoint.
     assert!((plain - 15.0).abs() < 1.0 && (biased - plain).abs() < 0.5);
     assert!((speeds.0 / speeds.1 - 1.0).abs() < 1e-3);
     let volume = |made: &Made| made.answer.trials["trial-1"].removed_by_law_mm3[0];
     let only_bias = experiment(Process::Grinding, &hidden[..1]).make().unwrap();
     assert!(volume(&only_bias) > 1.1 * volume(clean()), "{}", volume(&only_bias));
-    // Same seed, same noise: the scans before are the same.
+    // The same seed gives the same noise: the scans before are the same.
     let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
     let before = |made: &'static Made| &made.trials[0].scans.before.heights;
     assert!(before(clean()).iter().zip(&made.trials[0].scans.before.heights).all(same));

@@ -1,4 +1,4 @@
-//! Effects that the library lacks, and faults of the scanner.
+//! Unlisted effects, and faults of the scanner.
 
 use std::fs;
 use std::path::Path;
@@ -30,8 +30,8 @@ fn every_file_outside_the_library_is_good_listed_and_unknown_to_it() {
     assert!(counts[0] >= 6 && counts[1] >= 5, "{counts:?}");
 }
 
-/// Root mean square of what an effect changes in the last scan [m], where the tool was and where it never was. The noise
-/// is the same, so it drops out.
+/// Returns the root mean square change of the last scan by an effect [m], where the tool was and where it never was.
+/// The noise is the same, so it cancels.
 fn changed(trial: &Trial) -> (f64, f64) {
     let plain = &clean().trials[0];
     let mut free = vec![true; plain.scans.before.heights.len()];

@@ -1,4 +1,4 @@
-//! The command: seals that open with their key only and tell nothing before, and refusals that help.
+//! The command: seals open with their own key only and reveal nothing before, and refusals state the remedy.
 
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn is_refused(output: &Output, code: i32, words: &[&str]) {
 
 const SMALL: [&str; 6] = ["--size", "small", "--plan", "paper", "--seed", "5"];
 
-/// No name and no text of a sealed folder gives the effect, its size or the seed away.
+/// Asserts that no name and no text of a sealed folder reveals the effect, its size or the seed.
 #[track_caller]
 fn tells_nothing(folder: &Path) {
     let mut files = 0;
@@ -71,7 +71,7 @@ fn a_sealed_campaign_opens_with_its_key_only_and_tells_nothing_before() {
     assert_eq!(answer["answer"]["effects"][0]["name"], "tool-tilt");
     assert_eq!(answer["answer"]["effects"][0]["parameters"]["roll_angle"]["values"][0], "9.125");
 
-    // The keys of one seed are one; another's is another.
+    // The same seed gives the same key, and a wrong key does not open the seal.
     assert_eq!(fs::read(place("riddle.key")).unwrap(), fs::read(place("other.key")).unwrap());
     fs::write(place("wrong.key"), "0".repeat(64)).unwrap();
     is_refused(&unseal(&place("riddle"), &place("wrong.key")), 1, &["sealed.json", "does not open it"]);
