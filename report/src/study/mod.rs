@@ -50,7 +50,7 @@ impl Sections {
     /// Draws the sections of a report.
     ///
     /// # Panics
-    /// As [`page`].
+    /// Those of [`page`].
     pub fn of(report: &StudyReport) -> Self {
         let drawn = |draw: &dyn Fn(&mut Page)| {
             let mut page = Page::bare();
