@@ -15,8 +15,8 @@ use super::frame::Frame;
 /// `R`, `G`, `B` linear colour; `Z` depth [m], infinite for background; `normal.X`, `.Y`, `.Z`; `position.X`, `.Y`,
 /// `.Z` [m]; `weld` id; `dose` D; `removed` depth [m]; `seen` 0 background, 1 part, 2 table.
 ///
+/// # Errors
 /// The encoder's error, for example for a picture without pixels.
-/// When the encoder refuses, for example a picture without pixels.
 pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
     let channel = |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
     let along = |vectors: &[Vec3], axis: usize| vectors.iter().map(|v| v[axis]).collect::<Vec<f32>>();

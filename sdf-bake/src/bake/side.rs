@@ -43,8 +43,8 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// Errors if normals are requested on a surface where they can be wrong.
-    /// Where normals are asked for and can err.
+    /// # Errors
+    /// If normals are requested on a surface where they can be wrong.
     pub(super) fn new(mesh: &'a Mesh, edges: &EdgeMap, options: &BakeOptions) -> Result<Self, BakeError> {
         if options.shell.is_some() {
             return Ok(Self::Shell);

@@ -3,7 +3,6 @@
 //! Jacobson, Kavan & Sorkine-Hornung 2013 define it; Barill et al. 2018 replace far clusters by their area-weighted
 //! dipole. Near triangles use the exact solid angle (van Oosterom & Strackee 1983). Points are evaluated in groups, one
 //! per lane: one traversal of the tree serves all, and a cluster counts as far if it is far from each of them.
-//! lane each: one walk through the tree serves all, and what is far must be far from each of them.
 
 use std::f64::consts::PI;
 
